@@ -78,7 +78,7 @@ from solver.%s import make_kernels
 from solver.kernels.%s import entries
 make_kernels(entries)
 used = [getattr(entries, name) for name in %s]
-print(json.dumps({entry.__name__: entry.stats.cache_path for entry in used}))
+print(json.dumps({e.__name__: [e.stats.cache_path, e.py_func.__module__.split(".")[-2]] for e in used}))
 """
 
 
@@ -349,11 +349,11 @@ def _machine_code(kernels: Carried) -> dict[str, bytes]:
             there = environment | instead
             listed = subprocess.run(command, env=there, check=True, stdout=subprocess.PIPE, text=True)
             folders = json.loads(listed.stdout)
-            if all(folders.values()):
+            if all(place for place, _ in folders.values()):
                 break
         return {
-            f"kernels/{kernels.folder}/{file.name}": file.read_bytes()
-            for name, place in folders.items()
+            f"kernels/{package}/{file.name}": file.read_bytes()
+            for name, (place, package) in folders.items()
             for file in sorted(Path(place).glob(f"*.{name}_{CODE}-*.nb?"))
         }
 

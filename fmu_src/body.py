@@ -133,15 +133,20 @@ class ColumnBody(Body, word="column"):
 
     def __init__(self, column: Column, drive: Drive = USUAL) -> None:
         self.column, self.name, self.tolerance = column, column.name, column.settings.tolerance
-        self.drive, self.inputs = drive, (*variables.INPUTS, *drive.inputs())
+        of_ports = variables.inputs_of_ports(column)
+        self.drive, self.inputs = drive, (*variables.INPUTS, *of_ports, *drive.inputs())
         self.text = json.dumps({"column": column.to_dict(), "drive": drive}, indent=1)
         blocks = "block" if column.n == 1 else "blocks"
         self.about = f"Column of {column.n} rigid {blocks} with no-tension elastic joints under base acceleration"
-        self.sizes = at.ROW.size(column.n), at.SPLIT.beside, at.PEAKS.size(column.n)
+        ports = at.SPOTS.size(len(column.ports))
+        self.sizes = at.ROW.size(column.n) + ports, at.SPLIT.beside, at.PEAKS.size(column.n) + ports
         folder, more = ("paper", ()) if column.kind.fixed else ("api", ("join_base",))
+        folder = "ports" if column.ports else folder
         used = ("assemble_column", "run", "observe_state", *more)
         self.kernels = Carried("models.column.first_run", folder, used)
         self.why_not_native = "has solver.formulation = paper, must be exact" if column.kind.fixed else ""
+        if column.ports:
+            self.why_not_native = "has ports, must have none: the FMU without Python knows loads on structures only"
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
         return variables.variables(self.column, record, reads_files, self.drive)

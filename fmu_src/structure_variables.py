@@ -21,7 +21,19 @@ from solver.models.structure.outputs import OUTPUTS
 from .drive import Drive
 from .references import FAMILY, OF_STRUCTURE
 from .rules import DAMPING_SCALE_LIMITS
-from .variables import OVERTURNED_BLOCK, SLOPE, Variable, input_of, of_record, outcome, parameter_of, seen, tolerance_of
+from .variables import (
+    OVERTURNED_BLOCK,
+    SLOPE,
+    Variable,
+    input_of,
+    inputs_of,
+    named_ports,
+    of_record,
+    outcome,
+    parameter_of,
+    seen,
+    tolerance_of,
+)
 
 DAMPING_SCALE = "joints.damping_scale"
 WITHOUT = "solver.without"
@@ -35,20 +47,9 @@ INPUTS = (
 )
 
 
-LOAD_SLOPE = "Slope of port[{}].{} within a communication step, counted from its start; 0: held"
-
-
 def inputs_of_ports(structure: Structure) -> list[Variable]:
     """The loads on the ports, then their slopes, in the order of the kernels (INPUT_LOADS)."""
-    size, found = _sizes(structure), []
-    for prefix in ("", "d"):
-        for name in COMPONENTS:
-            what, unit = ("Force", "N") if name[0] == "F" else ("Couple", "N.m")
-            nominal = (10.0 if prefix else 1.0) * size[unit.replace(".", " ")]
-            for p, port in enumerate(structure.ports, start=1):
-                text = LOAD_SLOPE.format(p, name) if prefix else f"{what} along {name[1]} on port {p} ({port.name})"
-                found.append(input_of(f"port[{p}].{prefix}{name}", text, unit + "/s" * bool(prefix), nominal))
-    return found
+    return inputs_of(structure.ports, COMPONENTS, _sizes(structure))
 
 
 def _direct(structure: Structure, name: str, drive: Drive | None) -> tuple[str, ...]:
@@ -79,7 +80,7 @@ def structure_variables(
     names = {what: [f"{what} {i} ({name})" for i, name in enumerate(of, start=1)] for what, of in named.items()}
     names[TIE] = [f"tie {e}" for e in range(1, len(structure.ties) + 1)]
     names[CONTACT] = [f"contact {p} ({name})" for p, name in enumerate(structure.contact_names, start=1)]
-    names[PORT] = [f"port {p} ({port.name})" for p, port in enumerate(structure.ports, start=1)]
+    names[PORT] = named_ports(structure.ports)
     sizes = _sizes(structure)
     row, peaks = seen(OUTPUTS, names, lambda unit, i: sizes[unit])
     direct = {output.name: _direct(structure, output.name, drive) for output in row}

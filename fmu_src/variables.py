@@ -15,17 +15,20 @@ from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
+from solver.common.errors import InputError
 from solver.common.ranges import NUMBERS
+from solver.ground.loads import IN_PLANE
 from solver.ground.motion import STANDARD_GRAVITY
 from solver.models.column.model import Column
 from solver.models.column.outputs import OUTPUTS
 from solver.models.column.settings import SKIPS
-from solver.models.outputs import BASE, BLOCK, JOINT, Output
+from solver.models.outputs import BASE, BLOCK, JOINT, PORT, Output
+from solver.models.ports import Port
 
 if TYPE_CHECKING:
     from .drive import Drive
 
-from .references import array_of, reference_of
+from .references import FAMILY, array_of, reference_of
 
 ACCELERATIONS = ("m/s2", "rad/s2")  # units
 ROLES = ("input", "output", "parameter")  # in the order of the table
@@ -107,9 +110,31 @@ TURNED = ("base.theta",)
 TURNING = ("base.theta", "base.omega")
 MOVING = ("base.ax", "base.az", *TURNING, "base.alpha")
 
+LOAD_SLOPE = "Slope of port[{}].{} within a communication step, counted from its start; 0: held"
+
+
+def inputs_of(ports: Sequence[Port], components: Sequence[str], size: Mapping[str, float]) -> list[Variable]:
+    """The loads on ports, then their slopes, by component; size: a typical one by unit."""
+    found = []
+    for prefix in ("", "d"):
+        for name in components:
+            what, unit = ("Force", "N") if name[0] == "F" else ("Couple", "N.m")
+            nominal = (10.0 if prefix else 1.0) * size[unit.replace(".", " ")]
+            for p, port in enumerate(ports, start=1):
+                text = LOAD_SLOPE.format(p, name) if prefix else f"{what} along {name[1]} on port {p} ({port.name})"
+                found.append(input_of(f"port[{p}].{prefix}{name}", text, unit + "/s" * bool(prefix), nominal))
+    return found
+
+
+def named_ports(ports: Sequence[Port]) -> list[str]:
+    """What ports are called in descriptions."""
+    return [f"port {p} ({port.name})" for p, port in enumerate(ports, start=1)]
+
+
 # inputs that an output of the row depends on without delay, all unless given here; of TURNING the base joint alone
 _DIRECT = {"ux": TURNED, "uz": TURNED, "theta": (), "slip": ()}
 _DIRECT |= dict.fromkeys(("N", "M", "contact", "sigma_max"), TURNING)
+_DIRECT_OF_PORT = {"x": TURNED, "z": TURNED, "vx": TURNING, "vz": TURNING}
 LARGEST = "Largest absolute value of the motion so far"
 LEAST = "Least value of the motion so far"
 _SPLIT = "of the base reaction (Fx, Fz, My) = R0 - m (ax, az, alpha)"
@@ -127,6 +152,8 @@ _SPLIT_OUTPUTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "base.mzt": ("kg.m", _MASS.format("z alpha"), TURNED),
     "base.mtt": ("kg.m2", _MASS.format("alpha alpha"), TURNED),
 }
+_REST_OF_SPLIT = ("base.R0x", "base.R0z", "base.R0m")  # which follow loads, as all does that follows accelerations
+USUAL_RATES = {"m/s": 1e-2, "m/s2": 1.0}  # typical velocities and accelerations
 OVERTURN_TIME = event_of("overturn_time", "Real", "Time of overturning, -1 while it stands", "s")
 OVERTURN_JOINT = event_of("overturn_joint", "Integer", "Joint over which the column has fallen, 0 while it stands")
 OVERTURNED_BLOCK = event_of("overturned_block", "Integer", "Number of the block that has fallen, 0 while none has")
@@ -183,21 +210,37 @@ def variables(column: Column, record: str = "", reads_files: bool = True, drive:
     """
     parameters = [*_parameters(column), *(drive.parameters if drive else ()), *of_record(record, reads_files)]
     numbers, sizes = [""] * column.n, _sizes(column)  # without names; the base has the sizes of the lowest joint
-    row, peaks = seen(OUTPUTS, {BLOCK: numbers, JOINT: numbers}, lambda unit, i: sizes[unit][i - 1])
+    if len(column.ports) > FAMILY:
+        raise InputError(f"port: {len(column.ports)} of them, must be at most {FAMILY} in an FMU")
+    names = {BLOCK: numbers, JOINT: numbers, PORT: named_ports(column.ports)}
+    row, peaks = seen(OUTPUTS, names, lambda unit, i: sizes[unit][i - 1] if unit in sizes else USUAL_RATES[unit])
     row = [replace(output, depends_on=_direct(output.name, column.n)) for output in row]
     outputs = [*row, *_split_outputs(column), *peaks]
+    of_ports = inputs_of_ports(column)
+    loads = tuple(given.name for given in of_ports[: len(of_ports) // 2])
+    follow = [loads if output.depends_on == MOVING or output.name in _REST_OF_SPLIT else () for output in outputs]
     if drive:
         outputs = [replace(output, depends_on=drive.direct(output.depends_on)) for output in outputs]
+    outputs = [
+        replace(output, depends_on=(*output.depends_on, *more)) for output, more in zip(outputs, follow, strict=True)
+    ]
     outputs += outcome(OVERTURN_JOINT)
     numerical = ("solver.step", "solver.tolerance", "solver.without", SLOPE_OF_BASE)
     described = tuple(item.name for item in parameters if item.name not in (*numerical, RECORD, RECORD_SCALE))
-    inputs = [*INPUTS, *(drive.inputs() if drive else ())]
+    inputs = [*INPUTS, *of_ports, *(drive.inputs() if drive else ())]
     return [*inputs, *(_with_initial(output, column.n, described) for output in outputs), *parameters]
+
+
+def inputs_of_ports(column: Column) -> list[Variable]:
+    """The loads on the ports of a column, as `Stepper.drive` takes them."""
+    return inputs_of(column.ports, IN_PLANE, {unit: values[-1] for unit, values in _sizes(column).items()})
 
 
 def _direct(name: str, n: int) -> tuple[str, ...]:
     """Inputs that an output of n blocks depends on without delay."""
     place, _, quantity = name.partition(".")
+    if place.startswith("port["):
+        return _DIRECT_OF_PORT.get(quantity, MOVING)
     inputs = _DIRECT.get(quantity, MOVING)
     return () if inputs == TURNING and place != f"joint[{n}]" else inputs
 
@@ -338,4 +381,5 @@ def column_from(built: Column, value: Callable[[str], float | int | str]) -> Col
         blocks.append(replace(own, joint=replace(own.joint, **joint), **block))  # type: ignore[arg-type]
     settings: dict[str, Any] = {key: value(f"solver.{key}") for key in _settings_of(built)}
     settings["without"] = tuple(word.strip() for word in settings["without"].split(",") if word.strip())
-    return Column(built.name, tuple(blocks), replace(built.settings, **settings), value("g"))  # type: ignore[arg-type]
+    settings_now = replace(built.settings, **settings)
+    return Column(built.name, tuple(blocks), settings_now, value("g"), built.ports)  # type: ignore[arg-type]

@@ -178,7 +178,7 @@ def _add_run_options(run: argparse.ArgumentParser) -> None:
     way = accuracy.add_mutually_exclusive_group()
     way.add_argument("--plane", choices=("auto",), help=words)
     add_space(way)
-    words = "a number (N, N m), or a CSV of time (s) and load, on a port of a structure; may be given again"
+    words = "a number (N, N m), or a CSV of time (s) and load, on a port; may be given again"
     loads = run.add_argument_group("loads")
     loads.add_argument("--load", action="append", default=[], metavar="PORT.Fx=LOAD", help=words)
     words = "rest under this load at the start, then let go; may be given again"

@@ -91,10 +91,11 @@ def modes_report(modes: Modes) -> str:
 
 def statics_report(rest: Rest, curve: CapacityCurve) -> str:
     """Return the joints at rest and when they open, and the push that the column balances."""
-    g, strongest = STANDARD_GRAVITY, curve.strongest
+    (g, unit), strongest = curve.unit, curve.strongest
+    steady = "a steady " if curve.pattern is None else ""
     lines = [
         f"{rest.column.name}: settles by {1e3 * float(np.sum(rest.settlement)):.4g} mm",
-        "joint  settlement (mm)  N (kN)      stress (MPa)  opens at (g)",
+        f"joint  settlement (mm)  N (kN)      stress (MPa)  opens at ({unit})",
     ]
     for i in range(rest.column.n):
         opens = f"{curve.uplift[i] / g:.5g}"
@@ -107,7 +108,7 @@ def statics_report(rest: Rest, curve: CapacityCurve) -> str:
     return "\n".join(
         [
             *lines,
-            f"balances a steady {curve.largest_acceleration / g:.5g} g at most: base shear "
+            f"balances {steady}{curve.largest_acceleration / g:.5g} {unit} at most: base shear "
             f"{1e-3 * curve.base_shear[strongest]:.5g} kN, moment {1e-3 * curve.base_moment[strongest]:.5g} kN m, "
             f"largest stress {1e-6 * float(np.max(curve.sigma_max[strongest])):.4g} MPa; top at "
             f"{1e3 * abs(float(curve.ux[strongest, 0])):.5g} mm",

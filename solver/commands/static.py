@@ -56,7 +56,7 @@ def add_static_commands(commands: argparse._SubParsersAction[Any]) -> None:
     statics.add_argument("--direction", type=float, metavar="DEG", help=words)
     words = "part of the push on a structure that acts upwards, over the horizontal one (default: 0)"
     statics.add_argument("--vertical", type=float, metavar="PART", help=words)
-    words = "push by this load on a port of a structure, whose factor grows; may be given again"
+    words = "push by this load on a port, whose factor grows; may be given again"
     statics.add_argument("--pattern", action="append", metavar="PORT.Fx=N", help=words)
 
 
@@ -71,7 +71,7 @@ def _modes(options: argparse.Namespace) -> None:
         warn_of(known_warnings_in_space(subject))
         print(modes_in_space_report(modes))
     else:
-        compile_kernels()
+        compile_kernels(subject.kind.entries)
         with reading(options.column):
             check_stable(subject)
             modes = natural_modes(subject)
@@ -86,14 +86,14 @@ def _statics(options: argparse.Namespace) -> None:
     if subject.kind.across:
         curve = _pushed(subject, options)
     else:
-        for key in ("direction", "vertical", "pattern"):
+        for key in ("direction", "vertical"):
             if getattr(options, key) is not None:
                 raise InputError(
                     f"--{key}: is for structures in space, a column is pushed in its plane; --space pushes it in space"
                 )
-        compile_kernels()
+        compile_kernels(subject.kind.entries)
         with reading(options.column):
-            curve = capacity_curve(subject)
+            curve = capacity_curve(subject, pattern=_pattern(options))
             rest = rest_of(subject)
         print(statics_report(rest, curve))
     write_outputs(((options.output, curve.to_csv), (options.plot, curve.plot)))
@@ -102,10 +102,8 @@ def _statics(options: argparse.Namespace) -> None:
 def _pushed(structure: Structure, options: argparse.Namespace) -> PushOver:
     """The push-over in the direction asked for, or in that of the least push; prints all."""
     degrees = range(0, 360, EVERY) if options.direction is None else (options.direction,)
-    pattern = None
-    if options.pattern:
-        loads = loads_of(options.pattern)
-        pattern = {f"{port}.{name}": load for port, parts in loads.items() for name, load in parts.items()}
+    pattern = _pattern(options)
+    if pattern is not None:
         degrees = (0.0,)
     compile_for_space(stiffness_of)
     found = []
@@ -119,6 +117,14 @@ def _pushed(structure: Structure, options: argparse.Namespace) -> PushOver:
     least = min(found, key=lambda one: one.largest_acceleration)
     print(push_over_report(least))
     return least
+
+
+def _pattern(options: argparse.Namespace) -> dict[str, float] | None:
+    """The loads to push with, if any."""
+    if not options.pattern:
+        return None
+    loads = loads_of(options.pattern)
+    return {f"{port}.{name}": load for port, parts in loads.items() for name, load in parts.items()}
 
 
 def _check(options: argparse.Namespace) -> None:

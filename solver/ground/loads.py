@@ -1,4 +1,4 @@
-"""Loads on the ports of a structure: forces and couples over time, along the axes of the base.
+"""Loads on the ports of a structure or column: forces and couples over time, along the axes of the base.
 
 The contract, for every kind of model that has ports:
 
@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from .motion import Motion
 
 COMPONENTS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+IN_PLANE = ("Fx", "Fz", "My")  # of a column, which has no others
 ACROSS = ("Fy", "Mx", "Mz")  # that move a structure out of the plane x, z
 LARGEST = 1e15
 FORCE = (-LARGEST, LARGEST), "a finite force in N, or couple in N m"
@@ -165,10 +166,29 @@ def static_loads(key: str, given: Mapping[str, Given], ports: Sequence[str]) -> 
     return found
 
 
+def check_loads_in_plane(loads: Mapping[str, Load]) -> None:
+    """Raise InputError for loads that move a column out of its plane."""
+    for port, load in loads.items():
+        if not load.is_in_plane:
+            raise InputError(f"loads[{port}]: a column in its plane has {', '.join(IN_PLANE)} only (--space has all)")
+
+
+def pattern_of(pattern: Mapping[str, float], ports: Sequence[str]) -> FloatArray:
+    """Loads of a push by port.component, as {"roof.Fx": 1000.0}: (6, ports). Raises InputError."""
+    given: dict[str, dict[str, float]] = {}
+    for name, value in pattern.items():
+        port, _, component = str(name).rpartition(".")
+        given.setdefault(port, {})[component] = value
+    found = static_loads("pattern", given, ports)
+    if not np.any(found):
+        raise InputError("pattern: must have a load that is not zero")
+    return found
+
+
 def place_of(key: str, port: object, ports: Sequence[str]) -> int:
     """Number of a port by its name. Raises InputError."""
     if not ports:
-        raise InputError(f"{key}[{port}]: the structure has no ports, must have a table [[port]] for it")
+        raise InputError(f"{key}[{port}]: there are no ports, must be a table [[port]] for it")
     check_choice(key, port, ports)
     return list(ports).index(str(port))
 

@@ -24,6 +24,7 @@ IntArray = NDArray[np.int64]
 
 OVERTURNED, STANDING, UNDECIDED = "overturned", "standing", "undecided"
 SCALAR, LANES = "scalar", "lanes"  # how a run is made: alone, or beside seven others
+LOADED = "loads on ports"  # why it is made alone
 # results that are words, which a table stores as numbers: 10^6 words would take as much memory as all the rest
 WORDS: dict[str, tuple[str, ...]] = {"verdict": (UNDECIDED, STANDING, OVERTURNED), "path": (SCALAR, LANES)}
 
@@ -188,6 +189,7 @@ class Kind:
 
     word: str  # for sentences
     across = False  # whether motions have two horizontal components
+    takes_loads = False  # whether models may have ports
     settings: Collection[str] = ("tolerance", "without")  # names of those that `simulate` takes
     outputs: Sequence[Output]  # in the order of output rows and peaks
     largest: str  # name of the peaks that are the largest displacements
@@ -205,10 +207,8 @@ class Kind:
         """Raise InputError for a motion that such models cannot have."""
         if not self.across:
             check_in_plane(motion)
-            if motion.loads:
-                raise InputError(
-                    f"loads: must be left out, a {self.word} has no ports; blocks in space (--space) have them"
-                )
+        if motion.loads and not self.takes_loads:
+            raise InputError(f"loads: must be left out, a {self.word} has no ports; columns and structures have them")
 
     def simplest(self, model: Any, motion: Motion) -> Any:
         """The simplest model that runs alike from rest under this motion: itself, unless there is one."""

@@ -17,11 +17,12 @@ from ..models.column.model import Column
 from ..models.column.packing import InitialState
 from ..models.column.response import Response
 from ..models.column.run import Callback
+from ..models.ports import Released
 from ..models.protocol import OUTPUT_STEP, SETTLE, Kind, Model, Plan, output_times
 from ..models.structure.model import Structure
 from ..models.structure.response import SpatialResponse
 from ..models.structure.run import Callback as SpatialCallback
-from ..models.structure.run import Released, SpatialState
+from ..models.structure.run import SpatialState
 from ..models.uncertainty import Spread
 from .ensemble import ensemble_of
 from .trust import finer, judge
@@ -47,6 +48,9 @@ def simulate(
     ensemble: int = 0,
     spread: Spread | None = None,
     callback: Callback | None = None,
+    *,
+    loads: Loads | None = None,
+    release: Mapping[str, Mapping[str, float]] | None = None,
 ) -> Response: ...
 @overload
 def simulate(
@@ -113,9 +117,9 @@ def simulate(
     duration: s; None: that of the motion. Beyond the motion the base does not accelerate. initial: None is rest in
     static equilibrium. The other options are in five groups.
 
-    Loads; of structures with ports (ground/loads.py). loads: port -> `Load`, or component (Fx, Fy, Fz, N; Mx, My, Mz,
-    N m) -> a number, constant over the run, or (times, values). release: port -> component -> number: rest under these
-    loads, let go at the start.
+    Loads; of columns and structures with ports (ground/loads.py). loads: port -> `Load`, or component (Fx, Fy, Fz, N;
+    Mx, My, Mz, N m; in its plane a column has Fx, Fz, My) -> a number, constant over the run, or (times, values).
+    release: port -> component -> number: rest under these loads, let go at the start.
 
     Accuracy; None keeps the setting of the column. tolerance: relative to the peak. formulation, integrator, step (s):
     structures have none of these. without: names of settings.SKIPS, short cuts that are not to be taken; "peaks": those
@@ -151,6 +155,8 @@ def simulate(
     if release:
         if initial is not None:
             raise InputError("release: must be left out beside initial, both say how the run begins")
+        if not column.kind.takes_loads:
+            raise InputError(f"release: must be left out, a {column.kind.word} has no ports")
         initial = Released(static_loads("release", release, _ports_of(column)))
     _check_ports(motion, column)
     plan, spread = Plan(motion, duration, times, initial, settle, callback), Spread() if spread is None else spread
@@ -186,8 +192,8 @@ def _ports_of(model: Any) -> list[str]:
 
 
 def _check_ports(motion: Motion, model: Any) -> None:
-    """Raise InputError for a load on a port that a structure has not; models of other kinds say so themselves."""
-    if model.kind.across:
+    """Raise InputError for a load on a port that a model has not; kinds without ports say so themselves."""
+    if model.kind.takes_loads:
         for port in motion.loads:
             place_of("loads", port, _ports_of(model))
 

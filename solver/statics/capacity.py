@@ -8,6 +8,7 @@ on its edge where it balances without any. push.py follows it.
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,8 @@ import numpy as np
 from ..common.errors import SolverError, needing
 from ..common.files import write_table
 from ..common.frames import Frame, Framed
+from ..ground.loads import pattern_of
+from ..ground.motion import STANDARD_GRAVITY
 from ..models.column.linearization import StillColumn, undamped
 from ..models.column.model import Column
 from ..models.column.outputs import UNITS, ColumnHistories
@@ -62,11 +65,18 @@ class CapacityCurve(Framed):
     sigma_max: FloatArray  # Pa
     uplift: FloatArray  # (n,) m/s2, at which each joint begins to open; NaN if the column topples before
     direction: int  # 1, or -1 for the curve of pushes towards -x
+    # loads on ports that were pushed with in place of an acceleration: then all pushes are factors on them
+    pattern: Mapping[str, float] | None = None
 
     def _frame(self) -> Frame:
         pushes = {"acceleration": "m/s2", "base_shear": "N", "base_moment": "N m"}
         columns, units = {name: getattr(self, name) for name in (*pushes, *HISTORIES)}, pushes | UNITS
         return Frame(("place", np.arange(len(self.acceleration))), columns, units, {"column": self.column.name})
+
+    @property
+    def unit(self) -> tuple[float, str]:
+        """By which a push is divided to be shown, and what it is then."""
+        return (STANDARD_GRAVITY, "g") if self.pattern is None else (1.0, "times the pattern")
 
     @property
     def strongest(self) -> int:
@@ -124,10 +134,11 @@ def uplift_accelerations(column: Column) -> FloatArray:
     return capacity_curve(column).uplift
 
 
-def capacity_curve(column: Column, direction: int = 1) -> CapacityCurve:
+def capacity_curve(column: Column, direction: int = 1, pattern: Mapping[str, float] | None = None) -> CapacityCurve:
     """Follow the balance of a column under a steady acceleration from rest to the edge, by finite rotations.
 
-    direction: 1 for a push towards +x, -1 towards -x. No joint slides.
+    direction: 1 for a push towards +x, -1 towards -x. No joint slides. pattern: loads on ports in its place, as
+    {"roof.Fx": 1000.0} (N, N m), whose factor grows; then `acceleration` is the factor.
 
     Warns (InputWarning) as `simulate` does. Raises InputError without gravity, SolverError if the rest is not stable or
     the curve cannot be followed.
@@ -135,9 +146,10 @@ def capacity_curve(column: Column, direction: int = 1) -> CapacityCurve:
     if not column.g == 0.0 and not is_stable(column):
         raise SolverError(instability(column))
     check_rest(column, from_rest=False)
-    curve = BalanceCurve(undamped(column.with_settings(formulation="exact")), direction)
+    loads = None if pattern is None else pattern_of(pattern, [port.name for port in column.ports])
+    curve = BalanceCurve(undamped(column.with_settings(formulation="exact")), direction, loads)
     points = curve.follow()
-    rows = [curve.still.row(point.q, -direction * point.push) for point in points]
+    rows = [curve.row(point) for point in points]
     joints = {name: np.array([getattr(row.joints, name) for row in rows]) for name in HISTORIES}
     pushes = np.array([point.push for point in points])
     opened = joints["contact"][: int(np.argmax(pushes)) + 1] < 1.0  # beyond the largest push nothing is at rest
@@ -149,4 +161,5 @@ def capacity_curve(column: Column, direction: int = 1) -> CapacityCurve:
         **joints,
         uplift=np.where(np.any(opened, axis=0), pushes[np.argmax(opened, axis=0)], np.nan),
         direction=direction,
+        pattern=None if pattern is None else dict(pattern),
     )

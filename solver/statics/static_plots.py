@@ -86,8 +86,10 @@ def plot_capacity(curve: CapacityCurve, path: str | os.PathLike[str] | None = No
     draw_column(drawn, places, strongest, scale)
     measure_column(drawn, places, strongest, scale)
     drawn.set_title("(e) at the largest push", loc="left", fontsize=10)
-    push = f"{curve.largest_acceleration / STANDARD_GRAVITY:.4g} g, the top moved by {length(float(top[strongest]))}"
-    header(figure, f"{curve.column.name}: balance under a steady acceleration", f"It balances at most {push}.")
+    steady = "a steady acceleration" if curve.pattern is None else "loads"
+    unit, named = curve.unit
+    push = f"{curve.largest_acceleration / unit:.4g} {named}, the top moved by {length(float(top[strongest]))}"
+    header(figure, f"{curve.column.name}: balance under {steady}", f"It balances at most {push}.")
     return save(figure, path)
 
 
@@ -122,7 +124,7 @@ def _name_openings(shear: Axes, curve: CapacityCurve, limit: float) -> None:
     gap = min(0.075 * reach, 0.8 * reach / len(opened))
     for (joint, k), place, height in zip(opened, spread(wanted, gap, 0.5 * gap, 0.9 * reach), wanted, strict=True):
         dot = factor * curve.direction * float(curve.ux[k, 0]), height
-        name = f"joint {joint} opens, {curve.acceleration[k] / STANDARD_GRAVITY:.3g} g"
+        name = f"joint {joint} opens, {curve.acceleration[k] / curve.unit[0]:.3g} {curve.unit[1]}"
         line = {"arrowstyle": "-", "color": GREY, "linewidth": 0.6}
         line |= {"shrinkA": 0.0, "shrinkB": 2.0, "relpos": (0.0, 0.5)}
         shear.annotate(name, dot, (0.3 * factor * limit, place), fontsize=7, va="center", arrowprops=line)

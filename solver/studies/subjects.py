@@ -62,8 +62,6 @@ def check_motion(key: str, shaking: Shaking, across: bool) -> None:
     """Raise InputError for a motion that leaves the plane of a column."""
     if across:
         return
-    if shaking.loads:
-        raise InputError(f"{key}.load: must be left out, a column has no ports; structure = FILE has")
     if DIRECTION in shaking.numbers:
         raise InputError(f"{key}.{DIRECTION}: must be left out, {IN_PLANE}")
     if shaking.record is not None and shaking.record.has_ay:

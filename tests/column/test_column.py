@@ -236,7 +236,7 @@ BAD = [
     (
         'name = "two"',
         'nam = "two"',
-        "nam: unknown key, must be one of name, g, material, block, joint, solver, profile; did you mean name?",
+        "nam: unknown key, must be one of name, g, material, block, joint, solver, profile, port; did you mean name?",
     ),
     ("g = 9.81", '"g\\n" = 9.81', r"g\n: unknown key, must be one of"),
     ("g = 9.81", "g = nan", "g = nan: must be an acceleration"),
@@ -284,7 +284,8 @@ BAD = [
     (
         "[joint]\n",
         "[joints]\n",
-        "joints: unknown key, must be one of name, g, material, block, joint, solver, profile; did you mean joint?",
+        "joints: unknown key, must be one of name, g, material, block, joint, solver, profile, port; "
+        "did you mean joint?",
     ),
     ('"paper"', '"papr"', "solver.formulation = 'papr': must be one of exact, paper; did you mean paper?"),
     ('"paper"', "1", "solver.formulation = 1: must be one of exact, paper"),

@@ -136,8 +136,6 @@ def test_a_constant_lasts_to_the_end_and_a_fallen_block_is_told() -> None:
 
 def test_a_stack_of_a_column_has_ports_too_and_a_load_keeps_it_in_space() -> None:
     data = Column.from_toml(ROOT / "examples" / "columns" / "phocas-damped.toml").to_dict()
-    with pytest.raises(InputError, match=r"port: must be left out.*--space"):
-        Column.from_dict({**data, "port": []})
     port = {"name": "top", "block": "block1"}
     structure = Structure.from_dict({"column": data, "port": [port]})
     assert Structure.from_dict(structure.to_dict()).ports[0].name == "top"

@@ -46,7 +46,7 @@ from ..layout.spaces import (
     WORK,
     modal_size,
 )
-from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.jit import kernel, leaf, varied_leaf
 from ..numba_ext.numbers import sine_cosine
 from ..numba_ext.views import Record, clear, copy
 from ..sections.faces import ENDLESS, FITS, RECTANGLE, Face, face_of, misfit
@@ -307,12 +307,30 @@ def join(base, settings, inputs, t, split):
     return couple(base, settings, _base_inputs(inputs, 0), inputs, _INPUTS, t, split)
 
 
+@varied_leaf
+def motion_held(samples, control):
+    """The motion of the base that the state belongs to; no load acts on what has fallen."""
+    return Motion(control.base_ax, control.base_az, control.base_theta, control.base_omega, control.base_alpha)
+
+
+@varied_leaf
+def motion_of_snapshot(column, snapshot, k):
+    """The motion of the base that snapshot k belongs to, which does not rotate."""
+    return Motion(snapshot.base.ax, snapshot.base.az, 0.0, 0.0, 0.0)
+
+
+@varied_leaf
+def beside_row(samples):
+    """How many numbers stand behind an output row: those of ports."""
+    return 0
+
+
 @kernel
 def base_of(column, t):
     """Motion of the base at time t; once the column has overturned, its motion at that moment."""
     control = column.state.control
     if column.counts.overturned > 0:
-        return Motion(control.base_ax, control.base_az, control.base_theta, control.base_omega, control.base_alpha)
+        return motion_held(column.samples, control)
     return base_motion(column.base, column.samples, t)
 
 
@@ -350,11 +368,12 @@ def see(column, motion, row, split):
 def observe_all(column, snapshots, rows, count):
     """Fill every row with the outputs of the snapshot of that number. Returns (code, number of the last)."""
     n, between, size = column.model.n, column.work.between, size_of_snapshot(column.work)
+    length = _ROW_FIELDS * n + _ROW_BESIDE + beside_row(column.samples)
     for k in range(count):
         snapshot = _snapshot(snapshots[size * k :], n)
         copy(between.row, snapshot.phase.row, phase_size(column.work))
-        motion = Motion(snapshot.base.ax, snapshot.base.az, 0.0, 0.0, 0.0)
-        code = observe(column, between, motion, _row(rows[k * (_ROW_FIELDS * n + _ROW_BESIDE) :], n))
+        motion = motion_of_snapshot(column, snapshot, k)
+        code = observe(column, between, motion, _row(rows[k * length :], n))
         if code != OK:
             return code, k
     return OK, count

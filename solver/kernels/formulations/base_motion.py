@@ -8,7 +8,7 @@ import math
 from typing import NamedTuple
 
 from ..layout.spaces import MOST_INPUT
-from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.jit import kernel, leaf, varied, varied_leaf
 from .exact import Motion
 
 
@@ -40,7 +40,7 @@ def segment_at(samples, t):
     return low - 1
 
 
-@leaf
+@varied_leaf
 def is_silent(samples, k):
     """Whether the record is zero from sample k on until the next."""
     return k < 0 or k >= samples.size - 1
@@ -129,6 +129,18 @@ def wave(base, t):
     return begun + (begun * dip + across * sine), across + (across * dip - begun * sine)
 
 
+@varied_leaf
+def moving(base, samples, t, ax, az, theta, omega, alpha):
+    """The motion of the base at time t by its numbers, with the loads at that time: there are none."""
+    return Motion(ax, az, theta, omega, alpha)
+
+
+@varied_leaf
+def is_loaded(base, samples):
+    """Whether a load acts on the present segment, or begins to: there are none."""
+    return False
+
+
 @leaf
 def base_motion(base, samples, t):
     """Motion of the base at time t, within the step that began on the present segment or on one soon after."""
@@ -150,7 +162,8 @@ def base_motion_beside(base, samples, t, sine):
     amplitude = wave_amplitude(base, samples)
     if amplitude != 0.0:
         ax += amplitude * sine
-    return Motion(ax, az, base_turn(base, t), base_spin(base, t), base.alpha + past * base.jalpha)
+    turn, spin = base_turn(base, t), base_spin(base, t)
+    return moving(base, samples, t, ax, az, turn, spin, base.alpha + past * base.jalpha)
 
 
 @leaf
@@ -196,7 +209,7 @@ def to_next_sample(base, samples, t, left):
     return ahead if ahead < left - SAMPLE_SLACK * (base.piece_end - base.piece_begin) else left
 
 
-@kernel
+@varied
 def smooth_reach(base, samples, t, step, left, roughest):
     """Seconds from t over which a step may go: not beyond `left`, nor across a jump, nor across kinks that matter.
 

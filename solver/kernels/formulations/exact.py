@@ -14,7 +14,8 @@ The T of a joint that slides (section 9) is given by friction: its row leaves th
 slip follows. `joints` holds which joints slide, and which way. An offset of a block is a slip that it is built with;
 joints inclined as built change the angles between blocks and joints (section 12).
 
-One function serves one column and lanes of eight.
+One function serves one column and lanes of eight. Loads on blocks, where the type of the motion has some, enter by
+`with_couple` and `with_push` (kernels/ports/).
 """
 
 from typing import NamedTuple
@@ -29,7 +30,7 @@ from ..joint.sliding import (
     shear_capacity,
     slip_if,
 )
-from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.jit import kernel, leaf, varied_leaf
 from ..numba_ext.lanes import any_of, magnitude, where
 from ..numba_ext.numbers import half_sine_cosine, sine_cosine
 from ..numba_ext.views import Record
@@ -96,6 +97,18 @@ def _accelerations(model, phase, motion, joints, hold, room, slides):
     _upwards(model, phase, motion, joints, room, right, opens, slides)
 
 
+@varied_leaf
+def with_couple(motion, model, phase, i, couple):
+    """The couple on block i, N m, with that of the loads on it: there are none."""
+    return couple
+
+
+@varied_leaf
+def with_push(motion, model, phase, i, joint, right, opens):
+    """Right side and opening of the row of a joint of block i, with the part of the loads on it: there are none."""
+    return right, opens
+
+
 @leaf
 def _turn(phase, room, n):
     """Sine and cosine of half of the rotation of each joint: in a loop of its own, whose iterations are independent."""
@@ -149,7 +162,9 @@ def _downwards(model, phase, motion, joints, room, slides):
     n, blocks = model.n, model.blocks
     spin = phase.theta_rate[0] + motion.omega
     spin_below = _spin_below(phase, motion, 0, n)
-    half, _, _, diagonal, right, opens = _over_joint(model, phase, joints, room, 0, spin, spin_below, 0.0, slides)
+    half, _, _, diagonal, right, opens = _over_joint(
+        model, phase, motion, joints, room, 0, spin, spin_below, 0.0, slides
+    )
     for i in range(1, n):
         spin = spin_below
         spin_below = _spin_below(phase, motion, i, n)
@@ -164,7 +179,7 @@ def _downwards(model, phase, motion, joints, room, slides):
             couple += above.across
         half_above = half
         half, p, free_alpha, diagonal_below, right_below, opens_below = _over_joint(
-            model, phase, joints, room, i, spin, spin_below, couple, slides
+            model, phase, motion, joints, room, i, spin, spin_below, couple, slides
         )
         q = upper_cosine + half_above
         q_turns = q * blocks.per_inertia[i]
@@ -173,6 +188,7 @@ def _downwards(model, phase, motion, joints, room, slides):
         cosine_beta = (cosine_above * cosine - sine_above * sine) * per_mass
         right += (upper_sine * square - normal * sine_beta) + q * free_alpha
         opens += upper_cosine * square - normal * cosine_beta
+        right, opens = with_push(motion, model, phase, i, i - 1, right, opens)
         pivot = 1.0 / (diagonal + q * q_turns)
         coupling = p * q_turns - cosine_beta
         part = coupling * pivot
@@ -203,7 +219,7 @@ def _spin_below(phase, motion, i, n):
 
 
 @leaf
-def _over_joint(model, phase, joints, room, i, spin, spin_below, couple, slides):
+def _over_joint(model, phase, motion, joints, room, i, spin, spin_below, couple, slides):
     """Contribution of block i to the row of the joint under it; couple: N m, on the block from above.
 
     Returns half of the opening, the lever of T_i, m, free alpha, and the block's part of diagonal, right side, opening.
@@ -220,6 +236,7 @@ def _over_joint(model, phase, joints, room, i, spin, spin_below, couple, slides)
     couple = (normal * lower_sine - here.turned) + couple
     if slides:
         couple += here.across
+    couple = with_couple(motion, model, phase, i, couple)
     free_alpha = per_inertia * couple
     diagonal = per_masses + p * p_turns
     right = phase.opening_rate[i] * both_spins + (p * free_alpha - lower_sine * square)
@@ -227,6 +244,7 @@ def _over_joint(model, phase, joints, room, i, spin, spin_below, couple, slides)
     if slides:
         opens += phase.slip_rate[i] * both_spins
         right -= 0.25 * phase.slip[i] * both_spins * both_spins
+    right, opens = with_push(motion, model, phase, i, i, right, opens)
     here.free_alpha = free_alpha
     here.turn_below = p_turns
     return half, p, free_alpha, diagonal, right, opens

@@ -3,7 +3,7 @@
 from ..joint.law import joint_peak_pressure, law_of
 from ..joint.sliding import can_slide, opening_felt, opening_rate_felt, slip_if
 from ..layout.spaces import OK
-from ..numba_ext.jit import kernel, leaf, varied
+from ..numba_ext.jit import kernel, leaf, varied, varied_leaf
 from ..numba_ext.numbers import half_sine_cosine, sine_cosine
 from ..sections.section import contact_of
 from .dispatch import top_motion
@@ -17,7 +17,14 @@ def observe(column, phase, motion, row):
     if code == OK:
         top_motion(column, phase, row.joints.ux, column.work.tops.between_rate, motion.theta, motion.omega)
         show(column, phase, column.work.joints, motion, row)
+        see_ports(column, phase, motion, row)
     return code
+
+
+@varied_leaf
+def see_ports(column, phase, motion, row):
+    """Fill in, behind the output row of an evaluated phase, the motion of the ports: there are none."""
+    return
 
 
 @varied

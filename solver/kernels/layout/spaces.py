@@ -247,6 +247,11 @@ ROW = Space(joints=OUTPUTS, base=REACTION)
 # --- the base reaction split: R = R0 - M a with R = (Fx, Fz, My), a = (a_x, a_z, alpha) of the base
 SPLIT = Record("R0x", "R0z", "R0m", "mxx", "mxz", "mxt", "mzz", "mzt", "mtt")  # N, N m, kg, kg m, kg m2
 
+# --- ports (kernels/ports/): points of blocks at which loads act, and whose motion is seen
+PORTS = Table("body", "x", "z")  # number of the block; m, from its centroid along its axes as built
+LOAD = ("fx", "fz", "my")  # N, N, N m
+SPOTS = Table("x", "z", "vx", "vz", "ax", "az")  # m, m/s, m/s2: their outputs, behind an output row
+
 # --- work
 JOINTS = Table(
     "normal",  # N

@@ -17,7 +17,7 @@ from ..integrators.interpolation import interpolate_phase, refine
 from ..integrators.stage import stage
 from ..joint.sliding import can_slide
 from ..layout.spaces import COUNTS_FROM, OK, OUTPUTS, PEAKS, PIECES, ROW
-from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.jit import kernel, leaf, varied_leaf
 from ..numba_ext.views import copy
 
 _peaks, _row = PEAKS.over, ROW.over
@@ -67,7 +67,7 @@ def track_extremes(column, t, h):
         begin[j] = end[j]
     _show(column, work.end, work.joints, base_as_shown(column, t + h), end)
     roughly = _see_middle(column, t, h)
-    if not _raise_by_end(column) and not can_slide(column.model):
+    if not _raise_by_end(column) and not examines_all(column):
         return
     for k in range(1, PIECES):
         if k != MIDDLE or roughly:
@@ -115,6 +115,19 @@ def _show(column, phase, resultants, motion, seen):
         normal = visible.joints.N[i]
         visible.friction[i] = abs(visible.joints.T[i]) / normal if normal > from_[i] else 0.0
         visible.joints.contact[i] = 1.0 - visible.joints.contact[i]
+    raise_port_peaks(column, phase, motion)
+
+
+@varied_leaf
+def raise_port_peaks(column, phase, motion):
+    """Raise the peaks of the ports by their motion in an evaluated phase: there are none."""
+    return
+
+
+@varied_leaf
+def examines_all(column):
+    """Whether every step is examined, since what may pass its peak is more than the row shows."""
+    return can_slide(column.model)
 
 
 @kernel

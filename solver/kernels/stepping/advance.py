@@ -12,6 +12,7 @@ from ..formulations.base_motion import (
     ends_soon,
     enter,
     inputs_are_bounded,
+    is_loaded,
     smooth_reach,
     to_next_sample,
 )
@@ -32,7 +33,7 @@ from ..layout.spaces import (
     STEP_TOO_SMALL,
     TOO_MUCH_WORK,
 )
-from ..numba_ext.jit import kernel, leaf, varied
+from ..numba_ext.jit import kernel, leaf, varied, varied_leaf
 from ..numba_ext.views import copy
 from ..output.watch import begin_watching, take_held_snapshots, watch_step
 from .condition import has_fallen, is_quiet, moment_of_overturning, rests, take_stock, widest_joint
@@ -66,7 +67,7 @@ ENDS = -1.0  # the same where the call is to end before
 # --- the base under the state
 
 
-@leaf
+@varied_leaf
 def belongs_to(control, motion):
     """Whether the accelerations of the state are those under this motion of the base."""
     translates = motion.ax == control.base_ax and motion.az == control.base_az
@@ -79,6 +80,19 @@ def keep_base(control, motion):
     """Note the motion of the base that the phase of the state belongs to."""
     control.base_ax, control.base_az = motion.ax, motion.az
     control.base_theta, control.base_omega, control.base_alpha = motion.theta, motion.omega, motion.alpha
+
+
+@leaf
+def base_jumps(before, motion):
+    """Whether the accelerations of the base jump, by more than rounding."""
+    jump = max(abs(motion.ax - before.ax), abs(motion.az - before.az))
+    return not jump <= ROUNDING * max(abs(motion.ax), abs(motion.az))
+
+
+@varied_leaf
+def jumps(before, motion):
+    """Whether what acts jumps from one motion to the other, by more than rounding."""
+    return base_jumps(before, motion)
 
 
 @kernel
@@ -280,7 +294,8 @@ def finish_step(column, watch, t, step):
 @varied
 def take_step(column, watch, t, left, to_sample):
     """The next step, of which `left` s remain in all and `to_sample` in this segment. Returns (code, s made)."""
-    if is_quiet(column.base, column.samples) and rests(column, column.work.start):
+    quiet = is_quiet(column.base, column.samples) and not is_loaded(column.base, column.samples)
+    if quiet and rests(column, column.work.start):
         _rest_until(column, watch, t, to_sample)
         return OK, to_sample
     anchor_wave(column.base, t)
@@ -410,8 +425,7 @@ def _pass_samples(column, watch, t):
     enter(base, samples, t)
     modal.forget(column.work)
     motion = base_motion(base, samples, t)
-    jump = max(abs(motion.ax - before.ax), abs(motion.az - before.az))
-    if jump <= ROUNDING * max(abs(motion.ax), abs(motion.az)):
+    if not jumps(before, motion):
         return OK
     code = evaluate_after_jump(column, column.work.start, motion)
     if code == OK:

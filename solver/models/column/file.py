@@ -11,6 +11,7 @@ import numpy as np
 
 from ...common.errors import InputError, InputWarning, check_number, check_whole, shown
 from ...common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, check_keys
+from ..ports import ports_from
 from .block import BLOCK_SECTIONS, Block, Joint, check_block
 from .materials import MATERIALS, Material
 from .settings import Settings
@@ -20,7 +21,7 @@ ROUND = ("circle", "annulus")
 MUCH_HIGHER = 10.0  # times the height of the column: a broken shaft may have the profile of the whole one, but not more
 
 # the keys of the tables of a TOML file
-_COLUMN_KEYS = ("name", "g", "material", "block", "joint", "solver", "profile")
+_COLUMN_KEYS = ("name", "g", "material", "block", "joint", "solver", "profile", "port")
 # of a block: those of `Block`, and those from which others are derived
 _BLOCK_KEYS = (
     *("height", "width", "depth", "mass", "density", "centroid", "inertia", "joint", "section", "diameter"),
@@ -29,6 +30,7 @@ _BLOCK_KEYS = (
 _JOINT_KEYS = (*(item.name for item in fields(Joint)), "diameter")
 _WORDS = ("section", "strips")  # keys of a joint that are no number
 _LOAD_KEYS = ("mass", "above")  # of what rests on a block: kg, and m of its centroid above the top face
+PLACE = (-1e6, 1e6), "a length in m, at most 1e6 either way"  # of a port
 _SETTINGS_KEYS = tuple(item.name for item in fields(Settings))
 
 # hints in the messages about missing keys, after the range of the key
@@ -42,8 +44,6 @@ def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
     """
     if has_blocks_in_space(data):
         raise InputError("is a structure in space, must be a column: Structure.from_toml and from_dict read structures")
-    if "port" in data:
-        raise InputError("port: must be left out, a column in its plane has none; blocks in space (--space) have ports")
     if "bearing" in data:
         raise InputError('bearing: needs blocks in space, with on = "base" or position: a column in its plane has none')
     check_keys("", data, _COLUMN_KEYS)
@@ -61,7 +61,23 @@ def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
         key: _number("solver", solver, key) if key in NUMBERS else value for key, value in solver.items()
     }
     gravity = {"g": _number("", data, "g")} if "g" in data else {}
-    return {"name": data["name"], "blocks": blocks, "settings": Settings(**settings), **gravity}
+    ports = ports_from(data, names_of(len(blocks)), _point)
+    return {"name": data["name"], "blocks": blocks, "settings": Settings(**settings), "ports": ports, **gravity}
+
+
+def names_of(blocks: int) -> list[str]:
+    """What blocks are called where one is named: as in space, block1 the top one."""
+    return [f"block{number}" for number in range(1, blocks + 1)]
+
+
+def _point(key: str, value: object, body: int) -> list[float]:
+    """A point of the plane: [x, z], or [x, 0, z] as a structure has it."""
+    at = [0.0, 0.0] if value is None else value
+    if isinstance(at, (list, tuple)) and len(at) == 3 and at[1] == 0:
+        at = [at[0], at[2]]
+    if not isinstance(at, (list, tuple)) or len(at) != 2:
+        raise InputError(f"{key} = {shown(value)}: must be [x, z] in m, from the centroid in the plane of the column")
+    return [check_number(f"{key}[{k}]", part, *PLACE) for k, part in enumerate(at)]
 
 
 def has_blocks_in_space(data: Mapping[str, Any]) -> bool:

@@ -18,6 +18,7 @@ from numba import typeof
 
 from ...kernels.api import entries as exact
 from ...kernels.numba_ext.jit import CODE
+from ...kernels.ports import entries as with_ports
 from .packing import unwritten
 from .stepper import SILENCE
 
@@ -37,7 +38,7 @@ def make_kernels(entries: Any = exact) -> None:
         return
     beside = None if are_kept(entries.run) else _process_beside(entries)
     try:
-        compile_for(entries.run, *_column(), *SILENCE.arguments, 0.0, 0.0, np.empty(0), np.empty(0), True)
+        compile_for(entries.run, *_column(), *_silence(entries), 0.0, 0.0, np.empty(0), np.empty(0), True)
         if beside is not None:
             beside.wait()
     finally:
@@ -68,9 +69,14 @@ def compile_the_rest(entries: Any) -> None:
     """Compile, or read from the disk, all entries that a run needs besides `run`."""
     row = np.empty(0)
     compile_for(entries.assemble_column, *_column(), row, 1, row, row)
-    compile_for(entries.observe_snapshots, *_column(), row, row, 1)
-    compile_for(entries.observe_state, *_column(), *SILENCE.arguments, 0.0, row, row)
+    loaded = (*_silence(entries), row) if entries is with_ports else ()
+    compile_for(entries.observe_snapshots, *_column(), *loaded, row, row, 1)
+    compile_for(entries.observe_state, *_column(), *_silence(entries), 0.0, row, row)
     compile_for(entries.join_base, 1, row, row, row, 0.0, row)
+
+
+def _silence(entries: Any) -> tuple[Any, ...]:
+    return (*SILENCE.arguments, np.empty(0), SILENCE.loads) if entries is with_ports else SILENCE.arguments
 
 
 def _column() -> tuple[Any, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..outputs import PORT
 from ..protocol import Kept, kept_peaks
 from .outputs import OUTPUTS
 
@@ -11,7 +12,8 @@ WATCHED = {output.kept for output in OUTPUTS if output.field != "ux"}  # peaks t
 # peaks: of the absolute values within the duration; docs/studies.md says what each is. verdict, path: numbers of
 # protocol.WORDS.
 KEPT: dict[str, Kept] = {
-    **{name: kept._replace(of="block") for name, kept in kept_peaks(OUTPUTS).items()},  # a joint goes with its block
+    # a joint goes with its block
+    **{name: kept if kept.of == PORT else kept._replace(of="block") for name, kept in kept_peaks(OUTPUTS).items()},
     "residual_ux": Kept("m"),
     "residual_theta": Kept("rad"),
     "residual_slip": Kept("m"),

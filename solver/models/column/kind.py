@@ -12,9 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.errors import InputError
+from ...ground.loads import check_loads_in_plane
 from ...ground.motion import Motion
 from ...kernels.api import entries
-from ..protocol import LANES, OVERTURNED, Kind, Lanes, Plan, Run, Work, code_of
+from ...kernels.ports import entries as with_ports
+from ..protocol import LANES, LOADED, OVERTURNED, Kind, Lanes, Plan, Run, Work, code_of
 from ..uncertainty import Varied
 from .first_run import make_kernels
 from .kept import KEPT, WATCHED
@@ -46,6 +48,7 @@ class Columns(Kind):
     chain: type[Chain] = Chain
     own_lanes: LaneKernels | None = None
     fixed = False
+    takes_loads = True
     why_not = staticmethod(why_not_in_lanes)
 
     word = "column"
@@ -62,6 +65,11 @@ class Columns(Kind):
         """Its rest is stable."""
         if from_rest:
             check_stable(model)
+
+    def check_motion(self, motion: Motion) -> None:
+        """It stays in the plane, and so do loads."""
+        super().check_motion(motion)
+        check_loads_in_plane(motion.loads)
 
     def single_run(self, model: Column, plan: Plan) -> tuple[Response, FloatArray]:
         """A response, and ux of the tops."""
@@ -86,8 +94,8 @@ class Columns(Kind):
         return self.why_not(model) or ("" if WATCHED.isdisjoint(keep) else "peaks of more than ux")
 
     def under(self, model: Column, motion: Motion) -> tuple[str, Hashable]:
-        """Lanes know no held samples."""
-        return HELD if motion.hold else "", None
+        """Lanes know no held samples and no loads."""
+        return LOADED if motion.loads else HELD if motion.hold else "", None
 
     def load(self, model: Column, keep: Collection[str]) -> None:
         """The kernels of its kind of lanes."""
@@ -156,7 +164,7 @@ class Columns(Kind):
         column = response.column
         fits = not (column.other_law or column.has_bands) and set(column.settings.without) <= {"peaks"}
         explicit = response.stats["implicit_steps"] <= MOST_DAMPED * response.stats["steps"]
-        return fits and explicit and not plan.motion.hold and plan.initial is None
+        return fits and explicit and not self.under(column, plan.motion)[0] and plan.initial is None
 
     def varied_in_lanes(self, pairs: Sequence[tuple[Column, Motion]], plan: Plan) -> list[Varied | None]:
         """With the histories of ux at the rows of the plan."""
@@ -177,7 +185,13 @@ class Columns(Kind):
         return made
 
 
-KIND = Columns()
+class ColumnsWithPorts(Columns):
+    """Columns with points at which loads act, and kernels that know these."""
+
+    entries = with_ports
+
+
+KIND, WITH_PORTS = Columns(), ColumnsWithPorts()
 
 
 def _left(keep: Collection[str]) -> list[str]:

@@ -30,6 +30,9 @@ class StillColumn:
         self.column = column.with_settings(step=SHORT) if column.kind.fixed else column
         self.n = column.n
         self._stepper = Stepper(self.column)
+        self.arrays = self._stepper.arrays
+        self.loads = np.zeros(len(at.LOAD) * len(column.ports))
+        """On its ports, which it is held under: Fx of each, Fz (N), My (N m)."""
         self._phase = self._stepper.state.phase
         self._between = at.WORK.see(self._stepper.arrays.work, self.n).between
         self.blocks: Any = self._stepper.model.blocks
@@ -72,7 +75,7 @@ class StillColumn:
         n, phase = self.n, self._phase
         phase.theta[:], phase.opening[:] = q[:n], q[n:]
         phase.theta_rate[:], phase.opening_rate[:] = (0.0, 0.0) if rates is None else (rates[:n], rates[n:])
-        self._stepper.drive(0.0, ax=ax, az=az)
+        self._stepper.drive(0.0, ax, az, 0.0, 0.0, 0.0, 0.0, 0.0, *self.loads, *np.zeros_like(self.loads))
         return self._stepper.observe(0.0)
 
 

@@ -13,9 +13,10 @@ from ...common.errors import InputError, reading, shown
 from ...common.files import check_file_name, toml_of
 from ...common.notebook import Shown, counted, outlines
 from ...kernels.sections.faces import ON_BAND, ON_RING, RECTANGLE, STRIPS, is_round
+from ..ports import Port
 from .block import Block, Joint, check_block, check_friction
 from .contact import Contact, check_contacts, contacts_of
-from .file import parts_from, plain
+from .file import names_of, parts_from, plain
 from .settings import Settings, check_settings
 
 if TYPE_CHECKING:
@@ -33,9 +34,11 @@ class Column(Shown):
     blocks: tuple[Block, ...]
     settings: Settings = field(default_factory=Settings)
     g: float = 9.80665  # m/s2
+    ports: tuple[Port, ...] = ()  # at: x, z
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "blocks", tuple(self.blocks))
+        object.__setattr__(self, "ports", tuple(self.ports))
         check_file_name("name", self.name)
         ranges.check("g", self.g)
         if not 1 <= len(self.blocks) <= ranges.MAX_BLOCKS:
@@ -52,7 +55,7 @@ class Column(Shown):
     @cached_property
     def _hash(self) -> int:
         """Computed once: results kept for a column are looked up by it several times in a run."""
-        return hash((self.name, self.blocks, self.settings, self.g))
+        return hash((self.name, self.blocks, self.settings, self.g, self.ports))
 
     def __getstate__(self) -> dict[str, Any]:
         return {key: value for key, value in self.__dict__.items() if key != "_hash"}  # each process has its own
@@ -85,8 +88,8 @@ class Column(Shown):
 
     @property
     def sizes(self) -> dict[str, int]:
-        """Numbers of blocks, joints, ties and components of the base."""
-        return {"block": self.n, "joint": self.n, "tie": 0, "bearing": 0, "base": 6}
+        """Numbers of blocks, joints, ties, ports and components of the base."""
+        return {"block": self.n, "joint": self.n, "tie": 0, "bearing": 0, "port": len(self.ports), "base": 6}
 
     @property
     def laws(self) -> tuple[Joint, ...]:
@@ -100,9 +103,9 @@ class Column(Shown):
             from ..paper.kind import KIND as PAPER
 
             return PAPER
-        from .kind import KIND
+        from .kind import KIND, WITH_PORTS
 
-        return KIND
+        return WITH_PORTS if self.ports else KIND
 
     @cached_property
     def contacts(self) -> tuple[Contact, ...]:
@@ -221,7 +224,8 @@ class Column(Shown):
         for what belongs to one direction: an offset, inclination or tilt, and strips.
         """
         blocks = tuple(_across(f"block[{number}]", block) for number, block in enumerate(self.blocks, start=1))
-        return replace(self, name=f"{self.name} across", blocks=blocks)
+        ports = tuple(replace(port, at=(0.0, port.at[1])) for port in self.ports)
+        return replace(self, name=f"{self.name} across", blocks=blocks, ports=ports)
 
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str]) -> Column:
@@ -238,7 +242,9 @@ class Column(Shown):
 
         name, g (optional), block: one table for each block from the top down with height, width, depth, mass or
         density, centroid and inertia (optional) and the table joint; joint (optional): defaults for all joints;
-        solver (optional): the fields of Settings. Units as in `Block`, `Joint` and `Settings`; density in kg/m3.
+        solver (optional): the fields of Settings; port (optional): a table for each with name, block (block1 is the top
+        one) and at (optional: [x, z] m from its centroid along its own axes). Units as in `Block`, `Joint` and
+        `Settings`; density in kg/m3.
 
         Raises InputError on an unknown, missing or wrong key.
         """
@@ -251,7 +257,10 @@ class Column(Shown):
         absent.
         """
         data = asdict(self, dict_factory=plain)
-        return {"name": data["name"], "g": data["g"], "block": list(data["blocks"]), "solver": data["settings"]}
+        found = {"name": data["name"], "g": data["g"], "block": list(data["blocks"]), "solver": data["settings"]}
+        names = names_of(self.n)
+        ports = [{"name": port.name, "block": names[port.body], "at": [*port.at]} for port in self.ports]
+        return found | ({"port": ports} if ports else {})
 
 
 Part = TypeVar("Part", "Column", Block, Joint)
@@ -291,6 +300,8 @@ def _across(key: str, block: Block) -> Block:
 
 def _check_settings(column: Column) -> None:
     check_settings("solver", column.settings)
+    if column.ports and column.settings.formulation == "paper":
+        raise InputError('port: solver.formulation must be "exact", "paper" has no loads')
     if column.has_slips:
         _check_general(column)
 

@@ -141,7 +141,13 @@ def _scale(table: dict[str, Any], factor: float, skip: tuple[str, ...] = ()) -> 
             table[key] = [factor * depth for depth in value]
 
 
+def _scale_ports(data: dict[str, Any], across: float, upright: float) -> None:
+    if "port" in data:
+        data["port"] = [{**port, "at": [across * port["at"][0], upright * port["at"][1]]} for port in data["port"]]
+
+
 def _resize(data: dict[str, Any], factor: float) -> None:
+    _scale_ports(data, factor, factor)
     for block in data["block"]:
         _scale(block, factor)
         _scale(block["joint"], factor)
@@ -154,6 +160,7 @@ def _widen(data: dict[str, Any], slenderness: float, relative: bool) -> None:
     blocks = data["block"]
     present = math.fsum(block["height"] for block in blocks) / blocks[-1]["width"]
     factor = 1.0 / slenderness if relative else present / slenderness
+    _scale_ports(data, factor, 1.0)
     for i, block in enumerate(blocks, start=1):
         if block.get("inertia") is not None:
             raise InputError(f"block[{i}].inertia: must be left out where column.slenderness is varied")

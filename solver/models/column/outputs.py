@@ -1,9 +1,14 @@
-"""The outputs of a column, in the order of kernels/layout/spaces.py (PEAKS): each a row here."""
+"""The outputs of a column, in the order of kernels/layout/spaces.py (PEAKS): each a row here.
+
+Those of ports (kernels/ports/) stand behind an output row; as peaks they stand before those of `friction`.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ...kernels.layout import spaces as at
-from ..outputs import BASE, BLOCK, JOINT, Histories, Output, units_of
+from ..outputs import BASE, BLOCK, JOINT, PORT, Histories, Output, units_of
 
 
 class ColumnHistories(Histories):
@@ -22,11 +27,25 @@ class ColumnHistories(Histories):
     Fx = Output(BASE, "N", "Force of the column on the base, horizontal, positive to +x")
     Fz = Output(BASE, "N", "Force of the column on the base, vertical, positive up")
     My = Output(BASE, "N m", "Moment of the column on the base about the centre of its joint, clockwise")
+    port_x = Output(
+        PORT, "m", "{it} along x, relative to the base, from the column as built and without weight", name="x"
+    )
+    port_z = Output(PORT, "m", "{it} upwards", name="z")
+    port_vx = Output(PORT, "m/s", "Velocity of {it} along x, relative to the base", name="vx")
+    port_vz = Output(PORT, "m/s", "Velocity of {it} upwards", name="vz")
+    port_ax = Output(PORT, "m/s2", "Acceleration of {it} along x, relative to the base", name="ax")
+    port_az = Output(PORT, "m/s2", "Acceleration of {it} upwards", name="az")
     friction = Output(
         JOINT, "", "|T| / N of joint {i}, where N is above 0.05 of the weight carried at rest", only_peak=True
     )
 
+    @property
+    def labels(self) -> dict[str, Sequence[object]]:
+        """Blocks and joints by their numbers, ports by their names."""
+        return {**super().labels, PORT: [port.name for port in self.model.ports]}
+
 
 OUTPUTS = ColumnHistories.outputs
 UNITS = units_of(OUTPUTS)
-assert [output.field for output in OUTPUTS] == [*at.OUTPUTS.fields, *at.REACTION.fields, "friction"]
+_PORTS = [f"port_{name}" for name in at.SPOTS.fields]
+assert [output.field for output in OUTPUTS] == [*at.OUTPUTS.fields, *at.REACTION.fields, *_PORTS, "friction"]

@@ -106,14 +106,14 @@ def model_of(column: Column) -> Any:
     return at.MODEL.see(pack_model(column), column.n)
 
 
-def unwritten(n: int) -> Arrays:
-    """Arrays for n blocks that nothing has been written to."""
+def unwritten(n: int, ports: int = 0) -> Arrays:
+    """Arrays for n blocks, and as many ports behind, that nothing has been written to (kernels/ports/)."""
     return Arrays(
         np.zeros(model_room(n)),
-        np.zeros(at.STATE.size(n)),
+        np.zeros(at.STATE.size(n) + at.SPOTS.size(ports)),
         np.zeros(at.COUNTS.beside, dtype=np.int64),
-        np.zeros(at.BASE.beside),
-        np.zeros(at.WORK.size(n)),
+        np.zeros(at.BASE.beside + 2 * len(at.LOAD) * ports),
+        np.zeros(at.WORK.size(n) + at.SPOTS.size(ports)),
     )
 
 
@@ -127,7 +127,7 @@ def _assembled(column: Column) -> Arrays:
 
 def _assemble(column: Column, given: FloatArray) -> Arrays:
     n = column.n
-    made = unwritten(n)
+    made = unwritten(n, len(column.ports))
     detail = np.zeros(DETAILS)
     code = column.kind.entries.assemble_column(n, *made, given, 1, np.zeros(scratch_room(n)), detail)
     if code == NO_REST:
@@ -177,6 +177,12 @@ def carried_weights(column: Column) -> FloatArray:
 def settlements(column: Column) -> FloatArray:
     """Compression of each joint at rest under gravity, m, (n,) from the top joint down."""
     return carried_weights(column) / np.array(column.springs)
+
+
+def ports_of(column: Column) -> FloatArray:
+    """The ports of a column as the kernels read them (layout/spaces.py, PORTS)."""
+    rows = [[float(port.body), *port.at] for port in column.ports]
+    return np.array(rows).reshape(-1, at.PORTS.per_n).T.ravel()
 
 
 def set_initial(column: Column, state: FloatArray, initial: InitialState) -> None:

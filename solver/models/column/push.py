@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from .linearization import StillColumn
 from .model import Column
 from .packing import FloatArray
 from .rest import warnings_of
+from .under_loads import in_plane
 
 LONGEST = 0.02  # step along the curve, in parts of the rigid column's largest push and of its rotation on the edge
 SHORTEST = 1e-9
@@ -55,18 +56,20 @@ class _LostError(Exception):
 class BalanceCurve:
     """The curve of a column without damping, pushed towards +x (direction 1) or -x (-1).
 
-    Raises InputError without gravity.
+    loads: on its ports, (6, ports) N and N m, which push in place of the base; then the push is a factor on them, and
+    direction -1 turns them round. Raises InputError without gravity.
     """
 
-    def __init__(self, column: Column, direction: int = 1) -> None:
+    def __init__(self, column: Column, direction: int = 1, loads: FloatArray | None = None) -> None:
         self.still = StillColumn(column)
         self.direction = direction
+        self.loads = None if loads is None else in_plane("pattern", loads)
         self.n = self.still.n
         blocks, slenderness = self.still.blocks, _slenderness(self.still)
         self._scale = np.concatenate(
             [np.full(self.n, math.atan(slenderness)), math.atan(slenderness) * blocks.open_size, [0.0]]
         )
-        self._scale[-1] = column.g * slenderness
+        self._scale[-1] = column.g * slenderness if self.loads is None else _least_factor(self.still, self.loads)
         self._opens = np.append(self.still.sizes, 1e-3 * self._scale[-1])
         self._converged = CONVERGED
         self._weight = np.concatenate([np.full(self.n, 1.0 / self.n), np.zeros(self.n), [1.0]])
@@ -187,25 +190,56 @@ class BalanceCurve:
     def _length(self, moved: FloatArray) -> float:
         return math.sqrt(float(np.sum(self._weight * moved * moved)))
 
+    def row(self, place: Balanced) -> Any:
+        """All outputs at a place: as of `StillColumn`."""
+        return self.still.row(place.q, self._pushed(place.push))
+
+    def _pushed(self, push: float) -> float:
+        """Put a push on the ports, or return the acceleration of the base that it is, m/s2."""
+        if self.loads is None:
+            return -self.direction * push
+        self.still.loads = self.direction * push * self.loads
+        return 0.0
+
     def _unbalanced(self, q: FloatArray, push: float) -> FloatArray:
-        return self.still.accelerations(q, -self.direction * push)
+        return self.still.accelerations(q, self._pushed(push))
 
     def _matrix(self, q: FloatArray, push: float, along: FloatArray) -> FloatArray:
         """Derivatives of the accelerations by the scaled unknowns; the last row is the direction of the curve."""
         n = 2 * self.n
         matrix = np.empty((n + 1, n + 1))
-        matrix[:n, :n] = -self.still.stiffness(q, PART, -self.direction * push) * self._scale[:-1]
+        matrix[:n, :n] = -self.still.stiffness(q, PART, self._pushed(push)) * self._scale[:-1]
         matrix[:n, n] = self._unbalanced(q, self._scale[-1]) - self._unbalanced(q, 0.0)
         matrix[n] = self._weight * along
         return matrix
 
     def _opened(self, place: Balanced) -> NDArray[np.bool_]:
         """Whether each joint is not in full contact, (n,)."""
-        joints = self.still.row(place.q, -self.direction * place.push).joints
+        joints = self.row(place).joints
         return np.asarray(joints.contact < 1.0)
 
     def _joint_opened(self, i: int, place: Balanced) -> bool:
         return bool(self._opened(place)[i])
+
+
+def _least_factor(still: StillColumn, loads: FloatArray) -> float:
+    """By which loads on the ports turn the part above some joint about its edge; or weigh as much as the column."""
+    blocks, column = still.blocks, still.column
+    x, z, couples = loads.reshape(3, -1)
+    foot, weight, least = 0.0, column.g * float(np.sum(blocks.mass)), math.inf
+    for i in range(still.n - 1, -1, -1):
+        turning, place = 0.0, foot
+        for k in range(i, -1, -1):
+            for p, port in enumerate(column.ports):
+                if port.body == k:
+                    up = place - foot + float(blocks.centroid[k]) + port.at[1]
+                    turning += couples[p] + up * x[p] - port.at[0] * z[p]
+            place += float(blocks.height[k])
+        if turning:
+            least = min(least, 0.5 * weight * float(blocks.width[i]) / abs(turning))
+        weight -= column.g * float(blocks.mass[i])
+        foot += float(blocks.height[i])
+    return min(least, column.g * float(np.sum(blocks.mass)) / max(1e-300, float(np.sum(np.abs(z)))))
 
 
 def _slenderness(still: StillColumn) -> float:

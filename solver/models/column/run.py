@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from ...kernels.layout import spaces as at
+from ..ports import Released
 from ..protocol import Plan, Verdict
 from ..still_base import Settling, settled
 from .kinematics import chain_of
@@ -15,6 +16,7 @@ from .model import Column
 from .packing import FloatArray, InitialState, coordinates_of
 from .response import Response
 from .stepper import Stepper
+from .under_loads import rest_under
 from .verdict import cannot_fall
 
 # fields of kernels/layout/spaces.py, COUNTS, that `Response.stats` contains
@@ -34,7 +36,8 @@ Callback = Callable[[float, Glance], object]
 
 def single_run(column: Column, plan: Plan) -> tuple[Response, FloatArray]:
     """The response of a column, and its phases (kinematics.py) at the times of the rows. Raises SolverError."""
-    stepper = Stepper(column, plan.initial)
+    initial = rest_under(column, plan.initial.loads) if isinstance(plan.initial, Released) else plan.initial
+    stepper = Stepper(column, initial)
     stop = plan.motion.start + plan.duration
 
     def after_chunk(t: float) -> None:
@@ -52,7 +55,7 @@ def single_run(column: Column, plan: Plan) -> tuple[Response, FloatArray]:
     phases = _coordinates(at.phases_in(snapshots), column)
     response = Response(
         column,
-        lambda: stepper.rows_of(snapshots),
+        lambda: stepper.rows_of(snapshots, plan.times),
         stepper.overturned_joint,
         phases,
         time=plan.times,

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...common import effort
 from ...common.errors import SolverError, TooMuchWorkError
+from ...ground.loads import COMPONENTS, IN_PLANE, on_one_grid
 from ...ground.motion import Motion
 from ...kernels.api.engine import BASE_INPUTS
 from ...kernels.formulations.coupled_base import BODY
@@ -18,7 +20,7 @@ from ...kernels.stepping.control import most_work
 from ..outputs import peaks_by_name, visible_peaks
 from .model import Column
 from .outputs import OUTPUTS
-from .packing import Arrays, FloatArray, InitialState, arrays_of, pack_model, set_initial
+from .packing import Arrays, FloatArray, InitialState, arrays_of, pack_model, ports_of, set_initial
 
 REASONS = {
     at.STEP_TOO_SMALL: "the tolerance requires a step that is too small to continue; a larger tolerance may help",
@@ -45,6 +47,7 @@ ROWS_AT_ONCE = 10_000
 
 _NONE = np.empty(0)
 _ROTATION = at.BASE.fields.index("theta")
+_OF_PLANE = [name in IN_PLANE for name in COMPONENTS]
 
 
 def _plain(row: ArrayLike) -> FloatArray:
@@ -53,10 +56,23 @@ def _plain(row: ArrayLike) -> FloatArray:
 
 
 class Record:
-    """Samples of the base acceleration for the kernels: times s, ax and az m/s2, a factor, held or joined."""
+    """Samples of the base acceleration for the kernels: times s, ax and az m/s2, a factor, held or joined.
 
-    def __init__(self, time: ArrayLike, ax: ArrayLike, az: ArrayLike, scale: float = 1.0, held: bool = False) -> None:
+    loads: on the ports of a column that has some, on each of the intervals of `time`, which may go on after the base:
+    Fx, Fz, My, then their slopes, a number for each port (kernels/ports/).
+    """
+
+    def __init__(
+        self,
+        time: ArrayLike,
+        ax: ArrayLike,
+        az: ArrayLike,
+        scale: float = 1.0,
+        held: bool = False,
+        loads: ArrayLike = (),
+    ) -> None:
         self.arguments = (_plain(time), _plain(ax), _plain(az), float(scale), bool(held))
+        self.loads = _plain(loads)
 
 
 SILENCE = Record(_NONE, _NONE, _NONE)
@@ -82,8 +98,10 @@ class Stepper:
         self.counts = at.COUNTS.see(self.arrays.counts)
         self.base = at.BASE.see(self.arrays.base)
         self.record = SILENCE
+        self.followed = SILENCE  # by the last run
         self.lacks_mass = False  # whether forces drive the base, and no mass
-        self._row = np.zeros(at.ROW.size(self.n))
+        self._ports = ports_of(column)
+        self._row = np.zeros(at.ROW.size(self.n) + at.SPOTS.size(len(column.ports)))
         self._split = np.zeros(at.SPLIT.beside)
 
     def drive(
@@ -96,19 +114,25 @@ class Stepper:
         theta: float = 0.0,
         omega: float = 0.0,
         alpha: float = 0.0,
-        *bodies: float,
+        *behind: float,
         since: float | None = None,
     ) -> None:
         """Set the motion of the base from time t on: accelerations m/s2, slopes m/s3, rotation rad, rad/s, rad/s2.
 
-        since: s, the time that all of these are given for; None: t. bodies: what drives a base that is `driven_by`
-        them, at time t: of each F0x to Mtt (kernels/formulations/coupled_base.py, BODY); the column adds R0 and m.
-        Raises SolverError where nothing at the base has a mass.
+        since: s, the time that all of these are given for; None: t. behind: the loads on the ports if there are any (N,
+        N m), Fx of each, Fz, My, then their slopes, none: no load; then what drives a base that is `driven_by` bodies,
+        at time t: of each F0x to Mtt (kernels/formulations/coupled_base.py, BODY); the column adds R0 and m. Raises
+        SolverError where nothing at the base has a mass.
         """
-        if self.model.settings.drive != at.ACCELERATION:
-            self._join(t, [ax, az, jx, jz, theta, omega, alpha, *bodies])
-            return
         base, elapsed = self.arrays.base, 0.0 if since is None else t - since
+        if self.column.ports:
+            loads = self._inputs
+            values, slopes = np.reshape(behind[: loads.size] or np.zeros(loads.size), (2, -1))
+            loads[:] = np.concatenate([values + slopes * elapsed, slopes])
+            behind = behind[loads.size :]
+        if self.model.settings.drive != at.ACCELERATION:
+            self._join(t, [ax, az, jx, jz, theta, omega, alpha, *behind])
+            return
         # one by one: numpy takes three times as long for a slice of a few numbers
         base[0], base[1], base[2], base[3], base[4] = t, ax + jx * elapsed, jx, az + jz * elapsed, jz
         base[_ROTATION] = theta + elapsed * (omega + 0.5 * elapsed * alpha)
@@ -136,9 +160,8 @@ class Stepper:
 
     def observe(self, t: float) -> FloatArray:
         """The output row at time t (layout/spaces.py, ROW); overwritten by the next call. Raises SolverError."""
-        code = self._entries.observe_state(
-            self.n, *self.arrays, *self.record.arguments, float(t), self._row, self._split
-        )
+        record = self._arguments(self.record)
+        code = self._entries.observe_state(self.n, *self.arrays, *record, float(t), self._row, self._split)
         self._check(code, t)
         return self._row
 
@@ -146,6 +169,11 @@ class Stepper:
     def split(self) -> FloatArray:
         """Base reaction of the row last observed as R0 - M a: R0 and the effective mass M (layout/spaces.py, SPLIT)."""
         return self._split
+
+    @property
+    def _inputs(self) -> FloatArray:
+        """The loads on the ports that were set, and their slopes."""
+        return self.arrays.base[at.BASE.beside :]
 
     def stand_on_base(self) -> None:
         """Start upright on the base in its present rotation and rate, instead of upright in space."""
@@ -171,7 +199,13 @@ class Stepper:
         self.base.wave_amplitude = motion.amplitude
         self.base.wave_omega = 2.0 * math.pi * motion.frequency
         self.base.wave_phase = -2.0 * math.pi * motion.frequency * motion.start
-        record = Record(time, ax, az, held=motion.hold)
+        loads: ArrayLike = ()
+        if motion.loads:
+            samples = time, ax, np.zeros_like(ax), az
+            names = [port.name for port in self.column.ports]
+            time, ax, _, az, loads = on_one_grid(samples, motion.hold, motion.loads, names)
+            loads = loads.reshape(-1, len(COMPONENTS), len(names))[:, _OF_PLANE]
+        record = self.followed = Record(time, ax, az, held=motion.hold, loads=np.ravel(loads))
         self._follow(float(motion.time[0]), stop, record, _plain(times), snapshots.reshape(-1), True, after_chunk)
         return snapshots
 
@@ -237,14 +271,19 @@ class Stepper:
     def _work_done(self) -> int:
         return int(self.counts.evaluations + self.counts.sweeps)
 
-    def rows_of(self, snapshots: FloatArray) -> FloatArray:
-        """The output row that belongs to each snapshot. Raises SolverError."""
-        rows = np.zeros((len(snapshots), at.ROW.size(self.n)))
-        arrays = self.arrays._replace(counts=self.arrays.counts.copy())
+    def rows_of(self, snapshots: FloatArray, times: FloatArray = _NONE) -> FloatArray:
+        """The output row that belongs to each snapshot, whose times are needed where there are ports.
+
+        Raises SolverError.
+        """
+        rows = np.zeros((len(snapshots), len(self._row)))
+        arrays = self.arrays._replace(counts=self.arrays.counts.copy(), base=self.arrays.base.copy())
+        loaded = (*self._arguments(self.followed), times) if self.column.ports else ()
         for first in range(0, len(snapshots), ROWS_AT_ONCE):
             part, filled = snapshots[first : first + ROWS_AT_ONCE], rows[first : first + ROWS_AT_ONCE]
+            loaded = (*loaded[:-1], times[first : first + ROWS_AT_ONCE]) if loaded else ()
             code, count = self._entries.observe_snapshots(
-                self.n, *arrays, part.reshape(-1), filled.reshape(-1), len(part)
+                self.n, *arrays, *loaded, part.reshape(-1), filled.reshape(-1), len(part)
             )
             if code != at.OK:
                 raise SolverError(f"output row {first + count}: {REASONS[code]}")
@@ -292,17 +331,29 @@ class Stepper:
         """
         if "peaks" in self.column.settings.without:
             return {"ux": self.peak_ux.copy()}
-        return peaks_by_name(OUTPUTS, self.column.sizes, self.state.peaks)
+        return peaks_by_name(OUTPUTS, self.column.sizes, self._peaks)
 
     @property
     def visible_peaks(self) -> FloatArray:
         """`peaks` as an array, in the order of kernels/layout/spaces.py, PEAKS."""
-        return visible_peaks(OUTPUTS, self.column.sizes, self.state.peaks)
+        return visible_peaks(OUTPUTS, self.column.sizes, self._peaks)
+
+    @property
+    def _peaks(self) -> FloatArray:
+        """Those of the kernels, with those of ports in their place among the outputs."""
+        if not self.column.ports:
+            return self.state.peaks
+        of_row, of_ports = at.ROW.size(self.n), self.arrays.state[at.STATE.size(self.n) :]
+        return np.concatenate([self.state.peaks[:of_row], of_ports, self.state.peaks[of_row:]])
 
     def _run(self, t: float, h: float, record: Record, times: FloatArray, snapshots: FloatArray, peaks: bool) -> int:
         """Call the kernel with float64, whatever numbers the caller has, so that it is compiled once."""
         called = float(t), float(h), times, snapshots, peaks
-        return self._entries.run(self.n, *self.arrays, *record.arguments, *called)
+        return self._entries.run(self.n, *self.arrays, *self._arguments(record), *called)
+
+    def _arguments(self, record: Record) -> tuple[Any, ...]:
+        """A record as the entries take it."""
+        return (*record.arguments, self._ports, record.loads) if self.column.ports else record.arguments
 
     def _check(self, code: int, t: float | None) -> None:
         if code < at.OK:

@@ -12,11 +12,12 @@ import numpy as np
 from ...common.errors import InputError, check_number, check_whole, shown
 from ...common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, check_keys
 from ..column.file import has_blocks_in_space
+from ..ports import Port, ports_from
 from .bearing_tables import bearings_from, check_table
 from .blocks.contacts import joints_between, turned_face
 from .blocks.faces import Face, FloatArray, polygon_moments
 from .blocks.outlines import MEANING, MOST_CORNERS, outline_of
-from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bed, Joint, Port, Solid, Tie
+from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bed, Joint, Solid, Tie
 from .blocks.placement import check_joints, check_places
 from .blocks.shapes import box, drum, placed, prism, rectangle, rotation_matrix
 from .hull_tables import OF_HULL, OF_MESH, solid_from_hull
@@ -42,7 +43,6 @@ _BLOCK = ("name", "shape", "on", "at", "position", "rotation", "mass", "density"
 _PATCH = ("normal", "section", "width", "depth", "diameter", "bore", "outline")  # of a joint at a place of its own
 _JOINT = ("between", "at", *_PATCH, *_LAW)
 _TIE = ("between", "from", "to", "stiffness", "damping", "slack", "pretension", "tension_only", "yield")
-_PORT = ("name", "block", "at")
 _OWN_RANGES = {
     "shear_ratio": ((1e-6, 1e6), "a positive ratio of the modulus along the joint to that across it"),
     "shear_damping": NUMBERS["damping"],
@@ -89,7 +89,7 @@ def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> d
         joints += _bearings_from(f"bearing[{number}]", table, blocks)
     check_joints(blocks, joints)
     ties = tuple(_tie_from(f"tie[{e}]", table, blocks) for e, table in enumerate(_tables("tie", data, 0), start=1))
-    ports = ports_from(data, blocks)
+    ports = ports_of(data, blocks)
     solver = data.get("solver", {})
     _check_keys("solver.", solver, ("tolerance", "without"))
     tolerance = check("solver.tolerance", solver.get("tolerance", TOLERANCE))
@@ -379,22 +379,14 @@ def _tie_from(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> 
     return tie
 
 
-def ports_from(data: Mapping[str, Any], blocks: tuple[Solid, ...]) -> tuple[Port, ...]:
+def ports_of(data: Mapping[str, Any], blocks: tuple[Solid, ...]) -> tuple[Port, ...]:
     """The ports of a structure with these blocks. Raises InputError."""
-    found: dict[str, Port] = {}
-    for number, table in enumerate(_tables("port", data, 0), start=1):
-        key, names = f"port[{number}]", [block.name for block in blocks]
-        _check_keys(f"{key}.", table, _PORT)
-        name = table.get("name")
-        if not isinstance(name, str) or not name or not name.isprintable() or set(name) & set('[].=,"'):
-            raise InputError(f'{key}.name = {shown(name)}: must be a word that can be printed, without [ ] . = , and "')
-        if name in found:
-            raise InputError(f"{key}.name = {shown(name)}: must be another name, it is taken")
-        check_choice(f"{key}.block", table.get("block"), names)
-        body = names.index(table["block"])
-        point = _vector(f"{key}.at", table.get("at", [0.0, 0.0, 0.0]), 3)
-        found[name] = Port(name, body, blocks[body].axes @ point)
-    return tuple(found.values())
+
+    def point(key: str, value: object, body: int) -> list[float]:
+        along: list[float] = (blocks[body].axes @ _vector(key, [0.0] * 3 if value is None else value, 3)).tolist()
+        return along
+
+    return ports_from(data, [block.name for block in blocks], point)
 
 
 def _upper_first(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> tuple[int, int]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...ground.motion import Motion
 from ..column.model import Column
 from ..column.numbers import column_with, is_of_column
-from ..protocol import SETTLE, Kind, Lanes, NoRestError, Plan, Run, Work, output_times, table_entry
+from ..protocol import LOADED, SETTLE, Kind, Lanes, NoRestError, Plan, Run, Work, output_times, table_entry
 from .blocks.faces import FloatArray
 from .blocks.parts import OF_COLUMN
 from .kept import FROM_LANES, KEPT, OF_RUN
@@ -33,6 +33,7 @@ class Structures(Kind):
 
     word = "structure"
     across = True
+    takes_loads = True
     outputs = OUTPUTS
     largest = "u"
     kept = KEPT
@@ -77,7 +78,7 @@ class Structures(Kind):
 
     def under(self, model: Structure, motion: Motion) -> tuple[str, Hashable]:
         """Runs that stay in a plane share lanes; those with loads go alone."""
-        return "loads on ports" if motion.loads else "", is_flat_run(model, motion)
+        return LOADED if motion.loads else "", is_flat_run(model, motion)
 
     def load(self, model: Structure, keep: Collection[str]) -> None:
         """The kernels of lanes, where they may be used."""

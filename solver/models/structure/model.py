@@ -20,12 +20,13 @@ from ...common.notebook import Shown, counted, outlines
 from ...kernels.structure.layout import MOST_CORNERS
 from ..column.model import Column
 from ..column.settings import Settings
+from ..ports import Port
 from .blocks.faces import Face
-from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bearing, Bed, Joint, Pair, Port, Side, Solid, Tie
-from .file import in_space, names_from, parts_from, ports_from, written_out
+from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bearing, Bed, Joint, Pair, Side, Solid, Tie
+from .file import in_space, names_from, parts_from, ports_of, written_out
 from .hull_tables import in_folder, with_hulls
 from .packing import Model, centroid_of, model_of
-from .stack import stacked
+from .stack import in_three, stacked
 
 LEAST_LENGTH = 1e-6  # m, of a tie
 SKIPS = ("peaks", "elastic")  # what can be left out: peaks but those of displacements, steps by modes
@@ -259,7 +260,7 @@ class Structure(Shown):
             if "port" not in data:
                 return made
             described = {**(made.described or {}), "port": data["port"]}
-            return replace(made, ports=ports_from(data, made.blocks), described=described)
+            return replace(made, ports=ports_of(in_three(data), made.blocks), described=described)
         data, surfaces = with_hulls(data)
         return cls(**parts_from(data, surfaces), described=written_out(data))
 

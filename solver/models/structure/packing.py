@@ -13,9 +13,10 @@ from ...kernels.column.assembly import LIGHTLY_DAMPED
 from ...kernels.structure import layout as at
 from ...kernels.structure.modal_layout import AXES, MODAL_ROOM
 from ..column.packing import IntArray
+from ..ports import Port
 from .blocks.contacts import GROUND
 from .blocks.faces import Face, FloatArray, edge_distance
-from .blocks.parts import Bearing, Joint, Pair, Port, Side, Solid, Tie
+from .blocks.parts import Bearing, Joint, Pair, Side, Solid, Tie
 
 FLOOR = 1e-3  # of the motion under which the structure settles as it is loaded: the least that errors are measured by
 # least damping along a joint that may slide, times the frequency of the fastest joint: the elastic slip turns with the

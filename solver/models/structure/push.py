@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ...common.errors import FINITE, InputError, check_number, needing
 from ...common.notebook import Shown, counted, history, rows_of
-from ...ground.loads import static_loads
+from ...ground.loads import pattern_of
 from ...ground.motion import STANDARD_GRAVITY
 from ...kernels.structure.layout import LOAD
 from ..outputs import DIGITS, places_of
@@ -163,23 +163,11 @@ def push_over(
     check_number("vertical", vertical, FINITE, "a ratio, upwards positive")
     if not structure.weight > 0.0:
         raise InputError(f"{structure.name}: g = {structure.g}: must be positive, without weight nothing stands")
-    loads = None if pattern is None else _loads_of(structure, pattern)
+    loads = None if pattern is None else pattern_of(pattern, [port.name for port in structure.ports])
     path = _Path(structure, np.array([math.cos(direction), math.sin(direction), float(vertical)]), loads)
     ends = path.follow()
     found = PushOver(structure, float(direction), float(vertical), path.places, pattern)
     found.ends = ends
-    return found
-
-
-def _loads_of(structure: Structure, pattern: Mapping[str, float]) -> FloatArray:
-    """Loads on the ports by component, (6, ports). Raises InputError."""
-    given: dict[str, dict[str, float]] = {}
-    for name, value in pattern.items():
-        port, _, component = str(name).rpartition(".")
-        given.setdefault(port, {})[component] = value
-    found = static_loads("pattern", given, [port.name for port in structure.ports])
-    if not np.any(found):
-        raise InputError("pattern: must have a load that is not zero")
     return found
 
 

@@ -16,9 +16,10 @@ import numpy as np
 
 from ...common.errors import InputError
 from ...kernels.structure import layout as at
+from ..ports import Port
 from ..protocol import NoRestError
 from .blocks.faces import FloatArray
-from .blocks.parts import Joint, Pair, Port, Solid, Tie
+from .blocks.parts import Joint, Pair, Solid, Tie
 from .model import Structure
 from .packing import FLOOR, centroid_of
 from .stepper import Stepper

@@ -14,6 +14,7 @@ from ...ground.loads import ACROSS, COMPONENTS
 from ...ground.motion import Motion
 from ...kernels.structure import layout as at
 from ..outputs import places_of
+from ..ports import Released
 from ..protocol import OVERTURNED, Plan, Verdict
 from ..still_base import settled
 from .blocks.faces import FloatArray
@@ -48,12 +49,6 @@ class SpatialState(NamedTuple):
     rotation: FloatArray
     velocity: FloatArray
     spin: FloatArray
-
-
-class Released(NamedTuple):
-    """An initial state: rest under loads on the ports, (6, ports) N and N m, which are let go at the start."""
-
-    loads: FloatArray
 
 
 def single_run(structure: Structure, plan: Plan) -> SpatialResponse:

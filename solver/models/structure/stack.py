@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,7 @@ from ...common.errors import InputError
 from ...kernels.sections.faces import STRIPS, is_round
 from ...kernels.sections.faces import Face as PlaneFace
 from ..column.block import Block
+from ..ports import Port
 from .blocks.contacts import GROUND
 from .blocks.faces import Face, shared
 from .blocks.parts import OF_COLUMN, Bed, Joint, Solid
@@ -33,8 +35,22 @@ def stacked(column: Column) -> dict[str, Any]:
     )
     joints = tuple(_joint(column, i, float(foot)) for i, foot in enumerate(heights))
     tolerance, without = column.settings.tolerance, tuple(set(column.settings.without) & {"peaks"})
-    found = {"name": column.name, "blocks": solids, "joints": joints, "g": column.g}
+    ports = tuple(Port(port.name, port.body, (port.at[0], 0.0, port.at[1])) for port in column.ports)
+    found = {"name": column.name, "blocks": solids, "joints": joints, "g": column.g, "ports": ports}
     return found | {"tolerance": tolerance, "without": without, "described": {OF_COLUMN: column.to_dict()}}
+
+
+def in_three(data: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables of ports of a column's file as a structure has them: points [x, z] of the plane as [x, 0, z]."""
+    tables = data["port"]
+    if not isinstance(tables, list):
+        return {"port": tables}
+    return {"port": [_in_three(table) if isinstance(table, Mapping) else table for table in tables]}
+
+
+def _in_three(table: Mapping[str, Any]) -> Mapping[str, Any]:
+    at = table.get("at")
+    return {**table, "at": [at[0], 0.0, at[1]]} if isinstance(at, (list, tuple)) and len(at) == 2 else table
 
 
 def _solid(name: str, block: Block, foot: float) -> Solid:

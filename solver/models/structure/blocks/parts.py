@@ -91,15 +91,6 @@ class Joint:
 
 
 @dataclass(frozen=True, eq=False)
-class Port:
-    """A point of a block at which loads act, and whose motion is an output."""
-
-    name: str
-    body: int  # number of the block, from 0
-    at: FloatArray  # (3,) m, along the axes of the base, from its centroid
-
-
-@dataclass(frozen=True, eq=False)
 class Side:
     """The round side of a drum."""
 
