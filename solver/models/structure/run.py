@@ -24,7 +24,7 @@ from .outputs import OUTPUTS
 from .response import Moved, SpatialResponse, peaks_in_space
 from .rest import rest_of, rest_under, start_from
 from .stepper import Stepper
-from .verdict import next_look, well_of
+from .verdict import RESTING, next_look, well_of, why_it_leans
 
 COUNTED = ("steps", "elastic_steps", "rejected", "evaluations", "looks")
 
@@ -174,7 +174,8 @@ class _Settling:
 
     def why_it_stands(self) -> str:
         stepper = self._stepper
-        return "it has come to rest" if stepper.counts.resting else well_of(stepper.structure).why_it_stands(stepper)
+        found = why_it_leans(stepper) or (RESTING if stepper.counts.resting else "")
+        return found or well_of(stepper.structure).why_it_stands(stepper)
 
     def next_look(self, t: float, stop: float, settle: float) -> float:
         return stop + next_look(t - stop, settle)

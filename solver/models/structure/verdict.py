@@ -27,18 +27,50 @@ from .rest import PERTURBED, balance, deltas_of, full_stiffness, move, rest_of, 
 from .stepper import Stepper
 
 IN_A_WELL = "its energy does not suffice to fall"
+RESTING = "it has come to rest"
 SAFE = 0.75  # of the barrier: the largest energy of a structure that is taken to stand
 FIRST_LOOK, LATER = 0.25, 0.25  # s after the motion; part of the time since then that a look waits for
 CLOSE = 1e-9  # of the weight: forces that are left at a rest
 WAY = 8  # parts of the way to the rest
 UPRIGHT = 0.95  # least vertical part of the normal of a joint that what it carries is lifted over
 HARDLY = 1e-3  # of the weight: a joint under less does not count
+STILL = 1e-6  # of gravity, and of the velocity by which a block rises over its size: less, and it leans for good
 DIRECTIONS = 8  # in which the resultant of a round joint may reach its rim
 
 
 def next_look(since: float, settle: float) -> float:
     """When to look again whether a structure may still fall, `since` s after the motion; `settle` at most."""
     return min(settle, FIRST_LOOK + (1.0 + LATER) * since)
+
+
+def why_it_leans(stepper: Stepper) -> str:
+    """Why a structure stays as it is that is still and presses on neighbours; "" if it moves or none does.
+
+    A block that leans on another one is beyond its edge, so that no energy tells whether it falls. It stays because
+    forces balance and damping has taken all motion.
+    """
+    structure, see = stepper.structure, stepper.see
+    if not structure.neighbours:
+        return ""
+    stepper.observe()
+    pressed = np.flatnonzero(_field(stepper, "hit") > 0.0).tolist()
+    rates, size = at.PHASE.see(stepper.rates, structure.n), np.array([block.size for block in structure.blocks])
+    moved = np.hypot(_size_of(see.vx, see.vy, see.vz), size * _size_of(see.wx, see.wy, see.wz))
+    begins = np.hypot(_size_of(rates.vx, rates.vy, rates.vz), size * _size_of(rates.wx, rates.wy, rates.wz))
+    still = np.all(moved <= STILL * np.sqrt(structure.g * size)) and np.all(begins <= STILL * structure.g)
+    if not pressed or not still:
+        return ""
+    tilt, found = np.append(np.hypot(see.q1, see.q2), -1.0), []
+    for pair in (structure.neighbours[p] for p in pressed):
+        leaning, other = sorted((pair.one, pair.other), key=lambda i: -tilt[i])
+        against = f"wall {pair.wall}" if pair.wall else structure.names[other]
+        found.append(f"{structure.names[leaning]} rests against {against}")
+    return f"{RESTING}: {', '.join(dict.fromkeys(found))}"
+
+
+def _size_of(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+    """Lengths of vectors, (n,)."""
+    return np.sqrt(x * x + y * y + z * z)
 
 
 @lru_cache(maxsize=64)
