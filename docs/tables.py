@@ -44,6 +44,7 @@ DERIVED = {
     "block.material": "the same of this block and the joint under it",
     "block": "a table [[block]] for each block, from the top down: see below",
     "joint": "defaults for the joints of all blocks: see below",
+    "port": "a table [[port]] for each point at which loads act: name, block, at",
     "solver": "a table: see below",
     "block.mass": "kg; or density",
     "block.joint": "the joint under the block; `[joint]` has what is left out here",

@@ -28,7 +28,7 @@ from multiblock import Column, InputError, Motion
 from solver.commands.command_line import OneLineParser
 from solver.ground.motion import STANDARD_GRAVITY
 from solver.models.column.outputs import OUTPUTS
-from solver.models.outputs import BASE
+from solver.models.outputs import BLOCK, JOINT
 from solver.plotting.plots import plot_histories
 from solver.plotting.scene.page import write_view
 
@@ -66,14 +66,14 @@ def main() -> int:
     histories = {
         output.field: np.column_stack([results[output.name_of(i)] for i in range(1, column.n + 1)])
         for output in OUTPUTS
-        if output.owner != BASE and not output.only_peak
+        if output.owner in (BLOCK, JOINT) and not output.only_peak
     }
     overturned, overturn_time = bool(results["overturned"][-1]), float(results["overturn_time"][-1])
     table, picture, scene = (options.output_folder / name for name in ("results.csv", "results.png", "scene.html"))
     peaks = {
         output.field: np.array([results[output.peak_of(i)][-1] for i in range(1, column.n + 1)])
         for output in OUTPUTS
-        if output.owner != BASE
+        if output.owner in (BLOCK, JOINT)
     }
     verdict = None if overturned else ("", f"Not overturned within {motion.duration:g} s.")
     try:

@@ -36,6 +36,7 @@ class Limits:
     slip: float = _limit(0.05, "part of the width of the joint, of the largest slip", 0.0, 1.0)
     residual: float = _limit(0.02, "part of the width of the joint, of the slip that is left", 0.0, 1.0)
     overlap: float = _limit(TOUCH, "depth in m by which blocks that no joint connects may overlap", 0.0, 1.0)
+    hits: float | None = _limit(None, "share of the runs that may hit a neighbour; not limited if not given", 0.0, 1.0)
     opening: float | None = _limit(None, "part of the width of the joint that may open; not limited if not given")
     friction: float | None = _limit(None, "coefficient of joints that have none in the column file", 1e-3, 10.0)
 

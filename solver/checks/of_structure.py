@@ -31,7 +31,7 @@ class InSpace(Subject):
     model: Structure
     two_ways = True  # turned by half a turn
     of_model = (
-        "The blocks move in space. Contacts move as faces slide. Blocks that no joint connects do not meet.",
+        "The blocks move in space. Contacts move as faces slide. Blocks meet over joints and as neighbours alone.",
         f"A run that still rocks {SETTLE:g} s after the motion is undecided: rocking in space decays slowly.",
         "Once a block has fallen the run ends; what it hits is not considered.",
     )
@@ -54,6 +54,10 @@ class InSpace(Subject):
     def bearings(self) -> tuple[tuple[str, ...], FloatArray]:
         capacity = [joint.bearing.capacity for joint in self.model.bearings if joint.bearing is not None]
         return self.model.bearing_names, np.array(capacity)
+
+    @property
+    def neighbours(self) -> tuple[str, ...]:
+        return self.model.contact_names
 
     @cached_property
     def yields(self) -> FloatArray:

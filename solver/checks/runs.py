@@ -56,12 +56,16 @@ def varied(subject: Subject, run: Any, scaled: ScaledMotion, plan: Plan, place: 
 
 
 def run_all(subject: Subject, pairs: Sequence[Pair], peaks: bool, callback: Callback | None) -> Table:
-    """The runs of varied models, a row for each; peaks: with their largest displacements."""
+    """The runs of varied models, a row for each; peaks: with their largest displacements, and gaps of neighbours."""
+    keep = ("verdict",)
+    if peaks:
+        gaps = ("least_gap",) if subject.neighbours else ()
+        keep = (f"peak_{subject.model.kind.largest}", "verdict", "overturn_time", *gaps)
     return simulate_many(
         [model for model, _ in pairs],
         [motion for _, motion in pairs],
         tolerance=TOLERANCE,
-        keep=(f"peak_{subject.model.kind.largest}", "verdict", "overturn_time") if peaks else ("verdict",),
+        keep=keep,
         settle=SETTLE,
         callback=callback,
     )

@@ -62,6 +62,11 @@ class Subject:
         return (), np.empty(0)
 
     @property
+    def neighbours(self) -> tuple[str, ...]:
+        """Names of the pairs of neighbours that may hit each other."""
+        return ()
+
+    @property
     def period(self) -> float:
         """Of the first mode about rest, s; 0 where nothing sways before it lifts."""
         return 0.0

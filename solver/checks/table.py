@@ -18,7 +18,7 @@ from .margin import Margin
 from .scaling import statistic
 from .spectra import FloatArray
 from .subject import Subject
-from .verdicts import UNFINISHED, Verdicts, falls
+from .verdicts import UNFINISHED, Verdicts, bounds_of, falls
 
 LASTING = 0.05  # s
 
@@ -131,6 +131,7 @@ def rows_of(
         *overturning(verdicts, limits, margin, table.stats["failures"]),
         _displacement(demands, table, verdicts, limits),
         *(_of_joints(demands, limits) if subject.joints.names else ()),
+        *_hits(demands, table, verdicts, limits),
         *_overlap(demands, limits),
         *_ties(demands),
         *_bearings(demands),
@@ -284,6 +285,25 @@ def _overlap(demands: Demands, limits: Limits) -> list[Row]:
     values = tuple(found.depth for found in overlaps)
     where = ", ".join(deepest.between)
     return [Row("overlap of blocks", deepest.depth, limits.overlap, MM, where, note if where else "", values)]
+
+
+def _hits(demands: Demands, table: Table, verdicts: Verdicts, limits: Limits) -> list[Row]:
+    """The share of varied runs in which neighbours hit, and the least gap as given; none without neighbours."""
+    names = demands.subject.neighbours
+    if not names:
+        return []
+    hit = np.any(table["least_gap"] < 0.0, axis=1)
+    low, high = bounds_of(hit, hit, len(verdicts.names))
+    note = f"in {int(np.sum(hit))} of {hit.size} runs; {low:.1%} to {high:.1%} at 95 % confidence"
+    note += ", motions counted" if len(verdicts.names) > 1 else ""
+    note += "" if limits.hits is not None else "; no limit is given"
+    share = Row(
+        "hits its neighbour", float(np.mean(hit)), math.nan if limits.hits is None else limits.hits, PERCENT, note=note
+    )
+    gaps = np.array([run.peaks["gap"] for run in demands.responses])
+    values, i = np.min(gaps, axis=1), int(np.argmin(np.min(gaps, axis=0)))
+    note = "the least under any motion as given: what is left, or below 0 how deep they press on each other"
+    return [share, Row("gap that is left", float(np.min(gaps)), math.nan, MM, names[i], note, tuple(values.tolist()))]
 
 
 def _ties(demands: Demands) -> list[Row]:

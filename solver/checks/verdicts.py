@@ -28,6 +28,22 @@ def falls(verdicts: ArrayLike) -> NDArray[np.bool_]:
     return np.isin(np.asarray(verdicts), (OVERTURNED, UNFINISHED))
 
 
+def bounds_of(fewest: NDArray[np.bool_], most: NDArray[np.bool_], motions: int) -> tuple[float, float]:
+    """Bounds at 95 % confidence of a share of runs: which count for the lower bound, and for the upper one (runs,).
+
+    Runs under one motion are alike, so that of several motions each is one trial, whose success is the share of its
+    runs that count; of one motion each run is a trial. Between whole numbers of successes the bounds of Clopper and
+    Pearson are taken in proportion.
+    """
+    trials = motions if motions > 1 else len(fewest)
+    each = np.array([share_bounds(count, trials) for count in range(trials + 1)])
+    low, high = (
+        float(np.interp(trials * np.mean(counted), np.arange(trials + 1), each[:, side]))
+        for side, counted in enumerate((fewest, most))
+    )
+    return low, high
+
+
 @dataclass(frozen=True, eq=False)
 class Verdicts:
     """Verdicts under each motion: of the subject as given, and of varied ones, in groups of equal length."""
@@ -69,17 +85,6 @@ class Verdicts:
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Bounds at 95 % confidence of the share that falls.
-
-        Runs under one motion are alike, so that of several motions each is one trial, whose success is the share of
-        its runs that fall; of one motion each run is a trial. Between whole numbers of successes the bounds of Clopper
-        and Pearson are taken in proportion. Undecided runs stand for the lower bound and fall for the upper one.
-        """
+        """`bounds_of` the share that falls. Undecided runs stand for the lower bound and fall for the upper one."""
         fell = falls(self.varied)
-        trials = len(self.names) if len(self.names) > 1 else len(fell)
-        each = np.array([share_bounds(count, trials) for count in range(trials + 1)])
-        low, high = (
-            float(np.interp(trials * np.mean(fall), np.arange(trials + 1), each[:, side]))
-            for side, fall in enumerate((fell, fell | (self.varied == UNDECIDED)))
-        )
-        return low, high
+        return bounds_of(fell, fell | (self.varied == UNDECIDED), len(self.names))

@@ -1,6 +1,7 @@
 """Checks of structures in space: against runs made apart, the same block in its plane, and symmetry."""
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from multiblock import (
     wavelets,
 )
 from solver.checks.kinematic import mechanism, rocking_period
+from solver.checks.limits import Limits
 from solver.checks.margin import NARROW
 from solver.checks.scaling import horizontal_pga, horizontal_psa, scaled_to_pga, scaled_to_sa, scaled_to_spectrum
 from solver.checks.subject import subject_of
@@ -148,6 +150,38 @@ def test_force_of_a_tie_beside_its_yield() -> None:
     assert row(made, "pressure at the edge").capacity == 3e6
     other = Structure.from_dict({**data, "joints": {**data["joints"], "strength": 4e6}})
     assert subject_of(other).digest() != made.subject.digest()
+
+
+def test_hits_of_neighbours_and_the_gap_that_is_left() -> None:
+    """Two drums of which the higher one rocks under the second motion, and hits; counted from the runs themselves."""
+    drum = {"on": "base", "shape": "drum", "diameter": 1.0, "density": 2000.0}
+    blocks = [
+        {**drum, "name": "low", "at": [0.0, 0.0], "height": 2.0},
+        {**drum, "name": "high", "at": [1.03, 0.0], "height": 4.0},
+    ]
+    neighbours = {"reach": 0.1, "line_stiffness": 1e8, "restitution": 0.3, "friction": 0.3}
+    data = {"name": "two", "joints": {"stiffness": 1e9, "damping": 3e-3}, "block": blocks, "neighbours": neighbours}
+    structure = Structure.from_dict(data)
+    motions = {"weak": wavelets.one_sine(0.1 * G, 1.2), "strong": wavelets.one_sine(0.33 * G, 1.5)}
+    made = check(structure, motions, plan=replace(QUICK, ensemble=4))
+    hits, gap = row(made, "hits its neighbour"), row(made, "gap that is left")
+    least = made.runs["least_gap"]
+    assert hits.demand == np.mean(least < 0.0)
+    assert 0.0 < hits.demand < 1.0
+    assert np.all(least[:4] > 0.0)  # of the weak motion
+    assert made.runs.stats["why_scalar"] == {"neighbours may meet": 8}
+    assert hits.passes is None
+    assert "no limit is given" in hits.note
+    low, high = (float(part) for part in re.findall(r"([\d.]+)%", hits.note))
+    assert low <= 100.0 * hits.demand <= high
+    assert gap.where == "low-high"
+    assert gap.values[0] > 0.0 > gap.values[1] == gap.demand
+    run = made.responses[0]
+    assert gap.values[0] == run.peaks["gap"][0] == pytest.approx(np.min(run.gap), abs=1e-5)
+    assert "overlap of blocks" in [one.name for one in made.rows]
+    limited = check(structure, motions, plan=replace(QUICK, limits=Limits(hits=0.0)))
+    assert row(limited, "hits its neighbour").passes is False
+    assert limited.answer == "FAILS by: hits its neighbour."
 
 
 def test_what_still_rocks_is_undecided_and_what_fails_is_unfinished() -> None:

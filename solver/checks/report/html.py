@@ -69,7 +69,7 @@ def _content(checks: Sequence[Check]) -> dict[str, Any]:
         "limits": [
             (item.name, getattr(check.plan.limits, item.name), item.metadata["meaning"])
             for item in fields(check.plan.limits)
-            if item.name != ("displacement" if math.isnan(check.subject.edge) else "overlap")
+            if item.name not in (("displacement",) if math.isnan(check.subject.edge) else ("overlap", "hits"))
         ],
         "differences": [difference(check, one) for one in checks[1:]],
         "left_out": (*check.subject.of_model, *LIMITS_OF_THE_MODEL),
