@@ -104,3 +104,21 @@ def test_declared_gaps_move_the_contact() -> None:
         made = Structure.from_dict(described(DRUM, DRUM, pair=[{"between": ["b0", "b1"], "gap": gap}]))
         pairs = made.model.names.pairs
         assert np.isclose(pairs.radius_a[0] + pairs.radius_b[0], 1.2 - gap, rtol=1e-12)
+
+
+def test_studies_vary_numbers_of_neighbours() -> None:
+    own = {"between": ["b0", "b1"], "gap": 0.05, "restitution": 0.5}
+    made = Structure.from_dict(described(DRUM, DRUM, DRUM, pair=[own], wall=[WALL]))
+    values = {"neighbours.pair[1].gap": (0.02, False), "neighbours.friction": (0.5, True)}
+    assert all(made.kind.has_number(made, name) for name in values)
+    changed = made.kind.with_numbers(made, values)
+    assert [pair.gap for pair in changed.neighbours] == pytest.approx([0.02, 0.2, 0.2], abs=1e-12)
+    assert {pair.friction for pair in changed.neighbours} == {0.2}
+    damped = made.kind.with_numbers(made, {"neighbours.pair[1].damping": (2e-3, False)})
+    assert damped.neighbours[0].damping == 2e-3
+    larger = made.kind.with_numbers(made, {"structure.size": (2.0, False)})
+    assert [pair.gap for pair in larger.neighbours] == pytest.approx([0.1, 0.4, 0.4], abs=1e-12)
+    with pytest.raises(InputError, match=r"neighbours.pair\[2\].gap: no such table"):
+        made.kind.with_numbers(made, {"neighbours.pair[2].gap": (0.02, False)})
+    with pytest.raises(InputError, match=r"neighbours.speed: unknown"):
+        made.kind.with_numbers(made, {"neighbours.speed": (0.02, False)})

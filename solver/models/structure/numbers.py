@@ -5,6 +5,7 @@ block[left].at[1]       a coordinate, from 1
 joint[beam-left].friction  the law of a joint by its name, as in the results, or its number; joint.stiffness: of all
 bearing[1].friction     of a table of bearings by its number; bearing.friction: of all
 tie[1].yield            of a tie; tie.stiffness: of all
+neighbours.friction     of all neighbours, or of a pair by its number in the file: neighbours.pair[1].gap
 g, solver.tolerance
 structure.size          factor on every length; masses grow with its cube, moduli and ties' forces do not change
 """
@@ -26,9 +27,10 @@ from .model import Structure
 SIZE = "structure.size"
 _WHOLE = ("g", "solver.tolerance")
 _PARTS = re.compile(r"(block|joint|tie|bearing)(?:\[([^\[\]]+)\])?\.([a-z_]+)(?:\[([1-9])\])?")
+_NEIGHBOURS = re.compile(r"neighbours\.(?:pair\[([1-9]\d*)\]\.)?([a-z_]+)")
 _LENGTHS = (
     *("width", "depth", "height", "top_width", "top_depth", "diameter", "top_diameter", "bore", "outline"),
-    *("at", "position", "from", "to", "slack", "radius", "rim", "capacity"),
+    *("at", "position", "from", "to", "slack", "radius", "rim", "capacity", "gap", "reach"),
 )
 
 
@@ -43,7 +45,7 @@ class Named(NamedTuple):
 
 def is_of_structure(name: str) -> bool:
     """Whether a dotted name belongs to a structure."""
-    return name in (*_WHOLE, SIZE) or _named(name) is not None
+    return name in (*_WHOLE, SIZE) or _named(name) is not None or _NEIGHBOURS.fullmatch(name) is not None
 
 
 def single_names_in_space(name: str, structure: Structure) -> list[str]:
@@ -107,8 +109,10 @@ def _which(name: str, structure: Structure) -> Sequence[int]:
 
 
 def _set(data: dict[str, Any], structure: Structure, name: str, number: float, relative: bool) -> None:
-    found = _named(name)
-    if name == SIZE:
+    found, of_neighbours = _named(name), _NEIGHBOURS.fullmatch(name)
+    if of_neighbours:
+        _put_beside(data, name, of_neighbours[1], of_neighbours[2], number, relative)
+    elif name == SIZE:
         _resize(data, check_number(name, number, POSITIVE, "a positive number"))
     elif found is None:
         table, key = (data, "g") if name == "g" else (data.setdefault("solver", {}), "tolerance")
@@ -137,6 +141,17 @@ def _put(table: dict[str, Any], name: str, found: Named, number: float, relative
     point[found.coordinate - 1] = _moved(name, point[found.coordinate - 1], number, relative)
 
 
+def _put_beside(data: dict[str, Any], name: str, pair: str | None, key: str, number: float, relative: bool) -> None:
+    """Set a number of the table `neighbours`, or of a pair of it."""
+    table = data.get("neighbours")
+    pairs = table.get("pair", []) if table is not None else []
+    if table is None or (pair and int(pair) > len(pairs)):
+        raise InputError(f"{name}: no such table, must be in the file, [[neighbours.pair]] by its number from 1")
+    place = pairs[int(pair) - 1] if pair else table
+    place[key] = _moved(name, place.get(key), number, relative)
+    place.pop({"damping": "restitution", "restitution": "damping"}.get(key, ""), None)  # one says what the other does
+
+
 def _moved(name: str, present: object, number: float, relative: bool) -> float:
     if not relative:
         return number
@@ -155,8 +170,9 @@ def _bed_with(bed: Bed, name: str, number: float, relative: bool) -> Bed:
 
 
 def _resize(data: dict[str, Any], factor: float) -> None:
-    for kind in ("block", "joint", "tie", "bearing"):
-        tables = data.get(kind, [])
+    beside = data.get("neighbours", {})
+    every = [data.get(kind, []) for kind in ("block", "joint", "tie", "bearing")]
+    for tables in (*every, [beside], beside.get("pair", []), beside.get("wall", [])):
         for table in tables if isinstance(tables, list) else []:
             for key in table.keys() & set(_LENGTHS):
                 table[key] = _times(table[key], factor)
