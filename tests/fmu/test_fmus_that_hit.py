@@ -1,0 +1,49 @@
+"""FMUs of structures whose neighbours hit, against `simulate`, and their states amid a contact."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.child import call
+from support.fmus import ROOT, Fmus, built_once
+from support.inside import structures as inside
+
+from solver import Motion, simulate
+from solver.models.structure.model import Structure
+
+CASKS = (ROOT / "examples" / "structures" / "casks.toml").read_text(encoding="utf-8")
+PAIRS = "".join(f'[[neighbours.pair]]\nbetween = ["cask{k}", "cask{k + 1}"]\ngap = 5e-5\n\n' for k in range(1, 5))
+CLOSE = CASKS.replace('[[block]]\nname = "pallet1"', f'{PAIRS}[[block]]\nname = "pallet1"')  # they hit as they sway
+H, DURATION = 0.01, 1.0  # s
+
+
+@pytest.fixture(scope="module")
+def casks(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The FMU of casks that stand 0.05 mm apart."""
+    file = tmp_path_factory.mktemp("casks") / "casks.toml"
+    file.write_text(CLOSE, encoding="utf-8")
+    return built_once(tmp_path_factory, "close-casks.fmu", lambda path: Fmus.build(file, path))
+
+
+def test_an_fmu_follows_a_run_through_hits(casks: Path, tmp_path: Path) -> None:
+    t = H * np.arange(round(DURATION / H) + 1)
+    samples = np.column_stack([2.0 * np.sin(8.8 * t), 0.9 * np.sin(7.1 * t), 0.3 * np.sin(26.0 * t)])
+    output = tmp_path / "seen.npy"
+    call(inside.follow, casks, samples.tolist(), H, {"solver.tolerance": 1e-8}, output)
+    seen = np.load(output)
+    (tmp_path / "casks.toml").write_text(CLOSE, encoding="utf-8")
+    motion = Motion.from_samples(H, samples[:, 0], ay=samples[:, 1], az=samples[:, 2])
+    structure = Structure.from_toml(tmp_path / "casks.toml")
+    response = simulate(structure, motion, DURATION, tolerance=1e-8, output_step=H, settle=0.0)
+    assert np.sum(response.peaks["hit"] > 0.0) == 4  # the casks, not their pallets
+    size = response.rows.shape[1]
+    largest = np.max(np.abs(response.rows), axis=0)
+    apart = np.max(np.abs(seen[:, :size] - response.rows[1:]), axis=0)
+    assert np.max(apart[largest > 0.0] / largest[largest > 0.0]) < 1e-5  # measured 7.1e-7
+
+
+def test_states_amid_contacts(casks: Path) -> None:
+    found = call(inside.life, casks)
+    assert all(found.values()), found
