@@ -332,6 +332,7 @@ static int update(Instance *instance, char *reason) {
         double *peaks = &now->reals[AT_PEAKS];
         for (int k = 0; k < PEAKS; k++) peaks[k] = now->state[STATE_PEAKS + k];
         for (int k = PEAK_CONTACT; k < PEAK_CONTACT + CONTACTS; k++) peaks[k] = 1.0 - peaks[k];
+        for (int k = PEAK_GAP; k < PEAK_GAP + GAPS; k++) peaks[k] = 1.0 - peaks[k];
         int64_t fallen = now->counts[COUNT_OVERTURNED], resting = now->counts[COUNT_RESTING];
         now->wholes[AT_VERDICT] = fallen ? VERDICT_OVERTURNED : resting ? VERDICT_STANDING : VERDICT_UNDECIDED;
         now->wholes[AT_FALLEN] = fallen;

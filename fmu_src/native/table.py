@@ -35,7 +35,7 @@ SIZES = ("N", "MODEL", "STATE", "COUNTS", "BASE", "WORK", "ROW", "SPLIT", "ROOM"
 REFUSALS = ("MISFIT", "NO_REST", "NOT_LINEAR", "TOO_LARGE")  # codes of `assemble`
 CODES = (
     *("COUNT_OVERTURNED", *REFUSALS, "TOO_MUCH_WORK"),
-    *("STATE_OVERTURN_TIME", "PEAKS", "STATE_PEAKS", "PEAK_CONTACT", "CONTACTS", "COUNT_RESTING"),
+    *("STATE_OVERTURN_TIME", "PEAKS", "STATE_PEAKS", "PEAK_CONTACT", "CONTACTS", "PEAK_GAP", "GAPS", "COUNT_RESTING"),
     *("VERDICT_OVERTURNED", "VERDICT_STANDING", "VERDICT_UNDECIDED"),
 )
 PLACES = (
@@ -125,10 +125,12 @@ class Contents:
 def codes_with(outputs: Sequence[Output], sizes: Mapping[str, int], state: int) -> dict[str, int]:
     """Codes of a body of blocks, whose peaks are the last of the `state` numbers of its state; verdicts."""
     places = places_of(outputs, sizes)
-    size, contact = places[outputs[-1].field].stop, places["contact"]
-    codes = {"PEAKS": size, "STATE_PEAKS": state - size, "PEAK_CONTACT": contact.start}
-    codes |= {f"VERDICT_{word.upper()}": number for word, number in VERDICT.items.items()}
-    return codes | {"CONTACTS": contact.stop - contact.start}
+    size = places[outputs[-1].field].stop
+    codes = {"PEAKS": size, "STATE_PEAKS": state - size}
+    for name, first, count in (("contact", "PEAK_CONTACT", "CONTACTS"), ("gap", "PEAK_GAP", "GAPS")):  # by their least
+        place = places.get(name, slice(0, 0))
+        codes |= {first: place.start, count: place.stop - place.start}
+    return codes | {f"VERDICT_{word.upper()}": number for word, number in VERDICT.items.items()}
 
 
 def headers(contents: Contents) -> dict[str, str]:

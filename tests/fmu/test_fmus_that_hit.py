@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.child import call
-from support.fmus import ROOT, Fmus, built_once
+from support.fmus import LINUX, ROOT, Fmus, built_once
 from support.inside import structures as inside
 
 from solver import Motion, simulate
@@ -47,3 +47,19 @@ def test_an_fmu_follows_a_run_through_hits(casks: Path, tmp_path: Path) -> None:
 def test_states_amid_contacts(casks: Path) -> None:
     found = call(inside.life, casks)
     assert all(found.values()), found
+
+
+@pytest.mark.long  # builds a native FMU
+def test_the_native_fmu_has_the_same_bits_through_hits(casks: Path, tmp_path: Path) -> None:
+    pytest.importorskip("ziglang", reason="needs the extra native")
+    file = tmp_path / "casks.toml"
+    file.write_text(CLOSE, encoding="utf-8")
+    native = Fmus.build(file, tmp_path / "native.fmu", *LINUX)
+    t = H * np.arange(round(DURATION / H) + 1)
+    samples = np.column_stack([2.0 * np.sin(8.8 * t), 0.9 * np.sin(7.1 * t), 0.3 * np.sin(26.0 * t)]).tolist()
+    found = []
+    for fmu in (casks, native):
+        call(inside.follow, fmu, samples, H, {}, tmp_path / "seen.npy")
+        found.append(np.load(tmp_path / "seen.npy"))
+    assert np.array_equal(*found)
+    assert all(call(inside.life, native).values())

@@ -1,4 +1,4 @@
-"""Blocks that stand beside each other meet: momentum, energy, closed forms of impacts (theory.md section 14)."""
+"""Blocks that stand beside each other meet: momentum, energy, closed forms of impacts (theory.md section 17)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Contact of blocks that stand beside each other and that no joint connects (theory.md section 14).
+"""Contact of blocks that stand beside each other and that no joint connects (theory.md section 17).
 
 Forces across are those of drum_contact.py and face_contact.py. They act on both blocks at one place, so that momentum
 is kept. Along the contact a slider in series with a spring and a dashpot bears what friction does, where the resultant

@@ -1,4 +1,4 @@
-"""A drum beside a drum, and a drum before a plane face (theory.md section 14).
+"""A drum beside a drum, and a drum before a plane face (theory.md section 17).
 
 Along the axis of the first drum, s from its middle, both sides overlap by delta(s). The force per length is stiffness
 times q = delta + damping d(delta)/dt where that is positive. Its ends are in closed form; where the end of the other

@@ -1,4 +1,4 @@
-"""Two plane faces across a gap (theory.md section 14).
+"""Two plane faces across a gap (theory.md section 17).
 
 Over the plane of the other face, x and y from its middle, the plane of the first one overlaps by delta(x, y). The
 pressure is stiffness times q = delta + damping d(delta)/dt where both are positive, over what both faces share as they
@@ -6,6 +6,7 @@ stand. The energy is half the stiffness times the integral of delta squared. It 
 face move over the other one, which is a force there; so undamped contact without friction keeps it.
 """
 
+import math
 from typing import NamedTuple
 
 from ..numba_ext.jit import kernel, leaf
@@ -56,7 +57,7 @@ def _edge(scene, pairs, p, k):
     after, corners = k + 1 if k + 1 < count else 0, scene.corners
     ax, ay = corners[first + 2 * k], corners[first + 2 * k + 1]
     dx, dy = corners[first + 2 * after] - ax, corners[first + 2 * after + 1] - ay
-    return Plane(dy * ax - dx * ay, -dy, dx), (dx * dx + dy * dy) ** 0.5
+    return Plane(dy * ax - dx * ay, -dy, dx), math.sqrt(dx * dx + dy * dy)
 
 
 @kernel
@@ -185,7 +186,7 @@ def load_faces(scene, phase, pairs, p, sides):
 def gap_of_faces(scene, pairs, p, sides):
     """Distance of two faces, m, below 0 by the deepest overlap; beside their edges that of these."""
     if dot(sides.u, sides.v) > FACING:
-        return dot(sides.between, sides.between) ** 0.5
+        return math.sqrt(dot(sides.between, sides.between))
     facing = _facing(scene, pairs, p, sides)
     count, corners = _share(scene, pairs, p, sides, facing), int(pairs.corners_a[p])
     if count > 2:

@@ -1,4 +1,4 @@
-"""Two sides that face each other: where they are, how fast they approach, and forces on both (theory.md section 14)."""
+"""Two sides that face each other: where they are, how fast they approach, and forces on both (theory.md section 17)."""
 
 import math
 from typing import NamedTuple

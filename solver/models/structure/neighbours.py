@@ -1,4 +1,4 @@
-"""Neighbours: pairs of blocks that no joint connects and whose sides face each other (theory.md section 14)."""
+"""Neighbours: pairs of blocks that no joint connects and whose sides face each other (theory.md section 17)."""
 
 from __future__ import annotations
 

@@ -102,7 +102,7 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """Two sides of blocks that no joint connects, and what they bear where they meet (theory.md section 14)."""
+    """Two sides of blocks that no joint connects, and what they bear where they meet (theory.md section 17)."""
 
     one: int  # number of the block, from 0
     other: int  # of another one, or of the base
