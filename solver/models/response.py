@@ -116,7 +116,8 @@ class Result(Histories, Framed, Shown):
         return *facts, counted(len(self.time), "row")
 
     def _frame(self) -> Frame:
-        seen = [output for output in self.outputs if not output.only_peak]
+        there = self.model.sizes
+        seen = [output for output in self.outputs if not output.only_peak and there.get(output.owner, 1)]
         columns = {output.field: getattr(self, output.field) for output in seen}
         attributes = {self.model.kind.word: self.model.name, "verdict": self.verdict}
         of = {output.field: self.dimensions.get(output.owner, output.owner) for output in seen}
