@@ -7,7 +7,7 @@ import json
 import math
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -207,30 +207,28 @@ def measure_trust(wanted: Scenes, quick: bool, results: Results) -> Iterator[Non
         yield
 
 
-def measure_space(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Structures in space: accuracy, cost, compilation."""
-    results["space"] = []
-    for found in in_space.measure(quick):
-        results["space"].append(asdict(found))
+def _measured(part: str, tables: Iterable[in_space.Table], results: Results) -> Iterator[None]:
+    """Keep the tables of a part as they come, and print them."""
+    results[part] = []
+    for found in tables:
+        results[part].append(asdict(found))
         say(f"{found.title}\n" + report.table(found.head, found.rows))
         yield
+
+
+def measure_space(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
+    """Structures in space: accuracy, cost, compilation."""
+    return _measured("space", in_space.measure(quick), results)
 
 
 def measure_neighbours(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
     """Blocks that meet across a gap."""
-    results["neighbours"] = []
-    for found in neighbours.measure(quick):
-        results["neighbours"].append(asdict(found))
-        say(f"{found.title}\n" + report.table(found.head, found.rows))
-        yield
+    return _measured("neighbours", neighbours.measure(quick), results)
 
 
 def measure_engines(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
     """Structures in space against physics engines."""
-    found = engines.against_engines(quick)
-    results["engines"] = [asdict(found)]
-    say(f"{found.title}\n" + report.table(found.head, found.rows))
-    yield
+    return _measured("engines", [engines.against_engines(quick)], results)
 
 
 # each yields whenever there is something new to be written

@@ -20,29 +20,18 @@ def bed_of_point(joints, j, p, q):
 
 
 @varied_leaf
-def risen(scene, j, motion, p):
-    """The penetration p, m, of joint j; a pendulum rises by u^2 / 2R as it moves: its force is conservative."""
+def lifted(scene, j, p, gap, by):
+    """The penetration p of joint j, m, or its rate, raised by the pendulum times the scalar product of two vectors.
+
+    A pendulum rises by u^2 / 2R as it moves, so that its force is conservative: gap times half of it, or its rate.
+    """
     return p
 
 
-@risen.version(has_extras)
-def _risen(scene, j, motion, p):
+@lifted.version(has_extras)
+def _lifted(scene, j, p, gap, by):
     if any_of(scene.joints.section[j] == POINT):
-        x, y = motion.gap[0], motion.gap[1]
-        p = Plane(p.at + 0.5 * scene.joints.pendulum[j] * (x * x + y * y), p.along_x, p.along_y)
-    return p
-
-
-@varied_leaf
-def rising(scene, j, motion, p):
-    """Its rate, m/s."""
-    return p
-
-
-@rising.version(has_extras)
-def _rising(scene, j, motion, p):
-    if any_of(scene.joints.section[j] == POINT):
-        rises = motion.gap[0] * motion.gap_rate[0] + motion.gap[1] * motion.gap_rate[1]
+        rises = gap[0] * by[0] + gap[1] * by[1]
         p = Plane(p.at + scene.joints.pendulum[j] * rises, p.along_x, p.along_y)
     return p
 

@@ -8,8 +8,7 @@ that the damping of an impact, which begins at once, leaves steps smooth. Nothin
 
 import math
 
-from ..numba_ext.jit import by_width, kernel, leaf
-from ..numba_ext.lanes import LanesType, zero_like
+from ..numba_ext.jit import kernel, leaf
 from .drum_contact import gap_before_face, gap_of_drums, load_drum_before_face, load_drums
 from .face_contact import gap_of_faces, load_faces
 from .kinematics import dot, minus, plus
@@ -37,7 +36,6 @@ def _rub(scene, phase, extras, p, sides, touch):
         force = scaled(force, part)
         extras.hits.slides[p] = 1.0
     giving.z1[p], giving.z2[p], giving.z3[p] = v
-    extras.hits.along[p] = min(size, limit)
     push_both(scene, sides, touch.place, force)
 
 
@@ -45,7 +43,7 @@ def _rub(scene, phase, extras, p, sides, touch):
 def _load_pair(scene, phase, extras, p):
     """Add the forces of a pair that touches to those on its two blocks; one that has let go bears nothing."""
     hits, giving, pairs = extras.hits, extras.giving_stretches, extras.pairs
-    hits.force[p], hits.along[p], hits.energy[p], hits.slides[p] = 0.0, 0.0, 0.0, 0.0
+    hits.force[p], hits.energy[p], hits.slides[p] = 0.0, 0.0, 0.0
     giving.z1[p], giving.z2[p], giving.z3[p] = 0.0, 0.0, 0.0
     hits.bears[p] = extras.stretches.touches[p]
     if hits.bears[p] == 0.0:
@@ -62,35 +60,25 @@ def _load_pair(scene, phase, extras, p):
         _rub(scene, phase, extras, p, sides, touch)
 
 
-@by_width
-def load_pairs(scene, phase, like):
-    """Add the forces of all pairs that touch; like: a number of the scene. Lanes have none."""
-    return _nothing_on if isinstance(like, LanesType) else _load_on
-
-
-def _nothing_on(scene, phase, like):
-    return
-
-
-def _load_on(scene, phase, like):
+@kernel
+def load_pairs(scene, phase):
+    """Add the forces of all pairs that touch."""
     touches, bears = scene.extras.stretches.touches, scene.extras.hits.bears
     for p in range(scene.extras.met):
         if touches[p] != 0.0 or bears[p] != 0.0:
             _load_pair(scene, phase, scene.extras, p)
 
 
-@by_width
-def error_of_pairs(scene, errors, like):
-    """Largest error, m, of what pairs are stretched by; like: a number of the scene."""
-    return _no_error if isinstance(like, LanesType) else _largest_error
+@leaf
+def stretches_in(scene, remembered):
+    """What a state remembers of pairs, from all that it remembers."""
+    return _stretch(remembered[_PER_JOINT * scene.m + scene.k :], scene.extras.met)
 
 
-def _no_error(scene, errors, like):
-    return zero_like(like)
-
-
-def _largest_error(scene, errors, like):
-    z, largest = _stretch(errors[_PER_JOINT * scene.m + scene.k :], scene.extras.met), 0.0
+@kernel
+def error_of_pairs(scene, errors):
+    """Largest error, m, of what pairs are stretched by."""
+    z, largest = stretches_in(scene, errors), 0.0
     for p in range(scene.extras.met):
         largest = max(largest, abs(z.z1[p]) + abs(z.z2[p]) + abs(z.z3[p]))
     return largest

@@ -9,8 +9,8 @@ import math
 from typing import NamedTuple
 
 from ..numba_ext.jit import leaf
-from .kinematics import cross, dot, minus, plus, push
-from .sides import NOTHING, SLACK, Touch, apart, directed, push_both, rate_along, scaled, spin_of, velocity_of
+from .kinematics import cross, dot, minus, plus, push, standing
+from .sides import NOTHING, SLACK, Touch, apart, arms_to, edge_of, push_both, rate_along, scaled, spin_of, velocity_of
 
 PARALLEL = 1e-24  # square of the sine of the angle between axes that are taken as parallel
 ALONG = 1e-9  # cosine of the angle to an axis from which on an edge across it ends a contact
@@ -96,11 +96,13 @@ def _outwards(axes, s):
 
 
 @leaf
-def _push_end(scene, sides, s, edge, energy, way):
-    """The force of an end of the loaded part that the other block sets; energy: per length there, J/m."""
-    across = dot(sides.u, edge)
-    if energy > 0.0 and abs(across) >= ALONG:
-        push_both(scene, sides, scaled(sides.u, s), scaled(edge, way * energy / across))
+def _push_ends(scene, sides, stiffness, part, at_low, at_high):
+    """The forces of the ends of the loaded part that the other block sets; both overlap there by so much, m."""
+    for way in (-1.0, 1.0):
+        s, edge, delta = (part.low, part.by_low, at_low) if way < 0.0 else (part.high, part.by_high, at_high)
+        energy, across = 0.5 * stiffness * delta * delta, dot(sides.u, edge)  # per length, J/m
+        if delta > 0.0 and abs(across) >= ALONG:
+            push_both(scene, sides, scaled(sides.u, s), scaled(edge, way * energy / across))
 
 
 @leaf
@@ -127,11 +129,7 @@ def load_drums(scene, phase, pairs, p, sides):
             energy += 0.5 * k * half * WEIGHTS[g] * max(delta, 0.0) ** 2
         push(scene.poses, sides.a, on_a, pushed, cross(sides.u, times_s), 1.0)
         push(scene.poses, sides.b, on_b, pushed, scaled(cross(along_b, times_s), -1.0), -1.0)
-        for way in (-1.0, 1.0):
-            s = part.low if way < 0.0 else part.high
-            n, rho = _outwards(axes, s)
-            delta = max(reach - rho, 0.0)
-            _push_end(scene, sides, s, part.by_low if way < 0.0 else part.by_high, 0.5 * k * delta * delta, way)
+        _push_ends(scene, sides, k, part, reach - _outwards(axes, part.low)[1], reach - _outwards(axes, part.high)[1])
     normal, place = sides.u, NOTHING
     if total > 0.0:
         s = first / total
@@ -158,16 +156,12 @@ def gap_of_drums(pairs, p, sides):
 @leaf
 def _before_face(scene, pairs, p, sides, part):
     """What of a part of the axis lies within the edges of the face."""
-    e1 = directed(scene, sides.b, pairs.e1x[p], pairs.e1y[p], pairs.e1z[p])
+    e1 = standing(scene.poses, sides.b, pairs.e1x[p], pairs.e1y[p], pairs.e1z[p])
     e2 = cross(sides.v, e1)
     x0, x1 = dot(sides.between, e1), dot(sides.u, e1)
     y0, y1 = dot(sides.between, e2), dot(sides.u, e2)
-    first, count = int(pairs.first[p]), int(pairs.corners[p])
-    corners = scene.corners
-    for k in range(count):
-        after = k + 1 if k + 1 < count else 0
-        ax, ay = corners[first + 2 * k], corners[first + 2 * k + 1]
-        dx, dy = corners[first + 2 * after] - ax, corners[first + 2 * after + 1] - ay
+    for k in range(int(pairs.corners[p])):
+        ax, ay, dx, dy = edge_of(scene, pairs, p, k)
         edge = plus(scaled(e1, dy), e2, -dx)  # outwards
         level, slope = dx * (y0 - ay) - dy * (x0 - ax), dx * y1 - dy * x1
         part = _cut(part, level, slope, edge)
@@ -200,17 +194,13 @@ def load_drum_before_face(scene, phase, pairs, p, sides):
     if line.at < pairs.radius_a[p] and line.at + abs(line.along) * half > -SLACK:
         part = _cut(_before_face(scene, pairs, p, sides, part), line.at + SLACK, line.along, NOTHING)
         if part.high > part.low:
-            on_a = plus(sides.arm_a, line.off, 1.0)
-            on_b = plus(plus(sides.arm_b, sides.between, 1.0), line.off, 1.0)
+            on_a, on_b = arms_to(sides, line.off)
             rate = rate_along(scene, phase, sides, n, on_a, on_b)
             pace = rate_along(scene, phase, sides, n, plus(on_a, sides.u, 1.0), plus(on_b, sides.u, 1.0)) - rate
             at, along = line.at + eta * rate, line.along + eta * pace
             low, high = part.low, part.high
-            for way in (-1.0, 1.0):
-                s = low if way < 0.0 else high
-                delta = max(line.at + line.along * s, 0.0)
-                _push_end(scene, sides, s, part.by_low if way < 0.0 else part.by_high, 0.5 * k * delta * delta, way)
             d0, d1 = max(line.at + line.along * low, 0.0), max(line.at + line.along * high, 0.0)
+            _push_ends(scene, sides, k, part, d0, d1)
             energy = k * (high - low) * (d0 * d0 + d0 * d1 + d1 * d1) / 6.0
             pressed = _cut(part, at, along, NOTHING)
             low, high = pressed.low, pressed.high

@@ -2,7 +2,8 @@
 
 One gate, by type. The scene of a structure without any has no `extras` (layout.py, Extras), and what it compiles is the
 first of each pair of functions here and in bearing.py: nothing. All others compile the second, with everything in it,
-whichever of the extras they have. What another extra needs is added to `Extras` and to the second functions.
+whichever of the extras they have; lanes those of bearings alone. What another extra needs is added to `Extras` and to
+the second functions.
 """
 
 import math
@@ -11,7 +12,7 @@ from ..numba_ext.jit import varied
 from ..numba_ext.lanes import zero_like
 from ..numba_ext.views import copy
 from .contact import error_of_pairs, gap_of, load_pairs, pairs_energy
-from .layout import OF_BEARING, OF_PAIR, OF_PORT, has_extras
+from .layout import OF_BEARING, OF_PAIR, OF_PORT, acts_alone, has_extras
 from .port import is_pushed, let_ports_go, load_ports, push_ports, see_ports
 
 
@@ -21,7 +22,7 @@ def take_extras(scene, shaking, k, t):
     return
 
 
-@take_extras.version(has_extras)
+@take_extras.version(acts_alone)
 def _take(scene, shaking, k, t):
     push_ports(scene, shaking, k, t)
 
@@ -54,10 +55,10 @@ def load_extras(scene, phase):
     return
 
 
-@load_extras.version(has_extras)
+@load_extras.version(acts_alone)
 def _load(scene, phase):
-    load_ports(scene, phase, scene.settings.gravity)
-    load_pairs(scene, phase, scene.settings.gravity)
+    load_ports(scene, phase)
+    load_pairs(scene, phase)
 
 
 @varied
@@ -66,9 +67,9 @@ def error_of_extras(scene, errors):
     return zero_like(scene.settings.tolerance)
 
 
-@error_of_extras.version(has_extras)
+@error_of_extras.version(acts_alone)
 def _error(scene, errors):
-    return error_of_pairs(scene, errors, scene.settings.tolerance)
+    return error_of_pairs(scene, errors)
 
 
 @varied
@@ -88,9 +89,9 @@ def see_extras(scene, phase, rates):
     return
 
 
-@see_extras.version(has_extras)
+@see_extras.version(acts_alone)
 def _see(scene, phase, rates):
-    see_ports(scene, phase, rates, scene.settings.gravity)
+    see_ports(scene, phase, rates)
 
 
 @varied

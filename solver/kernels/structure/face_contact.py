@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 from ..numba_ext.jit import kernel, leaf
 from .bed import Plane, value
-from .kinematics import cross, dot, minus, plus
+from .kinematics import cross, dot, minus, plus, standing
 from .overlap import cut
-from .sides import NOTHING, SLACK, Touch, apart, directed, push_both, scaled, spin_of, velocity_of
+from .sides import NOTHING, SLACK, Touch, apart, edge_of, push_both, scaled, spin_of, velocity_of
 
 FACING = -0.1  # cosine of the angle between the normals of faces that face each other, at most
 SIMPSON = ((0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0))  # exact for cubics
@@ -33,8 +33,8 @@ class _Facing(NamedTuple):
 
 @leaf
 def _facing(scene, pairs, p, sides):
-    e1 = directed(scene, sides.b, pairs.e1x[p], pairs.e1y[p], pairs.e1z[p])
-    f1 = directed(scene, sides.a, pairs.f1x[p], pairs.f1y[p], pairs.f1z[p])
+    e1 = standing(scene.poses, sides.b, pairs.e1x[p], pairs.e1y[p], pairs.e1z[p])
+    f1 = standing(scene.poses, sides.a, pairs.f1x[p], pairs.f1y[p], pairs.f1z[p])
     e2, f2 = cross(sides.v, e1), cross(sides.u, f1)
     pull, shift = scaled(sides.u, 1.0 / dot(sides.u, sides.v)), pairs.radius_a[p]
     delta = Plane(shift - dot(sides.between, pull), dot(e1, pull), dot(e2, pull))
@@ -53,10 +53,7 @@ def _corner(scene, pairs, p, sides, facing, k):
 @leaf
 def _edge(scene, pairs, p, k):
     """A linear function that is positive inside of edge k of the other face, m2, and the length of the edge, m."""
-    first, count = int(pairs.first[p]), int(pairs.corners[p])
-    after, corners = k + 1 if k + 1 < count else 0, scene.corners
-    ax, ay = corners[first + 2 * k], corners[first + 2 * k + 1]
-    dx, dy = corners[first + 2 * after] - ax, corners[first + 2 * after + 1] - ay
+    ax, ay, dx, dy = edge_of(scene, pairs, p, k)
     return Plane(dy * ax - dx * ay, -dy, dx), math.sqrt(dx * dx + dy * dy)
 
 

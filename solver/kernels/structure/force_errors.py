@@ -8,7 +8,7 @@ import math
 
 from ..numba_ext.jit import kernel, leaf
 from .bearing import stiffness_along
-from .kinematics import cross, dot, minus, plus, turned
+from .kinematics import cross, dot, minus, plus, standing, turned
 from .layout import PHASE
 from .watch import END, row
 
@@ -38,12 +38,6 @@ def _felt(scene, error, i, arm, damping):
     return plus(place, cross(turn, arm), 1.0), turn
 
 
-@leaf
-def _standing(poses, i, x, y, z):
-    """A vector that is fixed to body i, as it stands now."""
-    return plus((x, y, z), turned(poses, i, x, y, z), 1.0)
-
-
 @kernel
 def error_of_forces(scene, errors):
     """Largest error of a force across or along a joint over the tolerance times the largest of its kind so far.
@@ -56,11 +50,11 @@ def error_of_forces(scene, errors):
     _take_along_base(scene, error)
     for j in range(scene.m):
         a, b = int(joints.upper[j]), int(joints.lower[j])
-        e1 = _standing(poses, b, joints.e1x[j], joints.e1y[j], joints.e1z[j])
-        e2 = _standing(poses, b, joints.e2x[j], joints.e2y[j], joints.e2z[j])
+        e1 = standing(poses, b, joints.e1x[j], joints.e1y[j], joints.e1z[j])
+        e2 = standing(poses, b, joints.e2x[j], joints.e2y[j], joints.e2z[j])
         e3 = cross(e1, e2)
-        arm_a = _standing(poses, a, joints.ax[j], joints.ay[j], joints.az[j])
-        arm_b = _standing(poses, b, joints.bx[j], joints.by[j], joints.bz[j])
+        arm_a = standing(poses, a, joints.ax[j], joints.ay[j], joints.az[j])
+        arm_b = standing(poses, b, joints.bx[j], joints.by[j], joints.bz[j])
         for kind in range(2):  # which is compiled once
             damping = joints.damping[j] if kind == 0 else joints.shear_damping[j]
             place_a, turn_a = _felt(scene, error, a, arm_a, damping)

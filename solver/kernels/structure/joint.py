@@ -15,7 +15,7 @@ from ..numba_ext.lanes import (
     with_sign,
     zero_like,
 )
-from .bearing import TINY, bed_of_point, beside_slider, risen, rising, with_bearing
+from .bearing import TINY, bed_of_point, beside_slider, lifted, with_bearing
 from .bed import Plane, chosen, nothing, whole
 from .disc import round_bed
 from .kinematics import cross, dot, out_of, plus, push, relative_motion
@@ -82,14 +82,15 @@ def _bed_as_built(scene, j, p, q):
 @leaf
 def penetration(scene, j, motion):
     """The penetration over the section, m."""
-    return risen(scene, j, motion, Plane(-motion.gap[2], motion.turn[1], -motion.turn[0]))
+    gap = motion.gap
+    return lifted(scene, j, Plane(-gap[2], motion.turn[1], -motion.turn[0]), gap, (0.5 * gap[0], 0.5 * gap[1]))
 
 
 @leaf
 def _penetration_rate(scene, j, motion):
     """Its rate, m/s."""
-    rate = motion.turn_rate
-    return rising(scene, j, motion, Plane(-motion.gap_rate[2], rate[1], -rate[0]))
+    rate, moves = motion.turn_rate, motion.gap_rate
+    return lifted(scene, j, Plane(-moves[2], rate[1], -rate[0]), motion.gap, (moves[0], moves[1]))
 
 
 @leaf

@@ -46,6 +46,12 @@ def turned(poses, i, x, y, z):
 
 
 @leaf
+def standing(poses, i, x, y, z):
+    """A vector that is fixed to body i, as it stands now, along the axes of the base."""
+    return plus((x, y, z), turned(poses, i, x, y, z), 1.0)
+
+
+@leaf
 def cross(a, b):
     """The vector product."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 from numba import types
 
 from ..numba_ext.jit import in_both, leaf, varied_leaf
+from ..numba_ext.lanes import LANES
 from ..numba_ext.views import Numbers, Record, Space, Table
 
 
@@ -179,8 +180,8 @@ RESULTANTS = Table(  # of m joints, along the axes of the joint
     *("s1", "s2", "s3"),  # m, m, rad: slips and twist
     *("z1", "z2", "z3"),  # their elastic parts
 )
-# of pairs: N, N, J; 1 while friction gives way; 1 while the pair bears something
-HITS = Table("force", "along", "energy", "slides", "bears")
+# of pairs: N, J; 1 while friction gives way; 1 while the pair bears something
+HITS = Table("force", "energy", "slides", "bears")
 PULLS = Table("force", "stretch", "elastic")  # of k ties: N, m; the elastic part of the stretch
 STAGES = 13  # of a step of order 8, with its start and its end
 
@@ -317,6 +318,11 @@ class Scene(NamedTuple):
 def has_extras(scene: Any, *_: Any) -> bool:
     """Whether the type of a scene is one with extras: for versions of kernels (`varied`)."""
     return not isinstance(scene.types[scene.fields.index("extras")], types.NoneType)
+
+
+def acts_alone(scene: Any, *_: Any) -> bool:
+    """Whether it has extras and is no scene of lanes, in which nothing acts beside the base and no neighbours meet."""
+    return has_extras(scene) and scene.types[scene.fields.index("memory")].kind is not LANES
 
 
 _PER_BODY = PHASE.per_n

@@ -4,14 +4,13 @@ import math
 
 from ..numba_ext.jit import kernel, leaf, varied
 from .attempt import attempt
-from .contact import gap_of, is_near
+from .contact import gap_of, is_near, stretches_in
 from .kinematics import pose_body
-from .layout import MEMORY, PHASE, STRETCH, has_extras
+from .layout import PHASE, has_extras
 from .sides import SLACK
-from .watch import BETWEEN, END, START, first_gap, interpolate_body, row
+from .watch import BETWEEN, END, START, gaps_in_row, interpolate_body, row
 
-_phase, _stretch = PHASE.over, STRETCH.over
-_PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
+_phase, _PER_BODY = PHASE.over, PHASE.per_n
 CLOSED = 0.25 * SLACK  # m: the gap at which a step ends
 MOST = 60  # iterations
 
@@ -19,7 +18,7 @@ MOST = 60  # iterations
 @leaf
 def _kept(scene, k):
     """What row k of a step remembers of pairs."""
-    return _stretch(row(scene, k)[_PER_BODY * scene.n + _PER_JOINT * scene.m + scene.k :], scene.extras.met)
+    return stretches_in(scene, row(scene, k)[_PER_BODY * scene.n :])
 
 
 @kernel
@@ -115,14 +114,9 @@ def _longest_touching(scene):
     return longest
 
 
-@varied
+@leaf
 def clear_gaps(scene):
     """Forget the least gaps: the peaks of a run that begins."""
-    return
-
-
-@clear_gaps.version(has_extras)
-def _clear_gaps(scene):
-    first = first_gap(scene)
-    for p in range(scene.extras.met):
-        scene.peaks[first + p] = -math.inf
+    first, end = gaps_in_row(scene)
+    for place in range(first, end):
+        scene.peaks[place] = -math.inf

@@ -1,11 +1,11 @@
 """Ports: points of blocks at which loads act, and whose motion is an output (theory.md section 15).
 
 A load is a force and a couple along the axes of the base: samples that lines join, with jumps between them where there
-are any, and the inputs of an FMU beside them. Scenes with extras alone get here (extras.py), and lanes have no loads.
+are any, and the inputs of an FMU beside them. Only scenes with extras that are not lanes get here (extras.py).
 """
 
-from ..numba_ext.jit import by_width, kernel, leaf
-from ..numba_ext.lanes import LanesType, index_of
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import index_of
 from ..numba_ext.views import clear
 from .kinematics import cross, plus, point_of, push, turned
 from .layout import LOAD
@@ -13,23 +13,9 @@ from .layout import LOAD
 _COMPONENTS = len(LOAD)
 
 
-@by_width
+@kernel
 def push_ports(scene, shaking, k, t):
     """Take the loads on the ports at time t, s, on segment k; they stay until others are taken."""
-    return _nothing_at if isinstance(t, LanesType) else _push_at
-
-
-def _nothing_at(scene, shaking, k, t):
-    return
-
-
-def _push_at(scene, shaking, k, t):
-    if scene.extras.spotted > 0:
-        _take_loads(scene, shaking, k, t)
-
-
-@kernel
-def _take_loads(scene, shaking, k, t):
     count, taken, given = _COMPONENTS * scene.extras.spotted, scene.extras.pushes.row, shaking.inputs
     past = t - shaking.base.t0
     for i in range(count):
@@ -61,23 +47,9 @@ def is_pushed(scene, shaking, k):
     return False
 
 
-@by_width
-def load_ports(scene, phase, like):
-    """Add the loads on the ports to the forces on their blocks; like: a number of the scene."""
-    return _nothing_on if isinstance(like, LanesType) else _load_on
-
-
-def _nothing_on(scene, phase, like):
-    return
-
-
-def _load_on(scene, phase, like):
-    if scene.extras.spotted > 0:
-        _load_blocks(scene, phase)
-
-
 @kernel
-def _load_blocks(scene, phase):
+def load_ports(scene, phase):
+    """Add the loads on the ports to the forces on their blocks."""
     ports, loads = scene.extras.ports, scene.extras.pushes
     for p in range(scene.extras.spotted):
         i = index_of(ports.body[p])
@@ -86,23 +58,9 @@ def _load_blocks(scene, phase):
         push(scene.poses, i, arm, force, couple, 1.0)
 
 
-@by_width
-def see_ports(scene, phase, rates, like):
-    """Fill in the motion of the ports, of a phase and its rates; like: a number of the scene."""
-    return _nothing_seen if isinstance(like, LanesType) else _see_on
-
-
-def _nothing_seen(scene, phase, rates, like):
-    return
-
-
-def _see_on(scene, phase, rates, like):
-    if scene.extras.spotted > 0:
-        _see_points(scene, phase, rates)
-
-
 @kernel
-def _see_points(scene, phase, rates):
+def see_ports(scene, phase, rates):
+    """Fill in the motion of the ports, of a phase and its rates."""
     ports, seen, poses = scene.extras.ports, scene.extras.spots, scene.poses
     for p in range(scene.extras.spotted):
         i = index_of(ports.body[p])

@@ -4,7 +4,7 @@ import math
 from typing import NamedTuple
 
 from ..numba_ext.jit import leaf
-from .kinematics import cross, dot, minus, plus, push, turned
+from .kinematics import cross, dot, minus, plus, push, standing
 
 NOTHING = (0.0, 0.0, 0.0)
 SLACK = 1e-9  # m: a pair lets go beyond this gap, and touches within half of it
@@ -32,12 +32,6 @@ class Touch(NamedTuple):
 
 
 @leaf
-def directed(scene, i, x, y, z):
-    """A direction that is fixed to body i, along the axes of the base."""
-    return plus((x, y, z), turned(scene.poses, i, x, y, z), 1.0)
-
-
-@leaf
 def place_of(scene, phase, i):
     """Place of the centroid of body i, m."""
     bodies = scene.bodies
@@ -50,11 +44,11 @@ def place_of(scene, phase, i):
 def sides_of(scene, phase, pairs, p):
     """Both sides of pair p."""
     a, b = int(pairs.one[p]), int(pairs.other[p])
-    arm_a = directed(scene, a, pairs.ax[p], pairs.ay[p], pairs.az[p])
-    arm_b = directed(scene, b, pairs.bx[p], pairs.by[p], pairs.bz[p])
+    arm_a = standing(scene.poses, a, pairs.ax[p], pairs.ay[p], pairs.az[p])
+    arm_b = standing(scene.poses, b, pairs.bx[p], pairs.by[p], pairs.bz[p])
     between = minus(plus(place_of(scene, phase, a), arm_a, 1.0), plus(place_of(scene, phase, b), arm_b, 1.0))
-    u = directed(scene, a, pairs.ux[p], pairs.uy[p], pairs.uz[p])
-    v = directed(scene, b, pairs.vx[p], pairs.vy[p], pairs.vz[p])
+    u = standing(scene.poses, a, pairs.ux[p], pairs.uy[p], pairs.uz[p])
+    v = standing(scene.poses, b, pairs.vx[p], pairs.vy[p], pairs.vz[p])
     return Sides(a, b, arm_a, arm_b, between, u, v)
 
 
@@ -90,6 +84,15 @@ def push_both(scene, sides, place, force):
     on_a, on_b = arms_to(sides, place)
     push(scene.poses, sides.a, on_a, force, NOTHING, 1.0)
     push(scene.poses, sides.b, on_b, force, NOTHING, -1.0)
+
+
+@leaf
+def edge_of(scene, pairs, p, k):
+    """Corner k of the other face of pair p, and from there to the next one: x, y, dx, dy, m."""
+    first, count, corners = int(pairs.first[p]), int(pairs.corners[p]), scene.corners
+    after = k + 1 if k + 1 < count else 0
+    x, y = corners[first + 2 * k], corners[first + 2 * k + 1]
+    return x, y, corners[first + 2 * after] - x, corners[first + 2 * after + 1] - y
 
 
 @leaf

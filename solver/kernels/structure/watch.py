@@ -126,31 +126,23 @@ def look(scene, shaking, segment, t, h, s, into):
 
 
 @varied_leaf
-def first_gap(scene):
-    """Place of the first gap of neighbours in an output row; beyond it if there is none."""
-    return scene.visible
+def gaps_in_row(scene):
+    """Place of the first gap of neighbours in an output row, and the place after the last: there are none."""
+    return 0, 0
 
 
-@first_gap.version(has_extras)
-def _first_gap(scene):
-    return scene.visible - len(OF_BASE) - len(OF_PORT) * scene.extras.spotted - len(OF_PAIR) * scene.extras.met
-
-
-@varied_leaf
-def _gaps(scene):
-    return 0
-
-
-@_gaps.version(has_extras)
-def _gaps_of_pairs(scene):
-    return scene.extras.met
+@gaps_in_row.version(has_extras)
+def _gaps_in_row(scene):
+    met = scene.extras.met
+    first = scene.visible - len(OF_BASE) - len(OF_PORT) * scene.extras.spotted - len(OF_PAIR) * met
+    return first, first + met
 
 
 @leaf
 def _by_least(scene, j):
     """Whether the least value of quantity j of an output row counts: of contacts and gaps."""
-    first, gap = _BLOCKS * scene.n + _CONTACT * scene.m, first_gap(scene)
-    return first <= j < first + scene.m or gap <= j < gap + _gaps(scene)
+    first, (gap, end) = _BLOCKS * scene.n + _CONTACT * scene.m, gaps_in_row(scene)
+    return first <= j < first + scene.m or gap <= j < end
 
 
 @leaf
