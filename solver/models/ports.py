@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..common.errors import InputError, shown
-from ..common.ranges import check_choice, check_keys
+from ..common.ranges import check_choice
+from ..common.tables import check_table
 from ..ground.records.record import FloatArray
 
 KEYS = ("name", "block", "at")
@@ -38,9 +39,7 @@ def ports_from(data: Mapping[str, Any], names: Sequence[str], point: Point) -> t
         raise InputError("port: must be one table [[port]] for each")
     for number, table in enumerate(tables, start=1):
         key = f"port[{number}]"
-        if not isinstance(table, Mapping):
-            raise InputError(f"{key} = {shown(table)}: must be a table with the keys {', '.join(KEYS)}")
-        check_keys(f"{key}.", table, KEYS)
+        check_table(f"{key}.", table, KEYS)
         name = table.get("name")
         if not isinstance(name, str) or not name or not name.isprintable() or set(name) & set('[].=,"'):
             raise InputError(f'{key}.name = {shown(name)}: must be a word that can be printed, without [ ] . = , and "')

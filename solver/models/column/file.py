@@ -11,6 +11,7 @@ import numpy as np
 
 from ...common.errors import InputError, InputWarning, check_number, check_whole, shown
 from ...common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, check_keys
+from ...common.tables import PLACE
 from ..ports import ports_from
 from .block import BLOCK_SECTIONS, Block, Joint, check_block
 from .materials import MATERIALS, Material
@@ -30,7 +31,6 @@ _BLOCK_KEYS = (
 _JOINT_KEYS = (*(item.name for item in fields(Joint)), "diameter")
 _WORDS = ("section", "strips")  # keys of a joint that are no number
 _LOAD_KEYS = ("mass", "above")  # of what rests on a block: kg, and m of its centroid above the top face
-PLACE = (-1e6, 1e6), "a length in m, at most 1e6 either way"  # of a port
 _SETTINGS_KEYS = tuple(item.name for item in fields(Settings))
 
 # hints in the messages about missing keys, after the range of the key

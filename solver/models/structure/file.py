@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 
 from ...common.errors import InputError, check_number, check_whole, shown
-from ...common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, check_keys
+from ...common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice
+from ...common.tables import check_table, tables_in, vector_of
 from ..column.file import has_blocks_in_space
 from ..ports import Port, ports_from
-from .bearing_tables import bearings_from, check_table
+from .bearing_tables import bearings_from
+from .bearing_tables import check_table as check_bearing
 from .blocks.contacts import joints_between, turned_face
 from .blocks.faces import Face, FloatArray, polygon_moments
 from .blocks.outlines import MEANING, MOST_CORNERS, outline_of
@@ -47,7 +49,6 @@ _OWN_RANGES = {
     "shear_ratio": ((1e-6, 1e6), "a positive ratio of the modulus along the joint to that across it"),
     "shear_damping": NUMBERS["damping"],
 }
-_PLACE = (-1e6, 1e6), "a length in m, at most 1e6 either way"
 _ANGLE = (-2.0 * math.pi, 2.0 * math.pi), "an angle in rad, at most a full turn either way"
 _OF_TIES = {
     "stiffness": ((1e-6, 1e15), "a positive stiffness in N/m"),
@@ -63,13 +64,13 @@ def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> d
 
     surfaces: triangles (k, 3, 3) m to draw the blocks of a table by, by its number from 1. Raises InputError.
     """
-    _check_keys("", data, _KEYS)
+    check_table("", data, _KEYS)
     if "name" not in data:
         raise InputError('name: missing, must be a file name: letters, digits, "_", "-", "." and space')
     law, explicit = _joint_tables(data)
     solids = _Solids()
     joints: list[Joint] = []
-    tables = _tables("block", data)
+    tables = tables_in("block", data)
     count = sum(_times(f"block[{number}]", table) for number, table in enumerate(tables, start=1))
     if count > MAX_BLOCKS:
         raise InputError(f"block: {count} blocks, must be 1 to {MAX_BLOCKS}")
@@ -85,13 +86,13 @@ def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> d
             joints += joints_between(blocks, upper, below, bed, f"{key}.on")
     for number, table in enumerate(explicit, start=1):
         joints += _joints_from(f"joint[{number}]", table, law, blocks)
-    for number, table in enumerate(_tables("bearing", data, 0), start=1):
+    for number, table in enumerate(tables_in("bearing", data, 0), start=1):
         joints += _bearings_from(f"bearing[{number}]", table, blocks)
     check_joints(blocks, joints)
-    ties = tuple(_tie_from(f"tie[{e}]", table, blocks) for e, table in enumerate(_tables("tie", data, 0), start=1))
+    ties = tuple(_tie_from(f"tie[{e}]", table, blocks) for e, table in enumerate(tables_in("tie", data, 0), start=1))
     ports = ports_of(data, blocks)
     solver = data.get("solver", {})
-    _check_keys("solver.", solver, ("tolerance", "without"))
+    check_table("solver.", solver, ("tolerance", "without"))
     tolerance = check("solver.tolerance", solver.get("tolerance", TOLERANCE))
     gravity = check("g", data.get("g", 9.80665))
     found = {
@@ -184,14 +185,14 @@ class _Solids:
         """Read one table; surface: as of `solid_from_hull`."""
         shape = table.get("shape", "box")
         check_choice(f"{key}.shape", shape, SHAPES)
-        _check_keys(f"{key}.", table, (*_BLOCK, *_OF_SHAPE[shape]))
+        check_table(f"{key}.", table, (*_BLOCK, *_OF_SHAPE[shape]))
         name = table.get("name", f"block{len(self.found) + 1}")
         if not isinstance(name, str) or not name or not name.isprintable():
             raise InputError(f"{key}.name = {shown(name)}: must be a word that can be printed")
         if name in self.numbers:
             raise InputError(f"{key}.name = {shown(name)}: must be another name, it is taken")
         own = table.get("joint", {})
-        _check_keys(f"{key}.joint.", own, _LAW)
+        check_table(f"{key}.joint.", own, _LAW)
         supports = self._named(key, table)
         solid = _solid_from(key, name, shape, table, self._place(key, table, supports), surface)
         self.numbers[name] = len(self.found)
@@ -219,14 +220,14 @@ class _Solids:
         if "position" in table:
             if "at" in table:
                 raise InputError(f"{key}.at: must be left out beside position")
-            return _vector(f"{key}.position", table["position"], 3)
+            return vector_of(f"{key}.position", table["position"], 3)
         if not supports:
             raise InputError(f'{key}.on: missing, must be "base" or the name of a block before it; or give position')
         first = self.found[supports[0]] if supports[0] >= 0 else None
         corners = np.zeros((1, 3)) if first is None else first.corners
         top = float(np.max(corners[:, 2]))
         if "at" in table:
-            return np.array([*_vector(f"{key}.at", table["at"], 2), top])
+            return np.array([*vector_of(f"{key}.at", table["at"], 2), top])
         if first is None:
             return np.zeros(3)
         level = [face for face in first.faces if face.normal[2] > 1.0 - 1e-9 and abs(face.centre[2] - top) < 1e-9]
@@ -241,7 +242,7 @@ def _solid_from(
 
     if ("mass" in table) == ("density" in table):
         raise InputError(f"{key}.density: must be given, in kg/m3, or mass in kg, one of the two")
-    turn = rotation_matrix(_vector(f"{key}.rotation", table.get("rotation", [0.0, 0.0, 0.0]), 3, _ANGLE))
+    turn = rotation_matrix(vector_of(f"{key}.rotation", table.get("rotation", [0.0, 0.0, 0.0]), 3, _ANGLE))
     density = number("density", 1.0)
     if shape == "box":
         bottom = number("width"), number("depth")
@@ -273,7 +274,7 @@ def _outline(key: str, table: Mapping[str, Any]) -> FloatArray:
         raise InputError(f"{key} = {shown(points)}: must be {MEANING}")
     if not 3 <= len(points) <= MOST_CORNERS + 1:
         raise InputError(f"{key}: {len(points)} corners, must be {MEANING}")
-    return outline_of(key, [_vector(f"{key}[{k}]", point, 2) for k, point in enumerate(points)])
+    return outline_of(key, [vector_of(f"{key}[{k}]", point, 2) for k, point in enumerate(points)])
 
 
 def _joint_tables(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[Mapping[str, Any]]]:
@@ -283,8 +284,8 @@ def _joint_tables(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[Mapp
         if "joints" in data:
             raise InputError("joints: must be left out beside the table joint, which says the same")
         given, defaults = [], given
-    _check_keys("joint.", defaults, _LAW)
-    return defaults, _tables("joint", {"joint": given}, 0)
+    check_table("joint.", defaults, _LAW)
+    return defaults, tables_in("joint", {"joint": given}, 0)
 
 
 def bed_from(key: str, table: Mapping[str, Any]) -> Bed:
@@ -303,7 +304,7 @@ def bed_from(key: str, table: Mapping[str, Any]) -> Bed:
 
 
 def _joints_from(key: str, table: Mapping[str, Any], law: Mapping[str, Any], blocks: tuple[Solid, ...]) -> list[Joint]:
-    _check_keys(f"{key}.", table, _JOINT)
+    check_table(f"{key}.", table, _JOINT)
     upper, lower = _upper_first(key, table, blocks)
     bed = bed_from(key, {**law, **{word: table[word] for word in _LAW if word in table}})
     if "at" not in table:
@@ -311,7 +312,7 @@ def _joints_from(key: str, table: Mapping[str, Any], law: Mapping[str, Any], blo
             if word in table:
                 raise InputError(f"{key}.{word}: must be left out, or at given with it: the faces that touch are taken")
         return joints_between(blocks, upper, lower, bed, key, sides=True)
-    place, frame = _vector(f"{key}.at", table["at"], 3), _frame(key, table)
+    place, frame = vector_of(f"{key}.at", table["at"], 3), _frame(key, table)
     section = table.get("section", "rectangle")
     check_choice(f"{key}.section", section, tuple(_OF_SECTION))
     for word in ("width", "depth", "diameter", "bore", "outline"):
@@ -335,7 +336,7 @@ def _joints_from(key: str, table: Mapping[str, Any], law: Mapping[str, Any], blo
 
 def _frame(key: str, table: Mapping[str, Any]) -> FloatArray:
     """Axes of a joint by its normal, (3, 3)."""
-    normal = _vector(f"{key}.normal", table.get("normal", [0.0, 0.0, 1.0]), 3)
+    normal = vector_of(f"{key}.normal", table.get("normal", [0.0, 0.0, 1.0]), 3)
     size = float(np.linalg.norm(normal))
     if not size > 0.0:
         raise InputError(f"{key}.normal = {shown(table['normal'])}: must have a length")
@@ -345,25 +346,27 @@ def _frame(key: str, table: Mapping[str, Any]) -> FloatArray:
 
 def _bearings_from(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> list[Joint]:
     """The bearings of a table: one, or equal ones at several places."""
-    check_table(key, table)
+    check_bearing(key, table)
     bodies, at = _upper_first(key, table, blocks), table.get("at")
     if not isinstance(at, (list, tuple)) or not at:
         raise InputError(f"{key}.at = {shown(at)}: must be a place [x, y, z] in m, or a list of them")
     several = isinstance(at[0], (list, tuple))
     places = (
-        [_vector(f"{key}.at[{k}]", part, 3) for k, part in enumerate(at)] if several else [_vector(f"{key}.at", at, 3)]
+        [vector_of(f"{key}.at[{k}]", part, 3) for k, part in enumerate(at)]
+        if several
+        else [vector_of(f"{key}.at", at, 3)]
     )
     return bearings_from(key, table, bodies, _frame(key, table), places)
 
 
 def _tie_from(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> Tie:
-    _check_keys(f"{key}.", table, _TIE)
+    check_table(f"{key}.", table, _TIE)
     one, other = _pair(key, table, blocks)
     ends = []
     for word, body in (("from", one), ("to", other)):
         if word not in table:
             raise InputError(f"{key}.{word}: missing, must be a point of its block, three lengths in m")
-        point = _vector(f"{key}.{word}", table[word], 3)
+        point = vector_of(f"{key}.{word}", table[word], 3)
         ends.append(point if body == len(blocks) else blocks[body].axes @ point)
     given = {}
     for word, (limits, meaning) in _OF_TIES.items():
@@ -383,7 +386,7 @@ def ports_of(data: Mapping[str, Any], blocks: tuple[Solid, ...]) -> tuple[Port, 
     """The ports of a structure with these blocks. Raises InputError."""
 
     def point(key: str, value: object, body: int) -> list[float]:
-        along: list[float] = (blocks[body].axes @ _vector(key, [0.0] * 3 if value is None else value, 3)).tolist()
+        along: list[float] = (blocks[body].axes @ vector_of(key, [0.0] * 3 if value is None else value, 3)).tolist()
         return along
 
     return ports_from(data, [block.name for block in blocks], point)
@@ -415,29 +418,9 @@ def _pair(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> tupl
     return found[0], found[1]
 
 
-def _check_keys(prefix: str, table: object, known: Sequence[str]) -> None:
-    if not isinstance(table, Mapping):
-        raise InputError(f"{prefix.rstrip('.')} = {shown(table)}: must be a table with the keys {', '.join(known)}")
-    check_keys(prefix, table, known)
-
-
-def _tables(key: str, data: Mapping[str, Any], least: int = 1) -> list[Mapping[str, Any]]:
-    tables = data.get(key, [])
-    if not isinstance(tables, list) or not all(isinstance(table, Mapping) for table in tables) or len(tables) < least:
-        raise InputError(f"{key}: must be one table [[{key}]] for each")
-    return tables
-
-
 def _number(key: str, table: Mapping[str, Any], word: str, default: float | None = None) -> float:
     if word not in table and default is not None:
         return default
     if word not in table:
         raise InputError(f"{key}.{word}: missing, must be {NUMBERS.get(word, LENGTH)[1]}")
     return check(f"{key}.{word}", table[word])
-
-
-def _vector(key: str, value: object, count: int, limits: tuple[tuple[float, float], str] = _PLACE) -> FloatArray:
-    """Numbers of a list; limits: of each, and what that is."""
-    if not isinstance(value, (list, tuple, np.ndarray)) or len(value) != count:
-        raise InputError(f"{key} = {shown(value)}: must be a list of {count} numbers")
-    return np.array([check_number(f"{key}[{k}]", part, *limits) for k, part in enumerate(value)])

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...common.errors import InputError, check_number, shown
 from ...common.ranges import check_choice, check_keys
+from ...common.tables import vector_of
 from .blocks.faces import NEAR, FloatArray
 from .blocks.hulls import Bulk, Hull, block_of_hull, bulk_of, checked, convex_surface, foot_of, hull_of
 from .blocks.meshes import UP, triangles_of
@@ -26,7 +27,6 @@ LEVEL = 1e-3  # of the height of a mesh: points that lie within it of the lowest
 FACTOR = (1e-6, 1e6), "a positive factor, from 1e-6 to 1e6"
 POINTS = f"a list of 4 to {MOST_POINTS} points [x, y, z] in m"
 FOOT = "a list of corners [x, y] in m of a convex polygon"
-_PLACE = (-1e6, 1e6), "a length in m, at most 1e6 either way"
 _LEVEL = (0.0, 0.5), "a share of the height, from 0 to 0.5"
 _SIZE = (1e-18, 1e18), "a positive volume in m3"
 _MOMENT = (-1e30, 1e30), "a moment in m5, of density 1"
@@ -154,9 +154,9 @@ def _bulk(key: str, table: Mapping[str, Any]) -> Bulk | None:
     if len(known) < 3:
         raise InputError(f"{key}.{known[0]}: must be beside volume, centroid and inertia, all three of them, or none")
     volume = check_number(f"{key}.volume", table["volume"], *_SIZE)
-    centroid = _numbers_of(f"{key}.centroid", table["centroid"], 3, _PLACE)
+    centroid = vector_of(f"{key}.centroid", table["centroid"], 3)
     inertia = np.zeros((3, 3))
-    inertia[_SIX] = inertia[_SIX[1], _SIX[0]] = _numbers_of(f"{key}.inertia", table["inertia"], 6, _MOMENT)
+    inertia[_SIX] = inertia[_SIX[1], _SIX[0]] = vector_of(f"{key}.inertia", table["inertia"], 6, _MOMENT)
     if not np.min(np.linalg.eigvalsh(inertia)) > 0.0:
         raise InputError(f"{key}.inertia: must be xx, yy, zz, xy, xz, yz of a body in m5, of density 1")
     return Bulk(volume, centroid, inertia)
@@ -188,18 +188,12 @@ def _optional(key: str, table: Mapping[str, Any], usual: float, limits: tuple[tu
     return check_number(key, table[word], *limits) if word in table else usual
 
 
-def _numbers_of(key: str, value: object, count: int, limits: tuple[tuple[float, float], str]) -> FloatArray:
-    if not isinstance(value, (list, tuple, np.ndarray)) or len(value) != count:
-        raise InputError(f"{key} = {shown(value)}: must be a list of {count} numbers")
-    return np.array([check_number(f"{key}[{k}]", part, *limits) for k, part in enumerate(value)])
-
-
 def _rows(key: str, value: object, width: int, counts: tuple[int, int], meaning: str) -> FloatArray:
     if not isinstance(value, (list, tuple, np.ndarray)):
         raise InputError(f"{key} = {shown(value)}: must be {meaning}")
     if not counts[0] <= len(value) <= counts[1]:
         raise InputError(f"{key}: {len(value)} points, must be {meaning}")
-    return np.array([_numbers_of(f"{key}[{k}]", row, width, _PLACE) for k, row in enumerate(value)])
+    return np.array([vector_of(f"{key}[{k}]", row, width) for k, row in enumerate(value)])
 
 
 def _numbers(key: str, value: object, count: int) -> Sequence[Sequence[int]]:

@@ -25,7 +25,7 @@ from .blocks.faces import Face
 from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bearing, Bed, Joint, Pair, Side, Solid, Tie
 from .file import in_space, names_from, parts_from, ports_of, written_out
 from .hull_tables import in_folder, with_hulls
-from .packing import Model, centroid_of, model_of
+from .packing import Model, Parts, centroid_of, model_of
 from .stack import in_three, stacked
 
 LEAST_LENGTH = 1e-6  # m, of a tie
@@ -189,8 +189,8 @@ class Structure(Shown):
     @cached_property
     def model(self) -> Model:
         """The arrays for the kernels."""
-        parts = self.blocks, self.joints, self.ties, self.ports, self.neighbours
-        return model_of(*parts, self.g, self.tolerance)
+        parts = Parts(self.blocks, self.joints, self.ties, self.ports, self.neighbours)
+        return model_of(parts, self.g, self.tolerance)
 
     @property
     def weight(self) -> float:

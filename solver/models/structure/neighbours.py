@@ -8,9 +8,11 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...common.errors import InputError, check_number, shown
 from ...common.ranges import LENGTH, NUMBERS, check_keys
+from ...common.tables import check_table, tables_in, vector_of
 from .blocks.faces import Face, clipped, polygon_moments
 from .blocks.parts import Joint, Pair, Side, Solid
 from .blocks.shapes import rectangle
@@ -29,7 +31,7 @@ _RANGES = {
 _OF_WALL = ("at", "normal", "width", "height")
 _OF_PAIR = ("between", "gap", *(name for name in _RANGES if name != "reach"))
 KEYS = (*_RANGES, "pair", "wall")
-_PLACE = (-1e6, 1e6), "a number, at most 1e6 either way"
+_DIRECTION = (-1e6, 1e6), "a number, at most 1e6 either way"
 _MEANT = {
     "at": "the middle [x, y, z] of its lower edge, three lengths in m",
     "normal": "the direction [x, y] in which it faces",
@@ -51,45 +53,48 @@ def neighbours_from(data: Mapping[str, Any], blocks: tuple[Solid, ...], joints: 
     if "neighbours" not in data:
         return ()
     table = data["neighbours"]
-    if not isinstance(table, Mapping):
-        raise InputError(f"neighbours = {shown(table)}: must be a table with the keys {', '.join(KEYS)}")
-    check_keys("neighbours.", table, KEYS)
+    check_table("neighbours.", table, KEYS)
     given = _numbers("neighbours", table, tuple(_RANGES))
     declared: dict[tuple[int, int], tuple[str, dict[str, float]]] = {}
-    for number, part in enumerate(_list(table, "pair"), start=1):
+    for number, part in enumerate(tables_in("neighbours.pair", table, 0), start=1):
         key = f"neighbours.pair[{number}]"
         check_keys(f"{key}.", part, _OF_PAIR)
         declared[_between(key, part, blocks)] = key, _numbers(key, part, _OF_PAIR[1:])
-    walls = [_wall(f"neighbours.wall[{number}]", part) for number, part in enumerate(_list(table, "wall"), start=1)]
+    tables = tables_in("neighbours.wall", table, 0)
+    walls = [_wall(f"neighbours.wall[{number}]", part) for number, part in enumerate(tables, start=1)]
     if "reach" not in given and not declared:
         raise InputError(f"neighbours.reach: missing, must be {_REACH[1]}, or give tables [[neighbours.pair]]")
     joined = {frozenset((joint.upper, joint.lower)) for joint in joints}
-    found = []
+    reach, found = given.get("reach", -1.0), []
+    near = _near(blocks, reach)
     for one in range(len(blocks)):
         for other in range(one + 1, len(blocks)):
             key, own = declared.pop((one, other), ("", {}))
+            if not key and not near[one, other]:
+                continue
             if frozenset((one, other)) in joined:
                 if key:
                     raise InputError(f"{key}.between: must be two blocks without a joint between them")
                 continue
-            pairs = _facing(blocks, one, other, math.inf if key else given.get("reach", -1.0))
+            pairs = _facing(blocks, one, other, math.inf if key else reach)
             if key and not pairs:
                 raise InputError(f"{key}.between: must be two blocks whose sides face each other: drums, plane faces")
             found += [_with_law(key or "neighbours", pair, {**_law(given, own), **own}, blocks) for pair in pairs]
     for one, block in enumerate(blocks):
         for number, wall in enumerate(walls, start=1):
-            for pair in _before_faces(block, one, (wall,), len(blocks), given.get("reach", -1.0)):
+            for pair in _before_faces(block, one, (wall,), len(blocks), reach):
                 found.append(_with_law("neighbours", replace(pair, wall=number), given, blocks))
     if len(found) > MOST:
         raise InputError(f"neighbours.reach: {len(found)} pairs of sides lie within it, must be at most {MOST}")
     return tuple(found)
 
 
-def _list(table: Mapping[str, Any], word: str) -> list[Mapping[str, Any]]:
-    tables = table.get(word, [])
-    if not isinstance(tables, list) or not all(isinstance(part, Mapping) for part in tables):
-        raise InputError(f"neighbours.{word}: must be one table [[neighbours.{word}]] for each")
-    return tables
+def _near(blocks: tuple[Solid, ...], reach: float) -> NDArray[np.bool_]:
+    """Whether the spheres about two blocks are within a reach, m, of each other: (n, n)."""
+    places = np.array([block.centroid for block in blocks])
+    around = np.array([block.reach for block in blocks]) + 0.5 * (reach + NEAR)
+    near: NDArray[np.bool_] = np.linalg.norm(places[:, None] - places[None], axis=2) <= around[:, None] + around[None]
+    return near
 
 
 def _wall(key: str, table: Mapping[str, Any]) -> Face:
@@ -98,25 +103,15 @@ def _wall(key: str, table: Mapping[str, Any]) -> Face:
     for word in _OF_WALL:
         if word not in table:
             raise InputError(f"{key}.{word}: missing, must be {_MEANT[word]}")
-    at = [check_number(f"{key}.at[{k}]", part, *_PLACE) for k, part in enumerate(_three(f"{key}.at", table, "at", 3))]
-    normal = [
-        check_number(f"{key}.normal[{k}]", part, *_PLACE)
-        for k, part in enumerate(_three(f"{key}.normal", table, "normal", 2))
-    ]
+    at = vector_of(f"{key}.at", table["at"], 3, meaning=_MEANT["at"])
+    normal = vector_of(f"{key}.normal", table["normal"], 2, _DIRECTION, _MEANT["normal"])
     size = math.hypot(*normal)
     if not size > 0.0:
         raise InputError(f"{key}.normal = {shown(table['normal'])}: must have a length")
     width, height = (check_number(f"{key}.{word}", table[word], *LENGTH) for word in ("width", "height"))
     third, second = np.array([normal[0] / size, normal[1] / size, 0.0]), np.array([0.0, 0.0, 1.0])
     axes = np.column_stack([np.cross(second, third), second, third])
-    return Face(np.array(at) + 0.5 * height * second, axes, rectangle(width, height))
-
-
-def _three(key: str, table: Mapping[str, Any], word: str, count: int) -> Sequence[Any]:
-    value = table[word]
-    if not isinstance(value, (list, tuple)) or len(value) != count:
-        raise InputError(f"{key} = {shown(value)}: must be {_MEANT[word]}")
-    return value
+    return Face(at + 0.5 * height * second, axes, rectangle(width, height))
 
 
 def _law(given: Mapping[str, float], own: Mapping[str, float]) -> dict[str, float]:

@@ -66,11 +66,6 @@ class _Hull:
         return [(face.centre - self.block.centroid, face.normal, face.radius) for face in faces]
 
     @cached_property
-    def reach(self) -> float:
-        """Distance of its farthest point from the centroid, m."""
-        return float(np.max(np.linalg.norm(self.block.corners - self.block.centroid, axis=1)))
-
-    @cached_property
     def edges(self) -> FloatArray:
         """Directions of its edges, of a drum that of its axis (edges, 3)."""
         if self.rims:
@@ -140,7 +135,7 @@ def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHisto
     if n < 2 or not len(time):
         return Overlap()
     hulls = [_Hull(block) for block in structure.blocks]
-    reach = np.array([hull.reach for hull in hulls])
+    reach = np.array([hull.block.reach for hull in hulls])
     turning = reach * np.linalg.norm(rotation, axis=2)
     most = np.max(np.linalg.norm(u, axis=2) + turning, axis=0)
     found = Overlap()

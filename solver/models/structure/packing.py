@@ -75,17 +75,19 @@ def with_modes(model: Model, modal: FloatArray) -> Model:
     return made
 
 
-def model_of(
-    solids: tuple[Solid, ...],
-    joints: tuple[Joint, ...],
-    ties: tuple[Tie, ...],
-    ports: tuple[Port, ...],
-    pairs: tuple[Pair, ...],
-    g: float,
-    tolerance: float,
-) -> Model:
+class Parts(NamedTuple):
+    """What a structure is made of."""
+
+    solids: tuple[Solid, ...]
+    joints: tuple[Joint, ...]
+    ties: tuple[Tie, ...]
+    ports: tuple[Port, ...]
+    pairs: tuple[Pair, ...]
+
+
+def model_of(parts: Parts, g: float, tolerance: float) -> Model:
     """The model of a structure, without modes."""
-    made = _model_of(solids, joints, ties, ports, pairs, g)
+    made = _model_of(parts, g)
     made = made._replace(numbers=made.numbers.copy())
     settings = made.names.settings
     settings.tolerance = tolerance
@@ -94,15 +96,9 @@ def model_of(
 
 
 @lru_cache(maxsize=64)
-def _model_of(
-    solids: tuple[Solid, ...],
-    joints: tuple[Joint, ...],
-    ties: tuple[Tie, ...],
-    ports: tuple[Port, ...],
-    pairs: tuple[Pair, ...],
-    g: float,
-) -> Model:
+def _model_of(parts: Parts, g: float) -> Model:
     """The model of a structure, without tolerances."""
+    solids, joints, ties, ports, pairs = parts
     outlines = [joint.face.outline.ravel() for joint in joints]
     faces = [_faces_of(joint) for joint in joints]
     corners = np.concatenate([np.zeros(0), *outlines, *(part for pair in faces for part in pair)])
@@ -279,8 +275,8 @@ def _fill_pair(table: Any, p: int, pair: Pair, solids: tuple[Solid, ...], place:
     table.friction[p], table.shear[p] = pair.friction, pair.shear
     table.shear_damping[p] = RELAXATION / frequency
     table.decay[p] = 1.0 / (pair.damping * frequency**2) if pair.damping else math.inf
-    reach = sum(float(np.max(np.linalg.norm(solid.corners - solid.centroid, axis=1))) for solid in blocks)
-    table.reach[p] = math.inf if len(blocks) < 2 else reach + max(0.0, -pair.farther)
+    reach = sum(solid.reach for solid in blocks) + max(0.0, -pair.farther)
+    table.reach[p] = math.inf if pair.wall else reach
 
 
 def _fill_settings(settings: Any, table: Any, solids: tuple[Solid, ...], joints: tuple[Joint, ...], g: float) -> None:

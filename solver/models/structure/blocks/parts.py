@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -37,6 +38,11 @@ class Solid:
     def corners(self) -> FloatArray:
         """Corners of all faces, (points, 3) m."""
         return np.concatenate([face.points() for face in self.faces])
+
+    @cached_property
+    def reach(self) -> float:
+        """Distance of the farthest corner from the centroid, m."""
+        return float(np.max(np.linalg.norm(self.corners - self.centroid, axis=1)))
 
     @property
     def drop(self) -> float:
