@@ -135,6 +135,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     drive.add_argument("--drive", choices=tuple(DRIVES), default=USUAL.drive, help="by its acceleration, or by bodies")
     drive.add_argument("--slope", choices=tuple(SLOPES), default=USUAL.slope, help="of its acceleration within a step")
     drive.add_argument("--bodies", type=int, default=USUAL.bodies, metavar="N", help="that may drive it (default: 1)")
+    drive.add_argument("--turns", action="store_true", help="the base of a structure may turn about x and y too")
     parser.add_argument("--record", type=Path, metavar="FILE", help="record to put inside, added to the inputs")
     parser.add_argument("--native", action="store_true", help="compiled libraries instead of Python")
     parser.add_argument("--fmi", type=int, choices=(2, 3), default=2, help="version of FMI; 3: native only")
@@ -158,8 +159,8 @@ def _build(options: argparse.Namespace) -> None:
         raise InputError("--scalars: with --fmi 3 only, FMI 2.0 has no arrays")
     if options.output is not None and options.output.parent.is_dir():  # a missing folder is created
         check_outputs((options.output,), (options.column, options.record), options.force)
-    drive = drive_of(options.drive, options.slope, options.bodies)
-    if not drive.is_chosen and drive != USUAL:
+    drive = drive_of(options.drive, options.slope, options.bodies, options.turns)
+    if not drive.is_chosen and drive[:-1] != USUAL[:-1]:
         raise InputError("--slope, --bodies: must be left out without --drive body or horizontal")
     if drive.drive != USUAL.drive and options.record is not None:
         raise InputError("--record: must be left out with --drive, the ground moves the bodies at the base")

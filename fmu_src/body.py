@@ -33,7 +33,6 @@ from solver.models.structure.model import Structure
 
 from . import structure_variables, variables
 from .drive import USUAL, Drive
-from .references import OF_STRUCTURE
 from .rules import DAMPING_SCALE_LIMITS
 
 Value = Callable[[str], Any]  # looks a variable up by its name
@@ -164,7 +163,7 @@ class ColumnBody(Body, word="column"):
 
     def stepper(self, described: Described) -> in_plane.Stepper:
         made = in_plane.Stepper(described.column)
-        made.driven_by(*described.drive)
+        made.driven_by(described.drive.drive, described.drive.slope, described.drive.bodies)
         return made
 
     def retune(self, stepper: in_plane.Stepper, described: Described) -> None:
@@ -194,8 +193,8 @@ class StructureBody(Body, word="structure"):
         structure = self.structure = Structure.from_dict(data)
         self.packed = packed(structure) if model is None else np.array(model, dtype=np.float64)
         self.name, self.tolerance = structure.name, structure.tolerance
-        of_ports = structure_variables.inputs_of_ports(structure)
-        self.drive, self.inputs = drive, (*structure_variables.INPUTS, *of_ports, *drive.inputs(OF_STRUCTURE))
+        self.drive = drive
+        self.inputs = tuple(structure_variables.inputs_of_structure(structure, drive))
         self.text = json.dumps({"structure": data, "packed": self.packed.tolist(), "drive": drive})
         parts = {"block": structure.n, "joint": len(structure.joints), "tie": len(structure.ties)}
         parts["port"] = len(structure.ports)
@@ -220,7 +219,8 @@ class StructureBody(Body, word="structure"):
             check_choice(names[2], word, tuple(SKIP_CODES))
             code |= SKIP_CODES[word]
         drive = self.drive.chosen(value)
-        return Chosen(tolerance, float(code), scale, DRIVES[drive.drive], SLOPES[drive.slope], drive.bodies)
+        of_drive = DRIVES[drive.drive], SLOPES[drive.slope], drive.bodies, float(drive.turns)
+        return Chosen(tolerance, float(code), scale, *of_drive)
 
     def stepper(self, described: Chosen) -> DrivenStructure:
         return DrivenStructure(self.structure, self.packed, described)
@@ -261,6 +261,8 @@ def read_body(file: Path, space: bool = False, drive: Drive = USUAL) -> Body:
         if describes_structure(data):
             return StructureBody(with_hulls(in_folder(data, file.parent))[0], drive=drive)
     column = Column.from_toml(file)
+    if drive.turns:
+        raise InputError("--turns: must be left out of a column in its plane, whose base turns by base.theta")
     with reading(file):
         check_rest(column)
     return ColumnBody(column, drive)

@@ -73,7 +73,11 @@ and count from the structure as built and without weight. Forces and moments of 
 positive in compression, Tx and Ty act on its second block, Mx, My and Mz right the first one. base.Fx to base.Mz are
 what the structure does to the base, at the origin. Joints are elastic along themselves: no output follows an input of
 the same instant.</p>""",
-    "turning": "The base does not rotate. The run begins at the rest that was found when the FMU was built.",
+    "turning": """\
+The base does not rotate, unless the FMU has base.theta_x: then it does about x and y, by
+base.theta_x + base.omega_x (t - t0) + base.alpha_x (t - t0)<sup>2</sup> / 2 and so on, about the origin. Displacements,
+rotations, ports and the force on the base stay along fixed axes. Before the first step blocks turn with it, later a new
+base.theta_x turns it beneath them. The run begins at the rest that was found when the FMU was built.""",
 }
 
 OF_ANY = {

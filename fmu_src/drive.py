@@ -14,19 +14,23 @@ from .variables import DRIVE, MOVING, SLOPE_OF_BASE, Variable, input_of, paramet
 # what a body says -> unit, what it is
 SAID = {
     **dict.fromkeys(("F0x", "F0y", "F0z"), ("N", "Force")),
-    "F0m": ("N.m", "Moment"),
+    **dict.fromkeys(("F0m", "F0mx", "F0my"), ("N.m", "Moment")),
     **dict.fromkeys(("M", "Mxx", "Mxz", "Mzz"), ("kg", "Mass")),
-    **dict.fromkeys(("Mxt", "Mzt"), ("kg.m", "Mass")),
-    "Mtt": ("kg.m2", "Inertia"),
+    **dict.fromkeys(("Mxt", "Mzt", "Mxry", "Myrx"), ("kg.m", "Mass")),
+    **dict.fromkeys(("Mtt", "Jxx", "Jyy", "Jxy"), ("kg.m2", "Inertia")),
 }
 
 
 class Drive(NamedTuple):
-    """As built: words of DRIVES and SLOPES (kernels/layout/spaces.py), and how many bodies may be at the base."""
+    """As built: words of DRIVES and SLOPES (kernels/layout/spaces.py), and how many bodies may be at the base.
+
+    turns: whether the base of a structure may turn, as that of a column may always.
+    """
 
     drive: str = "acceleration"
     slope: str = "parabola"
     bodies: int = 1
+    turns: bool = False
 
     @property
     def is_chosen(self) -> bool:
@@ -56,7 +60,7 @@ class Drive(NamedTuple):
         """As parameters say. Raises InputError."""
         if not self.is_chosen:
             return self
-        return drive_of(value(DRIVE), value(SLOPE_OF_BASE), self.bodies, self.words)
+        return drive_of(value(DRIVE), value(SLOPE_OF_BASE), self.bodies, self.turns, self.words)
 
     def direct(self, of: tuple[str, ...]) -> tuple[str, ...]:
         """Inputs that an output of a column depends on without delay; of: those of a base that is accelerated.
@@ -79,9 +83,9 @@ def _input(name: str) -> Variable:
     return input_of(name, text, unit, 1.0)
 
 
-def drive_of(drive: str, slope: str, bodies: int, words: tuple[str, ...] = tuple(DRIVES)) -> Drive:
+def drive_of(drive: str, slope: str, bodies: int, turns: bool = False, words: tuple[str, ...] = tuple(DRIVES)) -> Drive:
     """A drive, which is one of the words. Raises InputError."""
     check_choice(DRIVE, drive, words)
     check_choice(SLOPE_OF_BASE, slope, tuple(SLOPES))
     check_choice("--bodies", str(bodies), tuple(map(str, range(1, MOST_BODIES + 1))))
-    return Drive(drive, slope, bodies)
+    return Drive(drive, slope, bodies, turns)

@@ -13,7 +13,8 @@ MOST_BODIES = 9  # that drive a base
 # what one says to a column and to a structure, in the order of the kernels
 OF_COLUMN = ("F0x", "F0z", "F0m", "Mxx", "Mxz", "Mxt", "Mzz", "Mzt", "Mtt")
 OF_STRUCTURE = ("F0x", "F0y", "F0z", "M")
-SAID = (*OF_COLUMN, "F0y", "M")
+OF_TURNING_STRUCTURE = (*OF_STRUCTURE, "F0mx", "F0my", "Mxry", "Myrx", "Jxx", "Jyy", "Jxy")
+SAID = (*OF_COLUMN, "F0y", "M", *OF_TURNING_STRUCTURE[len(OF_STRUCTURE) :])
 
 
 def names_of_body(k: int, said: Sequence[str]) -> list[str]:
@@ -33,6 +34,12 @@ REFERENCES = {
     "base.alpha": 7,
     "base.ay": 8,
     "base.jy": 9,
+    "base.theta_x": 10,
+    "base.theta_y": 11,
+    "base.omega_x": 12,
+    "base.omega_y": 13,
+    "base.alpha_x": 14,
+    "base.alpha_y": 15,
     # of the bodies that drive the base: from 100, 200 and so on
     **{name: 100 * (k + 1) + i for k in range(MOST_BODIES) for i, name in enumerate(names_of_body(k, SAID))},
     # outputs of the column or structure as a whole: from 1001

@@ -18,8 +18,8 @@ from solver.models.outputs import BEARING, BLOCK, CONTACT, JOINT, PORT, TIE
 from solver.models.structure.model import Structure
 from solver.models.structure.outputs import OUTPUTS
 
-from .drive import Drive
-from .references import FAMILY, OF_STRUCTURE
+from .drive import USUAL, Drive
+from .references import FAMILY, OF_STRUCTURE, OF_TURNING_STRUCTURE
 from .rules import DAMPING_SCALE_LIMITS
 from .variables import (
     OVERTURNED_BLOCK,
@@ -45,26 +45,37 @@ INPUTS = (
     input_of("base.jy", SLOPE.format("y"), "m/s3", 10.0),
     input_of("base.jz", SLOPE.format("z"), "m/s3", 10.0),
 )
+ROTATION = tuple(
+    input_of(f"base.{name}_{axis}", text.format(axis), unit, nominal)
+    for name, text, unit, nominal in (
+        ("theta", "Rotation of the base about {}", "rad", 1e-3),
+        ("omega", "Rate of base.theta_{}", "rad/s", 1e-2),
+        ("alpha", "Acceleration of base.theta_{}, held within a communication step", "rad/s2", 0.1),
+    )
+    for axis in "xy"
+)
 
 
-def inputs_of_ports(structure: Structure) -> list[Variable]:
-    """The loads on the ports, then their slopes, in the order of the kernels (INPUT_LOADS)."""
-    return inputs_of(structure.ports, COMPONENTS, _sizes(structure))
+def inputs_of_structure(structure: Structure, drive: Drive) -> list[Variable]:
+    """In the order of the kernels (kernels/structure/coupled.py): acceleration, loads on ports, rotation, bodies."""
+    of_ports = inputs_of(structure.ports, COMPONENTS, _sizes(structure))
+    turns = ROTATION if drive.turns else ()
+    return [*INPUTS, *of_ports, *turns, *drive.inputs(OF_TURNING_STRUCTURE if drive.turns else OF_STRUCTURE)]
 
 
-def _direct(structure: Structure, name: str, drive: Drive | None) -> tuple[str, ...]:
+def _direct(structure: Structure, name: str, drive: Drive) -> tuple[str, ...]:
     """Inputs that an output depends on without delay: accelerations of ports on loads on their block and the base's."""
     owner, _, quantity = name.partition("].")
     if not owner.startswith("port[") or quantity not in ("ax", "ay", "az"):
         return ()
     own, ports = int(owner.removeprefix("port[")), list(enumerate(structure.ports, start=1))
     beside = [p for p, port in ports if port.body == structure.ports[own - 1].body]
-    base = () if drive and drive.drive == "body" else (f"base.{quantity}",)
+    base = () if drive.drive == "body" else (f"base.{quantity}",)
     return (*base, *(f"port[{p}].{component}" for component in COMPONENTS for p in beside))
 
 
 def structure_variables(
-    structure: Structure, record: str = "", reads_files: bool = True, drive: Drive | None = None
+    structure: Structure, record: str = "", reads_files: bool = True, drive: Drive = USUAL
 ) -> list[Variable]:
     """The table; as `variables` of a column. Raises InputError for a structure with too many joints or ties."""
     several = {
@@ -91,11 +102,10 @@ def structure_variables(
         parameter_of(DAMPING_SCALE, "", "Factor on the damping of all joints and ties", 1.0, DAMPING_SCALE_LIMITS[0]),
         tolerance_of(structure.tolerance),
         parameter_of(WITHOUT, "", "What is not to be done: peaks, of forces and moments", ", ".join(structure.without)),
-        *(drive.parameters if drive else ()),
+        *drive.parameters,
         *of_record(record, reads_files),
     ]
-    inputs = [*INPUTS, *inputs_of_ports(structure), *(drive.inputs(OF_STRUCTURE) if drive else ())]
-    return [*inputs, *row, *peaks, *outcome(OVERTURNED_BLOCK), *parameters]
+    return [*inputs_of_structure(structure, drive), *row, *peaks, *outcome(OVERTURNED_BLOCK), *parameters]
 
 
 def _sizes(structure: Structure) -> dict[str, float]:

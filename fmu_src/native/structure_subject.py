@@ -23,7 +23,7 @@ def structure_subject(body: StructureBody) -> Subject:
     """Of a structure; its model and rest are numbers that never change."""
     sizes = sizes_in(body.packed)
     given: dict[str, str | float] = {"tolerance": TOLERANCE, "without": WITHOUT, "damping_scale": DAMPING_SCALE}
-    given |= given_of(body.drive)
+    given |= given_of(body.drive) | {"turns": float(body.drive.turns)}
     lengths = {"MODEL": at.MODEL.size(sizes), "STATE": at.STATE.size(sizes), "WORK": at.WORK.size(sizes)}
     return Subject(
         falls=True,

@@ -7,12 +7,9 @@ Whatever it has, it is compiled with extras (extras.py): one machine code serves
 
 import math
 
-from ..formulations.coupled_base import are_silent, has_gone_on, slope_of
 from ..layout.spaces import (
     ACCELERATION,
-    BODY_LACKING,
     CALL_TOO_LONG,
-    HORIZONTAL,
     INPUT_TOO_LARGE,
     MOST_INPUT,
     RECORD_BESIDE,
@@ -22,6 +19,7 @@ from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import Record, clear, copy
 from ..stepping.control import most_of_a_call, most_work
 from .base import Shaking, acceleration, segment_after
+from .coupled import INPUTS, exchange, start_at, turn, turned_by
 from .evaluate import evaluate, evaluate_state, moving, recall, show
 from .extras import let_go, take_extras
 from .layout import (
@@ -43,19 +41,18 @@ from .layout import (
 )
 from .modal import prepare
 from .stepping import advance
+from .turning import MOST_TURN, is_turned_across, rotation_at, stop_turning, turn_base
 from .watch import RATES, STAGE, Watch, row, seen
 
-INPUTS = Record("ax", "ay", "az", "jx", "jy", "jz")  # m/s2; m/s3, their slopes; then INPUT_LOADS of the ports
-BODY = Record("F0x", "F0y", "F0z", "M")  # behind them, of each body that drives the base: N, kg
 # description of a structure: what a caller may choose, the model, then its rest: a state
-GIVEN = Record("tolerance", "without", "damping_scale", "drive", "slope", "bodies")
+GIVEN = Record("tolerance", "without", "damping_scale", "drive", "slope", "bodies", "turns")
 WITHOUT_PEAKS, WITHOUT_ELASTIC = 1, 2  # codes of `without`: peaks but those of displacements, steps by modes
 HEAVIER = 4.0  # an evaluation of a block or joint, over that of a block of a column
 RATE_PART = 1e-4  # of the first step: half the time over which outputs are differenced
 
 _inputs, _head, _given, _input, _phase = INPUTS.over, HEAD.over, GIVEN.over, INPUT_MOTION.over, PHASE.over
 _model, _state = MODEL.over, STATE.over
-_body, _INPUTS, _BODY = BODY.over, INPUTS.beside, BODY.beside
+_INPUTS = INPUTS.beside
 _GIVEN, _COUNTS, _REACTION, _LOAD = GIVEN.beside, COUNTS.beside, len(OF_BASE), len(LOAD)
 
 
@@ -78,6 +75,7 @@ def assemble(model, state, counts, base, work, given, from_rest):
     if int(described.without) & WITHOUT_ELASTIC:
         settings.has_modes = 0.0
     settings.drive, settings.slope, settings.bodies = described.drive, described.slope, described.bodies
+    settings.turns = described.turns
     for j in range(sizes.m):
         joints.damping[j] *= described.damping_scale
         least = settings.relaxation if joints.friction[j] != math.inf else 0.0
@@ -118,57 +116,28 @@ def _load(scene, shaking, inputs, elapsed, t):
         shaking.inputs[i], shaking.inputs[count + i] = given[i] + slope * past, slope
 
 
-@leaf
-def _drive(base, inputs, elapsed, t):
+@kernel
+def _drive(scene, base, inputs, elapsed, t):
     """Set the inputs that the base follows from time t on; they were set `elapsed` s before."""
     given = _inputs(inputs, 0)
+    start_at(base, t)
+    if scene.settings.turns != 0.0:
+        turned = turned_by(scene, inputs)
+        base.alpha_x, base.alpha_y = turned.alpha_x, turned.alpha_y
     base.ax = given.ax + given.jx * elapsed
     base.ay = given.ay + given.jy * elapsed
     base.az = given.az + given.jz * elapsed
     base.jx, base.jy, base.jz = given.jx, given.jy, given.jz
-    base.t0 = t
 
 
 @kernel
-def _exchange(scene, shaking, inputs, phase, t, flat, visible):
-    """Let the base go on from time t as bodies drive it (formulations/coupled_base.py). Returns a code.
-
-    flat: whether the structure moves in the plane x, z alone. visible: filled with the outputs at time t.
-    """
-    base, settings, given = shaking.base, scene.settings, _inputs(inputs, 0)
-    _see(scene, phase, visible)
-    reaction = visible[scene.visible - _REACTION :]
-    x, y, z, mass = reaction[0], 0.0 if flat else reaction[1], reaction[2], 0.0
-    first = _INPUTS + 2 * _LOAD * scene.extras.spotted
-    for k in range(int(settings.bodies)):
-        body = _body(inputs[first + k * _BODY :], 0)
-        x, y, z, mass = x + body.F0x, y + body.F0y, z + body.F0z, mass + body.M
-    step = t - base.t0
-    if has_gone_on(base, step, t):
-        base.steps = min(base.steps + 1.0, 2.0)
-        base.before_step, base.before_ax = base.last_step, base.last_ax
-        base.before_ay, base.before_az = base.last_ay, base.last_az
-        base.last_step, base.last_ax, base.last_ay, base.last_az = step, base.ax, base.ay, base.az
-    base.t0, base.coupled = t, 1.0
-    if not mass > 0.0:  # without one it does not accelerate
-        base.ax, base.ay, base.az, base.jx, base.jy, base.jz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        return OK if are_silent(inputs, first, int(settings.bodies) * _BODY) else BODY_LACKING
-    way, steps, step, before = settings.slope, base.steps, base.last_step, base.before_step
-    base.ax, base.ay, base.az, base.jz = x / mass, y / mass, given.az, given.jz
-    base.jx = slope_of(way, steps, step, before, base.ax, base.last_ax, base.before_ax)
-    base.jy = slope_of(way, steps, step, before, base.ay, base.last_ay, base.before_ay)
-    if settings.drive != HORIZONTAL:
-        base.az = z / mass
-        base.jz = slope_of(way, steps, step, before, base.az, base.last_az, base.before_az)
-    return OK
-
-
-@kernel
-def _see(scene, phase, visible):
-    """Fill an output row with the outputs of the state."""
+def _see(scene, base, phase, t, visible):
+    """Fill an output row with the outputs of the state at time t."""
     recall(scene, phase.row)
+    turn_base(scene, base, t, 0.0, 0.0, 0.0)
     evaluate(scene, phase, _phase(row(scene, RATES), scene.n), 0.0, 0.0, 0.0)
     show(scene, phase, visible)
+    stop_turning(scene)
 
 
 @kernel
@@ -185,17 +154,20 @@ def _see_pushed(scene, shaking, phase, t, visible):
 
 @leaf
 def _are_bounded(base, h):
-    """Whether every input is at most MOST_INPUT, m/s2, now and h s later."""
+    """Whether every input is at most MOST_INPUT, m/s2, and the rotation at most MOST_TURN, now and h s later."""
     bounded = abs(base.ax) <= MOST_INPUT and abs(base.ay) <= MOST_INPUT and abs(base.az) <= MOST_INPUT
     bounded = bounded and abs(base.ax + base.jx * h) <= MOST_INPUT and abs(base.ay + base.jy * h) <= MOST_INPUT
-    return bounded and abs(base.az + base.jz * h) <= MOST_INPUT
+    bounded = bounded and abs(base.az + base.jz * h) <= MOST_INPUT
+    bounded = bounded and abs(base.alpha_x) <= MOST_INPUT and abs(base.alpha_y) <= MOST_INPUT
+    x, y, _, _ = rotation_at(base, base.t0 + h)
+    return bounded and x * x + y * y <= MOST_TURN * MOST_TURN
 
 
 @kernel
 def _is_flat(scene, shaking, phase, t, stop):
     """Whether neither the state nor base and ports until `stop` have a part across the plane x, z."""
     n, ports = scene.n, scene.extras.spotted
-    if shaking.base.ay != 0.0 or shaking.base.jy != 0.0:
+    if shaking.base.ay != 0.0 or shaking.base.jy != 0.0 or is_turned_across(shaking.base):
         return False
     for way in (1, 3, 5):  # fy, mx, mz, and their slopes
         for p in range(way * ports, (way + 1) * ports):
@@ -232,11 +204,15 @@ def follow(model, state, counts, base, work, inputs, start, h, count, times, ax,
     phase, stop = _state(state, sizes).phase, start + h
     is_plane = _head(model, 0).is_plane != 0.0
     if scene.settings.drive == ACCELERATION:
-        _drive(shaking.base, inputs, 0.0, start)
+        _drive(scene, shaking.base, inputs, 0.0, start)
+        if scene.settings.turns != 0.0:
+            turn(scene, phase, shaking.base, inputs)
     else:
         code = RECORD_BESIDE
         if count == 0:
-            code = _exchange(scene, shaking, inputs, phase, start, is_plane and _lies_flat(phase, scene.n), visible)
+            _see(scene, shaking.base, phase, start, visible)
+            flat = is_plane and _lies_flat(phase, scene.n)
+            code = exchange(scene, shaking.base, inputs, phase, start, flat, visible[scene.visible - _REACTION :])
         if code != OK:
             return code
     _load(scene, shaking, inputs, 0.0, start)
@@ -261,9 +237,9 @@ def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, count
     sizes, scene = sizes_in(model), _scene(model, state, counts, work)
     phase = _state(state, sizes).phase
     if new_inputs != 0 and scene.settings.drive == ACCELERATION:  # else no output depends on them
-        _drive(_input(base, sizes).motion, inputs, elapsed, t)
+        _drive(scene, _input(base, sizes).motion, inputs, elapsed, t)
     if scene.extras.spotted == 0:
-        _see(scene, phase, visible)
+        _see(scene, _input(base, sizes).motion, phase, t, visible)
         return OK
     shaking = _shaking(base, sizes, count, times, ax, ay, az, scale)
     if new_inputs != 0:
@@ -315,16 +291,18 @@ def feedthrough(model, state, counts, base, work, seeds, visible):
     if scene.extras.spotted == 0 or scene.counts.fallen > 0:
         return OK
     phase, pace, inputs = _state(state, sizes).phase, _phase(row(scene, RATES), scene.n), _inputs(seeds, 0)
-    loads = seeds[_INPUTS:]
+    motion, loads = _input(base, sizes).motion, seeds[_INPUTS:]
     recall(scene, phase.row)
     let_go(scene)
+    turn_base(scene, motion, motion.t0, 0.0, 0.0, 0.0)
     evaluate(scene, phase, pace, 0.0, 0.0, 0.0)
     show(scene, phase, seen(scene, 0))
     copy(scene.extras.pushes.row, loads, _LOAD * scene.extras.spotted)
+    ax, ay, az = 0.0, 0.0, 0.0
     if scene.settings.drive == ACCELERATION:
-        evaluate(scene, phase, pace, inputs.ax, inputs.ay, inputs.az)
-    else:
-        evaluate(scene, phase, pace, 0.0, 0.0, 0.0)
+        ax, ay, az = inputs.ax, inputs.ay, inputs.az
+    turn_base(scene, motion, motion.t0, ax, ay, az)
+    evaluate(scene, phase, pace, ax, ay, az)
     show(scene, phase, visible)
     let_go(scene)
     for i in range(sizes.visible):

@@ -5,9 +5,9 @@ import math
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, zero_like
 from ..numba_ext.views import copy
-from .extras import extras_energy, load_extras, see_extras, show_extras
+from .extras import extras_energy, load_extras, see_extras, see_from_ground, show_extras
 from .joint import joint_energy, load_joint
-from .kinematics import accelerate_bodies, pose_bodies
+from .kinematics import accelerate_bodies, pose_bodies, rotation_vector
 from .layout import OF_BASE, OF_BLOCK, OF_JOINT, PHASE
 from .tie import load_tie, tie_energy
 
@@ -86,20 +86,11 @@ def energy(scene, phase):
 
 
 @leaf
-def _rotation_vector(q0, q1, q2, q3):
-    """Axis times angle, rad, of a unit quaternion."""
-    sign = -1.0 if q0 < 0.0 else 1.0
-    sine = math.sqrt(q1 * q1 + q2 * q2 + q3 * q3)
-    per = sign * (2.0 * math.atan2(sine, sign * q0) / sine if sine > 1e-9 else 2.0)
-    return per * q1, per * q2, per * q3
-
-
-@leaf
 def show_block(scene, phase, i, row):
     """Fill in what an output row has of block i."""
     n = scene.n
     row[i], row[n + i], row[2 * n + i] = phase.ux[i], phase.uy[i], phase.uz[i]
-    turn = _rotation_vector(phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i])
+    turn = rotation_vector(phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i])
     row[3 * n + i], row[4 * n + i], row[5 * n + i] = turn
 
 
@@ -131,3 +122,4 @@ def show(scene, phase, row):
     base, poses = row[scene.visible - _BASE :], scene.poses
     base[0], base[1], base[2] = poses.fx[n], poses.fy[n], poses.fz[n]
     base[3], base[4], base[5] = poses.mx[n], poses.my[n], poses.mz[n]
+    see_from_ground(scene, phase, row)

@@ -1,4 +1,4 @@
-"""What only some structures have: bearings, ports with their loads, and neighbours that meet.
+"""What only some structures have: bearings, ports with their loads, neighbours that meet, a base that turns.
 
 One gate, by type. The scene of a structure without any has no `extras` (layout.py, Extras), and what it compiles is the
 first of each pair of functions here and in bearing.py: nothing. All others compile the second, with everything in it,
@@ -11,9 +11,11 @@ import math
 from ..numba_ext.jit import varied
 from ..numba_ext.lanes import zero_like
 from ..numba_ext.views import copy
+from .base import acceleration
 from .contact import error_of_pairs, gap_of, load_pairs, pairs_energy
 from .layout import OF_BEARING, OF_PAIR, OF_PORT, acts_alone, has_extras
 from .port import is_pushed, let_ports_go, load_ports, push_ports, see_ports
+from .turning import is_turned, load_turned, show_turned, stop_turning, turn_base
 
 
 @varied
@@ -25,6 +27,8 @@ def take_extras(scene, shaking, k, t):
 @take_extras.version(acts_alone)
 def _take(scene, shaking, k, t):
     push_ports(scene, shaking, k, t)
+    ax, ay, az = acceleration(shaking, k, t)
+    turn_base(scene, shaking.base, t, ax, ay, az)
 
 
 @varied
@@ -36,6 +40,7 @@ def let_go(scene):
 @let_go.version(has_extras)
 def _let_go(scene):
     let_ports_go(scene)
+    stop_turning(scene)
 
 
 @varied
@@ -46,7 +51,7 @@ def is_loaded(scene, shaking, k):
 
 @is_loaded.version(has_extras)
 def _is_loaded(scene, shaking, k):
-    return is_pushed(scene, shaking, k)
+    return is_pushed(scene, shaking, k) or is_turned(shaking.base)
 
 
 @varied
@@ -59,6 +64,7 @@ def load_extras(scene, phase):
 def _load(scene, phase):
     load_ports(scene, phase)
     load_pairs(scene, phase)
+    load_turned(scene, phase)
 
 
 @varied
@@ -110,3 +116,14 @@ def _show(scene, phase, shown):
     for p in range(met):
         of_pairs[p], of_pairs[met + p] = gap_of(scene, phase, scene.extras.pairs, p), scene.extras.hits.force[p]
     copy(of_pairs[len(OF_PAIR) * met :], scene.extras.spots.row, len(OF_PORT) * scene.extras.spotted)
+
+
+@varied
+def see_from_ground(scene, phase, row):
+    """Turn an output row to fixed axes, where those of the base turn."""
+    return
+
+
+@see_from_ground.version(acts_alone)
+def _see_from_ground(scene, phase, row):
+    show_turned(scene, phase, row)

@@ -1,5 +1,6 @@
 """Bodies and joints in motion: rotations, and relative motion of the faces of a joint (theory.md section 13)."""
 
+import math
 from typing import NamedTuple
 
 from ..numba_ext.jit import kernel, leaf
@@ -80,6 +81,15 @@ def spin_of(q, p):
         2.0 * (q[0] * p[2] - q[2] * p[0] - q[3] * p[1] + q[1] * p[3]),
         2.0 * (q[0] * p[3] - q[3] * p[0] - q[1] * p[2] + q[2] * p[1]),
     )
+
+
+@leaf
+def rotation_vector(q0, q1, q2, q3):
+    """Axis times angle, rad, of a unit quaternion."""
+    sign = -1.0 if q0 < 0.0 else 1.0
+    sine = math.sqrt(q1 * q1 + q2 * q2 + q3 * q3)
+    per = sign * (2.0 * math.atan2(sine, sign * q0) / sine if sine > 1e-9 else 2.0)
+    return per * q1, per * q2, per * q3
 
 
 @leaf

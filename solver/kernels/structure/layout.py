@@ -50,6 +50,7 @@ SETTINGS = Record(
     "has_modes",  # 1: steps by modes while all joints are in full contact
     "relaxation",  # s: least damping along a joint that may slide; what a tie yields by follows its stretch so fast
     *("drive", "slope", "bodies"),  # as of a column (layout/spaces.py)
+    "turns",  # 1: inputs and bodies may turn the base too
 )
 BODIES = Table(
     *("mass", "per_mass"),  # kg, 1/kg
@@ -161,6 +162,9 @@ BASE = Record(
     *("coupled", "steps"),  # as of a column, of exchanges before this one
     *("last_step", "last_ax", "last_ay", "last_az"),
     *("before_step", "before_ax", "before_ay", "before_az"),
+    *("theta_x", "theta_y", "omega_x", "omega_y"),  # rad, rad/s, rotation at time t0
+    *("alpha_x", "alpha_y", "jalpha_x", "jalpha_y"),  # rad/s2, rad/s3
+    *("last_alpha_x", "last_alpha_y", "before_alpha_x", "before_alpha_y"),
 )
 LOAD = ("fx", "fy", "fz", "mx", "my", "mz")  # N, N m, along the axes of the base, at a port
 # behind it: inputs at the ports at time t0, and their slopes, N/s, N m/s
@@ -168,6 +172,9 @@ INPUT_LOADS = Table(*LOAD, *(f"d{name}" for name in LOAD))
 # of an evaluation
 PUSHES = Table(*LOAD)  # zero but while a run, an output or whoever sets them needs them
 SPOTS = Table(*("x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az"))  # m, m/s, m/s2, of ports relative to the base
+# rotation of the base: 1 if there is one; its quaternion, whose last number is 0; along its axes angular velocity,
+# rad/s, angular acceleration, rad/s2, and what turning them adds to its acceleration and gravity, m/s2
+TURN = Record("turned", "q0", "q1", "q2", "wx", "wy", "wz", "bx", "by", "bz", "gx", "gy", "gz")
 POSES = Table(  # of n + 1 bodies
     *("r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"),  # rotation less the identity
     *("wx", "wy", "wz"),  # rad/s, along the axes of the base
@@ -243,6 +250,7 @@ WORK = Space(
     pushes=(PUSHES, "ports"),
     spots=(SPOTS, "ports"),
     hits=(HITS, "pairs"),
+    turn=TURN,
     memory=REMEMBERED,
     giving=REMEMBERED,
     room=Numbers(beside=ROOM),
@@ -278,6 +286,7 @@ class Extras(NamedTuple):
     hits: object  # what they bear
     stretches: object  # what they remember, of the state that is evaluated
     giving_stretches: object  # the rates of it
+    turn: object  # of the base
 
 
 class Scene(NamedTuple):
@@ -358,6 +367,7 @@ def _extras_over(extras, sizes, model, work):
         work.hits,
         work.memory.stretches,
         work.giving.stretches,
+        work.turn,
     )
 
 

@@ -17,7 +17,7 @@ from ...kernels.layout.spaces import (
     SLOPE_PARABOLA,
     TOO_MUCH_WORK,
 )
-from ...kernels.structure import driven
+from ...kernels.structure import coupled, driven
 from ...kernels.structure import layout as at
 from ...kernels.structure.entries import assemble_structure, follow_structure, look_structure
 from ..column.first_run import compile_for
@@ -35,9 +35,9 @@ REASONS = {
     at.STEP_TOO_SMALL: TOO_SMALL,
     CALL_TOO_LONG: IN_PLANE[CALL_TOO_LONG],
     TOO_MUCH_WORK: "the motion is too fast to be followed; the input or the state is not a physical one",
-    BODY_LACKING: "what drives the base has no mass: body.M must be positive",
+    BODY_LACKING: "what drives the base has no mass: body.M must be positive, and Jxx, Jyy where it turns",
     RECORD_BESIDE: IN_PLANE[RECORD_BESIDE],
-    INPUT_TOO_LARGE: "an input of the base is, or becomes, larger than 1e6 (m/s2)",
+    INPUT_TOO_LARGE: "an input of the base is, or becomes, larger than 1e6 (m/s2), or its rotation than 3 rad",
 }
 SKIP_CODES = {"peaks": driven.WITHOUT_PEAKS, "elastic": driven.WITHOUT_ELASTIC}
 
@@ -51,6 +51,7 @@ class Chosen(NamedTuple):
     drive: float = ACCELERATION  # how the base moves: codes of layout/spaces.py; bodies that drive it
     slope: float = SLOPE_PARABOLA
     bodies: float = 1.0
+    turns: float = 0.0  # 1: inputs and bodies may turn the base too
 
 
 class Record(NamedTuple):
@@ -112,7 +113,9 @@ class DrivenStructure:
         self._arrays = tuple(self.arrays[:-1])
         self.record = record_of(None)
         of_ports = at.INPUT_LOADS.size(self.sizes.ports)
-        self._inputs = np.zeros(driven.INPUTS.beside + driven.BODY.beside * int(given.bodies) + of_ports)
+        turns, bodies = int(given.turns), int(given.bodies)
+        of_bodies = bodies * (coupled.BODY.beside + turns * coupled.TURNING_BODY.beside)
+        self._inputs = np.zeros(coupled.INPUTS.beside + of_ports + turns * coupled.ROTATION.beside + of_bodies)
         self._row = np.zeros(self.sizes.visible)
         self._room = np.zeros(self.sizes.visible)
         self._elapsed, self._new = 0.0, False
@@ -131,8 +134,9 @@ class DrivenStructure:
     def drive(self, t: float, *inputs: float, since: float | None = None) -> None:
         """Set accelerations of the base, m/s2, and their slopes, m/s3, from time t on.
 
-        Behind them the loads on ports with their slopes (layout.py, INPUT_LOADS), then what bodies that drive the base
-        say (kernels/structure/driven.py, BODY). since: s, the time that all are given for; None: t.
+        Behind them the loads on ports with their slopes (layout.py, INPUT_LOADS), the rotation of the base where it may
+        turn, then what bodies that drive the base say (kernels/structure/coupled.py, ROTATION, BODY, TURNING_BODY).
+        since: s, the time that all are given for; None: t.
         """
         self._inputs[: len(inputs)] = inputs
         self._elapsed, self._new = 0.0 if since is None else t - since, True
@@ -151,7 +155,7 @@ class DrivenStructure:
         return self._row
 
     def stand_on_base(self) -> None:
-        """It does already: its base does not rotate."""
+        """It does already: until the first step it turns with its base."""
 
     @property
     def visible_peaks(self) -> FloatArray:
