@@ -70,10 +70,7 @@ class Structures(Kind):
     # --- many
 
     def lanes(self, model: Structure, keep: Collection[str]) -> Lanes:
-        """Lanes watch displacements alone, and neighbours pass through each other in them.
-
-        Of lightly damped structures the steps are of order 8, which they lack.
-        """
+        """Lanes watch displacements and gaps alone, and lack the steps of order 8 of lightly damped structures."""
         why = _why_not_in_lanes(model, keep)
         if not why:
             try:
@@ -89,7 +86,7 @@ class Structures(Kind):
     def load(self, model: Structure, keep: Collection[str]) -> None:
         """The kernels of lanes, where they may be used."""
         if not _why_not_in_lanes(model, keep):
-            load_lanes()
+            load_lanes(model.model.extras is not None)
 
     def follow(
         self, runs: Sequence[Run], keep: Collection[str], settle: float, flag: FloatArray
@@ -141,10 +138,8 @@ STRUCTURES = Structures()
 
 def _why_not_in_lanes(structure: Structure, keep: Collection[str]) -> str:
     """Why runs of a structure that rests are not made in lanes; "" if they are."""
-    if structure.neighbours:
-        return "neighbours may meet"
     if not FROM_LANES.issuperset(keep):
-        return "peaks of more than displacements"
+        return "peaks of more than displacements and gaps"
     return "" if structure.model.names.settings.order == 5.0 else "steps of order 8"
 
 
