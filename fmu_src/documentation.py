@@ -16,7 +16,7 @@ from matplotlib.transforms import Affine2D
 
 from solver.models.column.model import Column
 from solver.models.structure.model import Structure
-from solver.plotting.scene.bodies import parts_of
+from solver.plotting.scene.bodies import parts_of, walls_of
 from solver.plotting.scene.gltf import still
 from solver.plotting.structures import draw_blocks
 
@@ -103,7 +103,7 @@ def _scene(body: Body) -> dict[str, bytes]:
     if not isinstance(body, (ColumnBody, StructureBody)):
         return {}
     model = body.column if isinstance(body, ColumnBody) else body.structure
-    return {"resources/scene.glb": still(model.name, parts_of(model)[0], not model.kind.across)}
+    return {"resources/scene.glb": still(model.name, parts_of(model)[0], not model.kind.across, walls_of(model))}
 
 
 @singledispatch

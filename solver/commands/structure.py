@@ -11,7 +11,7 @@ from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..kernels.structure.entries import run_structure
 from ..models.structure.model import Structure
-from ..models.structure.modes import modes_in_space
+from ..models.structure.modes import frequencies_apart
 from ..models.structure.response import SpatialResponse
 from .progress import say_that_it_compiles
 
@@ -37,7 +37,7 @@ def report(structure: Structure, motion: Motion) -> str:
     top = max(float(np.max(block.corners[:, 2])) for block in structure.blocks)
     parts = [f"{structure.n} blocks, {len(structure.joints)} joints, {len(structure.ties)} ties, {top:.4g} m"]
     if structure.n <= MOST_BLOCKS:
-        lowest = ", ".join(f"{value:.4g}" for value in modes_in_space(structure).frequency[:3])
+        lowest = ", ".join(f"{value:.4g}" for value in frequencies_apart(structure)[:3])
         parts.append(f"first natural frequencies {lowest} Hz")
     peaks = {"x": motion.pga, "y": float(np.max(np.abs(motion.ay))), "z": float(np.max(np.abs(motion.az)))}
     shaken = ", ".join(f"{name} {peak / STANDARD_GRAVITY:.4g} g" for name, peak in peaks.items() if peak)

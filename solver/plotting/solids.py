@@ -67,7 +67,7 @@ class Solids(PolyCollection):
     def do_3d_projection(self) -> float:
         """Called by the axes before they draw."""
         axes: Any = self.axes
-        towards = _towards_viewer(axes)
+        towards = towards_viewer(axes)
         if self._seen % self._every == 0:
             self._order = self._from_behind(towards)
         self._seen += 1
@@ -113,7 +113,8 @@ class Solids(PolyCollection):
         return np.array(order)
 
 
-def _towards_viewer(axes: Any) -> FloatArray:
+def towards_viewer(axes: Any) -> FloatArray:
+    """The unit vector from a scene in axes in space towards who looks at it."""
     elevation, azimuth = np.deg2rad(axes.elev), np.deg2rad(axes.azim)
     level = np.cos(elevation)
     return np.array([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(elevation)])

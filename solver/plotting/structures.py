@@ -20,8 +20,8 @@ from ..models.structure.response import SpatialResponse
 from .figures import Figure
 from .film import FILM_DPI, FRAMES_PER_SECOND, Progress, shoot
 from .plots import draw_ground
-from .scene.bodies import parts_of
-from .solids import EDGE, SHADED, Solids
+from .scene.bodies import normal_of, parts_of, walls_of
+from .solids import EDGE, SHADED, Solids, towards_viewer
 from .style import GREY, GRID, INK, RED, TINT, VERDICT_COLOURS, header, nice, plain, save, tidy
 from .words import setting_of, verdict_of
 
@@ -29,7 +29,7 @@ VISIBLE = 0.08  # of the extent: largest deformation in a picture
 MARGIN, BAR = 0.06, 0.2  # of the extent: ground around the blocks, longest bar of the scale
 DPI = 130
 FILLED = 0.96  # of the axes
-GROUND = "#e9e6df"
+GROUND, WALL = "#e9e6df", "#d9d5cb"
 BEARING, SIDES, FLAT = "#4f4a44", 24, 0.3  # colour; points of its rim; height over the diameter of one not on the base
 
 
@@ -97,7 +97,7 @@ class _Scene:
         self.moving: tuple[Artist, ...] = (self._solids, self._cursor, self._clock)
         for artist in self.moving:
             artist.set_animated(True)
-        self.colours = (*SHADED, EDGE, GROUND, INK, RED, GRID, colour)
+        self.colours = (*SHADED, EDGE, GROUND, WALL, INK, RED, GRID, colour)
 
     def show(self, k: int) -> None:
         """Move everything to row k."""
@@ -145,7 +145,8 @@ def draw_blocks(
     axes.view_init(elev=18, azim=-62)
     axes.computed_zorder = False
     axes.add_collection(solids, autolim=False)
-    corners = solids.points if room is None else np.concatenate([solids.points, room])
+    walls = [wall.centroid + wall.surfaces[0].points for wall in walls_of(structure)]
+    corners = np.concatenate([solids.points, *walls, *([] if room is None else [room])])
     low, high = corners.min(axis=0), corners.max(axis=0)
     low[2] = min(low[2], 0.0)
     largest = float(np.max(high - low))
@@ -159,11 +160,20 @@ def draw_blocks(
     x, y = np.array([low[0], high[0], high[0], low[0]]), np.array([low[1], low[1], high[1], high[1]])
     ground = Poly3DCollection([np.column_stack([x, y, np.zeros(4)])], facecolors=GROUND, edgecolors="0.75", zorder=0.5)
     axes.add_collection3d(ground, autolim=False)
+    for wall in walls:
+        axes.add_collection3d(_wall(wall, axes), autolim=False)
     for joint in structure.bearings:
         moved = u[joint.lower] if joint.lower < structure.n else np.zeros(3)
         axes.add_collection3d(_bearing(joint, moved, joint.lower == structure.n), autolim=False)
     _measure(axes, np.array([low[0], low[1], 0.0]), nice(BAR * largest))
     return solids
+
+
+def _wall(points: FloatArray, axes: Any) -> Poly3DCollection:
+    """A wall: behind all blocks, or, seen from behind, its edges before them."""
+    behind = float(normal_of(points) @ towards_viewer(axes)) > 0.0
+    colour, order = (WALL, 0.6) if behind else ("none", 2.0)
+    return Poly3DCollection([points], facecolors=colour, edgecolors=EDGE, linewidths=0.6, zorder=order)
 
 
 def _bearing(joint: Joint, moved: FloatArray, on_base: bool) -> Poly3DCollection:

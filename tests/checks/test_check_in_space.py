@@ -169,7 +169,7 @@ def test_hits_of_neighbours_and_the_gap_that_is_left() -> None:
     assert hits.demand == np.mean(least < 0.0)
     assert 0.0 < hits.demand < 1.0
     assert np.all(least[:4] > 0.0)  # of the weak motion
-    assert made.runs.stats["why_scalar"] == {"neighbours may meet": 8}
+    assert made.runs.stats["lanes"] == 8
     assert hits.passes is None
     assert "no limit is given" in hits.note
     low, high = (float(part) for part in re.findall(r"([\d.]+)%", hits.note))

@@ -62,6 +62,23 @@ def in_lanes(structure: Structure, motions: list[Motion], settle: float = 0.0, *
     return follow_in_lanes(runs, [rest_of(run.model) for run in runs], settle)
 
 
+def beside(restitution: float = 0.5) -> Structure:
+    """A slender drum between a stouter one and a box, and a wall behind the box: all kinds of contact."""
+    drum, box = {"shape": "drum", "diameter": 0.8, "density": 2500.0}, {"width": 0.6, "depth": 1.2, "density": 2500.0}
+    blocks = [
+        {"name": "stout", "on": "base", "at": [0.0, 0.0], **drum, "diameter": 1.2, "height": 2.4},
+        {"name": "slender", "on": "base", "at": [1.02, 0.05], **drum, "height": 3.2},
+        {"name": "box", "on": "base", "at": [1.74, 0.0], **box, "height": 2.0},
+        {"name": "panel", "on": "base", "at": [2.37, 0.1], **box, "height": 2.6},
+    ]
+    wall = {"at": [2.7, 0.0, 0.0], "normal": [-1.0, 0.0], "width": 4.0, "height": 3.0}
+    law = {"reach": 0.1, "line_stiffness": 1e8, "stiffness": 1e9, "restitution": restitution, "friction": 0.4}
+    joints = {"stiffness": 1e9, "damping": 2e-3, "friction": 0.5}
+    return Structure.from_dict(
+        {"name": "row", "joints": joints, "block": blocks, "neighbours": {**law, "wall": [wall]}}
+    )
+
+
 RING = {"name": "r", "shape": "drum", "diameter": 1.0, "bore": 0.6, "height": 4.0, "mass": 5e3, "on": "base"}
 SCENES = {
     "boxes": (stack(3, damping=3e-3), waves()),
@@ -106,6 +123,53 @@ def test_runs_do_not_depend_on_their_neighbours() -> None:
         assert {name: np.asarray(value).tobytes() for name, value in one.items()} == {
             name: np.asarray(value).tobytes() for name, value in other.items()
         }
+
+
+def hits(count: int = 11) -> list[Motion]:
+    """Motions under which all pairs of `beside` meet."""
+    return [Motion.harmonic((0.35 + 0.03 * k) * G, 1.5 + 0.05 * k, 0.8, direction=0.1 * k) for k in range(count)]
+
+
+def test_neighbours_meet_in_lanes_as_alone() -> None:
+    structure, motions, tolerance = beside(), hits(), 1e-4
+    found = in_lanes(structure.with_settings(tolerance=tolerance), motions)
+    for motion, one in list(zip(motions, found, strict=True))[::4]:
+        closest = simulate(structure, motion, settle=0.0, tolerance=1e-9)
+        assert np.all(closest.peaks["gap"] < -2e-3)  # m
+        for axis in ("ux", "uy", "uz"):  # of all eleven: measured 17 tolerances at most, alone 7; most below 3
+            size = float(np.max(closest.peaks["u"]))
+            assert one[f"peak_{axis}"] == pytest.approx(closest.peaks[axis], abs=30.0 * tolerance * size)
+        assert one["least_gap"] == pytest.approx(closest.peaks["gap"], abs=1e-5)  # measured 1.6e-6 m, alone 6e-6
+
+
+def test_a_hit_in_one_lane_changes_no_bit_of_the_others() -> None:
+    """Runs that hit at other times, and one that does not: one by one, in other lanes."""
+    motions = [Motion.harmonic(0.02 * G, 1.0, 0.8), *hits(10)]
+    structure = beside().with_settings(tolerance=1e-3)
+    together = in_lanes(structure, motions)
+    turned = in_lanes(structure, motions[::-1])[::-1]
+    alone = [in_lanes(structure, [motion])[0] for motion in motions[:3]]
+    assert np.all(together[0]["least_gap"] > 0.0)
+    for one, other in [*zip(together[:3], alone, strict=True), *zip(together, turned, strict=True)]:
+        for name in ("peak_u", "least_gap", "steps", "verdict"):
+            assert np.asarray(one[name]).tobytes() == np.asarray(other[name]).tobytes()
+
+
+def test_a_post_that_leans_stands_in_lanes_too() -> None:
+    post = {"name": "post", "on": "base", "width": 0.4, "depth": 0.4, "height": 2.4, "density": 2500.0}
+    wall = {"at": [0.8, 0.0, 0.0], "normal": [-1.0, 0.0], "width": 4.0, "height": 3.0}
+    law = {"reach": 1.0, "stiffness": 1e8, "restitution": 0.05, "friction": 0.5, "wall": [wall]}
+    joints = {"stiffness": 1e8, "damping": 5e-3, "friction": 0.8}
+    data = {"name": "post", "joints": joints, "block": [post], "neighbours": law}
+    structure = Structure.from_dict(data).with_settings(tolerance=1e-4)
+    motions = [Motion.harmonic(size * G, 0.5, 0.8) for size in (-0.8, -1.2, 0.5)]
+    found, reasons = in_lanes(structure, motions, settle=20.0), []
+    for motion, one in zip(motions, found, strict=True):
+        alone = simulate(structure, motion, settle=20.0)
+        reasons.append(alone.reason)
+        assert one["verdict"] == alone.verdict
+    assert reasons[0] == "it has come to rest: post rests against wall 1"
+    assert [one["verdict"] for one in found] == ["standing", "standing", "overturned"]
 
 
 def test_runs_are_followed_to_their_verdict() -> None:

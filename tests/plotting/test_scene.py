@@ -8,6 +8,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import meshio
 import numpy as np
 import pytest
 from support.fmus import ROOT
@@ -15,7 +16,7 @@ from support.fmus import ROOT
 from multiblock import Structure
 from solver import Column, InputError, Motion, simulate
 from solver.models.structure.blocks.shapes import turned
-from solver.plotting.scene.bodies import normal_of, parts_of, scene_of
+from solver.plotting.scene.bodies import normal_of, parts_of, scene_of, walls_of
 from solver.plotting.scene.gltf import animated, still
 from solver.plotting.scene.page import _coarse, _path_of_base, write_view
 
@@ -209,3 +210,30 @@ def test_a_page_fetches_nothing_and_is_small(in_space: Any, tmp_path: Path) -> N
     assert not any(mark in text for mark in ("@TITLE@", "@NAME@", "@LINE@", "@SCENE@", "@VIEWER@"))
     with pytest.raises(InputError, match=r"must end in \.html"):
         in_space.view(tmp_path / "scene.png")
+
+
+def test_walls_are_drawn_where_they_stand(tmp_path: Path) -> None:
+    """As far as they are near the blocks, in a page, a .glb and files for ParaView; seen from the blocks."""
+    structure = Structure.from_toml(ROOT / "examples" / "structures" / "facade.toml")
+    (wall,) = walls_of(structure)
+    points = wall.centroid + wall.surfaces[0].points
+    beyond = 0.3 * 2.6  # m, of its height
+    assert points.min(axis=0) == pytest.approx([-0.155, -0.6 - beyond, 0.0], abs=1e-12)
+    assert points.max(axis=0) == pytest.approx([-0.155, 0.6 + beyond, 3.0], abs=1e-12)
+    assert normal_of(points) == pytest.approx([1.0, 0.0, 0.0], abs=1e-12)
+    response = simulate(structure, SHAKING, settle=0.0)
+    response.to_gltf(tmp_path / "facade.glb")
+    gltf, data = contents(tmp_path / "facade.glb")
+    (node,) = (node for node in gltf["nodes"] if node.get("name") == "wall 1")
+    assert gltf["nodes"].index(node) in gltf["nodes"][0]["children"]
+    held = numbers(gltf, data, gltf["meshes"][node["mesh"]]["primitives"][0]["attributes"]["POSITION"])
+    assert held + node["translation"] == pytest.approx(points, abs=1e-6)
+    response.view(tmp_path / "facade.html")
+    assert f'"walls":[{json.dumps(points.round(6).tolist(), separators=(",", ":"))}]' in (
+        tmp_path / "facade.html"
+    ).read_text(encoding="utf-8")
+    response.to_vtk(tmp_path / "vtk", fps=2.0)
+    mesh = meshio.read(tmp_path / "vtk" / "walls.vtu")
+    assert mesh.points == pytest.approx(points, abs=1e-12)
+    assert mesh.cell_data["wall"][0].tolist() == [1]
+    assert scene_of(response, 2.0).corners.max(axis=0)[2] == 3.0

@@ -7,10 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.fmus import ROOT
 
+from solver import Column, Motion, simulate
 from solver.common.errors import InputError
 from solver.models.structure.blocks.parts import Side
+from solver.models.structure.file import in_space
 from solver.models.structure.model import Structure
+from solver.models.structure.modes import frequencies_apart, modes_in_space
 
 DRUM = {"shape": "drum", "diameter": 1.0, "height": 2.0, "density": 2000.0}
 BOX = {"width": 1.0, "depth": 1.5, "height": 2.0, "density": 2000.0}
@@ -122,3 +126,51 @@ def test_studies_vary_numbers_of_neighbours() -> None:
         made.kind.with_numbers(made, {"neighbours.pair[2].gap": (0.02, False)})
     with pytest.raises(InputError, match=r"neighbours.speed: unknown"):
         made.kind.with_numbers(made, {"neighbours.speed": (0.02, False)})
+
+
+COLUMN = {
+    "name": "shaft",
+    "joint": {"stiffness": 1e9, "damping": 1e-3},
+    "block": [{"height": 1.5, "width": 0.6, "depth": 0.6, "mass": 1500.0}] * 2,
+    "neighbours": {**LAW, "wall": [{**WALL, "at": [-0.35, 0.0, 0.0], "height": 4.0}]},
+}
+
+
+def test_a_column_in_its_plane_meets_none_and_its_stack_does() -> None:
+    with pytest.raises(InputError, match=r"neighbours: needs space, a column in its plane meets none: --space"):
+        Column.from_dict(COLUMN)
+    made = Structure.from_dict(in_space(COLUMN))
+    assert made.contact_names == ("block1-wall 1", "block2-wall 1")
+    assert [pair.gap for pair in made.neighbours] == pytest.approx([0.05, 0.05], abs=1e-12)
+    assert Structure.from_dict(made.to_dict()).contact_names == made.contact_names
+    values = {"neighbours.friction": (0.1, False), "column.size": (2.0, False), "joint.friction": (0.7, False)}
+    assert all(made.kind.has_number(made, name) for name in values)
+    changed = made.kind.with_numbers(made, values)
+    assert [pair.gap for pair in changed.neighbours] == pytest.approx([0.1, 0.1], abs=1e-12)
+    assert {pair.friction for pair in changed.neighbours} == {0.1}
+    assert {joint.bed.friction for joint in changed.joints} == {0.7}
+
+
+def test_a_stack_before_a_wall_is_not_run_as_a_column() -> None:
+    """Shaken in its plane, where a stack without neighbours is left to its column, which would pass the wall."""
+    made = Structure.from_toml(ROOT / "examples" / "structures" / "facade.toml")
+    motion = Motion.harmonic(3.0, 1.5, 1.0)
+    assert made.kind.simplest(made, motion) is made
+    response = simulate(made, motion, settle=0.0)
+    assert response.peaks["hit"][1] > 1e3  # N, of the panel
+    assert response.peaks["gap"][1] > -0.005  # m: it stays before the wall
+
+
+def test_modes_are_those_of_blocks_that_stand_apart() -> None:
+    """To the last bit where gaps are open at rest; where two blocks touch there are none, and both are named."""
+    data = described(DRUM, BOX)
+    apart = Structure.from_dict(data)
+    alone = Structure.from_dict({key: value for key, value in data.items() if key != "neighbours"})
+    assert np.array_equal(modes_in_space(apart).frequency, modes_in_space(alone).frequency)
+    touching = Structure.from_dict(described(DRUM, {**BOX, "at": [1.0, 0.0]}))
+    with pytest.raises(InputError, match="row: b0 and b1 touch at rest, modes need a gap between them"):
+        modes_in_space(touching)
+    by_wall = Structure.from_dict(described(BOX, wall=[{**WALL, "at": [-0.5, 0.0, 0.0]}]))
+    with pytest.raises(InputError, match="row: b0 and wall 1 touch at rest"):
+        modes_in_space(by_wall)
+    assert np.array_equal(frequencies_apart(by_wall)[:6], modes_in_space(Structure.from_dict(described(BOX))).frequency)

@@ -9,6 +9,7 @@ that the damping of an impact, which begins at once, leaves steps smooth. Nothin
 import math
 
 from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import greater, magnitude, zero_like
 from .drum_contact import gap_before_face, gap_of_drums, load_drum_before_face, load_drums
 from .face_contact import gap_of_faces, load_faces
 from .kinematics import dot, minus, plus
@@ -40,7 +41,7 @@ def _rub(scene, phase, extras, p, sides, touch):
 
 
 @kernel
-def _load_pair(scene, phase, extras, p):
+def load_pair(scene, phase, extras, p):
     """Add the forces of a pair that touches to those on its two blocks; one that has let go bears nothing."""
     hits, giving, pairs = extras.hits, extras.giving_stretches, extras.pairs
     hits.force[p], hits.energy[p], hits.slides[p] = 0.0, 0.0, 0.0
@@ -66,7 +67,7 @@ def load_pairs(scene, phase):
     touches, bears = scene.extras.stretches.touches, scene.extras.hits.bears
     for p in range(scene.extras.met):
         if touches[p] != 0.0 or bears[p] != 0.0:
-            _load_pair(scene, phase, scene.extras, p)
+            load_pair(scene, phase, scene.extras, p)
 
 
 @leaf
@@ -78,9 +79,9 @@ def stretches_in(scene, remembered):
 @kernel
 def error_of_pairs(scene, errors):
     """Largest error, m, of what pairs are stretched by."""
-    z, largest = stretches_in(scene, errors), 0.0
+    z, largest = stretches_in(scene, errors), zero_like(scene.settings.tolerance)
     for p in range(scene.extras.met):
-        largest = max(largest, abs(z.z1[p]) + abs(z.z2[p]) + abs(z.z3[p]))
+        largest = greater(largest, magnitude(z.z1[p]) + magnitude(z.z2[p]) + magnitude(z.z3[p]))
     return largest
 
 

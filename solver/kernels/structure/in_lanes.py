@@ -21,6 +21,7 @@ from .layout import (
     BASE,
     CONTROL,
     COUNTS,
+    EACH,
     MODEL,
     OF_BLOCK,
     OF_JOINT,
@@ -30,6 +31,7 @@ from .layout import (
     Sizes,
     scene_over,
 )
+from .meeting_in_lanes import forget_gaps, keep_slides, limited, meet, until_closed, watch_gaps
 from .stepping import STABLE, fallen, largest_motion, moves, relaxing
 from .watch import BETWEEN_RATES, END, START, row, seen
 
@@ -55,7 +57,15 @@ LANE = Record(
 NO_RUN = -1.0
 
 ALL = Space(
-    *Sizes._fields, model=MODEL, control=CONTROL, counts=COUNTS, peaks=(PEAKS, "n"), base=BASE, lane=LANE, work=WORK
+    *Sizes._fields,
+    model=MODEL,
+    control=CONTROL,
+    counts=COUNTS,
+    peaks=(PEAKS, "n"),
+    gaps=(EACH, "pairs"),  # the least of neighbours, m: behind the peaks
+    base=BASE,
+    lane=LANE,
+    work=WORK,
 )
 
 _all, _run, _outcome, _phase, _peaks = ALL.over, RUN.over, OUTCOME.over, PHASE.over, PEAKS.over
@@ -74,7 +84,7 @@ class Queue(NamedTuple):
     states: object  # to start from, replaced by those at the ends
     runs: object  # records RUN
     outcomes: object  # records OUTCOME
-    peaks: object  # tables PEAKS
+    peaks: object  # tables PEAKS, and the least gaps behind each
     times: object  # s
     ax: object  # m/s2
     ay: object
@@ -89,6 +99,7 @@ class Batch(NamedTuple):
     scene: object
     shaking: object
     lane: object
+    gaps: object
     row: object  # of ALL
     sizes: Sizes
     queue: object
@@ -100,7 +111,7 @@ def batch_over(sizes, buffer, queue):
     seen = _all(buffer, sizes)
     scene = scene_over(sizes, seen.model, seen.control, seen.counts, seen.peaks.row, seen.work, queue.extras)
     shaking = Shaking(0, 0, queue.times, queue.ax, queue.ay, queue.az, seen.base, 0, queue.times, queue.times)
-    return Batch(scene, shaking, seen.lane, buffer, sizes, queue)
+    return Batch(scene, shaking, seen.lane, seen.gaps, buffer, sizes, queue)
 
 
 @leaf
@@ -173,6 +184,7 @@ def load(batch, k, number):
     copy(row(one.scene, START), queue.states[count * number :], count)
     copy(row(one.scene, END), row(one.scene, START), count)
     recall(one.scene, row(one.scene, START))
+    forget_gaps(one.scene, one.gaps)
     run, control, settings, own = _run_of(batch, number), one.scene.control, one.scene.settings, one.lane
     control.next_step, control.previous_error = settings.first_step, 1.0
     control.largest, control.largest_rate = settings.motion_floor, settings.rate_floor
@@ -192,7 +204,8 @@ def finish(batch, k, ends, time, block):
     outcome = _outcome_of(batch, number)
     outcome.ends, outcome.time, outcome.block = ends, time, block
     outcome.steps, outcome.rejected, outcome.looks = one.lane.steps, one.lane.rejected, one.lane.looks
-    copy(queue.peaks[_PEAK * n * number :], one.scene.peaks, _PEAK * n)
+    found = _PEAK * n + batch.sizes.pairs
+    copy(queue.peaks[found * number :], one.scene.peaks, found)
     copy(queue.states[count * number :], row(one.scene, START), count)
     one.lane.run, one.lane.piece_end = NO_RUN, math.inf
 
@@ -202,6 +215,7 @@ def start(batch, fresh):
     """Rates at the start of the lanes in the mask `fresh`, and looks that are due; the bits of lanes whose run ends."""
     scene, lanes = batch.scene, batch.lane
     begin, found = row(scene, START), row(scene, BETWEEN_RATES)
+    meet(scene, batch.gaps, fresh)
     evaluate_at(scene, batch.shaking, 0, begin, found, lanes.t)
     _keep(batch, found, fresh)
     lanes.looks += where(fresh, 1.0, 0.0)
@@ -248,6 +262,7 @@ def _keep(batch, found, lanes):
         along[m + j] = where(lanes, -scene.resultants.t2[j], along[m + j])
     for e in range(scene.k):
         ties[e] = where(lanes, scene.pulls.force[e], ties[e])
+    keep_slides(scene, lanes)
 
 
 @leaf
@@ -301,6 +316,7 @@ def step_lengths(batch):
     step = where(shakes, lesser(step, 1.0 / base.omega), step)
     if any_of(scene.settings.gives_way != 0.0):
         step = lesser(step, STABLE * relaxing(scene))
+    step = limited(scene, step, STABLE)
     return where(lanes.run >= 0.0, shared(step, left), 0.0), left
 
 
@@ -317,8 +333,10 @@ def step_on(batch):
     good = busy & control_steps(scene.control, step, error)
     lanes.steps += where(good, 1.0, 0.0)
     lanes.rejected += where(busy & (error > 1.0), 1.0, 0.0)
+    step = until_closed(scene, batch.shaking, lanes.t, step, good)
     phase = _phase(row(scene, END), scene.n)
     track_peaks(batch, step, good)
+    changed = watch_gaps(scene, batch.gaps, step, good)
     _take_stock(batch, row(scene, END), good)
     block = where(good, fallen(scene, phase), 0.0)
     begin, end = row(scene, START), row(scene, END)
@@ -330,9 +348,13 @@ def step_on(batch):
     lanes.t = where(reached, there, where(good, lanes.t + step, lanes.t))
     stuck = busy & is_too_short(scene.control.next_step, scene.settings.first_step, lanes.t)
     over = block > 0.0
-    if not any_of(reached | over | stuck):
+    if changed == 0 and not any_of(reached | over | stuck):
         return 0
     ended = 0
+    for k in range(WIDTH):
+        if (changed >> k) & 1:
+            single(batch, k).lane.fresh = 1.0
+            ended |= 1 << WIDTH
     for k in range(WIDTH):
         one = single(batch, k)
         if lane(block, k) > 0.0:

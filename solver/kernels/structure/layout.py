@@ -330,7 +330,7 @@ def has_extras(scene: Any, *_: Any) -> bool:
 
 
 def acts_alone(scene: Any, *_: Any) -> bool:
-    """Whether it has extras and is no scene of lanes, in which nothing acts beside the base and no neighbours meet."""
+    """Whether it has extras and is no scene of lanes, in which nothing acts beside the base."""
     return has_extras(scene) and scene.types[scene.fields.index("memory")].kind is not LANES
 
 

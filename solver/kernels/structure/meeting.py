@@ -3,6 +3,7 @@
 import math
 
 from ..numba_ext.jit import kernel, leaf, varied
+from ..numba_ext.lanes import lesser, where, zero_like
 from .attempt import attempt
 from .contact import gap_of, is_near, stretches_in
 from .kinematics import pose_body
@@ -16,13 +17,13 @@ MOST = 60  # iterations
 
 
 @leaf
-def _kept(scene, k):
+def kept_in(scene, k):
     """What row k of a step remembers of pairs."""
     return stretches_in(scene, row(scene, k)[_PER_BODY * scene.n :])
 
 
 @kernel
-def _gap_in(scene, k, p):
+def gap_in(scene, k, p):
     """Gap of pair p, m, by row k of a step."""
     phase = _phase(row(scene, k), scene.n)
     for body in (int(scene.extras.pairs.one[p]), int(scene.extras.pairs.other[p])):
@@ -39,16 +40,25 @@ def meet(scene):
 
 @meet.version(has_extras)
 def _meet(scene):
-    kept, phase, changed = _kept(scene, START), _phase(row(scene, START), scene.n), False
+    return meet_pairs(scene)
+
+
+@leaf
+def changes(touches, gap):
+    """Whether a pair that touches (1) or does not (0) lets go, or touches, at a gap, m."""
+    return gap > SLACK if touches != 0.0 else gap <= 0.5 * SLACK
+
+
+@kernel
+def meet_pairs(scene):
+    """`meet` of one structure, or of one of those in lanes."""
+    kept, phase, changed = kept_in(scene, START), _phase(row(scene, START), scene.n), False
     for p in range(scene.extras.met):
-        touches = kept.touches[p] != 0.0
-        if touches or is_near(scene, phase, scene.extras.pairs, p):
-            gap = _gap_in(scene, START, p)
-            if touches and gap > SLACK:
-                kept.touches[p], kept.z1[p], kept.z2[p], kept.z3[p] = 0.0, 0.0, 0.0, 0.0
-                changed = True
-            elif not touches and gap <= 0.5 * SLACK:
-                kept.touches[p], changed = 1.0, True
+        touches = kept.touches[p]
+        near = touches != 0.0 or is_near(scene, phase, scene.extras.pairs, p)
+        if near and changes(touches, gap_in(scene, START, p)):
+            kept.touches[p], kept.z1[p], kept.z2[p], kept.z3[p] = 1.0 - touches, 0.0, 0.0, 0.0
+            changed = True
     return changed
 
 
@@ -60,10 +70,10 @@ def until_closed(scene, shaking, segment, t, h):
 
 @until_closed.version(has_extras)
 def _until_closed(scene, shaking, segment, t, h):
-    kept, phase, part = _kept(scene, START), _phase(row(scene, END), scene.n), 1.0
+    kept, phase, part = kept_in(scene, START), _phase(row(scene, END), scene.n), 1.0
     for p in range(scene.extras.met):
         if kept.touches[p] == 0.0 and is_near(scene, phase, scene.extras.pairs, p):
-            part = min(part, _closing(scene, h, p))
+            part = min(part, closing(scene, h, p, gap_in(scene, END, p)))
     if part < 1.0:
         h = part * h
         attempt(scene, shaking, segment, t, h)
@@ -71,22 +81,28 @@ def _until_closed(scene, shaking, segment, t, h):
 
 
 @kernel
-def _gap_at(scene, h, s, p):
+def gap_at(scene, h, s, p):
     for body in (int(scene.extras.pairs.one[p]), int(scene.extras.pairs.other[p])):
         if body < scene.n:
             interpolate_body(scene, h, s, body)
-    return _gap_in(scene, BETWEEN, p)
+    return gap_in(scene, BETWEEN, p)
 
 
 @kernel
-def _closing(scene, h, p):
-    """The part of the step after which the gap of pair p is closed; 1 if it is open at its end: by false position."""
-    low, above, high, below = 0.0, _gap_in(scene, START, p), 1.0, _gap_in(scene, END, p)
-    if below >= 0.0 or above <= 0.0:
+def closing(scene, h, p, below):
+    """The part of the step after which the gap of pair p, `below` at its end, is closed; 1 if it is open there.
+
+    By false position.
+    """
+    if below >= 0.0:
+        return 1.0
+    low, above, high = 0.0, gap_in(scene, START, p), 1.0
+    if above <= 0.0:
+        gap_in(scene, END, p)  # so that its bodies are as they end
         return 1.0
     for _ in range(MOST):
         s = low + (high - low) * above / (above - below)
-        gap = _gap_at(scene, h, s, p)
+        gap = gap_at(scene, h, s, p)
         if abs(gap) <= CLOSED:
             return s
         if gap > 0.0:
@@ -104,13 +120,17 @@ def longest_touching(scene):
 
 @longest_touching.version(has_extras)
 def _longest_touching(scene):
-    extras, longest = scene.extras, math.inf
-    kept = _kept(scene, START)
-    for p in range(extras.met):
-        if kept.touches[p] != 0.0:
-            longest = min(longest, extras.pairs.decay[p])
-            if extras.hits.slides[p] != 0.0:
-                longest = min(longest, extras.pairs.shear_damping[p])
+    return longest_by(scene, scene.extras.hits.slides)
+
+
+@kernel
+def longest_by(scene, slides):
+    """`longest_touching`; slides: 1 of each pair whose friction gives way."""
+    pairs, longest, kept = scene.extras.pairs, math.inf + zero_like(scene.settings.tolerance), kept_in(scene, START)
+    for p in range(scene.extras.met):
+        touches = kept.touches[p] != 0.0
+        longest = where(touches, lesser(longest, pairs.decay[p]), longest)
+        longest = where(touches & (slides[p] != 0.0), lesser(longest, pairs.shear_damping[p]), longest)
     return longest
 
 

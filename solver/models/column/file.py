@@ -46,6 +46,8 @@ def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
         raise InputError("is a structure in space, must be a column: Structure.from_toml and from_dict read structures")
     if "bearing" in data:
         raise InputError('bearing: needs blocks in space, with on = "base" or position: a column in its plane has none')
+    if "neighbours" in data:
+        raise InputError("neighbours: needs space, a column in its plane meets none: --space, Structure.from_toml")
     check_keys("", data, _COLUMN_KEYS)
     if "name" not in data:
         raise InputError('name: missing, must be a file name: letters, digits, "_", "-", "." and space')

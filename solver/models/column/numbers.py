@@ -22,7 +22,8 @@ from .model import Column
 
 _PARTS = re.compile(r"(block|joint)(?:\[([1-9]\d*)\])?\.([a-z_]+)")
 _WHOLE = ("g", "solver.step", "solver.tolerance")
-SHAPES = ("column.size", "column.slenderness")
+SIZE = "column.size"
+SHAPES = (SIZE, "column.slenderness")
 _OWN = ("stiffness", "damping")  # numbers of a joint on which no other value of a column depends
 _TOLERANCE = "solver.tolerance"
 _UPRIGHT = ("height", "centroid")  # lengths along the axis of the column
@@ -110,7 +111,7 @@ def _set(data: dict[str, Any], name: str, number: float, relative: bool) -> None
     found = _parts(name)
     if name in SHAPES:
         factor = check_number(name, number, POSITIVE, "a positive number")
-        _resize(data, factor) if name == "column.size" else _widen(data, factor, relative)
+        _resize(data, factor) if name == SIZE else _widen(data, factor, relative)
     elif name == "g":
         _put(data, name, "g", number, relative)
     elif found is None:

@@ -19,7 +19,7 @@ from .bearing_tables import check_table as check_bearing
 from .blocks.contacts import joints_between, turned_face
 from .blocks.faces import Face, FloatArray, polygon_moments
 from .blocks.outlines import MEANING, MOST_CORNERS, outline_of
-from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bed, Joint, Solid, Tie
+from .blocks.parts import BASE, BESIDE_COLUMN, OF_COLUMN, TOLERANCE, Bed, Joint, Solid, Tie
 from .blocks.placement import check_joints, check_places
 from .blocks.shapes import box, drum, placed, prism, rectangle, rotation_matrix
 from .hull_tables import OF_HULL, OF_MESH, solid_from_hull
@@ -168,8 +168,8 @@ def in_space(data: Mapping[str, Any]) -> Mapping[str, Any]:
     """The mapping of a structure: what a file holds, or around it if that is a column."""
     if describes_structure(data):
         return data
-    column = {key: value for key, value in data.items() if key != "port"}
-    return {OF_COLUMN: column, **{key: data[key] for key in ("port",) if key in data}}
+    column = {key: value for key, value in data.items() if key not in BESIDE_COLUMN}
+    return {OF_COLUMN: column, **{key: data[key] for key in BESIDE_COLUMN if key in data}}
 
 
 class _Solids:

@@ -10,14 +10,20 @@ from numpy.typing import NDArray
 
 from ...ground.motion import Motion
 from ..column.model import Column
-from ..column.numbers import column_with, is_of_column
+from ..column.numbers import SIZE, column_with, is_of_column
 from ..protocol import LOADED, SETTLE, Kind, Lanes, NoRestError, Plan, Run, Work, output_times, table_entry
 from .blocks.faces import FloatArray
 from .blocks.parts import OF_COLUMN
 from .kept import FROM_LANES, KEPT, OF_RUN
 from .lanes import follow_in_lanes, is_flat_run, load_lanes, share_of
 from .model import Structure
-from .numbers import is_of_structure, single_names_in_space, structure_with
+from .numbers import (
+    is_of_neighbours,
+    is_of_structure,
+    resize_beside,
+    single_names_in_space,
+    structure_with,
+)
 from .outputs import OUTPUTS
 from .planar import column_of
 from .plausible import known_warnings_in_space
@@ -64,10 +70,7 @@ class Structures(Kind):
     # --- many
 
     def lanes(self, model: Structure, keep: Collection[str]) -> Lanes:
-        """Lanes watch displacements alone, and neighbours pass through each other in them.
-
-        Of lightly damped structures the steps are of order 8, which they lack.
-        """
+        """Lanes watch displacements and gaps alone, and lack the steps of order 8 of lightly damped structures."""
         why = _why_not_in_lanes(model, keep)
         if not why:
             try:
@@ -83,7 +86,7 @@ class Structures(Kind):
     def load(self, model: Structure, keep: Collection[str]) -> None:
         """The kernels of lanes, where they may be used."""
         if not _why_not_in_lanes(model, keep):
-            load_lanes()
+            load_lanes(model.model.extras is not None)
 
     def follow(
         self, runs: Sequence[Run], keep: Collection[str], settle: float, flag: FloatArray
@@ -109,22 +112,24 @@ class Structures(Kind):
         second = WORK * model.n
         return Work(second * SETTLE, second)
 
-    # --- numbers by name: those of a stack are its column's, but for the laws of joints
+    # --- numbers by name: those of a stack are its column's, but for the laws of joints and neighbours
 
     def has_number(self, model: Structure, name: str) -> bool:
-        return is_of_structure(name) if not model.is_stack else is_of_column(name) or _is_law(name)
+        return is_of_structure(name) if not model.is_stack else is_of_column(name) or _is_of_space(name)
 
     def numbers_of(self, model: Structure, name: str) -> list[str]:
         return single_names_in_space(name, model)
 
     def with_numbers(self, model: Structure, values: Mapping[str, tuple[float, bool]]) -> Structure:
         if model.is_stack:
-            of_column = {name: value for name, value in values.items() if not _is_law(name)}
+            of_column = {name: value for name, value in values.items() if not _is_of_space(name)}
             if of_column:
                 data = model.to_dict()
                 column = column_with(Column.from_dict(data[OF_COLUMN]), of_column)
+                if SIZE in of_column:
+                    resize_beside(data, of_column[SIZE][0])
                 model = Structure.from_dict({**data, OF_COLUMN: column.to_dict()})
-            values = {name: value for name, value in values.items() if _is_law(name)}
+            values = {name: value for name, value in values.items() if _is_of_space(name)}
         return structure_with(model, values)
 
 
@@ -133,13 +138,11 @@ STRUCTURES = Structures()
 
 def _why_not_in_lanes(structure: Structure, keep: Collection[str]) -> str:
     """Why runs of a structure that rests are not made in lanes; "" if they are."""
-    if structure.neighbours:
-        return "neighbours may meet"
     if not FROM_LANES.issuperset(keep):
-        return "peaks of more than displacements"
+        return "peaks of more than displacements and gaps"
     return "" if structure.model.names.settings.order == 5.0 else "steps of order 8"
 
 
-def _is_law(name: str) -> bool:
-    """Whether a name of a stack is of the law of a joint, as structures have it; all others are of the column."""
-    return name.startswith("joint") and is_of_structure(name)
+def _is_of_space(name: str) -> bool:
+    """Whether a name of a stack is of a joint's law, as structures have it, or of neighbours; else of its column."""
+    return is_of_neighbours(name) or (name.startswith("joint") and is_of_structure(name))

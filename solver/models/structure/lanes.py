@@ -20,7 +20,7 @@ from ..protocol import LANES, OVERTURNED, STANDING, UNDECIDED, Run
 from .model import Structure
 from .rest import Rest, rest_of
 from .stepper import Stepper
-from .verdict import next_look, well_of
+from .verdict import next_look, well_of, why_it_leans
 
 STAGES = 6  # evaluations of a step
 
@@ -33,7 +33,7 @@ def share_of(structure: Structure) -> Hashable:
         getattr(places, name).tobytes() for name in ("upper", "lower", "first", "corners", "above", "below", "section")
     )
     ties = tuple((tie.one, tie.other) for tie in structure.ties)
-    return structure.n, len(names.corners), joints, ties, bool(names.settings.gives_way)
+    return structure.model.sizes, joints, ties, bool(names.settings.gives_way)
 
 
 def is_flat_run(structure: Structure, motion: Motion) -> bool:
@@ -64,14 +64,15 @@ def follow_in_lanes(
             break
         begin, since = since, next_look(since, settle)
         lanes.follow(left, stops[left] + begin, stops[left] + since, flag, still=True)
+    see, n = at.OUTCOME.see, runs[0].model.n
     return [
-        _result(at.OUTCOME.see(within[k]), at.OUTCOME.see(lanes.outcomes[k]), peaks[k], float(stops[k]), bool(stand[k]))
+        _result(n, see(within[k]), see(lanes.outcomes[k]), peaks[k], float(stops[k]), bool(stand[k]))
         for k in all_of_them.tolist()
     ]
 
 
-def _result(within: Any, later: Any, peaks: FloatArray, stop: float, stands: bool) -> dict[str, Any]:
-    """Results of a run by name: its outcomes within its duration and after it; whether its well holds it."""
+def _result(n: int, within: Any, later: Any, peaks: FloatArray, stop: float, stands: bool) -> dict[str, Any]:
+    """Results of a run of n blocks by name: its outcomes within its duration and after it; whether it stands."""
     if at.STEP_TOO_SMALL in (within.ends, later.ends):
         return {}
     fell = later.ends == at.FELL
@@ -82,12 +83,16 @@ def _result(within: Any, later: Any, peaks: FloatArray, stop: float, stands: boo
         "steps": int(within.steps),
         "evaluations": int(STAGES * (within.steps + within.rejected) + within.looks),
         "path": LANES,
-        **dict(zip(("peak_u", "peak_ux", "peak_uy", "peak_uz"), peaks.reshape(4, -1), strict=True)),
+        "least_gap": peaks[4 * n :],
+        **dict(zip(("peak_u", "peak_ux", "peak_uy", "peak_uz"), peaks[: 4 * n].reshape(4, n), strict=True)),
     }
 
 
 class _Lanes:
-    """Runs as rows for the kernels: their models and states; outcomes and peaks of the time they were followed last."""
+    """Runs as rows for the kernels: their models and states; outcomes and peaks of the time they were followed last.
+
+    Peaks have the least gaps of neighbours behind them.
+    """
 
     def __init__(self, runs: Sequence[Run], rests: Sequence[Rest]) -> None:
         self._runs = runs
@@ -107,7 +112,7 @@ class _Lanes:
         self._models, self._states = np.array(models), np.array([rest.phase for rest in rests])
         self._record = tuple(np.concatenate(part) for part in zip(*records, strict=True))
         self.outcomes = np.zeros((len(runs), at.OUTCOME.beside))
-        self.peaks = np.zeros((len(runs), at.PEAKS.per_n * self._sizes.n))
+        self.peaks = np.zeros((len(runs), at.PEAKS.per_n * self._sizes.n + self._sizes.pairs))
 
     def _stepper(self, k: int) -> Stepper:
         return self._steppers[id(self._runs[k].model)]
@@ -116,7 +121,7 @@ class _Lanes:
         """Why run k cannot fall any more on a still base from where it is; "" if it may."""
         stepper = self._stepper(k)
         stepper.phase[:] = self._states[k]
-        return well_of(self._runs[k].model).why_it_stands(stepper)
+        return why_it_leans(stepper) or well_of(self._runs[k].model).why_it_stands(stepper)
 
     def follow(
         self, which: IntArray, starts: FloatArray, stops: FloatArray, flag: FloatArray, still: bool = False
@@ -148,10 +153,15 @@ class _Lanes:
         self._states[which], self.outcomes[which], self.peaks[which] = states, outcomes, peaks
 
 
-@lru_cache(maxsize=1)
-def load_lanes() -> None:
-    """Load the kernels into this process, which takes as long as many runs where they are compiled."""
+@lru_cache(maxsize=2)
+def load_lanes(with_extras: bool) -> None:
+    """Load the kernels into this process, which takes as long as many runs where they are compiled.
+
+    with_extras: those of structures that have any (kernels/structure/extras.py).
+    """
     block = {"name": "block", "width": 1.0, "depth": 1.0, "height": 1.0, "mass": 1e3, "on": "base"}
-    structure = Structure.from_dict({"name": "block", "joints": {"stiffness": 1e9, "damping": 1e-3}, "block": [block]})
+    ports = [{"name": "port", "block": "block"}] if with_extras else []
+    joints = {"stiffness": 1e9, "damping": 1e-3}
+    structure = Structure.from_dict({"name": "block", "joints": joints, "block": [block], "port": ports})
     run = Run(structure, Motion.harmonic(1e-3, 1.0, 1e-3), 1e-3)
     follow_in_lanes([run], [rest_of(structure)], 0.0)

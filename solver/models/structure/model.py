@@ -22,9 +22,10 @@ from ..column.model import Column
 from ..column.settings import Settings
 from ..ports import Port
 from .blocks.faces import Face
-from .blocks.parts import BASE, OF_COLUMN, TOLERANCE, Bearing, Bed, Joint, Pair, Side, Solid, Tie
+from .blocks.parts import BASE, BESIDE_COLUMN, OF_COLUMN, TOLERANCE, Bearing, Bed, Joint, Pair, Side, Solid, Tie
 from .file import in_space, names_from, parts_from, ports_of, written_out
 from .hull_tables import in_folder, with_hulls
+from .neighbours import neighbours_from
 from .packing import Model, Parts, centroid_of, model_of
 from .stack import in_three, stacked
 
@@ -252,15 +253,20 @@ class Structure(Shown):
     def from_dict(cls, data: Mapping[str, Any]) -> Structure:
         """Build a structure from the mapping that the TOML file holds (docs/structures.md), or {"column": a column's}.
 
-        Raises InputError.
+        Ports and neighbours of the latter stand beside it. Raises InputError.
         """
         if OF_COLUMN in data:
-            ranges.check_keys("", data, (OF_COLUMN, "port"))
+            ranges.check_keys("", data, (OF_COLUMN, *BESIDE_COLUMN))
             made = cls.stack(Column.from_dict(data[OF_COLUMN]))
-            if "port" not in data:
+            beside = {key: data[key] for key in BESIDE_COLUMN if key in data}
+            if not beside:
                 return made
-            described = {**(made.described or {}), "port": data["port"]}
-            return replace(made, ports=ports_of(in_three(data), made.blocks), described=described)
+            return replace(
+                made,
+                ports=ports_of(in_three(data), made.blocks) if "port" in data else made.ports,
+                neighbours=neighbours_from(data, made.blocks, made.joints),
+                described={**(made.described or {}), **beside},
+            )
         data, surfaces = with_hulls(data)
         return cls(**parts_from(data, surfaces), described=written_out(data))
 

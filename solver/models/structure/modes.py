@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,9 +13,11 @@ from ...common.errors import InputError, needing
 from ...common.files import write_table
 from ...common.frames import Frame, Framed
 from ...kernels.structure.layout import OF_BLOCK
+from ..outputs import places_of
 from .blocks.faces import FloatArray
 from .model import Structure
-from .outputs import UNITS
+from .neighbours import NEAR
+from .outputs import OUTPUTS, UNITS
 from .rest import Rest, deltas_of, full_stiffness, residual_of, rest_of, start_from, sticking
 from .stepper import Stepper
 
@@ -78,9 +80,10 @@ class SpatialModes(Framed):
 
 
 def modes_in_space(structure: Structure) -> SpatialModes:
-    """Modes about rest. Raises InputError for a structure that has no stable rest."""
+    """Modes about rest. Raises InputError for a structure that has no stable rest, or neighbours that touch there."""
     n = structure.n
     rest = rest_of(structure)
+    _check_gaps(structure, rest)
     root = _root_of_mass(structure)
     inverse = np.linalg.inv(root)
     stiffness = rest.stiffness if structure.weight > 0.0 else full_stiffness(structure)
@@ -104,6 +107,22 @@ def modes_in_space(structure: Structure) -> SpatialModes:
     frequency, ratio = omega / (2.0 * math.pi), np.maximum(modal, 0.0) / (2.0 * omega)
     mass, twists = participation.T**2, twists / np.sum(twists)
     return SpatialModes(structure, frequency, parts[..., :3], parts[..., 3:], mass, ratio, twists)
+
+
+def frequencies_apart(structure: Structure) -> FloatArray:
+    """Natural frequencies, Hz (6 n,), as if no neighbour were there, whether they touch or not. Raises InputError."""
+    return modes_in_space(replace(structure, neighbours=(), described=None)).frequency
+
+
+def _check_gaps(structure: Structure, rest: Rest) -> None:
+    """Raise InputError for neighbours that touch at rest: they would press one way and part the other."""
+    gaps = rest.row[places_of(OUTPUTS, structure.sizes)["gap"]]
+    for name, pair, gap in zip(structure.contact_names, structure.neighbours, gaps.tolist(), strict=True):
+        if gap <= NEAR:
+            one, other = structure.names[pair.one], name.removeprefix(f"{structure.names[pair.one]}-")
+            raise InputError(
+                f"{structure.name}: {one} and {other} touch at rest, modes need a gap between them, or no [neighbours]"
+            )
 
 
 def sliding_frequencies(structure: Structure) -> FloatArray:

@@ -45,7 +45,12 @@ class Named(NamedTuple):
 
 def is_of_structure(name: str) -> bool:
     """Whether a dotted name belongs to a structure."""
-    return name in (*_WHOLE, SIZE) or _named(name) is not None or _NEIGHBOURS.fullmatch(name) is not None
+    return name in (*_WHOLE, SIZE) or _named(name) is not None or is_of_neighbours(name)
+
+
+def is_of_neighbours(name: str) -> bool:
+    """Whether a dotted name belongs to the table `neighbours`."""
+    return _NEIGHBOURS.fullmatch(name) is not None
 
 
 def single_names_in_space(name: str, structure: Structure) -> list[str]:
@@ -169,10 +174,17 @@ def _bed_with(bed: Bed, name: str, number: float, relative: bool) -> Bed:
     return bed_from(name.rpartition(".")[0], {**law, found.key: _moved(name, law.get(found.key), number, relative)})
 
 
-def _resize(data: dict[str, Any], factor: float) -> None:
+def resize_beside(data: Mapping[str, Any], factor: float) -> None:
+    """Multiply the lengths of the table `neighbours`, where there is one."""
     beside = data.get("neighbours", {})
-    every = [data.get(kind, []) for kind in ("block", "joint", "tie", "bearing")]
-    for tables in (*every, [beside], beside.get("pair", []), beside.get("wall", [])):
+    for table in (beside, *beside.get("pair", []), *beside.get("wall", [])):
+        for key in table.keys() & set(_LENGTHS):
+            table[key] = _times(table[key], factor)
+
+
+def _resize(data: dict[str, Any], factor: float) -> None:
+    resize_beside(data, factor)
+    for tables in [data.get(kind, []) for kind in ("block", "joint", "tie", "bearing")]:
         for table in tables if isinstance(tables, list) else []:
             for key in table.keys() & set(_LENGTHS):
                 table[key] = _times(table[key], factor)

@@ -19,6 +19,7 @@ from ...models.structure.blocks.parts import Joint, Solid
 from ...models.structure.model import Structure
 
 SIDES = 32  # of a round face
+AROUND = 0.3  # of the largest extent: how far a wall is drawn beyond the blocks
 TOO_CLOSE = 1e-6  # s: rows that a sampled time may miss
 
 
@@ -63,6 +64,7 @@ class Scene:
     name: str
     bodies: tuple[Body, ...]
     contacts: tuple[Contact, ...]
+    walls: tuple[Body, ...]  # of one surface each; they stay
     rows: NDArray[np.intp]  # of the response
     time: FloatArray  # s (rows,)
     u: FloatArray  # m (rows, n, 3)
@@ -71,7 +73,8 @@ class Scene:
     @property
     def corners(self) -> FloatArray:
         """All corners as built, (points, 3) m."""
-        return np.concatenate([body.centroid + part.points for body in self.bodies for part in body.surfaces])
+        every = (*self.bodies, *self.walls)
+        return np.concatenate([body.centroid + part.points for body in every for part in body.surfaces])
 
 
 def scene_of(response: Any, fps: float) -> Scene:
@@ -79,7 +82,7 @@ def scene_of(response: Any, fps: float) -> Scene:
     rows, model = _rows(response.time, fps), response.model
     bodies, contacts = parts_of(model)
     u, turn = poses(bodies, response)
-    return Scene(model.name, bodies, contacts, rows, response.time[rows], u[rows], turn[rows])
+    return Scene(model.name, bodies, contacts, walls_of(model), rows, response.time[rows], u[rows], turn[rows])
 
 
 def parts_of(model: Any) -> tuple[tuple[Body, ...], tuple[Contact, ...]]:
@@ -88,6 +91,24 @@ def parts_of(model: Any) -> tuple[tuple[Body, ...], tuple[Contact, ...]]:
     if word not in SHAPES:
         raise InputError(f"scene: a {word} has none, only {' and '.join(SHAPES)} have")
     return SHAPES[word](model)
+
+
+def walls_of(model: Any) -> tuple[Body, ...]:
+    """The walls that blocks of a structure may meet, as far as they are near, seen from these; none of a column."""
+    if not isinstance(model, Structure):
+        return ()
+    faces = {pair.wall: pair.beside for pair in model.neighbours if pair.wall and isinstance(pair.beside, Face)}
+    corners = np.concatenate([block.corners for block in model.blocks])
+    beyond = AROUND * float(np.max(np.ptp(corners, axis=0)))
+    found = []
+    for number, face in sorted(faces.items()):
+        seen = (corners - face.centre) @ face.axes[:, :2]
+        low, high = face.outline.min(axis=0), face.outline.max(axis=0)
+        near = np.clip(
+            face.outline, np.maximum(low, seen.min(axis=0) - beyond), np.minimum(high, seen.max(axis=0) + beyond)
+        )
+        found.append(Body(f"wall {number}", face.centre, (Surface(near @ face.axes[:, :2].T),)))
+    return tuple(found)
 
 
 def poses(bodies: Sequence[Any], histories: Any) -> tuple[FloatArray, FloatArray]:

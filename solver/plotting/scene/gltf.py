@@ -29,7 +29,7 @@ def write_gltf(response: Any, path: str | os.PathLike[str]) -> None:
     if Path(path).suffix.lower() != ".glb":
         raise InputError(f"{path}: must end in .glb")
     scene = scene_of(response, FPS)
-    content = _moving(still(scene.name, scene.bodies), scene.time, scene.u, scene.turn)
+    content = _moving(still(scene.name, scene.bodies, walls=scene.walls), scene.time, scene.u, scene.turn)
     with whole_file(path) as partial:
         Path(partial).write_bytes(content)
 
@@ -86,15 +86,20 @@ class _Buffer:
         return len(self.accessors) - 1
 
 
-def still(name: str, bodies: Sequence[Body], in_plane: bool | None = None) -> bytes:
-    """Bodies as built. in_plane: with numbers in each node by which `animated` places it by the outputs of an FMU."""
+def still(name: str, bodies: Sequence[Body], in_plane: bool | None = None, walls: Sequence[Body] = ()) -> bytes:
+    """Bodies as built, and walls, which are seen from one side.
+
+    in_plane: with numbers in each node by which `animated` places it by the outputs of an FMU.
+    """
     n = len(bodies)
     # a body's place as built is a number of JSON, in full; float32 has only its displacement
-    nodes: list[dict[str, Any]] = [{"name": name, "rotation": UPWARDS, "children": list(range(1, n + 1))}]
+    held = [*range(1, n + 1), *range(2 * n + 1, 2 * n + 1 + len(walls))]
+    nodes: list[dict[str, Any]] = [{"name": name, "rotation": UPWARDS, "children": held}]
     nodes += [{"translation": body.centroid.tolist(), "children": [n + 1 + i]} for i, body in enumerate(bodies)]
     nodes += [{"name": body.name, "mesh": i} for i, body in enumerate(bodies)]
+    nodes += [{"name": wall.name, "mesh": n + k, "translation": wall.centroid.tolist()} for k, wall in enumerate(walls)]
     if in_plane is not None:
-        for node, body in zip(nodes[n + 1 :], bodies, strict=True):
+        for node, body in zip(nodes[n + 1 : 2 * n + 1], bodies, strict=True):
             node["extras"] = {"in_plane": in_plane, "reach": body.reach, "tilt": body.tilt}
     description: dict[str, Any] = {
         "asset": {"version": "2.0", "generator": "multiblock-fmu"},
@@ -106,7 +111,7 @@ def still(name: str, bodies: Sequence[Body], in_plane: bool | None = None) -> by
         ],
     }
     buffer = _Buffer(description)
-    description["meshes"] = [_mesh(body, buffer) for body in bodies]
+    description["meshes"] = [_mesh(body, buffer) for body in (*bodies, *walls)]
     return _packed(description, buffer)
 
 

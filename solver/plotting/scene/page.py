@@ -118,6 +118,7 @@ def _contents(scene: Scene, response: Any, scale: float | None, triangles: int) 
     base = _path_of_base(response.motion, scene.time)
     return {
         "bodies": bodies,
+        "walls": [(wall.centroid + wall.surfaces[0].points).round(DIGITS).tolist() for wall in scene.walls],
         "rims": rims,
         "time": scene.time.round(6).tolist(),
         "u": _packed(scene.u, "<f4"),

@@ -50,7 +50,7 @@ function camera() {
 
 // drawing
 const CELL = ((size) => { const ten = 10 ** Math.floor(Math.log10(size)); return ten * ([5, 2, 1].find((k) => k * ten <= size) || 1); })(SCENE.extent / 5); // m
-let program, meshes, rims, ground, grid, triad, place;
+let program, meshes, rims, walls, ground, grid, triad, place;
 function shader(kind, text) {
   const made = gl.createShader(kind);
   gl.shaderSource(made, text); gl.compileShader(made); gl.attachShader(program, made);
@@ -99,6 +99,10 @@ function build() {
       for (const corner of [up(a, -1), up(b, -1), up(b, 1), up(a, -1), up(b, 1), up(a, 1)]) found.push(...corner, ...q);
     });
     return buffer(found);
+  });
+  walls = SCENE.walls.map((p) => {
+    const q = normal(p), corners = (places) => buffer(places.flatMap((k) => [...p[k], ...q]));
+    return { q, fill: corners([0, 1, 2, 0, 2, 3]), lines: corners([0, 1, 1, 2, 2, 3, 3, 0]) };
   });
   const [x, y] = SCENE.middle, cells = Math.ceil(0.9 * SCENE.extent / CELL), r = cells * CELL, z = -0.002 * SCENE.extent;
   ground = buffer([[-r, -r], [r, -r], [r, r], [-r, -r], [r, r], [-r, r]].flatMap(([a, b]) => [x + a, y + b, z, 0, 0, 1]));
@@ -157,6 +161,11 @@ function draw(numbers = false) { // numbers: bodies and joints in colours of the
   const shaken = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, ...base(where), 1], [stone, edge, chosen] = ["--stone", "--edge", "--chosen"].map(of);
   put(ground, gl.TRIANGLES, shaken, of("--ground"), 0);
   put(grid, gl.LINES, shaken, of("--grid"), 0);
+  const { yaw, pitch } = state, back = [Math.cos(pitch) * Math.cos(yaw), Math.cos(pitch) * Math.sin(yaw), Math.sin(pitch)];
+  for (const wall of walls) { // of one that is seen from behind only its edges: blocks stand beyond it
+    if (wall.q.reduce((sum, v, c) => sum + v * back[c], 0) > 0) put(wall.fill, gl.TRIANGLES, shaken, of("--ground"), 1);
+    put(wall.lines, gl.LINES, shaken, edge, 0);
+  }
   bodies.forEach((body, i) => {
     put(meshes[i].fill, gl.TRIANGLES, body, i === state.chosen ? chosen : stone, 1);
     put(meshes[i].lines, gl.LINES, body, edge, 0);

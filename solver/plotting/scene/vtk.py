@@ -33,7 +33,7 @@ SERIES = """<?xml version="1.0"?>
 
 
 def write_vtk(response: Any, folder: str | os.PathLike[str], fps: float = FPS) -> None:
-    """Write blocks.pvd and joints.pvd, and a file of each at rows of at most `fps` a second.
+    """Write blocks.pvd and joints.pvd, a file of each at rows of at most `fps` a second, and walls.vtu of walls.
 
     Cells have the number of their block or joint and its outputs; points of joints have the elastic pressure, Pa.
     Raises InputError, OSError.
@@ -48,6 +48,9 @@ def write_vtk(response: Any, folder: str | os.PathLike[str], fps: float = FPS) -
     for k, row in enumerate(scene.rows):
         _write_cells(where / f"blocks_{k:05d}.vtu", *_blocks(scene, k), BLOCK, outputs[BLOCK], row)
         _write_cells(where / f"joints_{k:05d}.vtu", *_joints(scene, k), JOINT, outputs[JOINT], row)
+    if scene.walls:
+        walls = [wall.centroid + wall.surfaces[0].points for wall in scene.walls]
+        _write_cells(where / "walls.vtu", walls, range(len(walls)), {}, "wall", {}, 0)
     for name in ("blocks", "joints"):
         lines = (f'<DataSet timestep="{t:.9g}" file="{name}_{k:05d}.vtu"/>' for k, t in enumerate(scene.time))
         (where / f"{name}.pvd").write_text(SERIES.format(lines="\n".join(lines)), encoding="ascii")

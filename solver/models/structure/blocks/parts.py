@@ -13,7 +13,8 @@ from .faces import Face, FloatArray
 
 TOLERANCE = 1e-5  # of a structure that has none of its own
 BASE = "base"  # name of the body that everything stands on
-OF_COLUMN = "column"  # the only key of a structure that is a column's stack: the mapping of the column's own file
+OF_COLUMN = "column"  # key of a structure that is a column's stack: the mapping of the column's own file
+BESIDE_COLUMN = ("port", "neighbours")  # the other ones that it may have
 
 
 @dataclass(frozen=True, eq=False)

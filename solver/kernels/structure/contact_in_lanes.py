@@ -1,0 +1,83 @@
+"""Contact of neighbours in lanes: pairs that touch are loaded one lane after the other, by the law of one structure.
+
+Few pairs touch at a time, and in few lanes. `alone` gives what they need of a lane, by the names of a scene.
+"""
+
+from typing import NamedTuple
+
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import WIDTH, bits
+from ..numba_ext.views import numbers_of, one_lane
+from .contact import load_pair
+from .layout import BODIES, HITS, PAIRS, PHASE, POSES, STRETCH
+
+_bodies, _poses, _phase = BODIES.over, POSES.over, PHASE.over
+_pairs, _hits, _stretch = PAIRS.over, HITS.over, STRETCH.over
+
+
+class Met(NamedTuple):
+    """Pairs of a lane, as in Extras."""
+
+    met: int
+    pairs: object
+    hits: object
+    stretches: object
+    giving_stretches: object
+
+
+class Alone(NamedTuple):
+    """What neighbours need of a lane, as in Scene."""
+
+    n: int
+    m: int
+    k: int
+    stride: int
+    bodies: object
+    corners: object
+    poses: object
+    room: object  # shared by all lanes
+    states: object
+    extras: object
+
+
+@leaf
+def alone(scene, k):
+    """The structure of lane k, for its pairs."""
+    n, extras = scene.n, scene.extras
+    met = extras.met
+    return Alone(
+        n,
+        scene.m,
+        scene.k,
+        scene.stride,
+        _bodies(one_lane(scene.bodies.row, k), n + 1),
+        one_lane(scene.corners, k),
+        _poses(one_lane(scene.poses.row, k), n + 1),
+        numbers_of(scene.room),
+        one_lane(scene.states, k),
+        Met(
+            met,
+            _pairs(one_lane(extras.pairs.row, k), met),
+            _hits(one_lane(extras.hits.row, k), met),
+            _stretch(one_lane(extras.stretches.row, k), met),
+            _stretch(one_lane(extras.giving_stretches.row, k), met),
+        ),
+    )
+
+
+@kernel
+def _load_lane(scene, phase, k, p):
+    one = alone(scene, k)
+    load_pair(one, _phase(one_lane(phase.row, k), scene.n), one.extras, p)
+
+
+@kernel
+def load_pairs_in_lanes(scene, phase):
+    """Add the forces of all pairs that touch."""
+    touches, bears = scene.extras.stretches.touches, scene.extras.hits.bears
+    for p in range(scene.extras.met):
+        busy = bits((touches[p] != 0.0) | (bears[p] != 0.0))
+        if busy != 0:
+            for k in range(WIDTH):
+                if (busy >> k) & 1:
+                    _load_lane(scene, phase, k, p)
