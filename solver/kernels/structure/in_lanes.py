@@ -16,11 +16,13 @@ from ..numba_ext.views import Record, Space, Table, clear, copy, one_lane
 from ..stepping.control import is_too_short, shared
 from .attempt import attempt_5, evaluate_at, rate
 from .base import Shaking, is_still, segment_after
+from .bearing import raise_displacements
 from .evaluate import moving, recall
 from .layout import (
     BASE,
     CONTROL,
     COUNTS,
+    EACH,
     MODEL,
     OF_BLOCK,
     OF_JOINT,
@@ -55,7 +57,15 @@ LANE = Record(
 NO_RUN = -1.0
 
 ALL = Space(
-    *Sizes._fields, model=MODEL, control=CONTROL, counts=COUNTS, peaks=(PEAKS, "n"), base=BASE, lane=LANE, work=WORK
+    *Sizes._fields,
+    model=MODEL,
+    control=CONTROL,
+    counts=COUNTS,
+    peaks=(PEAKS, "n"),
+    moved=(EACH, "b"),  # m, largest displacement of each bearing, at the ends of steps; behind the peaks
+    base=BASE,
+    lane=LANE,
+    work=WORK,
 )
 
 _all, _run, _outcome, _phase, _peaks = ALL.over, RUN.over, OUTCOME.over, PHASE.over, PEAKS.over
@@ -74,7 +84,7 @@ class Queue(NamedTuple):
     states: object  # to start from, replaced by those at the ends
     runs: object  # records RUN
     outcomes: object  # records OUTCOME
-    peaks: object  # tables PEAKS
+    peaks: object  # tables PEAKS, each with a number for each bearing behind it
     times: object  # s
     ax: object  # m/s2
     ay: object
@@ -192,7 +202,8 @@ def finish(batch, k, ends, time, block):
     outcome = _outcome_of(batch, number)
     outcome.ends, outcome.time, outcome.block = ends, time, block
     outcome.steps, outcome.rejected, outcome.looks = one.lane.steps, one.lane.rejected, one.lane.looks
-    copy(queue.peaks[_PEAK * n * number :], one.scene.peaks, _PEAK * n)
+    peaks = _PEAK * n + batch.sizes.b
+    copy(queue.peaks[peaks * number :], one.scene.peaks, peaks)
     copy(queue.states[count * number :], row(one.scene, START), count)
     one.lane.run, one.lane.piece_end = NO_RUN, math.inf
 
@@ -209,6 +220,7 @@ def start(batch, fresh):
     phase = _phase(begin, scene.n)
     for i in range(scene.n):
         _raise(scene, phase, i, fresh)
+    raise_displacements(scene, scene.peaks[_PEAK * scene.n :], fresh)
     due = bits(fresh & (lanes.due > 0.0))
     ended = 0
     if due != 0:
@@ -319,6 +331,7 @@ def step_on(batch):
     lanes.rejected += where(busy & (error > 1.0), 1.0, 0.0)
     phase = _phase(row(scene, END), scene.n)
     track_peaks(batch, step, good)
+    raise_displacements(scene, scene.peaks[_PEAK * scene.n :], good)
     _take_stock(batch, row(scene, END), good)
     block = where(good, fallen(scene, phase), 0.0)
     begin, end = row(scene, START), row(scene, END)

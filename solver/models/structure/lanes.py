@@ -23,6 +23,7 @@ from .stepper import Stepper
 from .verdict import next_look, well_of
 
 STAGES = 6  # evaluations of a step
+NAMES = ("peak_u", "peak_ux", "peak_uy", "peak_uz")
 
 
 def share_of(structure: Structure) -> Hashable:
@@ -65,12 +66,12 @@ def follow_in_lanes(
         begin, since = since, next_look(since, settle)
         lanes.follow(left, stops[left] + begin, stops[left] + since, flag, still=True)
     return [
-        _result(at.OUTCOME.see(within[k]), at.OUTCOME.see(lanes.outcomes[k]), peaks[k], float(stops[k]), bool(stand[k]))
-        for k in all_of_them.tolist()
+        _result(at.OUTCOME.see(first), at.OUTCOME.see(last), lanes.named(most), stop, bool(stands))
+        for first, last, most, stop, stands in zip(within, lanes.outcomes, peaks, stops.tolist(), stand, strict=True)
     ]
 
 
-def _result(within: Any, later: Any, peaks: FloatArray, stop: float, stands: bool) -> dict[str, Any]:
+def _result(within: Any, later: Any, peaks: dict[str, FloatArray], stop: float, stands: bool) -> dict[str, Any]:
     """Results of a run by name: its outcomes within its duration and after it; whether its well holds it."""
     if at.STEP_TOO_SMALL in (within.ends, later.ends):
         return {}
@@ -82,7 +83,7 @@ def _result(within: Any, later: Any, peaks: FloatArray, stop: float, stands: boo
         "steps": int(within.steps),
         "evaluations": int(STAGES * (within.steps + within.rejected) + within.looks),
         "path": LANES,
-        **dict(zip(("peak_u", "peak_ux", "peak_uy", "peak_uz"), peaks.reshape(4, -1), strict=True)),
+        **peaks,
     }
 
 
@@ -107,10 +108,16 @@ class _Lanes:
         self._models, self._states = np.array(models), np.array([rest.phase for rest in rests])
         self._record = tuple(np.concatenate(part) for part in zip(*records, strict=True))
         self.outcomes = np.zeros((len(runs), at.OUTCOME.beside))
-        self.peaks = np.zeros((len(runs), at.PEAKS.per_n * self._sizes.n))
+        self.peaks = np.zeros((len(runs), at.PEAKS.per_n * self._sizes.n + self._sizes.b))
 
     def _stepper(self, k: int) -> Stepper:
         return self._steppers[id(self._runs[k].model)]
+
+    def named(self, peaks: FloatArray) -> dict[str, FloatArray]:
+        """Peaks of a run by the names of kept.py: of blocks, and the displacements of bearings."""
+        of_blocks, of_bearings = np.split(peaks, [at.PEAKS.per_n * self._sizes.n])
+        rows = of_blocks.reshape(len(NAMES), -1)
+        return {**dict(zip(NAMES, rows, strict=True)), "peak_d": of_bearings}
 
     def why_it_stands(self, k: int) -> str:
         """Why run k cannot fall any more on a still base from where it is; "" if it may."""
