@@ -123,21 +123,21 @@ def build_all(
 
 
 def build_systems(
-    folder: Path, fmus: dict[str, Path], column: Path, stop: float, native: bool = False
+    folder: Path, fmus: dict[str, Path], column: Path, stop: float, native: bool = False, step: float = STEP
 ) -> dict[str, Path]:
-    """The SSPs, and of native FMUs what master.c reads; paths by name."""
+    """The SSPs, and of native FMUs what master.c reads; paths by name. step: s, how often they exchange."""
     weight = sum(block.mass for block in Column.from_toml(column).blocks) * Column.from_toml(column).g
     parameters: dict[str, dict[str, Any]] = {
         "isolator": {"mass": 40e3, "stiffness": 1.2e6, "damping": 7.6e4},
         "soil": {"mass": 60e3, "shear_velocity": 250.0, "weight": weight},
-        "ground": {"scale": 1.0, "step": STEP},
+        "ground": {"scale": 1.0, "step": step},
     }
     outside = {name: path for name, path in fmus.items() if name != "ground"}
     made = {}
     for given in (fmus, outside) if "ground" in fmus else (outside,):
         for partner in PARTNERS:
             inside = {**given, "column": fmus[OF_PARTNER[partner]]}
-            system = ssp.coupled(partner, inside, parameters, stop, STEP)
+            system = ssp.coupled(partner, inside, parameters, stop, step)
             made[system.name] = ssp.write(system, folder / f"{system.name}.ssp")
             if native and "ground" in inside:
                 watched = [("column", "block[1].ux"), (partner, "x")]

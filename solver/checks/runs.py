@@ -19,7 +19,7 @@ from ..runs.simulate import simulate
 from ..runs.table import Table
 from .limits import TOLERANCE, Plan
 from .scaling import ScaledMotion
-from .subject import Pair, Subject
+from .subject import OF_BEARINGS, Pair, Subject
 
 WORSE = (STANDING, UNDECIDED, OVERTURNED)  # from the best
 
@@ -56,11 +56,12 @@ def varied(subject: Subject, run: Any, scaled: ScaledMotion, plan: Plan, place: 
 
 
 def run_all(subject: Subject, pairs: Sequence[Pair], peaks: bool, callback: Callback | None) -> Table:
-    """The runs of varied models, a row for each; peaks: with their largest displacements, and gaps of neighbours."""
+    """The runs of varied models, a row for each; peaks: with the largest displacements, of bearings too, and gaps."""
     keep = ("verdict",)
     if peaks:
         gaps = ("least_gap",) if subject.neighbours else ()
-        keep = (f"peak_{subject.model.kind.largest}", "verdict", "overturn_time", *gaps)
+        moved = (OF_BEARINGS,) if subject.bearings[0] else ()
+        keep = (f"peak_{subject.model.kind.largest}", "verdict", "overturn_time", *gaps, *moved)
     return simulate_many(
         [model for model, _ in pairs],
         [motion for _, motion in pairs],

@@ -19,6 +19,7 @@ from .kinematic import CONFIDENCE_FACTOR
 from .spectra import FloatArray
 
 Pair = tuple[Any, Motion]  # a model and its motion
+OF_BEARINGS = "peak_d"  # in a table of runs
 
 
 @dataclass(frozen=True, eq=False)

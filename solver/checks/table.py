@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from .limits import Limits
 from .margin import Margin
 from .scaling import statistic
 from .spectra import FloatArray
-from .subject import Subject
+from .subject import OF_BEARINGS, Subject
 from .verdicts import UNFINISHED, Verdicts, bounds_of, falls
 
 LASTING = 0.05  # s
@@ -134,7 +134,7 @@ def rows_of(
         *_hits(demands, table, verdicts, limits),
         *_overlap(demands, limits),
         *_ties(demands),
-        *_bearings(demands),
+        *_bearings(demands, table, verdicts),
     )
 
 
@@ -317,12 +317,16 @@ def _ties(demands: Demands) -> list[Row]:
     return [_of_part("force of a tie", f"tie {i + 1}", float(yields[i]), KN, note, values[:, i])]
 
 
-def _bearings(demands: Demands) -> list[Row]:
+def _bearings(demands: Demands, table: Table, verdicts: Verdicts) -> list[Row]:
     """Of the bearing that is asked for most of the displacement that it allows; none without bearings."""
     names, capacity = demands.subject.bearings
     if not names:
         return []
     values = demands.largest(lambda run: run.peaks["d"])
     i = _worst(statistic(values), capacity)
+    stand = table[OF_BEARINGS][~falls(verdicts.varied), i]
+    band = tuple(np.percentile(stand, PERCENTILES).tolist()) if stand.size else ()
     note = "the displacement beyond which what it carries has come off it"
-    return [_of_part(BEARING, names[i], float(capacity[i]), MM, note, values[:, i])]
+    note += f"; at most {MM.factor * np.max(stand):.3g} mm in {stand.size} varied runs that stand" if stand.size else ""
+    row = _of_part(BEARING, names[i], float(capacity[i]), MM, note, values[:, i])
+    return [replace(row, band=band)]

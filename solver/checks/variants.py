@@ -9,11 +9,13 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..common.errors import InputError
 from ..models.uncertainty import CONFIDENCE
 from .check import Check
 from .spectra import FloatArray
+from .subject import OF_BEARINGS
 from .table import BEARING, MM, MRAD, PERCENT, Unit
 from .verdicts import falls
 
@@ -85,16 +87,44 @@ def _tilt(check: Check) -> FloatArray:
 
 
 def _asked(check: Check) -> str:
-    """What displacement is asked of the bearings, in a sentence; "" without."""
+    """What displacement is asked of the bearings over all runs that stand, as given and varied, in a sentence.
+
+    In each run the largest of those that allow as little as the one of the table's row; "" without bearings.
+    """
+    names, capacity = check.subject.bearings
     row = next((row for row in check.rows if row.name == BEARING), None)
-    if row is None or not np.isfinite(row.values).all():
-        return "" if row is None else f" The displacement of {row.where} is not known: it falls."
-    values = np.array(row.values)
-    said = f" {row.where} is asked for {MM.factor * np.mean(values):.3g} mm, the mean of {len(values)} motions"
-    if len(values) > 1:
-        low, high = mean_bounds(values)
-        said += f" ({MM.factor * low:.3g} to {MM.factor * high:.3g} mm at {100.0 * CONFIDENCE:g} % confidence)"
-    return f"{said}, at most {MM.factor * np.max(values):.3g} mm; it allows {MM.factor * row.capacity:.3g} mm."
+    if row is None:
+        return ""
+    asked = np.where(capacity == row.capacity, 1.0, 0.0) * _of_bearings(check)
+    moved = np.where(_fell(check), math.nan, np.max(asked, axis=2))
+    stand = int(np.sum(~np.isnan(moved)))
+    if not stand:
+        return f" What displacement its bearings are asked for is not known: all of its {moved.size} runs fall."
+    trials = pairs_of(moved, np.zeros_like(moved))
+    runs = f"{stand} runs" if stand == moved.size else f"the {stand} of {moved.size} runs that stand"
+    said = f" Over {runs} its bearings are asked for"
+    said += f" {MM.factor * np.mean(trials):.3g} mm in the mean"
+    if len(trials) > 1:
+        low, high = mean_bounds(trials)
+        of = "motions" if len(moved) > 1 else "runs"
+        said += f" ({MM.factor * low:.3g} to {MM.factor * high:.3g} mm at {100.0 * CONFIDENCE:g} % confidence"
+        said += f", {len(trials)} {of})"
+    most = np.unravel_index(np.nanargmax(moved), moved.shape)
+    where = names[int(np.argmax(asked[most]))]
+    said += f" and for {MM.factor * moved[most]:.3g} mm at most ({where})"
+    return f"{said}; they allow {MM.factor * row.capacity:.3g} mm."
+
+
+def _of_bearings(check: Check) -> FloatArray:
+    """Largest displacement of each bearing, m (motions, runs, bearings), the run as described first."""
+    own = np.array([run.peaks["d"] for run in check.responses])[:, None]
+    return np.concatenate([own, check.runs[OF_BEARINGS].reshape(len(own), -1, own.shape[2])], axis=1)
+
+
+def _fell(check: Check) -> NDArray[np.bool_]:
+    """Whether each run falls (motions, runs), the one as described first."""
+    own = falls(check.verdicts.own)[:, None]
+    return np.concatenate([own, falls(check.verdicts.varied).reshape(len(own), -1)], axis=1)
 
 
 def _moved(check: Check) -> FloatArray:

@@ -254,6 +254,19 @@ def test_the_ssp_runs_in_fmpy(folder: Path, partner: str) -> None:
     assert np.all(np.max(np.abs(seen - once), axis=0) < 1e-9 * np.max(np.abs(once), axis=0))
 
 
+def test_the_table_of_hosts_has_a_row_for_each_system(native_coupled: Path) -> None:
+    script = ROOT / "tests" / "masters" / "coupled_hosts.py"
+    host = "steps in parallel, FMPy"
+    text = run(sys.executable, script, "--folder", native_coupled, "--host", host, "--stop", "0.1")
+    rows = [[cell.strip() for cell in line.strip("| ").split("|")] for line in text.splitlines() if line[:1] == "|"]
+    assert rows[0] == ["host", "on", "by", "2 ms", "1 ms", "0.5 ms", "order", "up to"]
+    assert [row[1] for row in rows[2:]] == ["linear isolators", "soil, 250 m/s"]
+    for row in rows[2:]:
+        assert row[0].startswith(host)
+        assert float(row[4]) < 1e-4
+        assert row[7] in ("1 ms", "2 ms", "5 ms", "10 ms")
+
+
 def test_the_ssp_runs_in_omsimulator(native_coupled: Path, tmp_path: Path) -> None:
     binary = shutil.which("OMSimulator")
     if binary is None:

@@ -14,30 +14,35 @@ a master was not run the cell says why. Fetches nothing. Exit code 1 if one that
 from __future__ import annotations
 
 import argparse
-import importlib.metadata
-import importlib.util
 import json
 import os
-import shutil
-import subprocess
 import sys
 import sysconfig
 import tempfile
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from fmpy import extract, read_model_description
 
-HERE = Path(__file__).resolve().parent
-ROOT = HERE.parent.parent
-EXAMPLE = ROOT / "examples" / "coupling"
-sys.path.insert(0, str(HERE.parent))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from support.child import CHILD_FILE, command, returned  # noqa: E402
-from support.inside import masters, systems  # noqa: E402
+from support.child import CHILD_FILE
+from support.inside import masters, systems
+from support.processes import (
+    EXAMPLE,
+    ROOT,
+    AbsentError,
+    ComplaintError,
+    called,
+    found,
+    needs,
+    needs_ecos,
+    run,
+    versioned,
+    with_example,
+)
 
 PYTHON, NATIVE, FMI_3, SCALARS, SSP = KINDS = (
     *("PythonFMU", "native, FMI 2.0", "native, FMI 3.0", "native, FMI 3.0, scalars"),
@@ -50,20 +55,14 @@ OPTIONS = {
     FMI_3: ("--native", "--fmi", "3", "--platforms", "x86_64-linux"),
     SCALARS: ("--native", "--fmi", "3", "--scalars", "--platforms", "x86_64-linux"),
 }
+HERE = Path(__file__).resolve().parent
 FORCES = ["base.Fx", "base.Fz"]
 STEPS = 300  # of the coupled system
 IN_C = 3000  # of the same in C, which is held against the system solved as one too
 AGREEMENT = 1e-9
+COMPLAINTS = "[error] [warning] [fatal] traceback"
 ONLY_2 = "knows FMI 1.0 and 2.0"
 NO_SSP = "opens no SSP"
-
-
-class AbsentError(Exception):
-    """Why a master cannot be tried here."""
-
-
-class ComplaintError(Exception):
-    """A master did something that it should not have done."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -89,15 +88,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 except ComplaintError as complaint:
                     cells.append(f"COMPLAINS: {complaint}")
                     complaints += 1
-            print(f"| {_versioned(name)} | {' | '.join(' '.join(cell.split()) for cell in cells)} |", flush=True)
+            print(
+                f"| {versioned(name, PACKAGES.get(name))} | {' | '.join(' '.join(cell.split()) for cell in cells)} |",
+                flush=True,
+            )
     return 1 if complaints else 0
-
-
-def _versioned(name: str) -> str:
-    """The name of a master, with its version where pip knows it."""
-    with suppress(importlib.metadata.PackageNotFoundError):
-        return f"{name} ({importlib.metadata.version(PACKAGES[name])})" if name in PACKAGES else name
-    return name
 
 
 def build(folder: Path, structure: Path | None = None) -> None:
@@ -105,42 +100,18 @@ def build(folder: Path, structure: Path | None = None) -> None:
     file = () if structure is None else (structure,)
     for kind, options in OPTIONS.items():
         if not (folder / BUILT[kind]).exists():
-            _run(sys.executable, ROOT / "build_fmu.py", *file, "-o", folder / BUILT[kind], *options)
+            run(sys.executable, ROOT / "build_fmu.py", *file, "-o", folder / BUILT[kind], *options)
     if structure is not None:
         return
     if not (folder / BUILT[SSP]).exists():
-        _run(
+        run(
             *(sys.executable, EXAMPLE / "build.py", "-o", folder / BUILT[SSP]),
             *("--native", "--platforms", "linux64"),
-            environment=_with_example(),
+            environment=with_example(),
         )
 
 
-# --- processes
-
-
-def _run(*command: object, environment: dict[str, str] | None = None, cwd: str | None = None, bad: str = "") -> str:
-    """The output of a process. Raises ComplaintError unless it ends with 0 and prints none of the words in `bad`."""
-    words = [str(word) for word in command]
-    done = subprocess.run(words, capture_output=True, text=True, env=environment, cwd=cwd, check=False)
-    text = (done.stdout + done.stderr).strip()
-    if done.returncode or any(word in text.lower() for word in bad.split()):
-        raise ComplaintError(f"exit code {done.returncode}: {text[-400:]}")
-    return text
-
-
-COMPLAINTS = "[error] [warning] [fatal] traceback"
-
-
-def _called(function: Callable[..., object], *arguments: object) -> Any:
-    """Call a function of tests/support/inside/ in a process that has the example's modules and pip's libraries."""
-    return returned(_run(*command(function, *arguments), environment=_with_example()))
-
-
-def _with_example() -> dict[str, str]:
-    libraries = os.pathsep.join((str(Path(sys.prefix) / "lib"), os.environ.get("LD_LIBRARY_PATH", "")))
-    modules = os.pathsep.join(map(str, (EXAMPLE, ROOT, HERE.parent)))
-    return os.environ | {"PYTHONPATH": modules, "LD_LIBRARY_PATH": libraries}
+# --- environments
 
 
 def _libpython() -> Path:
@@ -156,18 +127,6 @@ def _outside_python(kind: str) -> dict[str, str]:
         return dict(os.environ)
     site = os.pathsep.join(path for path in sys.path if path.endswith("site-packages"))
     return os.environ | {"LD_PRELOAD": str(_libpython()), "PYTHONPATH": site}
-
-
-def _found(name: str) -> str:
-    path = shutil.which(name, path=os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", ""))))
-    if path is None:
-        raise AbsentError(f"no {name} on the PATH")
-    return path
-
-
-def _needs(package: str) -> None:
-    if importlib.util.find_spec(package) is None:
-        raise AbsentError(f"{package} is not installed")
 
 
 def _knows(kind: str, **reasons: str) -> None:
@@ -190,13 +149,13 @@ def _agreement(seen: Any, expected: Any) -> str:
 
 
 def _forces(fmu: Path) -> Any:
-    return _called(masters.alone, fmu.with_name(BUILT[PYTHON]), FORCES)
+    return called(masters.alone, fmu.with_name(BUILT[PYTHON]), FORCES)
 
 
 def _system(way: Callable[..., object], folder: Path, *as_fmpy: bool) -> str:
     """A master that hands every value over once a step, and the same calls made one by one."""
-    seen = _called(way, folder, "isolator", STEPS)
-    return _agreement(seen, _called(systems.one_pass, folder, "isolator", STEPS, *as_fmpy))
+    seen = called(way, folder, "isolator", STEPS)
+    return _agreement(seen, called(systems.one_pass, folder, "isolator", STEPS, *as_fmpy))
 
 
 # --- masters
@@ -206,34 +165,34 @@ def fmpy(kind: str, fmu: Path) -> str:
     if kind == SSP:
         return _system(systems.fmpy, fmu, True)
     way = masters.alone3 if kind in (FMI_3, SCALARS) else masters.alone
-    return _agreement(_called(way, fmu, FORCES), _forces(fmu))
+    return _agreement(called(way, fmu, FORCES), _forces(fmu))
 
 
 def validation(kind: str, fmu: Path) -> str:
     _knows(kind, ssp="validates FMUs; the SSP is held to its schema in tests/coupling/test_coupling_hosts.py")
-    return _run(_found("fmpy"), "validate", fmu)
+    return run(found("fmpy"), "validate", fmu)
 
 
 def c_host(kind: str, fmu: Path) -> str:
     """Status, state and exit of a process that starts Python itself, or has none; coupled: master.c."""
     _knows(kind, fmi_3="tests/masters/host.c speaks FMI 2.0")
-    compiler = _found("cc")
+    compiler = found("cc")
     with tempfile.TemporaryDirectory() as folder:
         host = Path(folder) / "host"
         if kind == SSP:
-            _run(compiler, "-O1", "-Wall", "-o", host, EXAMPLE / "master.c", "-ldl")
-            text = _run(host, fmu / "in_c" / "isolated.txt", systems.STEP, IN_C * systems.STEP)
+            run(compiler, "-O1", "-Wall", "-o", host, EXAMPLE / "master.c", "-ldl")
+            text = run(host, fmu / "in_c" / "isolated.txt", systems.STEP, IN_C * systems.STEP)
             rows = np.array([[float(word) for word in line.split(",")] for line in text.splitlines()])[1:, 1:]
-            expected = np.array(_called(systems.one_pass, fmu, "isolator", IN_C))[:, :2]
-            truth = np.array(_called(systems.as_one, fmu, "isolator", IN_C))
+            expected = np.array(called(systems.one_pass, fmu, "isolator", IN_C))[:, :2]
+            truth = np.array(called(systems.as_one, fmu, "isolator", IN_C))
             apart = np.max(np.abs(rows - truth), axis=0) / np.max(np.abs(truth), axis=0)
             return f"master.c: {_agreement(rows, expected)}; from the system solved as one {np.max(apart):.0e}"
-        _run(compiler, "-O1", "-Wall", "-o", host, HERE / "host.c", "-ldl")
+        run(compiler, "-O1", "-Wall", "-o", host, HERE / "host.c", "-ldl")
         description = read_model_description(str(fmu))
         references = {variable.name: variable.valueReference for variable in description.modelVariables}
         unpacked = Path(extract(str(fmu), Path(folder) / "fmu"))
         library = unpacked / "binaries" / "linux64" / f"{description.coSimulation.modelIdentifier}.so"
-        _run(
+        run(
             *(host, library, f"file://{unpacked}/resources", description.guid),
             *(references["base.ax"], references["block[1].ux"]),
             environment=_outside_python(kind),
@@ -244,30 +203,28 @@ def c_host(kind: str, fmu: Path) -> str:
 
 def libcosim(kind: str, fmu: Path) -> str:
     _knows(kind, fmi_3=f"{ONLY_2}; 0.0.6 ends with a signal under any FMU of FMI 3.0")
-    _needs("libcosimpy")
+    needs("libcosimpy")
     if kind == SSP:
         return _system(systems.libcosim, fmu)
-    return _agreement(_called(masters.libcosim, fmu, FORCES), _forces(fmu))
+    return _agreement(called(masters.libcosim, fmu, FORCES), _forces(fmu))
 
 
 def ecos(kind: str, fmu: Path) -> str:
-    _needs("ecospy")
-    if not list((Path(sys.prefix) / "lib").glob("libtbb.so.12")):
-        raise AbsentError("needs libtbb.so.12, which pip install tbb brings")
+    needs_ecos()
     if kind == SSP:
         return _system(systems.ecos, fmu)
-    agreement = _agreement(_called(masters.ecos, fmu, FORCES), _forces(fmu))
+    agreement = _agreement(called(masters.ecos, fmu, FORCES), _forces(fmu))
     if kind == SCALARS:
         outputs = ["block[1].ux", "joint[2].N"]
-        expected = _called(masters.alone, fmu.with_name(BUILT[PYTHON]), outputs)
-        return f"{agreement}; of blocks and joints {_agreement(_called(masters.ecos, fmu, outputs), expected)}"
+        expected = called(masters.alone, fmu.with_name(BUILT[PYTHON]), outputs)
+        return f"{agreement}; of blocks and joints {_agreement(called(masters.ecos, fmu, outputs), expected)}"
     return f"{agreement}; knows no arrays" if kind == FMI_3 else agreement
 
 
 def toolbox(kind: str, fmu: Path) -> str:
     _knows(kind, ssp="the container that it makes gives another motion; not looked into")
-    _needs("fmu_manipulation_toolbox")
-    text = _run(_found("fmutool"), "-input", fmu, "-check", bad="error: warning:")
+    needs("fmu_manipulation_toolbox")
+    text = run(found("fmutool"), "-input", fmu, "-check", bad="error: warning:")
     if "seems to be compliant" not in text or "No semantic error" not in text:
         raise ComplaintError(text)
     return "compliant, no semantic error"
@@ -275,11 +232,11 @@ def toolbox(kind: str, fmu: Path) -> str:
 
 def pyfmi(kind: str, fmu: Path) -> str:
     """Loading and 20 s with PyFMI's own master."""
-    _needs("pyfmi")
+    needs("pyfmi")
     _knows(kind, fmi_3="co-simulation of FMI 2.0 only", ssp=NO_SSP)
     with tempfile.TemporaryDirectory() as folder:
         words = (sys.executable, CHILD_FILE, "inside.masters", "pyfmi", json.dumps([[str(fmu)], {}]))
-        return _run(*words, cwd=folder, environment=_with_example(), bad=COMPLAINTS)
+        return run(*words, cwd=folder, environment=with_example(), bad=COMPLAINTS)
 
 
 def _motion(folder: str) -> str:
@@ -291,18 +248,18 @@ def _motion(folder: str) -> str:
 
 def fmusim(kind: str, fmu: Path) -> str:
     """A run, and one in two parts through a state file."""
-    program = _found("fmusim")
+    program = found("fmusim")
     _knows(kind, ssp=NO_SSP)
     with tempfile.TemporaryDirectory() as folder:
         common = ["--interface-type", "cs", "--output-interval", "0.01", "--input-file", _motion(folder)]
         settings: dict[str, Any] = {"environment": _outside_python(kind), "cwd": folder, "bad": COMPLAINTS}
-        _run(program, *common, "--stop-time", "2", "--output-file", "a.csv", fmu, **settings)
+        run(program, *common, "--stop-time", "2", "--output-file", "a.csv", fmu, **settings)
         half = ["--stop-time", "1", "--final-fmu-state-file", "half.bin", "--output-file", "b.csv"]
-        _run(program, *common, *half, fmu, **settings)
+        run(program, *common, *half, fmu, **settings)
         whole = Path(folder, "a.csv").read_text().splitlines()[-1]
         rest = ["--start-time", "1", "--stop-time", "2", "--initial-fmu-state-file", "half.bin"]
         try:
-            _run(program, *common, *rest, "--output-file", "c.csv", fmu, **settings)
+            run(program, *common, *rest, "--output-file", "c.csv", fmu, **settings)
         except ComplaintError as complaint:
             if "exit code -" in str(complaint):  # a signal: 0.0.39 hands over FMUState where &FMUState is wanted
                 return "runs; ends by its own fault as it restores a state"
@@ -315,11 +272,11 @@ def fmusim(kind: str, fmu: Path) -> str:
 
 def fmu_check(kind: str, fmu: Path) -> str:
     """The FMU Compliance Checker."""
-    program = _found("fmuCheck.linux64")
+    program = found("fmuCheck.linux64")
     _knows(kind, fmi_3=ONLY_2, ssp=NO_SSP)
     with tempfile.TemporaryDirectory() as folder:
         options = ("-l", "4", "-h", "0.01", "-s", "1", "-i", _motion(folder), "-o", os.devnull)
-        _run(program, *options, fmu, environment=_outside_python(kind), bad=COMPLAINTS)
+        run(program, *options, fmu, environment=_outside_python(kind), bad=COMPLAINTS)
     return "no complaint"
 
 
@@ -327,11 +284,11 @@ def vdm_check(version: int) -> Callable[[str, Path], str]:
     """The formal model of the rules of one version of FMI."""
 
     def check(kind: str, fmu: Path) -> str:
-        program = _found(f"VDMCheck{version}.sh")
+        program = found(f"VDMCheck{version}.sh")
         _knows(kind, ssp=NO_SSP)
         if (kind in (FMI_3, SCALARS)) != (version == 3):
             raise AbsentError(f"checks FMI {version}.0")
-        text = _run(program, fmu)
+        text = run(program, fmu)
         if "No errors found" not in text:
             raise ComplaintError(text)
         return "no errors found"
@@ -341,7 +298,7 @@ def vdm_check(version: int) -> Callable[[str, Path], str]:
 
 def omsimulator(kind: str, fmu: Path) -> str:
     """OMSimulator from the command line; coupled, tests/coupling/test_coupling_hosts.py compares its results."""
-    program = _found("OMSimulator")
+    program = found("OMSimulator")
     _knows(kind)
     if kind == FMI_3:
         raise AbsentError("takes arrays for single values; see the column of scalars")
@@ -349,7 +306,7 @@ def omsimulator(kind: str, fmu: Path) -> str:
         result = Path(folder) / "result.csv"
         what = ("--mode=cs", fmu / "isolated.ssp") if kind == SSP else ("--stopTime=2", "--stepSize=0.01", fmu)
         settings: dict[str, Any] = {"environment": _outside_python(kind), "cwd": folder, "bad": COMPLAINTS}
-        _run(program, f"--resultFile={result}", *what, **settings)
+        run(program, f"--resultFile={result}", *what, **settings)
         table = np.loadtxt(result, delimiter=",", skiprows=1, ndmin=2)
     instants = int(np.count_nonzero(np.diff(table[:, 0]) > 0.0)) + 1  # two rows each: the last has the values after it
     if not np.all(np.isfinite(table)):
@@ -358,7 +315,7 @@ def omsimulator(kind: str, fmu: Path) -> str:
 
 
 def openmodelica(kind: str, fmu: Path) -> str:
-    _found("omc")
+    found("omc")
     raise AbsentError("examples/modelica/ was never tried with it")
 
 

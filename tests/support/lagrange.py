@@ -169,6 +169,20 @@ class Reference:
         found[free] = np.linalg.solve(matrix[np.ix_(free, free)], rest[free])
         return found
 
+    def with_base(self, q: Array, rate: Array) -> tuple[Array, Array]:
+        """Mass matrix and forces, of the base along x and z, then of q.
+
+        The last body is the base (`on_rotating_base`): its rotation comes third, and it does not open.
+        """
+        n = self.n
+        order = [n - 1, *range(n - 1), *range(n, 2 * n - 1)]
+        across = np.array([self.mass @ along for along in self.jacobians(q)])[:, order]
+        dx, dz = self.centroid_accelerations(q, rate, np.zeros(2 * n))
+        own = self.mass_matrix(q)[np.ix_(order, order)]
+        matrix = np.block([[np.sum(self.mass) * np.eye(2), across], [across.T, own]])
+        along = [-self.mass @ dx, -self.mass @ (self.g + dz)]
+        return matrix, np.append(along, self.forces(q, rate, 0.0, 0.0)[order])
+
     def forces(self, q: Array, rate: Array, ax: float, az: float) -> Array:
         """Generalized forces, equal to the mass matrix times q'' (2n,)."""
         n = self.n

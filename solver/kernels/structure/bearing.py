@@ -113,3 +113,17 @@ def _come_off(scene, found):
         x, y, capacity = scene.resultants.s1[j], scene.resultants.s2[j], scene.joints.capacity[j]
         found = where(x * x + y * y > capacity * capacity, index_of(scene.joints.upper[j]) + 1.0, found)
     return found
+
+
+@varied
+def raise_displacements(scene, peaks, lanes):
+    """Raise the largest displacement of each bearing, m, of the lanes in a mask by the place evaluated last."""
+    return
+
+
+@raise_displacements.version(has_extras)
+def _raise_displacements(scene, peaks, lanes):
+    first = scene.m - scene.extras.b
+    for i in range(scene.extras.b):
+        x, y = scene.resultants.s1[first + i], scene.resultants.s2[first + i]
+        peaks[i] = where(lanes, greater(peaks[i], square_root(x * x + y * y)), peaks[i])

@@ -16,6 +16,7 @@ from ..numba_ext.views import Record, Space, Table, clear, copy, one_lane
 from ..stepping.control import is_too_short, shared
 from .attempt import attempt_5, evaluate_at, rate
 from .base import Shaking, is_still, segment_after
+from .bearing import raise_displacements
 from .evaluate import moving, recall
 from .layout import (
     BASE,
@@ -62,7 +63,8 @@ ALL = Space(
     control=CONTROL,
     counts=COUNTS,
     peaks=(PEAKS, "n"),
-    gaps=(EACH, "pairs"),  # the least of neighbours, m: behind the peaks
+    moved=(EACH, "b"),  # m, largest displacement of each bearing, at the ends of steps; behind the peaks
+    gaps=(EACH, "pairs"),  # the least of neighbours, m: behind these
     base=BASE,
     lane=LANE,
     work=WORK,
@@ -84,7 +86,7 @@ class Queue(NamedTuple):
     states: object  # to start from, replaced by those at the ends
     runs: object  # records RUN
     outcomes: object  # records OUTCOME
-    peaks: object  # tables PEAKS, and the least gaps behind each
+    peaks: object  # tables PEAKS, behind each a number for each bearing, and the least gaps
     times: object  # s
     ax: object  # m/s2
     ay: object
@@ -204,7 +206,7 @@ def finish(batch, k, ends, time, block):
     outcome = _outcome_of(batch, number)
     outcome.ends, outcome.time, outcome.block = ends, time, block
     outcome.steps, outcome.rejected, outcome.looks = one.lane.steps, one.lane.rejected, one.lane.looks
-    found = _PEAK * n + batch.sizes.pairs
+    found = _PEAK * n + batch.sizes.b + batch.sizes.pairs
     copy(queue.peaks[found * number :], one.scene.peaks, found)
     copy(queue.states[count * number :], row(one.scene, START), count)
     one.lane.run, one.lane.piece_end = NO_RUN, math.inf
@@ -223,6 +225,7 @@ def start(batch, fresh):
     phase = _phase(begin, scene.n)
     for i in range(scene.n):
         _raise(scene, phase, i, fresh)
+    raise_displacements(scene, scene.peaks[_PEAK * scene.n :], fresh)
     due = bits(fresh & (lanes.due > 0.0))
     ended = 0
     if due != 0:
@@ -337,6 +340,7 @@ def step_on(batch):
     phase = _phase(row(scene, END), scene.n)
     track_peaks(batch, step, good)
     changed = watch_gaps(scene, batch.gaps, step, good)
+    raise_displacements(scene, scene.peaks[_PEAK * scene.n :], good)
     _take_stock(batch, row(scene, END), good)
     block = where(good, fallen(scene, phase), 0.0)
     begin, end = row(scene, START), row(scene, END)

@@ -23,6 +23,7 @@ from .stepper import Stepper
 from .verdict import next_look, well_of, why_it_leans
 
 STAGES = 6  # evaluations of a step
+NAMES = ("peak_u", "peak_ux", "peak_uy", "peak_uz")
 
 
 def share_of(structure: Structure) -> Hashable:
@@ -64,15 +65,14 @@ def follow_in_lanes(
             break
         begin, since = since, next_look(since, settle)
         lanes.follow(left, stops[left] + begin, stops[left] + since, flag, still=True)
-    see, n = at.OUTCOME.see, runs[0].model.n
     return [
-        _result(n, see(within[k]), see(lanes.outcomes[k]), peaks[k], float(stops[k]), bool(stand[k]))
-        for k in all_of_them.tolist()
+        _result(at.OUTCOME.see(first), at.OUTCOME.see(last), lanes.named(most), stop, bool(stands))
+        for first, last, most, stop, stands in zip(within, lanes.outcomes, peaks, stops.tolist(), stand, strict=True)
     ]
 
 
-def _result(n: int, within: Any, later: Any, peaks: FloatArray, stop: float, stands: bool) -> dict[str, Any]:
-    """Results of a run of n blocks by name: its outcomes within its duration and after it; whether it stands."""
+def _result(within: Any, later: Any, peaks: dict[str, FloatArray], stop: float, stands: bool) -> dict[str, Any]:
+    """Results of a run by name: its outcomes within its duration and after it; whether its well holds it."""
     if at.STEP_TOO_SMALL in (within.ends, later.ends):
         return {}
     fell = later.ends == at.FELL
@@ -83,16 +83,12 @@ def _result(n: int, within: Any, later: Any, peaks: FloatArray, stop: float, sta
         "steps": int(within.steps),
         "evaluations": int(STAGES * (within.steps + within.rejected) + within.looks),
         "path": LANES,
-        "least_gap": peaks[4 * n :],
-        **dict(zip(("peak_u", "peak_ux", "peak_uy", "peak_uz"), peaks[: 4 * n].reshape(4, n), strict=True)),
+        **peaks,
     }
 
 
 class _Lanes:
-    """Runs as rows for the kernels: their models and states; outcomes and peaks of the time they were followed last.
-
-    Peaks have the least gaps of neighbours behind them.
-    """
+    """Runs as rows for the kernels: their models and states; outcomes and peaks of the time they were followed last."""
 
     def __init__(self, runs: Sequence[Run], rests: Sequence[Rest]) -> None:
         self._runs = runs
@@ -112,10 +108,18 @@ class _Lanes:
         self._models, self._states = np.array(models), np.array([rest.phase for rest in rests])
         self._record = tuple(np.concatenate(part) for part in zip(*records, strict=True))
         self.outcomes = np.zeros((len(runs), at.OUTCOME.beside))
-        self.peaks = np.zeros((len(runs), at.PEAKS.per_n * self._sizes.n + self._sizes.pairs))
+        size = at.PEAKS.per_n * self._sizes.n + self._sizes.b + self._sizes.pairs
+        self.peaks = np.zeros((len(runs), size))
 
     def _stepper(self, k: int) -> Stepper:
         return self._steppers[id(self._runs[k].model)]
+
+    def named(self, peaks: FloatArray) -> dict[str, FloatArray]:
+        """Peaks of a run by the names of kept.py: of blocks, displacements of bearings, least gaps of neighbours."""
+        size = at.PEAKS.per_n * self._sizes.n
+        of_blocks, of_bearings, gaps = np.split(peaks, [size, size + self._sizes.b])
+        rows = of_blocks.reshape(len(NAMES), -1)
+        return {**dict(zip(NAMES, rows, strict=True)), "peak_d": of_bearings, "least_gap": gaps}
 
     def why_it_stands(self, k: int) -> str:
         """Why run k cannot fall any more on a still base from where it is; "" if it may."""

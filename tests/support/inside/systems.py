@@ -1,6 +1,7 @@
 """The SSPs of the coupling example in masters that open them, and what these hand over. The example must be in reach.
 
-Each way returns, after every step, the top displacement, the partner's x and the ground acceleration.
+Each way returns, after every step, the top displacement, the partner's x and the ground acceleration. A folder has the
+FMUs and SSPs of examples/coupling/build.py, the SSPs for steps of `step` s.
 """
 
 from __future__ import annotations
@@ -40,12 +41,26 @@ def parameters(folder: str, partner: str) -> dict[str, dict[str, float]]:
     return found
 
 
+def at_step(folder: str, other: str, step: float) -> None:
+    """Put the FMUs of a folder into another one, with systems of them that exchange every `step` s."""
+    from pathlib import Path
+
+    from build import DEFAULT_COLUMN, build_systems
+
+    there = Path(other)
+    there.mkdir(parents=True)
+    for file in (*Path(folder).glob("*.fmu"), *Path(folder).glob("*.csv")):
+        (there / file.name).symlink_to(file)
+    fmus = {file.stem: file for file in there.glob("*.fmu")}
+    build_systems(there, fmus, DEFAULT_COLUMN, 10.0, True, step)
+
+
 def path_of(folder: str, partner: str, part: str) -> str:
     """The FMU of a component of the system of a partner."""
     return f"{folder}/{'column_on_soil' if (part, partner) == ('column', 'soil') else part}.fmu"
 
 
-def one_pass(folder: str, partner: str, steps: int, as_fmpy: bool = False) -> list[list[float]]:
+def one_pass(folder: str, partner: str, steps: int, as_fmpy: bool = False, step: float = STEP) -> list[list[float]]:
     """What masters do that make all steps, read all outputs once, and set all inputs once.
 
     as_fmpy: nothing is handed over before the first step, and outputs are shown as they were before inputs were set.
@@ -56,7 +71,7 @@ def one_pass(folder: str, partner: str, steps: int, as_fmpy: bool = False) -> li
     fmus = {part: path_of(folder, partner, part) for part in ("ground", "column", partner)}
     given = parameters(folder, partner)
     parts = {part: Fmu(path, **given.get(part, {})) for part, path in fmus.items()}
-    connections = coupled(partner, fmus, {}, 1.0, STEP).connections  # type: ignore[arg-type]
+    connections = coupled(partner, fmus, {}, 1.0, step).connections  # type: ignore[arg-type]
 
     def hand_over() -> None:
         values = [parts[source].get(start)[0] for source, start, _, _ in connections]
@@ -68,7 +83,7 @@ def one_pass(folder: str, partner: str, steps: int, as_fmpy: bool = False) -> li
     rows = []
     for k in range(steps):
         for each in parts.values():
-            each.step(k * STEP, STEP)
+            each.step(k * step, step)
         if not as_fmpy:
             hand_over()
         rows.append([parts[part].get(name)[0] for part, name in _seen(partner, CONNECTED if as_fmpy else SEEN)])
@@ -77,7 +92,7 @@ def one_pass(folder: str, partner: str, steps: int, as_fmpy: bool = False) -> li
     return rows
 
 
-def strict_master(folder: str, partner: str, steps: int) -> list[list[float]]:
+def strict_master(folder: str, partner: str, steps: int, step: float = STEP) -> list[list[float]]:
     """The example's `run` over FMUs that refuse what FMI 2.0 does: an output read between a set and the next step."""
     from master import Fmu, by_state, run
 
@@ -100,16 +115,67 @@ def strict_master(folder: str, partner: str, steps: int) -> list[list[float]]:
     fmus = {
         part: Strict(path_of(folder, partner, part), **given.get(part, {})) for part in ("ground", "column", partner)
     }
-    wires = [("ground", f"ground.{name}", partner, f"ground.{name}") for name in ("ax", "az", "jx", "jz")]
-    if partner == "isolator":
-        wires += [("ground", f"ground.{name}", "column", f"base.{name}") for name in ("az", "jz")]
-    wires += by_state(fmus["column"], fmus[partner], ("column", partner))
-    rows = run(fmus, wires, STEP, steps * STEP, [("column", "block[1].ux"), (partner, "x")])
+    wires = [*of_ground(partner), *by_state(fmus["column"], fmus[partner], ("column", partner))]
+    rows = run(fmus, wires, step, steps * step, [("column", "block[1].ux"), (partner, "x")])
     found: list[list[float]] = rows[1:, 1:].tolist()
     return found
 
 
-def sorted_master(folder: str, partner: str, steps: int) -> list[list[float]]:
+def parallel(folder: str, partner: str, steps: int, step: float = STEP) -> list[list[float]]:
+    """The same where all FMUs make their steps at once, each in a thread of its own."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    from master import Fmu, by_state
+
+    given = parameters(folder, partner)
+    fmus = {part: Fmu(path_of(folder, partner, part), **given.get(part, {})) for part in ("ground", "column", partner)}
+    wires = [*of_ground(partner), *by_state(fmus["column"], fmus[partner], ("column", partner))]
+    rows = []
+    with ThreadPoolExecutor(len(fmus)) as pool:
+        for k in range(steps):
+            values = [fmus[source].get(start)[0] for source, start, _, _ in wires]
+            for (_, _, target, end), value in zip(wires, values, strict=True):
+                fmus[target].set(**{end: value})
+            list(pool.map(lambda each, t=k * step: each.step(t, step), fmus.values()))
+            rows.append([fmus["column"].get("block[1].ux")[0], fmus[partner].get("x")[0]])
+    return rows
+
+
+def by_acceleration(folder: str, partner: str, steps: int, step: float = STEP) -> list[list[float]]:
+    """The old exchange in a host that exchanges once a step: the base moves by the accelerations of the step before."""
+    from master import MOTION, SPLIT, Fmu
+
+    given = parameters(folder, partner)
+    fmus = {part: Fmu(f"{folder}/{part}.fmu", **given.get(part, {})) for part in ("ground", partner)}
+    fmus["column"] = Fmu(f"{folder}/column.fmu", **{"base.drive": "acceleration"})
+    wires = of_ground(partner)
+    for one, other, name in (
+        *((("column", "base"), (partner, "column"), name) for name in SPLIT),
+        *(((partner, "base"), ("column", "base"), name) for name in MOTION),
+    ):
+        start, end = f"{one[1]}.{name}", f"{other[1]}.{name}"
+        if start in fmus[one[0]].variables and end in fmus[other[0]].variables:
+            wires.append((one[0], start, other[0], end))
+    rows = []
+    for k in range(steps):
+        values = [fmus[source].get(start)[0] for source, start, _, _ in wires]
+        for (_, _, target, end), value in zip(wires, values, strict=True):
+            fmus[target].set(**{end: value})
+        for each in fmus.values():
+            each.step(k * step, step)
+        rows.append([fmus["column"].get("block[1].ux")[0], fmus[partner].get("x")[0]])
+    return rows
+
+
+def of_ground(partner: str) -> list[tuple[str, str, str, str]]:
+    """What the ground says to the partner; a slab hands its vertical motion on to the column."""
+    wires = [("ground", f"ground.{name}", partner, f"ground.{name}") for name in ("ax", "az", "jx", "jz")]
+    if partner == "isolator":
+        wires += [("ground", f"ground.{name}", "column", f"base.{name}") for name in ("az", "jz")]
+    return wires
+
+
+def sorted_master(folder: str, partner: str, steps: int, step: float = STEP) -> list[list[float]]:
     """By the example's other master, which exchanges in the order of dependencies, the ground as a component."""
     from master import Fmu, couple
 
@@ -118,13 +184,13 @@ def sorted_master(folder: str, partner: str, steps: int) -> list[list[float]]:
     samples = []
     for k in range(steps + 2):
         samples += ground.get("ground.ax")
-        ground.step(k * STEP, STEP)
+        ground.step(k * step, step)
     run = couple(
         Fmu(f"{folder}/column.fmu", **{"base.drive": "acceleration"}),
         Fmu(f"{folder}/{partner}.fmu", **given.get(partner, {})),
-        lambda t: samples[round(t / STEP)],
-        STEP,
-        steps * STEP,
+        lambda t: samples[round(t / step)],
+        step,
+        steps * step,
     )
     return np.column_stack([run["block[1].ux"], run["x"], samples[: steps + 1]])[1:].tolist()
 
@@ -143,11 +209,11 @@ def as_one(folder: str, partner: str, steps: int) -> list[list[float]]:
     return np.column_stack([run["top"], run["x"]])[1:].tolist()
 
 
-def libcosim(folder: str, partner: str, steps: int) -> list[list[float]]:
+def libcosim(folder: str, partner: str, steps: int, step: float = STEP) -> list[list[float]]:
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimObserver import CosimObserver
 
-    execution = CosimExecution.from_ssp_file(f"{folder}/{NAMES[partner]}.ssp", round(STEP * 1e9))
+    execution = CosimExecution.from_ssp_file(f"{folder}/{NAMES[partner]}.ssp", round(step * 1e9))
     places = {info.name.decode(): info.index for info in execution.slave_infos()}
     observer = CosimObserver.create_last_value()
     execution.add_observer(observer)
@@ -164,11 +230,11 @@ def _reference(folder: str, part: str, name: str) -> int:
     return next(variable.valueReference for variable in description.modelVariables if variable.name == name)
 
 
-def ecos(folder: str, partner: str, steps: int) -> list[list[float]]:
+def ecos(folder: str, partner: str, steps: int, step: float = STEP) -> list[list[float]]:
     from ecospy import EcosSimulation
 
     keep_what_is_unpacked_together()
-    simulation = EcosSimulation(ssp_path=f"{folder}/{NAMES[partner]}.ssp", step_size=STEP)
+    simulation = EcosSimulation(ssp_path=f"{folder}/{NAMES[partner]}.ssp", step_size=step)
     simulation.init(parameter_set="defaults")
     rows = []
     for _ in range(steps):
@@ -178,7 +244,9 @@ def ecos(folder: str, partner: str, steps: int) -> list[list[float]]:
     return rows
 
 
-def fmpy(folder: str, partner: str, steps: int) -> list[list[float]]:
+def fmpy(
+    folder: str, partner: str, steps: int, step: float = STEP, seen: tuple[tuple[str, str], ...] = CONNECTED
+) -> list[list[float]]:
     """CONNECTED, with the sets of parameters handed over: FMPy does not look for them."""
     from types import SimpleNamespace
 
@@ -191,9 +259,9 @@ def fmpy(folder: str, partner: str, steps: int) -> list[list[float]]:
     ]
     table = simulate_ssp(
         f"{folder}/{NAMES[partner]}.ssp",
-        stop_time=(steps - 0.5) * STEP,
-        step_size=STEP,
+        stop_time=(steps - 0.5) * step,
+        step_size=step,
         parameter_set=SimpleNamespace(parameters=given),
     )
     assert {"column.block[1].ux", "column.joint[3].M", f"{partner}.x"} <= set(table.dtype.names)  # for a look
-    return np.column_stack([table[f"{part}.{name}"] for part, name in _seen(partner, CONNECTED)]).tolist()
+    return np.column_stack([table[f"{part}.{name}"] for part, name in _seen(partner, seen)]).tolist()
