@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -125,18 +125,25 @@ class Stepper:
         SolverError where nothing at the base has a mass.
         """
         base, elapsed = self.arrays.base, 0.0 if since is None else t - since
+        loads: Sequence[float] = ()
         if self.column.ports:
-            loads = self._inputs
-            values, slopes = np.reshape(behind[: loads.size] or np.zeros(loads.size), (2, -1))
-            loads[:] = np.concatenate([values + slopes * elapsed, slopes])
-            behind = behind[loads.size :]
+            loads, behind = behind[: self._inputs.size], behind[self._inputs.size :]
+            self._load(loads, elapsed)
         if self.model.settings.drive != at.ACCELERATION:
+            self._load(loads, elapsed - (t - base[0]))  # lines begin at the last exchange, and
             self._join(t, [ax, az, jx, jz, theta, omega, alpha, *behind])
+            self._load(loads, elapsed)  # after this one here
             return
         # one by one: numpy takes three times as long for a slice of a few numbers
         base[0], base[1], base[2], base[3], base[4] = t, ax + jx * elapsed, jx, az + jz * elapsed, jz
         base[_ROTATION] = theta + elapsed * (omega + 0.5 * elapsed * alpha)
         base[_ROTATION + 1], base[_ROTATION + 2] = omega + elapsed * alpha, alpha
+
+    def _load(self, loads: Sequence[float], past: float) -> None:
+        """Set the loads on the ports, `past` s after they were as given, and their slopes; none: no load."""
+        if self.column.ports:
+            values, slopes = np.reshape(loads or np.zeros(self._inputs.size), (2, -1))
+            self._inputs[:] = np.concatenate([values + slopes * past, slopes])
 
     def driven_by(self, drive: str, slope: str, bodies: int) -> None:
         """Let `bodies` at the base drive it, by words of DRIVES and SLOPES (kernels/layout/spaces.py)."""
