@@ -113,11 +113,11 @@ class DrivenStructure:
         self.record = record_of(None)
         of_ports = at.INPUT_LOADS.size(self.sizes.ports)
         self._inputs = np.zeros(driven.INPUTS.beside + driven.BODY.beside * int(given.bodies) + of_ports)
-        self._row = np.zeros(self.sizes.visible)
+        self.seen = self._row = np.zeros(self.sizes.visible)
+        """The output row last observed."""
         self._room = np.zeros(self.sizes.visible)
         self._elapsed, self._new = 0.0, False
         self.counts, self._state = at.COUNTS.see(self.arrays.counts), at.STATE.see(self.arrays.state, self.sizes)
-        self.split = np.zeros(0)  # of the reaction: it follows from the state alone
         self._assemble(given, True)
 
     def _assemble(self, given: Chosen, from_rest: bool) -> None:
