@@ -14,7 +14,7 @@ from fmpy import read_model_description
 from scipy.integrate import solve_ivp
 from support import beam
 from support.child import call
-from support.fmus import built_once
+from support.fmus import ROOT, built_once
 from support.inside import beams as inside_beams
 from support.inside import ports
 from support.inside import structures as inside
@@ -211,13 +211,15 @@ def shafts(damping: float = 1e-3) -> list[Column]:
 
 def on_stepper(column: Column) -> beam.Column:
     stepper, time = Stepper(column), [0.0]
-    behind = at.ROW.size(column.n)
+    behind, ports = at.ROW.size(column.n), len(column.ports)
 
     def see() -> beam.Seen:
-        return beam.Seen(*stepper.observe(time[0])[behind:].reshape(3, 2).copy())
+        return beam.Seen(*stepper.observe(time[0])[behind:].reshape(3, 2, ports)[:, :, 0].copy())
 
     def push(force: Array, slope: Array, h: float) -> None:
-        stepper.drive(time[0], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, *force, 0.0, *slope, 0.0)
+        loads = np.zeros((2, 3, ports))
+        loads[0, :2, 0], loads[1, :2, 0] = force, slope
+        stepper.drive(time[0], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, *loads.ravel())
         stepper.advance(time[0], h)
         time[0] += h
 
@@ -276,6 +278,21 @@ def test_a_beam_on_two_columns_is_one_system_to_second_order(tmp_path: Path) -> 
     call(inside_beams.on_two, one, other, 5e-4, 200, tmp_path / "out.npy")
     found = beam.coupled(beam.thrown(), list(map(on_stepper, columns)), 5e-4, 200)
     assert np.array_equal(np.load(tmp_path / "out.npy"), found)
+
+
+@pytest.mark.long  # builds a native FMU
+def test_a_beam_on_two_columns_of_the_example(tmp_path: Path) -> None:
+    """Through rocking, with and without Python: one FMU of each sort bears an end."""
+    if not NATIVE:
+        pytest.skip("needs the extra native")
+    file = ROOT / "examples" / "columns" / "portico.toml"
+    one = build_fmu(file, tmp_path / "one.fmu")
+    other = build_native_fmu(file, tmp_path / "other.fmu", platforms=["linux64"])
+    call(inside_beams.on_two, one, other, 5e-4, 400, tmp_path / "out.npy")
+    columns = [on_stepper(Column.from_toml(file)) for _ in range(2)]
+    found = beam.coupled(beam.thrown(), columns, 5e-4, 400)
+    assert np.array_equal(np.load(tmp_path / "out.npy"), found)
+    assert 1e-3 < np.max(np.abs(found)) < 0.1
 
 
 def toml(column: Column) -> str:
