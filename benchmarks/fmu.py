@@ -1,5 +1,6 @@
 """What the FMU costs and how it behaves in a master: `python -m benchmarks.fmu [PART ...]`.
 
+calls       us to set an input, step 1 ms and read an output, through FMPy, beside a slave that does nothing
 state       us to get and set the state of a column of three blocks
 getters     8000 steps with all outputs of seven blocks against an FMU of the same table that does nothing
 cold        a whole `fmpy simulate` process on a fresh user account
@@ -12,6 +13,7 @@ inputs      error against communication step, held, with slopes, with a record i
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import json
 import os
 import subprocess
@@ -26,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from build_fmu import build_fmu
+from build_fmu import build_fmu, build_native_fmu
 from solver import Column, Motion, simulate
 
 from .scenes import ROOT
@@ -47,6 +49,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--rounds", type=int, default=15, help="of which the shortest time counts")
     parser.add_argument("--processes", type=int, default=200, help="of the part exits")
     parser.add_argument("--plot", type=Path, help="picture of the part inputs")
+    parser.add_argument("--fmu", type=Path, nargs="*", default=[], help="of the part calls: others, of the same column")
     return print_parts(parser, PARTS, arguments)
 
 
@@ -75,6 +78,34 @@ def measured(function: str, *arguments: object) -> Any:
         env=os.environ | {"PYTHONPATH": modules},
     )
     return json.loads(done.stdout.splitlines()[-1])
+
+
+# --- calls
+
+NOTHING = """
+    def do_step(self, current_time, step_size):
+        return True
+
+    def get_real(self, vrs):
+        return [0.0] * len(vrs)
+
+    def set_real(self, vrs, values):
+        pass
+"""
+
+
+def calls(folder: Path, options: argparse.Namespace) -> str:
+    """Of the PythonFMU, one whose slave does nothing, and the native FMU; others by --fmu."""
+    fmus = {"PythonFMU": build_fmu(PHOCAS, folder / "phocas.fmu")}
+    fmus["a slave that does nothing"] = _with_slave_methods(fmus["PythonFMU"], folder / "nothing.fmu", NOTHING)
+    if importlib.util.find_spec("ziglang"):
+        fmus["native"] = build_native_fmu(PHOCAS, folder / "native.fmu", platforms=["linux64"])
+    fmus |= {file.name: file for file in options.fmu}
+    best = dict.fromkeys(fmus, np.inf)
+    for _ in range(5):  # by turns, in processes of their own
+        for name, fmu in fmus.items():
+            best[name] = min(best[name], measured("calls", fmu, 30 * options.rounds))
+    return ", ".join(f"{name} {1e6 * seconds:.1f} us" for name, seconds in best.items()) + " (n = 3, one output)"
 
 
 # --- state
@@ -244,6 +275,7 @@ def _plot(table: dict[str, list[float]], path: Path, ways: dict[str, str]) -> No
 
 
 PARTS = {
+    "calls": calls,
     "state": state,
     "getters": getters,
     "cold": cold,

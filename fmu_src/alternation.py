@@ -30,6 +30,8 @@ class Alternation:
         self._time = time
         found = -1
         for k, value in enumerate(values):
+            if value == 0.0 == self._largest[k]:  # it has not been used
+                continue
             change, largest = value - self._last[k], self._largest[k]
             now = max(largest, abs(value))
             if change * self._change[k] < 0.0 and abs(change) >= BACK * largest:

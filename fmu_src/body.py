@@ -144,8 +144,6 @@ class ColumnBody(Body, word="column"):
         used = ("assemble_column", "run", "observe_state", *more)
         self.kernels = Carried("models.column.first_run", folder, used)
         self.why_not_native = "has solver.formulation = paper, must be exact" if column.kind.fixed else ""
-        if column.ports:
-            self.why_not_native = "has ports, must have none: the FMU without Python knows loads on structures only"
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
         return variables.variables(self.column, record, reads_files, self.drive)

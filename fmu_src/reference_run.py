@@ -5,6 +5,7 @@ Inputs and results are CSV files, which the manifest of the layered standard nam
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import io
 import math
@@ -41,7 +42,8 @@ MANIFEST = """\
 def reference_files(body: Body, motion: Motion | None = None, arrays: bool = False) -> dict[str, bytes]:
     """The files of a short run of a body, path in the FMU -> content. motion: its record.
 
-    arrays: the variables of blocks and joints are arrays, and are left out. Raises InputError, SolverError.
+    arrays: the variables of blocks, joints and ports are arrays, and are left out: ports bear nothing. Raises
+    InputError, SolverError.
     """
     table = body.table()
     start = {variable.name: variable.start for variable in table}
@@ -58,19 +60,15 @@ def reference_files(body: Body, motion: Motion | None = None, arrays: bool = Fal
             stepper.stand_on_base()
         rows.append([k * STEP, *stepper.observe(k * STEP).tolist()])
     outputs = [variable.name for variable in table[len(body.inputs) : len(body.inputs) + body.sizes[0]]]
-    kept = [k for k, name in enumerate(["time", *outputs]) if not arrays or "[" not in name]
+    seen = ["time", *outputs], rows
+    given = ["time", *(variable.name for variable in body.inputs)], [[k * STEP, *row] for k, row in enumerate(inputs)]
     name = identifier_of(body.name)
     return {
         f"{FOLDER}/fmi-ls-manifest.xml": MANIFEST.format(
             inputs=quoteattr(f"{name}_in.csv"), outputs=quoteattr(f"{name}_out.csv"), step=STEP
         ).encode(),
-        f"{FOLDER}/{name}_in.csv": _csv(
-            ["time", *(variable.name for variable in body.inputs)],
-            [[k * STEP, *row] for k, row in enumerate(inputs)],
-        ),
-        f"{FOLDER}/{name}_out.csv": _csv(
-            [["time", *outputs][k] for k in kept], [[row[k] for k in kept] for row in rows]
-        ),
+        f"{FOLDER}/{name}_in.csv": _csv(*given, arrays),
+        f"{FOLDER}/{name}_out.csv": _csv(*seen, arrays),
     }
 
 
@@ -85,11 +83,12 @@ def _input(name: str, unit: str, t: float) -> float:
     return {"F0x": BODY_MASS * acceleration, **dict.fromkeys(("M", "Mxx", "Mzz", "Mtt"), BODY_MASS)}.get(what, 0.0)
 
 
-def _csv(names: list[str], rows: list[list[float]]) -> bytes:
+def _csv(names: list[str], rows: list[list[float]], arrays: bool) -> bytes:
+    kept = [k for k, name in enumerate(names) if not arrays or "[" not in name]
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(names)
-    writer.writerows([[f"{value:.12g}" for value in row] for row in rows])
+    writer.writerow([names[k] for k in kept])
+    writer.writerows([[f"{row[k]:.12g}" for k in kept] for row in rows])
     return text.getvalue().encode()
 
 
@@ -99,10 +98,10 @@ def replay(file: Path) -> str:
         import fmpy
     inputs, expected = _carried(file)
     names = [name for name in expected.dtype.names or () if name != "time"]
+    run: dict[str, Any] = {"stop_time": STEPS * STEP, "output_interval": STEP, "fmi_type": "CoSimulation"}
     try:
-        found = fmpy.simulate_fmu(
-            str(file), stop_time=STEPS * STEP, output_interval=STEP, input=inputs, output=names, fmi_type="CoSimulation"
-        )
+        with contextlib.redirect_stdout(io.StringIO()):  # FMPy warns of inputs of ports that are arrays: they stay 0
+            found = fmpy.simulate_fmu(str(file), input=inputs, output=names, **run)
     except Exception as error:
         raise InputError(f"{file}: does not run its reference results: {error}") from error
     units = {v.name: v.unit or (v.declaredType.unit if v.declaredType else "") for v in _variables(file)}

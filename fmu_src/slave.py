@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 from xml.etree.ElementTree import Element
 
+import numpy as np
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
@@ -50,6 +51,7 @@ TOOL = "build_fmu.py with PythonFMU"
 BODY_FILE = "body.json"
 GUID_FILE = "guid.txt"
 RECORD_FOLDER = "record"  # holds the record inside the FMU, if there is one
+STEPPING = Mode.STEPPING
 ARRAYS = ("state", "counts", "base")  # of the stepper: all that differs from one moment to another
 # what the calls of FMI 2.0 get and set -> kinds of variables
 ACCESS = {"Real": ("Real",), "Integer": ("Integer", "Enumeration"), "Boolean": ("Boolean",), "String": ("String",)}
@@ -98,12 +100,12 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._table = self._body.table(self._own_record.name if self._own_record else "")
         self._place = {variable.name: k for k, variable in enumerate(self._table)}
         self._place_of = {variable.reference: k for k, variable in enumerate(self._table)}
+        self._input_of = {variable.reference: k for k, variable in enumerate(self._body.inputs)}
         self._values: list[Any] = [0.0 if variable.start is None else variable.start for variable in self._table]
         row, split, peaks = self._body.sizes
         self._inputs = self._body.inputs
-        self._row = slice(len(self._inputs), len(self._inputs) + row)
-        self._split = slice(self._row.stop, self._row.stop + split)
-        self._peaks = slice(self._split.stop, self._split.stop + peaks)
+        self._seen = slice(len(self._inputs), len(self._inputs) + row + split)
+        self._peaks = slice(self._seen.stop, self._seen.stop + peaks)
         self._parameters = slice(self._place[self._body.first_parameter], len(self._table))
         verdict = OVERTURN_TIME, self._body.fallen, OVERTURNED, VERDICT_NOW
         self._verdict = [self._place[item.name] for item in verdict]
@@ -188,9 +190,10 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         if reason is not None:
             self._fail(rules.NOT_MADE % (current_time, step_size, reason))
         try:
-            reason = self._wrong_input()
+            given = self._values[: len(self._inputs)]
+            reason = None if math.isfinite(sum(given)) else self._wrong_input(given)
             if reason is None:
-                self._advance(current_time, step_size)
+                self._advance(current_time, step_size, given)
                 return True
         except TooMuchWorkError as error:
             self._fail(rules.NOT_MADE % (current_time, step_size, error))
@@ -201,9 +204,9 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _wrong_call(self, current_time: float, step_size: float) -> str | None:
         """Why no step can be made here by these times."""
-        if self._mode != Mode.STEPPING:
+        if self._mode is not STEPPING:
             return rules.ENDED if self._mode == Mode.TERMINATED else rules.NOT_BEGUN
-        if not (math.isfinite(step_size) and step_size > 0.0):
+        if not 0.0 < step_size < math.inf:
             return rules.NOT_POSITIVE
         if not abs(current_time - self._time) <= rules.TIME_SLACK * step_size + 1e-12 * abs(self._time):
             return rules.LAST_ENDED % self._time
@@ -211,30 +214,29 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
             return rules.BEYOND % self._stop
         return None
 
-    def _wrong_input(self) -> str | None:
+    def _wrong_input(self, given: list[float]) -> str | None:
         """Why no step can be made under the inputs as they stand."""
-        given = self._values[: len(self._inputs)]
-        if not math.isfinite(sum(given)):
-            for variable, value in zip(self._inputs, given, strict=True):
-                if not math.isfinite(value):
-                    return rules.NOT_FINITE % (variable.name, value, variable.unit)
+        for variable, value in zip(self._inputs, given, strict=True):
+            if not math.isfinite(value):
+                return rules.NOT_FINITE % (variable.name, value, variable.unit)
         return None
 
-    def _advance(self, start: float, step: float) -> None:
-        """Go from `start` to `start + step`, s, over the samples of the record in between."""
+    def _advance(self, start: float, step: float, given: list[float]) -> None:
+        """Go from `start` to `start + step`, s, over the samples of the record in between, by the inputs `given`."""
         stepper = self._stepper
         arrays = stepper.arrays
-        before = arrays.state.copy(), arrays.counts.copy(), arrays.base.copy()
+        kept = arrays.state, arrays.counts, arrays.base
+        before = kept[0].tobytes(), kept[1].tobytes(), kept[2].tobytes()  # which copies less than an array does
         record = self._record
-        values = self._values
         try:
             if self._retune:
                 self._apply_parameters(stepper)
             self._input_time = start
-            stepper.drive(start, *values[: len(self._inputs)])
+            stepper.drive(start, *given)
             stepper.advance(start, step)
         except BaseException:
-            arrays.state[:], arrays.counts[:], arrays.base[:] = before
+            for array, numbers in zip(kept, before, strict=True):
+                array[:] = np.frombuffer(numbers, array.dtype)
             self._inputs_stand = False
             raise
         self._retune = False
@@ -242,7 +244,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._stepped = True
         self._inputs_stand = self._outdated = True
         if not self._shaken:
-            self._shaken = record is not None or any(values[: len(self._inputs)])
+            self._shaken = record is not None or any(given)
         if record is not None and not self._coarse_warned and step > record.dt * (1.0 + rules.STEP_SLACK):
             self._coarse_warned = True
             self._say(Fmi2Status.warning, rules.COARSE % (step, record.dt))
@@ -337,8 +339,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
             self._fail(rules.NOTHING_SET)
         places = [self._place_of.get(reference, -1) for reference in vrs]
         for place, reference in zip(places, vrs, strict=True):
-            if not 0 <= place < len(self._inputs) or kind != "Real":
-                self._check_settable(place, reference, kind)
+            self._check_settable(place, reference, kind)
         for place, value in zip(places, values, strict=True):
             self._values[place] = value
             if place == self._place[TOLERANCE]:
@@ -367,15 +368,26 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         return self._get(vrs, "Real")
 
     def set_real(self, vrs: list[int], values: list[Any]) -> None:
-        """As the others."""
-        self._set(vrs, values, "Real")
+        """As the others; inputs, which are set at every step, need no check."""
+        own, input_of = self._values, self._input_of
+        known = self._mode is STEPPING
+        for reference in vrs:
+            known = known and reference in input_of
+        if not known:
+            self._set(vrs, values, "Real")
+            return
+        for reference, value in zip(vrs, values, strict=True):
+            own[input_of[reference]] = value
+        self._input_time = self._time
+        self._inputs_stand, self._outdated = False, True
 
     def _update(self) -> None:
         """Bring the outputs up to date, but peaks and verdict, which are asked for less often."""
-        if self._mode == Mode.INSTANTIATED:
-            raise InputError(rules.TOO_EARLY)
-        if self._mode == Mode.INITIALIZATION:
-            self._build()
+        if self._mode is not STEPPING:
+            if self._mode == Mode.INSTANTIATED:
+                raise InputError(rules.TOO_EARLY)
+            if self._mode == Mode.INITIALIZATION:
+                self._build()
         stepper = self._stepper
         if stepper is None:  # terminated before there was a run: start values
             return
@@ -384,10 +396,10 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
             self._retune = False
         if not self._inputs_stand:
             stepper.drive(self._time, *self._values[: len(self._inputs)], since=self._input_time)
-        if self._mode == Mode.INITIALIZATION:
+        if self._mode is not STEPPING and self._mode == Mode.INITIALIZATION:
             stepper.stand_on_base()
-        self._values[self._row] = stepper.observe(self._time).tolist()
-        self._values[self._split] = stepper.split.tolist()
+        stepper.observe(self._time)
+        self._values[self._seen] = stepper.seen.tolist()
         self._outdated, self._late_outdated = False, True
 
     def _update_the_rest(self) -> None:

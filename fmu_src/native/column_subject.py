@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from solver.common.ranges import LENGTH, NUMBERS
-from solver.kernels.api import engine
+from solver.kernels.api import engine, pointers
 from solver.kernels.layout import spaces as at
+from solver.kernels.ports import pointers as pointers_of_ports
 from solver.models.column.block import (
     BLOCK_RULES,
     BORE_RELATION,
@@ -15,32 +18,43 @@ from solver.models.column.block import (
 )
 from solver.models.column.model import Column
 from solver.models.column.outputs import OUTPUTS
-from solver.models.column.packing import shape_of
+from solver.models.column.packing import ports_of, shape_of
 from solver.models.column.settings import SKIP_CODES
 from solver.models.column.stepper import REASONS
+from solver.models.outputs import PORT
 
 from .. import rules
 from ..drive import USUAL, Drive
-from ..variables import DRIVE, JOINT_PARAMETERS, OVERTURN_JOINT, RECORD_SCALE, SLOPE_OF_BASE, TOLERANCE
-from .table import OF_BLOCKS, REFUSALS, Check, Chosen, Subject, codes_with
+from ..variables import (
+    DRIVE,
+    JOINT_PARAMETERS,
+    OVERTURN_JOINT,
+    RECORD_SCALE,
+    SLOPE_OF_BASE,
+    TOLERANCE,
+    Variable,
+    inputs_of_ports,
+)
+from .table import OF_BLOCKS, REFUSALS, VERDICTS, Check, Chosen, Subject, peaks_of
 
 # input -> the input that is its slope
 SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega", "base.omega": "base.alpha"}
 
 
 def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
-    """Of a column, of which only the number of blocks and the sections matter."""
-    n = column.n
+    """Of a column, of which only the number of blocks, the sections and the ports matter."""
+    n, spots, of_ports = column.n, at.SPOTS.size(len(column.ports)), inputs_of_ports(column)
+    ports = [float(len(column.ports)), *ports_of(column).tolist()] if column.ports else []
     return Subject(
         falls=True,
         sizes={
             "N": n,
-            "MODEL": engine.model_room(n),
-            "STATE": at.STATE.size(n),
+            "MODEL": engine.model_room(n) + len(ports),
+            "STATE": at.STATE.size(n) + spots,
             "COUNTS": at.COUNTS.beside,
-            "BASE": at.BASE.beside,
-            "WORK": at.WORK.size(n),
-            "ROW": at.ROW.size(n),
+            "BASE": at.BASE.beside + len(of_ports),
+            "WORK": at.WORK.size(n) + spots,
+            "ROW": at.ROW.size(n) + spots,
             "SPLIT": at.SPLIT.beside,
             "ROOM": engine.scratch_room(n),
         },
@@ -51,22 +65,33 @@ def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
             "TOO_MUCH_WORK": at.TOO_MUCH_WORK,
         }
         | {name: getattr(engine, name) for name in REFUSALS}
-        | codes_with(OUTPUTS, column.sizes, at.STATE.size(n)),
+        | VERDICTS,
         places={**OF_BLOCKS, "FALLEN": OVERTURN_JOINT.name},
-        inputs=[*(f"base.{name}" for name in engine.BASE_INPUTS.fields), *(item.name for item in drive.inputs())],
-        slopes=SLOPES,
+        inputs=[
+            *(f"base.{name}" for name in engine.BASE_INPUTS.fields),
+            *(item.name for item in (*of_ports, *drive.inputs())),
+        ],
+        slopes=SLOPES | slopes_of(of_ports),
         split="base.R0x",
-        given=_given(column, drive),
+        given=[*_given(column, drive), *ports],
         choices=[
             *choices_of(drive),
             Chosen("solver.without", "ANY_WORDS", [(code, word) for word, code in SKIP_CODES.items()]),
         ],
         checks=_checks(column),
         reasons=REASONS,
+        peaks=peaks_of(OUTPUTS, column.sizes, at.STATE.size(n), behind=PORT),
         misfits=[MISFITS[kind] for kind in sorted(MISFITS)],
         segment=at.BASE.fields.index("segment"),
         base=at.BASE.fields,
+        entries=pointers_of_ports.ENTRIES if column.ports else pointers.ENTRIES,
     )
+
+
+def slopes_of(loads: Sequence[Variable]) -> dict[str, str]:
+    """Inputs at ports and those that are their slopes, of the variables of both."""
+    half, names = len(loads) // 2, [item.name for item in loads]
+    return dict(zip(names[:half], names[half:], strict=True))
 
 
 def choices_of(drive: Drive) -> list[Chosen]:

@@ -33,6 +33,7 @@ typedef struct {
 } Check;
 typedef struct { int64_t code; const char *text; } Reason;
 typedef struct { const char *name, *relation; } Misfit;
+typedef struct { int place, by_least; } Peak; /* in the state; by_least: the largest of 1 - value is kept */
 
 #include "table.h"
 
@@ -329,10 +330,10 @@ static int update(Instance *instance, char *reason) {
                                .row = &now->reals[AT_ROW], .split = &now->reals[AT_SPLIT]});
     if (code < 0) return snprintf(reason, MESSAGE, "at t = %.6g s: %s", now->time, reason_of(code)), 0;
     if (FALLS) {
-        double *peaks = &now->reals[AT_PEAKS];
-        for (int k = 0; k < PEAKS; k++) peaks[k] = now->state[STATE_PEAKS + k];
-        for (int k = PEAK_CONTACT; k < PEAK_CONTACT + CONTACTS; k++) peaks[k] = 1.0 - peaks[k];
-        for (int k = PEAK_GAP; k < PEAK_GAP + GAPS; k++) peaks[k] = 1.0 - peaks[k];
+        for (int k = 0; k < PEAKS; k++) {
+            double kept = now->state[peaks[k].place];
+            now->reals[AT_PEAKS + k] = peaks[k].by_least ? 1.0 - kept : kept;
+        }
         int64_t fallen = now->counts[COUNT_OVERTURNED], resting = now->counts[COUNT_RESTING];
         now->wholes[AT_VERDICT] = fallen ? VERDICT_OVERTURNED : resting ? VERDICT_STANDING : VERDICT_UNDECIDED;
         now->wholes[AT_FALLEN] = fallen;

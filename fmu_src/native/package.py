@@ -22,7 +22,7 @@ from ..model_description3 import model_description3, terminals
 from ..record import usual_experiment
 from .column_subject import column_subject
 from .library import BESIDE_WINDOWS, OWN_HEADERS, libraries, sources
-from .machine_code import COLUMN, STRUCTURE, Kernels, made_with
+from .machine_code import COLUMN, COLUMN_WITH_PORTS, STRUCTURE, Kernels, made_with
 from .platforms import PLATFORMS, USUAL_FORM, Form
 from .source import describe_sources, source_files
 from .structure_subject import structure_subject
@@ -57,12 +57,15 @@ class Core(NamedTuple):
     """What the C core has to know of a body, and the kernels that it calls."""
 
     subject: Callable[[Any], Subject]
-    kernels: Kernels
+    kernels: Callable[[Any], Kernels]
 
 
 CORES: dict[type[Body], Core] = {
-    ColumnBody: Core(lambda body: column_subject(body.column, body.drive), COLUMN),
-    StructureBody: Core(structure_subject, STRUCTURE),
+    ColumnBody: Core(
+        lambda body: column_subject(body.column, body.drive),
+        lambda body: COLUMN_WITH_PORTS if body.column.ports else COLUMN,
+    ),
+    StructureBody: Core(structure_subject, lambda _: STRUCTURE),
 }
 XML = b'<?xml version="1.0" encoding="UTF-8"?>\n'
 
@@ -76,7 +79,7 @@ def contents_of(body: Body, record: Motion | None = None, record_name: str = "",
 
 def kernels_of(body: Body) -> Kernels:
     """The kernels that the FMU of a body is linked with."""
-    return CORES[type(body)].kernels
+    return CORES[type(body)].kernels(body)
 
 
 def identified(contents: Contents, kernels: Kernels, fmi: int, *texts: str) -> Contents:

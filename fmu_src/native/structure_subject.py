@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from solver.common.ranges import NUMBERS
-from solver.ground.loads import COMPONENTS
 from solver.kernels.api import pointers_of_structures as pointers_in_space
 from solver.kernels.layout import spaces
 from solver.kernels.structure import driven
@@ -11,12 +10,12 @@ from solver.kernels.structure import layout as at
 from solver.models.structure.driven import REASONS, SKIP_CODES, sizes_in
 from solver.models.structure.outputs import OUTPUTS
 
-from .. import rules
+from .. import rules, structure_variables
 from ..body import StructureBody
 from ..structure_variables import DAMPING_SCALE, WITHOUT
 from ..variables import OVERTURNED_BLOCK, RECORD_SCALE, TOLERANCE
-from .column_subject import choices_of, given_of
-from .table import FIRST_PEAK, OF_BLOCKS, Check, Chosen, Subject, codes_with
+from .column_subject import choices_of, given_of, slopes_of
+from .table import FIRST_PEAK, OF_BLOCKS, VERDICTS, Check, Chosen, Subject, peaks_of
 
 
 def structure_subject(body: StructureBody) -> Subject:
@@ -42,15 +41,11 @@ def structure_subject(body: StructureBody) -> Subject:
             "COUNT_OVERTURNED": at.COUNTS.fields.index("fallen"),
             "TOO_MUCH_WORK": spaces.TOO_MUCH_WORK,
         }
-        | codes_with(OUTPUTS, body.structure.sizes, lengths["STATE"]),
+        | VERDICTS,
         places={**OF_BLOCKS, "FALLEN": OVERTURNED_BLOCK.name},
         inputs=[item.name for item in body.inputs],
         slopes={f"base.a{axis}": f"base.j{axis}" for axis in "xyz"}
-        | {
-            f"port[{p}].{name}": f"port[{p}].d{name}"
-            for name in COMPONENTS
-            for p in range(1, len(body.structure.ports) + 1)
-        },
+        | slopes_of(structure_variables.inputs_of_ports(body.structure)),
         split=FIRST_PEAK,
         given=[*(given[name] for name in driven.GIVEN.fields), *body.packed.tolist()],
         choices=[
@@ -63,6 +58,7 @@ def structure_subject(body: StructureBody) -> Subject:
             Check(RECORD_SCALE, *rules.SCALE_LIMITS),
         ],
         reasons=REASONS,
+        peaks=peaks_of(OUTPUTS, body.structure.sizes, lengths["STATE"]),
         base=at.BASE.fields,
         entries=pointers_in_space.ENTRIES,
     )

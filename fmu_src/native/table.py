@@ -10,7 +10,7 @@ import inspect
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -35,8 +35,7 @@ SIZES = ("N", "MODEL", "STATE", "COUNTS", "BASE", "WORK", "ROW", "SPLIT", "ROOM"
 REFUSALS = ("MISFIT", "NO_REST", "NOT_LINEAR", "TOO_LARGE")  # codes of `assemble`
 CODES = (
     *("COUNT_OVERTURNED", *REFUSALS, "TOO_MUCH_WORK"),
-    *("STATE_OVERTURN_TIME", "PEAKS", "STATE_PEAKS", "PEAK_CONTACT", "CONTACTS", "PEAK_GAP", "GAPS", "COUNT_RESTING"),
-    *("VERDICT_OVERTURNED", "VERDICT_STANDING", "VERDICT_UNDECIDED"),
+    *("STATE_OVERTURN_TIME", "COUNT_RESTING", "VERDICT_OVERTURNED", "VERDICT_STANDING", "VERDICT_UNDECIDED"),
 )
 PLACES = (
     *("PEAKS", "OVERTURN_TIME", "FALLEN", "OVERTURNED", "VERDICT"),
@@ -59,12 +58,19 @@ class Chosen:
     items: list[tuple[int, str]]  # the kernels' code, the word
 
 
+class Peak(NamedTuple):
+    """An extreme: its place in the state; by_least: it is the least value, and the largest of 1 - value is kept."""
+
+    place: int
+    by_least: bool
+
+
 @dataclass(frozen=True)
 class Subject:
     """The simulated body, as the core has to know it.
 
-    falls: whether it has a verdict, and peaks: a partner of a column has none, nor their codes and places. segment:
-    place in `base` of a number of a sample, -1: there is none. entries: the kernels.
+    falls: whether it has a verdict, and peaks, in the order of the variables: a partner of a column has none, nor their
+    codes and places. segment: place in `base` of a number of a sample, -1: there is none. entries: the kernels.
     """
 
     falls: bool
@@ -78,6 +84,7 @@ class Subject:
     choices: list[Chosen]
     checks: list[Check]
     reasons: dict[int, str]
+    peaks: list[Peak] = field(default_factory=list)
     misfits: list[tuple[str, str]] = field(default_factory=list)  # name and relation, by the kind from 1 on
     segment: int = -1
     base: tuple[str, ...] = ()  # what stands in `base`, accelerations by the names of their inputs
@@ -122,15 +129,16 @@ class Contents:
     scalars: bool = False  # in FMI 3.0, where otherwise what every block or joint has is one array
 
 
-def codes_with(outputs: Sequence[Output], sizes: Mapping[str, int], state: int) -> dict[str, int]:
-    """Codes of a body of blocks, whose peaks are the last of the `state` numbers of its state; verdicts."""
-    places = places_of(outputs, sizes)
-    size = places[outputs[-1].field].stop
-    codes = {"PEAKS": size, "STATE_PEAKS": state - size}
-    for name, first, count in (("contact", "PEAK_CONTACT", "CONTACTS"), ("gap", "PEAK_GAP", "GAPS")):  # by their least
-        place = places.get(name, slice(0, 0))
-        codes |= {first: place.start, count: place.stop - place.start}
-    return codes | {f"VERDICT_{word.upper()}": number for word, number in VERDICT.items.items()}
+VERDICTS = {f"VERDICT_{word.upper()}": number for word, number in VERDICT.items.items()}  # codes of a body of blocks
+
+
+def peaks_of(outputs: Sequence[Output], sizes: Mapping[str, int], last: int, behind: str = "") -> list[Peak]:
+    """Peaks of a body of blocks: they end before number `last` of its state, and behind it are those of this owner."""
+    stored = [output for output in outputs if output.owner != behind]
+    places = places_of([*stored, *(output for output in outputs if output.owner == behind)], sizes)
+    first = last - places[stored[-1].field].stop
+    found = ((places[output.field], output.by_least) for output in outputs)
+    return [Peak(first + k, by_least) for place, by_least in found for k in range(place.start, place.stop)]
 
 
 def headers(contents: Contents) -> dict[str, str]:
@@ -214,6 +222,7 @@ def declarations(contents: Contents) -> str:
         "LINES": len(subject.lines),
         "CHOICES": len(subject.choices),
         "CHECKS": len(subject.checks),
+        "PEAKS": len(subject.peaks),
         "HAS_RECORD": int("RECORD" in subject.places),
         "HAS_TOLERANCE": int("TOLERANCE" in subject.places),
     }
@@ -244,6 +253,8 @@ def declarations(contents: Contents) -> str:
     lines += _choices(subject, index)
     lines += _array("Check", "checks", [_check(check, index) for check in subject.checks])
     lines += _array("Reason", "reasons", [f"{{{code}, {_quoted(text)}}}" for code, text in subject.reasons.items()])
+    peaks = [f"{{{place}, {int(by_least)}}}" for place, by_least in subject.peaks]
+    lines += _array("Peak", "peaks", peaks or ["{0, 0}"])
     misfits = [f"{{{_quoted(name)}, {_quoted(relation)}}}" for name, relation in subject.misfits]
     lines += _array("Misfit", "misfits", misfits or ["{0, 0}"])
     lines += _record(contents)

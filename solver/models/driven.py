@@ -70,7 +70,6 @@ class Driven(Settling):
         self.arrays = SimpleNamespace(state=state, counts=counts, base=base)
         self.arrays.state[-1] = NOT_YET
         self.record: Motion | None = None
-        self.split = np.zeros(0)
 
     def follow(self, shaking: Shaking, t: float, end: float) -> None:
         """Go from t to `end`, s, in one piece of the motion. Raises SolverError."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +14,16 @@ from fmpy import read_model_description
 from scipy.integrate import solve_ivp
 from support import beam
 from support.child import call
+from support.fmus import ROOT, built_once
 from support.inside import beams as inside_beams
+from support.inside import ports
 from support.inside import structures as inside
 from support.lagrange import TINY, Array, Reference
 from support.loads import generalized, place
 
 from build_fmu import build_fmu, build_native_fmu
-from multiblock import Column, InputError, Load, Motion, simulate
+from fmu_src.drive import drive_of
+from multiblock import Column, Load, Motion, simulate
 from solver.ground.loads import IN_PLANE
 from solver.kernels.layout import spaces as at
 from solver.models.column.outputs import OUTPUTS
@@ -26,6 +31,7 @@ from solver.models.column.stepper import Stepper
 from solver.models.outputs import places_of
 
 H, DURATION = 0.01, 1.0  # s
+NATIVE = bool(importlib.util.find_spec("ziglang")) and sys.platform.startswith("linux")
 FILE = """
 name = "shaft"
 [joint]
@@ -72,7 +78,7 @@ def driven(column: Column, given: dict[str, np.ndarray]) -> np.ndarray:
         slope = (given["ax"][k + 1] - given["ax"][k]) / H
         stepper.drive(k * H, given["ax"][k], 0.0, slope, 0.0, 0.0, 0.0, 0.0, *loads.ravel())
         stepper.advance(k * H, H)
-        rows.append(stepper.observe((k + 1) * H).copy())
+        rows.append(stepper.observe(k * H + H).copy())
     return np.array(rows)
 
 
@@ -108,12 +114,87 @@ def test_an_fmu_has_the_bits_of_the_solver(tmp_path: Path) -> None:
     file, given = shaft(tmp_path), samples()
     inputs = {f"port[1].{name}": given[name].tolist() for name in IN_PLANE} | {"base.ax": given["ax"].tolist()}
     slopes = {f"port[1].{name}": f"port[1].d{name}" for name in IN_PLANE} | {"base.ax": "base.jx"}
-    fmu = build_fmu(file, tmp_path / "one.fmu", reference=True)
-    call(inside.follow_inputs, fmu, json.loads(json.dumps(inputs)), slopes, H, tmp_path / "out.npy")
-    found = np.load(tmp_path / "out.npy")
-    assert np.max(np.abs(found)) > 0.0
-    with pytest.raises(InputError, match="has ports, must have none"):
-        build_native_fmu(file, tmp_path / "two.fmu", platforms=["linux64"])
+    fmus = [build_fmu(file, tmp_path / "one.fmu", reference=True)]
+    rows = driven(Column.from_toml(file), given)[1:]
+    if NATIVE:
+        fmus.append(build_native_fmu(file, tmp_path / "two.fmu", platforms=["linux64"]))
+    found = []
+    for fmu in fmus:
+        call(inside.follow_inputs, fmu, json.loads(json.dumps(inputs)), slopes, H, tmp_path / "out.npy")
+        found.append(np.load(tmp_path / "out.npy"))
+        assert np.array_equal(found[-1][:, : rows.shape[1]], rows)
+    assert np.array_equal(found[0], found[-1])  # peaks too
+
+
+@pytest.fixture(scope="module")
+def native_shaft(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The FMU without Python, for Linux."""
+    if not NATIVE:
+        pytest.skip("needs the extra native")
+    file = shaft(tmp_path_factory.mktemp("shaft"))
+    return built_once(tmp_path_factory, "shaft.fmu", lambda path: build_native_fmu(file, path, platforms=["linux64"]))
+
+
+@pytest.mark.long  # builds a native FMU
+def test_states_of_the_native_fmu_keep_ports(native_shaft: Path) -> None:
+    assert all(call(ports.life, native_shaft).values())
+
+
+@pytest.mark.long
+def test_output_derivatives_of_the_native_fmu_follow_loads(native_shaft: Path) -> None:
+    found, differences = np.array(call(ports.derivatives, native_shaft))
+    assert np.max(np.abs(found - differences) / np.abs(differences)) < 1e-3  # measured
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seeds", [{"port[1].Fx": 30.0, "port[2].My": -20.0}, {"port[1].Fz": 10.0, "base.ax": 0.01}])
+def test_directional_derivatives_by_loads(native_shaft: Path, seeds: dict[str, float]) -> None:
+    found, differences, same = call(ports.by_inputs, native_shaft, seeds)
+    size = np.abs(differences) + 1e-9 * np.max(np.abs(differences))
+    assert same
+    assert np.max(np.abs(np.array(found) - differences) / size) < 1e-6
+
+
+@pytest.mark.long
+def test_ports_on_a_base_that_a_body_drives(tmp_path: Path) -> None:
+    """Both FMUs have the same bits, and the body feels the loads at once."""
+    if not NATIVE:
+        pytest.skip("needs the extra native")
+    file, drive, rows = shaft(tmp_path), drive_of("body", "parabola", 1), []
+    fmus = [build_fmu(file, tmp_path / "one.fmu", drive=drive)]
+    fmus.append(build_native_fmu(file, tmp_path / "two.fmu", platforms=["linux64"], drive=drive))
+    for fmu in fmus:
+        call(ports.follow, fmu, tmp_path / "out.npy")
+        rows.append(np.load(tmp_path / "out.npy"))
+    assert np.array_equal(*rows)
+    seeds = {"port[1].Fx": 30.0, "port[2].My": -20.0}
+    found, differences, _ = call(ports.by_inputs, fmus[1], seeds)
+    size = np.abs(differences) + 1e-6 * np.max(np.abs(differences))
+    print(found, differences)
+    assert np.max(np.abs(np.array(found) - differences) / size) < 1e-6
+
+
+def test_a_body_meets_the_loads_of_the_instant(tmp_path: Path) -> None:
+    """(M + m) a = F0 + R0 under the loads as they are, not as their slopes let them be a step later."""
+    column, found = Column.from_toml(shaft(tmp_path)), []
+    for slope in (0.0, 1e6):
+        stepper = Stepper(column)
+        stepper.driven_by("body", "line", 1)
+        body = 1e3, 0.0, 0.0, 5e4, 0.0, 0.0, 5e4, 0.0, 1e5
+        stepper.drive(0.0, *[0.0] * 7, *[0.0] * 12, *body)
+        stepper.advance(0.0, H)
+        loads = np.zeros((2, 3, 2))
+        loads[0, 0, 0], loads[1, 0, 0] = 2e4, slope
+        stepper.drive(H, *[0.0] * 7, *loads.ravel(), *body)
+        stepper.observe(H)
+        found.append(float(stepper.base.ax))
+        mass, reaction = np.zeros((3, 3)), stepper.split[:3]
+        mass[np.triu_indices(3)] = stepper.split[3:]
+        mass = mass + np.triu(mass, 1).T + np.diag([5e4, 5e4, 1e5])
+        exact = np.linalg.solve(mass, reaction + np.array([1e3, 0.0, 0.0]))
+        assert np.allclose([stepper.base.ax, stepper.base.az, stepper.base.alpha], exact, rtol=1e-9)
+    assert found[0] == pytest.approx(found[1], rel=1e-12)
+    assert abs(found[0]) > 1e-2
 
 
 def shafts(damping: float = 1e-3) -> list[Column]:
@@ -130,13 +211,15 @@ def shafts(damping: float = 1e-3) -> list[Column]:
 
 def on_stepper(column: Column) -> beam.Column:
     stepper, time = Stepper(column), [0.0]
-    behind = at.ROW.size(column.n)
+    behind, ports = at.ROW.size(column.n), len(column.ports)
 
     def see() -> beam.Seen:
-        return beam.Seen(*stepper.observe(time[0])[behind:].reshape(3, 2).copy())
+        return beam.Seen(*stepper.observe(time[0])[behind:].reshape(3, 2, ports)[:, :, 0].copy())
 
     def push(force: Array, slope: Array, h: float) -> None:
-        stepper.drive(time[0], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, *force, 0.0, *slope, 0.0)
+        loads = np.zeros((2, 3, ports))
+        loads[0, :2, 0], loads[1, :2, 0] = force, slope
+        stepper.drive(time[0], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, *loads.ravel())
         stepper.advance(time[0], h)
         time[0] += h
 
@@ -195,6 +278,21 @@ def test_a_beam_on_two_columns_is_one_system_to_second_order(tmp_path: Path) -> 
     call(inside_beams.on_two, one, other, 5e-4, 200, tmp_path / "out.npy")
     found = beam.coupled(beam.thrown(), list(map(on_stepper, columns)), 5e-4, 200)
     assert np.array_equal(np.load(tmp_path / "out.npy"), found)
+
+
+@pytest.mark.long  # builds a native FMU
+def test_a_beam_on_two_columns_of_the_example(tmp_path: Path) -> None:
+    """Through rocking, with and without Python: one FMU of each sort bears an end."""
+    if not NATIVE:
+        pytest.skip("needs the extra native")
+    file = ROOT / "examples" / "columns" / "portico.toml"
+    one = build_fmu(file, tmp_path / "one.fmu")
+    other = build_native_fmu(file, tmp_path / "other.fmu", platforms=["linux64"])
+    call(inside_beams.on_two, one, other, 5e-4, 400, tmp_path / "out.npy")
+    columns = [on_stepper(Column.from_toml(file)) for _ in range(2)]
+    found = beam.coupled(beam.thrown(), columns, 5e-4, 400)
+    assert np.array_equal(np.load(tmp_path / "out.npy"), found)
+    assert 1e-3 < np.max(np.abs(found)) < 0.1
 
 
 def toml(column: Column) -> str:

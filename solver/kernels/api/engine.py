@@ -11,7 +11,7 @@ from ..column.normal_modes import normal_modes
 from ..column.normal_modes import scratch_size as modes_scratch
 from ..column.rest import find_rest
 from ..column.solids import homogeneous
-from ..formulations.base_motion import base_motion, enter
+from ..formulations.base_motion import base_motion, enter, moving
 from ..formulations.coupled_base import couple, driven_along
 from ..formulations.dispatch import Column
 from ..formulations.exact import Motion
@@ -46,7 +46,7 @@ from ..layout.spaces import (
     WORK,
     modal_size,
 )
-from ..numba_ext.jit import kernel, leaf, varied_leaf
+from ..numba_ext.jit import in_both, kernel, leaf, varied, varied_leaf
 from ..numba_ext.numbers import sine_cosine
 from ..numba_ext.views import Record, clear, copy
 from ..sections.faces import ENDLESS, FITS, RECTANGLE, Face, face_of, misfit
@@ -88,13 +88,15 @@ _given_settings, _given_block, _base_inputs = GIVEN_SETTINGS.over, GIVEN.over, B
 _SETTINGS_FIELDS, _BLOCK_FIELDS = GIVEN_SETTINGS.beside, GIVEN.beside
 _ROW_FIELDS, _ROW_BESIDE = ROW.per_n, ROW.beside
 _WORK_PER_N, _WORK_BESIDE = WORK.per_n, WORK.beside
+_MODEL_PER_N, _MODEL_BESIDE = MODEL.per_n, MODEL.beside
 _CONTROL_FIELDS, _STATE_PER_N = STATE.beside, STATE.per_n
 _COUNTS, _BASE, _SPLIT, _INPUTS = COUNTS.beside, BASE.beside, SPLIT.beside, BASE_INPUTS.beside
 
 
+@in_both
 def model_room(n: int) -> int:
     """Length of the largest packed model of n blocks."""
-    return MODEL.size(n) + (modal_size(n) if n <= MODAL_MOST else 0)
+    return _MODEL_PER_N * n + _MODEL_BESIDE + (modal_size(n) if n <= MODAL_MOST else 0)
 
 
 def scratch_room(n: int) -> int:
@@ -289,22 +291,39 @@ def drive(base, inputs, elapsed, t):
     base.t0 = t
 
 
+@varied_leaf
+def beside_inputs(samples):
+    """How many inputs stand between those of the base and those of bodies: those of ports."""
+    return 0
+
+
+@varied_leaf
+def load(base, samples, inputs, elapsed, t):
+    """Set the inputs of the ports, which were set `elapsed` s before time t: there are none.
+
+    They follow straight lines from the time `base.t0` on.
+    """
+    return
+
+
 @kernel
-def exchange(column, inputs, t, row, split):
+def exchange(column, inputs, elapsed, t, row, split):
     """Let the base go on from time t as bodies drive it, by inputs of that instant. Returns a code.
 
-    row, split: filled with the outputs at t as the base has moved so far.
+    elapsed: s, since loads on ports were set. row, split: filled with the outputs at t as the base has moved so far.
     """
     if column.samples.size > 0:
         return RECORD_BESIDE
+    load(column.base, column.samples, inputs, elapsed, t)
     code = see(column, base_of(column, t), row, split)
-    return join(column.base, column.model.settings, inputs, t, split) if code == OK else code
+    first = _INPUTS + beside_inputs(column.samples)
+    return join(column.base, column.model.settings, inputs, first, t, split) if code == OK else code
 
 
 @kernel
-def join(base, settings, inputs, t, split):
-    """`exchange` where the split of the column at t is known. Returns a code."""
-    return couple(base, settings, _base_inputs(inputs, 0), inputs, _INPUTS, t, split)
+def join(base, settings, inputs, first, t, split):
+    """`exchange` where the split of the column at t is known; first: place of the bodies' inputs. Returns a code."""
+    return couple(base, settings, _base_inputs(inputs, 0), inputs, first, t, split)
 
 
 @varied_leaf
@@ -346,9 +365,10 @@ def follow(column, inputs, start, h, watch, row, split):
     if column.model.settings.drive == ACCELERATION:
         drive(column.base, inputs, 0.0, start)
     else:
-        code = exchange(column, inputs, start, row, split)
+        code = exchange(column, inputs, 0.0, start, row, split)
         if code != OK:
             return code
+    load(column.base, column.samples, inputs, 0.0, start)
     return advance(column, start, h, watch)
 
 
@@ -367,8 +387,7 @@ def see(column, motion, row, split):
 @kernel
 def observe_all(column, snapshots, rows, count):
     """Fill every row with the outputs of the snapshot of that number. Returns (code, number of the last)."""
-    n, between, size = column.model.n, column.work.between, size_of_snapshot(column.work)
-    length = _ROW_FIELDS * n + _ROW_BESIDE + beside_row(column.samples)
+    n, between, size, length = column.model.n, column.work.between, size_of_snapshot(column.work), _length(column)
     for k in range(count):
         snapshot = _snapshot(snapshots[size * k :], n)
         copy(between.row, snapshot.phase.row, phase_size(column.work))
@@ -391,7 +410,8 @@ def look(column, inputs, new_inputs, upright, elapsed, t, row, split):
         if column.model.settings.drive == ACCELERATION:
             drive(base, inputs, elapsed, t)
         else:  # before there is a mass at the base it does not move
-            exchange(column, inputs, t, row, split)
+            exchange(column, inputs, elapsed, t, row, split)
+        load(base, column.samples, inputs, elapsed, t)
     enter(base, column.samples, t)
     if upright != 0:
         control.base_theta = base.theta
@@ -400,14 +420,20 @@ def look(column, inputs, new_inputs, upright, elapsed, t, row, split):
 
 
 @leaf
-def _clear_output(row, split, n):
-    clear(row.row, _ROW_FIELDS * n + _ROW_BESIDE)
+def _length(column):
+    """Numbers of an output row, those of ports among them."""
+    return _ROW_FIELDS * column.model.n + _ROW_BESIDE + beside_row(column.samples)
+
+
+@leaf
+def _clear_output(row, split, length):
+    clear(row.row, length)
     clear(split.row, _SPLIT)
 
 
 @kernel
-def _add(row, split, other, other_split, factor, n):
-    for i in range(_ROW_FIELDS * n + _ROW_BESIDE):
+def _add(row, split, other, other_split, factor, length):
+    for i in range(length):
         row.row[i] += factor * other.row[i]
     for i in range(_SPLIT):
         split.row[i] += factor * other_split.row[i]
@@ -421,8 +447,8 @@ def rates(column, t, row, split, other, other_split):
     parabola given by coordinates, rates and accelerations. other, other_split: room for another row and split.
     """
     model, work = column.model, column.work
-    n = model.n
-    _clear_output(row, split, n)
+    n, length = model.n, _length(column)
+    _clear_output(row, split, length)
     if column.counts.overturned > 0:
         return OK
     see(column, base_motion(column.base, column.samples, t), other, other_split)
@@ -439,7 +465,7 @@ def rates(column, t, row, split, other, other_split):
         then = base_motion(column.base, column.samples, t + past)
         observe(column, work.between, then, other)
         split_reaction(column, work.between, then, other, other_split)
-        _add(row, split, other, other_split, 0.5 / past, n)
+        _add(row, split, other, other_split, 0.5 / past, length)
         past = -past
     return OK
 
@@ -455,15 +481,14 @@ def _go_on(saved, to, i, past):
 
 @kernel
 def feedthrough(column, inputs, seeds, elapsed, t, row, split, other, other_split):
-    """Fill row and split with the derivative of every output by the base's inputs, in the direction `seeds`.
+    """Fill row and split with the derivative of every output by the inputs, in the direction `seeds`.
 
     seeds: one for each of the inputs, which were set `elapsed` s before; at time t under the inputs that `look` has
-    left. Outputs that depend on the accelerations of the base at once are linear in them: forces along the joints and
-    reaction, by formulations/feedthrough.py. Dependence on the rotation and its rate is differenced. Returns a code.
+    left. Outputs that depend on accelerations of the base and loads at once are linear in them (`at_once`). Dependence
+    on the rotation of the base and its rate is differenced. Returns a code.
     """
-    model, work = column.model, column.work
-    n = model.n
-    _clear_output(row, split, n)
+    base, samples, settings, length = column.base, column.samples, column.model.settings, _length(column)
+    _clear_output(row, split, length)
     if column.counts.overturned > 0:
         return OK
     seed = _base_inputs(seeds, 0)
@@ -472,15 +497,51 @@ def feedthrough(column, inputs, seeds, elapsed, t, row, split, other, other_spli
     alpha = seed.alpha
     spin = seed.omega + elapsed * alpha
     turn = seed.theta + elapsed * (seed.omega + 0.5 * elapsed * alpha)
-    motion = base_motion(column.base, column.samples, t)
+    motion = base_motion(base, samples, t)
     see(column, motion, other, other_split)
-    if model.settings.drive != ACCELERATION:
+    met_by_loads(column, motion, seeds, elapsed, row, split, other_split)
+    if settings.drive != ACCELERATION:
+        first = _INPUTS + beside_inputs(samples)
         along_x, along_z, alpha = driven_along(
-            model.settings, inputs, seeds, _INPUTS, other_split, motion, along_z, alpha
+            settings, inputs, seeds, first, other_split, split, motion, along_z, alpha
         )
-        if model.settings.drive != HORIZONTAL:
+        if settings.drive != HORIZONTAL:
             turn = spin = 0.0  # they belong to the state
-    phase = work.between
+    at_once(column, motion, seeds, elapsed, along_x, along_z, alpha, row, other, other_split)
+    way = 1.0
+    for _ in range(2):
+        if turn != 0.0:
+            theta = motion.theta + way * PROBE_TURN
+            then = moving(base, samples, t, motion.ax, motion.az, theta, motion.omega, motion.alpha)
+            see(column, then, other, other_split)
+            _add(row, split, other, other_split, 0.5 * turn / (way * PROBE_TURN), length)
+        if spin != 0.0:
+            omega = motion.omega + way * PROBE_SPIN
+            then = moving(base, samples, t, motion.ax, motion.az, motion.theta, omega, motion.alpha)
+            see(column, then, other, other_split)
+            _add(row, split, other, other_split, 0.5 * spin / (way * PROBE_SPIN), length)
+        way = -1.0
+    return OK
+
+
+@varied
+def met_by_loads(column, motion, seeds, elapsed, row, split, other_split):
+    """Fill split with what R0 changes by as loads do by their seeds; other_split: as they are. There are no loads.
+
+    row: room.
+    """
+    return
+
+
+@varied
+def at_once(column, motion, seeds, elapsed, along_x, along_z, alpha, row, other, other_split):
+    """Fill an output row with what changes at once as the base accelerates by so much more, m/s2 and rad/s2.
+
+    Forces along the joints and reaction (formulations/feedthrough.py). The column was just seen on this motion, as
+    `other` says; other_split: room.
+    """
+    model, work = column.model, column.work
+    n, phase = model.n, work.between
     g_x, g_z, g_m = base_direction(model, phase, motion.theta)
     met = g_x * along_x + g_z * along_z + g_m * alpha
     force = effective_mass(model, work) * met
@@ -495,15 +556,3 @@ def feedthrough(column, inputs, seeds, elapsed, t, row, split, other, other_spli
     row.base.Fx = -g_x * force
     row.base.Fz = -g_z * force
     row.base.My = -g_m * force
-    way = 1.0
-    for _ in range(2):
-        if turn != 0.0:
-            then = Motion(motion.ax, motion.az, motion.theta + way * PROBE_TURN, motion.omega, motion.alpha)
-            see(column, then, other, other_split)
-            _add(row, split, other, other_split, 0.5 * turn / (way * PROBE_TURN), n)
-        if spin != 0.0:
-            then = Motion(motion.ax, motion.az, motion.theta, motion.omega + way * PROBE_SPIN, motion.alpha)
-            see(column, then, other, other_split)
-            _add(row, split, other, other_split, 0.5 * spin / (way * PROBE_SPIN), n)
-        way = -1.0
-    return OK

@@ -11,10 +11,10 @@ from ..sections.circle import ring_part
 from ..sections.faces import Face
 from ..sections.section import contact_of, lay_out, part_stiffness
 from ..stepping.advance import advance
-from .engine import assemble, base_of, column_over, join, observe_all, see
+from .engine import BASE_INPUTS, assemble, base_of, column_over, join, observe_all, see
 
 _model = MODEL.over
-_row, _split, _base = ROW.over, SPLIT.over, BASE.over
+_row, _split, _base, _INPUTS = ROW.over, SPLIT.over, BASE.over, BASE_INPUTS.beside
 
 # a column is (n, model, state, counts, base, work); a record (times, ax, az, scale, held)
 
@@ -49,9 +49,9 @@ def observe_state(n, model, state, counts, base, work, times, ax, az, scale, hel
 
 @entry
 def join_base(n, model, base, inputs, t, split):
-    """`engine.join`."""
+    """`engine.join` by inputs without those of ports."""
     settings = _model(row_of(model), n).settings
-    return join(_base(row_of(base), 0), settings, row_of(inputs), t, _split(row_of(split), 0))
+    return join(_base(row_of(base), 0), settings, row_of(inputs), _INPUTS, t, _split(row_of(split), 0))
 
 
 @entry

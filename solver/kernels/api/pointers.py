@@ -5,6 +5,9 @@ A record is `count` samples of the base acceleration at `times`, s, with straigh
 without one.
 """
 
+from collections.abc import Callable
+from typing import Any
+
 from numba import types
 
 from ..formulations.base_motion import Samples
@@ -18,87 +21,72 @@ _row, _split = ROW.over, SPLIT.over
 
 
 @leaf
-def _column(n, model, state, counts, base, work, samples):
+def column_at(n, model, state, counts, base, work, samples):
+    """The column of n blocks at these pointers."""
     return engine.column_over(n, row_at(model), row_at(state), row_at(counts), row_at(base), samples, row_at(work))
 
 
 @leaf
-def _samples(count, times, ax, az, scale):
+def _samples(n, model, count, times, ax, az, scale):
     return Samples(count, row_at(times), row_at(ax), row_at(az), scale, False)
 
 
 def assemble(n, given, from_rest, model, state, counts, base, work, scratch, detail):
     """`engine.assemble`."""
-    column = _column(n, model, state, counts, base, work, _samples(0, given, given, given, 1.0))
+    column = column_at(n, model, state, counts, base, work, _samples(n, model, 0, given, given, given, 1.0))
     return engine.assemble(column, row_at(given), from_rest, row_at(scratch), row_at(detail))
 
 
-def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, az, scale, row, split):
-    """`engine.follow`."""
-    column = _column(n, model, state, counts, base, work, _samples(count, times, ax, az, scale))
-    watch, here, parts = Watch(0, row_at(work), row_at(work), True), _row(row_at(row), n), _split(row_at(split), 0)
-    return engine.follow(column, row_at(inputs), start, h, watch, here, parts)
+def entries_of(assemble: Callable[..., Any], samples_of: Any) -> dict[Callable[..., Any], tuple[Any, ...]]:
+    """Entry -> types of its arguments; all return a code.
 
+    samples_of: a leaf, what is followed beside the base: of the record, and of what lies behind the model.
+    """
 
-def look(
-    n,
-    model,
-    state,
-    counts,
-    base,
-    work,
-    inputs,
-    new_inputs,
-    upright,
-    elapsed,
-    t,
-    count,
-    times,
-    ax,
-    az,
-    scale,
-    row,
-    split,
-):
-    """`engine.look`."""
-    column = _column(n, model, state, counts, base, work, _samples(count, times, ax, az, scale))
-    here, parts = _row(row_at(row), n), _split(row_at(split), 0)
-    return engine.look(column, row_at(inputs), new_inputs, upright, elapsed, t, here, parts)
+    def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, az, scale, row, split):
+        """`engine.follow`."""
+        samples = samples_of(n, model, count, times, ax, az, scale)
+        column = column_at(n, model, state, counts, base, work, samples)
+        watch, here, parts = Watch(0, row_at(work), row_at(work), True), _row(row_at(row), n), _split(row_at(split), 0)
+        return engine.follow(column, row_at(inputs), start, h, watch, here, parts)
 
+    # fmt: off
+    def look(n, model, state, counts, base, work, inputs, new_inputs, upright, elapsed, t, count, times, ax, az, scale,
+             row, split):
+        # fmt: on
+        """`engine.look`."""
+        samples = samples_of(n, model, count, times, ax, az, scale)
+        column = column_at(n, model, state, counts, base, work, samples)
+        here, parts = _row(row_at(row), n), _split(row_at(split), 0)
+        return engine.look(column, row_at(inputs), new_inputs, upright, elapsed, t, here, parts)
 
-def rates(n, model, state, counts, base, work, t, count, times, ax, az, scale, row, split, other, other_split):
-    """`engine.rates`."""
-    column = _column(n, model, state, counts, base, work, _samples(count, times, ax, az, scale))
-    here, there = _row(row_at(row), n), _row(row_at(other), n)
-    return engine.rates(column, t, here, _split(row_at(split), 0), there, _split(row_at(other_split), 0))
+    # fmt: off
+    def rates(n, model, state, counts, base, work, t, count, times, ax, az, scale, row, split, other, other_split):
+        # fmt: on
+        """`engine.rates`."""
+        samples = samples_of(n, model, count, times, ax, az, scale)
+        column = column_at(n, model, state, counts, base, work, samples)
+        here, there = _row(row_at(row), n), _row(row_at(other), n)
+        return engine.rates(column, t, here, _split(row_at(split), 0), there, _split(row_at(other_split), 0))
 
+    # fmt: off
+    def feedthrough(n, model, state, counts, base, work, inputs, seeds, elapsed, t, count, times, ax, az, scale, row,
+                    split, other, other_split):
+        # fmt: on
+        """`engine.feedthrough`."""
+        samples = samples_of(n, model, count, times, ax, az, scale)
+        column = column_at(n, model, state, counts, base, work, samples)
+        here, there = _row(row_at(row), n), _row(row_at(other), n)
+        parts, other_parts = _split(row_at(split), 0), _split(row_at(other_split), 0)
+        return engine.feedthrough(column, row_at(inputs), row_at(seeds), elapsed, t, here, parts, there, other_parts)
 
-def feedthrough(
-    n,
-    model,
-    state,
-    counts,
-    base,
-    work,
-    inputs,
-    seeds,
-    elapsed,
-    t,
-    count,
-    times,
-    ax,
-    az,
-    scale,
-    row,
-    split,
-    other,
-    other_split,
-):
-    """`engine.feedthrough`."""
-    column = _column(n, model, state, counts, base, work, _samples(count, times, ax, az, scale))
-    here, there = _row(row_at(row), n), _row(row_at(other), n)
-    parts, other_parts = _split(row_at(split), 0), _split(row_at(other_split), 0)
-    return engine.feedthrough(column, row_at(inputs), row_at(seeds), elapsed, t, here, parts, there, other_parts)
+    return {
+        assemble: (_whole, _numbers, _whole, _numbers, _numbers, _counters, _numbers, _numbers, _numbers, _numbers),
+        follow: (*_arguments, _numbers, _number, _number, *_record, *_outputs),
+        look: (*_arguments, _numbers, _whole, _whole, _number, _number, *_record, *_outputs),
+        rates: (*_arguments, _number, *_record, *_outputs, *_outputs),
+        feedthrough: (*_arguments, _numbers, _numbers, _number, _number, *_record, *_outputs, *_outputs),
+    }
 
 
 _numbers, _counters = types.CPointer(types.double), types.CPointer(types.int64)
@@ -106,11 +94,4 @@ _number, _whole = types.double, types.int64
 _arguments = (_whole, _numbers, _numbers, _counters, _numbers, _numbers)  # n, model, state, counts, base, work
 _record = (_whole, _numbers, _numbers, _numbers, _number)  # count, times, ax, az, scale
 _outputs = (_numbers, _numbers)  # row, split
-# entry -> types of its arguments; all return a code
-ENTRIES = {
-    assemble: (_whole, _numbers, _whole, _numbers, _numbers, _counters, _numbers, _numbers, _numbers, _numbers),
-    follow: (*_arguments, _numbers, _number, _number, *_record, *_outputs),
-    look: (*_arguments, _numbers, _whole, _whole, _number, _number, *_record, *_outputs),
-    rates: (*_arguments, _number, *_record, *_outputs, *_outputs),
-    feedthrough: (*_arguments, _numbers, _numbers, _number, _number, *_record, *_outputs, *_outputs),
-}
+ENTRIES = entries_of(assemble, _samples)

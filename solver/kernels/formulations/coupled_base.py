@@ -142,14 +142,16 @@ def couple(base, settings, given, inputs, first, t, split):
 
 
 @kernel
-def driven_along(settings, inputs, seeds, first, split, motion, az, alpha):
+def driven_along(settings, inputs, seeds, first, split, met, motion, az, alpha):
     """(ax, az, alpha) by which the base accelerates more as its inputs change by `seeds`: m/s2, rad/s2.
 
-    split: of the column, which the inputs meet; motion: of the base. az, alpha: by which its own inputs change.
+    split: of the column, which the inputs meet; met: what its R0 changes by. motion: of the base. az, alpha: by which
+    its own inputs change.
     """
     bodies = int(settings.bodies)
     of = sums(bodies, inputs, first, split)
-    x, z, m, xx, xz, xt, zz, zt, tt = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    x, z, m = met.R0x, met.R0z, met.R0m
+    xx, xz, xt, zz, zt, tt = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(bodies):
         seed = _body(seeds[first + k * _BODY :], 0)
         x, z, m = x + seed.F0x, z + seed.F0z, m + seed.F0m

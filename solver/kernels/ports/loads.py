@@ -11,19 +11,30 @@ block as the acceleration of the base enters the lowest one: T by u along the jo
 
 from typing import NamedTuple
 
-from ..api.engine import beside_row, motion_held, motion_of_snapshot
+from ..api.engine import (
+    BASE_INPUTS,
+    at_once,
+    beside_inputs,
+    beside_row,
+    load,
+    met_by_loads,
+    motion_held,
+    motion_of_snapshot,
+    see,
+)
 from ..formulations.base_motion import base_motion, enter, is_loaded, is_silent, moving, smooth_reach, to_next_sample
 from ..formulations.dispatch import base_as_shown
 from ..formulations.exact import with_couple, with_push
 from ..formulations.outputs import see_ports
 from ..joint.sliding import can_slide
-from ..layout.spaces import BASE, LOAD, PORTS, ROW, SPOTS, STATE, WORK
+from ..layout.spaces import BASE, LOAD, PORTS, ROW, SPLIT, SPOTS, STATE, WORK
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.numbers import sine_cosine
 from ..output.peaks import examines_all, raise_port_peaks
 from ..stepping.advance import ROUNDING, base_jumps, belongs_to, jumps
 
 _COMPONENTS, _SEEN, _BASE = len(LOAD), len(SPOTS.fields), BASE.beside
+_INPUTS, _SPLIT = BASE_INPUTS.beside, SPLIT.beside
 _spots, _ports = SPOTS.over, PORTS.over
 _ROW_PER_N, _ROW_BESIDE = ROW.per_n, ROW.beside
 _STATE_PER_N, _STATE_BESIDE, _WORK_PER_N, _WORK_BESIDE = STATE.per_n, STATE.beside, WORK.per_n, WORK.beside
@@ -89,6 +100,20 @@ def _becomes_pushed(before, motion):
 
 
 # --- loads over time
+
+
+@beside_inputs.version(_are_loaded)
+def _beside_inputs(samples):
+    return 2 * _COMPONENTS * samples.spotted
+
+
+@load.version(_beside_loaded)
+def _load_ports(base, samples, inputs, elapsed, t):
+    taken, given, count = base.row[_BASE:], inputs[_INPUTS:], _COMPONENTS * samples.spotted
+    past = elapsed - (t - base.t0)
+    for i in range(count):
+        slope = given[count + i]
+        taken[i], taken[count + i] = given[i] + slope * past, slope
 
 
 @is_silent.version(_are_loaded)
@@ -292,3 +317,27 @@ def _raise_port_peaks(column, phase, motion):
 @examines_all.version(of_loaded)
 def _examines_all(column):
     return True
+
+
+# --- derivatives by loads
+
+
+@leaf
+def _more(motion, along_x, along_z, alpha, seeds, elapsed):
+    """The motion with accelerations and loads beside it; `elapsed` s since the slopes of these began."""
+    begin = motion.ax + along_x, motion.az + along_z, motion.theta, motion.omega, motion.alpha + alpha
+    return Pushed(*begin, motion.spotted, motion.ports, motion.given, motion.since, 1, seeds[_INPUTS:], elapsed)
+
+
+@met_by_loads.version(of_loaded)
+def _met_by_loads(column, motion, seeds, elapsed, row, split, other_split):
+    see(column, _more(motion, 0.0, 0.0, 0.0, seeds, elapsed), row, split)
+    for i in range(_SPLIT):
+        split.row[i] -= other_split.row[i]
+
+
+@at_once.version(of_loaded)
+def _at_once(column, motion, seeds, elapsed, along_x, along_z, alpha, row, other, other_split):
+    see(column, _more(motion, along_x, along_z, alpha, seeds, elapsed), row, other_split)
+    for i in range(_ROW_PER_N * column.model.n + _ROW_BESIDE + beside_row(column.samples)):
+        row.row[i] -= other.row[i]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+import struct
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -46,7 +47,8 @@ LEAST_CHANGE, MOST_CHANGE = 0.125, 2.0  # of the length of a chunk, from one to 
 ROWS_AT_ONCE = 10_000
 
 _NONE = np.empty(0)
-_ROTATION = at.BASE.fields.index("theta")
+_TURN = 8 * at.BASE.fields.index("theta")  # bytes
+_MOVED, _TURNED = struct.Struct("5d"), struct.Struct("3d")  # numpy takes thrice as long for a few numbers
 _OF_PLANE = [name in IN_PLANE for name in COMPONENTS]
 
 
@@ -97,12 +99,25 @@ class Stepper:
         self.state = at.STATE.see(self.arrays.state, self.n)
         self.counts = at.COUNTS.see(self.arrays.counts)
         self.base = at.BASE.see(self.arrays.base)
-        self.record = SILENCE
         self.followed = SILENCE  # by the last run
-        self.lacks_mass = False  # whether forces drive the base, and no mass
+        self._is_driven = False  # whether bodies drive the base, and
+        self.lacks_mass = False  # whether these have forces, and no mass
+        self._base = self.arrays.base.data
         self._ports = ports_of(column)
-        self._row = np.zeros(at.ROW.size(self.n) + at.SPOTS.size(len(column.ports)))
-        self._split = np.zeros(at.SPLIT.beside)
+        self.record = SILENCE
+        row = at.ROW.size(self.n) + at.SPOTS.size(len(column.ports))
+        self.seen = np.zeros(row + at.SPLIT.beside)
+        """The output row last observed, and its split."""
+        self._row, self._split = self.seen[:row], self.seen[row:]
+
+    @property
+    def record(self) -> Record:
+        """What is followed in addition to `base`."""
+        return self._record
+
+    @record.setter
+    def record(self, record: Record) -> None:
+        self._record, self._given = record, (self.n, *self.arrays, *self._arguments(record))
 
     def drive(
         self,
@@ -124,24 +139,31 @@ class Stepper:
         at time t: of each F0x to Mtt (kernels/formulations/coupled_base.py, BODY); the column adds R0 and m. Raises
         SolverError where nothing at the base has a mass.
         """
-        base, elapsed = self.arrays.base, 0.0 if since is None else t - since
+        elapsed = 0.0 if since is None else t - since
+        loads: Sequence[float] = ()
         if self.column.ports:
-            loads = self._inputs
-            values, slopes = np.reshape(behind[: loads.size] or np.zeros(loads.size), (2, -1))
-            loads[:] = np.concatenate([values + slopes * elapsed, slopes])
-            behind = behind[loads.size :]
-        if self.model.settings.drive != at.ACCELERATION:
+            loads, behind = behind[: self._inputs.size], behind[self._inputs.size :]
+            self._load(loads, elapsed)
+        if self._is_driven:
+            self._load(loads, elapsed - (t - self._base[0]))  # lines begin at the last exchange, and
             self._join(t, [ax, az, jx, jz, theta, omega, alpha, *behind])
+            self._load(loads, elapsed)  # after this one here
             return
-        # one by one: numpy takes three times as long for a slice of a few numbers
-        base[0], base[1], base[2], base[3], base[4] = t, ax + jx * elapsed, jx, az + jz * elapsed, jz
-        base[_ROTATION] = theta + elapsed * (omega + 0.5 * elapsed * alpha)
-        base[_ROTATION + 1], base[_ROTATION + 2] = omega + elapsed * alpha, alpha
+        _MOVED.pack_into(self._base, 0, t, ax + jx * elapsed, jx, az + jz * elapsed, jz)
+        turn = theta + elapsed * (omega + 0.5 * elapsed * alpha)
+        _TURNED.pack_into(self._base, _TURN, turn, omega + elapsed * alpha, alpha)
+
+    def _load(self, loads: Sequence[float], past: float) -> None:
+        """Set the loads on the ports, `past` s after they were as given, and their slopes; none: no load."""
+        if self.column.ports:
+            values, slopes = np.reshape(loads or np.zeros(self._inputs.size), (2, -1))
+            self._inputs[:] = np.concatenate([values + slopes * past, slopes])
 
     def driven_by(self, drive: str, slope: str, bodies: int) -> None:
         """Let `bodies` at the base drive it, by words of DRIVES and SLOPES (kernels/layout/spaces.py)."""
         settings = self.model.settings
         settings.drive, settings.slope, settings.bodies = at.DRIVES[drive], at.SLOPES[slope], bodies
+        self._is_driven = settings.drive != at.ACCELERATION
 
     def _join(self, t: float, given: list[float]) -> None:
         if self.record is not SILENCE:
@@ -156,13 +178,15 @@ class Stepper:
         """Advance from t to t + h, s, under `base` and `record`; all peaks are kept. Raises SolverError."""
         if self.lacks_mass:
             self._check(at.BODY_LACKING, t)
-        self._check(self._run(t, h, self.record, _NONE, _NONE, True), t)
+        code = self._entries.run(*self._given, float(t), float(h), _NONE, _NONE, True)
+        if code < at.OK:
+            self._check(code, t)
 
     def observe(self, t: float) -> FloatArray:
         """The output row at time t (layout/spaces.py, ROW); overwritten by the next call. Raises SolverError."""
-        record = self._arguments(self.record)
-        code = self._entries.observe_state(self.n, *self.arrays, *record, float(t), self._row, self._split)
-        self._check(code, t)
+        code = self._entries.observe_state(*self._given, float(t), self._row, self._split)
+        if code < at.OK:
+            self._check(code, t)
         return self._row
 
     @property
@@ -293,7 +317,7 @@ class Stepper:
         """Continue from the present coordinates and rates with new parameters of the same blocks. Raises InputError."""
         before = self.model.settings
         self.arrays = self.arrays._replace(model=pack_model(column).copy())
-        self.column = column
+        self.column, self.record = column, self.record  # over the new model
         self.model = at.MODEL.see(self.arrays.model, self.n)
         settings = self.model.settings
         settings.drive, settings.slope, settings.bodies = before.drive, before.slope, before.bodies
@@ -348,8 +372,8 @@ class Stepper:
 
     def _run(self, t: float, h: float, record: Record, times: FloatArray, snapshots: FloatArray, peaks: bool) -> int:
         """Call the kernel with float64, whatever numbers the caller has, so that it is compiled once."""
-        called = float(t), float(h), times, snapshots, peaks
-        return self._entries.run(self.n, *self.arrays, *self._arguments(record), *called)
+        given = self._arguments(record)
+        return self._entries.run(self.n, *self.arrays, *given, float(t), float(h), times, snapshots, peaks)
 
     def _arguments(self, record: Record) -> tuple[Any, ...]:
         """A record as the entries take it."""

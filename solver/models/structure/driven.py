@@ -116,11 +116,11 @@ class DrivenStructure:
         turns, bodies = int(given.turns), int(given.bodies)
         of_bodies = bodies * (coupled.BODY.beside + turns * coupled.TURNING_BODY.beside)
         self._inputs = np.zeros(coupled.INPUTS.beside + of_ports + turns * coupled.ROTATION.beside + of_bodies)
-        self._row = np.zeros(self.sizes.visible)
+        self.seen = self._row = np.zeros(self.sizes.visible)
+        """The output row last observed."""
         self._room = np.zeros(self.sizes.visible)
         self._elapsed, self._new = 0.0, False
         self.counts, self._state = at.COUNTS.see(self.arrays.counts), at.STATE.see(self.arrays.state, self.sizes)
-        self.split = np.zeros(0)  # of the reaction: it follows from the state alone
         self._assemble(given, True)
 
     def _assemble(self, given: Chosen, from_rest: bool) -> None:

@@ -1,0 +1,39 @@
+"""Columns with ports for callers that have pointers: the entries of api/pointers.py.
+
+What `assemble` is given ends with the number of ports and PORTS, which it keeps behind the model. Inputs, peaks and
+outputs of ports lie as those of entries.py do.
+"""
+
+from ..api import engine
+from ..api.pointers import column_at, entries_of
+from ..layout.spaces import BASE, LOAD, OK, PORTS, SPOTS, STATE
+from ..numba_ext.jit import leaf
+from ..numba_ext.views import clear, copy, row_at
+from .loads import Loaded
+
+_PORT, _SEEN, _LOADS, _BASE = len(PORTS.fields), len(SPOTS.fields), 2 * len(LOAD), BASE.beside
+_STATE_PER_N, _STATE_BESIDE = STATE.per_n, STATE.beside
+_SETTINGS, _BLOCK = engine.GIVEN_SETTINGS.beside, engine.GIVEN.beside
+
+
+@leaf
+def _samples(n, model, count, times, ax, az, scale):
+    own = row_at(model)[engine.model_room(n) :]
+    spotted, ports = int(own[0]), own[1:]
+    return Loaded(count, row_at(times), row_at(ax), row_at(az), scale, False, count, spotted, ports, 0, ports, ports)
+
+
+def assemble(n, given, from_rest, model, state, counts, base, work, scratch, detail):
+    """`engine.assemble`."""
+    behind, row = row_at(given)[_SETTINGS + _BLOCK * n :], row_at(given)
+    spotted = int(behind[0])
+    copy(row_at(model)[engine.model_room(n) :], behind, 1 + _PORT * spotted)
+    column = column_at(n, model, state, counts, base, work, _samples(n, model, 0, given, given, given, 1.0))
+    code = engine.assemble(column, row, from_rest, row_at(scratch), row_at(detail))
+    if code == OK and from_rest != 0:
+        clear(row_at(state)[_STATE_PER_N * n + _STATE_BESIDE :], _SEEN * spotted)
+        clear(row_at(base)[_BASE:], _LOADS * spotted)
+    return code
+
+
+ENTRIES = entries_of(assemble, _samples)
