@@ -12,10 +12,12 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
+from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -34,6 +36,7 @@ from . import timing
 from .right_hand_side import Array
 from .scenes import DAMPING, HEIGHT, MASS, ROOT, SIDE, STIFFNESS, G, forced, shaft
 
+STATUE = ROOT / "examples" / "structures" / "statue_mesh.py"
 PLANAR_TOP = 30.21249  # mm, of the planar column (docs/accuracy.md), rigid in shear
 SHEAR_RATIOS = (4.0, 40.0)
 NEWMARK = 24.8998  # mm, a rigid block under half a sine
@@ -200,20 +203,22 @@ def forces(quick: bool) -> Table:
     return Table("Structures in space: errors of forces over tolerance", head, rows)
 
 
-def _cost(structure: Structure, motion: Motion) -> float:
+def _costs(structures: Sequence[Structure], motion: Motion) -> list[float]:
     """Processor time, s, of a joint with its bodies for an evaluation, with its share of the steps; the least of runs.
 
-    Without rows, with peaks. Rounds differ in what else the machine does, not in what is done.
+    Without rows, with peaks. Rounds differ in what else the machine does, not in what is done; in each all structures
+    have their turn.
     """
-    rest = rest_of(structure)
-    least = math.inf
+    rests = [rest_of(structure) for structure in structures]
+    least = [math.inf] * len(structures)
     for _ in range(RUNS):
-        stepper = Stepper(structure)
-        start_from(stepper, rest)
-        begin = time.process_time()
-        stepper.run(motion, 0.0, motion.duration, np.zeros(0))
-        spent = time.process_time() - begin
-        least = min(least, spent / (int(stepper.counts.evaluations) * len(structure.joints)))
+        for k, (structure, rest) in enumerate(zip(structures, rests, strict=True)):
+            stepper = Stepper(structure)
+            start_from(stepper, rest)
+            begin = time.process_time()
+            stepper.run(motion, 0.0, motion.duration, np.zeros(0))
+            spent = time.process_time() - begin
+            least[k] = min(least[k], spent / (int(stepper.counts.evaluations) * len(structure.joints)))
     return least
 
 
@@ -234,7 +239,7 @@ def costs() -> Table:
     rows = []
     for section, asked in (("rectangle", 250), ("circle", 350)):
         for angle in (0.0, 0.3):
-            cost = _cost(boxes(section=section), Motion.harmonic(0.1 * G, 1.0, 5.0, direction=angle))
+            (cost,) = _costs([boxes(section=section)], Motion.harmonic(0.1 * G, 1.0, 5.0, direction=angle))
             rows.append([f"Phocas, {section}, 0.1 g 1 Hz at {angle:g} rad", f"{1e9 * cost:.0f}", f"{asked}"])
     first = 0.0
     for n in SIZES:
@@ -243,7 +248,7 @@ def costs() -> Table:
         blocks = [{"name": f"b{k}", "on": f"b{k - 1}" if k else "base", **size} for k in range(n)]
         law = {"stiffness": STIFFNESS, "damping": 1e-4}
         tower = Structure.from_dict({"name": f"tower_{n}", "joints": law, "block": blocks})
-        cost = _cost(tower, Motion.harmonic(0.05 * G, 2.0, 0.05, direction=0.3))
+        (cost,) = _costs([tower], Motion.harmonic(0.05 * G, 2.0, 0.05, direction=0.3))
         first = first or cost
         rows.append(
             [f"tower of {n} squat blocks", f"{1e9 * cost:.0f}", f"{cost / first:.2f}; {1e9 * _alone(tower):.0f} alone"]
@@ -253,6 +258,32 @@ def costs() -> Table:
         ["", "ns per evaluation", "asked; towers: over the first, ns of an evaluation alone"],
         rows,
     )
+
+
+def meshes() -> Table:
+    """A statue from a mesh against a box of its weight and height on the same plinth, in turns."""
+    sys.path.insert(0, str(STATUE.parent))
+    try:
+        write = import_module(STATUE.stem).write
+    finally:
+        sys.path.remove(str(STATUE.parent))
+    law = {"stiffness": STIFFNESS, "damping": DAMPING, "friction": 0.7}
+
+    def standing(block: dict[str, Any]) -> Structure:
+        return Structure.from_dict({"name": "one", "joints": law, "block": [{"name": "b", "on": "base"} | block]})
+
+    with tempfile.TemporaryDirectory() as folder:
+        write(Path(folder) / "statue.obj", sides=40, rings=64)
+        statue = standing({"shape": "mesh", "file": f"{folder}/statue.obj", "density": 2700.0})
+    mass, triangles = statue.blocks[0].mass, len(statue.blocks[0].surface)
+    box = standing({"width": 0.56, "depth": 0.48, "height": 1.9, "mass": mass})
+    rows, first = [], 0.0
+    motion = Motion.harmonic(0.3 * G, 2.0, 3.0, direction=0.3)
+    for name, cost in zip(("box", f"statue of {triangles} triangles"), _costs([box, statue], motion), strict=True):
+        first = first or cost
+        rows.append([f"{name}, 0.3 g 2 Hz at 0.3 rad", f"{1e9 * cost:.0f}", f"{cost / first:.2f}"])
+    head = ["", "ns per evaluation", "over the box (1 asked)"]
+    return Table("Structures in space: cost of a mesh", head, rows)
 
 
 def loosest(way: Callable[..., Any]) -> tuple[float, float]:
@@ -420,6 +451,7 @@ def measure(quick: bool) -> Iterator[Table]:
     """All tables, the quick ones first."""
     yield accuracy()
     yield costs()
+    yield meshes()
     yield lanes()
     yield energies(quick)
     yield against_plane()

@@ -16,6 +16,7 @@ from ..common.errors import check_number, reading
 from ..common.files import check_file_name, check_outputs, whole_file
 from ..common.ranges import check_choice
 from ..models.column.materials import MATERIALS
+from ..models.structure.blocks.hulls import bulk_of, convex_surface, feet_of, middle_of
 from ..models.structure.blocks.parts import Solid
 from ..models.structure.hull_tables import FACTOR, in_folder
 from ..models.structure.model import Structure
@@ -39,14 +40,14 @@ class Edge(NamedTuple):
         return f"{self.direction:13.1f} {self.lever:12.4f} {self.slenderness:13.4f} {math.tan(self.slenderness):14.4f}"
 
 
-def edges_of(block: Solid) -> list[Edge]:
-    """The edges of the foot of a block, by their direction; the foot is its first face."""
-    foot = block.faces[0]
-    corners = foot.points()[::-1, :2] - block.centroid[:2]  # anticlockwise from above
+def edges_of(block: Solid, feet: int = 1) -> list[Edge]:
+    """The edges of the foot of a block, or around its feet, by their direction; these are its first faces."""
+    points = np.concatenate([face.points() for face in block.faces[:feet]])
+    corners = feet_of(points, float(np.ptp(points[:, 2])))[0] - block.centroid[:2]  # anticlockwise from above
     side = np.roll(corners, -1, axis=0) - corners
     out = np.column_stack([side[:, 1], -side[:, 0]]) / np.hypot(*side.T)[:, None]
     lever = np.sum(out * corners, axis=1)
-    height = float(block.centroid[2] - foot.centre[2])
+    height = float(block.centroid[2] - block.faces[0].centre[2])
     found = [
         Edge(math.degrees(math.atan2(y, x)) % 360.0, float(arm), math.atan2(float(arm), height))
         for (x, y), arm in zip(out, lever, strict=True)
@@ -63,10 +64,10 @@ def new_from_mesh(options: argparse.Namespace, path: Path) -> None:
     name = check_file_name("name", path.stem)
     check_choice("--material", options.material, tuple(MATERIALS))
     check_number("--unit", options.unit, *FACTOR)
-    text = mesh_text(name, os.path.relpath(mesh, path.parent), options.material, options.unit, options.up, 1.0)
-    structure = _structure(text, path.parent)
+    given = name, os.path.relpath(mesh, path.parent), options.material, options.unit, options.up, options.feet
+    structure = _structure(mesh_text(*given, height=1.0), path.parent)
     height = float(np.ptp(structure.blocks[0].corners[:, 2]))
-    text = mesh_text(name, os.path.relpath(mesh, path.parent), options.material, options.unit, options.up, height)
+    text = mesh_text(*given, height=height)
     with reading(path):
         structure = _structure(text, path.parent)
         with whole_file(path) as beside:
@@ -88,14 +89,22 @@ def new_from_mesh(options: argparse.Namespace, path: Path) -> None:
 def facts_of(structure: Structure) -> list[str]:
     """Mass, centroid, foot and slenderness of the only block of a structure."""
     block = structure.blocks[0]
-    foot, edges = block.faces[0], edges_of(block)
-    x, y, z = (float(part) for part in block.centroid - foot.centre)
+    feet = block.faces[: len(structure.joints)]
+    edges = edges_of(block, len(feet))
+    x, y, z = (float(part) for part in block.centroid - middle_of(feet))
     least = min(edges, key=lambda edge: edge.slenderness)
     high, count = float(np.ptp(block.corners[:, 2])), len(block.surface)
+    if len(feet) == 1:
+        stands = f"foot: {len(feet[0].outline)} corners, {feet[0].moments[0]:.4g} m2, least width {feet[0].width:.4g} m"
+    else:
+        area = sum(float(foot.moments[0]) for foot in feet)
+        stands = f"feet: {len(feet)}, {area:.4g} m2 in all; it tips over the {len(edges)} edges around them"
+    around = bulk_of(convex_surface(block.corners)).volume / block.volume
     lines = [
         f"{structure.name}: {block.mass:.5g} kg, {block.volume:.5g} m3, {high:.4g} m high, {count} triangles",
         f"centroid: {z:.4g} m over the foot, {x:.4g} m along x and {y:.4g} m along y from its middle",
-        f"foot: {len(foot.outline)} corners, {foot.moments[0]:.4g} m2, least width {foot.width:.4g} m",
+        stands,
+        f"others meet its convex hull, of {around:.3g} times its volume",
         "direction (deg)    lever (m)  slenderness (rad)  tips at (g)",
     ]
     shown = edges if len(edges) <= 360.0 / TURN else [_nearest(edges, turn) for turn in np.arange(0.0, 360.0, TURN)]
@@ -113,8 +122,8 @@ def _nearest(edges: list[Edge], direction: float) -> Edge:
     return min(edges, key=lambda edge: abs((edge.direction - direction + 180.0) % 360.0 - 180.0))
 
 
-def mesh_text(name: str, file: str, material: str, unit: float, up: str | None, height: float) -> str:
-    """The text of the file; height: m, of the mesh, for the modulus of its joint."""
+def mesh_text(name: str, file: str, material: str, unit: float, up: str | None, feet: int, height: float) -> str:
+    """The text of the file; height: m, of the mesh, for the modulus of its joint; feet: how many."""
     found = MATERIALS[material]
     lines = [
         f"# A block from the mesh {Path(file).name}. Lengths in m, masses in kg.",
@@ -136,6 +145,7 @@ def mesh_text(name: str, file: str, material: str, unit: float, up: str | None, 
         *([f'up = "{up}"                     # axis of the mesh'] if up else []),
         'on = "base"',
         f"density = {found.density!r}",
+        *([f"feet = {feet}                     # groups of the points that bear"] if feet != 1 else []),
         "# foot = [[x, y], ...]       # m; else the points within level = 1e-3 of its height of the lowest",
     ]
     return "\n".join(lines) + "\n"

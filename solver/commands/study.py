@@ -23,7 +23,7 @@ from ..studies.definition import Study
 from ..studies.execution import run_study
 from ..studies.journal import SUFFIX
 from ..studies.results import Results, results_of
-from ..studies.statistics import fit_fragility, ida_curves, influences
+from ..studies.statistics import failures_of, fit_fragility, ida_curves, influences
 from .command_files import add_force, check_picture, write_outputs
 from .progress import PlainLine, RunsLine, compile_kernels
 
@@ -175,14 +175,15 @@ def summary(results: Results) -> str:
             shown = "  ".join(f"{1e3 * point:10.4g}" for point in points)
             lines.append(f"{level:10.4g}  {shown}  {fell_there:6.1%}  {unknown:6.1%}")
     if study["kind"] == "fragility" and len(results):
-        for limit in (*study["limits"], None):
+        for failure in failures_of(results):
             try:
-                found = fit_fragility(results, limit=limit)
+                found = fit_fragility(results, limit=failure.limit, chosen=failure.chosen)
             except InputError as error:
-                lines.append(str(error))
+                lines.append(f"{failure.name}: {error}")
                 continue
+            how = failure.name if failure.limit == "hit" else found.how
             lines.append(
-                f"{found.how}: median {found.name} {found.median:.4g} ({found.median_bounds[0]:.4g} to "
+                f"{how}: median {found.name} {found.median:.4g} ({found.median_bounds[0]:.4g} to "
                 f"{found.median_bounds[1]:.4g}), deviation of the logarithm {found.deviation:.3g} "
                 f"({found.deviation_bounds[0]:.3g} to {found.deviation_bounds[1]:.3g}), at 95 % confidence; "
                 f"{found.failed} of {found.runs} runs failed, {found.undecided} undecided"

@@ -28,7 +28,7 @@ from ..kernels.numba_ext.jit import SOURCES
 from ..models.protocol import FloatArray, Model, Run
 from .distributions import Random
 from .motions import BESIDE, LOAD_SCALE, Measure, Shaking, tilted
-from .subjects import DIRECTION, IN_PLANE, always_kept, check_alike, check_motion, sizes_of, subjects_in
+from .subjects import DIRECTION, IN_PLANE, OF_SPACE, always_kept, check_alike, check_motion, sizes_of, subjects_in
 
 KINDS = ("sweep", "ida", "fragility", "spectrum", "montecarlo")
 SAMPLINGS = ("latin-hypercube", "sobol", "random")
@@ -114,15 +114,16 @@ class Study(Shown):
         known = set.intersection(*(Shaking.numbers_of(shaking.formula) for shaking in self.motions))
         for k, shaking in enumerate(self.motions, start=1):
             check_motion(f"motion[{k}]", shaking, self.in_space)
-        known -= set() if self.in_space else {DIRECTION}
+        known -= set() if self.in_space else {*OF_SPACE}
         for name in (*self.grid, *self.random):
             if name == INTENSITY:
                 if self.measure is None:
                     raise InputError(f"intensity.measure: missing, {INTENSITY} is varied")
             elif name.startswith(OF_MOTION):
-                if name == f"{OF_MOTION}{DIRECTION}" and not self.in_space:
+                key = name.removeprefix(OF_MOTION)
+                if key in OF_SPACE and not self.in_space:
                     raise InputError(f"{name}: must be left out, {IN_PLANE}")
-                if name.removeprefix(OF_MOTION) not in known:
+                if key not in known:
                     listed = ", ".join(f"motion.{item}" for item in sorted(known))
                     raise InputError(f"{name}: unknown name, the motions have {listed}")
             elif not all(column.kind.has_number(column, name) for column in self.columns):

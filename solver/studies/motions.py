@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..common.errors import FINITE, POSITIVE, InputError, check_number, shown
+from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_number, shown
 from ..common.ranges import check_keys
 from ..ground import wavelets
 from ..ground.intensity import pgv, spectrum
@@ -21,6 +21,8 @@ from . import near_fault
 
 LEAN_IN = 5.0  # s, in which the base is tilted before the motion begins
 PER_LEAN = 200  # samples of it
+OTHER_SEED = 2**31  # of a component across, beyond that of the first: half of all seeds
+ACROSS = "across"  # of noise: that component in parts of the first; of a record its file
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,16 @@ class Formula:
     makes: Callable[..., Motion]
     optional: tuple[str, ...] = ()
     amplitude: str = "amplitude"  # the number that sets its size; "": its size is fixed
+
+
+def _noise(amplitude: float, frequency: float, duration: float, seed: int, across: float = 0.0) -> Motion:
+    """Filtered noise; across: peak of a second horizontal component, another such noise, in parts of the first."""
+    motion = wavelets.filtered_noise(amplitude, frequency, duration, seed)
+    if across == 0.0:
+        return motion
+    part = check_number(f"motion.{ACROSS}", across, NOT_NEGATIVE, "a part of the first component, zero or positive")
+    other = (seed + OTHER_SEED) % (2 * OTHER_SEED)
+    return motion.with_across(wavelets.filtered_noise(part * amplitude, frequency, duration, other))
 
 
 _NEAR_FAULT = Formula(("magnitude", "distance", "seed"), near_fault.motion, near_fault.OPTIONAL, amplitude="")
@@ -47,7 +59,7 @@ FORMULAS = {
         ("phase",),
         amplitude="velocity",
     ),
-    "noise": Formula(("frequency", "duration", "seed"), wavelets.filtered_noise),
+    "noise": Formula(("frequency", "duration", "seed"), _noise, (ACROSS,)),
     "near-fault": _NEAR_FAULT,
     "near-fault-1981": replace(_NEAR_FAULT, makes=partial(near_fault.motion, velocity=near_fault.pgv_of_all)),
 }

@@ -6,6 +6,7 @@ import math
 import os
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -17,21 +18,27 @@ from numpy.typing import NDArray
 from ..common.errors import InputError
 from ..models.protocol import FloatArray
 from ..models.structure.blocks.parts import OF_COLUMN
+from ..models.structure.numbers import unit_in_space
 from ..models.uncertainty import PERCENTILES
 from ..plotting.figures import Figure
 from ..plotting.style import FEW_COLOURS, block_colours, header, save, show_blocks, tidy
 from .motions import Measure
 from .results import Results
 from .statistics import (
+    LEAST_GAP,
     Fragility,
+    Limit,
     bounds_of,
     failed_of,
+    failures_of,
     fit_fragility,
     ida_curves,
     influences,
     intensity_name,
     made,
     percentiles,
+    said_of,
+    varied_beside,
 )
 from .subjects import can_slide, subject_from
 
@@ -159,31 +166,39 @@ def draw_ida(results: Results) -> Figure:
 
 
 def draw_fragility(results: Results) -> Figure:
-    """Fitted curves with their bands, and the data behind them, for every limit and for overturning.
+    """Fitted curves with their bands, and the data behind them, for every limit, for overturning and for hits.
 
-    Of motions by magnitude and distance also the shares by magnitude and distance, and the curves over PGA and PGV.
+    Of motions by magnitude and distance also the shares by magnitude and distance, and the curves over PGA and PGV. Of
+    neighbours also the share that hits over what the grid varies, such as their distance.
     """
     scenarios = {"motion.magnitude", "motion.distance"} <= set(results.study["grid"])
     names = ["pga", "pgv"] if scenarios else [intensity_name(results)]
-    figure = Figure(figsize=(10.0, 9.5) if scenarios else (8.5, 6.6), layout="constrained")
-    panels: list[Axes] = list(figure.subplots(2 if scenarios else 1, len(names), squeeze=False).flat)
+    apart = varied_beside(results) if LEAST_GAP in results and "intensity" in results.study["grid"] else None
+    size = (10.0, 9.5) if scenarios else (8.5, 6.6) if apart is None else (11.0, 6.2)
+    figure = Figure(figsize=size, layout="constrained")
+    across = len(names) if apart is None else 2
+    panels: list[Axes] = list(figure.subplots(2 if scenarios else 1, across, squeeze=False).flat)
     texts: list[str] = []
     for axes, name in zip(panels, names, strict=False):
         _draw_fits(axes, results, name, texts)
     if scenarios:
         limits = results.study["limits"]
         for axes, limit in zip(panels[2:], (limits[len(limits) // 2] if limits else None, None), strict=True):
-            _draw_scenarios(axes, results, limit)
+            _draw_shares(axes, results, limit, ("motion.magnitude", "magnitude"), ("motion.distance", "km"))
+    if apart is not None:
+        unit = Measure.from_table(results.study["intensity"]).unit
+        label = f"{apart} ({unit_in_space(apart)})" if unit_in_space(apart) else apart
+        _draw_shares(panels[1], results, "hit", (apart, label), ("intensity", unit))
+        panels[1].legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return _captioned(figure, results, "\n".join(texts))
 
 
 def _draw_fits(axes: Axes, results: Results, name: str, texts: list[str]) -> None:
     """Curves over one intensity; adds a line about them, or why there is none."""
     said = []
-    for limit, colour in zip((*results.study["limits"], None), _LIMIT_COLOURS, strict=False):
-        what = "overturned" if limit is None else f"{limit:g} m"
+    for (what, limit, chosen), colour in zip(failures_of(results), cycle(_LIMIT_COLOURS), strict=False):
         try:
-            found = fit_fragility(results, name, limit)
+            found = fit_fragility(results, name, limit, chosen=chosen)
         except InputError as error:
             said.append(f"{what}: {error}")
             continue
@@ -198,26 +213,26 @@ def _draw_fits(axes: Axes, results: Results, name: str, texts: list[str]) -> Non
     tidy(axes)
 
 
-def _draw_scenarios(axes: Axes, results: Results, limit: float | None) -> None:
-    """Share of failures over the magnitude, a line for each distance, with binomial bounds."""
-    magnitudes, distances = (np.unique(results[f"motion.{name}"]) for name in ("magnitude", "distance"))
+def _draw_shares(axes: Axes, results: Results, limit: Limit, along: tuple[str, str], lines: tuple[str, str]) -> None:
+    """Share of failures over values of the grid, a line for each of others, with binomial bounds.
+
+    along: name of the grid, and label of the axis. lines: name, and unit.
+    """
+    places, values = (np.unique(results[name]) for name, _ in (along, lines))
+    apart = 0.04 * float(np.min(np.diff(places), initial=math.inf)) if len(places) > 1 else 0.0
     failed, valid = failed_of(results, limit), made(results)
-    for k, (distance, colour) in enumerate(zip(distances, block_colours(len(distances)), strict=True)):
-        cells = [
-            valid & (results["motion.magnitude"] == magnitude) & (results["motion.distance"] == distance)
-            for magnitude in magnitudes
-        ]
+    for k, (value, colour) in enumerate(zip(values, block_colours(len(values)), strict=True)):
+        cells = [valid & (results[along[0]] == place) & (results[lines[0]] == value) for place in places]
         runs, hits = np.array([np.sum(cell) for cell in cells]), np.array([np.sum(failed[cell]) for cell in cells])
         there = runs > 0
         low, high = bounds_of(hits[there], runs[there])
         share = hits[there] / runs[there]
-        beside = 0.02 * (k - 0.5 * (len(distances) - 1))  # so that bounds do not cover each other
+        beside = apart * (k - 0.5 * (len(values) - 1))  # so that bounds do not cover each other
         bounds = np.abs(np.array([low, high]) - share)
-        place, name = magnitudes[there] + beside, f"{distance:g} km"
+        place, name = places[there] + beside, f"{value:g} {lines[1]}"
         axes.errorbar(place, share, bounds, fmt="o-", color=colour, markersize=4.0, capsize=2.5, label=name)
-    what = "overturned" if limit is None else f"overturned or moved by more than {limit:g} m"
-    axes.set(xlabel="magnitude", ylabel="share of the runs", ylim=(-0.02, None))
-    axes.set_title(f"{what}; bounds: 95 % binomial", loc="left", fontsize=10)
+    axes.set(xlabel=along[1], ylabel="share of the runs", ylim=(-0.02, None))
+    axes.set_title(f"{said_of(limit)}; bounds: 95 % binomial", loc="left", fontsize=10)
     axes.legend(frameon=False, loc="best")
     tidy(axes)
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +13,15 @@ from numpy.typing import NDArray
 from ..common.errors import InputError, needing
 from ..common.notebook import Shown, counted
 from ..models.protocol import FloatArray
+from ..models.structure.numbers import unit_in_space
 from ..models.uncertainty import CONFIDENCE, PERCENTILES, share_bounds
 from .results import Results
 
 # of weights of the runs and a first guess: median and deviation
 Fit = Callable[[FloatArray, tuple[float, float] | None], tuple[float, float]]
+
+Limit = float | Literal["hit"] | None  # m, largest displacement beyond which a run failed; None: that overturned
+LEAST_GAP = "least_gap"  # of neighbours, where a study keeps it: below 0 m they have hit
 
 RESAMPLED = 200  # times, for confidence
 GROUPS = 1000  # of neighbouring intensities, if there are more different ones: the likelihood uses their middles
@@ -100,9 +104,40 @@ def lognormal(intensity: FloatArray, median: float, deviation: float) -> FloatAr
         return np.asarray(ndtr((np.log(intensity) - math.log(median)) / deviation))
 
 
-def failed_of(results: Results, limit: float | None = None) -> NDArray[np.bool_]:
-    """(runs,) Whether the column fell or its largest displacement exceeded `limit`, m."""
+def failed_of(results: Results, limit: Limit = None) -> NDArray[np.bool_]:
+    """(runs,) Whether the column fell or its largest displacement exceeded `limit`, m; "hit": some neighbours hit."""
+    if limit == "hit":
+        return np.asarray(np.any(results[LEAST_GAP] < 0.0, axis=1))
     return results.overturned if limit is None else np.asarray(results.largest > limit)
+
+
+class Failure(NamedTuple):
+    """A failure of a study that has a probability: limit as of `fit_fragility`; chosen (runs,): of these, None: all."""
+
+    name: str
+    limit: Limit
+    chosen: NDArray[np.bool_] | None = None
+
+
+def failures_of(results: Results) -> Iterator[Failure]:
+    """By displacement, by overturning, and where neighbours meet by a hit, for each value of what the grid varies."""
+    for limit in results.study["limits"]:
+        yield Failure(f"{limit:g} m", limit)
+    yield Failure("overturned", None)
+    if LEAST_GAP in results:
+        name = varied_beside(results)
+        if name is None:
+            yield Failure("hit", "hit")
+        else:
+            key, unit = name.rpartition(".")[2], unit_in_space(name)
+            for value in results.study["grid"][name]:
+                yield Failure(f"hit, {key} {value:g}{unit and f' {unit}'}", "hit", results[name] == value)
+
+
+def varied_beside(results: Results) -> str | None:
+    """What the grid varies beside the intensity, if that is one number."""
+    names = [name for name in results.study["grid"] if name != "intensity"]
+    return names[0] if len(names) == 1 else None
 
 
 def made(results: Results) -> NDArray[np.bool_]:
@@ -113,7 +148,7 @@ def made(results: Results) -> NDArray[np.bool_]:
 def fit_fragility(
     results: Results,
     intensity: str | None = None,
-    limit: float | None = None,
+    limit: Limit = None,
     *,
     method: str = "failures",
     bins: int = BINS,
@@ -139,9 +174,9 @@ def fit_fragility(
         raise InputError(f"{name}: {np.sum(failed)} of {len(failed)} runs failed: a fragility needs some of both")
     if method == "failures":
         fit = _of_failures(im, failed)
-        how = "overturned" if limit is None else f"overturned or moved by more than {limit:g} m"
+        how = said_of(limit)
     elif method == "demand":
-        if limit is None:
+        if limit is None or limit == "hit":
             raise InputError("limit: must be given for the method demand, in m")
         fit = _of_demand(im, results.largest[valid], limit)
         how = f"moved by more than {limit:g} m, by the demand of those that stand"
@@ -170,6 +205,12 @@ def fit_fragility(
         undecided=int(np.sum(undecided)),
         how=how,
     )
+
+
+def said_of(limit: Limit) -> str:
+    """A failure in words."""
+    words = {None: "overturned", "hit": "neighbours that hit"}
+    return words[limit] if limit is None or limit == "hit" else f"overturned or moved by more than {limit:g} m"
 
 
 def intensity_name(results: Results) -> str:

@@ -13,9 +13,10 @@ from ..models.protocol import Kind, Model
 from ..models.structure.file import describes_structure, in_space
 from ..models.structure.kind import STRUCTURES
 from ..models.structure.model import Structure
-from .motions import Shaking
+from .motions import ACROSS, Shaking
 
 DIRECTION = "direction"  # of a motion in plan
+OF_SPACE = (ACROSS, DIRECTION)  # numbers of a motion that leaves the plane of a column
 IN_PLANE = "a column moves in its plane; structure = FILE, in place of column, solves it in space"
 ALL_KEPT = {**STRUCTURES.kept, **COLUMNS.kept}  # a name of both has the same unit
 
@@ -62,7 +63,8 @@ def check_motion(key: str, shaking: Shaking, across: bool) -> None:
     """Raise InputError for a motion that leaves the plane of a column."""
     if across:
         return
-    if DIRECTION in shaking.numbers:
-        raise InputError(f"{key}.{DIRECTION}: must be left out, {IN_PLANE}")
+    for name in OF_SPACE:
+        if name in shaking.numbers:
+            raise InputError(f"{key}.{name}: must be left out, {IN_PLANE}")
     if shaking.record is not None and shaking.record.has_ay:
         raise InputError(f"{key}: ay: {IN_PLANE}")

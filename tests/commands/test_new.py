@@ -231,6 +231,29 @@ def test_a_mesh(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert structure.name == "my-statue"
     assert structure.joints[0].bed.stiffness == pytest.approx(MATERIALS["granite"].modulus(1.9), rel=1e-3)
     assert path.with_suffix(".png").is_file()
+    assert "others meet its convex hull, of 1.89 times its volume" in said
+    assert "feet" not in path.read_text(encoding="utf-8")
+
+
+def test_a_mesh_on_two_feet(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A slab of 1 m x 0.5 m on two bars, 0.2 m wide, along y at its ends, 0.4 m high in all."""
+    trimesh = pytest.importorskip("trimesh")
+    boxes = []
+    for size, middle in (
+        ((1.0, 0.5, 0.2), (0, 0, 0.3)),
+        ((0.2, 0.5, 0.2), (-0.4, 0, 0.1)),
+        ((0.2, 0.5, 0.2), (0.4, 0, 0.1)),
+    ):
+        boxes.append(trimesh.creation.box(size))
+        boxes[-1].apply_translation(middle)
+    trimesh.util.concatenate(boxes).export(tmp_path / "bench.stl")
+    path = tmp_path / "bench.toml"
+    assert main(["new", "--mesh", str(tmp_path / "bench.stl"), "--feet", "2", "-o", str(path)]) == 0
+    said = capsys.readouterr().out
+    assert "feet: 2, 0.2 m2 in all; it tips over the 4 edges around them" in said
+    assert "others meet its convex hull, of 1.43 times its volume" in said  # 0.2 over 0.14 m3
+    assert "least: 0.7999 rad towards" in said  # 0.25 m over 0.2429 m
+    assert len(Structure.from_toml(path).joints) == 2
 
 
 @pytest.mark.parametrize(

@@ -167,6 +167,96 @@ def test_a_foot_may_be_given_and_found_within_a_level() -> None:
     assert areas == pytest.approx([0.04, 0.6, 0.16])
 
 
+LEG, ALONG, ACROSS, HIGH, SLAB = 0.1, 0.55, 0.35, 0.75, 0.05  # m: width of a leg, places of the legs, top, its depth
+LEGS = [
+    [[x + sx * LEG / 2, y + sy * LEG / 2] for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    for x in (-ALONG, ALONG)
+    for y in (-ACROSS, ACROSS)
+]
+PARTS = [
+    ((0.0, 0.0, HIGH - SLAB / 2), (2 * ALONG + LEG, 2 * ACROSS + LEG, SLAB)),
+    *(((x, y, (HIGH - SLAB) / 2), (LEG, LEG, HIGH - SLAB)) for x in (-ALONG, ALONG) for y in (-ACROSS, ACROSS)),
+]
+
+
+def bulk_of_boxes() -> tuple[float, np.ndarray, np.ndarray]:
+    """Volume, centroid and inertia of density 1 of the table: those of its boxes by the theorem of Steiner."""
+    middles, sizes = (np.array([part[k] for part in PARTS]) for k in (0, 1))
+    volumes = np.prod(sizes, axis=1)
+    centroid = volumes @ middles / np.sum(volumes)
+    inertia = np.zeros((3, 3))
+    for volume, middle, size in zip(volumes, middles, sizes, strict=True):
+        own = volume / 12.0 * np.diag(np.sum(size**2) - size**2)
+        inertia += about(own, volume, middle - centroid)
+    return float(np.sum(volumes)), centroid, inertia
+
+
+def table(**more: Any) -> dict[str, Any]:
+    """A table of stone on four legs by its numbers, its middle at the origin."""
+    volume, centroid, inertia = bulk_of_boxes()
+    points = [[x, y, z] for x in (-0.6, 0.6) for y in (-0.4, 0.4) for z in (0.0, HIGH)]
+    six = inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]].tolist()
+    bulk = {"volume": volume, "centroid": centroid.tolist(), "inertia": six}
+    return {"name": "table", "on": "base", "shape": "hull", "points": points, "density": 2700.0, **bulk, **more}
+
+
+@pytest.mark.parametrize("lifted", [False, True])
+def test_what_stands_on_several_feet_bears_on_them_alone(lifted: bool) -> None:
+    """At rest under a couple about y, in closed form: all legs, or those of one side while the others have lifted.
+
+    All legs: couple + W h r = k r (sum of LEG^4 / 12 + LEG^2 ALONG^2) with the rotation r, weight W and height h of the
+    centroid. Two: couple + W h r = W (ALONG + e), r = 6 W e / (k LEG^4).
+    """
+    stiffness = 1e9
+    law = {"stiffness": stiffness, "damping": 1e-3}
+    data = {"name": "a", "joints": law, "block": [table(foot=LEGS)], "port": [{"name": "top", "block": "table"}]}
+    structure = Structure.from_dict(data)
+    assert [joint.face.moments[0] for joint in structure.joints] == pytest.approx([LEG**2] * 4, rel=1e-12)
+    weight, high = structure.weight, float(structure.blocks[0].centroid[2])
+    if lifted:
+        couple, slope = weight * (ALONG + 0.1 * LEG), 6.0 * weight / (stiffness * LEG**4)
+        off = (couple / weight - ALONG) / (1.0 - high * slope)
+        rotation, loads = slope * off, [0.0, 0.0, 0.5 * weight, 0.5 * weight]
+    else:
+        couple = 0.3 * weight * ALONG
+        rotation = couple / (stiffness * 4.0 * (LEG**4 / 12.0 + LEG**2 * ALONG**2) - weight * high)
+        more = stiffness * LEG**2 * ALONG * rotation
+        loads = [0.25 * weight + sign * more for sign in (-1.0, -1.0, 1.0, 1.0)]
+    still = Motion.from_samples(0.1, [0.0, 0.0])
+    response = simulate(structure, still, release={"top": {"My": couple}}, settle=0.0)
+    assert response.ry[0, 0] == pytest.approx(rotation, rel=2e-4)  # measured: 3e-9, 5e-5
+    assert response.N[0] == pytest.approx(np.array(loads), abs=1e-6 * weight)  # measured: 3e-10, 1e-7
+    one = Structure.from_dict({**data, "block": [table()]})  # all of its outline would bear
+    assert len(one.joints) == 1
+    assert simulate(one, still, release={"top": {"My": couple}}, settle=0.0).ry[0, 0] < 0.3 * rotation
+
+
+@needs_trimesh
+def test_the_feet_of_a_mesh_are_found(tmp_path: Path) -> None:
+    """A table of five boxes: its bulk as of these, in closed form, far from its hull; four feet, or one around them."""
+    trimesh = pytest.importorskip("trimesh")
+    boxes = []
+    for middle, size in PARTS:
+        boxes.append(trimesh.creation.box(size))
+        boxes[-1].apply_translation(np.add(middle, (3.0, -2.0, 0.0)))
+    trimesh.util.concatenate(boxes).export(tmp_path / "table.stl")
+    given = {"name": "table", "on": "base", "shape": "mesh", "file": str(tmp_path / "table.stl"), "density": 2700.0}
+    structure = structure_of({**given, "feet": 4})
+    block = structure.blocks[0]
+    volume, centroid, inertia = bulk_of_boxes()
+    assert block.volume == pytest.approx(volume, rel=1e-6)  # single precision of STL
+    assert block.centroid == pytest.approx(centroid, abs=1e-6)
+    assert block.inertia == pytest.approx(2700.0 * inertia, rel=1e-5, abs=1e-4)
+    assert [joint.face.moments[0] for joint in structure.joints] == pytest.approx([LEG**2] * 4, rel=1e-5)
+    middles = sorted(joint.face.centre[:2].round(4).tolist() for joint in structure.joints)
+    assert middles == [[x, y] for x in (-ALONG, ALONG) for y in (-ACROSS, ACROSS)]
+    again = Structure.from_dict(json.loads(json.dumps(structure.to_dict())))
+    assert np.array_equal(again.model.numbers, structure.model.numbers)
+    two, one = structure_of({**given, "feet": 2}), structure_of(given)
+    assert [joint.face.moments[0] for joint in two.joints] == pytest.approx([LEG * 0.8] * 2, rel=1e-5)
+    assert [joint.face.moments[0] for joint in one.joints] == pytest.approx([1.2 * 0.8], rel=1e-5)
+
+
 @pytest.mark.parametrize(
     ("change", "line"),
     [
@@ -175,6 +265,11 @@ def test_a_foot_may_be_given_and_found_within_a_level() -> None:
         ({"points": [[0.0, 0.0]] * 4}, "block[1].points[0] = [0.0, 0.0]: must be a list of 3 numbers"),
         ({"points": np.concatenate([np.eye(3), -np.eye(3)]).tolist()}, "block[1].foot: stands on a point or an edge"),
         ({"foot": [[0.0, 0.0], [1.0, 1.0]]}, "block[1].foot: 2 points"),
+        ({"foot": [*LEGS, [[0.0, 0.0], [1.0, 1.0]]]}, "block[1].foot[4]: 2 points"),
+        ({"foot": [LEGS[0], LEGS[0]]}, "block[1].on: the contact of stone and base counts twice"),
+        ({"foot": LEGS, "feet": 4}, "block[1].feet: must be left out beside foot"),
+        ({"feet": 0}, "block[1].feet = 0: must be a whole number"),
+        ({"feet": 2}, "block[1].feet = 2: the points within level of the lowest are not as many polygons"),
         ({"level": 2.0}, "block[1].level = 2.0: must be a share"),
         ({"scale": 0.0}, "block[1].scale = 0.0: must be a positive factor"),
         ({"volume": 1.0}, "block[1].volume: must be beside volume, centroid and inertia"),

@@ -118,12 +118,19 @@ def test_studies_vary_numbers_of_neighbours() -> None:
     changed = made.kind.with_numbers(made, values)
     assert [pair.gap for pair in changed.neighbours] == pytest.approx([0.02, 0.2, 0.2], abs=1e-12)
     assert {pair.friction for pair in changed.neighbours} == {0.2}
+    every = made.kind.with_numbers(made, {"neighbours.pair.gap": (0.03, False)})
+    assert [pair.gap for pair in every.neighbours] == pytest.approx([0.03, 0.2, 0.2], abs=1e-12)
+    assert made.kind.numbers_of(made, "neighbours.pair.gap") == ["neighbours.pair[1].gap"]
+    assert made.kind.numbers_of(made, "neighbours.friction") == ["neighbours.friction"]
     damped = made.kind.with_numbers(made, {"neighbours.pair[1].damping": (2e-3, False)})
     assert damped.neighbours[0].damping == 2e-3
     larger = made.kind.with_numbers(made, {"structure.size": (2.0, False)})
     assert [pair.gap for pair in larger.neighbours] == pytest.approx([0.1, 0.4, 0.4], abs=1e-12)
     with pytest.raises(InputError, match=r"neighbours.pair\[2\].gap: no such table"):
         made.kind.with_numbers(made, {"neighbours.pair[2].gap": (0.02, False)})
+    apart = Structure.from_dict(described(DRUM, DRUM))
+    with pytest.raises(InputError, match=r"neighbours.pair.gap: no such table"):
+        apart.kind.with_numbers(apart, {"neighbours.pair.gap": (0.02, False)})
     with pytest.raises(InputError, match=r"neighbours.speed: unknown"):
         made.kind.with_numbers(made, {"neighbours.speed": (0.02, False)})
 

@@ -16,7 +16,9 @@ from support.study import same
 
 from multiblock import Column, InputError, Motion, Structure, simulate
 from solver.models.structure.numbers import structure_with
-from solver.studies import Results, Shaking, Study, run_study
+from solver.studies import Results, Shaking, Study, fit_fragility, run_study
+from solver.studies.pictures import draw
+from solver.studies.statistics import failures_of
 
 EXAMPLES = ROOT / "examples"
 COLONNADE = Structure.from_toml(EXAMPLES / "structures" / "colonnade.toml")
@@ -163,6 +165,48 @@ def test_what_goes_together(study: Study, tmp_path: Path) -> None:
         replace(study, keep=("verdict",))
     with pytest.raises(InputError, match="must be the path of a column file"):
         Study.from_dict({**STUDY, "column": "trilith.toml"}, tmp_path)
+
+
+def test_casks_hit_where_casks_far_apart_come_nearer_than_their_distance(tmp_path: Path) -> None:
+    """Until a pair meets, no motion depends on the distance: casks that never meet tell who hits at any distance."""
+    study = replace(
+        Study.from_toml(EXAMPLES / "studies" / "casks.toml"),
+        grid={"intensity": (0.4, 0.7), "neighbours.pair.gap": (0.1, 0.3, 50.0)},
+        samples=4,
+    )
+    results = run_study(study)
+    gap, hit = results["neighbours.pair.gap"], np.any(results["least_gap"] < 0.0, axis=1)
+    far = gap == 50.0
+    assert not np.any(hit[far])
+    closing = 50.0 - np.min(results["least_gap"][far], axis=1)
+    for distance in (0.1, 0.3):
+        np.testing.assert_array_equal(hit[gap == distance], closing > distance)
+    assert 0 < np.sum(hit) < 16
+    names = {failure.name: failure for failure in failures_of(results)}
+    assert list(names) == ["overturned", "hit, gap 0.1 m", "hit, gap 0.3 m", "hit, gap 50 m"]
+    near = names["hit, gap 0.1 m"]
+    found = fit_fragility(results, limit=near.limit, chosen=near.chosen, resampled=5)
+    assert (found.runs, found.failed, found.how) == (8, np.sum(hit[gap == 0.1]), "neighbours that hit")
+    shares: Any = draw(results, tmp_path / "casks.png").axes[1]
+    assert shares.get_xlabel() == "neighbours.pair.gap (m)"
+    for line, level in zip(shares.containers, (0.4, 0.7), strict=True):
+        wanted = [np.mean(hit[(gap == value) & (results["intensity"] == level)]) for value in (0.1, 0.3, 50.0)]
+        np.testing.assert_allclose(line.lines[0].get_ydata(), wanted, atol=1e-15)
+
+
+def test_noise_of_two_components(study: Study) -> None:
+    """The second one is another noise of the size that is asked for; columns have no use for it."""
+    numbers = {"frequency": 2.0, "duration": 4.0, "seed": 7.0, "amplitude": 3.0}
+    motion = Shaking("noise", "noise", {**numbers, "across": 0.5}).base({}, False)
+    alone = Shaking("noise", "noise", numbers).base({}, False)
+    np.testing.assert_array_equal(motion.ax, alone.ax)
+    assert np.max(np.abs(motion.ay)) == pytest.approx(1.5, rel=1e-12)
+    assert abs(np.corrcoef(motion.ax, motion.ay)[0, 1]) < 0.2
+    with pytest.raises(InputError, match=r"motion.across = -1.0: must be a part of the first component"):
+        Shaking("noise", "noise", {**numbers, "across": -1.0}).base({}, False)
+    column = Column.from_toml(EXAMPLES / "columns" / "doric.toml")
+    with pytest.raises(InputError, match=r"motion\[1\].across: must be left out"):
+        Study("plane", "sweep", (column,), (Shaking("noise", "noise", {**numbers, "across": 0.5}),))
 
 
 def test_a_motion_turned_in_plan() -> None:

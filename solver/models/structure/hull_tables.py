@@ -9,24 +9,25 @@ from typing import Any
 
 import numpy as np
 
-from ...common.errors import InputError, check_number, shown
+from ...common.errors import InputError, check_number, check_whole, shown
 from ...common.ranges import check_choice, check_keys
 from ...common.tables import vector_of
 from .blocks.faces import NEAR, FloatArray
-from .blocks.hulls import Bulk, Hull, block_of_hull, bulk_of, checked, convex_surface, foot_of, hull_of
+from .blocks.hulls import Bulk, Hull, block_of_hull, bulk_of, checked, convex_surface, feet_of, hull_of, middle_of
 from .blocks.meshes import UP, triangles_of
 from .blocks.outlines import MOST_CORNERS, outline_of
 from .blocks.parts import Solid
 from .blocks.shapes import placed
 
-OF_HULL = ("points", "foot", "level", "scale", "faces", "volume", "centroid", "inertia")
-OF_MESH = ("file", "unit", "up", "foot", "level", "scale")
+OF_HULL = ("points", "foot", "feet", "level", "scale", "faces", "volume", "centroid", "inertia")
+OF_MESH = ("file", "unit", "up", "foot", "feet", "level", "scale")
 FIXED = frozenset(OF_HULL + OF_MESH) - {"scale"}  # no study varies them
-MOST_POINTS = 10_000
+MOST_POINTS = 100_000
+MOST_FEET = 64
 LEVEL = 1e-3  # of the height of a mesh: points that lie within it of the lowest one bear
 FACTOR = (1e-6, 1e6), "a positive factor, from 1e-6 to 1e6"
 POINTS = f"a list of 4 to {MOST_POINTS} points [x, y, z] in m"
-FOOT = "a list of corners [x, y] in m of a convex polygon"
+FOOT = "a list of corners [x, y] in m of a convex polygon, or a list of such polygons"
 _LEVEL = (0.0, 0.5), "a share of the height, from 0 to 0.5"
 _SIZE = (1e-18, 1e18), "a positive volume in m3"
 _MOMENT = (-1e30, 1e30), "a moment in m5, of density 1"
@@ -74,21 +75,21 @@ def solid_from_hull(
     bulk = _bulk(key, table) or _within(f"{key}.points", bulk_of, hull.triangles)
     scale = _optional(f"{key}.scale", table, 1.0, FACTOR)
     level = float(np.ptp(points[:, 2])) * _optional(f"{key}.level", table, NEAR, _LEVEL)
-    foot = _foot(key, table, points, level)
+    feet = _feet(key, table, points, level)
     made = block_of_hull(
         name,
         hull._replace(points=scale * points),
         Bulk(bulk.volume * scale**3, bulk.centroid * scale, bulk.inertia * scale**5),
         density,
-        scale * foot,
+        [scale * foot for foot in feet],
         scale * level,
         np.empty((0, 3, 3)) if surface is None else scale * surface,
     )
     if not stands:
         return made
-    if not len(foot):
+    if not feet:
         raise InputError(f"{key}.foot: stands on a point or an edge, must be given as {FOOT}, or the block a position")
-    return placed(made, -made.faces[0].centre, np.eye(3))
+    return placed(made, -middle_of(made.faces[: len(feet)]), np.eye(3))
 
 
 def _hull_table(key: str, table: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -96,8 +97,9 @@ def _hull_table(key: str, table: Mapping[str, Any]) -> Mapping[str, Any]:
     surface = _within(f"{key}.points", convex_surface, points)
     bulk = _bulk(key, table) or bulk_of(surface)
     share = _optional(f"{key}.level", table, NEAR, _LEVEL)
-    foot = _foot(key, table, points, share * float(np.ptp(points[:, 2])))
-    return {**table, **_known(hull_of(surface), bulk, foot, share)}
+    feet = _feet(key, table, points, share * float(np.ptp(points[:, 2])))
+    rest = {word: value for word, value in table.items() if word != "feet"}
+    return {**rest, **_known(hull_of(surface), bulk, feet, share)}
 
 
 def _mesh_table(key: str, table: Mapping[str, Any]) -> tuple[Mapping[str, Any], FloatArray]:
@@ -113,18 +115,19 @@ def _mesh_table(key: str, table: Mapping[str, Any]) -> tuple[Mapping[str, Any], 
     points = np.unique(triangles.reshape(-1, 3), axis=0)
     hull = hull_of(_within(f"{key}.file: {file}", convex_surface, points))
     bulk = _within(f"{key}.file: {file}", bulk_of, triangles)
-    foot = _foot(key, table, points, share * float(np.ptp(points[:, 2])))
-    rest = {word: value for word, value in table.items() if word not in ("file", "unit", "up")}
-    return {**rest, **_known(hull, bulk, foot, share)}, triangles
+    feet = _feet(key, table, points, share * float(np.ptp(points[:, 2])))
+    rest = {word: value for word, value in table.items() if word not in ("file", "unit", "up", "feet")}
+    return {**rest, **_known(hull, bulk, feet, share)}, triangles
 
 
-def _known(hull: Hull, bulk: Bulk, foot: FloatArray, level: float) -> dict[str, Any]:
+def _known(hull: Hull, bulk: Bulk, feet: Sequence[FloatArray], level: float) -> dict[str, Any]:
     """The keys of a hull of which nothing is left to find."""
+    polygons = [foot.tolist() for foot in feet]
     return {
         "shape": "hull",
         "points": hull.points.tolist(),
         "faces": [list(face) for face in hull.faces],
-        "foot": foot.tolist(),
+        "foot": polygons if len(polygons) > 1 else [corner for polygon in polygons for corner in polygon],
         "level": level,
         "volume": bulk.volume,
         "centroid": bulk.centroid.tolist(),
@@ -132,14 +135,32 @@ def _known(hull: Hull, bulk: Bulk, foot: FloatArray, level: float) -> dict[str, 
     }
 
 
-def _foot(key: str, table: Mapping[str, Any], points: FloatArray, level: float) -> FloatArray:
-    """The corners of the foot, (corners, 2) m, anticlockwise; empty: it has none."""
+def _feet(key: str, table: Mapping[str, Any], points: FloatArray, level: float) -> tuple[FloatArray, ...]:
+    """The corners of each foot, (corners, 2) m, anticlockwise; none: it has none."""
     if "foot" not in table:
-        return foot_of(points, level)
+        count = check_whole(f"{key}.feet", table.get("feet", 1), 1, MOST_FEET, f"a whole number, 1 to {MOST_FEET}")
+        found = feet_of(points, level, count)
+        if count > 1 and not found:
+            raise InputError(
+                f"{key}.feet = {count}: the points within level of the lowest are not as many polygons, "
+                f"must be another number or level, or foot = {FOOT}"
+            )
+        return found
+    if "feet" in table:
+        raise InputError(f"{key}.feet: must be left out beside foot, which has their corners")
     given = table["foot"]
     if isinstance(given, (list, tuple)) and not given:
-        return np.empty((0, 2))
-    return outline_of(f"{key}.foot", list(_rows(f"{key}.foot", given, 2, (3, MOST_CORNERS + 1), FOOT)))
+        return ()
+    several = isinstance(given, (list, tuple)) and all(_is_polygon(one) for one in given)
+    if several and len(given) > MOST_FEET:
+        raise InputError(f"{key}.foot: {len(given)} polygons, must be {MOST_FEET} at most")
+    listed = {f"{key}.foot[{k}]": one for k, one in enumerate(given)} if several else {f"{key}.foot": given}
+    return tuple(outline_of(at, list(_rows(at, one, 2, (3, MOST_CORNERS + 1), FOOT))) for at, one in listed.items())
+
+
+def _is_polygon(value: object) -> bool:
+    """Whether something is a list of lists, as a polygon is, and not a corner."""
+    return isinstance(value, (list, tuple)) and bool(value) and isinstance(value[0], (list, tuple))
 
 
 def _points(key: str, table: Mapping[str, Any]) -> FloatArray:

@@ -5,7 +5,8 @@ block[left].at[1]       a coordinate, from 1
 joint[beam-left].friction  the law of a joint by its name, as in the results, or its number; joint.stiffness: of all
 bearing[1].friction     of a table of bearings by its number; bearing.friction: of all
 tie[1].yield            of a tie; tie.stiffness: of all
-neighbours.friction     of all neighbours, or of a pair by its number in the file: neighbours.pair[1].gap
+neighbours.friction     of all neighbours
+neighbours.pair[1].gap  of a pair by its number in the file; neighbours.pair.gap: of every pair of the file
 g, solver.tolerance
 structure.size          factor on every length; masses grow with its cube, moduli and ties' forces do not change
 """
@@ -27,7 +28,7 @@ from .model import Structure
 SIZE = "structure.size"
 _WHOLE = ("g", "solver.tolerance")
 _PARTS = re.compile(r"(block|joint|tie|bearing)(?:\[([^\[\]]+)\])?\.([a-z_]+)(?:\[([1-9])\])?")
-_NEIGHBOURS = re.compile(r"neighbours\.(?:pair\[([1-9]\d*)\]\.)?([a-z_]+)")
+_NEIGHBOURS = re.compile(r"neighbours\.(?:(pair)(?:\[([1-9]\d*)\])?\.)?([a-z_]+)")
 _LENGTHS = (
     *("width", "depth", "height", "top_width", "top_depth", "diameter", "top_diameter", "bore", "outline"),
     *("at", "position", "from", "to", "slack", "radius", "rim", "capacity", "gap", "reach"),
@@ -55,10 +56,19 @@ def is_of_neighbours(name: str) -> bool:
 
 def single_names_in_space(name: str, structure: Structure) -> list[str]:
     """`joint.stiffness` as `joint[1].stiffness`, `joint[2].stiffness` ...; a name of one number as it is."""
+    of_neighbours = _NEIGHBOURS.fullmatch(name)
+    if of_neighbours and of_neighbours[1] and not of_neighbours[2]:
+        pairs = _pairs_of(structure.described or {})
+        return [f"neighbours.pair[{k}].{of_neighbours[3]}" for k in range(1, len(pairs) + 1)]
     found = _named(name)
     if found is None or found.which:
         return [name]
     return [f"{found.kind}[{k}].{found.key}" for k in range(1, len(_names(found.kind, structure)) + 1)]
+
+
+def unit_in_space(name: str) -> str:
+    """m of a length; of others, whose unit is in the reference of the file, nothing."""
+    return "m" if name.rpartition(".")[2].partition("[")[0] in _LENGTHS else ""
 
 
 def structure_with(structure: Structure, values: Mapping[str, tuple[float, bool]]) -> Structure:
@@ -116,7 +126,7 @@ def _which(name: str, structure: Structure) -> Sequence[int]:
 def _set(data: dict[str, Any], structure: Structure, name: str, number: float, relative: bool) -> None:
     found, of_neighbours = _named(name), _NEIGHBOURS.fullmatch(name)
     if of_neighbours:
-        _put_beside(data, name, of_neighbours[1], of_neighbours[2], number, relative)
+        _put_beside(data, name, of_neighbours, number, relative)
     elif name == SIZE:
         _resize(data, check_number(name, number, POSITIVE, "a positive number"))
     elif found is None:
@@ -146,15 +156,24 @@ def _put(table: dict[str, Any], name: str, found: Named, number: float, relative
     point[found.coordinate - 1] = _moved(name, point[found.coordinate - 1], number, relative)
 
 
-def _put_beside(data: dict[str, Any], name: str, pair: str | None, key: str, number: float, relative: bool) -> None:
-    """Set a number of the table `neighbours`, or of a pair of it."""
-    table = data.get("neighbours")
-    pairs = table.get("pair", []) if table is not None else []
-    if table is None or (pair and int(pair) > len(pairs)):
+def _put_beside(data: dict[str, Any], name: str, found: re.Match[str], number: float, relative: bool) -> None:
+    """Set a number of the table `neighbours`, of a pair of it, or of all its pairs."""
+    tables = _pairs_of(data) if found[1] else [data["neighbours"]] if "neighbours" in data else []
+    if found[2]:
+        tables = tables[int(found[2]) - 1 :][:1]
+    if not tables:
         raise InputError(f"{name}: no such table, must be in the file, [[neighbours.pair]] by its number from 1")
-    place = pairs[int(pair) - 1] if pair else table
-    place[key] = _moved(name, place.get(key), number, relative)
-    place.pop({"damping": "restitution", "restitution": "damping"}.get(key, ""), None)  # one says what the other does
+    key = found[3]
+    for table in tables:
+        table[key] = _moved(name, table.get(key), number, relative)
+        # one says what the other does
+        table.pop({"damping": "restitution", "restitution": "damping"}.get(key, ""), None)
+
+
+def _pairs_of(data: Mapping[str, Any]) -> Sequence[dict[str, Any]]:
+    """Tables of the pairs in the mapping of a structure's file."""
+    pairs: Sequence[dict[str, Any]] = data.get("neighbours", {}).get("pair", [])
+    return pairs
 
 
 def _moved(name: str, present: object, number: float, relative: bool) -> float:

@@ -156,21 +156,63 @@ def _farthest(points: FloatArray) -> FloatArray:
     return found
 
 
-def foot_of(points: FloatArray, level: float) -> FloatArray:
-    """The convex polygon (corners, 2) m of the points that lie within `level`, m, of the lowest; empty without area."""
+def feet_of(points: FloatArray, level: float, count: int = 1) -> tuple[FloatArray, ...]:
+    """Convex polygons (corners, 2) m, anticlockwise, of the points that lie within `level`, m, of the lowest.
+
+    count: groups that these points fall apart into; points that are nearer to each other than groups are of one (single
+    linkage). Empty where a group has no area.
+    """
     low = np.unique(points[points[:, 2] <= np.min(points[:, 2]) + level, :2], axis=0)
-    if len(low) < 3:
+    extent = float(np.max(np.ptp(points, axis=0)))
+    found = [polygon for group in _apart(low, count) if len(polygon := _polygon_around(group, extent))]
+    return tuple(found) if len(found) == count else ()
+
+
+def _apart(points: FloatArray, count: int) -> list[FloatArray]:
+    """Points (n, 2) in groups: without the longest edges of their shortest tree, whose edges are Delaunay's."""
+    if count == 1 or len(points) < 3 * count:
+        return [points]
+    with needing(EXTRA, "scipy"):
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
+        from scipy.spatial import Delaunay, QhullError
+    try:
+        triangles = Delaunay(points - points[0]).simplices
+    except QhullError:
+        return [points]
+    one, other = triangles[:, [0, 1, 2]].ravel(), triangles[:, [1, 2, 0]].ravel()
+    edges = np.unique(np.sort(np.column_stack([one, other]), axis=1), axis=0)
+    length = np.hypot(*(points[edges[:, 0]] - points[edges[:, 1]]).T)
+    size = len(points), len(points)
+    tree = minimum_spanning_tree(coo_array((length, edges.T), shape=size)).tocoo()
+    kept = np.argsort(tree.data, kind="stable")[: len(tree.data) - (count - 1)]
+    left = coo_array((tree.data[kept], (tree.row[kept], tree.col[kept])), shape=size)
+    group = connected_components(left, directed=False)[1]
+    return [points[group == k] for k in range(count)]
+
+
+def _polygon_around(points: FloatArray, extent: float) -> FloatArray:
+    """The convex hull of points (n, 2), few corners of it (corners, 2); empty without area."""
+    if len(points) < 3:
         return np.empty((0, 2))
     with needing(EXTRA, "scipy"):
         from scipy.spatial import ConvexHull, QhullError
     try:
-        found = low[ConvexHull(low - low[0]).vertices]
+        found = points[ConvexHull(points - points[0]).vertices]
     except QhullError:
         return np.empty((0, 2))
-    extent = float(np.max(np.ptp(points, axis=0)))
     if polygon_moments(found - found[0])[0] <= THINNEST * extent**2:
         return np.empty((0, 2))
     return found[thinned(found, BLUNT, MOST_CORNERS)]
+
+
+def middle_of(feet: Sequence[Face]) -> FloatArray:
+    """The centroid of the area of faces, (3,) m."""
+    if len(feet) == 1:
+        return feet[0].centre
+    areas = np.array([face.moments[0] for face in feet])
+    found: FloatArray = areas @ np.array([face.centre for face in feet]) / np.sum(areas)
+    return found
 
 
 def thinned(outline: FloatArray, least: float, most: int = 10**9) -> NDArray[np.intp]:
@@ -192,23 +234,27 @@ def thinned(outline: FloatArray, least: float, most: int = 10**9) -> NDArray[np.
 
 
 def block_of_hull(
-    name: str, hull: Hull, bulk: Bulk, density: float, foot: FloatArray, level: float, surface: FloatArray
+    name: str,
+    hull: Hull,
+    bulk: Bulk,
+    density: float,
+    feet: Sequence[FloatArray],
+    level: float,
+    surface: FloatArray,
 ) -> Solid:
-    """A block whose contacts are the faces of a hull; its foot first, then from the most upward face down.
+    """A block whose contacts are the faces of a hull; its feet first, then from the most upward face down.
 
-    foot: (corners, 2) m, in place of the faces that lie within `level`, m, of the lowest point; empty: they stay.
+    feet: (corners, 2) m each, in place of the faces that lie within `level`, m, of the lowest point; none: they stay.
     surface: triangles (k, 3, 3) m to draw it by; none: its faces.
     """
     bottom = float(np.min(hull.points[:, 2]))
     faces = []
     for face in hull.faces:
         corners = hull.points[list(face)]
-        if not len(foot) or np.max(corners[:, 2]) > bottom + level:
+        if not feet or np.max(corners[:, 2]) > bottom + level:
             faces.append(_face(corners))
     faces.sort(key=lambda face: -float(face.normal[2]))
-    if len(foot):
-        below = np.column_stack([foot[::-1], np.full(len(foot), bottom)])
-        faces.insert(0, _face(below))
+    faces = [_face(np.column_stack([foot[::-1], np.full(len(foot), bottom)])) for foot in feet] + faces
     inertia = density * bulk.inertia
     return Solid(name, density * bulk.volume, bulk.centroid, inertia, tuple(faces), np.eye(3), bulk.volume, surface)
 
