@@ -56,11 +56,15 @@ ROTATION = tuple(
 )
 
 
+def inputs_of_ports(structure: Structure) -> list[Variable]:
+    """The loads on the ports, then their slopes, in the order of the kernels (INPUT_LOADS)."""
+    return inputs_of(structure.ports, COMPONENTS, _sizes(structure))
+
+
 def inputs_of_structure(structure: Structure, drive: Drive) -> list[Variable]:
     """In the order of the kernels (kernels/structure/coupled.py): acceleration, loads on ports, rotation, bodies."""
-    of_ports = inputs_of(structure.ports, COMPONENTS, _sizes(structure))
-    turns = ROTATION if drive.turns else ()
-    return [*INPUTS, *of_ports, *turns, *drive.inputs(OF_TURNING_STRUCTURE if drive.turns else OF_STRUCTURE)]
+    turns, said = (ROTATION, OF_TURNING_STRUCTURE) if drive.turns else ((), OF_STRUCTURE)
+    return [*INPUTS, *inputs_of_ports(structure), *turns, *drive.inputs(said)]
 
 
 def _direct(structure: Structure, name: str, drive: Drive) -> tuple[str, ...]:
