@@ -227,7 +227,7 @@ def fmu_variables_in_space(causality: str) -> str:
         "tie": [{"between": ["block", "base"], "from": [0, 0, 0], "to": [2, 0, 0], "stiffness": 1e6}],
         "port": [{"name": "point", "block": "block"}],
     }
-    table_of_one = structure_variables(Structure.from_dict(data), drive=Drive("body"))
+    table_of_one = structure_variables(Structure.from_dict(data), drive=Drive("body", turns=True))
     rows = [_row(item) for item in table_of_one if item.causality == causality and "[2]" not in item.name]
     return table(["name", "unit", "type", "meaning"], rows)
 
