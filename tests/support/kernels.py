@@ -40,7 +40,7 @@ TASKS: tuple[Callable[[], object], ...] = (
     make_paper,
     driven.make_kernels,
     shake_structure,
-    load_lanes,
+    partial(load_lanes, False),
     *(partial(load_kernels, kind) for kind in KINDS),
 )
 
