@@ -98,6 +98,32 @@ def test_a_free_block_flies_as_it_would_over_a_fixed_base(turn: Turn) -> None:
     assert seen[3:] == pytest.approx(velocity + np.cross(spin, arm), abs=1e-8)  # measured 4e-10
 
 
+def test_blocks_that_rub_in_flight_feel_no_turn() -> None:
+    """Two drums that press and slide on each other, and what friction remembers: as over a base that rests."""
+    law = {"stiffness": 1e9, "damping": 1e-3, "friction": 0.5}
+    drum = {"shape": "drum", "diameter": 1.0, "height": 2.0, "density": 2000.0, "on": "base"}
+    blocks = [{**drum, "name": f"d{k}", "at": [1.0 * k, 0.0]} for k in range(2)]
+    rub = {"reach": 0.1, "line_stiffness": 1e7, "damping": 1e-3, "friction": 0.4}
+    structure = Structure.from_dict({"name": "pair", "joints": law, "neighbours": rub, "block": blocks})
+    model, rows = packed(structure), []
+    for turns in (0.0, 1.0):
+        body = DrivenStructure(structure, model, Chosen(1e-10, turns=1.0))
+        phase = body._state.phase
+        phase.uz[:] = 2.0
+        phase.ux[:] = 5e-3, -5e-3
+        phase.vy[:], phase.vz[:], phase.wz[:] = (0.4, -0.3), (1.0, 1.3), (0.5, -0.2)
+        seen = []
+        for k in range(20):
+            theta = turns * (k > 0) * np.array([0.3 * np.sin(0.4 * k), 0.2 * np.sin(0.3 * k)])  # held: by jumps
+            body.drive(5e-3 * k, *np.zeros(6), *theta)
+            body.advance(5e-3 * k, 5e-3)
+            seen.append(body.observe(5e-3 * (k + 1))[:12].copy())
+        rows.append(np.array(seen))
+    turned_by = np.max(np.abs(rows[0][-1] - rows[0][0]))
+    assert turned_by > 0.01
+    assert np.max(np.abs(rows[0] - rows[1])) < 1e-8  # measured 1e-10
+
+
 def test_a_slow_tilt_is_weight_beside_its_middle() -> None:
     """Force and couple on the base along fixed axes: those of the weight where the centroids are."""
     structure = Structure.from_dict({"name": "tilted", "joints": {"stiffness": 1e9, "damping": 2e-2}, "block": [BOX]})

@@ -10,12 +10,15 @@ import math
 
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import index_of
+from .contact import stretches_in
 from .kinematics import cross, minus, plus, push, rotation_vector, spin_of, standing
-from .layout import OF_BASE, OF_PORT
+from .layout import OF_BASE, OF_PORT, PHASE
 
 # c_k of f(s) = sin(a/2) / a = sum of c_k s^k, s = a^2: of an angle a up to 3 rad to rounding
 SERIES = tuple((-1.0) ** k / (2.0 ** (2 * k + 1) * math.factorial(2 * k + 1)) for k in range(14))
 MOST_TURN = 3.0  # rad
+
+_PER_BODY = PHASE.per_n
 
 
 @leaf
@@ -224,6 +227,10 @@ def turn_beneath(scene, phase, base, x, y, u, v):
         phase.vx[i], phase.vy[i], phase.vz[i] = swept
         phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i] = _product(step, own)
         phase.wx[i], phase.wy[i], phase.wz[i] = phase.wx[i] + left[0], phase.wy[i] + left[1], phase.wz[i] + left[2]
+    stretches = stretches_in(scene, phase.row[_PER_BODY * scene.n :])
+    for p in range(scene.extras.met):
+        z = stretches.z1[p], stretches.z2[p], stretches.z3[p]
+        stretches.z1[p], stretches.z2[p], stretches.z3[p] = plus(z, _change(step, z[0], z[1], z[2]), 1.0)
 
 
 @leaf
