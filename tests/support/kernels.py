@@ -28,6 +28,11 @@ def shake_structure() -> None:
     run(structure, SHAKE)
 
 
+def make_lanes() -> None:
+    """The kernels of structures in lanes."""
+    load_lanes(stack(1))
+
+
 def make_paper() -> None:
     """The kernels of the paper, and its lanes."""
     make_kernels(paper)
@@ -40,7 +45,7 @@ TASKS: tuple[Callable[[], object], ...] = (
     make_paper,
     driven.make_kernels,
     shake_structure,
-    partial(load_lanes, False),
+    make_lanes,
     *(partial(load_kernels, kind) for kind in KINDS),
 )
 

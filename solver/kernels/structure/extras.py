@@ -2,8 +2,8 @@
 
 One gate, by type. The scene of a structure without any has no `extras` (layout.py, Extras), and what it compiles is the
 first of each pair of functions here and in bearing.py: nothing. All others compile the second, with everything in it,
-whichever of the extras they have; lanes those of bearings and neighbours. What another extra needs is added to `Extras`
-and to the second functions.
+whichever of the extras they have; lanes that of bearings, and where there are neighbours theirs. What another extra
+needs is added to `Extras` and to the second functions.
 """
 
 import math
@@ -14,7 +14,7 @@ from ..numba_ext.views import copy
 from .base import acceleration
 from .contact import error_of_pairs, gap_of, load_pairs, pairs_energy
 from .contact_in_lanes import load_pairs_in_lanes
-from .layout import OF_BEARING, OF_PAIR, OF_PORT, acts_alone, has_extras
+from .layout import OF_BEARING, OF_PAIR, OF_PORT, acts_alone, has_extras, meets_in_lanes
 from .port import is_pushed, let_ports_go, load_ports, push_ports, see_ports
 from .turning import is_turned, load_turned, show_turned, stop_turning, turn_base
 
@@ -68,7 +68,7 @@ def _load(scene, phase):
     load_turned(scene, phase)
 
 
-@load_extras.version(has_extras)
+@load_extras.version(meets_in_lanes)
 def _load_in_lanes(scene, phase):
     load_pairs_in_lanes(scene, phase)
 
@@ -79,7 +79,7 @@ def error_of_extras(scene, errors):
     return zero_like(scene.settings.tolerance)
 
 
-@error_of_extras.version(has_extras)
+@error_of_extras.version(lambda scene, *_: acts_alone(scene) or meets_in_lanes(scene))
 def _error(scene, errors):
     return error_of_pairs(scene, errors)
 

@@ -270,7 +270,9 @@ def sizes_of(
     return Sizes(n, m, k, b, corners, ports, pairs, modal, modal_room, state, stride, row)
 
 
-WITH_EXTRAS = 1  # what callers give as `extras` where there are some; else None
+# what callers give as `extras` where there are some, by its type; else None
+WITH_EXTRAS = 1
+WITH_NEIGHBOURS = 1.0  # in lanes, where neighbours are among them
 
 
 class Extras(NamedTuple):
@@ -287,6 +289,7 @@ class Extras(NamedTuple):
     stretches: object  # what they remember, of the state that is evaluated
     giving_stretches: object  # the rates of it
     turn: object  # of the base
+    given: object  # WITH_EXTRAS or WITH_NEIGHBOURS
 
 
 class Scene(NamedTuple):
@@ -334,6 +337,14 @@ def acts_alone(scene: Any, *_: Any) -> bool:
     return has_extras(scene) and scene.types[scene.fields.index("memory")].kind is not LANES
 
 
+def meets_in_lanes(scene: Any, *_: Any) -> bool:
+    """Whether it is a scene of lanes whose neighbours meet, or of one of the lanes."""
+    if not has_extras(scene):
+        return False
+    extras = scene.types[scene.fields.index("extras")]
+    return isinstance(extras.types[extras.fields.index("given")], types.Float)
+
+
 _PER_BODY = PHASE.per_n
 _head, _model, _state, _counts, _work = HEAD.over, MODEL.over, STATE.over, COUNTS.over, WORK.over
 
@@ -368,6 +379,7 @@ def _extras_over(extras, sizes, model, work):
         work.memory.stretches,
         work.giving.stretches,
         work.turn,
+        extras,
     )
 
 

@@ -13,7 +13,7 @@ from ..numba_ext.views import one_lane
 from .attempt import attempt_5
 from .contact import gap_of
 from .contact_in_lanes import alone
-from .layout import PHASE, has_extras
+from .layout import PHASE, meets_in_lanes
 from .meeting import changes, closing, gap_at, gap_in, kept_in, longest_by, meet_pairs
 from .watch import END, START, gaps_in_row, row, seen
 
@@ -26,7 +26,7 @@ def limited(scene, step, constants):
     return step
 
 
-@limited.version(has_extras)
+@limited.version(meets_in_lanes)
 def _limited(scene, step, constants):
     return lesser(step, constants * longest_by(scene, _of_pairs(scene, 0)))
 
@@ -49,7 +49,7 @@ def keep_slides(scene, lanes):
     return
 
 
-@keep_slides.version(has_extras)
+@keep_slides.version(meets_in_lanes)
 def _keep_slides(scene, lanes):
     kept, slides = _of_pairs(scene, 0), scene.extras.hits.slides
     for p in range(scene.extras.met):
@@ -75,7 +75,7 @@ def until_closed(scene, shaking, t, step, good):
     return step
 
 
-@until_closed.version(has_extras)
+@until_closed.version(meets_in_lanes)
 def _until_closed(scene, shaking, t, step, good):
     made, parts = bits(good), splat(1.0)
     for k in range(WIDTH):
@@ -98,7 +98,7 @@ def forget_gaps(scene, least):
     return
 
 
-@forget_gaps.version(has_extras)
+@forget_gaps.version(meets_in_lanes)
 def _forget_gaps(scene, least):
     for p in range(scene.extras.met):
         least[p] = math.inf
@@ -113,7 +113,7 @@ def watch_gaps(scene, least, step, good):
     return 0
 
 
-@watch_gaps.version(has_extras)
+@watch_gaps.version(meets_in_lanes)
 def _watch_gaps(scene, least, step, good):
     made, changed = bits(good), 0
     for k in range(WIDTH):
@@ -145,7 +145,7 @@ def meet(scene, least, fresh):
     return
 
 
-@meet.version(has_extras)
+@meet.version(meets_in_lanes)
 def _meet(scene, least, fresh):
     begins = bits(fresh)
     for k in range(WIDTH):

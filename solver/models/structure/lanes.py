@@ -14,6 +14,7 @@ from ...ground.motion import Motion
 from ...kernels.numba_ext.lanes import WIDTH
 from ...kernels.structure import in_lanes as at
 from ...kernels.structure.entries import run_structures_in_lanes
+from ...kernels.structure.layout import WITH_NEIGHBOURS
 from ..column.lanes import aligned
 from ..column.packing import FloatArray, IntArray
 from ..protocol import LANES, OVERTURNED, STANDING, UNDECIDED, Run
@@ -35,6 +36,11 @@ def share_of(structure: Structure) -> Hashable:
     )
     ties = tuple((tie.one, tie.other) for tie in structure.ties)
     return structure.model.sizes, joints, ties, bool(names.settings.gives_way)
+
+
+def extras_of(structure: Structure) -> float | None:
+    """What the kernels are given as `extras`, whose type they are compiled by (kernels/structure/layout.py)."""
+    return WITH_NEIGHBOURS if structure.neighbours else structure.model.extras
 
 
 def is_flat_run(structure: Structure, motion: Motion) -> bool:
@@ -153,19 +159,25 @@ class _Lanes:
         lanes.reshape(-1, WIDTH)[: models.shape[1]] = models[0][:, None]  # so that lanes without a run have numbers
         found = models.ravel(), states.ravel(), rows.ravel(), outcomes.ravel(), peaks.ravel()
         with others_turn():
-            run_structures_in_lanes(lanes, len(which), *found, self._record, flag, self._stepper(0).arrays.extras)
+            run_structures_in_lanes(lanes, len(which), *found, self._record, flag, extras_of(self._runs[0].model))
         self._states[which], self.outcomes[which], self.peaks[which] = states, outcomes, peaks
 
 
-@lru_cache(maxsize=2)
-def load_lanes(with_extras: bool) -> None:
-    """Load the kernels into this process, which takes as long as many runs where they are compiled.
+def load_lanes(structure: Structure) -> None:
+    """Load the kernels for such structures into this process, which takes as long as many runs if it compiles them."""
+    extras = extras_of(structure)
+    _load(extras is not None, isinstance(extras, float))
 
-    with_extras: those of structures that have any (kernels/structure/extras.py).
-    """
+
+@lru_cache(maxsize=3)
+def _load(some: bool, neighbours: bool) -> None:
     block = {"name": "block", "width": 1.0, "depth": 1.0, "height": 1.0, "mass": 1e3, "on": "base"}
-    ports = [{"name": "port", "block": "block"}] if with_extras else []
-    joints = {"stiffness": 1e9, "damping": 1e-3}
-    structure = Structure.from_dict({"name": "block", "joints": joints, "block": [block], "port": ports})
+    data: dict[str, Any] = {"name": "block", "joints": {"stiffness": 1e9, "damping": 1e-3}, "block": [block]}
+    if some:
+        data["port"] = [{"name": "port", "block": "block"}]
+    if neighbours:
+        wall = {"at": [1.0, 0.0, 0.0], "normal": [-1.0, 0.0], "width": 1.0, "height": 1.0}
+        data["neighbours"] = {"reach": 1.0, "stiffness": 1e9, "damping": 0.0, "friction": 0.0, "wall": [wall]}
+    structure = Structure.from_dict(data)
     run = Run(structure, Motion.harmonic(1e-3, 1.0, 1e-3), 1e-3)
     follow_in_lanes([run], [rest_of(structure)], 0.0)
