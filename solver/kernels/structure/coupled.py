@@ -3,6 +3,8 @@
 A structure has no mass of its own at its base, whose joints are elastic along themselves.
 """
 
+from typing import NamedTuple
+
 from ..formulations.coupled_base import SINGULAR, are_silent, has_gone_on, slope_of
 from ..layout.spaces import BODY_LACKING, HORIZONTAL, OK
 from ..numba_ext.jit import kernel, leaf
@@ -81,14 +83,46 @@ def _remember(base, t):
     start_at(base, t)
 
 
+class Sums(NamedTuple):
+    """Forces and masses at the base, of all bodies and the structure: N, N m, kg, kg m, kg m2."""
+
+    x: float
+    y: float
+    z: float
+    mx: float
+    my: float
+    mass: float
+    with_y: float  # of motion along x with turns about y
+    with_x: float  # of motion along y with turns about x
+    xx: float
+    yy: float
+    xy: float
+
+
 @leaf
-def _solve_turn(said, xx, xy, yy):
-    """(code, alpha_x, alpha_y) of the couples about x and y, N m, and the inertia, kg m2."""
+def _sums(scene, inputs, flat, reaction):
+    """All that acts at the base; of a structure that moves in the plane x, z alone (flat) nothing across it."""
+    x, y, z, mass = reaction[0], 0.0 if flat else reaction[1], reaction[2], 0.0
+    mx, my, with_y, with_x, xx, yy, xy = 0.0 if flat else reaction[3], reaction[4], 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(int(scene.settings.bodies)):
+        body, turning = _said(scene, inputs, k)
+        x, y, z, mass = x + body.F0x, y + body.F0y, z + body.F0z, mass + body.M
+        if scene.settings.turns != 0.0:
+            mx, my, with_y, with_x = mx + turning.F0mx, my + turning.F0my, with_y + turning.Mxry, with_x + turning.Myrx
+            xx, yy, xy = xx + turning.Jxx, yy + turning.Jyy, xy + turning.Jxy
+    return Sums(x, y, z, mx, my, mass, with_y, with_x, xx, yy, xy)
+
+
+@leaf
+def _turns_of(of):
+    """(code, alpha_x, alpha_y) of a base that bodies turn, rad/s2: without what moves along x and y with it."""
+    mx, my = of.mx - of.with_x * of.y / of.mass, of.my - of.with_y * of.x / of.mass
+    xx, yy = of.xx - of.with_x * of.with_x / of.mass, of.yy - of.with_y * of.with_y / of.mass
     whole = xx * yy
-    left = whole - xy * xy
+    left = whole - of.xy * of.xy
     if not (xx > 0.0 and yy > 0.0 and left > SINGULAR * whole):
         return BODY_LACKING, 0.0, 0.0
-    return OK, (yy * said[0] - xy * said[1]) / left, (xx * said[1] - xy * said[0]) / left
+    return OK, (yy * mx - of.xy * my) / left, (xx * my - of.xy * mx) / left
 
 
 @kernel
@@ -98,41 +132,32 @@ def exchange(scene, base, inputs, phase, t, flat, reaction):
     flat: whether the structure moves in the plane x, z alone. reaction: its force and couple on the base, along fixed
     axes.
     """
-    settings, given = scene.settings, _inputs(inputs, 0)
-    turns = settings.turns != 0.0
-    x, y, z, mass = reaction[0], 0.0 if flat else reaction[1], reaction[2], 0.0
-    mx, my, by_y, by_x, jxx, jyy, jxy = 0.0 if flat else reaction[3], reaction[4], 0.0, 0.0, 0.0, 0.0, 0.0
-    for k in range(int(settings.bodies)):
-        body, turning = _said(scene, inputs, k)
-        x, y, z, mass = x + body.F0x, y + body.F0y, z + body.F0z, mass + body.M
-        if turns:
-            mx, my, by_y, by_x = mx + turning.F0mx, my + turning.F0my, by_y + turning.Mxry, by_x + turning.Myrx
-            jxx, jyy, jxy = jxx + turning.Jxx, jyy + turning.Jyy, jxy + turning.Jxy
+    settings, given, of = scene.settings, _inputs(inputs, 0), _sums(scene, inputs, flat, reaction)
+    turns, is_whole = settings.turns != 0.0, settings.drive != HORIZONTAL
     _remember(base, t)
-    if turns and (settings.drive == HORIZONTAL or base.coupled == 0.0):
+    if turns and (base.coupled == 0.0 or not is_whole):
         turn(scene, phase, base, inputs)
     base.coupled = 1.0
-    if not mass > 0.0:  # without one it does not accelerate
+    if not of.mass > 0.0:  # without one it does not accelerate
         base.ax, base.ay, base.az, base.jx, base.jy, base.jz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         base.alpha_x, base.alpha_y, base.jalpha_x, base.jalpha_y = 0.0, 0.0, 0.0, 0.0
         return OK if _have_said_nothing(scene, inputs) else BODY_LACKING
     way, steps, step, before = settings.slope, base.steps, base.last_step, base.before_step
-    if turns and settings.drive != HORIZONTAL:
-        couples = mx - by_x * y / mass, my - by_y * x / mass
-        code, turn_x, turn_y = _solve_turn(couples, jxx - by_x * by_x / mass, jxy, jyy - by_y * by_y / mass)
+    if turns and is_whole:
+        code, alpha_x, alpha_y = _turns_of(of)
         if code != OK:
             return code
-        base.alpha_x, base.alpha_y = turn_x, turn_y
-        base.jalpha_x = slope_of(way, steps, step, before, turn_x, base.last_alpha_x, base.before_alpha_x)
-        base.jalpha_y = slope_of(way, steps, step, before, turn_y, base.last_alpha_y, base.before_alpha_y)
+        base.alpha_x, base.alpha_y = alpha_x, alpha_y
+        base.jalpha_x = slope_of(way, steps, step, before, alpha_x, base.last_alpha_x, base.before_alpha_x)
+        base.jalpha_y = slope_of(way, steps, step, before, alpha_y, base.last_alpha_y, base.before_alpha_y)
     elif turns:
         turned = turned_by(scene, inputs)
         base.alpha_x, base.alpha_y, base.jalpha_x, base.jalpha_y = turned.alpha_x, turned.alpha_y, 0.0, 0.0
-    x, y = x - by_y * base.alpha_y, y - by_x * base.alpha_x
-    base.ax, base.ay, base.az, base.jz = x / mass, y / mass, given.az, given.jz
+    x, y = of.x - of.with_y * base.alpha_y, of.y - of.with_x * base.alpha_x
+    base.ax, base.ay, base.az, base.jz = x / of.mass, y / of.mass, given.az, given.jz
     base.jx = slope_of(way, steps, step, before, base.ax, base.last_ax, base.before_ax)
     base.jy = slope_of(way, steps, step, before, base.ay, base.last_ay, base.before_ay)
-    if settings.drive != HORIZONTAL:
-        base.az = z / mass
+    if is_whole:
+        base.az = of.z / of.mass
         base.jz = slope_of(way, steps, step, before, base.az, base.last_az, base.before_az)
     return OK
