@@ -44,7 +44,11 @@ def held_harmonic(duration: float, h: float, amplitude: float, frequency: float)
 
 
 @pytest.mark.parametrize(
-    ("n", "text"), [(1, "g = 0.0\n"), *(pytest.param(n, "", marks=pytest.mark.long) for n in (10, 200))]
+    ("n", "text"),
+    [
+        (1, "g = 0.0\n"),
+        *(pytest.param(n, "", marks=mark) for n, mark in ((10, pytest.mark.long), (200, pytest.mark.campaign))),
+    ],
 )
 def test_fmpy_finds_no_problems(fmus: Fmus, tmp_path: Path, n: int, text: str) -> None:
     """Without weight too, where nothing gives nominals."""

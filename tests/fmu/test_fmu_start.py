@@ -96,7 +96,7 @@ def test_processes_that_start_together_do_not_disturb_each_other(fmus: Fmus, tmp
         assert len({counts(process) for process in processes}) == 1
 
 
-@pytest.mark.parametrize("hindrance", ["read-only", "full"])
+@pytest.mark.parametrize("hindrance", ["read-only", pytest.param("full", marks=pytest.mark.campaign)])
 def test_where_nothing_can_be_kept_it_starts_all_the_same(fmus: Fmus, tmp_path: Path, hindrance: str) -> None:
     if os.name == "nt" and hindrance == "full":
         pytest.skip("Windows has no limit on the size of files")

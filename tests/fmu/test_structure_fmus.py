@@ -222,7 +222,10 @@ def test_derivatives_of_outputs_of_the_native_fmu(native_trilith: Path) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", ["doric-in-space", "colonnade", "statue-on-pendulums", "statue-mesh"])
+@pytest.mark.parametrize(
+    "name",
+    ["doric-in-space", pytest.param("colonnade", marks=pytest.mark.campaign), "statue-on-pendulums", "statue-mesh"],
+)
 def test_other_structures_have_the_same_bits(name: str, tmp_path: Path) -> None:
     """Round sections, ties that yield, many blocks, bearings, meshes; a record inside; FMI 3.0 too of the first."""
     pytest.importorskip("ziglang", reason="needs the extra native")

@@ -266,7 +266,7 @@ def test_caption_compares_like_with_like_only(figure3: ModuleType) -> None:
 # structures/with_and_without_ties.py
 
 
-@pytest.mark.long
+@pytest.mark.campaign
 def test_what_ties_do(tmp_path: Path) -> None:
     """Both runs under a second of shaking: ties bear forces, and the architraves slide apart less."""
     time = np.arange(101) / 100.0
