@@ -80,7 +80,8 @@ def _input(name: str, unit: str, t: float) -> float:
         return acceleration if what == "ax" and unit in ACCELERATIONS else 0.0
     if owner != "body":
         return 0.0
-    return {"F0x": BODY_MASS * acceleration, **dict.fromkeys(("M", "Mxx", "Mzz", "Mtt"), BODY_MASS)}.get(what, 0.0)
+    heavy = dict.fromkeys(("M", "Mxx", "Mzz", "Mtt", "Jxx", "Jyy"), BODY_MASS)
+    return {"F0x": BODY_MASS * acceleration, **heavy}.get(what, 0.0)
 
 
 def _csv(names: list[str], rows: list[list[float]], arrays: bool) -> bytes:
