@@ -55,6 +55,22 @@ def references(column: Instance, *names: str) -> Any:
     return (fmi2ValueReference * len(names))(*(column.variables[name].valueReference for name in names))
 
 
+def rates_of(body: Instance, names: Sequence[str], t: float, h: float) -> Pair:
+    """Derivatives of outputs by the FMU after a step of h s, and central differences of them over two."""
+    state, seen = body.fmi.getFMUState(), []
+    body.step(t, h)
+    count = len(names)
+    values = (fmi2Real * count)()
+    one = references(body, *names), count, (fmi2Integer * count)(*[1] * count), values
+    assert body.fmi.dll.fmi2GetRealOutputDerivatives(body.fmi.component, *one) == 0
+    for length in (0.0, 2 * h):
+        body.fmi.setFMUState(state)
+        if length:
+            body.step(t, length)
+        seen.append(body.get(*names))
+    return list(values), [(b - a) / (2 * h) for a, b in zip(*seen, strict=True)]
+
+
 def input_derivative(column: Instance, name: str, value: float, order: int = 1) -> int:
     """The status of setting a derivative of an input."""
     one = references(column, name), 1, (fmi2Integer * 1)(order), (fmi2Real * 1)(value)
@@ -104,19 +120,7 @@ def output_derivatives(fmu: str) -> Pair:
     """Derivatives of outputs, and central differences of the outputs."""
     column = rocking(fmu)
     column.set({"base.ax": 0.4, "base.jx": 3.0})
-    state, h, seen = column.fmi.getFMUState(), 1e-5, []
-    column.step(0.6, h)
-    values, orders = (fmi2Real * len(OUTPUTS))(), (fmi2Integer * len(OUTPUTS))(*[1] * len(OUTPUTS))
-    status = column.fmi.dll.fmi2GetRealOutputDerivatives(
-        column.fmi.component, references(column, *OUTPUTS), len(OUTPUTS), orders, values
-    )
-    assert status == 0, status
-    for length in (0.0, 2 * h):
-        column.fmi.setFMUState(state)
-        if length:
-            column.step(0.6, length)
-        seen.append(column.get(*OUTPUTS))
-    return list(values), [(b - a) / (2 * h) for a, b in zip(*seen, strict=True)]
+    return rates_of(column, OUTPUTS, 0.6, 1e-5)
 
 
 def by_acceleration(fmu: str) -> list[Pair]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from ctypes import c_double, c_int
 from math import sin
 from typing import Any
 
 import numpy as np
 
-from support.inside.native import directional, references
+from support.inside import states
+from support.inside.native import directional, rates_of
 from support.inside.states import bits
 from support.instance import Instance
 
@@ -34,26 +34,8 @@ def pushed(body: Instance, first: int, last: int) -> list[Any]:
 
 
 def life(fmu: str) -> dict[str, bool]:
-    """State kept, serialized, set elsewhere; reset; another gravity."""
-    body = Instance(fmu)
-    first = bits(body.get())
-    pushed(body, 0, 60)
-    saved = body.fmi.getFMUState()
-    data = body.fmi.serializeFMUstate(saved)
-    end = bits(pushed(body, 60, 120))
-    body.fmi.setFMUState(saved)
-    found = {"further on": bits(pushed(body, 60, 120)) == end}
-    body.fmi.setFMUState(saved)
-    body.set({"g": 9.0})
-    found["gravity acts"] = bits(pushed(body, 60, 120)) != end
-    other = Instance(fmu, initialize=False)
-    other.fmi.setFMUState(other.fmi.deSerializeFMUstate(data))
-    found["elsewhere"] = bits(pushed(other, 60, 120)) == end
-    body.fmi.reset()
-    body.initialize()
-    found["reset"] = bits(body.get()) == first
-    found["again"] = bits(pushed(body, 0, 120)) == end
-    return found
+    """Of a state, and another gravity."""
+    return states.life(fmu, pushed, 60, {"g": 9.0})
 
 
 def follow(fmu: str, output: str) -> None:
@@ -67,17 +49,7 @@ def derivatives(fmu: str) -> tuple[list[float], list[float]]:
     body, h = Instance(fmu, {"solver.tolerance": 1e-11}), 1e-5
     pushed(body, 0, 100)
     push(body, 100 * H)
-    state, seen = body.fmi.getFMUState(), []
-    body.step(100 * H, h)
-    values = (c_double * len(SEEN))()
-    one = references(body, *SEEN), len(SEEN), (c_int * len(SEEN))(*[1] * len(SEEN)), values
-    assert body.fmi.dll.fmi2GetRealOutputDerivatives(body.fmi.component, *one) == 0
-    for length in (0.0, 2 * h):
-        body.fmi.setFMUState(state)
-        if length:
-            body.step(100 * H, length)
-        seen.append(body.get(*SEEN))
-    return list(values), [(b - a) / (2 * h) for a, b in zip(*seen, strict=True)]
+    return rates_of(body, SEEN, 100 * H, h)
 
 
 def by_inputs(fmu: str, seeds: dict[str, float]) -> tuple[list[float], list[float], bool]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import sin
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,36 @@ def drive(column: Instance, first: int, last: int) -> list[float]:
 def bits(values: list[Any]) -> list[str]:
     """Every digit of some numbers."""
     return [float(value).hex() for value in values]
+
+
+def life(
+    fmu: str, moved: Callable[[Instance, int, int], list[Any]], steps: int, changed: dict[str, float]
+) -> dict[str, bool]:
+    """State kept, serialized, set elsewhere; reset; another parameter, which is a part of it.
+
+    moved: makes steps from one number to another, and gives all outputs.
+    """
+    body = Instance(fmu)
+    first = bits(body.get())
+    moved(body, 0, steps)
+    saved = body.fmi.getFMUState()
+    data = body.fmi.serializeFMUstate(saved)
+    end = bits(moved(body, steps, 2 * steps))
+    body.fmi.setFMUState(saved)
+    found = {"further on": bits(moved(body, steps, 2 * steps)) == end}
+    body.fmi.setFMUState(saved)
+    body.set(changed)
+    found["what is changed acts"] = bits(moved(body, steps, 2 * steps)) != end
+    body.fmi.setFMUState(saved)
+    found["it is part of the state"] = bits(moved(body, steps, 2 * steps)) == end
+    other = Instance(fmu, initialize=False)
+    other.fmi.setFMUState(other.fmi.deSerializeFMUstate(data))
+    found["elsewhere"] = bits(moved(other, steps, 2 * steps)) == end
+    body.fmi.reset()
+    body.initialize()
+    found["reset"] = bits(body.get()) == first
+    found["again"] = bits(moved(body, 0, 2 * steps)) == end
+    return found
 
 
 def go_on(fmu: str) -> dict[str, bool]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from fmpy import simulate_fmu
 
+from support.inside import states
 from support.inside.states import bits
 from support.instance import Instance
 
@@ -57,28 +58,8 @@ def shaken(body: Instance, first: int, last: int) -> list[Any]:
 
 
 def life(fmu: str) -> dict[str, bool]:
-    """State kept, serialized, set elsewhere; reset; another damping; what is seen before any step."""
-    body = Instance(fmu)
-    first = bits(body.get())
-    shaken(body, 0, 100)
-    saved = body.fmi.getFMUState()
-    data = body.fmi.serializeFMUstate(saved)
-    end = bits(shaken(body, 100, 200))
-    body.fmi.setFMUState(saved)
-    found = {"further on": bits(shaken(body, 100, 200)) == end}
-    body.fmi.setFMUState(saved)
-    body.set({"joints.damping_scale": 3.0})
-    found["damping acts"] = bits(shaken(body, 100, 200)) != end
-    body.fmi.setFMUState(saved)
-    found["damping is part of the state"] = bits(shaken(body, 100, 200)) == end
-    other = Instance(fmu, initialize=False)
-    other.fmi.setFMUState(other.fmi.deSerializeFMUstate(data))
-    found["elsewhere"] = bits(shaken(other, 100, 200)) == end
-    body.fmi.reset()
-    body.initialize()
-    found["reset"] = bits(body.get()) == first
-    found["again"] = bits(shaken(body, 0, 200)) == end
-    return found
+    """Of a state, and another damping."""
+    return states.life(fmu, shaken, 100, {"joints.damping_scale": 3.0})
 
 
 def refused(fmu: str) -> list[str]:
@@ -119,9 +100,7 @@ def fall(fmu: str) -> list[Any]:
 
 def rates(fmu: str) -> tuple[list[float], list[float]]:
     """Derivatives of all continuous outputs by the FMU, and central differences of them, of a native FMU."""
-    from ctypes import c_double, c_int
-
-    from support.inside.native import references
+    from support.inside.native import rates_of
 
     body, h = Instance(fmu, {"solver.tolerance": 1e-10}), 1e-6
     shaken(body, 0, 100)
@@ -129,14 +108,4 @@ def rates(fmu: str) -> tuple[list[float], list[float]]:
     body.set({"base.ax": 1.0, "base.ay": 0.0, "base.jx": 0.0})
     kinds = {name: (item.causality, item.variability) for name, item in body.variables.items()}
     names = [name for name, kind in kinds.items() if kind == ("output", "continuous")]
-    state, seen = body.fmi.getFMUState(), []
-    body.step(t, h)
-    values = (c_double * len(names))()
-    one = references(body, *names), len(names), (c_int * len(names))(*[1] * len(names)), values
-    assert body.fmi.dll.fmi2GetRealOutputDerivatives(body.fmi.component, *one) == 0
-    for length in (0.0, 2 * h):
-        body.fmi.setFMUState(state)
-        if length:
-            body.step(t, length)
-        seen.append(body.get(*names))
-    return list(values), [(b - a) / (2 * h) for a, b in zip(*seen, strict=True)]
+    return rates_of(body, names, t, h)
