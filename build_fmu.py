@@ -160,7 +160,7 @@ def _build(options: argparse.Namespace) -> None:
     if options.output is not None and options.output.parent.is_dir():  # a missing folder is created
         check_outputs((options.output,), (options.column, options.record), options.force)
     drive = drive_of(options.drive, options.slope, options.bodies, options.turns)
-    if not drive.is_chosen and drive[:-1] != USUAL[:-1]:
+    if not drive.is_chosen and drive != USUAL._replace(turns=drive.turns):
         raise InputError("--slope, --bodies: must be left out without --drive body or horizontal")
     if drive.drive != USUAL.drive and options.record is not None:
         raise InputError("--record: must be left out with --drive, the ground moves the bodies at the base")

@@ -98,20 +98,22 @@ def slope_of(way, steps, step, before, here, last, earlier):
 
 
 @leaf
-def has_gone_on(base, step, t):
-    """Whether a step of `step` s up to time t is one: instants that differ by rounding are the same."""
-    return base.coupled != 0.0 and step > ALIKE * base.last_step + ROUNDING * abs(t)
+def goes_on(base, t):
+    """Whether time has gone on to t since the last exchange, by more than rounding: then that was a step more."""
+    step = t - base.t0
+    is_later = base.coupled != 0.0 and step > ALIKE * base.last_step + ROUNDING * abs(t)
+    if is_later:
+        base.steps = min(base.steps + 1.0, 2.0)
+        base.before_step, base.last_step = base.last_step, step
+    return is_later
 
 
 @leaf
 def _remember(base, t):
     """Where time has gone on since the last exchange: keep its accelerations, and turn the base as it has."""
-    step = t - base.t0
-    if has_gone_on(base, step, t):
-        base.steps = min(base.steps + 1.0, 2.0)
-        base.before_step, base.before_ax = base.last_step, base.last_ax
-        base.before_az, base.before_alpha = base.last_az, base.last_alpha
-        base.last_step, base.last_ax, base.last_az, base.last_alpha = step, base.ax, base.az, base.alpha
+    if goes_on(base, t):
+        base.before_ax, base.before_az, base.before_alpha = base.last_ax, base.last_az, base.last_alpha
+        base.last_ax, base.last_az, base.last_alpha = base.ax, base.az, base.alpha
         base.theta, base.omega = base_turn(base, t), base_spin(base, t)
     base.t0 = t
 

@@ -11,9 +11,8 @@ from ..integrators import order_8
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, greater, index_of, lesser, magnitude, square_root, where, zero_like
 from ..numba_ext.views import packs, packs_of
-from .base import acceleration
 from .evaluate import evaluate_state, moving
-from .extras import error_of_extras, take_extras
+from .extras import error_of_extras, taken_at
 from .force_errors import error_of_forces
 from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, STAGES
 from .watch import BETWEEN, END, RATES, STAGE, START, row, seen
@@ -35,8 +34,7 @@ def rate(scene, k):
 def evaluate_at(scene, shaking, segment, y, f, t):
     """Rates f of a state y at time t, s."""
     scene.counts.evaluations += 1
-    ax, ay, az = acceleration(shaking, segment, t)
-    take_extras(scene, shaking, segment, t)
+    ax, ay, az = taken_at(scene, shaking, segment, t)
     evaluate_state(scene, y, f, ax, ay, az)
 
 

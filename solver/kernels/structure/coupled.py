@@ -5,7 +5,7 @@ A structure has no mass of its own at its base, whose joints are elastic along t
 
 from typing import NamedTuple
 
-from ..formulations.coupled_base import SINGULAR, are_silent, has_gone_on, slope_of
+from ..formulations.coupled_base import SINGULAR, are_silent, goes_on, slope_of
 from ..layout.spaces import BODY_LACKING, HORIZONTAL, OK
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import Record
@@ -54,31 +54,33 @@ def turn(scene, phase, base, inputs):
 
 
 @leaf
-def _said(scene, inputs, k):
-    """What body k that drives the base says, and what it says of turns: more inputs, where the base may turn."""
+def _place_of(scene, k):
+    """Place among the inputs of what body k that drives the base says: it says more, where the base may turn."""
     turns = int(scene.settings.turns)
     first = _INPUTS + 2 * _LOAD * scene.extras.spotted + _ROTATION * turns
-    said = inputs[first + k * (_BODY + _TURNING_BODY * turns) :]
+    return first + k * (_BODY + _TURNING_BODY * turns)
+
+
+@leaf
+def _said(scene, inputs, k):
+    """What body k says, and what it says of turns."""
+    said = inputs[_place_of(scene, k) :]
     return _body(said, 0), _turning_body(said[_BODY:], 0)
 
 
 @leaf
 def _have_said_nothing(scene, inputs):
-    turns, bodies = int(scene.settings.turns), int(scene.settings.bodies)
-    first = _INPUTS + 2 * _LOAD * scene.extras.spotted + _ROTATION * turns
-    return are_silent(inputs, first, bodies * (_BODY + _TURNING_BODY * turns))
+    first = _place_of(scene, 0)
+    return are_silent(inputs, first, _place_of(scene, int(scene.settings.bodies)) - first)
 
 
 @leaf
 def _remember(base, t):
     """Where time has gone on since the last exchange: keep its accelerations, and turn the base as it has."""
-    step = t - base.t0
-    if has_gone_on(base, step, t):
-        base.steps = min(base.steps + 1.0, 2.0)
-        base.before_step, base.before_ax = base.last_step, base.last_ax
-        base.before_ay, base.before_az = base.last_ay, base.last_az
+    if goes_on(base, t):
+        base.before_ax, base.before_ay, base.before_az = base.last_ax, base.last_ay, base.last_az
         base.before_alpha_x, base.before_alpha_y = base.last_alpha_x, base.last_alpha_y
-        base.last_step, base.last_ax, base.last_ay, base.last_az = step, base.ax, base.ay, base.az
+        base.last_ax, base.last_ay, base.last_az = base.ax, base.ay, base.az
         base.last_alpha_x, base.last_alpha_y = base.alpha_x, base.alpha_y
     start_at(base, t)
 

@@ -18,10 +18,10 @@ from ..layout.spaces import (
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import Record, clear, copy
 from ..stepping.control import most_of_a_call, most_work
-from .base import Shaking, acceleration, segment_after
+from .base import Shaking, segment_after
 from .coupled import INPUTS, exchange, start_at, turn, turned_by
 from .evaluate import evaluate, evaluate_state, moving, recall, show
-from .extras import let_go, take_extras
+from .extras import let_go, taken_at
 from .layout import (
     COUNTS,
     HEAD,
@@ -143,9 +143,7 @@ def _see(scene, base, phase, t, visible):
 @kernel
 def _see_pushed(scene, shaking, phase, t, visible):
     """Fill an output row with the outputs of the state and of what acts at time t: accelerations follow from both."""
-    segment = segment_after(shaking, t)
-    take_extras(scene, shaking, segment, t)
-    pushed = acceleration(shaking, segment, t)
+    pushed = taken_at(scene, shaking, segment_after(shaking, t), t)
     recall(scene, phase.row)
     evaluate(scene, phase, _phase(row(scene, RATES), scene.n), pushed[0], pushed[1], pushed[2])
     show(scene, phase, visible)
@@ -167,7 +165,7 @@ def _are_bounded(base, h):
 def _is_flat(scene, shaking, phase, t, stop):
     """Whether neither the state nor base and ports until `stop` have a part across the plane x, z."""
     n, ports = scene.n, scene.extras.spotted
-    if shaking.base.ay != 0.0 or shaking.base.jy != 0.0 or is_turned_across(shaking.base):
+    if shaking.base.ay != 0.0 or shaking.base.jy != 0.0:
         return False
     for way in (1, 3, 5):  # fy, mx, mz, and their slopes
         for p in range(way * ports, (way + 1) * ports):
@@ -178,12 +176,14 @@ def _is_flat(scene, shaking, phase, t, stop):
             return False
         if shaking.times[k] >= stop:
             break
-    return _lies_flat(phase, n)
+    return _lies_flat(shaking.base, phase, n)
 
 
 @leaf
-def _lies_flat(phase, n):
-    """Whether the state has no part across the plane x, z."""
+def _lies_flat(base, phase, n):
+    """Whether neither the state nor the rotation of the base has a part across the plane x, z."""
+    if is_turned_across(base):
+        return False
     for i in range(n):
         across = phase.uy[i] != 0.0 or phase.vy[i] != 0.0 or phase.q1[i] != 0.0 or phase.q3[i] != 0.0
         if across or phase.wx[i] != 0.0 or phase.wz[i] != 0.0:
@@ -211,7 +211,7 @@ def follow(model, state, counts, base, work, inputs, start, h, count, times, ax,
         code = RECORD_BESIDE
         if count == 0:
             _see(scene, shaking.base, phase, start, visible)
-            flat = is_plane and _lies_flat(phase, scene.n)
+            flat = is_plane and _lies_flat(shaking.base, phase, scene.n)
             code = exchange(scene, shaking.base, inputs, phase, start, flat, visible[scene.visible - _REACTION :])
         if code != OK:
             return code
@@ -261,16 +261,14 @@ def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, 
     if scene.counts.fallen > 0:
         return OK
     pace, segment = row(scene, RATES), segment_after(shaking, t)
-    pushed = acceleration(shaking, segment, t)
-    take_extras(scene, shaking, segment, t)
+    pushed = taken_at(scene, shaking, segment, t)
     recall(scene, here)
     evaluate_state(scene, here, pace, pushed[0], pushed[1], pushed[2])
     past = RATE_PART * scene.settings.first_step
     for _ in range(2):
         for i in range(moving(scene)):
             between[i] = here[i] + past * pace[i]
-        pushed = acceleration(shaking, segment, t + past)  # accelerations of ports follow from it, nothing else
-        take_extras(scene, shaking, segment, t + past)
+        pushed = taken_at(scene, shaking, segment, t + past)
         evaluate_state(scene, between, row(scene, RATES + 1), pushed[0], pushed[1], pushed[2])
         show(scene, _phase(between, scene.n), seen(scene, 0))
         for i in range(size):

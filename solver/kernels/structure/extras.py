@@ -20,16 +20,17 @@ from .turning import is_turned, load_turned, show_turned, stop_turning, turn_bas
 
 
 @varied
-def take_extras(scene, shaking, k, t):
-    """Take what acts on the structure at time t, s, on segment k; it stays until something else is taken."""
-    return
+def taken_at(scene, shaking, k, t):
+    """(ax, ay, az) of the base at time t, s, on segment k, m/s2; take what else acts, until something else is taken."""
+    return acceleration(shaking, k, t)
 
 
-@take_extras.version(acts_alone)
+@taken_at.version(acts_alone)
 def _take(scene, shaking, k, t):
     push_ports(scene, shaking, k, t)
-    ax, ay, az = acceleration(shaking, k, t)
-    turn_base(scene, shaking.base, t, ax, ay, az)
+    pushed = acceleration(shaking, k, t)
+    turn_base(scene, shaking.base, t, pushed[0], pushed[1], pushed[2])
+    return pushed
 
 
 @varied

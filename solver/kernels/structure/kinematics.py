@@ -53,6 +53,26 @@ def standing(poses, i, x, y, z):
 
 
 @leaf
+def seen_from(poses, i, a):
+    """A vector along the axes of the base, along those of body i."""
+    return (
+        a[0] + (poses.r11[i] * a[0] + poses.r21[i] * a[1] + poses.r31[i] * a[2]),
+        a[1] + (poses.r12[i] * a[0] + poses.r22[i] * a[1] + poses.r32[i] * a[2]),
+        a[2] + (poses.r13[i] * a[0] + poses.r23[i] * a[1] + poses.r33[i] * a[2]),
+    )
+
+
+@leaf
+def momentum(bodies, i, w):
+    """Inertia of body i times an angular velocity, along its own axes."""
+    return (
+        bodies.jxx[i] * w[0] + bodies.jxy[i] * w[1] + bodies.jxz[i] * w[2],
+        bodies.jxy[i] * w[0] + bodies.jyy[i] * w[1] + bodies.jyz[i] * w[2],
+        bodies.jxz[i] * w[0] + bodies.jyz[i] * w[1] + bodies.jzz[i] * w[2],
+    )
+
+
+@leaf
 def cross(a, b):
     """The vector product."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
@@ -263,17 +283,7 @@ def accelerate_bodies(scene, phase, rates, ax, ay, az):
         rates.vy[i] = poses.fy[i] * per_mass - ay
         rates.vz[i] = poses.fz[i] * per_mass - gravity - az
         m = poses.mx[i], poses.my[i], poses.mz[i]
-        own = (  # in the axes of the body
-            m[0] + (poses.r11[i] * m[0] + poses.r21[i] * m[1] + poses.r31[i] * m[2]),
-            m[1] + (poses.r12[i] * m[0] + poses.r22[i] * m[1] + poses.r32[i] * m[2]),
-            m[2] + (poses.r13[i] * m[0] + poses.r23[i] * m[1] + poses.r33[i] * m[2]),
-        )
-        spin = (
-            bodies.jxx[i] * w[0] + bodies.jxy[i] * w[1] + bodies.jxz[i] * w[2],
-            bodies.jxy[i] * w[0] + bodies.jyy[i] * w[1] + bodies.jyz[i] * w[2],
-            bodies.jxz[i] * w[0] + bodies.jyz[i] * w[1] + bodies.jzz[i] * w[2],
-        )
-        left = minus(own, cross(w, spin))
+        left = minus(seen_from(poses, i, m), cross(w, momentum(bodies, i, w)))
         rates.wx[i] = bodies.ixx[i] * left[0] + bodies.ixy[i] * left[1] + bodies.ixz[i] * left[2]
         rates.wy[i] = bodies.ixy[i] * left[0] + bodies.iyy[i] * left[1] + bodies.iyz[i] * left[2]
         rates.wz[i] = bodies.ixz[i] * left[0] + bodies.iyz[i] * left[1] + bodies.izz[i] * left[2]

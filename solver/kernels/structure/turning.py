@@ -11,8 +11,9 @@ import math
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import index_of
 from .contact import stretches_in
-from .kinematics import cross, minus, plus, push, rotation_vector, spin_of, standing
+from .kinematics import cross, minus, momentum, plus, push, rotation_vector, seen_from, spin_of, standing
 from .layout import OF_BASE, OF_PORT, PHASE
+from .sides import place_of
 
 # c_k of f(s) = sin(a/2) / a = sum of c_k s^k, s = a^2: of an angle a up to 3 rad to rounding
 SERIES = tuple((-1.0) ** k / (2.0 ** (2 * k + 1) * math.factorial(2 * k + 1)) for k in range(14))
@@ -111,36 +112,16 @@ def load_turned(scene, phase):
         return
     spin, grows, drawn = (turn.wx, turn.wy, turn.wz), (turn.bx, turn.by, turn.bz), (turn.gx, turn.gy, turn.gz)
     for i in range(scene.n):
-        place = bodies.x[i] + phase.ux[i], bodies.y[i] + phase.uy[i], bodies.z[i] + phase.uz[i]
+        place = place_of(scene, phase, i)
         v = phase.vx[i], phase.vy[i], phase.vz[i]
         swept = plus(cross(spin, place), v, 2.0)
         more = plus(plus(drawn, cross(grows, place), 1.0), cross(spin, swept), 1.0)
-        w, own, grown = (phase.wx[i], phase.wy[i], phase.wz[i]), _seen(poses, i, spin), _seen(poses, i, grows)
-        borne = _moment(bodies, i, own)  # all in the axes of the body
-        couple = plus(_moment(bodies, i, grown), cross(w, borne), 1.0)
-        couple = plus(couple, cross(own, plus(_moment(bodies, i, w), borne, 1.0)), 1.0)
-        couple = minus(_moment(bodies, i, cross(w, own)), couple)
+        w, own, grown = (phase.wx[i], phase.wy[i], phase.wz[i]), seen_from(poses, i, spin), seen_from(poses, i, grows)
+        borne = momentum(bodies, i, own)  # all in the axes of the body
+        couple = plus(momentum(bodies, i, grown), cross(w, borne), 1.0)
+        couple = plus(couple, cross(own, plus(momentum(bodies, i, w), borne, 1.0)), 1.0)
+        couple = minus(momentum(bodies, i, cross(w, own)), couple)
         push(poses, i, (0.0, 0.0, 0.0), more, standing(poses, i, couple[0], couple[1], couple[2]), -bodies.mass[i])
-
-
-@leaf
-def _seen(poses, i, a):
-    """A vector along the axes of the base, along those of body i."""
-    return (
-        a[0] + poses.r11[i] * a[0] + poses.r21[i] * a[1] + poses.r31[i] * a[2],
-        a[1] + poses.r12[i] * a[0] + poses.r22[i] * a[1] + poses.r32[i] * a[2],
-        a[2] + poses.r13[i] * a[0] + poses.r23[i] * a[1] + poses.r33[i] * a[2],
-    )
-
-
-@leaf
-def _moment(bodies, i, w):
-    """Inertia of body i times a vector, along its own axes."""
-    return (
-        bodies.jxx[i] * w[0] + bodies.jxy[i] * w[1] + bodies.jxz[i] * w[2],
-        bodies.jxy[i] * w[0] + bodies.jyy[i] * w[1] + bodies.jyz[i] * w[2],
-        bodies.jxz[i] * w[0] + bodies.jyz[i] * w[1] + bodies.jzz[i] * w[2],
-    )
 
 
 @leaf
@@ -157,17 +138,14 @@ def show_turned(scene, phase, shown):
 
     They are relative to the origin still, which the base carries along.
     """
-    turn, bodies, n, ports = scene.extras.turn, scene.bodies, scene.n, scene.extras.spotted
+    turn, n, ports = scene.extras.turn, scene.n, scene.extras.spotted
     if turn.turned == 0.0:
         return
     q = turn.q0, turn.q1, turn.q2, 0.0
     for i in range(n):
-        moved = _change(q, bodies.x[i] + phase.ux[i], bodies.y[i] + phase.uy[i], bodies.z[i] + phase.uz[i])
-        shown[i], shown[n + i], shown[2 * n + i] = (
-            phase.ux[i] + moved[0],
-            phase.uy[i] + moved[1],
-            phase.uz[i] + moved[2],
-        )
+        place = place_of(scene, phase, i)
+        moved = _change(q, place[0], place[1], place[2])
+        shown[i], shown[n + i], shown[2 * n + i] = plus((phase.ux[i], phase.uy[i], phase.uz[i]), moved, 1.0)
         whole = _product(q, (phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]))
         shown[3 * n + i], shown[4 * n + i], shown[5 * n + i] = rotation_vector(whole[0], whole[1], whole[2], whole[3])
     base = scene.visible - len(OF_BASE)
@@ -216,7 +194,7 @@ def turn_beneath(scene, phase, base, x, y, u, v):
     change = _change(_back(step), new_spin[0], new_spin[1], new_spin[2])
     less = minus(spin, plus(new_spin, change, 1.0))  # along the axes of the base as it was
     for i in range(scene.n):
-        place = scene.bodies.x[i] + phase.ux[i], scene.bodies.y[i] + phase.uy[i], scene.bodies.z[i] + phase.uz[i]
+        place = place_of(scene, phase, i)
         moved = _change(step, place[0], place[1], place[2])
         swept = plus((phase.vx[i], phase.vy[i], phase.vz[i]), cross(spin, place), 1.0)
         swept = plus(swept, _change(step, swept[0], swept[1], swept[2]), 1.0)

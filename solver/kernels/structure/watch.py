@@ -10,9 +10,8 @@ from typing import NamedTuple
 from ..integrators.interpolation import quintic_through, value_of
 from ..numba_ext.jit import kernel, leaf, varied, varied_leaf
 from ..output.peaks import MARGIN, MOST_TRIALS, NEAR, apart, nearer, vertex
-from .base import acceleration
 from .evaluate import evaluate_state, moving, show, show_block, show_joint
-from .extras import take_extras
+from .extras import taken_at
 from .joint import load_joint
 from .kinematics import pose_body, spin_of
 from .layout import MEMORY, OF_BASE, OF_BEARING, OF_BLOCK, OF_JOINT, OF_PAIR, OF_PORT, PHASE, STAGES, has_extras
@@ -119,8 +118,7 @@ def look(scene, shaking, segment, t, h, s, into):
     """The output row at fraction s of the step from t to t + h."""
     scene.counts.looks += 1
     _interpolate(scene, h, s)
-    ax, ay, az = acceleration(shaking, segment, t + s * h)
-    take_extras(scene, shaking, segment, t + s * h)
+    ax, ay, az = taken_at(scene, shaking, segment, t + s * h)
     evaluate_state(scene, row(scene, BETWEEN), row(scene, BETWEEN_RATES), ax, ay, az)
     show(scene, _phase(row(scene, BETWEEN), scene.n), into)
 
