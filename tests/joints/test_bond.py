@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -116,7 +116,7 @@ def test_forces_are_the_integral_of_the_pressure(state: State, parts: tuple[floa
 @examples
 def test_mirror_images_have_mirrored_forces_to_the_last_bit(state: State, parts: tuple[float, float, float]) -> None:
     bond = bond_of(state, parts)
-    image = State(*astuple(state)[:4], state.opening, -state.slope, state.opening_rate, -state.slope_rate)
+    image = replace(state, slope=-state.slope, slope_rate=-state.slope_rate)
     one, other = forces(state, bond), forces(image, Bond(-bond.right, -bond.left, bond.reach))
     assert (one.force, one.moment, one.length) == (other.force, -other.moment, other.length)
     assert (one.left, one.right) == (-other.right, -other.left)
