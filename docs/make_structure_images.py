@@ -1,6 +1,6 @@
 """Draw pictures of structures without a browser: `python docs/make_structure_images.py`.
 
-The colonnade under a pulse; the statue from a mesh beside its hull, and its foot.
+The colonnade under a pulse; the statue from a mesh beside its hull and its convex parts, and its foot.
 """
 
 from pathlib import Path
@@ -10,11 +10,14 @@ from matplotlib.figure import Figure
 
 from multiblock import Structure, simulate, wavelets
 from solver.commands.new_mesh import edges_of
+from solver.common.files import toml_of
 from solver.ground.motion import STANDARD_GRAVITY
+from solver.models.structure.hull_tables import in_folder
 from solver.plotting.structures import draw_blocks
 from solver.plotting.style import INK
 
 HERE = Path(__file__).resolve().parent
+PARTS = 8
 EXAMPLES = HERE.parent / "examples" / "structures"
 
 
@@ -33,15 +36,21 @@ def draw_colonnade() -> None:
 
 
 def draw_statue() -> None:
-    """The mesh of `statue-mesh.toml`, the hull by which it meets others, and the foot that it stands on."""
+    """The mesh of `statue-mesh.toml`, the hull or the parts that others meet, and the foot that it stands on."""
     statue = Structure.from_toml(EXAMPLES / "statue-mesh.toml")
-    hull = Structure.from_dict(statue.to_dict())  # which holds no mesh
-    figure = Figure(figsize=(10.0, 6.2), layout="constrained")
-    grid = figure.add_gridspec(1, 3, width_ratios=(1.0, 1.0, 1.1))
+    data = in_folder(toml_of(EXAMPLES / "statue-mesh.toml"), EXAMPLES)
+    mesh = {**data["block"][1], "parts": PARTS}
+    split = Structure.from_dict({**data, "block": [data["block"][0], mesh]})
+    hull, parts = (Structure.from_dict(made.to_dict()) for made in (statue, split))  # which hold no mesh
+    figure = Figure(figsize=(13.0, 6.2), layout="constrained")
+    grid = figure.add_gridspec(1, 4, width_ratios=(1.0, 1.0, 1.0, 1.1))
     zero = np.zeros((statue.n, 3))
-    for k, (structure, what) in enumerate(
-        ((statue, "as it is drawn and weighs"), (hull, "its hull, which others meet"))
-    ):
+    drawn = (
+        (statue, "as it is drawn and weighs"),
+        (hull, "its hull, which others meet,"),
+        (parts, f"or {len(split.blocks[1].parts)} convex parts"),
+    )
+    for k, (structure, what) in enumerate(drawn):
         axes = figure.add_subplot(grid[k], projection="3d")
         draw_blocks(axes, structure, zero, zero)
         axes.tick_params(labelsize=6, pad=-2)
@@ -50,7 +59,7 @@ def draw_statue() -> None:
         axes.set_title(what, fontsize=10)
     block = statue.blocks[1]
     corners = block.faces[0].points()[:, :2]
-    plan = figure.add_subplot(grid[2])
+    plan = figure.add_subplot(grid[3])
     plan.fill(*corners.T, facecolor="#d9d2c3", edgecolor=INK, linewidth=1.0)
     plan.plot(*block.centroid[:2], "o", color=INK, markersize=4)
     plan.annotate("centroid", block.centroid[:2], xytext=(5, 18), textcoords="offset points", fontsize=9)

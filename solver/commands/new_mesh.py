@@ -24,6 +24,7 @@ from .command_files import check_suffix
 
 TALL = 100.0  # m: a mesh higher than this is probably in mm
 DAMPING = 1e-3  # s
+HOLLOW = 1.05  # times its volume: a mesh whose hull is larger may be better as parts
 TURN = 22.5  # degrees between the directions that are shown of a foot of many edges
 
 
@@ -64,7 +65,8 @@ def new_from_mesh(options: argparse.Namespace, path: Path) -> None:
     name = check_file_name("name", path.stem)
     check_choice("--material", options.material, tuple(MATERIALS))
     check_number("--unit", options.unit, *FACTOR)
-    given = name, os.path.relpath(mesh, path.parent), options.material, options.unit, options.up, options.feet
+    of_mesh = options.unit, options.up, options.feet, options.parts
+    given = name, os.path.relpath(mesh, path.parent), options.material, *of_mesh
     structure = _structure(mesh_text(*given, height=1.0), path.parent)
     height = float(np.ptp(structure.blocks[0].corners[:, 2]))
     text = mesh_text(*given, height=height)
@@ -99,12 +101,11 @@ def facts_of(structure: Structure) -> list[str]:
     else:
         area = sum(float(foot.moments[0]) for foot in feet)
         stands = f"feet: {len(feet)}, {area:.4g} m2 in all; it tips over the {len(edges)} edges around them"
-    around = bulk_of(convex_surface(block.corners)).volume / block.volume
     lines = [
         f"{structure.name}: {block.mass:.5g} kg, {block.volume:.5g} m3, {high:.4g} m high, {count} triangles",
         f"centroid: {z:.4g} m over the foot, {x:.4g} m along x and {y:.4g} m along y from its middle",
         stands,
-        f"others meet its convex hull, of {around:.3g} times its volume",
+        *_what_others_meet(block),
         "direction (deg)    lever (m)  slenderness (rad)  tips at (g)",
     ]
     shown = edges if len(edges) <= 360.0 / TURN else [_nearest(edges, turn) for turn in np.arange(0.0, 360.0, TURN)]
@@ -117,13 +118,29 @@ def facts_of(structure: Structure) -> list[str]:
     return lines
 
 
+def _what_others_meet(block: Solid) -> list[str]:
+    """How much larger than a block its convex hull is, or its convex parts."""
+    around = bulk_of(convex_surface(block.corners)).volume / block.volume
+    if block.parts:
+        corners = (np.concatenate([face.points() for face in part]) for part in block.parts)
+        together = sum(bulk_of(convex_surface(points)).volume for points in corners) / block.volume
+        return [
+            f"others meet {len(block.parts)} convex parts of it, together of {together:.3g} times its volume; "
+            f"its convex hull has {around:.3g}"
+        ]
+    line = f"others meet its convex hull, of {around:.3g} times its volume"
+    return [line] if around < HOLLOW else [f"{line}; with parts = 8 in the file convex parts of it instead"]
+
+
 def _nearest(edges: list[Edge], direction: float) -> Edge:
     """The edge that is nearest to a direction, degrees."""
     return min(edges, key=lambda edge: abs((edge.direction - direction + 180.0) % 360.0 - 180.0))
 
 
-def mesh_text(name: str, file: str, material: str, unit: float, up: str | None, feet: int, height: float) -> str:
-    """The text of the file; height: m, of the mesh, for the modulus of its joint; feet: how many."""
+def mesh_text(
+    name: str, file: str, material: str, unit: float, up: str | None, feet: int, parts: int | None, height: float
+) -> str:
+    """The text of the file; height: m, of the mesh, for the modulus of its joint; feet, parts: how many."""
     found = MATERIALS[material]
     lines = [
         f"# A block from the mesh {Path(file).name}. Lengths in m, masses in kg.",
@@ -146,6 +163,7 @@ def mesh_text(name: str, file: str, material: str, unit: float, up: str | None, 
         'on = "base"',
         f"density = {found.density!r}",
         *([f"feet = {feet}                     # groups of the points that bear"] if feet != 1 else []),
+        *([f"parts = {parts}                    # convex ones that others meet, at most"] if parts is not None else []),
         "# foot = [[x, y], ...]       # m; else the points within level = 1e-3 of its height of the lowest",
     ]
     return "\n".join(lines) + "\n"

@@ -231,13 +231,14 @@ def test_a_mesh(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert structure.name == "my-statue"
     assert structure.joints[0].bed.stiffness == pytest.approx(MATERIALS["granite"].modulus(1.9), rel=1e-3)
     assert path.with_suffix(".png").is_file()
-    assert "others meet its convex hull, of 1.89 times its volume" in said
+    assert "others meet its convex hull, of 1.89 times its volume; with parts = 8 in the file convex" in said
     assert "feet" not in path.read_text(encoding="utf-8")
 
 
 def test_a_mesh_on_two_feet(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A slab of 1 m x 0.5 m on two bars, 0.2 m wide, along y at its ends, 0.4 m high in all."""
     trimesh = pytest.importorskip("trimesh")
+    pytest.importorskip("manifold3d")
     boxes = []
     for size, middle in (
         ((1.0, 0.5, 0.2), (0, 0, 0.3)),
@@ -254,6 +255,11 @@ def test_a_mesh_on_two_feet(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     assert "others meet its convex hull, of 1.43 times its volume" in said  # 0.2 over 0.14 m3
     assert "least: 0.7999 rad towards" in said  # 0.25 m over 0.2429 m
     assert len(Structure.from_toml(path).joints) == 2
+    parts = [*("new", "--mesh", str(tmp_path / "bench.stl"), "--feet", "2", "--parts", "4", "-o", str(path), "--force")]
+    assert main(parts) == 0
+    said = capsys.readouterr().out
+    assert "others meet 3 convex parts of it, together of 1 times its volume; its convex hull has 1.43" in said
+    assert len(Structure.from_toml(path).blocks[0].parts) == 3
 
 
 @pytest.mark.parametrize(

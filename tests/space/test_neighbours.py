@@ -98,6 +98,15 @@ def test_pairs_with_a_joint_and_overlaps_are_refused() -> None:
         Structure.from_dict(joined)
     with pytest.raises(InputError, match=r"neighbours: b0 and b1 overlap by 0.1 m as built"):
         Structure.from_dict(described(DRUM, {**DRUM, "at": [0.9, 0.0]}))
+    angle = 2.0 * math.pi * np.arange(100) / 100
+    outline = np.column_stack([0.5 * np.cos(angle), 0.5 + 0.5 * np.sin(angle)]).tolist()
+    coin = {"shape": "prism", "outline": outline, "depth": 0.1, "density": 2000.0}
+    held = {"stiffness": 1e6, "tension_only": False, "from": [0.0, 0.0, 0.0], "to": [0.0, 0.0, -1.0]}
+    data = described(coin, coin)
+    data["block"] = [{"name": f"b{k}", **coin, "position": [0.0, 0.3 * k, 0.0]} for k in range(2)]
+    data["tie"] = [{**held, "between": [f"b{k}", "base"]} for k in range(2)]
+    with pytest.raises(InputError, match=r"neighbours: b0 and b1 may meet with faces of 200 corners, must be 128"):
+        Structure.from_dict(data)
     with pytest.raises(InputError, match=r"neighbours = 3: must be a table"):
         Structure.from_dict({**described(DRUM, DRUM), "neighbours": 3})
 

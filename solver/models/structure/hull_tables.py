@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from itertools import chain
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
@@ -12,18 +12,20 @@ import numpy as np
 from ...common.errors import InputError, check_number, check_whole, shown
 from ...common.ranges import check_choice, check_keys
 from ...common.tables import vector_of
+from .blocks.cuts import convex_parts
 from .blocks.faces import NEAR, FloatArray
-from .blocks.hulls import Bulk, Hull, block_of_hull, bulk_of, checked, convex_surface, feet_of, hull_of, middle_of
+from .blocks.hulls import Bulk, Hull, block_of_hulls, bulk_of, checked, convex_surface, feet_of, hull_of, middle_of
 from .blocks.meshes import UP, triangles_of
 from .blocks.outlines import MOST_CORNERS, outline_of
 from .blocks.parts import Solid
 from .blocks.shapes import placed
 
-OF_HULL = ("points", "foot", "feet", "level", "scale", "faces", "volume", "centroid", "inertia")
-OF_MESH = ("file", "unit", "up", "foot", "feet", "level", "scale")
+OF_HULL = ("points", "foot", "feet", "level", "scale", "faces", "parts", "volume", "centroid", "inertia")
+OF_MESH = ("file", "unit", "up", "foot", "feet", "level", "scale", "parts")
 FIXED = frozenset(OF_HULL + OF_MESH) - {"scale"}  # no study varies them
 MOST_POINTS = 100_000
 MOST_FEET = 64
+MOST_PARTS = 64
 LEVEL = 1e-3  # of the height of a mesh: points that lie within it of the lowest one bear
 FACTOR = (1e-6, 1e6), "a positive factor, from 1e-6 to 1e6"
 POINTS = f"a list of 4 to {MOST_POINTS} points [x, y, z] in m"
@@ -71,14 +73,14 @@ def solid_from_hull(
     surface: triangles to draw it by, (k, 3, 3) m; stands: the middle of its foot lies at the origin.
     """
     points = _points(key, table)
-    hull = _within(key, checked, points, _numbers(f"{key}.faces", table.get("faces"), len(points)))
-    bulk = _bulk(key, table) or _within(f"{key}.points", bulk_of, hull.triangles)
+    hulls = _hulls(key, table, points)
+    bulk = _bulk(key, table) or _within(f"{key}.points", bulk_of, np.concatenate([hull.triangles for hull in hulls]))
     scale = _optional(f"{key}.scale", table, 1.0, FACTOR)
     level = float(np.ptp(points[:, 2])) * _optional(f"{key}.level", table, NEAR, _LEVEL)
     feet = _feet(key, table, points, level)
-    made = block_of_hull(
+    made = block_of_hulls(
         name,
-        hull._replace(points=scale * points),
+        [hull._replace(points=scale * hull.points) for hull in hulls],
         Bulk(bulk.volume * scale**3, bulk.centroid * scale, bulk.inertia * scale**5),
         density,
         [scale * foot for foot in feet],
@@ -99,7 +101,7 @@ def _hull_table(key: str, table: Mapping[str, Any]) -> Mapping[str, Any]:
     share = _optional(f"{key}.level", table, NEAR, _LEVEL)
     feet = _feet(key, table, points, share * float(np.ptp(points[:, 2])))
     rest = {word: value for word, value in table.items() if word != "feet"}
-    return {**rest, **_known(hull_of(surface), bulk, feet, share)}
+    return {**rest, **_known([hull_of(surface)], bulk, feet, share)}
 
 
 def _mesh_table(key: str, table: Mapping[str, Any]) -> tuple[Mapping[str, Any], FloatArray]:
@@ -113,26 +115,52 @@ def _mesh_table(key: str, table: Mapping[str, Any]) -> tuple[Mapping[str, Any], 
     share = _optional(f"{key}.level", table, LEVEL, _LEVEL)
     triangles = _within(f"{key}.file", triangles_of, Path(file), unit, table.get("up"))
     points = np.unique(triangles.reshape(-1, 3), axis=0)
-    hull = hull_of(_within(f"{key}.file: {file}", convex_surface, points))
+    if "parts" in table:
+        count = check_whole(f"{key}.parts", table["parts"], 1, MOST_PARTS, f"a whole number, 1 to {MOST_PARTS}")
+        clouds = _within(f"{key}.parts = {count}: {file}", convex_parts, triangles, count)
+    else:
+        clouds = [points]
+    hulls = [hull_of(_within(f"{key}.file: {file}", convex_surface, cloud)) for cloud in clouds]
     bulk = _within(f"{key}.file: {file}", bulk_of, triangles)
     feet = _feet(key, table, points, share * float(np.ptp(points[:, 2])))
-    rest = {word: value for word, value in table.items() if word not in ("file", "unit", "up", "feet")}
-    return {**rest, **_known(hull, bulk, feet, share)}, triangles
+    rest = {word: value for word, value in table.items() if word not in ("file", "unit", "up", "feet", "parts")}
+    return {**rest, **_known(hulls, bulk, feet, share)}, triangles
 
 
-def _known(hull: Hull, bulk: Bulk, feet: Sequence[FloatArray], level: float) -> dict[str, Any]:
-    """The keys of a hull of which nothing is left to find."""
+def _known(hulls: Sequence[Hull], bulk: Bulk, feet: Sequence[FloatArray], level: float) -> dict[str, Any]:
+    """The keys of a hull, or of the hulls of parts, of which nothing is left to find."""
     polygons = [foot.tolist() for foot in feet]
+    before = np.cumsum([0, *(len(hull.points) for hull in hulls)]).tolist()
     return {
         "shape": "hull",
-        "points": hull.points.tolist(),
-        "faces": [list(face) for face in hull.faces],
+        "points": np.concatenate([hull.points for hull in hulls]).tolist(),
+        "faces": [[first + k for k in face] for first, hull in zip(before, hulls, strict=False) for face in hull.faces],
+        **({"parts": [len(hull.faces) for hull in hulls]} if len(hulls) > 1 else {}),
         "foot": polygons if len(polygons) > 1 else [corner for polygon in polygons for corner in polygon],
         "level": level,
         "volume": bulk.volume,
         "centroid": bulk.centroid.tolist(),
         "inertia": bulk.inertia[_SIX].tolist(),
     }
+
+
+def _hulls(key: str, table: Mapping[str, Any], points: FloatArray) -> list[Hull]:
+    """The hull whose faces the table has, or those of its parts. Raises InputError."""
+    faces = _numbers(f"{key}.faces", table.get("faces"), len(points))
+    if "parts" not in table:
+        return [_within(key, checked, points, faces)]
+    counts = table["parts"]
+    meaning = "how many of the faces each part has, at least 4, one part after the other"
+    good = isinstance(counts, (list, tuple)) and all(type(count) is int and count >= 4 for count in counts)
+    if not good or sum(counts) != len(faces):
+        raise InputError(f"{key}.parts = {shown(counts)}: must be {meaning}: {len(faces)} in all")
+    found, left = [], iter(faces)
+    for count in counts:
+        own = list(islice(left, count))
+        used = sorted(set(chain(*own)))
+        number = {corner: k for k, corner in enumerate(used)}
+        found.append(_within(key, checked, points[used], [[number[corner] for corner in face] for face in own]))
+    return found
 
 
 def _feet(key: str, table: Mapping[str, Any], points: FloatArray, level: float) -> tuple[FloatArray, ...]:

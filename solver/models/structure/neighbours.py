@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from ...common.errors import InputError, check_number, shown
 from ...common.ranges import LENGTH, NUMBERS, check_keys
 from ...common.tables import check_table, tables_in, vector_of
+from ...kernels.structure.layout import MOST_CORNERS
+from .blocks.contacts import facing
 from .blocks.faces import Face, clipped, polygon_moments
 from .blocks.parts import Joint, Pair, Side, Solid
 from .blocks.shapes import rectangle
@@ -84,6 +86,11 @@ def neighbours_from(data: Mapping[str, Any], blocks: tuple[Solid, ...], joints: 
         for number, wall in enumerate(walls, start=1):
             for pair in _before_faces(block, one, (wall,), len(blocks), reach):
                 found.append(_with_law("neighbours", replace(pair, wall=number), given, blocks))
+    for pair in found:
+        corners = sum(len(side.outline) for side in (pair.side, pair.beside) if isinstance(side, Face))
+        if corners > 2 * MOST_CORNERS:
+            limit = f"must be {2 * MOST_CORNERS} at most"
+            raise InputError(f"neighbours: {_names(pair, blocks)} may meet with faces of {corners} corners, {limit}")
     if len(found) > MOST:
         raise InputError(f"neighbours.reach: {len(found)} pairs of sides lie within it, must be at most {MOST}")
     return tuple(found)
@@ -163,12 +170,11 @@ def _facing(blocks: tuple[Solid, ...], one: int, other: int, reach: float) -> li
 def _before_faces(block: Solid, one: int, faces: Sequence[Face], other: int, reach: float) -> list[Pair]:
     """Pairs of a block with faces of another one that a side of it stands before, within a reach."""
     drum, found = side_of_drum(block), []
-    for face in faces:
-        sides = (drum,) if drum else block.faces
-        for side in sides:
-            gap = _gap_before_face(side, face) if isinstance(side, Side) else _gap_of_faces(side, face)
-            if gap and gap[0] <= reach:
-                found.append(Pair(one, other, side, face, *gap))
+    before = [(face, drum) for face in faces] if drum else facing(faces, block.faces, OPPOSITE + NEAR)
+    for face, side in before:
+        gap = _gap_before_face(side, face) if isinstance(side, Side) else _gap_of_faces(side, face)
+        if gap and gap[0] <= reach:
+            found.append(Pair(one, other, side, face, *gap))
     return found
 
 
@@ -176,6 +182,8 @@ def _gap_of_faces(one: Face, other: Face) -> tuple[float, float] | None:
     """Distance of two faces that face each other, m, and the area over which they do, m2; None if they do not."""
     cosine = float(one.normal @ other.normal)
     if one.radius or other.radius or cosine > OPPOSITE or max(abs(one.normal[2]), abs(other.normal[2])) > LEVEL:
+        return None
+    if math.hypot(*((one.centre - other.centre) @ other.axes[:, :2])) > one.size + other.size:
         return None
     common = clipped(one.seen_from(other), other.outline)
     if not len(common):
@@ -229,9 +237,13 @@ def _gap_before_face(drum: Side, face: Face) -> tuple[float, float] | None:
     return (gap, high - low) if away > 0.0 else None
 
 
+def _names(pair: Pair, blocks: tuple[Solid, ...]) -> str:
+    return f"{blocks[pair.one].name} and {f'wall {pair.wall}' if pair.wall else blocks[pair.other].name}"
+
+
 def _with_law(key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Solid, ...]) -> Pair:
     """A pair with its law and gap. Raises InputError."""
-    names = f"{blocks[pair.one].name} and {f'wall {pair.wall}' if pair.wall else blocks[pair.other].name}"
+    names = _names(pair, blocks)
     of_kind = "line_stiffness" if isinstance(pair.side, Side) else "stiffness"
     if of_kind not in law:
         raise InputError(f"{key}.{of_kind}: missing, must be {_RANGES[of_kind][1]}: {names} may meet")

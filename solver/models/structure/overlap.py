@@ -1,21 +1,22 @@
 """Whether blocks pass into each other that no joint connects and that are no neighbours: in the model they do not meet.
 
-Two convex blocks are apart where some axis separates them. Of boxes and prisms the axes are the normals of faces and
-the cross products of edges, which are all that are needed. Of drums they are those in which two of them, or a drum and
-a corner, face each other: an upright drum needs no more. Along an axis the extent of a block is that of its corners and
-rims.
+Two convex blocks are apart where some axis separates them; blocks that are not convex are compared part by part. Of
+boxes and prisms the axes are the normals of faces and the cross products of edges, which are all that are needed. Of
+drums they are those in which two of them, or a drum and a corner, face each other: an upright drum needs no more. Along
+an axis the extent of a block is that of its corners and rims.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .blocks.faces import FloatArray
+from .blocks.faces import Face, FloatArray
 from .blocks.parts import Solid
 from .blocks.shapes import turned
 from .model import Structure
@@ -45,14 +46,20 @@ class Overlap(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _Hull:
-    """Corners, rims and axes of a block, from its centroid, along the axes of the base as built."""
+    """Corners, rims and axes of a convex block or part, from the centroid of the block, along the axes of the base."""
 
     block: Solid
+    part: tuple[Face, ...] = ()
+
+    @property
+    def faces(self) -> tuple[Face, ...]:
+        """Of the part, or of all of the block."""
+        return self.part or self.block.faces
 
     @cached_property
     def corners(self) -> FloatArray:
         """(corners, 3) m, of its polygons."""
-        found = [face.points() - self.block.centroid for face in self.block.faces if not face.radius]
+        found = [face.points() - self.block.centroid for face in self.faces if not face.radius]
         if not found:
             return np.empty((0, 3))
         every = np.concatenate(found)
@@ -62,7 +69,7 @@ class _Hull:
     @cached_property
     def rims(self) -> list[tuple[FloatArray, FloatArray, float]]:
         """Centre, normal and radius of its round faces."""
-        faces = [face for face in self.block.faces if face.radius]
+        faces = [face for face in self.faces if face.radius]
         return [(face.centre - self.block.centroid, face.normal, face.radius) for face in faces]
 
     @cached_property
@@ -70,16 +77,16 @@ class _Hull:
         """Directions of its edges, of a drum that of its axis (edges, 3)."""
         if self.rims:
             return self.rims[0][1][None]
-        outlines = [face.points() for face in self.block.faces]
+        outlines = [face.points() for face in self.faces]
         found = [np.roll(outline, -1, axis=0) - outline for outline in outlines]
         return _directions(np.concatenate([*found, self._sides]))
 
     @cached_property
     def normals(self) -> FloatArray:
         """Normals of its faces, (normals, 3)."""
-        found = [face.normal[None] for face in self.block.faces]
+        found = [face.normal[None] for face in self.faces]
         if len(self._sides):  # of a box that tapers: each contains an edge of the bottom and one to the top
-            bottom = self.block.faces[0].points()
+            bottom = self.faces[0].points()
             along = np.roll(bottom, -1, axis=0) - bottom
             found += [np.cross(along, side) for side in (self._sides, np.roll(self._sides, -1, axis=0))]
         return _directions(np.concatenate(found))
@@ -87,9 +94,9 @@ class _Hull:
     @cached_property
     def _sides(self) -> FloatArray:
         """Edges from the bottom to the top of a box that tapers, whose other faces are not among its faces."""
-        if self.rims or len(self.block.faces) != 2:
+        if self.rims or len(self.faces) != 2:
             return np.empty((0, 3))
-        bottom, top = (face.points() for face in self.block.faces)
+        bottom, top = (face.points() for face in self.faces)
         nearest = np.argmin(np.linalg.norm(bottom[:, None] - top[None], axis=2), axis=1)
         return top[nearest] - bottom
 
@@ -134,23 +141,24 @@ def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHisto
     time, u, rotation = time[there], u[there], rotation[there]
     if n < 2 or not len(time):
         return Overlap()
-    hulls = [_Hull(block) for block in structure.blocks]
-    reach = np.array([hull.block.reach for hull in hulls])
+    hulls = [[_Hull(block, part) for part in block.parts or ((),)] for block in structure.blocks]
+    reach = np.array([block.reach for block in structure.blocks])
     turning = reach * np.linalg.norm(rotation, axis=2)
     most = np.max(np.linalg.norm(u, axis=2) + turning, axis=0)
     found = Overlap()
     for i, j in np.argwhere(_may_meet(structure, reach, most)):
-        between = hulls[j].block.centroid - hulls[i].block.centroid
-        still = np.zeros((1, 3))
-        built = float(_apart(hulls[i], hulls[j], still, still, between[None])[0])
-        moved = u[:, j] - u[:, i]
-        near = np.flatnonzero(np.linalg.norm(moved, axis=1) + turning[:, i] + turning[:, j] >= built)
-        for first in range(0, len(near), ROWS):
-            at = near[first : first + ROWS]
-            depth = min(built, 0.0) - _apart(hulls[i], hulls[j], rotation[at, i], rotation[at, j], between + moved[at])
-            k = int(np.argmax(depth))
-            if depth[k] > max(found.depth, TOUCH):
-                found = Overlap(float(depth[k]), (structure.names[i], structure.names[j]), float(time[at[k]]))
+        between, moved = structure.blocks[j].centroid - structure.blocks[i].centroid, u[:, j] - u[:, i]
+        far = np.linalg.norm(moved, axis=1) + turning[:, i] + turning[:, j]
+        for one, other in product(hulls[i], hulls[j]):
+            still = np.zeros((1, 3))
+            built = float(_apart(one, other, still, still, between[None])[0])
+            near = np.flatnonzero(far >= built)
+            for first in range(0, len(near), ROWS):
+                at = near[first : first + ROWS]
+                depth = min(built, 0.0) - _apart(one, other, rotation[at, i], rotation[at, j], between + moved[at])
+                k = int(np.argmax(depth))
+                if depth[k] > max(found.depth, TOUCH):
+                    found = Overlap(float(depth[k]), (structure.names[i], structure.names[j]), float(time[at[k]]))
     return found
 
 

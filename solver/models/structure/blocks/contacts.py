@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ....common.errors import InputError
@@ -20,7 +22,7 @@ def joints_between(
     """The joints of all faces that two bodies share. Raises InputError if they share none."""
     below = (GROUND,) if lower == len(solids) else solids[lower].faces
     above = solids[upper].faces
-    found = [(face, a, b) for a, b in _facing(above, below) if (face := shared(a, b)) is not None]
+    found = [(face, a, b) for a, b in facing(above, below, FACING) if (face := shared(a, b)) is not None]
     if not sides:  # what stands on a block touches it from above
         found = [faces for faces in found if faces[0].normal[2] > 1e-6] or found
     if not found:
@@ -29,10 +31,10 @@ def joints_between(
     return [Joint(upper, lower, turned_face(face), bed, key, a, b) for face, a, b in found]
 
 
-def _facing(above: tuple[Face, ...], below: tuple[Face, ...]) -> list[tuple[Face, Face]]:
-    """Pairs of faces that look at each other, about: most do not, and a prism has many."""
+def facing(above: Sequence[Face], below: Sequence[Face], cosine: float) -> list[tuple[Face, Face]]:
+    """Pairs of faces the cosine of whose normals is less: most do not look at each other, and a prism has many."""
     ways = np.array([face.normal for face in above]) @ np.array([face.normal for face in below]).T
-    return [(above[i], below[k]) for i, k in np.argwhere(ways < FACING).tolist()]
+    return [(above[i], below[k]) for i, k in np.argwhere(ways < cosine).tolist()]
 
 
 def axis_of(normal: FloatArray) -> FloatArray:

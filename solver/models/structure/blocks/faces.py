@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -34,7 +35,7 @@ class Face:
         """The normal away from the block."""
         return self.axes[:, 2]
 
-    @property
+    @cached_property
     def size(self) -> float:
         """Distance of the farthest point from the centre, m."""
         return self.radius or float(np.max(np.hypot(*self.outline.T)))
@@ -120,19 +121,41 @@ def edge_distance(outline: FloatArray) -> float:
 
 def clipped(corners: FloatArray, by: FloatArray) -> FloatArray:
     """The part of a convex polygon within another one, both anticlockwise; empty if there is none."""
-    left = [tuple(point) for point in corners.tolist()]
+    left = corners.tolist()
     for (x0, y0), (x1, y1) in zip(by.tolist(), np.roll(by, -1, axis=0).tolist(), strict=True):
-        depth = [(x1 - x0) * (y - y0) - (y1 - y0) * (x - x0) for x, y in left]
-        kept: list[tuple[float, ...]] = []
-        for k, (point, d) in enumerate(zip(left, depth, strict=True)):
-            before, b = left[k - 1], depth[k - 1]
-            if (b > 0.0) != (d > 0.0):
-                part = b / (b - d)
-                kept.append(tuple(p + part * (q - p) for p, q in zip(before, point, strict=True)))
-            if d > 0.0:
-                kept.append(point)
-        left = kept
+        left = _half(left, [(x1 - x0) * (y - y0) - (y1 - y0) * (x - x0) for x, y in left])
     return np.array(left) if len(left) > 2 else np.empty((0, 2))
+
+
+def _half(corners: Sequence[Sequence[float]], depth: Sequence[float]) -> list[Sequence[float]]:
+    """The part of a convex polygon in which a linear function is positive, by its values at the corners."""
+    kept: list[Sequence[float]] = []
+    for k, (point, d) in enumerate(zip(corners, depth, strict=True)):
+        before, b = corners[k - 1], depth[k - 1]
+        if (b > 0.0) != (d > 0.0):
+            part = b / (b - d)
+            kept.append([p + part * (q - p) for p, q in zip(before, point, strict=True)])
+        if d > 0.0:
+            kept.append(point)
+    return kept
+
+
+def beside(corners: FloatArray, outside: FloatArray) -> list[FloatArray]:
+    """The parts of a convex polygon where any of some linear functions is positive, as convex polygons.
+
+    outside: (functions, 3), of each its value at the origin and its slopes along x and y.
+    """
+    values = outside[:, :1] + outside[:, 1:] @ corners.T
+    if np.any(np.all(values >= 0.0, axis=1)):
+        return [corners]
+    found, left = [], corners.tolist()
+    for at, along_x, along_y in outside[np.any(values > 0.0, axis=1)].tolist():
+        value = [at + along_x * x + along_y * y for x, y in left]
+        found.append(_half(left, value))
+        left = _half(left, [-part for part in value])
+        if len(left) < 3:
+            return [corners]
+    return [np.array(part) for part in found if len(part) > 2]
 
 
 def shared(upper: Face, lower: Face) -> Face | None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import pairwise
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import compress, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from ....common.errors import InputError, needing
 from ....kernels.structure.layout import MOST_CORNERS
 from .contacts import axis_of
-from .faces import NEAR, Face, FloatArray, polygon_moments
+from .faces import NEAR, Face, FloatArray, beside, polygon_moments, without_doubles
 from .outlines import THINNEST
 from .parts import Solid
 
@@ -24,6 +25,7 @@ THINNEST_HULL = 1e-5  # of the cube of its extent: the least volume of a hull, w
 MERGED = 1e-5  # of the height of a triangle: corners nearer to its plane are of its face
 STRAIGHT = 1e-9  # of the area of a face: a corner that takes away less is none
 BLUNT = 1e-4  # the same of a foot that is found among the points of a mesh
+SLIVER = 1e-2  # of the area of a face: a part of it that no other part covers and is smaller is none
 ZERO = 1e-14  # of the trace: products of inertia below this are 0, so that what is symmetric stays in its plane
 
 
@@ -233,30 +235,58 @@ def thinned(outline: FloatArray, least: float, most: int = 10**9) -> NDArray[np.
     return kept
 
 
-def block_of_hull(
+def block_of_hulls(
     name: str,
-    hull: Hull,
+    hulls: Sequence[Hull],
     bulk: Bulk,
     density: float,
     feet: Sequence[FloatArray],
     level: float,
     surface: FloatArray,
 ) -> Solid:
-    """A block whose contacts are the faces of a hull; its feet first, then from the most upward face down.
+    """A block whose contacts are the faces of a hull, or of the hulls of its parts as far as no other part covers them.
 
-    feet: (corners, 2) m each, in place of the faces that lie within `level`, m, of the lowest point; none: they stay.
-    surface: triangles (k, 3, 3) m to draw it by; none: its faces.
+    Its feet come first, then faces from the most upward one down. feet: (corners, 2) m each, in place of the faces that
+    lie within `level`, m, of the lowest point; none: they stay. surface: triangles (k, 3, 3) m to draw it by; none: its
+    faces.
     """
-    bottom = float(np.min(hull.points[:, 2]))
-    faces = []
-    for face in hull.faces:
-        corners = hull.points[list(face)]
-        if not feet or np.max(corners[:, 2]) > bottom + level:
-            faces.append(_face(corners))
+    bottom = float(np.min([np.min(hull.points[:, 2]) for hull in hulls]))
+    parts = [tuple(_face(hull.points[list(face)]) for face in hull.faces) for hull in hulls]
+    stays = [[not feet or np.max(hull.points[list(face), 2]) > bottom + level for face in hull.faces] for hull in hulls]
+    upper = [list(compress(part, stay)) for part, stay in zip(parts, stays, strict=True)]
+    faces = upper[0] if len(hulls) == 1 else _outer(upper, parts)
     faces.sort(key=lambda face: -float(face.normal[2]))
     faces = [_face(np.column_stack([foot[::-1], np.full(len(foot), bottom)])) for foot in feet] + faces
     inertia = density * bulk.inertia
-    return Solid(name, density * bulk.volume, bulk.centroid, inertia, tuple(faces), np.eye(3), bulk.volume, surface)
+    made = Solid(name, density * bulk.volume, bulk.centroid, inertia, tuple(faces), np.eye(3), bulk.volume, surface)
+    return made if len(hulls) == 1 else replace(made, parts=tuple(parts))
+
+
+def _outer(upper: Sequence[Sequence[Face]], parts: Sequence[Sequence[Face]]) -> list[Face]:
+    """What no other part covers of faces of each part."""
+    extent = float(np.max(np.ptp([corner for part in parts for face in part for corner in face.points()], axis=0)))
+    bounds = [
+        (np.array([face.normal for face in part]), np.array([face.normal @ face.centre for face in part]))
+        for part in parts
+    ]
+    found: list[Face] = []
+    for k, own in enumerate(upper):
+        for face in own:
+            place, left = face.centre + NEAR * extent * face.normal, [face.outline]
+            for normals, off in bounds[:k] + bounds[k + 1 :]:
+                outside = np.column_stack([normals @ place - off, normals @ face.axes[:, :2]])
+                left = [part for outline in left for part in beside(outline, outside)]
+            found += [face] if left and left[0] is face.outline else _pieces(face, left)
+    return found
+
+
+def _pieces(face: Face, outlines: Sequence[FloatArray]) -> Iterator[Face]:
+    """Parts of a face, without slivers."""
+    for outline in outlines:
+        area, first, _ = polygon_moments(outline)
+        if area > SLIVER * face.moments[0]:
+            middle = first / area
+            yield Face(face.centre + face.axes[:, :2] @ middle, face.axes, without_doubles(outline - middle))
 
 
 def _face(corners: FloatArray) -> Face:

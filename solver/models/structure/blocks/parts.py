@@ -29,6 +29,7 @@ class Solid:
     axes: FloatArray = field(default_factory=lambda: np.eye(3))  # (3, 3), its own axes by columns
     volume: float = math.nan  # m3
     surface: FloatArray = field(default_factory=lambda: np.empty((0, 3, 3)))  # m, triangles to draw it by; else faces
+    parts: tuple[tuple[Face, ...], ...] = ()  # of one that is not convex: all faces of its convex parts, also of cuts
 
     @property
     def size(self) -> float:

@@ -121,12 +121,14 @@ def _upright(name: str, section: object, height: float, density: float, faces: l
 
 def placed(solid: Solid, place: FloatArray, turn: FloatArray) -> Solid:
     """A block turned about the origin, (3, 3), and then moved from there to a place, m."""
-    faces = tuple(
-        Face(place + turn @ face.centre, turn @ face.axes, face.outline, face.radius, face.bore) for face in solid.faces
-    )
+    faces, *parts = (tuple(_placed_face(face, place, turn) for face in part) for part in (solid.faces, *solid.parts))
     inertia = turn @ solid.inertia @ turn.T
     inertia = 0.5 * (inertia + inertia.T)
-    surface = place + solid.surface @ turn.T
+    surface, centroid = place + solid.surface @ turn.T, place + turn @ solid.centroid
     return replace(
-        solid, centroid=place + turn @ solid.centroid, inertia=inertia, faces=faces, axes=turn, surface=surface
+        solid, centroid=centroid, inertia=inertia, faces=faces, axes=turn, surface=surface, parts=tuple(parts)
     )
+
+
+def _placed_face(face: Face, place: FloatArray, turn: FloatArray) -> Face:
+    return Face(place + turn @ face.centre, turn @ face.axes, face.outline, face.radius, face.bore)

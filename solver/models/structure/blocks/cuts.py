@@ -1,0 +1,106 @@
+"""A mesh that is not convex cut by planes into parts, whose hulls hold little more than the mesh does."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ....common.errors import InputError, needing
+from .faces import NEAR, FloatArray
+from .hulls import EXTRA, THINNEST_HULL
+
+FINE = 1e-4  # of the volume: a part whose hull holds no more than that beside it is not cut again
+BENT = 12  # planes of triangles beside edges that go inwards, which are tried for a cut
+LEVELS = 6  # planes across each axis that are tried
+ALIKE = 1e-3  # of normals and of places, over the extent: planes closer than this are one
+OUT = 1e-9  # of the extent: planes lie so far above their triangles that no cut leaves a skin of these
+SURE = 1e-9  # of the volume: a cut is better than another one by more than this, so that rounding chooses none
+
+
+def convex_parts(triangles: FloatArray, most: int) -> list[FloatArray]:
+    """Points (n, 3) m of each part of a closed surface (k, 3, 3) m, of which there are `most` or fewer.
+
+    Each cut is the plane after which the hulls hold least, of the part whose hull holds most beside it. Raises
+    InputError for a surface that is none of solids, and for one of more solids than parts.
+    """
+    with needing(EXTRA, "manifold3d"):
+        from manifold3d import Error, Manifold, Mesh64
+    middle = np.mean(triangles, axis=(0, 1))
+    corners, number = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
+    mesh = Mesh64(corners - middle, number.reshape(-1, 3).astype(np.uint64))
+    whole = Manifold(mesh)
+    if whole.status() != Error.NoError:
+        raise InputError(f"cannot be split: {whole.status().name}, must be a mesh whose surface bounds a solid")
+    left = [(solid, solid.hull().volume()) for solid in whole.decompose() if solid.volume() > 0.0]  # none of a void
+    if len(left) > most:
+        raise InputError(f"is {len(left)} solids that do not touch, must be as many parts at least")
+    volume = sum(solid.volume() for solid, _ in left)
+    found: list[tuple[Any, float]] = []
+    while left:
+        beside = [around - solid.volume() for solid, around in left]
+        part = left.pop(int(np.argmax(beside)))
+        further = most - len(left) - len(found)
+        pieces = _cut(part[0], further, SURE * volume) if further > 1 and max(beside) > FINE * volume else []
+        left += pieces
+        found += [] if pieces else [part]
+    return [middle + _corners(solid.hull()) for solid, _ in found]
+
+
+def _cut(solid: Any, most: int, sure: float) -> list[tuple[Any, float]]:
+    """The pieces of a solid, `most` or fewer, without skins, and the volumes of their hulls, m3; none: no cut helps."""
+    best, least = [], solid.hull().volume() - sure
+    for plane in np.concatenate([_bent(solid), _levels(solid)]):
+        halves = solid.split_by_plane(plane[:3], plane[3])
+        pieces = [piece for half in halves for piece in half.decompose() if not _is_skin(piece)]
+        if len(pieces) <= most:
+            around = [piece.hull().volume() for piece in pieces]
+            if sum(around) < least:
+                best, least = list(zip(pieces, around, strict=True)), sum(around) - sure
+    return best
+
+
+def _is_skin(piece: Any) -> bool:
+    return bool(piece.volume() <= THINNEST_HULL * _extent(piece) ** 3)
+
+
+def _bent(solid: Any) -> FloatArray:
+    """Planes, normal and distance from the origin, of triangles beside edges that go inwards, the most bent first."""
+    mesh = solid.to_mesh64()
+    corners, faces = _corners(solid), np.asarray(mesh.tri_verts).astype(np.int64)
+    places = corners[faces]
+    normals = np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    ends = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
+    order = np.lexsort((ends.min(axis=1), ends.max(axis=1))).reshape(-1, 2)  # both triangles of an edge
+    one, other = (order % len(faces)).T
+    edge = corners[ends[order[:, 0], 1]] - corners[ends[order[:, 0], 0]]
+    bend = -np.sum(np.cross(normals[one], normals[other]) * edge, axis=1)  # length times the sine of the angle
+    inwards = bend > ALIKE**2 * _extent(solid)
+    triangle, weight = np.concatenate([one[inwards], other[inwards]]), np.tile(bend[inwards], 2)
+    planes = np.column_stack([normals[triangle], np.sum(normals[triangle] * places[triangle, 0], axis=1)])
+    steepest = np.argmax(np.abs(planes[:, :3]), axis=1)
+    upwards = planes * np.sign(planes[np.arange(len(planes)), steepest])[:, None]
+    rounded = np.round(upwards / (ALIKE * np.array([1.0, 1.0, 1.0, _extent(solid)])))
+    _, first, group = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
+    heaviest = np.argsort(-np.bincount(group.ravel(), weight, len(first)), kind="stable")[:BENT]
+    found: FloatArray = planes[first[heaviest]]
+    above = corners @ found[:, :3].T - found[:, 3]
+    above[np.abs(above) > NEAR * _extent(solid)] = 0.0  # what is in the plane but for rounding lies below the cut
+    found[:, 3] += np.max(above, axis=0, initial=0.0) + OUT * _extent(solid)
+    return found
+
+
+def _levels(solid: Any) -> FloatArray:
+    """Planes across the axes, at equal distances."""
+    box = np.reshape(solid.bounding_box(), (2, 3))
+    places = np.linspace(box[0], box[1], LEVELS + 2)[1:-1]
+    return np.column_stack([np.tile(np.eye(3), (LEVELS, 1)), places.ravel()])
+
+
+def _corners(solid: Any) -> FloatArray:
+    return np.array(solid.to_mesh64().vert_properties[:, :3], dtype=np.float64)
+
+
+def _extent(solid: Any) -> float:
+    return float(np.max(np.ptp(np.reshape(solid.bounding_box(), (2, 3)), axis=0)))
