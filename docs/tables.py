@@ -207,7 +207,8 @@ def fmu_variables_in_space(causality: str) -> str:
         "name": "one",
         "block": [
             {"name": "block", "position": [0, 0, 0], "width": 1.0, "depth": 1.0, "height": 1.0, "density": 1.0},
-            {"name": "top", "on": "block", "width": 1.0, "depth": 1.0, "height": 1.0, "density": 1.0},
+            {"name": "top", "on": "block", "width": 1.0, "depth": 1.0, "height": 1.0, "density": 1.0}
+            | {"joint": {"tensile_strength": 1e5}},
             {
                 "name": "drum",
                 "on": "base",

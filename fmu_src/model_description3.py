@@ -26,7 +26,7 @@ KINDS = {
 TERMINAL = "base"  # motion in, reaction and effective mass out
 REACTION = "[FM][xyz]"  # of a structure: what it does to the base, which follows from its state alone
 SPLIT = "R0[xzm]|m[xzt][xzt]"  # of a column
-ELEMENT = r"\b(block|joint|tie|bearing|port) 1\b(?: \(.*?\))?"  # in the description of the first of an array
+ELEMENT = r"\b(block|joint|tie|bearing|bond|port) 1\b(?: \(.*?\))?"  # in the description of the first of an array
 
 
 def model_description3(

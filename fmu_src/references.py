@@ -150,6 +150,8 @@ FAMILIES = {
     "contact.force": 73,
     "contact.gap_least": 74,
     "contact.force_peak": 75,
+    "bond.share": 76,
+    "bond.share_least": 77,
     **{f"port.{name}": 80 + i for i, name in enumerate(OF_PORT)},
     **{f"port.{name}_peak": 89 + i for i, name in enumerate(OF_PORT)},
     **{f"port.{name}": 98 + i for i, name in enumerate(COMPONENTS)},
@@ -160,7 +162,7 @@ assert MAX_BLOCKS <= FAMILY
 
 def reference_of(name: str) -> int:
     """The value reference of a variable: that of REFERENCES, or 1000 times its family plus the number of its block."""
-    parts = re.fullmatch(r"(block|joint|tie|bearing|contact|port)\[(\d+)\]\.(\w+)", name)
+    parts = re.fullmatch(r"(block|joint|tie|bearing|bond|contact|port)\[(\d+)\]\.(\w+)", name)
     if parts is None:
         return REFERENCES[name]
     owner, number, quantity = parts.groups()

@@ -14,7 +14,7 @@ import numpy as np
 from solver.common.errors import InputError
 from solver.ground.loads import COMPONENTS
 from solver.ground.motion import STANDARD_GRAVITY
-from solver.models.outputs import BEARING, BLOCK, CONTACT, JOINT, PORT, TIE
+from solver.models.outputs import BEARING, BLOCK, BOND, CONTACT, JOINT, PORT, TIE
 from solver.models.structure.model import Structure
 from solver.models.structure.outputs import OUTPUTS
 
@@ -95,6 +95,7 @@ def structure_variables(
     names = {what: [f"{what} {i} ({name})" for i, name in enumerate(of, start=1)] for what, of in named.items()}
     names[TIE] = [f"tie {e}" for e in range(1, len(structure.ties) + 1)]
     names[CONTACT] = [f"contact {p} ({name})" for p, name in enumerate(structure.contact_names, start=1)]
+    names[BOND] = [f"bond {e} ({name})" for e, name in enumerate(structure.bond_names, start=1)]
     names[PORT] = named_ports(structure.ports)
     sizes = _sizes(structure)
     row, peaks = seen(OUTPUTS, names, lambda unit, i: sizes[unit])

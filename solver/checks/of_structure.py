@@ -59,6 +59,10 @@ class InSpace(Subject):
     def neighbours(self) -> tuple[str, ...]:
         return self.model.contact_names
 
+    @property
+    def bonds(self) -> tuple[str, ...]:
+        return self.model.bond_names
+
     @cached_property
     def yields(self) -> FloatArray:
         return np.array([tie.yield_ or math.nan for tie in self.model.ties])

@@ -68,6 +68,11 @@ class Subject:
         return ()
 
     @property
+    def bonds(self) -> tuple[str, ...]:
+        """Names of the joints that bear tension or cohesion until they break."""
+        return ()
+
+    @property
     def period(self) -> float:
         """Of the first mode about rest, s; 0 where nothing sways before it lifts."""
         return 0.0

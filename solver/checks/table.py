@@ -131,6 +131,7 @@ def rows_of(
         *overturning(verdicts, limits, margin, table.stats["failures"]),
         _displacement(demands, table, verdicts, limits),
         *(_of_joints(demands, limits) if subject.joints.names else ()),
+        *_cracks(demands),
         *_hits(demands, table, verdicts, limits),
         *_overlap(demands, limits),
         *_ties(demands),
@@ -304,6 +305,18 @@ def _hits(demands: Demands, table: Table, verdicts: Verdicts, limits: Limits) ->
     values, i = np.min(gaps, axis=1), int(np.argmin(np.min(gaps, axis=0)))
     note = "the least under any motion as given: what is left, or below 0 how deep they press on each other"
     return [share, Row("gap that is left", float(np.min(gaps)), math.nan, MM, names[i], note, tuple(values.tolist()))]
+
+
+def _cracks(demands: Demands) -> list[Row]:
+    """How much of the joint breaks of which least is left; none where joints bear no tension."""
+    names = demands.subject.bonds
+    if not names:
+        return []
+    values = demands.largest(lambda run: 1.0 - run.peaks["bond"])
+    i = int(np.argmax(statistic(values)))
+    note = "part of the area that has broken and bears no tension any more; nothing is compared"
+    broken = tuple(values[:, i].tolist())
+    return [Row("joint that cracks", float(statistic(values)[i]), math.nan, PERCENT, names[i], note, broken)]
 
 
 def _ties(demands: Demands) -> list[Row]:

@@ -32,6 +32,8 @@ NUMBERS: dict[str, tuple[tuple[float, float], str]] = {
     "friction": ((1e-6, 1e3), "a positive coefficient of friction, at most 1e3; without it the joint never slides"),
     "dowel": ((0.0, 1e15), "a force in N, zero or positive, at most 1e15"),
     "strength": ((1.0, 1e15), "a positive pressure in Pa, from 1 to 1e15"),
+    "tensile_strength": ((0.0, 1e12), "a tension in Pa, zero or positive"),
+    "cohesion": ((0.0, 1e12), "a shear stress in Pa, zero or positive"),
     "offset": ((-1e6, 1e6), "a length in m, positive to +x, at most 1e6 either way"),
     "inclination": ((-0.5, 0.5), "an angle in rad, clockwise, from -0.5 to 0.5"),
     "tilt": ((-0.5, 0.5), "an angle in rad, clockwise, from -0.5 to 0.5"),

@@ -22,7 +22,7 @@ FloatArray = NDArray[np.float64]
 Columns = Mapping[str, FloatArray]
 
 BLOCK, JOINT, TIE, BASE = "block", "joint", "tie", "base"  # what an output is of
-BEARING, CONTACT, PORT = "bearing", "contact", "port"
+BEARING, BOND, CONTACT, PORT = "bearing", "bond", "contact", "port"
 DIGITS = 9  # significant ones of histories as text: far more than a run is exact to
 MOST_DIGITS = 17  # with which every float64 is read back to the bit
 

@@ -184,6 +184,20 @@ def test_hits_of_neighbours_and_the_gap_that_is_left() -> None:
     assert limited.answer == "FAILS by: hits its neighbour."
 
 
+def test_what_breaks_of_joints_that_bear_tension() -> None:
+    """A pier that cracks in part, on a dry footing that has no row."""
+    pier = {"name": "pier", "on": "foot", "width": 0.5, "depth": 1.0, "height": 2.0, "density": 2000.0}
+    pier["joint"] = {"tensile_strength": 2e4, "cohesion": 1e6}
+    foot = {"name": "foot", "on": "base", "width": 1.5, "depth": 1.5, "height": 0.3, "density": 2000.0}
+    law = {"stiffness": 2e9, "damping": 2e-3, "friction": 0.8}
+    structure = Structure.from_dict({"name": "pier", "joints": law, "block": [foot, pier]})
+    made = check(structure, {"sine": wavelets.one_sine(0.15 * G, 3.0)}, plan=QUICK)
+    cracked = row(made, "joint that cracks")
+    assert cracked.where == "pier-foot"
+    assert 0.0 < cracked.demand == 1.0 - made.responses[0].peaks["bond"][0] < 1.0
+    assert cracked.passes is None
+
+
 def test_what_still_rocks_is_undecided_and_what_fails_is_unfinished() -> None:
     """A run without a rest has fallen, whatever else is said of it."""
     words = ("undecided", "undecided", "overturned", "standing")

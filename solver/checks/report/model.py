@@ -118,6 +118,10 @@ def _structure(structure: Structure, check: Check, run: SpatialResponse) -> Show
         known = ("bearing", "kind", "radius (m)", "rubber (MN/m)", "damping (kN s/m)", "lead (kN)", "allows (m)")
         pairs = zip(structure.bearing_names, structure.bearings, strict=True)
         sheets.append(Sheet(known, _merged([_bearing(*pair) for pair in pairs])))
+    if structure.bonds:
+        laws = [(name, structure.joints[j].bed) for name, j in zip(structure.bond_names, structure.bonds, strict=True)]
+        rows = [(name, f"{1e-6 * law.tensile_strength:.4g}", f"{1e-6 * law.cohesion:.4g}") for name, law in laws]
+        sheets.append(Sheet(("joint", "tensile strength (MPa)", "cohesion (MPa)"), _merged(rows), 1))
     if structure.ties:
         headings = ("tie", "between", "stiffness (MN/m)", "yield (kN)")
         names = (*structure.names, "base")

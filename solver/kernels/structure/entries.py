@@ -4,6 +4,7 @@ from ..numba_ext.jit import entry, kernel
 from ..numba_ext.views import lanes_of, row_of
 from . import driven
 from .base import Shaking
+from .cracking import settle_bonds
 from .evaluate import energy, evaluate, recall, settle_memory, show
 from .in_lanes import Queue, batch_over, follow_queue
 from .layout import INPUT_MOTION, PHASE, STATE, scene_of, sizes_in
@@ -62,6 +63,8 @@ def observe_structure(arrays, rates, ax, ay, az, row, keep):
     evaluate(scene, seen, _phase(row_of(rates), scene.n), ax, ay, az)
     if keep:
         settle_memory(scene, state)
+        if settle_bonds(scene, state):
+            evaluate(scene, seen, _phase(row_of(rates), scene.n), ax, ay, az)
     show(scene, seen, row_of(row))
     return energy(scene, seen)
 

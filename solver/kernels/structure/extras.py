@@ -1,4 +1,4 @@
-"""What only some structures have: bearings, ports with their loads, neighbours that meet, a base that turns.
+"""What only some structures have: bearings, ports with loads, neighbours that meet, bonds that break, a turning base.
 
 One gate, by type. The scene of a structure without any has no `extras` (layout.py, Extras), and what it compiles is the
 first of each pair of functions here and in bearing.py: nothing. All others compile the second, with everything in it,
@@ -12,9 +12,10 @@ from ..numba_ext.jit import varied
 from ..numba_ext.lanes import zero_like
 from ..numba_ext.views import copy
 from .base import acceleration
+from .bond import let_bonds_go, show_bonds
 from .contact import error_of_pairs, gap_of, load_pairs, pairs_energy
 from .contact_in_lanes import load_pairs_in_lanes
-from .layout import OF_BEARING, OF_PAIR, OF_PORT, acts_alone, has_extras, meets_in_lanes
+from .layout import OF_BEARING, OF_BOND, OF_PAIR, OF_PORT, acts_alone, has_extras, meets_in_lanes
 from .port import is_pushed, let_ports_go, load_ports, push_ports, see_ports
 from .turning import is_turned, load_turned, show_turned, stop_turning, turn_base
 
@@ -41,6 +42,7 @@ def let_go(scene):
 
 @let_go.version(has_extras)
 def _let_go(scene):
+    let_bonds_go(scene)
     let_ports_go(scene)
     stop_turning(scene)
 
@@ -119,7 +121,9 @@ def _show(scene, phase, shown):
     for i in range(b):
         x, y = scene.resultants.s1[m - b + i], scene.resultants.s2[m - b + i]
         shown[i], shown[b + i], shown[2 * b + i] = x, y, math.hypot(x, y)
-    of_pairs, met = shown[len(OF_BEARING) * b :], scene.extras.met
+    of_bonds, met = shown[len(OF_BEARING) * b :], scene.extras.met
+    show_bonds(scene, of_bonds)
+    of_pairs = of_bonds[len(OF_BOND) * scene.extras.glued :]
     for p in range(met):
         of_pairs[p], of_pairs[met + p] = gap_of(scene, phase, scene.extras.pairs, p), scene.extras.hits.force[p]
     copy(of_pairs[len(OF_PAIR) * met :], scene.extras.spots.row, len(OF_PORT) * scene.extras.spotted)

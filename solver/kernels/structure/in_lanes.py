@@ -111,7 +111,8 @@ class Batch(NamedTuple):
 def batch_over(sizes, buffer, queue):
     """The batch over a row of lanes, or of one of them."""
     seen = _all(buffer, sizes)
-    scene = scene_over(sizes, seen.model, seen.control, seen.counts, seen.peaks.row, seen.work, queue.extras)
+    peaks = seen.peaks.row
+    scene = scene_over(sizes, seen.model, seen.control, seen.counts, peaks, peaks, seen.work, queue.extras)
     shaking = Shaking(0, 0, queue.times, queue.ax, queue.ay, queue.az, seen.base, 0, queue.times, queue.times)
     return Batch(scene, shaking, seen.lane, seen.gaps, buffer, sizes, queue)
 

@@ -17,9 +17,10 @@ from ..numba_ext.lanes import (
 )
 from .bearing import TINY, bed_of_point, beside_slider, lifted, with_bearing
 from .bed import Plane, chosen, nothing, whole
+from .bond import limits_with_bond, with_bond
 from .disc import round_bed
 from .kinematics import cross, dot, out_of, plus, push, relative_motion
-from .layout import POINT, POLYGON, has_extras
+from .layout import POINT, POLYGON, acts_alone, has_extras
 from .overlap import bed_after_slip, goes_by_faces
 from .polygon import polygon_bed
 
@@ -53,11 +54,24 @@ def bed_of_joint(scene, j, p, q):
     return _bed_of_faces(scene, j, p, q)
 
 
-@bed_of_joint.version(has_extras)
+@bed_of_joint.version(acts_alone)
+def _bed_with_bond(scene, j, p, q):
+    bed = _bed_of_any(scene, j, p, q)
+    if scene.joints.bond[j] != 0.0:
+        bed = with_bond(scene, int(scene.joints.bond[j]) - 1, p, q, bed)
+    return bed
+
+
+@leaf
 def _bed_of_any(scene, j, p, q):
     if any_of(scene.joints.section[j] == POINT):
         return bed_of_point(scene.joints, j, p, q)
     return _bed_of_faces(scene, j, p, q)
+
+
+@bed_of_joint.version(has_extras)
+def _bed_in_lanes(scene, j, p, q):
+    return _bed_of_any(scene, j, p, q)
 
 
 @leaf
@@ -87,7 +101,7 @@ def penetration(scene, j, motion):
 
 
 @leaf
-def _penetration_rate(scene, j, motion):
+def penetration_rate(scene, j, motion):
     """Its rate, m/s."""
     rate, moves = motion.turn_rate, motion.gap_rate
     return lifted(scene, j, Plane(-moves[2], rate[1], -rate[0]), motion.gap, (moves[0], moves[1]))
@@ -128,6 +142,7 @@ def _along_joint(scene, j, motion, normal, g1, g2):
     r1, r2, r3 = zero_like(v1), zero_like(v2), zero_like(v3)
     if any_of(joints.friction[j] != math.inf):
         limit, couple = friction_limits(joints, j, normal, g1 + normal * y, g2 - normal * x)
+        limit, couple = limits_with_bond(scene, j, normal, limit, couple, z1 * z1 + z2 * z2, z3)
         square = t1 * t1 + t2 * t2
         slides = square > limit * limit
         if any_of(slides):
@@ -162,7 +177,7 @@ def load_joint(scene, phase, j):
     """Add the forces of joint j to those on its two bodies; its resultants are kept."""
     joints, found = scene.joints, scene.resultants
     motion = relative_motion(scene, phase, j)
-    p, rate = penetration(scene, j, motion), _penetration_rate(scene, j, motion)
+    p, rate = penetration(scene, j, motion), penetration_rate(scene, j, motion)
     eta, k = joints.damping[j], joints.stiffness[j]
     q = Plane(p.at + eta * rate.at, p.along_x + eta * rate.along_x, p.along_y + eta * rate.along_y)
     bed = bed_of_joint(scene, j, p, q)

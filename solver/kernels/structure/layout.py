@@ -27,9 +27,10 @@ class Sizes(NamedTuple):
     corners: int  # numbers of the corners of all sections
     ports: int
     pairs: int  # of neighbours
+    bonds: int  # joints that bear tension or cohesion until they break
     modal: int  # numbers of the modal data (modal_layout.py), 0 without modes
     modal_room: int  # numbers that steps by modes need
-    state: int  # numbers of a state: the phase, and what joints and ties remember
+    state: int  # numbers of a state: the phase, what joints and ties remember, and what is left of bonds
     stride: int  # numbers from one state to the next in a step: whole packs
     visible: int  # numbers of an output row
 
@@ -82,6 +83,7 @@ JOINTS = Table(
     *("ring", "ring_stiffness", "ring_damping"),  # m, infinite without; N/m, s: a stiff ring from this |u| on
     "capacity",  # m: beyond this |u| what it bears has come off
     "holds",  # 1: it bears tension too
+    "bond",  # number of its bond from 1, 0 without
 )
 # a face among the corners of all sections, with its own corners behind it: their number, 0 where it is round; its
 # centre from that of the joint, m; its radius, infinite where it has no end, and that of its bore
@@ -122,6 +124,10 @@ PAIRS = Table(
     "decay",  # s, in which its damping stops the lighter of two blocks
     "reach",  # m, of the spheres about both blocks together
 )
+BONDS = Table(
+    "joint",  # number of the joint, a polygon
+    *("strength", "cohesion"),  # Pa: tension, and force along it beside friction, at which it breaks
+)
 PHASE = Table(
     *("ux", "uy", "uz"),  # m, displacement of the centroid
     *("q0", "q1", "q2", "q3"),  # rotation from the place as built, a unit quaternion
@@ -133,6 +139,10 @@ PHASE = Table(
 MEMORY = Table("p1", "p2", "p3")
 # of each pair: what friction stretches it by, m, along the axes of the base; 1 while it touches
 STRETCH = Table("z1", "z2", "z3", "touches")
+# what is left of a bond, a convex polygon: its corners behind it. It shrinks between steps, and has no rate
+BONDED = Record("corners")
+MOST_BONDED = 128  # corners of it
+MOST_CUT = 24  # of a section that may have one: each end of a step may add a corner
 CONTROL = Record(
     "next_step",  # s
     "previous_error",  # tolerances
@@ -187,6 +197,8 @@ RESULTANTS = Table(  # of m joints, along the axes of the joint
     *("s1", "s2", "s3"),  # m, m, rad: slips and twist
     *("z1", "z2", "z3"),  # their elastic parts
 )
+# of bonds: m2, and the force along the joint that is left, N, of the evaluation; 1 while it is held as it was
+SOUND = Table("area", "spare", "held")
 # of pairs: N, J; 1 while friction gives way; 1 while the pair bears something
 HITS = Table("force", "energy", "slides", "bears")
 PULLS = Table("force", "stretch", "elastic")  # of k ties: N, m; the elastic part of the stretch
@@ -196,6 +208,7 @@ STAGES = 13  # of a step of order 8, with its start and its end
 OF_BLOCK = ("ux", "uy", "uz", "rx", "ry", "rz")
 OF_JOINT = ("N", "Mx", "My", "Tx", "Ty", "Mz", "contact", "sigma_max", "slip")
 OF_BEARING = ("dx", "dy", "d")
+OF_BOND = ("bond",)
 OF_PAIR = ("gap", "hit")
 OF_PORT = SPOTS.fields
 OF_BASE = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
@@ -223,7 +236,7 @@ def step_tolerance(order: float, tolerance: float) -> float:
 # numbers of the corners of a polygon and of what a cut leaves of it: of two faces and a square, cut by two pressures
 ROOM = 2 * 2 * (2 * MOST_CORNERS + 4)
 SEEN = 5  # output rows of a step: at its start, in its middle, at its end, of a trial; what is allowed
-EACH = Numbers(1)
+EACH, OF_POLYGON = Numbers(1), Numbers(BONDED.beside + 2 * MOST_BONDED)
 _SIZES = Sizes._fields
 REMEMBERED = Space(*_SIZES, slips=(MEMORY, "m"), plastic=(EACH, "k"), stretches=(STRETCH, "pairs"))
 MODEL = Space(
@@ -236,9 +249,17 @@ MODEL = Space(
     corners=(EACH, "corners"),
     ports=(PORTS, "ports"),
     pairs=(PAIRS, "pairs"),
+    bonds=(BONDS, "bonds"),
     modal=(EACH, "modal"),
 )
-STATE = Space(*_SIZES, control=CONTROL, phase=(PHASE, "n"), remembered=REMEMBERED, peaks=(EACH, "visible"))
+STATE = Space(
+    *_SIZES,
+    control=CONTROL,
+    phase=(PHASE, "n"),
+    remembered=REMEMBERED,
+    bonded=(OF_POLYGON, "bonds"),
+    peaks=(EACH, "visible"),
+)
 INPUT_MOTION = Space(*_SIZES, motion=BASE, loads=(INPUT_LOADS, "ports"))  # the array BASE
 WORK = Space(
     *_SIZES,
@@ -250,6 +271,7 @@ WORK = Space(
     pushes=(PUSHES, "ports"),
     spots=(SPOTS, "ports"),
     hits=(HITS, "pairs"),
+    sound=(SOUND, "bonds"),
     turn=TURN,
     memory=REMEMBERED,
     giving=REMEMBERED,
@@ -260,14 +282,23 @@ WORK = Space(
 
 
 def sizes_of(
-    n: int, m: int, k: int, b: int, corners: int, ports: int = 0, pairs: int = 0, modal: int = 0, modal_room: int = 0
+    n: int,
+    m: int,
+    k: int,
+    b: int,
+    corners: int,
+    ports: int = 0,
+    pairs: int = 0,
+    bonds: int = 0,
+    modal: int = 0,
+    modal_room: int = 0,
 ) -> Sizes:
-    """The sizes of n blocks, m joints, of them b bearings, k ties, the ports and the pairs of neighbours."""
-    state = PHASE.size(n) + MEMORY.size(m) + k + STRETCH.size(pairs)
+    """The sizes of n blocks, m joints, of them b bearings, k ties, the ports, the pairs of neighbours and the bonds."""
+    state = PHASE.size(n) + MEMORY.size(m) + k + STRETCH.size(pairs) + OF_POLYGON.size(bonds)
     row = len(OF_BLOCK) * n + len(OF_JOINT) * m + k + len(OF_BASE)
-    row += len(OF_BEARING) * b + len(OF_PAIR) * pairs + len(OF_PORT) * ports
+    row += len(OF_BEARING) * b + len(OF_BOND) * bonds + len(OF_PAIR) * pairs + len(OF_PORT) * ports
     stride = (state + PACK - 1) // PACK * PACK
-    return Sizes(n, m, k, b, corners, ports, pairs, modal, modal_room, state, stride, row)
+    return Sizes(n, m, k, b, corners, ports, pairs, bonds, modal, modal_room, state, stride, row)
 
 
 # what callers give as `extras` where there are some, by its type; else None
@@ -288,6 +319,10 @@ class Extras(NamedTuple):
     hits: object  # what they bear
     stretches: object  # what they remember, of the state that is evaluated
     giving_stretches: object  # the rates of it
+    glued: int  # bonds
+    bonds: object
+    bonded: object  # row, what is left of them
+    sound: object  # of the evaluation
     turn: object  # of the base
     given: object  # WITH_EXTRAS or WITH_NEIGHBOURS
 
@@ -345,7 +380,7 @@ def meets_in_lanes(scene: Any, *_: Any) -> bool:
     return isinstance(extras.types[extras.fields.index("given")], types.Float)
 
 
-_PER_BODY = PHASE.per_n
+_PER_BODY, _BONDED = PHASE.per_n, OF_POLYGON.size(1)
 _head, _model, _state, _counts, _work = HEAD.over, MODEL.over, STATE.over, COUNTS.over, WORK.over
 
 
@@ -353,8 +388,9 @@ _head, _model, _state, _counts, _work = HEAD.over, MODEL.over, STATE.over, COUNT
 def sizes_in(model):
     """The sizes at the head of a model."""
     head = _head(model, 0)
-    shape = int(head.n), int(head.m), int(head.k), int(head.b), int(head.corners), int(head.ports), int(head.pairs)
-    return Sizes(*shape, int(head.modal), int(head.modal_room), int(head.state), int(head.stride), int(head.visible))
+    shape = int(head.n), int(head.m), int(head.k), int(head.b), int(head.corners)
+    beside = int(head.ports), int(head.pairs), int(head.bonds), int(head.modal), int(head.modal_room)
+    return Sizes(*shape, *beside, int(head.state), int(head.stride), int(head.visible))
 
 
 @leaf
@@ -362,11 +398,12 @@ def scene_of(model, state, counts, work, extras):
     """The structure whose arrays these rows are; extras: WITH_EXTRAS, or None if it has none."""
     sizes = sizes_in(model)
     lasting, counted, seen = _state(state, sizes), _counts(counts, 0), _work(work, sizes)
-    return scene_over(sizes, _model(model, sizes), lasting.control, counted, lasting.peaks, seen, extras)
+    described = _model(model, sizes)
+    return scene_over(sizes, described, lasting.control, counted, lasting.peaks, lasting.bonded, seen, extras)
 
 
 @varied_leaf
-def _extras_over(extras, sizes, model, work):
+def _extras_over(extras, sizes, model, bonded, work):
     return Extras(
         sizes.b,
         sizes.ports,
@@ -378,19 +415,23 @@ def _extras_over(extras, sizes, model, work):
         work.hits,
         work.memory.stretches,
         work.giving.stretches,
+        sizes.bonds,
+        model.bonds,
+        bonded,
+        work.sound,
         work.turn,
         extras,
     )
 
 
 @_extras_over.version(lambda extras, *_: isinstance(extras, types.NoneType))
-def _no_extras(extras, sizes, model, work):
+def _no_extras(extras, sizes, model, bonded, work):
     return None
 
 
 @leaf
-def scene_over(sizes, model, control, counts, peaks, work, extras):
-    """The scene of MODEL and WORK."""
+def scene_over(sizes, model, control, counts, peaks, bonded, work, extras):
+    """The scene of MODEL and WORK; bonded: what is left of bonds, of which there are none in lanes."""
     return Scene(
         sizes.n,
         sizes.m,
@@ -409,7 +450,7 @@ def scene_over(sizes, model, control, counts, peaks, work, extras):
         work.poses,
         work.resultants,
         work.pulls,
-        sizes.state - _PER_BODY * sizes.n,
+        sizes.state - _PER_BODY * sizes.n - _BONDED * sizes.bonds,
         work.memory.row,
         work.memory.slips,
         work.memory.plastic,
@@ -421,5 +462,5 @@ def scene_over(sizes, model, control, counts, peaks, work, extras):
         work.states,
         work.outputs,
         work.modal_room,
-        _extras_over(extras, sizes, model, work),
+        _extras_over(extras, sizes, model, bonded, work),
     )

@@ -1,4 +1,4 @@
-"""Steps of structures whose neighbours meet: a pair touches or lets go between two steps, and a gap ends the step."""
+"""Steps end where a gap closes or a bond breaks: pairs touch or let go between two steps, and bonds break there."""
 
 import math
 
@@ -6,6 +6,7 @@ from ..numba_ext.jit import kernel, leaf, varied
 from ..numba_ext.lanes import lesser, where, zero_like
 from .attempt import attempt
 from .contact import gap_of, is_near, stretches_in
+from .cracking import crack, until_broken
 from .kinematics import pose_body
 from .layout import PHASE, has_extras
 from .sides import SLACK
@@ -34,13 +35,14 @@ def gap_in(scene, k, p):
 
 @varied
 def meet(scene):
-    """Let pairs touch or let go, as row START of a step says; whether any has changed."""
+    """Let pairs touch or let go, and bonds break, as row START of a step says; whether forces have changed by it."""
     return False
 
 
 @meet.version(has_extras)
 def _meet(scene):
-    return meet_pairs(scene)
+    broke = crack(scene, row(scene, START))
+    return meet_pairs(scene) or broke
 
 
 @leaf
@@ -64,7 +66,10 @@ def meet_pairs(scene):
 
 @varied
 def until_closed(scene, shaking, segment, t, h):
-    """The length, s, of the step of h that has just been made; a shorter one replaces it where a gap closes in it."""
+    """The length, s, of the step of h that has just been made.
+
+    A shorter one replaces it where a gap closes in it or a bond begins to break.
+    """
     return h
 
 
@@ -74,6 +79,7 @@ def _until_closed(scene, shaking, segment, t, h):
     for p in range(scene.extras.met):
         if kept.touches[p] == 0.0 and is_near(scene, phase, scene.extras.pairs, p):
             part = min(part, closing(scene, h, p, gap_in(scene, END, p)))
+    part = until_broken(scene, h, part)
     if part < 1.0:
         h = part * h
         attempt(scene, shaking, segment, t, h)

@@ -24,6 +24,8 @@ from . import modal
 from .attempt import attempt, evaluate_at, rate, size_of, square_of
 from .base import is_quiet, segment_after
 from .bearing import come_off
+from .bond import copy_bonds
+from .cracking import crack_within
 from .evaluate import evaluate_state, moving, recall, show
 from .extras import is_loaded, let_go
 from .kinematics import is_tipped
@@ -122,6 +124,7 @@ def _serve_rows(scene, shaking, watch, segment, t, h):
         look(scene, shaking, segment, t, h, part, into)
         if watch.wide > scene.visible:
             copy(into[scene.visible :], row(scene, BETWEEN), moving(scene))
+            copy_bonds(scene, into[scene.visible + _PER_BODY * scene.n + scene.remembered :])
         counts.next_row += 1
 
 
@@ -152,6 +155,8 @@ def _finish(scene, shaking, watch, segment, t, h, by_modes):
     block = int(fallen(scene, phase))
     track_peaks(scene, shaking, segment, t, h, by_modes)
     _serve_rows(scene, shaking, watch, segment, t, h)
+    if crack_within(scene, h):
+        evaluate_at(scene, shaking, segment, row(scene, END), rate(scene, STAGES - 1), t + h)
     if block > 0:
         scene.counts.fallen, scene.control.fall_time = block, t + h
     copy(row(scene, START), row(scene, END), moving(scene))

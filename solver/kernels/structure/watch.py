@@ -136,11 +136,22 @@ def _gaps_in_row(scene):
     return first, first + met
 
 
+@varied_leaf
+def _bonds(scene):
+    """How many bonds an output row has, before the gaps of neighbours."""
+    return 0
+
+
+@_bonds.version(has_extras)
+def _some_bonds(scene):
+    return scene.extras.glued
+
+
 @leaf
 def _by_least(scene, j):
-    """Whether the least value of quantity j of an output row counts: of contacts and gaps."""
+    """Whether the least value of quantity j of an output row counts: of contacts, bonds and gaps."""
     first, (gap, end) = _BLOCKS * scene.n + _CONTACT * scene.m, gaps_in_row(scene)
-    return first <= j < first + scene.m or gap <= j < end
+    return first <= j < first + scene.m or gap - _bonds(scene) <= j < end
 
 
 @leaf
@@ -209,6 +220,8 @@ def _allow_those(scene, allowed, first):
     b, spotted = scene.extras.b, scene.extras.spotted
     _allow_field(scene, allowed, first, len(OF_BEARING) * b)
     first += len(OF_BEARING) * b
+    _allow_field(scene, allowed, first, scene.extras.glued)
+    first += scene.extras.glued
     for field in range(len(OF_PAIR)):
         _allow_field(scene, allowed, first + field * scene.extras.met, scene.extras.met)
     first += len(OF_PAIR) * scene.extras.met
@@ -235,6 +248,26 @@ def track_peaks(scene, shaking, segment, t, h, by_modes):
 
 
 @kernel
+def pose_joint_between(scene, phase, h, s, j):
+    """Place both bodies of joint j where they are at fraction s of the step; phase: of row BETWEEN."""
+    for body in (int(scene.joints.upper[j]), int(scene.joints.lower[j])):
+        if body < scene.n:
+            interpolate_body(scene, h, s, body)
+            pose_body(scene, phase, body)
+
+
+@kernel
+def load_joint_between(scene, phase, h, s, j):
+    """Load joint j at fraction s of the step; phase: of row BETWEEN, of which its two bodies are filled in."""
+    n, m = scene.n, scene.m
+    pose_joint_between(scene, phase, h, s, j)
+    if scene.settings.gives_way != 0.0:
+        for place in range(j, _PER_JOINT * m, m):
+            scene.memory[place] = _remembered(scene, h, s, _PER_BODY * n + place)
+    load_joint(scene, phase, j)
+
+
+@kernel
 def _look_at(scene, shaking, segment, t, h, s, q):
     """Raise the peaks of the block or joint to which quantity q belongs by its state at fraction s of the step.
 
@@ -254,14 +287,7 @@ def _look_at(scene, shaking, segment, t, h, s, q):
             _raise_peak(scene, place, trial[place])
     elif q < of_ties:
         j = (q - of_joints) % m
-        for body in (int(scene.joints.upper[j]), int(scene.joints.lower[j])):
-            if body < n:
-                interpolate_body(scene, h, s, body)
-                pose_body(scene, phase, body)
-        if scene.settings.gives_way != 0.0:
-            for place in range(j, _PER_JOINT * m, m):
-                scene.memory[place] = _remembered(scene, h, s, _PER_BODY * n + place)
-        load_joint(scene, phase, j)
+        load_joint_between(scene, phase, h, s, j)
         show_joint(scene, j, trial)
         for place in range(of_joints + j, of_ties, m):
             _raise_peak(scene, place, trial[place])

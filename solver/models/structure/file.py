@@ -33,7 +33,8 @@ _OF_SECTION = {
     "polygon": ("outline",),
 }
 _KEYS = ("name", "g", "block", "joint", "joints", "bearing", "tie", "port", "neighbours", "solver")
-_LAW = ("stiffness", "damping", "shear_ratio", "shear_damping", "friction", "dowel", "strength")
+_BOND = ("tensile_strength", "cohesion")
+_LAW = ("stiffness", "damping", "shear_ratio", "shear_damping", "friction", "dowel", "strength", *_BOND)
 _OF_SHAPE = {
     "box": ("width", "depth", "height", "top_width", "top_depth"),
     "drum": ("diameter", "top_diameter", "bore", "height"),
@@ -300,6 +301,8 @@ def bed_from(key: str, table: Mapping[str, Any]) -> Bed:
             raise InputError(f"{key}.{word}: missing, must be {NUMBERS[word][1]}")
     if found.get("dowel") and "friction" not in found:
         raise InputError(f"{key}.dowel = {found['dowel']}: needs friction; a joint without friction never slides")
+    if found.get("cohesion") and "friction" not in found:
+        raise InputError(f"{key}.cohesion = {found['cohesion']:g}: needs friction; a joint without never slides")
     return Bed(**found)
 
 

@@ -36,6 +36,8 @@ def modal_data_of(structure: Structure) -> ModalData:
         return ModalData(np.zeros(0), "left out")
     if structure.neighbours:
         return ModalData(np.zeros(0), "neighbours may meet")
+    if structure.bonds:
+        return ModalData(np.zeros(0), "joints may break")
     return _modal_data(structure.blocks, structure.joints, structure.ties, structure.g)
 
 

@@ -17,7 +17,7 @@ from ...common import ranges
 from ...common.errors import InputError, reading, shown
 from ...common.files import check_file_name, toml_of
 from ...common.notebook import Shown, counted, outlines
-from ...kernels.structure.layout import MOST_CORNERS
+from ...kernels.structure.layout import MOST_CORNERS, MOST_CUT
 from ..column.model import Column
 from ..column.settings import Settings
 from ..ports import Port
@@ -69,6 +69,11 @@ class Structure(Shown):
             if np.linalg.norm(apart) < LEAST_LENGTH:
                 raise InputError(f"tie[{e}].to: is the same place as from, must be {LEAST_LENGTH} m apart at least")
         for joint in self.joints:
+            count = len(joint.face.outline)
+            if joint.bed.is_bonded and joint.bearing is None and not 0 < count <= MOST_CUT:
+                found = f"{count} corners" if count else "a round section"
+                limit = f"must be a polygon of {MOST_CUT} corners at most where a joint bears tension or cohesion"
+                raise InputError(f"{joint.key}: {found}, {limit}")
             for face in (joint.above, joint.below):
                 if joint.bed.friction is not None and face is not None and len(face.outline) > MOST_CORNERS:
                     limit = f"must be {MOST_CORNERS} at most where a joint may slide"
@@ -116,12 +121,13 @@ class Structure(Shown):
 
     @property
     def sizes(self) -> dict[str, int]:
-        """Numbers of blocks, joints, ties, bearings (joints too), neighbours, ports, components of the base."""
+        """Numbers of blocks, joints (bearings and bonds too), ties, neighbours, ports, components of the base."""
         return {
             "block": self.n,
             "joint": len(self.joints),
             "tie": len(self.ties),
             "bearing": len(self.bearings),
+            "bond": len(self.bonds),
             "contact": len(self.neighbours),
             "port": len(self.ports),
             "base": 6,
@@ -159,6 +165,16 @@ class Structure(Shown):
     def bearings(self) -> tuple[Joint, ...]:
         """The bearings: the last joints."""
         return tuple(joint for joint in self.joints if joint.bearing is not None)
+
+    @cached_property
+    def bonds(self) -> tuple[int, ...]:
+        """Numbers, from 0, of the joints that bear tension or cohesion until they break."""
+        return tuple(j for j, joint in enumerate(self.joints) if joint.bed.is_bonded)
+
+    @property
+    def bond_names(self) -> tuple[str, ...]:
+        """Names of these joints."""
+        return tuple(self.joint_names[j] for j in self.bonds)
 
     @property
     def bearing_names(self) -> tuple[str, ...]:

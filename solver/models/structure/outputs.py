@@ -9,7 +9,7 @@ import numpy as np
 
 from ...common.errors import InputError
 from ...kernels.structure import layout as at
-from ..outputs import BASE, BEARING, BLOCK, CONTACT, JOINT, PORT, TIE, Histories, Output, units_of
+from ..outputs import BASE, BEARING, BLOCK, BOND, CONTACT, JOINT, PORT, TIE, Histories, Output, units_of
 from .blocks.faces import FloatArray
 from .blocks.shapes import turned
 
@@ -41,6 +41,11 @@ class StructureHistories(Histories):
     dx = Output(BEARING, "m", "Displacement of the first block of {it} over the second, along its first axis")
     dy = Output(BEARING, "m", "Displacement of the first block of {it} over the second, along its second axis")
     d = Output(BEARING, "m", "Displacement of {it}, whichever way", 0.0)
+    bond = Output(
+        *(BOND, "", "Part of the area of {it} that has not broken", 0.0, 1.0),
+        by_least=True,
+        name="share",
+    )
     gap = Output(CONTACT, "m", "Distance of {it}, below 0 while they press on each other", by_least=True)
     hit = Output(CONTACT, "N", "Force across of {it}, compression", 0.0, name="force")
     port_x = Output(
@@ -82,6 +87,7 @@ class StructureHistories(Histories):
         base = [part.name_of("") for part in StructureHistories.base.parts]
         joints = {BLOCK: structure.names, JOINT: structure.joint_names, BEARING: structure.bearing_names}
         joints[CONTACT] = structure.contact_names
+        joints[BOND] = structure.bond_names
         return {**joints, TIE: ties, PORT: [port.name for port in structure.ports], BASE: base}
 
     @property
@@ -140,6 +146,7 @@ _FIELDS = [
     *at.OF_JOINT,
     "tie",
     *at.OF_BEARING,
+    *at.OF_BOND,
     *at.OF_PAIR,
     *(f"port_{name}" for name in at.OF_PORT),
     "base",

@@ -49,15 +49,18 @@ class Model(NamedTuple):
 
     @property
     def extras(self) -> int | None:
-        """WITH_EXTRAS if it has bearings, ports or neighbours, else None: it takes other kernels (extras.py)."""
-        return at.WITH_EXTRAS if self.sizes.b or self.sizes.ports or self.sizes.pairs else None
+        """WITH_EXTRAS if it has bearings, ports, neighbours or bonds, else None: it takes other kernels (extras.py)."""
+        sizes = self.sizes
+        return at.WITH_EXTRAS if sizes.b or sizes.ports or sizes.pairs or sizes.bonds else None
 
 
 def arrays_of(model: Model) -> Arrays:
-    """The arrays of a structure, zero but for its own model."""
+    """The arrays of a structure, zero but for its own model and its bonds as built."""
+    state = np.zeros(at.STATE.size(model.sizes))
+    _put_bonds(at.STATE.see(state, model.sizes).bonded, model.names)
     return Arrays(
         model.numbers.copy(),
-        np.zeros(at.STATE.size(model.sizes)),
+        state,
         np.zeros(at.COUNTS.beside, dtype=np.int64),
         np.zeros(at.INPUT_MOTION.size(model.sizes)),
         np.zeros(at.WORK.size(model.sizes)),
@@ -65,10 +68,19 @@ def arrays_of(model: Model) -> Arrays:
     )
 
 
+def _put_bonds(bonded: FloatArray, names: Any) -> None:
+    """Let all of each bond be left."""
+    for left, j in zip(bonded.reshape(-1, at.OF_POLYGON.size(1)), names.bonds.joint.astype(int), strict=False):
+        first, count = int(names.joints.first[j]), int(names.joints.corners[j])
+        at.BONDED.see(left).corners = count
+        corners = names.corners[2 * first : 2 * (first + count)]
+        left[at.BONDED.beside :][: corners.size] = corners
+
+
 def with_modes(model: Model, modal: FloatArray) -> Model:
     """A copy of a model without modes, with their data."""
     room = MODAL_ROOM.size((AXES * model.sizes.n, model.sizes.k))
-    sizes = at.sizes_of(*model.sizes[:7], modal.size, room if modal.size else 0)
+    sizes = at.sizes_of(*model.sizes[:8], modal.size, room if modal.size else 0)
     made = Model(sizes, np.concatenate([model.numbers, modal]))
     made.numbers[: len(sizes)] = sizes
     made.names.settings.has_modes = float(modal.size > 0)
@@ -105,7 +117,9 @@ def _model_of(parts: Parts, g: float) -> Model:
     sides = [np.concatenate(_outlines_of(pair)).ravel() for pair in pairs]
     corners = np.concatenate([corners, *sides])
     bearings = sum(joint.bearing is not None for joint in joints)
-    sizes = at.sizes_of(len(solids), len(joints), len(ties), bearings, corners.size, len(ports), len(pairs))
+    bonds = [j for j, joint in enumerate(joints) if joint.bed.is_bonded]
+    parts_too = len(ports), len(pairs), len(bonds)
+    sizes = at.sizes_of(len(solids), len(joints), len(ties), bearings, corners.size, *parts_too)
     model = Model(sizes, np.zeros(at.MODEL.size(sizes)))
     model.numbers[: len(sizes)] = sizes
     names = model.names
@@ -121,6 +135,10 @@ def _model_of(parts: Parts, g: float) -> Model:
             table.above[j], table.below[j] = behind, behind + above.size
             table.rim_a[j], table.rim_b[j] = _rim(above), _rim(below)
             behind += above.size + below.size
+    for e, j in enumerate(bonds):
+        table.bond[j], names.bonds.joint[e] = e + 1.0, j
+        names.bonds.strength[e] = joints[j].bed.tensile_strength
+        names.bonds.cohesion[e] = joints[j].bed.cohesion
     for e, tie in enumerate(ties):
         _fill_tie(names.ties, e, tie, solids)
     for p, port in enumerate(ports):

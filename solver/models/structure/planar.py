@@ -21,13 +21,13 @@ CLOSE = 1e-9  # relative
 def column_of(structure: Structure) -> Column | None:
     """The column whose stack (`Structure.stack`) is this structure; None if there is none.
 
-    It needs boxes or drums, each in the middle of the one below, and no ties, bearings or neighbours. Along its joints
-    a structure is elastic and a column rigid: that is what a run of the column leaves out.
+    It needs boxes or drums, each in the middle of the one below, and no ties, bearings, neighbours or bonds. Along its
+    joints a structure is elastic and a column rigid: that is what a run of the column leaves out.
     """
     order = np.argsort([-float(block.centroid[2]) for block in structure.blocks], kind="stable")
     solids = [structure.blocks[i] for i in order]
     under = {joint.upper: joint for joint in structure.joints}
-    if structure.ties or structure.bearings or structure.neighbours:
+    if structure.ties or structure.bearings or structure.neighbours or structure.bonds:
         return None
     if not len(under) == len(structure.joints) == structure.n:
         return None

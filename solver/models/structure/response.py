@@ -40,17 +40,18 @@ class SpatialResponse(StructureHistories, Result):
     time (s). Blocks: ux, uy, uz (m), of the centroids relative to the base, from the structure as built and without
     weight; rotation (rows, n, 3), axis times angle (rad). Joints, along the axes of the joint: N (N, compression), Mx,
     My, Mz (N m, restoring), Tx, Ty (N, of the upper block on the lower one), contact (0..1 of the area), sigma_max
-    (Pa), slip (m, that friction has given way by). tie (N, tension). Bearings: dx, dy, d (m), along their axes, and
+    (Pa), slip (m, that friction has given way by). bond (0..1 of the area, that has not broken), of joints that bear
+    tension or cohesion. tie (N, tension). Bearings: dx, dy, d (m), along their axes, and
     whichever way. Neighbours, pair by pair: gap (m, below 0 while
     they press on each other), hit (N). base (rows, 6): force and moment about the origin of the structure on the base.
 
-    peaks: largest absolute values of the continuous motion by these names; the least of contact; u: of the horizontal
-    displacement, over the rows. verdict: "overturned" (some block lies lower than built by half of its least extent, is
-    tipped by more than a quarter turn, or has come off a bearing), "standing" or "undecided"; reason: why, in words;
-    overturn_time (s, NaN if not), overturned_block (name, empty if not). stats: steps, rejected, evaluations, looks,
-    wall_time (s), settled_for (s). estimated_error, horizon and ensemble: as of the Response of a column. peak_ux:
-    peaks["ux"], of the centroids, whereas those of a column are of its top faces. overturned: whether a block has
-    fallen, also after the histories.
+    peaks: largest absolute values of the continuous motion by these names; the least of contact, bond and gap; u: of
+    the horizontal displacement, over the rows. verdict: "overturned" (some block lies lower than built by half of its
+    least extent, is tipped by more than a quarter turn, or has come off a bearing), "standing" or "undecided"; reason:
+    why, in words; overturn_time (s, NaN if not), overturned_block (name, empty if not). stats: steps, rejected,
+    evaluations, looks, wall_time (s), settled_for (s). estimated_error, horizon and ensemble: as of the Response of a
+    column. peak_ux: peaks["ux"], of the centroids, whereas those of a column are of its top faces. overturned: whether
+    a block has fallen, also after the histories.
     """
 
     structure: Structure

@@ -63,6 +63,13 @@ class Bed:
     friction: float | None = None  # Coulomb's coefficient; None: the joint never slides
     dowel: float = 0.0  # N, borne beside friction
     strength: float | None = None  # Pa, pressure that the faces bear; compared with by checks, the motion ignores it
+    tensile_strength: float = 0.0  # Pa, tension that it bears until it breaks (theory.md section 18)
+    cohesion: float = 0.0  # Pa, borne beside friction over what has not broken
+
+    @property
+    def is_bonded(self) -> bool:
+        """Whether it bears more than a dry joint, until it breaks."""
+        return self.tensile_strength > 0.0 or self.cohesion > 0.0
 
 
 @dataclass(frozen=True)

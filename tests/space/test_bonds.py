@@ -1,0 +1,308 @@
+"""Joints of mortar in space: tension and cohesion until they break."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.linalg import expm
+from scipy.optimize import brentq
+
+from solver import InputError, simulate
+from solver.commands.structure import summary
+from solver.ground.motion import Motion
+from solver.kernels.structure.layout import CONTROL
+from solver.models.outputs import places_of
+from solver.models.structure.kind import STRUCTURES
+from solver.models.structure.model import Structure
+from solver.models.structure.outputs import OUTPUTS
+from solver.models.structure.rest import rest_of, start_from
+from solver.models.structure.run import SpatialState
+from solver.models.structure.stepper import Stepper
+
+WIDTH, DEPTH, HEIGHT, MASS = 1.2, 0.8, 2.0, 1e4
+STIFFNESS, STRENGTH = 1e9, 2e5
+AREA = WIDTH * DEPTH
+SURFACE = 0.5 * STRENGTH**2 / STIFFNESS  # J/m2 that breaking takes
+STILL = Motion.from_samples(0.5, np.zeros(3))
+PIER = {"name": "pier", "width": WIDTH, "depth": DEPTH, "height": HEIGHT, "mass": MASS, "on": "base"}
+FloatArray = NDArray[np.float64]
+
+
+def pier(block: dict[str, Any] | None = None, tolerance: float = 1e-6, **law: Any) -> Structure:
+    """A block on a bed of mortar."""
+    joints = {"stiffness": STIFFNESS, "damping": 0.0, "tensile_strength": STRENGTH} | law
+    data = {"name": "pier", "joints": joints, "block": [block or PIER], "solver": {"tolerance": tolerance}}
+    return Structure.from_dict(data)
+
+
+class Held:
+    """A pier held in a place; its bond breaks as `keep` says."""
+
+    def __init__(self, structure: Structure) -> None:
+        self.stepper = Stepper(structure)
+        start_from(self.stepper, rest_of(structure))
+        self._places = places_of(OUTPUTS, structure.sizes)
+
+    def resultants(self, turn: tuple[float, float], opening: float, keep: bool = False) -> dict[str, float]:
+        """Turned about the middle of its foot by an axis times an angle, and lifted along the normal of the joint."""
+        see, angle = self.stepper.see, math.hypot(*turn)
+        x, y = (turn[0] / angle, turn[1] / angle) if angle else (0.0, 0.0)
+        half, sine = 0.5 * angle, math.sin(angle)
+        see.q0[:], see.q1[:], see.q2[:], see.q3[:] = math.cos(half), math.sin(half) * x, math.sin(half) * y, 0.0
+        arm = 0.5 * HEIGHT
+        lean = math.sin(half)  # of the joint's normal, half-way between both faces
+        see.ux[:] = arm * sine * y + opening * lean * y
+        see.uy[:] = -arm * sine * x - opening * lean * x
+        see.uz[:] = arm * (math.cos(angle) - 1.0) + opening * math.cos(half)
+        self.stepper.observe(keep=keep)
+        return {name: float(self.stepper.row[self._places[name]][0]) for name in ("N", "Mx", "My", "bond")}
+
+    def moment(self, slope: float, force: float, keep: bool = False) -> tuple[float, float]:
+        """Moment under a constant force, and what is left of the bond, by the slope of one face over the other."""
+        turn = (0.0, 2.0 * math.asin(0.5 * slope))
+        opening = brentq(lambda u: self.resultants(turn, u)["N"] - force, -1e-2, 1e-2, xtol=1e-17, rtol=1e-15)
+        found = self.resultants(turn, opening, keep)
+        return found["My"], found["bond"]
+
+
+FORCE = 1e5
+FIRST = 2.0 * (FORCE / AREA + STRENGTH) / (STIFFNESS * WIDTH)  # the slope at which it begins to break
+
+
+def broken_to(slope: float) -> float:
+    """Length of the bond that is left at this slope."""
+    if slope <= FIRST:
+        return WIDTH
+    left = lambda a: STIFFNESS * a * slope - 2.0 * FORCE / (a * DEPTH) - 2.0 * STRENGTH  # noqa: E731
+    return float(brentq(left, 1e-6, WIDTH, xtol=1e-16))
+
+
+@pytest.mark.parametrize("part", [0.5, 0.999, 1.5, 3.0, 6.0])
+def test_moment_and_crack_follow_the_closed_form(part: float) -> None:
+    """Measured: 3e-11."""
+    slope = part * FIRST
+    moment, left = Held(pier()).moment(slope, FORCE)
+    length = broken_to(slope)
+    if part < 1.0:
+        expected = STIFFNESS * DEPTH * WIDTH**3 / 12.0 * slope
+    else:
+        expected = FORCE * (0.5 * WIDTH - length / 3.0) + STRENGTH * DEPTH * length**2 / 6.0
+    assert moment == pytest.approx(expected, rel=1e-8)
+    assert left == pytest.approx(length / WIDTH, rel=1e-8)
+
+
+def test_unloading_keeps_the_crack() -> None:
+    """Back in full contact the joint is as stiff as before, and beyond that what was broken is dry."""
+    held = Held(pier())
+    for part in np.linspace(0.0, 3.0, 61):
+        held.moment(part * FIRST, FORCE, keep=True)
+    length = broken_to(3.0 * FIRST)
+    closed = 2.0 * FORCE / AREA / (STIFFNESS * WIDTH)
+    moment, left = held.moment(0.9 * closed, FORCE)
+    assert moment == pytest.approx(STIFFNESS * DEPTH * WIDTH**3 / 12.0 * 0.9 * closed, rel=1e-8)
+    assert left == pytest.approx(length / WIDTH, rel=1e-8)
+    moment, _ = held.moment(2.5 * FIRST, FORCE)
+    again = held.moment(2.5 * FIRST, FORCE, keep=True)[0]
+    assert moment == again  # less turned than before: nothing breaks
+    tip = 0.5 * WIDTH - length  # the bond is pulled from here to where p = 0
+    fibres = (np.arange(400_000) + 0.5) / 400_000 * WIDTH - 0.5 * WIDTH
+
+    def by_fibres(opening: float) -> tuple[float, float]:
+        depth = -opening + 2.5 * FIRST * fibres
+        pressure = STIFFNESS * np.where(fibres > tip, depth, np.maximum(depth, 0.0))
+        each = pressure * DEPTH * WIDTH / fibres.size
+        return float(np.sum(each)), float(np.sum(each * fibres))
+
+    opening = brentq(lambda u: by_fibres(u)[0] - FORCE, -1e-2, 1e-2, xtol=1e-16)
+    assert moment == pytest.approx(by_fibres(opening)[1], rel=1e-5)  # measured 2e-6: the fibres' own width
+
+
+def test_a_bond_is_cut_by_every_turn_it_has_been_through() -> None:
+    """Fibres over a section of six corners, that break one by one as the block leans to all sides."""
+    outline = [[-0.6, -0.3], [0.5, -0.4], [0.7, 0.1], [0.3, 0.45], [-0.2, 0.4], [-0.55, 0.2]]
+    block = {"name": "pier", "width": 2.0, "depth": 1.2, "height": HEIGHT, "mass": MASS, "position": [0.0, 0.0, 0.0]}
+    joint = {"between": ["pier", "base"], "at": [0.0, 0.0, 0.0], "section": "polygon", "outline": outline}
+    law = {"stiffness": STIFFNESS, "damping": 0.0, "tensile_strength": STRENGTH}
+    made = Structure.from_dict({"name": "pier", "joints": law, "joint": [joint], "block": [block]})
+    held, face = Held(made), made.joints[0].face
+    corners = np.array(face.outline)
+    grid = np.linspace(-1.0, 1.0, 2001)
+    x, y = (part.ravel() for part in np.meshgrid(grid, grid))
+    inside = np.ones(x.size, dtype=bool)
+    for (x0, y0), (x1, y1) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        inside &= (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0) > 0.0
+    x, y, cell = x[inside], y[inside], (grid[1] - grid[0]) ** 2
+    whole, centre = np.ones(x.size, dtype=bool), face.centre
+    for angle in np.linspace(0.0, 2.0 * math.pi, 25):
+        slopes = 8e-4 * math.cos(angle), 6e-4 * math.sin(angle)
+        size = math.hypot(*slopes)
+        turn = 2.0 * math.asin(0.5 * size)
+        held.resultants((turn * slopes[0] / size, turn * slopes[1] / size), 1.2e-4)
+        found = held.stepper  # the penetration, read off where the block is: of the centre of the joint
+        found.observe(keep=True)
+        moved = 1.2e-4 + centre[1] * slopes[0] - centre[0] * slopes[1]
+        depth = -moved + slopes[1] * x - slopes[0] * y
+        whole &= STIFFNESS * depth >= -STRENGTH
+        pressure = STIFFNESS * np.where(whole, depth, np.maximum(depth, 0.0)) * cell
+        row = {name: float(found.row[places_of(OUTPUTS, made.sizes)[name]][0]) for name in ("N", "Mx", "My", "bond")}
+        largest = STRENGTH * AREA
+        assert row["N"] == pytest.approx(np.sum(pressure), abs=2e-3 * largest)
+        assert row["My"] == pytest.approx(np.sum(pressure * x), abs=2e-3 * largest)
+        assert row["Mx"] == pytest.approx(-np.sum(pressure * y), abs=2e-3 * largest)
+        assert row["bond"] == pytest.approx(np.mean(whole), abs=1e-3)
+    assert 0.05 < row["bond"] < 0.6
+
+
+def thrown(
+    structure: Structure, spin: tuple[float, float, float], velocity: tuple[float, float, float], until: float = 0.6
+) -> tuple[Stepper, FloatArray, FloatArray]:
+    """Output rows and energies above the first of a pier that is given a push at rest."""
+    stepper = Stepper(structure)
+    start_from(stepper, rest_of(structure))
+    see, arm = stepper.see, (0.0, 0.0, 0.5 * HEIGHT)
+    see.wx[:], see.wy[:], see.wz[:] = spin
+    see.vx[:], see.vy[:], see.vz[:] = np.cross(spin, arm) + np.array(velocity)
+    begin = stepper.observe()
+    rows = stepper.run(None, 0.0, until, np.linspace(0.0, until, 61), states=True)
+    visible, energies = stepper.sizes.visible, []
+    for state in rows[:, visible:]:
+        stepper.phase[:] = state
+        energies.append(stepper.observe() - begin)
+    return stepper, rows[:, :visible], np.array(energies)
+
+
+@pytest.mark.parametrize(
+    ("spin", "velocity"),
+    [((0.0, 0.05, 0.0), (0.0, 0.0, 0.0)), ((0.2, 0.3, 0.0), (0.0, 0.0, 0.0)), ((0.0, 0.0, 0.0), (0.0, 0.0, 0.5))],
+    ids=["cracks in part", "leans to all sides", "is pulled off at once"],
+)
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6])
+def test_energy_is_lost_to_what_breaks_alone(
+    spin: tuple[float, float, float], velocity: tuple[float, float, float], tolerance: float
+) -> None:
+    """Without damping; measured at most 2e-4 of the tolerance, of the energy of the motion."""
+    structure = pier(tolerance=tolerance)
+    _, rows, energy = thrown(structure, spin, velocity)
+    bond = rows[:, places_of(OUTPUTS, structure.sizes)["bond"]][:, 0]
+    moved = 0.5 * MASS * sum(v * v for v in velocity) + 0.5 * MASS * sum(w * w for w in spin)
+    assert np.all(np.diff(bond) <= 0.0)
+    assert bond[-1] < 0.95
+    assert np.max(np.abs(energy + SURFACE * AREA * (1.0 - bond))) < 1e-2 * tolerance * moved
+
+
+@pytest.mark.parametrize("spin", [(0.0, 0.08, 0.0), (0.02, 0.08, 0.01)], ids=["in its plane", "to all sides"])
+def test_a_run_that_cracks_converges(spin: tuple[float, float, float]) -> None:
+    """Measured: at most 12 tolerances of the largest displacement, and 7 of the share of the bond."""
+    found = {}
+    for tolerance in (1e-3, 1e-5, 1e-8):
+        structure = pier(tolerance=tolerance, damping=1e-3, friction=0.5, cohesion=1e6)
+        _, rows, _ = thrown(structure, spin, (0.0, 0.0, 0.0), 0.3)
+        places = places_of(OUTPUTS, structure.sizes)
+        found[tolerance] = rows[:, places["ux"]], rows[:, places["bond"]]
+    exact, left = found[1e-8]
+    assert 0.1 < left[-1, 0] < 0.9
+    for tolerance in (1e-3, 1e-5):
+        assert np.max(np.abs(found[tolerance][0] - exact)) < 20.0 * tolerance * np.max(np.abs(exact))
+        assert np.max(np.abs(found[tolerance][1] - left)) < 20.0 * tolerance
+
+
+def test_what_has_broken_through_is_a_dry_joint() -> None:
+    """From a state after the last of the bond has gone the run is that of a joint without, to the bit."""
+    mortar = pier(damping=1e-3, friction=0.5)
+    stepper, _, _ = thrown(mortar, (0.0, 0.3, 0.0), (0.0, 0.0, 0.0), 0.4)
+    assert stepper.state.bonded[0] == 0.0
+    dry = Stepper(pier(damping=1e-3, friction=0.5, tensile_strength=0.0))
+    count = dry.phase.size
+    for other in (stepper, dry):
+        other.arrays.counts[:] = 0
+        other.arrays.state[: CONTROL.beside] = 0.0
+    dry.phase[:] = stepper.phase[:count]
+    broken, without = (one.run(None, 0.0, 0.3, np.linspace(0.0, 0.3, 31))[:, :6] for one in (stepper, dry))
+    assert np.array_equal(broken, without)
+
+
+def test_no_strength_is_the_joint_without_bits_changed() -> None:
+    plain, none = pier(tensile_strength=0.0, damping=1e-3), pier(tensile_strength=0.0, cohesion=0.0, friction=0.5)
+    assert plain.model.extras is None
+    assert none.model.extras is None
+
+
+def test_a_strength_that_is_never_reached_gives_a_linear_motion() -> None:
+    """Pulled as much as pressed, against exponentials of its tangent at rest: measured 3e-4, as far as it tilts."""
+    structure = pier(tensile_strength=1e9, tolerance=1e-8)
+    spin, until = 0.1, 0.05
+    _, rows, _ = thrown(structure, (0.0, spin, 0.0), (0.0, 0.0, 0.0), until)
+    places = places_of(OUTPUTS, structure.sizes)
+    mass = np.zeros((6, 6))
+    mass[:3, :3], mass[3:, 3:] = MASS * np.eye(3), structure.blocks[0].inertia
+    system = np.block(
+        [[np.zeros((6, 6)), np.eye(6)], [-np.linalg.solve(mass, rest_of(structure).stiffness), np.zeros((6, 6))]]
+    )
+    begin = np.zeros(12)
+    begin[6], begin[10] = 0.5 * HEIGHT * spin, spin
+    expected = np.array([(expm(t * system) @ begin)[0] for t in np.linspace(0.0, until, 61)])
+    assert np.all(rows[:, places["bond"]] == 1.0)
+    pulled = np.abs(rows[:, places["My"]]) / (WIDTH * AREA / 6.0) - rows[:, places["N"]] / AREA
+    assert np.max(pulled) > 2.0 * STRENGTH  # Pa, at the edge
+    assert rows[:, places["ux"]][:, 0] == pytest.approx(expected, abs=2e-3 * np.max(np.abs(expected)))
+
+
+@pytest.mark.parametrize("speed", [0.05, 0.5], ids=["holds", "slides"])
+def test_cohesion_is_borne_beside_friction_and_lost_for_good(speed: float) -> None:
+    structure = pier(tensile_strength=1e7, cohesion=3e5, friction=0.5, damping=1e-4, shear_damping=0.0)
+    _, rows, _ = thrown(structure, (0.0, 0.0, 0.0), (speed, 0.0, 0.0), 0.2)
+    places = places_of(OUTPUTS, structure.sizes)
+    force, normal, bond = (rows[:, places[name]][:, 0] for name in ("Tx", "N", "bond"))
+    limit = 0.5 * normal
+    if speed < 0.1:
+        assert np.all(bond == 1.0)
+        assert np.max(np.abs(force) - limit) > 1e4  # borne by cohesion
+        assert np.all(np.abs(force) < limit + 3e5 * AREA)
+    else:
+        assert bond[-1] == 0.0
+        assert np.all(np.abs(force[bond == 0.0]) <= limit[bond == 0.0] * (1.0 + 1e-12))
+
+
+def test_the_first_slide_is_at_friction_and_cohesion_together() -> None:
+    """A push that grows slowly along a flat pier: measured 3e-4 of the force, as the normal force ripples."""
+    flat = {**PIER, "height": 0.1}
+    structure = pier(flat, tensile_strength=1e7, cohesion=3e4, friction=0.5, damping=2e-3)
+    rate = 4.0  # m/s3
+    time = np.linspace(0.0, 3.0, 301)
+    response = simulate(structure, Motion.from_samples(0.01, -rate * time))
+    bond = response.bond[:, 0]
+    last = float(response.time[np.flatnonzero(bond == 1.0)[-1]])
+    limit = 0.5 * MASS * structure.g + 3e4 * AREA
+    assert MASS * rate * last == pytest.approx(limit, rel=2e-2)
+
+
+@pytest.mark.parametrize(
+    ("law", "block", "why"),
+    [
+        ({"cohesion": 1e5}, None, "pier.toml"),
+        ({"tensile_strength": -1.0}, None, "tensile_strength = -1"),
+        ({}, {"name": "pier", "shape": "drum", "diameter": 1.0, "height": 1.0, "mass": 1.0, "on": "base"}, "round"),
+    ],
+)
+def test_what_cannot_be_is_said_in_a_line(law: dict[str, Any], block: dict[str, Any] | None, why: str) -> None:
+    with pytest.raises(InputError) as caught:
+        pier(block, **law)
+    message = str(caught.value)
+    assert "\n" not in message
+    assert (why if why != "pier.toml" else "needs friction") in message
+
+
+def test_runs_of_joints_that_may_break_go_alone_and_their_least_share_is_kept() -> None:
+    assert STRUCTURES.lanes(pier(), ["peak_u"]).why_not == "joints may break"
+    response = simulate(pier(damping=1e-3), STILL)
+    assert response.peaks["bond"][0] == 1.0
+    assert response.names[-7] == "bond[pier-base].share"
+    state = SpatialState(*(np.array([[0.0, 0.0, z]]) for z in (0.0, 0.0, 0.5, 0.0)))
+    broken = simulate(pier(damping=1e-3), STILL, initial=state)
+    assert broken.peaks["bond"][0] == 0.0
+    assert "what is bonded of them: pier-base none" in summary(broken)
+    assert "no joint has cracked" in summary(response)
