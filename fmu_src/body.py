@@ -24,7 +24,7 @@ from solver.kernels.structure.layout import BASE as BASE_OF_STRUCTURE
 from solver.models.column import stepper as in_plane
 from solver.models.column.model import Column
 from solver.models.column.rest import check_rest
-from solver.models.outputs import BASE
+from solver.models.outputs import BASE, BOND
 from solver.models.protocol import Kind
 from solver.models.structure.driven import SKIP_CODES, Chosen, DrivenStructure, packed, record_of, sizes_in
 from solver.models.structure.file import describes_structure, in_space
@@ -137,11 +137,11 @@ class ColumnBody(Body, word="column"):
         self.text = json.dumps({"column": column.to_dict(), "drive": drive}, indent=1)
         blocks = "block" if column.n == 1 else "blocks"
         self.about = f"Column of {column.n} rigid {blocks} with no-tension elastic joints under base acceleration"
-        ports = at.SPOTS.size(len(column.ports))
-        self.sizes = at.ROW.size(column.n) + ports, at.SPLIT.beside, at.PEAKS.size(column.n) + ports
-        folder, more = ("paper", ()) if column.kind.fixed else ("api", ("join_base",))
-        folder = "ports" if column.ports else folder
-        used = ("assemble_column", "run", "observe_state", *more)
+        more = at.SPOTS.size(len(column.ports)) + column.sizes[BOND]
+        self.sizes = at.ROW.size(column.n) + more, at.SPLIT.beside, at.PEAKS.size(column.n) + more
+        folder, beside = ("paper", ()) if column.kind.fixed else ("api", ("join_base",))
+        folder = "bonds" if column.is_brittle else "ports" if column.ports else folder
+        used = ("assemble_column", "run", "observe_state", *beside)
         self.kernels = Carried("models.column.first_run", folder, used)
         self.why_not_native = "has solver.formulation = paper, must be exact" if column.kind.fixed else ""
 

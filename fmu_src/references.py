@@ -156,6 +156,8 @@ FAMILIES = {
     **{f"port.{name}_peak": 89 + i for i, name in enumerate(OF_PORT)},
     **{f"port.{name}": 98 + i for i, name in enumerate(COMPONENTS)},
     **{f"port.d{name}": 104 + i for i, name in enumerate(COMPONENTS)},
+    "joint.tensile_strength": 110,
+    "joint.cohesion": 111,
 }
 assert MAX_BLOCKS <= FAMILY
 

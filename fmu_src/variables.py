@@ -15,14 +15,15 @@ from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
-from solver.common.errors import InputError
+from solver.common.errors import InputError, check_number
 from solver.common.ranges import NUMBERS
 from solver.ground.loads import IN_PLANE
 from solver.ground.motion import STANDARD_GRAVITY
+from solver.models.column.block import Joint
 from solver.models.column.model import Column
 from solver.models.column.outputs import OUTPUTS
 from solver.models.column.settings import SKIPS
-from solver.models.outputs import BASE, BLOCK, JOINT, PORT, Output
+from solver.models.outputs import BASE, BLOCK, BOND, JOINT, PORT, Output
 from solver.models.ports import Port
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ ROLES = ("input", "output", "parameter")  # in the order of the table
 START_TIME = 0.0  # s
 STOP_TIME = 20.0  # s
 STEP_SIZE = 1e-3  # s
+LEAST_BOND = 1.0  # Pa, of what makes a joint brittle
 
 
 @dataclass(frozen=True)
@@ -133,7 +135,7 @@ def named_ports(ports: Sequence[Port]) -> list[str]:
 
 # inputs that an output of the row depends on without delay, all unless given here; of TURNING the base joint alone
 _DIRECT = {"ux": TURNED, "uz": TURNED, "theta": (), "slip": ()}
-_DIRECT |= dict.fromkeys(("N", "M", "contact", "sigma_max"), TURNING)
+_DIRECT |= dict.fromkeys(("N", "M", "contact", "sigma_max", "share"), TURNING)
 _DIRECT_OF_PORT = {"x": TURNED, "z": TURNED, "vx": TURNING, "vz": TURNING}
 LARGEST = "Largest absolute value of the motion so far"
 LEAST = "Least value of the motion so far"
@@ -188,6 +190,11 @@ JOINT_PARAMETERS = {
     "offset": ("m", "Offset of block {i} over what is under it, as built, positive to +x", True),
     "inclination": ("rad", "Angle of the joint under block {i} to the base, as built, clockwise", True),
 }
+# of a column with brittle joints
+BOND_PARAMETERS = {
+    "tensile_strength": ("Pa", "Tension that the mortar of the joint under block {i} bears until it breaks", False),
+    "cohesion": ("Pa", "Shear that the mortar of the joint under block {i} bears beside friction", False),
+}
 # what may change during a run: no length, no mass, nothing of the solver's
 TUNABLE = ("g", "joint.damping", "joints.damping_scale")
 RECORD = "base.record"
@@ -213,6 +220,7 @@ def variables(column: Column, record: str = "", reads_files: bool = True, drive:
     if len(column.ports) > FAMILY:
         raise InputError(f"port: {len(column.ports)} of them, must be at most {FAMILY} in an FMU")
     names = {BLOCK: numbers, JOINT: numbers, PORT: named_ports(column.ports)}
+    names[BOND] = numbers if column.is_brittle else []
     row, peaks = seen(OUTPUTS, names, lambda unit, i: sizes[unit][i - 1] if unit in sizes else USUAL_RATES[unit])
     row = [replace(output, depends_on=_direct(output.name, column.n)) for output in row]
     outputs = [*row, *_split_outputs(column), *peaks]
@@ -348,15 +356,31 @@ def tolerance_of(value: float) -> Variable:
 
 def _parameters(column: Column) -> list[Variable]:
     rows = [parameter_of("g", "m/s2", "Acceleration of gravity", column.g)]
-    for owner, parts, table in (("block", column.blocks, _BLOCK_PARAMETERS), ("joint", column.laws, JOINT_PARAMETERS)):
+    of_joints = joint_parameters(column)
+    for owner, parts, table in (("block", column.blocks, _BLOCK_PARAMETERS), ("joint", column.laws, of_joints)):
         for i, part in enumerate(parts, start=1):
             for key, (unit, text, optional) in table.items():
                 start = getattr(part, key)
-                rows.append(parameter_of(f"{owner}[{i}].{key}", unit, text.format(i=i), start, optional=optional))
+                limits = bond_limits(column.laws[i - 1], key)[0] if key in BOND_PARAMETERS else None
+                name, about = f"{owner}[{i}].{key}", text.format(i=i)
+                rows.append(parameter_of(name, unit, about, start, limits, optional))
     for key in _settings_of(column):
         (unit, text), start = _SETTINGS_PARAMETERS[key], getattr(column.settings, key)
         rows.append(parameter_of(f"solver.{key}", unit, text, ", ".join(start) if key == "without" else start))
     return rows
+
+
+def joint_parameters(column: Column) -> dict[str, tuple[str, str, bool]]:
+    """The parameters of every joint."""
+    return JOINT_PARAMETERS | (BOND_PARAMETERS if column.is_brittle else {})
+
+
+def bond_limits(built: Joint, key: str) -> tuple[tuple[float, float], str]:
+    """Limits of a parameter of a bond: a joint that is brittle as built stays so. And what it has to be."""
+    limits, meaning = NUMBERS[key]
+    if built.is_brittle and key == built.brittle_key:
+        return (LEAST_BOND, limits[1]), "at least 1 Pa and at most 1e12 Pa: the FMU was built with it"
+    return limits, meaning
 
 
 def _settings_of(column: Column) -> list[str]:
@@ -376,7 +400,9 @@ def column_from(built: Column, value: Callable[[str], float | int | str]) -> Col
 
     blocks = []
     for i, own in enumerate(built.blocks, start=1):
-        joint = {key: given("joint", i, key, optional) for key, (_, _, optional) in JOINT_PARAMETERS.items()}
+        joint = {key: given("joint", i, key, optional) for key, (_, _, optional) in joint_parameters(built).items()}
+        for key in BOND_PARAMETERS if built.is_brittle else ():
+            check_number(f"joint[{i}].{key}", joint[key], *bond_limits(own.joint, key))
         block = {key: given("block", i, key, optional) for key, (_, _, optional) in _BLOCK_PARAMETERS.items()}
         blocks.append(replace(own, joint=replace(own.joint, **joint), **block))  # type: ignore[arg-type]
     settings: dict[str, Any] = {key: value(f"solver.{key}") for key in _settings_of(built)}

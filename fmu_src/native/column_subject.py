@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from solver.common.ranges import LENGTH, NUMBERS
 from solver.kernels.api import engine, pointers
+from solver.kernels.bonds import layout as bonds
+from solver.kernels.bonds import pointers as pointers_of_bonds
 from solver.kernels.layout import spaces as at
 from solver.kernels.ports import pointers as pointers_of_ports
 from solver.models.column.block import (
@@ -21,11 +24,12 @@ from solver.models.column.outputs import OUTPUTS
 from solver.models.column.packing import ports_of, shape_of
 from solver.models.column.settings import SKIP_CODES
 from solver.models.column.stepper import REASONS
-from solver.models.outputs import PORT
+from solver.models.outputs import BOND, PORT
 
 from .. import rules
 from ..drive import USUAL, Drive
 from ..variables import (
+    BOND_PARAMETERS,
     DRIVE,
     JOINT_PARAMETERS,
     OVERTURN_JOINT,
@@ -33,6 +37,7 @@ from ..variables import (
     SLOPE_OF_BASE,
     TOLERANCE,
     Variable,
+    bond_limits,
     inputs_of_ports,
 )
 from .table import OF_BLOCKS, REFUSALS, VERDICTS, Check, Chosen, Subject, peaks_of
@@ -42,19 +47,23 @@ SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega"
 
 
 def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
-    """Of a column, of which only the number of blocks, the sections and the ports matter."""
-    n, spots, of_ports = column.n, at.SPOTS.size(len(column.ports)), inputs_of_ports(column)
+    """Of a column, of which only the number of blocks, the sections, the ports and whether it is brittle matter."""
+    n, spots, of_ports, spaces = column.n, at.SPOTS.size(len(column.ports)), inputs_of_ports(column), column.kind.spaces
     ports = [float(len(column.ports)), *ports_of(column).tolist()] if column.ports else []
+    of_bonds = bonds.GIVEN_OF_BOND if column.is_brittle else ()
+    mortar = [f"joint[{i}].{name}" for name in of_bonds for i in range(1, n + 1)]
+    last = spaces.STATE.size(n)
+    lost = at.CONTROL.beside + bonds.PHASE.places["bond_lost"][0] * n
     return Subject(
         falls=True,
         sizes={
             "N": n,
             "MODEL": engine.model_room(n) + len(ports),
-            "STATE": at.STATE.size(n) + spots,
+            "STATE": last + spots,
             "COUNTS": at.COUNTS.beside,
             "BASE": at.BASE.beside + len(of_ports),
-            "WORK": at.WORK.size(n) + spots,
-            "ROW": at.ROW.size(n) + spots,
+            "WORK": spaces.WORK.size(n) + spots,
+            "ROW": at.ROW.size(n) + spots + column.sizes[BOND],
             "SPLIT": at.SPLIT.beside,
             "ROOM": engine.scratch_room(n),
         },
@@ -73,19 +82,25 @@ def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
         ],
         slopes=SLOPES | slopes_of(of_ports),
         split="base.R0x",
-        given=[*_given(column, drive), *ports],
+        given=[*_given(column, drive), *ports, *mortar],
         choices=[
             *choices_of(drive),
             Chosen("solver.without", "ANY_WORDS", [(code, word) for word, code in SKIP_CODES.items()]),
         ],
         checks=_checks(column),
         reasons=REASONS,
-        peaks=peaks_of(OUTPUTS, column.sizes, at.STATE.size(n), behind=PORT),
+        peaks=peaks_of(OUTPUTS, column.sizes, last, {PORT: last, BOND: lost}),
         misfits=[MISFITS[kind] for kind in sorted(MISFITS)],
         segment=at.BASE.fields.index("segment"),
         base=at.BASE.fields,
-        entries=pointers_of_ports.ENTRIES if column.ports else pointers.ENTRIES,
+        entries=_entries(column),
     )
+
+
+def _entries(column: Column) -> Mapping[Any, tuple[Any, ...]]:
+    if column.is_brittle:
+        return pointers_of_bonds.ENTRIES
+    return pointers_of_ports.ENTRIES if column.ports else pointers.ENTRIES
 
 
 def slopes_of(loads: Sequence[Variable]) -> dict[str, str]:
@@ -152,6 +167,11 @@ def _checks(column: Column) -> list[Check]:
         rows += [Check(name, *NUMBERS[name.rpartition(".")[2]], True) for name in others]
         needs = f"joint[{i}].friction"
         rows.append(Check(f"joint[{i}].dowel", *NUMBERS["dowel"], True, relation=DOWEL_RELATION, needs=needs))
+        if column.is_brittle:
+            of_bond = {key: bond_limits(block.joint, key) for key in BOND_PARAMETERS}
+            rows.append(Check(f"joint[{i}].tensile_strength", *of_bond["tensile_strength"]))
+            own = of_bond["cohesion"]
+            rows.append(Check(f"joint[{i}].cohesion", *own, not own[0][0], relation=DOWEL_RELATION, needs=needs))
     return [*rows, Check(TOLERANCE, *NUMBERS["tolerance"]), Check(RECORD_SCALE, *rules.SCALE_LIMITS)]
 
 

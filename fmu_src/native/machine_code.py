@@ -49,6 +49,7 @@ class Kernels:
 
 COLUMN = Kernels("solver.kernels.api.pointers:ENTRIES")
 COLUMN_WITH_PORTS = Kernels("solver.kernels.ports.pointers:ENTRIES")
+BRITTLE_COLUMN = Kernels("solver.kernels.bonds.pointers:ENTRIES")
 STRUCTURE = Kernels("solver.kernels.api.pointers_of_structures:ENTRIES")
 
 

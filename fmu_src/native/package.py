@@ -12,6 +12,7 @@ from xml.etree.ElementTree import Element, tostring
 from solver import __version__
 from solver.common.files import identifier_of
 from solver.ground.motion import Motion
+from solver.models.column.model import Column
 
 from .. import documentation
 from ..body import Body, ColumnBody, StructureBody
@@ -22,7 +23,7 @@ from ..model_description3 import model_description3, terminals
 from ..record import usual_experiment
 from .column_subject import column_subject
 from .library import BESIDE_WINDOWS, OWN_HEADERS, libraries, sources
-from .machine_code import COLUMN, COLUMN_WITH_PORTS, STRUCTURE, Kernels, made_with
+from .machine_code import BRITTLE_COLUMN, COLUMN, COLUMN_WITH_PORTS, STRUCTURE, Kernels, made_with
 from .platforms import PLATFORMS, USUAL_FORM, Form
 from .source import describe_sources, source_files
 from .structure_subject import structure_subject
@@ -60,10 +61,15 @@ class Core(NamedTuple):
     kernels: Callable[[Any], Kernels]
 
 
+def kernels_of_column(column: Column) -> Kernels:
+    """With ports, with brittle joints, or without either."""
+    return BRITTLE_COLUMN if column.is_brittle else COLUMN_WITH_PORTS if column.ports else COLUMN
+
+
 CORES: dict[type[Body], Core] = {
     ColumnBody: Core(
         lambda body: column_subject(body.column, body.drive),
-        lambda body: COLUMN_WITH_PORTS if body.column.ports else COLUMN,
+        lambda body: kernels_of_column(body.column),
     ),
     StructureBody: Core(structure_subject, lambda _: STRUCTURE),
 }

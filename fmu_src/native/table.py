@@ -132,13 +132,20 @@ class Contents:
 VERDICTS = {f"VERDICT_{word.upper()}": number for word, number in VERDICT.items.items()}  # codes of a body of blocks
 
 
-def peaks_of(outputs: Sequence[Output], sizes: Mapping[str, int], last: int, behind: str = "") -> list[Peak]:
-    """Peaks of a body of blocks: they end before number `last` of its state, and behind it are those of this owner."""
-    stored = [output for output in outputs if output.owner != behind]
-    places = places_of([*stored, *(output for output in outputs if output.owner == behind)], sizes)
-    first = last - places[stored[-1].field].stop
-    found = ((places[output.field], output.by_least) for output in outputs)
-    return [Peak(first + k, by_least) for place, by_least in found for k in range(place.start, place.stop)]
+def peaks_of(
+    outputs: Sequence[Output], sizes: Mapping[str, int], last: int, beside: Mapping[str, int] | None = None
+) -> list[Peak]:
+    """Peaks of a body of blocks: they end before number `last` of its state. beside: owners whose peaks begin there."""
+    beside = beside or {}
+    own = [output for output in outputs if output.owner not in beside]
+    found, begins = places_of(own, sizes), {}
+    begins = {output.field: last - found[own[-1].field].stop + found[output.field].start for output in own}
+    for owner, place in beside.items():
+        for output in (output for output in outputs if output.owner == owner):
+            begins[output.field], place = place, place + sizes[owner]
+    lengths = {field: place.stop - place.start for field, place in places_of(outputs, sizes).items()}
+    every = ((begins[output.field], lengths[output.field], output.by_least) for output in outputs)
+    return [Peak(first + k, by_least) for first, length, by_least in every for k in range(length)]
 
 
 def headers(contents: Contents) -> dict[str, str]:

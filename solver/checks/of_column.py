@@ -48,6 +48,10 @@ class InPlane(Subject):
         names = [f"joint {i}" for i in range(1, self.model.n + 1)]
         return Joints.of(names, [contact.width for contact in self.model.contacts], self.model.laws)
 
+    @property
+    def bonds(self) -> tuple[str, ...]:
+        return self.joints.names if self.model.is_brittle else ()
+
     @cached_property
     def mechanism(self) -> Mechanism:
         """By which it overturns under a slow push. Raises as `capacity_curve` does."""

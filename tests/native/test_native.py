@@ -82,6 +82,39 @@ def test_one_and_fifty_blocks(tmp_path: Path, n: int, joint: str) -> None:
     assert same, apart
 
 
+def test_joints_of_mortar(tmp_path: Path) -> None:
+    """Through cracks, a joint that breaks and one that slides."""
+    column = ROOT / "examples" / "columns" / "mortar.toml"
+    native = Fmus.build(column, tmp_path / "native.fmu", *LINUX)
+    python = Fmus.build(column, tmp_path / "python.fmu")
+    results = compare(
+        native,
+        python,
+        {"push": 3.0},
+        {"push": 6.0, "joint[2].tensile_strength": 3e5, "joint[4].tensile_strength": 2e4},
+        {"push": 8.0, "joint[1].tensile_strength": 1.0, "joint[3].cohesion": 1e3, "solver.tolerance": 1e-8},
+        {"joint[2].offset": 0.15, "joint[3].cohesion": 0.0},
+    )
+    assert all(same for same, _ in results), results
+    wrong = [
+        (
+            "joint[2].tensile_strength",
+            0.0,
+            "joint[2].tensile_strength = 0.0: must be at least 1 Pa and at most 1e12 Pa",
+        ),
+        ("joint[3].cohesion", -1.0, "joint[3].cohesion = -1.0: must be a shear stress in Pa"),
+        (
+            "joint[1].friction",
+            0.0,
+            "joint[1].cohesion = 150000.0: needs friction; a joint without friction never slides",
+        ),
+    ]
+    for name, value, reason in wrong:
+        for fmu in (native, python):
+            done = ended(failures.wrong_values, fmu, [(name, value)])
+            assert reason in done.stdout + done.stderr, (name, fmu)
+
+
 def test_round_hollow_and_chipped_joints(tmp_path: Path) -> None:
     column = tmp_path / "drums.toml"
     column.write_text(

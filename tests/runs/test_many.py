@@ -104,7 +104,16 @@ def test_peaks_of_every_output_are_those_of_simulate() -> None:
 
 def test_what_is_kept_has_a_unit_and_is_what_a_response_has() -> None:
     assert {"peak_ux", *WATCHED} == {output.kept for output in OUTPUTS}
-    without_unit = {"least_contact", "peak_friction", "verdict", "overturned_joint", "steps", "evaluations", "path"}
+    without_unit = {
+        "least_contact",
+        "least_bond",
+        "peak_friction",
+        "verdict",
+        "overturned_joint",
+        "steps",
+        "evaluations",
+        "path",
+    }
     assert {name for name, kept in KEPT.items() if not kept.unit} == without_unit
 
 

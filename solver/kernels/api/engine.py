@@ -87,9 +87,7 @@ _row, _split, _snapshot = ROW.over, SPLIT.over, SNAPSHOT.over
 _given_settings, _given_block, _base_inputs = GIVEN_SETTINGS.over, GIVEN.over, BASE_INPUTS.over
 _SETTINGS_FIELDS, _BLOCK_FIELDS = GIVEN_SETTINGS.beside, GIVEN.beside
 _ROW_FIELDS, _ROW_BESIDE = ROW.per_n, ROW.beside
-_WORK_PER_N, _WORK_BESIDE = WORK.per_n, WORK.beside
 _MODEL_PER_N, _MODEL_BESIDE = MODEL.per_n, MODEL.beside
-_CONTROL_FIELDS, _STATE_PER_N = STATE.beside, STATE.per_n
 _COUNTS, _BASE, _SPLIT, _INPUTS = COUNTS.beside, BASE.beside, SPLIT.beside, BASE_INPUTS.beside
 
 
@@ -163,9 +161,16 @@ def describe(column, given, detail):
         if code != OK:
             return code
     settings.slides = max(settings.slides, settings.off_axis)
+    describe_more(model, given)
     derive(model)
-    clear(column.work.row, _WORK_PER_N * model.n + _WORK_BESIDE)  # responses of the modes of another model
+    clear(column.work.row, column.work.total)  # responses of the modes of another model
     return OK
+
+
+@varied
+def describe_more(model, given):
+    """Fill in what a model has beside from what stands behind the blocks in `given`: nothing."""
+    return
 
 
 @kernel
@@ -230,6 +235,7 @@ def _rest_of(model, rest, room):
     """
     blocks, settings = model.blocks, model.settings
     settle_joints(model, rest)
+    begin_memory(model, rest)
     if settings.off_axis == 0.0:
         return carries(model)
     copy(rest.slip, blocks.offset, model.n)
@@ -238,6 +244,12 @@ def _rest_of(model, rest, room):
         blocks.rest_turn[i] = rest.theta[i] if stands else math.inf  # nowhere
         blocks.rest_opening[i] = rest.opening[i]
     return stands
+
+
+@varied
+def begin_memory(model, rest):
+    """Store in a phase what the joints of a column as built remember: nothing."""
+    return
 
 
 @kernel
@@ -265,7 +277,7 @@ def _top_face(row):
 def reset(column):
     """State, counts and base of a column that has not moved yet; the state is all zeros."""
     base = column.base
-    clear(column.state.row, _STATE_PER_N * column.model.n + _CONTROL_FIELDS)
+    clear(column.state.row, column.state.total)
     clear(column.counts.row, _COUNTS)
     clear(base.row, _BASE)
     base.anchor = -math.inf  # nowhere
@@ -339,8 +351,8 @@ def motion_of_snapshot(column, snapshot, k):
 
 
 @varied_leaf
-def beside_row(samples):
-    """How many numbers stand behind an output row: those of ports."""
+def beside_row(column):
+    """How many numbers stand behind an output row: none."""
     return 0
 
 
@@ -422,7 +434,7 @@ def look(column, inputs, new_inputs, upright, elapsed, t, row, split):
 @leaf
 def _length(column):
     """Numbers of an output row, those of ports among them."""
-    return _ROW_FIELDS * column.model.n + _ROW_BESIDE + beside_row(column.samples)
+    return _ROW_FIELDS * column.model.n + _ROW_BESIDE + beside_row(column)
 
 
 @leaf

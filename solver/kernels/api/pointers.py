@@ -37,10 +37,13 @@ def assemble(n, given, from_rest, model, state, counts, base, work, scratch, det
     return engine.assemble(column, row_at(given), from_rest, row_at(scratch), row_at(detail))
 
 
-def entries_of(assemble: Callable[..., Any], samples_of: Any) -> dict[Callable[..., Any], tuple[Any, ...]]:
+def entries_of(
+    assemble: Callable[..., Any], samples_of: Any, column_at: Any = column_at
+) -> dict[Callable[..., Any], tuple[Any, ...]]:
     """Entry -> types of its arguments; all return a code.
 
-    samples_of: a leaf, what is followed beside the base: of the record, and of what lies behind the model.
+    samples_of: a leaf, what is followed beside the base: of the record, and of what lies behind the model. column_at: a
+    leaf, the column at pointers.
     """
 
     def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, az, scale, row, split):

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from ..joint.law import loaded_part
 from ..joint.sliding import opening_felt
-from ..numba_ext.jit import kernel
+from ..numba_ext.jit import kernel, varied, varied_leaf
 from ..sections.section import contact_of, forces_over, part_stiffness
 
 MOST_STEPS = 100
@@ -46,9 +46,15 @@ class JointAtRest(NamedTuple):
     spread: float  # N m, of the weight, by the mean rotation of either face
 
 
-@kernel
+@varied
 def find_rest(model, phase, room):
     """Take a phase from the straight column to its rest; return whether a stable rest exists. Slips stay."""
+    return balance(model, phase, room)
+
+
+@kernel
+def balance(model, phase, room):
+    """`find_rest` from any place near the rest, with what joints remember as it is."""
     enough = CLOSE * model.settings.rotation_floor
     row = _Row(room.a, room.b, room.c, room.d, room.e, room.f, room.g)
     for _ in range(MOST_STEPS):
@@ -69,6 +75,12 @@ def find_rest(model, phase, room):
     return False
 
 
+@varied_leaf
+def bearing_part(model, phase, i, left, right, opening, slope):
+    """The part (lo, hi) of the contact of joint i, from left to right, that bears at rest; lo >= hi: there is none."""
+    return loaded_part(left, right, 0.0, opening, slope, 0.0, 0.0)
+
+
 @kernel
 def joint_about(model, phase, i, carried):
     """Joint i, which carries a mass of `carried` kg, at a phase at rest."""
@@ -80,7 +92,7 @@ def joint_about(model, phase, i, carried):
     phi = 0.5 * (turn + below) + blocks.lean[i]
     contact, stiffness = contact_of(blocks, i, slip), blocks.stiffness[i]
     felt = opening_felt(opening, slip, slope)
-    lo, hi = loaded_part(contact.left, contact.right, 0.0, felt, slope, 0.0, 0.0)
+    lo, hi = bearing_part(model, phase, i, contact.left, contact.right, felt, slope)
     is_full = lo == contact.left and hi == contact.right
     normal, moment = 0.0, 0.0
     if lo < hi:

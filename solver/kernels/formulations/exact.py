@@ -20,7 +20,7 @@ One function serves one column and lanes of eight. Loads on blocks, where the ty
 
 from typing import NamedTuple
 
-from ..joint.law import resultants
+from ..joint.law import resultants_of
 from ..joint.sliding import (
     can_slide,
     opening_felt,
@@ -136,7 +136,8 @@ def _bear(model, phase, joints, hold, room, slides):
         if slides:
             felt = opening_felt(felt, slip, slope)
             felt_rate = opening_rate_felt(felt_rate, slip, slip_rate, slope, slope_rate)
-        normal, moment, length = resultants(blocks, hold, i, felt, slope, felt_rate, slope_rate, slip)
+        motion = felt, slope, felt_rate, slope_rate, slip
+        normal, moment, length = resultants_of(model, joints, hold, i, *motion)
         if slides:
             here.under_sine, here.under_cosine = sine, cosine
             if off_axis:
@@ -148,7 +149,7 @@ def _bear(model, phase, joints, hold, room, slides):
             moment += across
             here.across = across
             joints.pressure_shear[i] = pressure_shear(normal, sine, rim_force(blocks, i, felt, slope, slip))
-            joints.shear_capacity[i] = shear_capacity(blocks, i, normal)
+            joints.shear_capacity[i] = shear_capacity(model, joints, i, normal)
             here.given = joints.pressure_shear[i] - joints.sliding[i] * joints.shear_capacity[i]
         here.turned = moment * cosine
         joints.normal[i] = normal

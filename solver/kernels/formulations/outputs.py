@@ -1,6 +1,6 @@
 """One output row: all quantities of a column at one instant that a user can see."""
 
-from ..joint.law import joint_peak_pressure, law_of
+from ..joint.law import largest_pressure, law_of
 from ..joint.sliding import can_slide, opening_felt, opening_rate_felt, slip_if
 from ..layout.spaces import OK
 from ..numba_ext.jit import kernel, leaf, varied, varied_leaf
@@ -17,13 +17,13 @@ def observe(column, phase, motion, row):
     if code == OK:
         top_motion(column, phase, row.joints.ux, column.work.tops.between_rate, motion.theta, motion.omega)
         show(column, phase, column.work.joints, motion, row)
-        see_ports(column, phase, motion, row)
+        show_more(column, phase, motion, row)
     return code
 
 
 @varied_leaf
-def see_ports(column, phase, motion, row):
-    """Fill in, behind the output row of an evaluated phase, the motion of the ports: there are none."""
+def show_more(column, phase, motion, row):
+    """Fill in what stands behind the output row of an evaluated phase: nothing."""
     return
 
 
@@ -79,5 +79,6 @@ def show_joint(blocks, i, resultants, sine, cosine, opening, slope, opening_rate
     joints.S[i] = -(normal * sine + tangential * cosine)
     joints.T[i] = -tangential
     joints.contact[i] = length / (contact.right - contact.left)
-    joints.sigma_max[i] = joint_peak_pressure(contact, law, length, opening, slope, opening_rate, slope_rate)
+    motion = opening, slope, opening_rate, slope_rate
+    joints.sigma_max[i] = largest_pressure(resultants, i, contact, law, length, *motion)
     joints.slip[i] = slip - blocks.offset[i]

@@ -5,7 +5,7 @@ The functions that decide serve one column and lanes of eight.
 
 from ..joint.sliding import can_slide
 from ..layout.spaces import OK, PHASE_FIELDS, RIGID_FIELDS, SNAPSHOT
-from ..numba_ext.jit import kernel, leaf, varied
+from ..numba_ext.jit import kernel, leaf, varied, varied_leaf
 from ..numba_ext.lanes import magnitude, where
 from ..numba_ext.views import copy
 from .dispatch import evaluate
@@ -13,7 +13,7 @@ from .dispatch import evaluate
 _SNAPSHOT_BESIDE = SNAPSHOT.beside
 
 
-@leaf
+@varied_leaf
 def phase_size(work):
     """Number of values of a phase to copy."""
     return (PHASE_FIELDS if work.slips.count != 0.0 else RIGID_FIELDS) * work.n
@@ -47,6 +47,24 @@ def take_directions(work, phase):
 def note_directions(work, phase):
     """Store in a phase how the joints slide."""
     copy(phase.sliding, work.joints.sliding, int(work.slips.count))
+
+
+@varied_leaf
+def take_memory(work, phase):
+    """Let the joints remember what a phase holds: nothing."""
+    return
+
+
+@varied_leaf
+def keep_memory(work, phase):
+    """Store in a phase within a step what the joints remember at its start: nothing."""
+    return
+
+
+@varied_leaf
+def note_memory(column, phase):
+    """Store in a phase, just evaluated, at the end of a step what its joints remember from then on: nothing."""
+    return
 
 
 @leaf

@@ -2,13 +2,13 @@
 
 from ..joint.sliding import has_no_slips
 from ..layout.spaces import PHASE, PHASE_FIELDS
-from ..numba_ext.jit import by_width, leaf
+from ..numba_ext.jit import by_width, varied_leaf
 from ..numba_ext.lanes import LANES
 
 _phase = PHASE.over
 
 
-@leaf
+@varied_leaf
 def stage(work, k):
     """The phase of inner stage k, counted from 1."""
     n = work.n

@@ -7,7 +7,7 @@ bear the rest.
 """
 
 from ..layout.spaces import STRIP_NUMBERS
-from ..numba_ext.jit import by_width, leaf
+from ..numba_ext.jit import by_width, leaf, varied_leaf
 from ..numba_ext.lanes import LANES, LanesType, any_of, greater, where
 from ..sections.band import band_push
 from ..sections.faces import LENS, ON_RING
@@ -142,7 +142,7 @@ def _push_at(contact, stiffness, edge, opening, slope):
     return 0.5 * stiffness * pressed * pressed * depth_at(contact, edge)
 
 
-@leaf
-def shear_capacity(blocks, i, normal):
+@varied_leaf
+def shear_capacity(model, joints, i, normal):
     """Shear capacity of joint i by friction and dowel, N: unbounded (RIGID) if it never slides."""
-    return blocks.friction[i] * normal + blocks.dowel[i]
+    return model.blocks.friction[i] * normal + model.blocks.dowel[i]

@@ -11,7 +11,7 @@ In columns whose joints can slide all steps are examined.
 from ..formulations.base_motion import base_motion
 from ..formulations.dispatch import base_as_shown
 from ..formulations.outputs import show
-from ..formulations.slips import evaluate_after_jump, phase_size
+from ..formulations.slips import evaluate_after_jump, keep_memory, phase_size
 from ..integrators.bracket import bracket, narrowed, trial_within
 from ..integrators.interpolation import interpolate_phase, refine
 from ..integrators.stage import stage
@@ -144,6 +144,7 @@ def _see_within(column, t, h, s, seen):
     work = column.work
     interpolate_phase(work, h, s)
     copy(work.between.sliding, work.end.sliding, int(work.slips.count))  # the joints slide as during the step
+    keep_memory(work, work.between)
     _see(column, base_motion(column.base, column.samples, t + s * h), seen)
 
 

@@ -25,7 +25,7 @@ from ..api.engine import (
 from ..formulations.base_motion import base_motion, enter, is_loaded, is_silent, moving, smooth_reach, to_next_sample
 from ..formulations.dispatch import base_as_shown
 from ..formulations.exact import with_couple, with_push
-from ..formulations.outputs import see_ports
+from ..formulations.outputs import show_more
 from ..joint.sliding import can_slide
 from ..layout.spaces import BASE, LOAD, PORTS, ROW, SPLIT, SPOTS, STATE, WORK
 from ..numba_ext.jit import kernel, leaf
@@ -290,13 +290,13 @@ def see_points(motion, model, phase, ports, spots):
         turn_below, spin_below, alpha_below = turn, spin, alpha
 
 
-@beside_row.version(_are_loaded)
-def _beside_row(samples):
-    return _SEEN * samples.spotted
+@beside_row.version(of_loaded)
+def _beside_row(column):
+    return _SEEN * column.samples.spotted
 
 
-@see_ports.version(of_loaded)
-def _see_ports(column, phase, motion, row):
+@show_more.version(of_loaded)
+def _show_ports(column, phase, motion, row):
     count, behind = column.samples.spotted, _ROW_PER_N * column.model.n + _ROW_BESIDE
     spots = _spots(row.row[behind:], count)
     see_points(motion, column.model, phase, _ports(column.samples.ports, count), spots)
@@ -339,5 +339,5 @@ def _met_by_loads(column, motion, seeds, elapsed, row, split, other_split):
 @at_once.version(of_loaded)
 def _at_once(column, motion, seeds, elapsed, along_x, along_z, alpha, row, other, other_split):
     see(column, _more(motion, along_x, along_z, alpha, seeds, elapsed), row, other_split)
-    for i in range(_ROW_PER_N * column.model.n + _ROW_BESIDE + beside_row(column.samples)):
+    for i in range(_ROW_PER_N * column.model.n + _ROW_BESIDE + beside_row(column)):
         row.row[i] -= other.row[i]

@@ -18,7 +18,14 @@ from ..formulations.base_motion import (
 )
 from ..formulations.dispatch import evaluate_at
 from ..formulations.exact import STILL
-from ..formulations.slips import evaluate_after_jump, note_directions, phase_size, take_directions
+from ..formulations.slips import (
+    evaluate_after_jump,
+    note_directions,
+    note_memory,
+    phase_size,
+    take_directions,
+    take_memory,
+)
 from ..integrators import modal
 from ..integrators.error import error_in_tolerances
 from ..integrators.interpolation import begin, interpolate_phase, refinement
@@ -278,9 +285,11 @@ def finish_step(column, watch, t, step):
         state.control.overturn_time = t + step
         counts.overturned = widest_joint(model, work.end)
     note_directions(work, work.end)
+    note_memory(column, work.end)
     watch_step(column, watch, t, step)
     copy(work.start.row, work.end.row, phase_size(work))
     take_directions(work, work.start)
+    take_memory(work, work.start)
     if work.slips.change != 0.0:
         work.slips.change = 0.0
         motion = base_motion(column.base, column.samples, t + step)
@@ -362,11 +371,14 @@ def advance(column, t, h, watch):
     motion = base_motion(base, samples, t)
     take_phase(column, motion, work.start)
     take_directions(work, work.start)
+    take_memory(work, work.start)
     stale = counts.started == 0 or not belongs_to(state.control, motion)
     if stale:
         code = evaluate_after_jump(column, work.start, motion)
         if code != OK:
             return code
+        note_memory(column, work.start)
+        take_memory(work, work.start)
         if counts.started == 0:
             code = _start(column, motion, t)
             if code != OK:

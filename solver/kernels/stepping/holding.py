@@ -18,7 +18,7 @@ from ..integrators.interpolation import (
 )
 from ..joint.regimes import ANY, contact_regime, regime_margin
 from ..joint.sliding import can_slide, opening_felt, opening_rate_felt, slip_of
-from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.jit import kernel, leaf, varied, varied_leaf
 from ..numba_ext.numbers import sine_cosine
 from ..sections.section import ends_of
 
@@ -34,7 +34,7 @@ AFTER = 0.01  # and by this part of the one proposed
 @kernel
 def hold(column, h):
     """Hold every joint in its regime at the start of a step of h seconds."""
-    blocks, start, rows = column.model.blocks, column.work.start, column.work.hold
+    start, rows = column.work.start, column.work.hold
     slides = can_slide(column.model)
     ahead = AHEAD * h
     turn_below = 0.0
@@ -52,8 +52,7 @@ def hold(column, h):
             slip_rate = start.slip_rate[i] + ahead * start.slip_acceleration[i]
             opening = opening_felt(opening, slip, 2.0 * sine)
             opening_rate = opening_rate_felt(opening_rate, slip, slip_rate, 2.0 * sine, slope_rate)
-        left, right = ends_of(blocks, i, slip)
-        regime = contact_regime(left, right, blocks.damping[i], opening, 2.0 * sine, opening_rate, slope_rate)
+        regime = regime_of(column, i, slip, opening, 2.0 * sine, opening_rate, slope_rate)
         rows.held[i] = regime
         rows.regime[i] = regime
         rows.outside[i] = 0
@@ -68,37 +67,53 @@ def release(column):
         column.work.hold.held[i] = ANY
 
 
+@varied_leaf
+def regime_of(column, i, slip, opening, slope, opening_rate, slope_rate):
+    """The regime of joint i in this motion of the middle of its contact."""
+    blocks = column.model.blocks
+    left, right = ends_of(blocks, i, slip)
+    return contact_regime(left, right, blocks.damping[i], opening, slope, opening_rate, slope_rate)
+
+
+@varied_leaf
+def margin_of(column, i, regime, slip, opening, slope, opening_rate, slope_rate):
+    """How far joint i is from leaving a regime in this motion, m."""
+    blocks = column.model.blocks
+    left, right = ends_of(blocks, i, slip)
+    return regime_margin(regime, left, right, blocks.damping[i], opening, slope, opening_rate, slope_rate)
+
+
 @leaf
-def _margin(model, i, regime, turn, opening, slip, spin, opening_rate, slip_rate):
+def _margin(column, i, regime, turn, opening, slip, spin, opening_rate, slip_rate):
     """Distance of joint i, at this rotation, from leaving a regime, m."""
     sine, cosine = sine_cosine(0.5 * turn)
     slope, slope_rate = 2.0 * sine, cosine * spin
     felt = opening_felt(opening, slip, slope)
     felt_rate = opening_rate_felt(opening_rate, slip, slip_rate, slope, slope_rate)
-    left, right = ends_of(model.blocks, i, slip)
-    return regime_margin(regime, left, right, model.blocks.damping[i], felt, slope, felt_rate, slope_rate)
+    return margin_of(column, i, regime, slip, felt, slope, felt_rate, slope_rate)
 
 
 @leaf
-def _less_below(row, i, n):
+def less_below(row, i, n):
     return row[i] - row[i + 1] if i + 1 < n else row[i]
 
 
 @kernel
-def _stays(model, phase, i, regime):
+def _stays(column, phase, i, regime):
     """Whether joint i is in this regime at a phase."""
-    turn = _less_below(phase.theta, i, model.n)
-    spin = _less_below(phase.theta_rate, i, model.n)
+    model = column.model
+    turn = less_below(phase.theta, i, model.n)
+    spin = less_below(phase.theta_rate, i, model.n)
     slip, slip_rate = slip_of(model, phase, i)
-    return _margin(model, i, regime, turn, phase.opening[i], slip, spin, phase.opening_rate[i], slip_rate) >= 0.0
+    return _margin(column, i, regime, turn, phase.opening[i], slip, spin, phase.opening_rate[i], slip_rate) >= 0.0
 
 
 @kernel
-def _margin_ahead(model, start, i, regime, s):
+def _margin_ahead(column, start, i, regime, s):
     """The margin of joint i in s seconds from a phase if its accelerations stay constant."""
-    n = model.n
-    turn, spin = _less_below(start.theta, i, n), _less_below(start.theta_rate, i, n)
-    spin_rate = _less_below(start.theta_acceleration, i, n)
+    model, n = column.model, column.model.n
+    turn, spin = less_below(start.theta, i, n), less_below(start.theta_rate, i, n)
+    spin_rate = less_below(start.theta_acceleration, i, n)
     opening, opening_rate, rate_of_rate = start.opening[i], start.opening_rate[i], start.opening_acceleration[i]
     turn += s * (spin + 0.5 * s * spin_rate)
     opening += s * (opening_rate + 0.5 * s * rate_of_rate)
@@ -107,7 +122,7 @@ def _margin_ahead(model, start, i, regime, s):
         slip += s * (slip_rate + 0.5 * s * start.slip_acceleration[i])
         slip_rate += s * start.slip_acceleration[i]
     spin += s * spin_rate
-    return _margin(model, i, regime, turn, opening, slip, spin, opening_rate + s * rate_of_rate, slip_rate)
+    return _margin(column, i, regime, turn, opening, slip, spin, opening_rate + s * rate_of_rate, slip_rate)
 
 
 @kernel
@@ -122,16 +137,16 @@ def expected_change(column, h):
     for i in range(model.n):
         regime = column.work.hold.regime[i]
         hi = first
-        at_hi = _margin_ahead(model, start, i, regime, hi)
+        at_hi = _margin_ahead(column, start, i, regime, hi)
         if at_hi >= 0.0:
             continue
         lo = 0.0
-        at_lo = _margin_ahead(model, start, i, regime, lo)
+        at_lo = _margin_ahead(column, start, i, regime, lo)
         if at_lo <= 0.0:
             continue
         for _ in range(PREDICTIONS):
             trial = (lo * at_hi - hi * at_lo) / (at_hi - at_lo)
-            at_trial = _margin_ahead(model, start, i, regime, trial)
+            at_trial = _margin_ahead(column, start, i, regime, trial)
             if at_trial < 0.0:
                 hi, at_hi = trial, at_trial
                 at_lo *= 0.5
@@ -151,7 +166,7 @@ class Course(NamedTuple):
 
 
 @leaf
-def _course_of(column, i, h):
+def course_of(column, i, h):
     """The motion of joint i within the step."""
     work, n = column.work, column.model.n
     slip = quintic_through(h, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -161,28 +176,28 @@ def _course_of(column, i, h):
 
 
 @leaf
-def _margin_within(model, i, regime, course, s):
+def margin_within(column, i, regime, course, s):
     """The margin of joint i at fraction s of the step."""
     q, v = value_of(course.turn, s)
     o, o_rate = value_of(course.opening, s)
     slip, slip_rate = value_of(course.slip, s)
-    return _margin(model, i, regime, q, o, slip, v, o_rate, slip_rate)
+    return _margin(column, i, regime, q, o, slip, v, o_rate, slip_rate)
 
 
 @kernel
-def _end_of_regime(model, i, regime, course, lo, hi):
+def end_of_regime(column, i, regime, course, lo, hi):
     """Fraction of the step, after lo, where the margin of joint i reaches zero; it is negative at hi."""
-    at_lo = _margin_within(model, i, regime, course, lo)
+    at_lo = margin_within(column, i, regime, course, lo)
     if at_lo < 0.0:
         lo = 0.0
-        at_lo = max(0.0, _margin_within(model, i, regime, course, lo))
-    at_hi = _margin_within(model, i, regime, course, hi)
+        at_lo = max(0.0, margin_within(column, i, regime, course, lo))
+    at_hi = margin_within(column, i, regime, course, hi)
     known = bracket(lo, hi, at_lo, at_hi)
     for _ in range(MOST_TRIALS):
         if known.hi - known.lo <= CLOSE_ENOUGH:
             break
         trial = trial_within(known)
-        known = narrowed(known, trial, _margin_within(model, i, regime, course, trial))
+        known = narrowed(known, trial, margin_within(column, i, regime, course, trial))
     return known.hi
 
 
@@ -191,10 +206,10 @@ def _bracket(column, looked_at, nodes, i, regime):
     """(lo, hi) of the step between which joint i first leaves its regime, by the phases inside; hi NO_CHANGE if not."""
     lo = 0.0
     for k in range(3):
-        if not _stays(column.model, looked_at[k], i, regime):
+        if not _stays(column, looked_at[k], i, regime):
             return lo, nodes[k]
         lo = nodes[k]
-    if _stays(column.model, column.work.end, i, regime):
+    if _stays(column, column.work.end, i, regime):
         return lo, NO_CHANGE
     return lo, 1.0
 
@@ -215,11 +230,17 @@ def first_change(column, looked_at, nodes, t, h):
         if hi == NO_CHANGE or lo >= first:
             continue
         refine(column, t, h)
-        course = _course_of(column, i, h)
-        if hi < 1.0 and _margin_within(model, i, regime, course, hi) >= 0.0:
+        course = course_of(column, i, h)
+        if hi < 1.0 and margin_within(column, i, regime, course, hi) >= 0.0:
             # a stage is less accurate than the step
-            if _margin_within(model, i, regime, course, 1.0) >= 0.0:
+            if margin_within(column, i, regime, course, 1.0) >= 0.0:
                 continue
             lo, hi = hi, 1.0
-        first = min(first, _end_of_regime(model, i, regime, course, lo, hi))
+        first = min(first, end_of_regime(column, i, regime, course, lo, hi))
+    return first_turn(column, t, h, first)
+
+
+@varied
+def first_turn(column, t, h, first):
+    """The fraction `first` of a step, or an earlier one where a joint leaves its regime unseen by the phases inside."""
     return first

@@ -44,10 +44,22 @@ class Joint:
     offset: float | None = None  # m, of the block over what is under it as built, along the joint to +x
     inclination: float | None = None  # rad, of the joint against the base as built, clockwise
     strength: float | None = None  # Pa, pressure that the faces bear; compared with by checks, the motion ignores it
+    tensile_strength: float = 0.0  # Pa, tension that mortar bears until it breaks, for good
+    cohesion: float = 0.0  # Pa, shear that mortar bears beside friction, until the joint slides
 
     def __post_init__(self) -> None:
         if isinstance(self.strips, list):  # as TOML and JSON have it
             object.__setattr__(self, "strips", tuple(self.strips))
+
+    @property
+    def is_brittle(self) -> bool:
+        """Whether it is bonded until it breaks (kernels/joint/bond.py)."""
+        return bool(self.tensile_strength or self.cohesion)
+
+    @property
+    def brittle_key(self) -> str:
+        """Key of what makes it brittle, if it is."""
+        return "tensile_strength" if self.tensile_strength else "cohesion"
 
     @property
     def other_law(self) -> str:
@@ -290,6 +302,8 @@ def _resolved(block: Block, rule: Rule) -> object:
 
 
 def check_friction(key: str, joint: Joint) -> None:
-    _check_given(key, joint, "friction", "dowel", "strength")
+    _check_given(key, joint, "friction", "dowel", "strength", "tensile_strength", "cohesion")
     if joint.dowel is not None and joint.friction is None:
         raise InputError(f"{key}.dowel = {shown(joint.dowel)}: {DOWEL_RELATION}")
+    if joint.cohesion and joint.friction is None:
+        raise InputError(f"{key}.cohesion = {shown(joint.cohesion)}: {DOWEL_RELATION}")

@@ -39,6 +39,9 @@ def levers_left(column: Column, slip: FloatArray, energy: float) -> float:
 
 @lru_cache(maxsize=256)
 def on_its_axis(column: Column) -> Column | None:
-    """The column without offsets, whose joints never slide; None for columns that are off axis in another way."""
-    straight = with_all_joints(column, friction=None, dowel=None, offset=None)
+    """The column without offsets, whose joints never slide; None for columns that are off axis in another way.
+
+    It has no bonds: tension only adds to what a column bears.
+    """
+    straight = with_all_joints(column, friction=None, dowel=None, offset=None, tensile_strength=0.0, cohesion=0.0)
     return None if straight.off_axis else straight

@@ -80,7 +80,7 @@ def _silence(entries: Any) -> tuple[Any, ...]:
 
 
 def _column() -> tuple[Any, ...]:
-    return 1, *unwritten(1)
+    return 1, *unwritten(1)  # other spaces have the same types
 
 
 def compile_for(entry: Any, *arguments: Any) -> None:

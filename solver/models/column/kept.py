@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..outputs import PORT
+from ..outputs import BOND, PORT
 from ..protocol import Kept, kept_peaks
 from .outputs import OUTPUTS
 
@@ -13,7 +13,10 @@ WATCHED = {output.kept for output in OUTPUTS if output.field != "ux"}  # peaks t
 # protocol.WORDS.
 KEPT: dict[str, Kept] = {
     # a joint goes with its block
-    **{name: kept if kept.of == PORT else kept._replace(of="block") for name, kept in kept_peaks(OUTPUTS).items()},
+    **{
+        name: kept if kept.of in (PORT, BOND) else kept._replace(of="block")
+        for name, kept in kept_peaks(OUTPUTS).items()
+    },
     "residual_ux": Kept("m"),
     "residual_theta": Kept("rad"),
     "residual_slip": Kept("m"),

@@ -15,6 +15,9 @@ from ...common.errors import InputError
 from ...ground.loads import check_loads_in_plane
 from ...ground.motion import Motion
 from ...kernels.api import entries
+from ...kernels.bonds import entries as with_bonds
+from ...kernels.bonds import layout as of_bonds
+from ...kernels.layout import spaces
 from ...kernels.ports import entries as with_ports
 from ..protocol import LANES, LOADED, OVERTURNED, Kind, Lanes, Plan, Run, Work, code_of
 from ..uncertainty import Varied
@@ -40,11 +43,12 @@ ALONE = 10.0  # work of a run alone, over that in lanes
 class Columns(Kind):
     """Columns in their plane, with finite rotations; models/paper/kind.py has other equations.
 
-    entries: module of the kernels; chain: what a phase means; own_lanes: all that it has, None: those of lanes.py;
-    fixed: whether the steps are those of the settings.
+    entries: module of the kernels; spaces: that of their spaces; chain: what a phase means; own_lanes: all that it has,
+    None: those of lanes.py; fixed: whether the steps are those of the settings.
     """
 
     entries: ModuleType = entries
+    spaces: ModuleType = spaces
     chain: type[Chain] = Chain
     own_lanes: LaneKernels | None = None
     fixed = False
@@ -56,6 +60,10 @@ class Columns(Kind):
     outputs = OUTPUTS
     largest = "ux"
     kept = KEPT
+
+    def snapshot_size(self, model: Column) -> int:
+        """Numbers of a snapshot."""
+        return spaces.snapshot_size(model.n, model.has_slips)
 
     def warnings(self, model: Column, at_rest: bool = True) -> Sequence[str]:
         """As of rest.py; at_rest: kept for a column that is asked about again."""
@@ -162,7 +170,9 @@ class Columns(Kind):
     def in_lanes(self, response: Response, plan: Plan) -> bool:
         """Those of the linear law whose steps are mostly explicit, from rest."""
         column = response.column
-        fits = not (column.other_law or column.has_bands) and set(column.settings.without) <= {"peaks"}
+        fits = not (column.other_law or column.is_brittle or column.has_bands) and set(column.settings.without) <= {
+            "peaks"
+        }
         explicit = response.stats["implicit_steps"] <= MOST_DAMPED * response.stats["steps"]
         return fits and explicit and not self.under(column, plan.motion)[0] and plan.initial is None
 
@@ -191,7 +201,18 @@ class ColumnsWithPorts(Columns):
     entries = with_ports
 
 
-KIND, WITH_PORTS = Columns(), ColumnsWithPorts()
+class BrittleColumns(Columns):
+    """Columns with joints that are bonded until they break, and kernels that know these."""
+
+    entries = with_bonds
+    spaces = of_bonds
+
+    def snapshot_size(self, model: Column) -> int:
+        """With what is bonded."""
+        return of_bonds.snapshot_size(model.n)
+
+
+KIND, WITH_PORTS, BRITTLE = Columns(), ColumnsWithPorts(), BrittleColumns()
 
 
 def _left(keep: Collection[str]) -> list[str]:

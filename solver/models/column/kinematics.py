@@ -1,7 +1,7 @@
 """A column as a chain of rigid bodies, in numpy: positions of its blocks, and their energy (theory.md section 4).
 
 A phase is coordinates and rates as in the stepper, (4 n,) or (rows, 4 n). A column whose joints may slide adds slips
-and their rates, (6 n,) or (rows, 6 n).
+and their rates, (6 n,) or (rows, 6 n); one that has brittle joints also the ends of what is bonded, 8 n numbers in all.
 
 Vectors in the plane are complex numbers: up is the real part, +x the imaginary one, so that exp(i theta) is a unit
 vector that points up, turned clockwise by theta.
@@ -32,7 +32,10 @@ _OF_BLOCKS = (  # fields of the packed model; the last four: as built, which are
 
 
 class Places(NamedTuple):
-    """Rotations rad, openings m and slips m of the blocks and the joints under them, and their rates: (..., n) each."""
+    """Rotations rad, openings m and slips m of the blocks and the joints under them, and their rates: (..., n) each.
+
+    And the ends of what is bonded, m from the middle of the block; nothing where left is not below right.
+    """
 
     theta: FloatArray
     opening: FloatArray
@@ -40,6 +43,8 @@ class Places(NamedTuple):
     opening_rate: FloatArray
     slip: FloatArray | float = 0.0
     slip_rate: FloatArray | float = 0.0
+    bond_left: FloatArray | float = 0.0
+    bond_right: FloatArray | float = 0.0
 
 
 class Joints(NamedTuple):
@@ -60,15 +65,19 @@ class Chain:
     safe = 0.97  # of a barrier: the largest energy of a column that is taken to stand (verdict.py)
     rectangles: NDArray[np.bool_]
     rest: FloatArray | None = None  # phase; the energy there is subtracted from others
+    reach: FloatArray | None = None  # m, stretch at which a brittle joint breaks
 
     def __init__(self, column: Column) -> None:
         self._read(pack_model(column), column.n)
         self.rectangles = self.rectangles & (not column.other_law)
         self.settled = settlements(column)
+        if column.is_brittle:
+            self.reach = np.array([law.tensile_strength / law.stiffness for law in column.laws])
         self.off_axis = column.off_axis
         if self.off_axis or column.other_law:
-            rest, zeros = at.STATE.see(arrays_of(column).state, column.n).phase, np.zeros(self.n)
-            self.rest = np.concatenate([rest.theta, rest.opening, zeros, zeros, rest.slip, zeros])
+            rest, zeros = column.kind.spaces.STATE.see(arrays_of(column).state, column.n).phase, np.zeros(self.n)
+            bonds = (rest.bond_left, rest.bond_right) if column.is_brittle else ()
+            self.rest = np.concatenate([rest.theta, rest.opening, zeros, zeros, rest.slip, zeros, *bonds])
 
     @classmethod
     def of_many(cls, models: FloatArray, n: int) -> Chain:
@@ -120,7 +129,7 @@ class Chain:
 
     def top_displacements(self, phase: FloatArray) -> FloatArray:
         """Horizontal displacements of the top faces, relative to the base and from as built, m, (..., n)."""
-        theta, opening, _, _, slip, _ = self.places(phase)
+        theta, opening, _, _, slip, *_ = self.places(phase)
         mean = theta - 0.5 * over_below(theta) + self.lean
         steps = opening * np.sin(mean) + slip * np.cos(mean) + self.height * np.sin(theta + self.tilt)
         return from_base(steps) - self.built_x
@@ -148,17 +157,31 @@ class Chain:
     def _energies(self, phase: FloatArray) -> FloatArray:
         """Energies above the straight column under its weight; of other columns above a fixed reference."""
         places = self.places(phase)
-        theta, opening, spin, _, slip, _ = places
+        theta, opening, spin, _, slip, *_ = places
         joints = self.joints(places)
         velocity = self.velocities(places, joints)
         moving = self.mass * (velocity.real**2 + velocity.imag**2) + self.inertia * spin**2
         slope = 2.0 * np.sin(joints.half_turn)
         strained = self.elastic(opening - 0.5 * slip * slope, slope, slip)
+        if self.reach is not None:
+            strained = strained + self._pulled(opening - 0.5 * slip * slope, slope, places)
         lifted = joints.step.real + 0.5 * self.settled  # rise; the half accounts for the joints' energy at rest
         half = 0.5 * theta
         dip = -2.0 * np.sin(self.tilt + half) * np.sin(half)  # cosine of the rotation less that as built
         energy = 0.5 * moving + strained + self.weight * lifted + self.toppling * dip
         return energy.sum(axis=-1)
+
+    def _pulled(self, opening: FloatArray, slope: FloatArray, places: Places) -> FloatArray:
+        """Elastic energy of what is bonded and pulled, J, beside that of what is pressed; of rectangles."""
+        reach = np.zeros(self.n) if self.reach is None else self.reach
+        steep, rises = np.maximum(np.abs(slope), PARALLEL), slope >= 0.0
+        left, right = np.asarray(places.bond_left), np.asarray(places.bond_right)
+        # the stretch falls from one end of the bond, where it breaks at the reach, to the other
+        near = np.maximum(np.where(rises, left, -right), (opening - reach) / steep)
+        far = np.minimum(np.where(rises, right, -left), opening / steep)
+        first, last = opening - steep * near, opening - steep * far
+        found: FloatArray = self.rigidity * (far - near) * (first * first + first * last + last * last) / 6.0
+        return np.where((far > near) & (left < right), found, 0.0)
 
     def joints(self, places: Places) -> Joints:
         """The joints in the plane."""

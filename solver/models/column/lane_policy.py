@@ -40,6 +40,8 @@ def why_no_lanes(column: Column) -> str:
         return "short cuts left out"
     if column.other_law:  # the kernels of lanes have the linear law only
         return f"joint.{column.other_law}"
+    if column.is_brittle:
+        return "brittle joints"
     return f"more than {MOST_BLOCKS} blocks" if column.n > MOST_BLOCKS else ""
 
 

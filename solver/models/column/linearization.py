@@ -34,7 +34,7 @@ class StillColumn:
         self.loads = np.zeros(len(at.LOAD) * len(column.ports))
         """On its ports, which it is held under: Fx of each, Fz (N), My (N m)."""
         self._phase = self._stepper.state.phase
-        self._between = at.WORK.see(self._stepper.arrays.work, self.n).between
+        self._between = column.kind.spaces.WORK.see(self._stepper.arrays.work, self.n).between
         self.blocks: Any = self._stepper.model.blocks
         self.rest = np.concatenate([self._phase.theta, self._phase.opening])
         """The coordinates under the weight alone, all joints in full contact, (2 n,)."""
@@ -80,13 +80,13 @@ class StillColumn:
 
 
 def undamped(column: Column) -> Column:
-    """The column without damping, its joints rigid in shear."""
-    return with_all_joints(column, damping=0.0, friction=None, dowel=None)
+    """The column without damping, its joints rigid in shear and not bonded."""
+    return with_all_joints(column, damping=0.0, friction=None, dowel=None, tensile_strength=0.0, cohesion=0.0)
 
 
 def stuck(column: Column) -> Column:
-    """The column with joints that never slide."""
-    return with_all_joints(column, friction=None, dowel=None)
+    """The column with joints that never slide and are not bonded."""
+    return with_all_joints(column, friction=None, dowel=None, tensile_strength=0.0, cohesion=0.0)
 
 
 def with_all_joints(column: Column, **changes: float | None) -> Column:

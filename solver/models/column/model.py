@@ -89,7 +89,9 @@ class Column(Shown):
     @property
     def sizes(self) -> dict[str, int]:
         """Numbers of blocks, joints, ties, ports and components of the base."""
-        return {"block": self.n, "joint": self.n, "tie": 0, "bearing": 0, "port": len(self.ports), "base": 6}
+        bonded = self.n if self.is_brittle else 0
+        others = {"tie": 0, "bearing": 0, "port": len(self.ports), "bond": bonded, "base": 6}
+        return {"block": self.n, "joint": self.n, **others}
 
     @property
     def laws(self) -> tuple[Joint, ...]:
@@ -98,14 +100,14 @@ class Column(Shown):
 
     @property
     def kind(self) -> Any:
-        """What columns of their formulation have in common (models/protocol.py)."""
+        """What columns of their formulation, or with such joints, have in common (models/protocol.py)."""
         if self.settings.formulation == "paper":
             from ..paper.kind import KIND as PAPER
 
             return PAPER
-        from .kind import KIND, WITH_PORTS
+        from .kind import BRITTLE, KIND, WITH_PORTS
 
-        return WITH_PORTS if self.ports else KIND
+        return BRITTLE if self.is_brittle else WITH_PORTS if self.ports else KIND
 
     @cached_property
     def contacts(self) -> tuple[Contact, ...]:
@@ -188,6 +190,16 @@ class Column(Shown):
     def has_slips(self) -> bool:
         """Whether slips are among the coordinates: of joints that slide, and of columns that are off their axis."""
         return self.slides or self.off_axis
+
+    @cached_property
+    def is_brittle(self) -> bool:
+        """Whether some joint is bonded until it breaks."""
+        return any(block.joint.is_brittle for block in self.blocks)
+
+    @property
+    def brittle_key(self) -> str:
+        """Key of what makes a joint brittle, for sentences."""
+        return next((block.joint.brittle_key for block in self.blocks if block.joint.is_brittle), "")
 
     @cached_property
     def other_law(self) -> str:
@@ -304,6 +316,22 @@ def _check_settings(column: Column) -> None:
         raise InputError('port: solver.formulation must be "exact", "paper" has no loads')
     if column.has_slips:
         _check_general(column)
+    if column.is_brittle:
+        _check_brittle(column)
+
+
+def _check_brittle(column: Column) -> None:
+    """Raise InputError for what brittle joints are not written for."""
+    for number, (block, contact) in enumerate(zip(column.blocks, column.contacts, strict=True), start=1):
+        if block.joint.is_brittle:
+            name = block.joint.brittle_key
+            key = f"block[{number}].joint.{name} = {shown(getattr(block.joint, name))}: must be left out"
+            if column.settings.formulation == "paper":
+                raise InputError(f'{key}, or solver.formulation "exact": "paper" has no bonds')
+            if column.ports:
+                raise InputError(f"{key} of a column with ports")
+            if {contact.section, contact.slipped, block.joint_section} != {RECTANGLE}:
+                raise InputError(f"{key} where the contact is no rectangle")
 
 
 def _check_general(column: Column) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.errors import SolverError, needing
+from ...common.errors import InputError, SolverError, needing
 from ...common.files import write_table
 from ...common.frames import Frame, Framed
 from .linearization import StillColumn, stuck, undamped
@@ -66,6 +66,7 @@ def natural_frequencies(column: Column, formulation: str | None = None) -> Float
 
     Raises InputError without gravity, which leaves the joints open at rest; SolverError if the rest state is unstable.
     """
+    _check_bonds(column)
     still = StillColumn(undamped(column.with_settings(formulation=formulation)))
     return np.sort(_frequencies(np.linalg.eigvals(still.stiffness(still.rest, PART))))
 
@@ -81,6 +82,7 @@ def natural_modes(column: Column, formulation: str | None = None) -> Modes:
 
 def modes_about_rest(column: Column, formulation: str | None = None) -> Modes:
     """The modes without a warning, for columns whose joints are looked for. Raises as `natural_frequencies` does."""
+    _check_bonds(column)
     column = column.with_settings(formulation=formulation)
     still, damped = StillColumn(undamped(column)), StillColumn(stuck(column))
     n, rest, blocks = column.n, still.rest, still.blocks
@@ -115,6 +117,12 @@ def modes_about_rest(column: Column, formulation: str | None = None) -> Modes:
         along * (sway @ blocks.mass),
         upwards * (uz @ blocks.mass),
     )
+
+
+def _check_bonds(column: Column) -> None:
+    """On the axis, pressed all over, bonds change nothing. Raises InputError."""
+    if column.is_brittle and column.off_axis:
+        raise InputError(f"joint.{column.brittle_key}: must be left out of modes of a column off its axis")
 
 
 def _frequencies(squares: NDArray[Any]) -> FloatArray:

@@ -1,6 +1,7 @@
 """The outputs of a column, in the order of kernels/layout/spaces.py (PEAKS): each a row here.
 
-Those of ports (kernels/ports/) stand behind an output row; as peaks they stand before those of `friction`.
+Those of ports (kernels/ports/) or bonds (kernels/bonds/) stand behind an output row; as peaks they stand before those
+of `friction`.
 """
 
 from __future__ import annotations
@@ -8,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...kernels.layout import spaces as at
-from ..outputs import BASE, BLOCK, JOINT, PORT, Histories, Output, units_of
+from ..outputs import BASE, BLOCK, BOND, JOINT, PORT, Histories, Output, units_of
 
 
 class ColumnHistories(Histories):
@@ -35,6 +36,9 @@ class ColumnHistories(Histories):
     port_vz = Output(PORT, "m/s", "Velocity of {it} upwards", name="vz")
     port_ax = Output(PORT, "m/s2", "Acceleration of {it} along x, relative to the base", name="ax")
     port_az = Output(PORT, "m/s2", "Acceleration of {it} upwards", name="az")
+    bond = Output(
+        BOND, "", "Part of the mortar of joint {i} that has not broken", 0.0, 1.0, by_least=True, name="share"
+    )
     friction = Output(
         JOINT, "", "|T| / N of joint {i}, where N is above 0.05 of the weight carried at rest", only_peak=True
     )
@@ -48,4 +52,4 @@ class ColumnHistories(Histories):
 OUTPUTS = ColumnHistories.outputs
 UNITS = units_of(OUTPUTS)
 _PORTS = [f"port_{name}" for name in at.SPOTS.fields]
-assert [output.field for output in OUTPUTS] == [*at.OUTPUTS.fields, *at.REACTION.fields, *_PORTS, "friction"]
+assert [output.field for output in OUTPUTS] == [*at.OUTPUTS.fields, *at.REACTION.fields, *_PORTS, "bond", "friction"]

@@ -23,6 +23,7 @@ from ...kernels.api.engine import (
     model_room,
     scratch_room,
 )
+from ...kernels.bonds.layout import GIVEN_OF_BOND
 from ...kernels.layout import spaces as at
 from .block import Block
 from .model import Column
@@ -106,14 +107,17 @@ def model_of(column: Column) -> Any:
     return at.MODEL.see(pack_model(column), column.n)
 
 
-def unwritten(n: int, ports: int = 0) -> Arrays:
-    """Arrays for n blocks, and as many ports behind, that nothing has been written to (kernels/ports/)."""
+def unwritten(n: int, ports: int = 0, spaces: Any = at) -> Arrays:
+    """Arrays for n blocks, and as many ports behind, that nothing has been written to (kernels/ports/).
+
+    spaces: module that has those of the kernels.
+    """
     return Arrays(
         np.zeros(model_room(n)),
-        np.zeros(at.STATE.size(n) + at.SPOTS.size(ports)),
+        np.zeros(spaces.STATE.size(n) + at.SPOTS.size(ports)),
         np.zeros(at.COUNTS.beside, dtype=np.int64),
         np.zeros(at.BASE.beside + 2 * len(at.LOAD) * ports),
-        np.zeros(at.WORK.size(n) + at.SPOTS.size(ports)),
+        np.zeros(spaces.WORK.size(n) + at.SPOTS.size(ports)),
     )
 
 
@@ -127,7 +131,7 @@ def _assembled(column: Column) -> Arrays:
 
 def _assemble(column: Column, given: FloatArray) -> Arrays:
     n = column.n
-    made = unwritten(n, len(column.ports))
+    made = unwritten(n, len(column.ports), column.kind.spaces)
     detail = np.zeros(DETAILS)
     code = column.kind.entries.assemble_column(n, *made, given, 1, np.zeros(scratch_room(n)), detail)
     if code == NO_REST:
@@ -159,6 +163,8 @@ def described(column: Column) -> FloatArray:
         given += [value or 0.0 for value in (*_of_block(block), *_of_joint(block.joint))]
         given += shape_of(block)
     assert len(given) == GIVEN_SETTINGS.beside + GIVEN.beside * column.n
+    if column.is_brittle:
+        given += [getattr(law, name) for name in GIVEN_OF_BOND for law in column.laws]
     return np.array(given, dtype=np.float64)
 
 
@@ -190,7 +196,7 @@ def set_initial(column: Column, state: FloatArray, initial: InitialState) -> Non
     if not isinstance(initial, InitialState):
         raise InputError(f"initial = {shown(initial)}: must be an InitialState")
     n = column.n
-    phase = at.STATE.see(state, n).phase
+    phase = column.kind.spaces.STATE.see(state, n).phase
     at_rest = (np.zeros(n), -settlements(column))
     if column.off_axis:
         at_rest = (phase.theta.copy(), phase.opening.copy())

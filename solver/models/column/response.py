@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from ...common.errors import NOT_NEGATIVE, InputError, check_number, needing
 from ...common.notebook import history, rows_of
 from ...kernels.layout import spaces as at
-from ..outputs import DIGITS
+from ..outputs import BOND, DIGITS, JOINT
 from ..response import Result
 from ..uncertainty import PERCENTILES
 from .kinematics import chain_of
@@ -53,6 +53,8 @@ class Response(ColumnHistories, Result):
     Histories are computed from the motion when one of them is first used, which may raise SolverError.
     """
 
+    dimensions: ClassVar[Mapping[str, str]] = {JOINT: "block", BOND: "block"}
+
     column: Column
     _observe: Callable[[], FloatArray]  # returns the output rows (nt, ROW of layout/spaces.py)
     overturned_joint: int
@@ -72,6 +74,16 @@ class Response(ColumnHistories, Result):
     def energy(self) -> FloatArray:
         """Kinetic, elastic and gravitational energy above that at rest, of the motion relative to the base, J (nt,)."""
         return chain_of(self.column).energies(self._phases)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Which brittle joints have cracked."""
+        shares = self.peaks.get("bond", ())
+        return tuple(
+            f"joint {i} " + (f"has cracked: {min(99.9, 100.0 * share):.3g} % of it is bonded" if share else "is broken")
+            for i, share in enumerate(shares, start=1)
+            if share < 1.0
+        )
 
     @property
     def _fall(self) -> str:

@@ -7,6 +7,8 @@ import time as clock
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
+
 from ...kernels.layout import spaces as at
 from ..ports import Released
 from ..protocol import Plan, Verdict
@@ -78,8 +80,13 @@ def phase_of(stepper: Stepper) -> FloatArray:
 
 def _coordinates(phases: FloatArray, column: Column) -> FloatArray:
     """Coordinates and rates from arrays that begin with a phase of the stepper."""
-    slips = phases[..., at.RIGID_FIELDS * column.n :]
-    return coordinates_of(phases, slips if column.has_slips else slips[..., :0], column.n)
+    n = column.n
+    slips, behind = phases[..., at.RIGID_FIELDS * n :], phases[..., at.PHASE_FIELDS * n :]
+    found = coordinates_of(phases, slips if column.has_slips else slips[..., :0], n)
+    if not column.is_brittle:
+        return found
+    still = np.zeros((*found.shape[:-1], 6 * n - found.shape[-1]))  # without slips there is scratch in their places
+    return np.concatenate([found, still, behind[..., : 2 * n]], axis=-1)
 
 
 class _Settling(Settling):
@@ -99,14 +106,21 @@ class _Settling(Settling):
 
     @property
     def unclear(self) -> str:
-        other = self._column.other_law
+        other = self._law_without_barrier
         why = f"has not fallen, and with joint.{other} no energy tells whether it can"
         return why if other else "still has the energy to overturn"
+
+    @property
+    def _law_without_barrier(self) -> str:
+        """Key of what leaves a column without one."""
+        column = self._column
+        brittle = column.is_brittle and column.off_axis
+        return column.other_law or (column.brittle_key if brittle else "")
 
     def why_it_stands(self) -> str:
         if cannot_fall(self._column, phase_of(self._stepper)):
             return "its energy does not suffice to overturn it"
-        rests = self._column.other_law and self._stepper.arrays.counts[at.COUNTS.places["resting"]]
+        rests = self._law_without_barrier and self._stepper.arrays.counts[at.COUNTS.places["resting"]]
         return "it has come to rest" if rests else ""
 
     def rest_until(self, t: float, end: float) -> None:
@@ -140,6 +154,8 @@ def why_no_modes(stepper: Stepper) -> str:
         return "left out"
     if stepper.column.n > at.MODAL_MOST:
         return f"more than {at.MODAL_MOST} blocks"
+    if stepper.column.is_brittle:
+        return "brittle joints"
     has_modes = stepper.model.settings.has_modes
     return "" if has_modes else "no stable rest in full contact, or dampers that couple the modes"
 

@@ -18,7 +18,7 @@ from ...kernels.api.engine import BASE_INPUTS
 from ...kernels.formulations.coupled_base import BODY
 from ...kernels.layout import spaces as at
 from ...kernels.stepping.control import most_work
-from ..outputs import peaks_by_name, visible_peaks
+from ..outputs import BOND, peaks_by_name, visible_peaks
 from .model import Column
 from .outputs import OUTPUTS
 from .packing import Arrays, FloatArray, InitialState, arrays_of, pack_model, ports_of, set_initial
@@ -96,7 +96,7 @@ class Stepper:
         if initial is not None:
             set_initial(column, self.arrays.state, initial)
         self.model = at.MODEL.see(self.arrays.model, self.n)
-        self.state = at.STATE.see(self.arrays.state, self.n)
+        self.state = column.kind.spaces.STATE.see(self.arrays.state, self.n)
         self.counts = at.COUNTS.see(self.arrays.counts)
         self.base = at.BASE.see(self.arrays.base)
         self.followed = SILENCE  # by the last run
@@ -105,7 +105,7 @@ class Stepper:
         self._base = self.arrays.base.data
         self._ports = ports_of(column)
         self.record = SILENCE
-        row = at.ROW.size(self.n) + at.SPOTS.size(len(column.ports))
+        row = at.ROW.size(self.n) + at.SPOTS.size(len(column.ports)) + column.sizes[BOND]
         self.seen = np.zeros(row + at.SPLIT.beside)
         """The output row last observed, and its split."""
         self._row, self._split = self.seen[:row], self.seen[row:]
@@ -216,7 +216,7 @@ class Stepper:
         `after_chunk` is called with the time reached, several times per second of the clock; an exception it raises
         ends the run.
         """
-        snapshots = np.zeros((times.size, at.snapshot_size(self.n, self.column.has_slips)))
+        snapshots = np.zeros((times.size, self.column.kind.snapshot_size(self.column)))
         time, ax, az = motion.time, motion.ax, motion.az
         if motion.end > time[-1]:  # the last held sample lasts until the motion ends
             time, ax, az = np.append(time, motion.end), np.append(ax, 0.0), np.append(az, 0.0)
@@ -364,11 +364,13 @@ class Stepper:
 
     @property
     def _peaks(self) -> FloatArray:
-        """Those of the kernels, with those of ports in their place among the outputs."""
-        if not self.column.ports:
-            return self.state.peaks
-        of_row, of_ports = at.ROW.size(self.n), self.arrays.state[at.STATE.size(self.n) :]
-        return np.concatenate([self.state.peaks[:of_row], of_ports, self.state.peaks[of_row:]])
+        """Those of the kernels, with those of ports and bonds in their place among the outputs."""
+        column, peaks = self.column, self.state.peaks
+        if not (column.ports or column.is_brittle):
+            return peaks
+        more = self.state.phase.bond_lost if column.is_brittle else self.arrays.state[at.STATE.size(self.n) :]
+        of_row = at.ROW.size(self.n)
+        return np.concatenate([peaks[:of_row], more, peaks[of_row:]])
 
     def _run(self, t: float, h: float, record: Record, times: FloatArray, snapshots: FloatArray, peaks: bool) -> int:
         """Call the kernel with float64, whatever numbers the caller has, so that it is compiled once."""

@@ -11,6 +11,9 @@ weight on the joint times half its width. The sum is concave wherever the order 
 is at a corner: a group of blocks on its edge, the rest upright. Elastic joints give way a little; the minimum is then
 found over a grid of rotations, in one pass down the chain, since the energy of a joint depends on its two blocks only.
 Rotations of both signs need more energy than their absolute values.
+
+What is bonded only adds to what a joint bears, and loses energy where it breaks. So the barrier is that of the column
+without bonds, and the energy includes what they hold.
 """
 
 from __future__ import annotations
@@ -54,6 +57,8 @@ class Barrier(NamedTuple):
 def cannot_fall(column: Column, phase: FloatArray) -> bool:
     """Whether a column with this phase, (4 n,), stands for ever on a base that stays still."""
     if column.other_law:  # the barrier assumes the linear law; with another the column may fall with less energy
+        return False
+    if column.is_brittle and column.off_axis:  # its rest depends on what is bonded, and energies count from there
         return False
     if column.slides:  # slips lower the barrier, and may grow
         return creeps_no_further(column, phase) or sticks_for_good(column, phase)

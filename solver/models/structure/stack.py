@@ -77,7 +77,9 @@ def _joint(column: Column, i: int, foot: float) -> Joint:
     if face is None:
         raise InputError(f"{key}: its face and the one below do not meet")
     law = block.joint
-    bed = Bed(law.stiffness, law.damping, friction=law.friction, dowel=law.dowel or 0.0, strength=law.strength)
+    mortar = {"tensile_strength": law.tensile_strength, "cohesion": law.cohesion}
+    dowel = law.dowel or 0.0
+    bed = Bed(law.stiffness, law.damping, friction=law.friction, dowel=dowel, strength=law.strength, **mortar)
     return Joint(i, i + 1, face, bed, f"{key}.joint", above, below)
 
 

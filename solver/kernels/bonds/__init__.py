@@ -1,0 +1,1 @@
+"""Columns in their plane with brittle joints: what kernels of other columns leave out."""
