@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
+from multiblock import push_over
 from solver import InputError, simulate
 from solver.commands.structure import summary
 from solver.ground.motion import Motion
@@ -306,3 +307,38 @@ def test_runs_of_joints_that_may_break_go_alone_and_their_least_share_is_kept() 
     assert broken.peaks["bond"][0] == 0.0
     assert "what is bonded of them: pier-base none" in summary(broken)
     assert "no joint has cracked" in summary(response)
+
+
+def test_the_largest_push_is_that_at_which_it_begins_to_snap() -> None:
+    """The strength exceeds the mean pressure: measured 1.3e-4 of the push."""
+    found = push_over(pier())
+    weight, arm = MASS * 9.80665, 0.5 * HEIGHT
+    moment = weight * WIDTH / 6.0 + STRENGTH * DEPTH * WIDTH**2 / 6.0
+    turn = 2.0 * (weight / AREA + STRENGTH) / (STIFFNESS * WIDTH)
+    sway = moment / (weight / 9.80665 * arm)
+    expected = sway - 9.80665 * (turn + _sheared(pier(), sway))
+    assert found.largest_acceleration == pytest.approx(expected, rel=3e-4)
+
+
+def _sheared(structure: Structure, push: float) -> float:
+    """Angle, about, by which the resultant leans as the bed is sheared: displacement over the arm."""
+    bed = structure.joints[0].bed
+    return MASS * push / (bed.shear_ratio * bed.stiffness * AREA) / (0.5 * HEIGHT)
+
+
+def test_steps_go_by_modes_in_tension_too_until_it_cracks() -> None:
+    """Two courses under a sine that grows: measured 9e-7 of the largest displacement, the share of the bond alike."""
+    course = {"name": "course", "repeat": 2, "on": "base", "width": 0.5, "depth": 1.0, "height": 0.6, "density": 2e3}
+    structure = pier(course, tolerance=1e-5, damping=1e-3, friction=0.7, cohesion=5e5, tensile_strength=1.5e4)
+    time = np.linspace(0.0, 2.0, 401)
+    motion = Motion.from_samples(0.005, 1.4 * time * np.sin(6.0 * math.pi * time))
+    by_modes = simulate(structure, motion, settle=0.0)
+    without = simulate(structure.with_settings(without=["elastic"]), motion, settle=0.0)
+    low = by_modes.bond[:, 0]
+    assert 0.0 < low[-1] < 1.0 == by_modes.bond[-1, 1]
+    first = int(np.argmax(low < 1.0))
+    least = by_modes.N / 0.5 - 6.0 * np.abs(by_modes.My) / 0.25
+    assert np.min(least[:first]) < -1e4  # Pa: it is pulled before
+    assert by_modes.stats["elastic_steps"] > 500  # measured 677 of 947
+    assert np.max(np.abs(by_modes.ux - without.ux)) < 1e-5 * np.max(np.abs(without.ux))
+    assert np.max(np.abs(by_modes.bond - without.bond)) < 1e-5

@@ -13,13 +13,14 @@ import math
 
 from ..numba_ext.jit import kernel, leaf, varied, varied_leaf
 from ..numba_ext.views import copy
-from .bed import Bed, Plane, add, nothing, triangle, value
+from .bed import Bed, Plane, add, nothing, triangle, value, whole
 from .layout import BONDED, OF_POLYGON, acts_alone, has_extras
 from .overlap import cut
 from .polygon import polygon_bed
 
 _bonded = BONDED.over
 _BONDED, _EACH = BONDED.beside, OF_POLYGON.size(1)
+NEARLY = 1.0 - 1e-12  # of the section: a bond that is larger is whole
 
 
 @leaf
@@ -68,12 +69,47 @@ def with_bond(scene, e, p, q, bed):
     sound.area[e], sound.spare[e] = 0.0, math.inf
     if count < 3:
         return bed
-    own = _all_of(scene.room, count, q)
+    own, j = _all_of(scene.room, count, q), int(scene.extras.bonds.joint[e])
+    if own.area > NEARLY * scene.joints.area[j]:
+        own = whole(scene.joints, j, q, bed.largest)
     dry = polygon_bed(scene.room, 0, count, own, p, q)
     sound.area[e] = own.area
     force, first_x, first_y = own.force - dry.force, own.first_x - dry.first_x, own.first_y - dry.first_y
-    area = bed.area + (own.area - dry.area)
+    area = own.area + (bed.area - dry.area)
     return Bed(bed.force + force, bed.first_x + first_x, bed.first_y + first_y, area, bed.largest)
+
+
+@varied_leaf
+def raised_by_bond(scene, j, normal, limit, couple):
+    """The limits of friction of joint j, N and N m, with what its bond bears beside."""
+    return limit, couple
+
+
+@raised_by_bond.version(acts_alone)
+def _raised_by_bond(scene, j, normal, limit, couple):
+    if scene.joints.bond[j] == 0.0:
+        return limit, couple
+    e, joints = int(scene.joints.bond[j]) - 1, scene.joints
+    area = scene.extras.sound.area[e]
+    if area == 0.0:
+        return limit, couple
+    bears = joints.friction[j] * normal + joints.dowel[j] + scene.extras.bonds.cohesion[e] * area
+    return bears, bears * joints.arm[j]
+
+
+@varied_leaf
+def with_strength(scene, j, pressure):
+    """The least pressure on joint j in full contact, Pa, over that at which it opens or its whole bond breaks."""
+    return pressure
+
+
+@with_strength.version(acts_alone)
+def _with_strength(scene, j, pressure):
+    if scene.joints.bond[j] != 0.0:
+        e = int(scene.joints.bond[j]) - 1
+        if scene.extras.sound.area[e] == scene.joints.area[j]:
+            pressure += scene.extras.bonds.strength[e]
+    return pressure
 
 
 @varied_leaf
@@ -91,10 +127,9 @@ def _limits_with_bond(scene, j, normal, limit, couple, stretch, twist):
     if scene.joints.bond[j] == 0.0:
         return limit, couple
     e, joints = int(scene.joints.bond[j]) - 1, scene.joints
-    area = scene.extras.sound.area[e]
-    if area == 0.0:
+    if scene.extras.sound.area[e] == 0.0:
         return limit, couple
-    bears = joints.friction[j] * normal + joints.dowel[j] + scene.extras.bonds.cohesion[e] * area
+    bears, _ = raised_by_bond(scene, j, normal, limit, couple)
     borne = max(joints.shear[j] * math.sqrt(stretch), joints.twist[j] / joints.arm[j] * abs(twist))
     scene.extras.sound.spare[e] = bears - borne
     return math.inf, math.inf

@@ -301,6 +301,16 @@ def sizes_of(
     return Sizes(n, m, k, b, corners, ports, pairs, bonds, modal, modal_room, state, stride, row)
 
 
+_PER_BODY, _BONDED = PHASE.per_n, OF_POLYGON.size(1)
+
+
+@in_both
+def remembered(sizes: Any) -> int:
+    """Numbers that joints, ties and pairs remember, in a state behind its phase; bonds lie behind them."""
+    found: int = sizes.state - _PER_BODY * sizes.n - _BONDED * sizes.bonds
+    return found
+
+
 # what callers give as `extras` where there are some, by its type; else None
 WITH_EXTRAS = 1
 WITH_NEIGHBOURS = 1.0  # in lanes, where neighbours are among them
@@ -380,7 +390,6 @@ def meets_in_lanes(scene: Any, *_: Any) -> bool:
     return isinstance(extras.types[extras.fields.index("given")], types.Float)
 
 
-_PER_BODY, _BONDED = PHASE.per_n, OF_POLYGON.size(1)
 _head, _model, _state, _counts, _work = HEAD.over, MODEL.over, STATE.over, COUNTS.over, WORK.over
 
 
@@ -450,7 +459,7 @@ def scene_over(sizes, model, control, counts, peaks, bonded, work, extras):
         work.poses,
         work.resultants,
         work.pulls,
-        sizes.state - _PER_BODY * sizes.n - _BONDED * sizes.bonds,
+        remembered(sizes),
         work.memory.row,
         work.memory.slips,
         work.memory.plastic,

@@ -26,6 +26,7 @@ from ..numba_ext.lanes import index_of
 from ..numba_ext.views import clear, copy
 from .attempt import evaluate_at, rate
 from .base import acceleration, is_still, line
+from .bond import raised_by_bond, with_strength
 from .evaluate import evaluate_state, moving, show
 from .joint import friction_limits, middle_of
 from .kinematics import spin_of
@@ -152,14 +153,16 @@ def _least_pressure(scene, joints_seen, j):
     least, corners = math.inf, scene.corners[2 * index_of(joints.first[j]) :]
     for k in range(index_of(joints.corners[j])):
         least = min(least, along_x * corners[2 * k] + along_y * corners[2 * k + 1])
-    return at + least
+    return with_strength(scene, j, at + least)
 
 
 @leaf
 def _sticks_by(scene, joints_seen, j):
     """Force N, and couple N m, that joint j would bear beyond what it bears now."""
     m = scene.m
-    limit, couple = friction_limits(scene.joints, j, *_pressed(scene, joints_seen, j))
+    pressed = _pressed(scene, joints_seen, j)
+    limit, couple = friction_limits(scene.joints, j, *pressed)
+    limit, couple = raised_by_bond(scene, j, pressed[0], limit, couple)
     force = math.hypot(joints_seen[_TX * m + j], joints_seen[_TY * m + j])
     return limit - force, couple - abs(joints_seen[_MZ * m + j])
 

@@ -288,7 +288,8 @@ def advance(scene, shaking, watch, state, t, stop, most):
                 code = STEP_TOO_SMALL
                 break
             continue
-        h = until_closed(scene, shaking, segment, t, h)
+        if not by_modes:  # which leave all as it is at rest
+            h = until_closed(scene, shaking, segment, t, h)
         _finish(scene, shaking, watch, segment, t, h, by_modes)
         t = end if h == end - t else t + h
         begins_anew = meet(scene)

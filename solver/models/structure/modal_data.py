@@ -36,8 +36,6 @@ def modal_data_of(structure: Structure) -> ModalData:
         return ModalData(np.zeros(0), "left out")
     if structure.neighbours:
         return ModalData(np.zeros(0), "neighbours may meet")
-    if structure.bonds:
-        return ModalData(np.zeros(0), "joints may break")
     return _modal_data(structure.blocks, structure.joints, structure.ties, structure.g)
 
 
@@ -72,7 +70,7 @@ def _numbers(structure: Structure, rest: Rest) -> FloatArray:
     stiffness, mass, places = _about_rest(structure, rest)
     groups, flat = _groups(stiffness, mass, n, structure.is_plane)
     matrices = sum(len(group) ** 2 for group in groups)
-    sizes = 6 * n, len(rest.phase) - at.PHASE.size(n), k, matrices
+    sizes = 6 * n, at.remembered(structure.model.sizes), k, matrices
     numbers = np.zeros(modal.MODAL.size(sizes))
     data = modal.MODAL.see(numbers, sizes)
     limits, table = data.limits, data.coordinates
@@ -83,7 +81,7 @@ def _numbers(structure: Structure, rest: Rest) -> FloatArray:
     order = np.concatenate(groups)
     table.place[:], table.rest[:] = places[order], rest.phase[places[order]]
     table.group[: len(groups)] = [len(group) for group in groups]
-    data.remembered[:] = rest.phase[at.PHASE.size(n) :]
+    data.remembered[:] = rest.phase[at.PHASE.size(n) :][: sizes[1]]
     modes = data.modes.reshape(6 * n, -1)
     first = place = 0
     for group in groups:

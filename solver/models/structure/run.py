@@ -90,7 +90,7 @@ def moved(
         stepper, _ = begun(structure, motion, initial)
     states = stepper.run(motion, motion.start, stop, times, states=True)[:, stepper.sizes.visible :]
     if not stepper.model.settings.gives_way:  # what is remembered stays
-        place, end = 13 * structure.n, stepper.sizes.state - at.OF_POLYGON.size(stepper.sizes.bonds)
+        place, end = 13 * structure.n, 13 * structure.n + at.remembered(stepper.sizes)
         states[:, place:end] = stepper.phase[place:end]
     velocity, energy = np.empty((len(times), structure.n, 3)), np.empty(len(times))
     see = stepper.see
