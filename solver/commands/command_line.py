@@ -37,6 +37,7 @@ from .command_files import (
     read_subject,
     write_outputs,
 )
+from .cracks import cracks
 from .export import add_export_command
 from .motion_options import (
     FORMATS,
@@ -293,6 +294,8 @@ def _summary(response: Response) -> str:
     if column.slides:
         left = ", ".join(f"{1e3 * slip:.5g}" for slip in response.slip[-1])
         lines.append(f"slip of each block at the end (mm): {left}; friction took {stats['friction_work']:.4g} J")
+    bonds = range(1, response.column.n + 1) if response.column.is_brittle else ()
+    lines += cracks([f"joint {i}" for i in bonds], response.peaks.get("bond", np.empty(0)))
     lines.append(_verdict(response))
     if response.estimated_error is not None and response.horizon is not None:
         error = response.estimated_error

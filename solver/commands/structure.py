@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,10 +10,10 @@ import numpy as np
 from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..kernels.structure.entries import run_structure
-from ..models.structure.blocks.faces import FloatArray
 from ..models.structure.model import Structure
 from ..models.structure.modes import frequencies_apart
 from ..models.structure.response import SpatialResponse
+from .cracks import cracks
 from .progress import say_that_it_compiles
 
 MOST_LINES = 20  # of a table
@@ -46,17 +45,6 @@ def report(structure: Structure, motion: Motion) -> str:
     return f"{structure.name}: {', '.join(parts)}\nbase: {motion.duration:.4g} s, {shaken}"
 
 
-def cracks(names: Sequence[str], left: FloatArray) -> str:
-    """What has broken of joints that bear tension or cohesion, in a line; left: what is bonded of each, 0 to 1."""
-    hurt = [
-        f"{name} {part:.3g}" if part else f"{name} none" for name, part in zip(names, left, strict=True) if part < 1.0
-    ]
-    beyond = f", ... {len(hurt) - MOST_LINES} more" if len(hurt) > MOST_LINES else ""
-    if not hurt:
-        return "no joint has cracked"
-    return f"joints that have cracked, and what is bonded of them: {', '.join(hurt[:MOST_LINES])}{beyond}"
-
-
 def summary(response: SpatialResponse) -> str:
     """The results of a run, for the terminal."""
     structure, peaks, stats = response.structure, response.peaks, response.stats
@@ -80,8 +68,7 @@ def summary(response: SpatialResponse) -> str:
             for k, (name, joint, most) in enumerate(moved)
             if joint.bearing is not None
         ][:MOST_LINES]
-    if structure.bonds:
-        lines.append(cracks(structure.bond_names, peaks["bond"]))
+    lines += cracks(structure.bond_names, peaks["bond"])
     lines.append(f"{response.verdict}: {response.reason}")
     if response.estimated_error is not None and response.horizon is not None:
         error = response.estimated_error

@@ -76,16 +76,6 @@ class Response(ColumnHistories, Result):
         return chain_of(self.column).energies(self._phases)
 
     @property
-    def remarks(self) -> tuple[str, ...]:
-        """Which brittle joints have cracked."""
-        shares = self.peaks.get("bond", ())
-        return tuple(
-            f"joint {i} " + (f"has cracked: {min(99.9, 100.0 * share):.3g} % of it is bonded" if share else "is broken")
-            for i, share in enumerate(shares, start=1)
-            if share < 1.0
-        )
-
-    @property
     def _fall(self) -> str:
         return f"fell at {self.overturn_time:.4g} s over joint {self.overturned_joint}"
 
