@@ -202,6 +202,32 @@ def test_results_converge_as_the_tolerance_does() -> None:
         assert bonded == pytest.approx(bond, abs=0.05 * tolerance)  # measured 0.06 of it
 
 
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
+def test_a_fibre_breaks_however_little_it_is_pulled_beyond_its_strength(tolerance: float) -> None:
+    """Between the phases that a step is made of: a spring's largest stretch is known."""
+    rate, omega = 0.05, math.sqrt(STIFFNESS * AREA / MASS)
+    most = rate / omega - MASS * G / (STIFFNESS * AREA)
+    for beyond in (1e-3, 1e-5, 1e-7, -1e-7, -1e-5):
+        single = column(block(most * (1.0 - beyond) * STIFFNESS), tolerance=tolerance)
+        stepper = Stepper(single, InitialState(opening_rate=[rate]))
+        stepper.advance(0.0, 1.2 * math.pi / omega)
+        assert (stepper.peaks["bond"] == 0.0) == (beyond > 0.0)  # so it is down to 1e-8, measured
+
+
+def test_a_state_that_was_saved_within_a_crack_goes_on_to_the_last_bit() -> None:
+    stepper = Stepper(column(block(5e4), block(5e4)), InitialState(rotation_rate=[0.6, 0.6]))
+    stepper.advance(0.0, 0.01)
+    saved = [array.copy() for array in stepper.arrays]
+    assert 0.0 < stepper.state.phase.bond_lost[1] < 1.0
+    ends = []
+    for _ in range(2):
+        for array, before in zip(stepper.arrays, saved, strict=True):
+            array[:] = before
+        stepper.advance(0.01, 0.05)
+        ends.append(stepper.arrays.state.copy())
+    assert np.array_equal(ends[0], ends[1])
+
+
 # --- cohesion
 
 
