@@ -189,9 +189,11 @@ def study_keys() -> str:
 
 
 def fmu_variables(causality: str) -> str:
-    """The variables of one causality, of both formulations, those of blocks and joints once for all."""
+    """The variables of one causality, of both formulations and of mortar, those of blocks and joints once for all."""
     block = Block(1.0, 1.0, 1.0, 1.0, Joint(1e9, 1e-3))
-    columns = (Column("one", (block,), Settings(formulation)) for formulation in FORMULATIONS)
+    mortar = Block(1.0, 1.0, 1.0, 1.0, Joint(1e9, 1e-3, tensile_strength=1e5))
+    columns = [Column("one", (block,), Settings(formulation)) for formulation in FORMULATIONS]
+    columns.append(Column("one", (mortar,)))
     rows = {
         item.name: _row(item)
         for one in columns
