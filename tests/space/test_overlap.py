@@ -15,9 +15,14 @@ from support.structures import with_law
 
 from multiblock import Block, Column, Joint, Motion, SpatialResponse, SpatialState, Structure, simulate
 from solver.kernels.numba_ext.jit import from_python
+from solver.kernels.numba_ext.lanes import WIDTH
+from solver.kernels.numba_ext.views import lanes_of, row_of
 from solver.kernels.structure.bed import Plane
 from solver.kernels.structure.entries import see
+from solver.kernels.structure.in_lanes import ALL, Queue, batch_over
 from solver.kernels.structure.joint import bed_of_joint
+from solver.kernels.structure.layout import sizes_in
+from solver.models.column.lanes import aligned
 from solver.models.structure.blocks.faces import FloatArray, clipped
 from solver.models.structure.rest import move, residual_of, rest_of
 from solver.models.structure.stepper import Stepper
@@ -39,6 +44,31 @@ def bed(structure: Structure, slips: Any, p: FloatArray, q: FloatArray) -> Float
     stepper, found = Stepper(structure), np.zeros(5)
     bed_after(stepper.arrays, np.array(slips), p, q, found)
     return found
+
+
+@from_python
+def beds_after(lanes, model, slips, p, q, found):
+    """As `bed_after`, eight at once."""
+    row = row_of(model)
+    queue = Queue(0, row, row, row, row, row, row, row, row, row, row, None)
+    scene = batch_over(sizes_in(row), lanes_of(lanes), queue).scene
+    slid, p, q, into = lanes_of(slips), lanes_of(p), lanes_of(q), lanes_of(found)
+    scene.slips.p1[0], scene.slips.p2[0], scene.slips.p3[0] = slid[0], slid[1], slid[2]
+    bed = bed_of_joint(scene, 0, Plane(p[0], p[1], p[2]), Plane(q[0], q[1], q[2]))
+    into[0], into[1], into[2], into[3], into[4] = bed.force, bed.first_x, bed.first_y, bed.area, bed.largest
+
+
+def beds(structure: Structure, *given: list[FloatArray]) -> FloatArray:
+    """Beds of eight slips, p and q, (8, 5)."""
+    model = structure.model.numbers.copy()
+    lanes = aligned(WIDTH * ALL.size(structure.model.sizes))
+    lanes.reshape(-1, WIDTH)[: model.size] = model[:, None]
+    rows = []
+    for values in (*given, [np.zeros(5)] * WIDTH):
+        rows.append(aligned(WIDTH * len(values[0])))
+        rows[-1].reshape(-1, WIDTH)[:] = np.array(values).T
+    beds_after(lanes, model, *rows)
+    return rows[-1].reshape(-1, WIDTH).T
 
 
 def two(upper: dict[str, Any], lower: dict[str, Any]) -> Structure:
@@ -126,6 +156,7 @@ SHAPES = {
     "a small drum": ({**DRUM, "diameter": 0.7}, {**DRUM, "diameter": 1.2}),
     "rings": ({**DRUM, "diameter": 1.0, "bore": 0.4}, {**DRUM, "diameter": 1.0, "bore": 0.5}),
     "a drum on a box": ({**DRUM, "diameter": 1.0}, {**BOX, "width": 1.0, "depth": 1.3}),
+    "a ring on a box": ({**DRUM, "diameter": 1.0, "bore": 0.6}, {**BOX, "width": 1.0, "depth": 1.3}),
     "a box on a drum": ({**BOX, "width": 1.0, "depth": 0.6}, {**DRUM, "diameter": 1.0}),
 }
 
@@ -140,6 +171,20 @@ def test_round_faces_against_quadrature(name: str, seed: int) -> None:
     expected = by_quadrature(upper, lower, slips, p, q)
     found = bed(two(upper, lower), slips, p, q)[:4]
     assert np.max(np.abs(found - expected)) <= 1e-12  # measured 2e-14; the scale of the numbers is 1
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_beds_in_lanes_are_those_of_each_to_the_last_bit(name: str) -> None:
+    """Slips from 1e-6 to 0.3 m, planes that cut and that do not, and a lane that has not slid."""
+    rng, structure = np.random.default_rng(7), two(*SHAPES[name])
+    for _ in range(20):
+        slips = [10.0 ** rng.uniform(-6.0, -0.5) * rng.normal(size=3) for _ in range(WIDTH)]
+        slips[int(rng.integers(WIDTH))][:] = 0.0
+        planes = [drawn(rng, k) for k in range(WIDTH)]
+        above = rng.integers(2, size=WIDTH) * 3.0 * SCALE
+        p, q = ([plane[of] + [lift, 0.0, 0.0] for plane, lift in zip(planes, above, strict=True)] for of in (0, 1))
+        alone = [bed(structure, *one) for one in zip(slips, p, q, strict=True)]
+        assert np.array_equal(beds(structure, slips, p, q), alone)
 
 
 @pytest.mark.parametrize("name", SHAPES)
