@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...common.errors import NOT_NEGATIVE, InputError, check_number, needing
 from ...common.notebook import history, rows_of
 from ...kernels.layout import spaces as at
-from ..outputs import BOND, DIGITS, JOINT
+from ..outputs import DIGITS
 from ..response import Result
 from ..uncertainty import PERCENTILES
 from .kinematics import chain_of
@@ -52,8 +52,6 @@ class Response(ColumnHistories, Result):
 
     Histories are computed from the motion when one of them is first used, which may raise SolverError.
     """
-
-    dimensions: ClassVar[Mapping[str, str]] = {JOINT: "block", BOND: "block"}
 
     column: Column
     _observe: Callable[[], FloatArray]  # returns the output rows (nt, ROW of layout/spaces.py)
