@@ -15,6 +15,7 @@ from mpl_toolkits.mplot3d.proj3d import proj_transform
 
 from ..models.structure.blocks.faces import FloatArray
 from ..models.structure.blocks.parts import Joint
+from ..models.structure.blocks.shapes import rotation_matrix
 from ..models.structure.model import Structure
 from ..models.structure.response import SpatialResponse
 from .figures import Figure
@@ -43,10 +44,28 @@ def plot_structure(
     figure = Figure(figsize=(6.4, 6.8), layout="constrained")
     axes = figure.add_subplot(projection="3d")
     draw_blocks(axes, response.structure, scale * u, scale * turn)
+    if _mark_cracks(axes, response, k, scale * u, scale * turn):
+        axes.text2D(0.0, 0.0, "red: joints that have broken, dashed: cracked", transform=axes.transAxes, color=RED)
     factor = f", deformation x {scale:g}" if scale != 1.0 else ", to scale"
     axes.set_title(f"at {response.time[k]:.3g} s{factor}", fontsize=10, color=RED, loc="left")
     _head(figure, response)
     return save(figure, path, DPI)
+
+
+def _mark_cracks(axes: Any, response: SpatialResponse, k: int, u: FloatArray, turn: FloatArray) -> bool:
+    """Draw the outlines of joints that have cracked, where they lie on their lower blocks; whether there are any."""
+    structure = response.structure
+    hurt = [
+        (structure.joints[j], left) for j, left in zip(structure.bonds, response.bond[k], strict=True) if left < 1.0
+    ]
+    for joint, left in hurt:
+        points, body = joint.face.points(), joint.lower
+        if body < structure.n:
+            centroid = structure.blocks[body].centroid
+            points = centroid + u[body] + (points - centroid) @ rotation_matrix(turn[body]).T
+        outline = np.concatenate([points, points[:1]])
+        axes.plot(*outline.T, color=RED, linewidth=1.4, linestyle="--" if left else "-", zorder=3)
+    return bool(hurt)
 
 
 def structure_picture(structure: Structure) -> Figure:

@@ -195,6 +195,17 @@ def test_energy_is_lost_to_what_breaks_alone(
     assert np.max(np.abs(energy + SURFACE * AREA * (1.0 - bond))) < 1e-2 * tolerance * moved
 
 
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6])
+def test_what_is_pulled_just_beyond_its_strength_breaks(tolerance: float) -> None:
+    """It bounces on its bed, undamped, between two ends of steps: up to the strength to a part of the tolerance."""
+    structure = pier(tolerance=tolerance)
+    omega, settled = math.sqrt(STIFFNESS * AREA / MASS), MASS * 9.80665 / (STIFFNESS * AREA)
+    speed = omega * (STRENGTH / STIFFNESS + settled)
+    for part in (1.0 - 1e-6, 1.0 + 1e-6):
+        stepper, _, _ = thrown(structure, (0.0, 0.0, 0.0), (0.0, 0.0, part * speed), 0.05)
+        assert (stepper.state.bonded[0] == 0.0) == (part > 1.0)
+
+
 @pytest.mark.parametrize("spin", [(0.0, 0.08, 0.0), (0.02, 0.08, 0.01)], ids=["in its plane", "to all sides"])
 def test_a_run_that_cracks_converges(spin: tuple[float, float, float]) -> None:
     """Measured: at most 12 tolerances of the largest displacement, and 7 of the share of the bond."""
@@ -307,6 +318,8 @@ def test_runs_of_joints_that_may_break_go_alone_and_their_least_share_is_kept() 
     assert broken.peaks["bond"][0] == 0.0
     assert "what is bonded of them: pier-base nothing" in summary(broken)
     assert "no joint has cracked" in summary(response)
+    drawn = [[text.get_text() for text in run.plot_structure(at=0.1).axes[0].texts] for run in (response, broken)]
+    assert [any("broken" in text for text in texts) for texts in drawn] == [False, True]
 
 
 def test_the_largest_push_is_that_at_which_it_begins_to_snap() -> None:

@@ -131,7 +131,7 @@ def _limits_with_bond(scene, j, normal, limit, couple, stretch, twist):
         return limit, couple
     bears, _ = raised_by_bond(scene, j, normal, limit, couple)
     borne = max(joints.shear[j] * math.sqrt(stretch), joints.twist[j] / joints.arm[j] * abs(twist))
-    scene.extras.sound.spare[e] = bears - borne
+    scene.extras.sound.spare[e] = 1.0 - borne / bears if bears > 0.0 else -1.0
     return math.inf, math.inf
 
 

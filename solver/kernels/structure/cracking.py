@@ -6,6 +6,8 @@ So the law is smooth within a step, and what a bond has been through is known fr
 import math
 
 from ..numba_ext.jit import kernel, leaf, varied
+from ..output.peaks import MARGIN, MOST_TRIALS, apart, nearer, vertex
+from ..output.peaks import NEAR as NEARLY
 from .bed import value
 from .bond import bond_left, let_bonds_go, put_bond, tip_of
 from .evaluate import recall
@@ -23,33 +25,43 @@ LEAST_PART = 1e-6  # of a step that ends there
 # how far the front of a crack turns between two cuts, over the root of the tolerance, rad: what they leave of the bond
 # beside its true bound goes with the square
 TURN, MOST_CUTS = 1.0, 256
+PROMISE = 0.01  # of how near to breaking a bond may have come, from one trial to the next
 
 
 @kernel
 def _strain_of(scene, e, tip):
-    """The least of a bond's tip over its corners, and what is taken as zero of it, m."""
+    """The least of a bond's tip over its corners, and the largest size, m."""
     left, corners = bond_left(scene, e)
     least, largest = math.inf, 0.0
     for k in range(int(left.corners)):
         here = value(tip, corners[2 * k], corners[2 * k + 1])
         least, largest = min(least, here), max(largest, abs(here))
-    return least, NEAR * largest
+    return least, largest
+
+
+@leaf
+def _reach(scene, e):
+    """What a bond may be stretched by, m; without strength a part of the settlement."""
+    settings, bonds = scene.settings, scene.extras.bonds
+    least = settings.motion_floor * settings.extent
+    return max(least, bonds.strength[e] / scene.joints.stiffness[int(bonds.joint[e])])
 
 
 @kernel
-def _breaks(scene, h, s, e):
-    """Whether bond e has begun to break at fraction s of a step, or a crack that grew has ceased to."""
+def _spare(scene, h, s, e):
+    """How far bond e is from breaking at fraction s of a step: a part, below zero beyond; of a crack that grows 1.
+
+    Below zero too where that has ceased to grow.
+    """
     bonds, sound, phase = scene.extras.bonds, scene.extras.sound, _phase(row(scene, BETWEEN), scene.n)
     j = int(bonds.joint[e])
     load_joint_between(scene, phase, h, s, j)
-    if not sound.spare[e] > 0.0:
-        return True
-    motion = relative_motion(scene, phase, j)
+    motion, along = relative_motion(scene, phase, j), sound.spare[e]
     tip = tip_of(scene, e, penetration(scene, j, motion))
-    least, near = _strain_of(scene, e, tip)
     if sound.held[e] != 0.0:
-        return least < -near
-    return not _grows(scene, e, tip, penetration_rate(scene, j, motion))
+        least, largest = _strain_of(scene, e, tip)
+        return min(along, (least + NEAR * largest) / _reach(scene, e))
+    return min(along, 1.0 if _grows(scene, e, tip, penetration_rate(scene, j, motion)) else -1.0)
 
 
 @kernel
@@ -78,23 +90,45 @@ def until_broken(scene, h, part):
 @until_broken.version(has_extras)
 def _until_broken(scene, h, part):
     for e in range(scene.extras.glued):
-        if bond_left(scene, e)[0].corners == 0.0:
-            continue
-        low, high, half = 0.0, part, 0.5 * part
-        if _breaks(scene, h, half, e):
-            high = half
-        elif _breaks(scene, h, part, e):
-            low = half
-        else:
-            continue
-        for _ in range(HALVINGS):
-            half = 0.5 * (low + high)
-            if _breaks(scene, h, half, e):
-                high = half
-            else:
-                low = half
-        part = max(high, LEAST_PART)
+        if bond_left(scene, e)[0].corners != 0.0:
+            low, high = _breaking(scene, h, part, e)
+            for _ in range(HALVINGS):
+                if high == math.inf:
+                    break
+                half = 0.5 * (low + high)
+                if _spare(scene, h, half, e) > 0.0:
+                    low = half
+                else:
+                    high = half
+            part = min(part, max(high, LEAST_PART))
     return part
+
+
+@kernel
+def _breaking(scene, h, part, e):
+    """Fractions of a step before and after bond e begins to break; the latter infinite where it does not.
+
+    It is seen in the middle, at the end and, by parabolas, where it may come nearest to breaking between.
+    """
+    begins, middle, ends = _spare(scene, h, 0.0, e), _spare(scene, h, 0.5 * part, e), _spare(scene, h, part, e)
+    if not middle > 0.0:
+        return 0.0, 0.5 * part
+    if not ends > 0.0:
+        return 0.5 * part, part
+    bend, rise = begins - 2.0 * middle + ends, ends - begins
+    if abs(rise) < NEARLY * bend:
+        known, trials = (0.0, -begins, 0.5, -middle, 1.0, -ends), 0
+        s, height = vertex(*known)
+        while height > -MARGIN * bend and trials < MOST_TRIALS and 0.0 < s < 1.0:
+            found = _spare(scene, h, part * s, e)
+            if not found > 0.0:
+                return part * (known[0] if s < known[2] else known[2]), part * s
+            trials += 1
+            known = nearer(known, s, -found)
+            s, height = vertex(*known)
+            s = apart(known, s)
+            bend = PROMISE * bend
+    return part, math.inf
 
 
 @leaf
@@ -191,11 +225,11 @@ def _crack(scene, phase, e):
     pace = penetration_rate(scene, j, motion)
     _store(scene, e, _fewer(scene.room, cut(scene.room, put_bond(scene, e), tip)))
     count = int(left.corners)
-    _, near = _strain_of(scene, e, tip)
+    _, largest = _strain_of(scene, e, tip)
     sound.held[e] = 1.0
     for k in range(count):
         x, y = corners[2 * k], corners[2 * k + 1]
-        if value(tip, x, y) <= near and value(pace, x, y) < 0.0:
+        if value(tip, x, y) <= NEAR * largest and value(pace, x, y) < 0.0:
             sound.held[e] = 0.0
     return False
 

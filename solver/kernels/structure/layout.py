@@ -197,7 +197,7 @@ RESULTANTS = Table(  # of m joints, along the axes of the joint
     *("s1", "s2", "s3"),  # m, m, rad: slips and twist
     *("z1", "z2", "z3"),  # their elastic parts
 )
-# of bonds: m2, and the force along the joint that is left, N, of the evaluation; 1 while it is held as it was
+# of bonds: m2, the part of what it bears along the joint that is left, of the evaluation; 1 while it is held as it was
 SOUND = Table("area", "spare", "held")
 # of pairs: N, J; 1 while friction gives way; 1 while the pair bears something
 HITS = Table("force", "energy", "slides", "bears")
