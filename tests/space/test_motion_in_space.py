@@ -259,6 +259,7 @@ def test_histories_as_frames_and_in_a_notebook() -> None:
     structure = Structure.from_toml(ROOT / "examples" / "structures" / "trilith.toml")
     response = simulate(structure, Motion.harmonic(1.0, 2.0, 0.1))
     assert repr(structure).startswith("<Structure trilith: 3 blocks, 4 joints")
+    assert repr(replace(structure, g=0.0)) == repr(structure)  # its mass does not hang on its weight
     assert repr(response).startswith("<SpatialResponse of trilith: standing")
     for shown in (structure, response):
         assert "<svg" in shown._repr_html_()

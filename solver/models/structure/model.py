@@ -101,7 +101,7 @@ class Structure(Shown):
 
     def _facts(self) -> tuple[str, ...]:
         parts = [counted(self.n, "block"), counted(len(self.joints), "joint"), counted(len(self.ties), "tie")]
-        return self.name, *parts, f"{1e-3 * self.weight / self.g:.4g} t"
+        return self.name, *parts, f"{1e-3 * sum(block.mass for block in self.blocks):.4g} t"
 
     def _lines(self) -> Iterable[Sequence[object]]:
         yield "block", "mass (t)", "x (m)", "y (m)", "z (m)"
