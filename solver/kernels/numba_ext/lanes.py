@@ -269,6 +269,19 @@ def index_of(x):
 
 
 @by_width
+def most_of(x):
+    """A number as a whole one; of lanes the largest."""
+    return _most if _are_lanes(x) else lambda x: int(x)
+
+
+def _most(x):
+    found = lane(x, 0)
+    for k in range(1, WIDTH):
+        found = max(found, lane(x, k))
+    return int(found)
+
+
+@by_width
 def nearest(x):
     """The nearest whole number."""
     return (lambda x: _rint(x)) if _are_lanes(x) else lambda x: np.rint(x)

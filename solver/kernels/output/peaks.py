@@ -18,6 +18,7 @@ from ..integrators.stage import stage
 from ..joint.sliding import can_slide
 from ..layout.spaces import COUNTS_FROM, OK, OUTPUTS, PEAKS, PIECES, ROW
 from ..numba_ext.jit import kernel, leaf, varied_leaf
+from ..numba_ext.lanes import greater, magnitude, opposite, where
 from ..numba_ext.views import copy
 
 _peaks, _row = PEAKS.over, ROW.over
@@ -221,30 +222,35 @@ def vertex(a, f_a, b, f_b, c, f_c):
     """(place, height) of the top of the parabola through three points; the best of them if no top is inside."""
     left, right = (f_b - f_a) / (b - a), (f_c - f_b) / (c - b)
     bend = (left - right) / (c - a)
-    if bend > 0.0:
-        slope = left - bend * (b - a)  # at b
-        place = b + 0.5 * slope / bend
-        if a < place < c:
-            return place, f_b + 0.25 * slope * slope / bend
-    return b, max(f_a, f_b, f_c)
+    curved, slope = bend > 0.0, left - bend * (b - a)  # at b
+    per = where(curved, bend, 1.0)
+    place = b + 0.5 * slope / per
+    inside = curved & (a < place) & (place < c)
+    top, best = f_b + 0.25 * slope * slope / per, greater(f_a, greater(f_b, f_c))
+    return where(inside, place, b), where(inside, top, best)
 
 
 @leaf
 def apart(known, s):
     """A place for the next trial, near s, but not too near the second of three known ones."""
     a, _, b, _, c, _ = known
-    if abs(s - b) < CLOSE:
-        return b + CLOSE if c - b > b - a else b - CLOSE
-    return s
+    return where(magnitude(s - b) < CLOSE, where(c - b > b - a, b + CLOSE, b - CLOSE), s)
 
 
 @leaf
 def nearer(known, s, f_s):
     """The three places around the largest value, each with its own, after a trial at s."""
     a, f_a, b, f_b, c, f_c = known
-    if s < b:
-        return (a, f_a, s, f_s, b, f_b) if f_s >= f_b else (s, f_s, b, f_b, c, f_c)
-    return (b, f_b, s, f_s, c, f_c) if f_s >= f_b else (a, f_a, b, f_b, s, f_s)
+    before, better = s < b, f_s >= f_b
+    first, last = better ^ before, better ^ opposite(before)  # s or b is the first; the last
+    return (
+        where(first, where(before, s, b), a),
+        where(first, where(before, f_s, f_b), f_a),
+        where(better, s, b),
+        where(better, f_s, f_b),
+        where(last, where(before, b, s), c),
+        where(last, where(before, f_b, f_s), f_c),
+    )
 
 
 @leaf

@@ -11,10 +11,25 @@ ends where the bond begins to break (cracking.py). Else the evaluation cuts it b
 
 import math
 
-from ..numba_ext.jit import kernel, leaf, varied, varied_leaf
-from ..numba_ext.views import copy
-from .bed import Bed, Plane, add, nothing, triangle, value, whole
-from .layout import BONDED, OF_POLYGON, acts_alone, has_extras
+from ..numba_ext.jit import by_width, kernel, leaf, varied, varied_leaf
+from ..numba_ext.lanes import (
+    WIDTH,
+    MaskType,
+    any_of,
+    bits,
+    greater,
+    index_of,
+    lane,
+    magnitude,
+    most_of,
+    square_root,
+    where,
+    with_lane,
+    zero_like,
+)
+from ..numba_ext.views import copy, one_lane
+from .bed import Bed, Plane, chosen, nothing, triangle, value, whole
+from .layout import BONDED, MOST_BONDED, OF_POLYGON, has_extras, may_break
 from .overlap import cut
 from .polygon import polygon_bed
 
@@ -31,20 +46,92 @@ def bond_left(scene, e):
 
 
 @leaf
+def joint_of(scene, e):
+    """Number of the joint of bond e."""
+    return index_of(scene.extras.bonds.joint[e])
+
+
+@leaf
 def tip_of(scene, e, p):
     """Zero where bond e breaks, positive where it holds, m, by the penetration."""
-    bonds = scene.extras.bonds
-    return Plane(p.at + bonds.strength[e] / scene.joints.stiffness[int(bonds.joint[e])], p.along_x, p.along_y)
+    reach = scene.extras.bonds.strength[e] / scene.joints.stiffness[joint_of(scene, e)]
+    return Plane(p.at + reach, p.along_x, p.along_y)
+
+
+# --- the polygon in the room; of lanes each repeats its last corner up to the largest number of them
+
+
+@leaf
+def _repeat_last(room, counts):
+    x, y = room[0], room[1]
+    for k in range(most_of(counts)):
+        there = counts > k
+        x, y = where(there, room[2 * k], x), where(there, room[2 * k + 1], y)
+        room[2 * k], room[2 * k + 1] = x, y
 
 
 @kernel
 def put_bond(scene, e):
     """Put what is left of bond e into the room; returns the number of its corners."""
     left, corners = bond_left(scene, e)
-    count = int(left.corners)
-    for k in range(2 * count):
+    for k in range(2 * most_of(left.corners)):
         scene.room[k] = corners[k]
+    _repeat_last(scene.room, left.corners)
+    return left.corners
+
+
+@by_width
+def cut_bond(scene, counts, those, tip, most):
+    """Cut the polygon, where `those` holds, by where a plane is negative; returns the number of its corners.
+
+    Of more than `most` corners those go that hold least.
+    """
+    return _cut_lanes if isinstance(those, MaskType) else _cut_one
+
+
+def _cut_one(scene, counts, those, tip, most):
+    return float(_fewer(scene.room, cut(scene.room, int(counts), tip), most)) if those else counts
+
+
+def _cut_lanes(scene, counts, those, tip, most):
+    which = bits(those)
+    for k in range(WIDTH):
+        if (which >> k) & 1:
+            own, plane = one_lane(scene.room, k), Plane(lane(tip.at, k), lane(tip.along_x, k), lane(tip.along_y, k))
+            counts = with_lane(counts, k, float(_fewer(own, cut(own, int(lane(counts, k)), plane), most)))
+    _repeat_last(scene.room, counts)
+    return counts
+
+
+@leaf
+def _doubled(room, a, b, c):
+    """Twice the area of a triangle of three corners."""
+    x, y = room[2 * a], room[2 * a + 1]
+    return abs((room[2 * b] - x) * (room[2 * c + 1] - y) - (room[2 * c] - x) * (room[2 * b + 1] - y))
+
+
+@kernel
+def _fewer(room, count, most):
+    """Leave out the corners that hold least until there is room for the others; returns their number."""
+    while count > most:
+        least, gone = math.inf, 0
+        for k in range(count):
+            size = _doubled(room, (k + count - 1) % count, k, (k + 1) % count)
+            if size < least:
+                least, gone = size, k
+        for k in range(2 * gone, 2 * count - 2):
+            room[k] = room[k + 2]
+        count -= 1
     return count
+
+
+@kernel
+def store_bond(scene, e, counts, those):
+    """Let the polygon in the room be what is left of bond e, where `those` holds."""
+    left, corners = bond_left(scene, e)
+    for k in range(2 * most_of(counts)):
+        corners[k] = where(those, scene.room[k], corners[k])
+    left.corners = where(those, counts, left.corners)
 
 
 @kernel
@@ -55,28 +142,34 @@ def _all_of(room, count, q):
     for k in range(2, count):
         x1, y1, x2, y2 = room[2 * k - 2], room[2 * k - 1], room[2 * k], room[2 * k + 1]
         values = value(q, x0, y0), value(q, x1, y1), value(q, x2, y2)
-        bed = add(bed, True, *triangle((x0, x1, x2), (y0, y1, y2), values))
+        area, force, first_x, first_y = triangle((x0, x1, x2), (y0, y1, y2), values)
+        bed = Bed(bed.force + force, bed.first_x + first_x, bed.first_y + first_y, bed.area + area, bed.largest)
     return bed
 
 
 @kernel
 def with_bond(scene, e, p, q, bed):
     """A bed of a dry joint with the part of bond e that is not pressed."""
-    sound = scene.extras.sound
-    count = put_bond(scene, e)
-    if count > 0 and sound.held[e] == 0.0:
-        count = cut(scene.room, count, tip_of(scene, e, p))
-    sound.area[e], sound.spare[e] = 0.0, math.inf
-    if count < 3:
+    room, sound, j = scene.room, scene.extras.sound, joint_of(scene, e)
+    counts = put_bond(scene, e)
+    breaks = (counts > 0.0) & (sound.held[e] == 0.0)
+    if any_of(breaks):
+        counts = cut_bond(scene, counts, breaks, tip_of(scene, e, p), MOST_BONDED + 1)
+    there, zero = counts >= 3.0, zero_like(counts)
+    sound.area[e], sound.spare[e] = zero, zero + math.inf
+    if not any_of(there):
         return bed
-    own, j = _all_of(scene.room, count, q), int(scene.extras.bonds.joint[e])
-    if own.area > NEARLY * scene.joints.area[j]:
-        own = whole(scene.joints, j, q, bed.largest)
-    dry = polygon_bed(scene.room, 0, count, own, p, q)
-    sound.area[e] = own.area
+    count = most_of(counts)
+    own = _all_of(room, count, q)
+    full = own.area > NEARLY * scene.joints.area[j]
+    if any_of(full):
+        own = chosen(full, whole(scene.joints, j, q, bed.largest), own)
+    dry = polygon_bed(room, 0, count, own, p, q)
+    sound.area[e] = where(there, own.area, 0.0)
     force, first_x, first_y = own.force - dry.force, own.first_x - dry.first_x, own.first_y - dry.first_y
     area = own.area + (bed.area - dry.area)
-    return Bed(bed.force + force, bed.first_x + first_x, bed.first_y + first_y, area, bed.largest)
+    mortar = Bed(bed.force + force, bed.first_x + first_x, bed.first_y + first_y, area, bed.largest)
+    return chosen(there, mortar, bed)
 
 
 @varied_leaf
@@ -85,16 +178,15 @@ def raised_by_bond(scene, j, normal, limit, couple):
     return limit, couple
 
 
-@raised_by_bond.version(acts_alone)
+@raised_by_bond.version(may_break)
 def _raised_by_bond(scene, j, normal, limit, couple):
-    if scene.joints.bond[j] == 0.0:
+    joints, e = scene.joints, index_of(scene.joints.bond[j]) - 1
+    if e < 0:
         return limit, couple
-    e, joints = int(scene.joints.bond[j]) - 1, scene.joints
     area = scene.extras.sound.area[e]
-    if area == 0.0:
-        return limit, couple
     bears = joints.friction[j] * normal + joints.dowel[j] + scene.extras.bonds.cohesion[e] * area
-    return bears, bears * joints.arm[j]
+    there = area > 0.0
+    return where(there, bears, limit), where(there, bears * joints.arm[j], couple)
 
 
 @varied_leaf
@@ -103,7 +195,7 @@ def with_strength(scene, j, pressure):
     return pressure
 
 
-@with_strength.version(acts_alone)
+@with_strength.version(may_break)
 def _with_strength(scene, j, pressure):
     if scene.joints.bond[j] != 0.0:
         e = int(scene.joints.bond[j]) - 1
@@ -121,18 +213,17 @@ def limits_with_bond(scene, j, normal, limit, couple, stretch, twist):
     return limit, couple
 
 
-@limits_with_bond.version(acts_alone)
+@limits_with_bond.version(may_break)
 def _limits_with_bond(scene, j, normal, limit, couple, stretch, twist):
     """How far the bond is from breaking along the joint is kept."""
-    if scene.joints.bond[j] == 0.0:
+    joints, sound, e = scene.joints, scene.extras.sound, index_of(scene.joints.bond[j]) - 1
+    if e < 0:
         return limit, couple
-    e, joints = int(scene.joints.bond[j]) - 1, scene.joints
-    if scene.extras.sound.area[e] == 0.0:
-        return limit, couple
+    there = sound.area[e] > 0.0
     bears, _ = raised_by_bond(scene, j, normal, limit, couple)
-    borne = max(joints.shear[j] * math.sqrt(stretch), joints.twist[j] / joints.arm[j] * abs(twist))
-    scene.extras.sound.spare[e] = 1.0 - borne / bears if bears > 0.0 else -1.0
-    return math.inf, math.inf
+    borne = greater(joints.shear[j] * square_root(stretch), joints.twist[j] / joints.arm[j] * magnitude(twist))
+    sound.spare[e] = where(there, where(bears > 0.0, 1.0 - borne / bears, -1.0), sound.spare[e])
+    return where(there, math.inf, limit), where(there, math.inf, couple)
 
 
 @varied

@@ -1,23 +1,36 @@
 """Bonds break between two steps: a step ends where one begins to, and where a crack ceases to grow (bond.py).
 
-So the law is smooth within a step, and what a bond has been through is known from the ends of steps.
+So the law is smooth within a step, and what a bond has been through is known from the ends of steps. Of one structure
+or of eight in lanes, of which a mask says which are meant.
 """
 
 import math
 
 from ..numba_ext.jit import kernel, leaf, varied
+from ..numba_ext.lanes import (
+    any_of,
+    greater,
+    index_of,
+    lesser,
+    magnitude,
+    most_of,
+    nearest,
+    opposite,
+    square_root,
+    where,
+    zero_like,
+)
 from ..output.peaks import MARGIN, MOST_TRIALS, apart, nearer, vertex
 from ..output.peaks import NEAR as NEARLY
 from .bed import value
-from .bond import bond_left, let_bonds_go, put_bond, tip_of
+from .bond import bond_left, cut_bond, joint_of, let_bonds_go, put_bond, store_bond, tip_of
 from .evaluate import recall
 from .joint import load_joint, penetration, penetration_rate
-from .kinematics import pose_body, relative_motion
-from .layout import MOST_BONDED, PHASE, has_extras
-from .overlap import cut
-from .watch import BETWEEN, load_joint_between, pose_joint_between, row
+from .kinematics import pose_two, relative_motion
+from .layout import MEMORY, MOST_BONDED, PHASE, has_extras, may_break
+from .watch import END, load_joint_between, pose_between, row
 
-_phase = PHASE.over
+_phase, _PER_BODY, _PER_JOINT = PHASE.over, PHASE.per_n, MEMORY.per_n
 NEAR = 1e-9  # of the penetrations of a bond: a corner that is as near to its strength has reached it
 LEAST = 1e-9  # of the section: what is left of a bond and is smaller has broken
 HALVINGS = 40  # of a step, to where a bond breaks
@@ -28,14 +41,19 @@ TURN, MOST_CUTS = 1.0, 256
 PROMISE = 0.01  # of how near to breaking a bond may have come, from one trial to the next
 
 
+@leaf
+def _none(those):
+    """Those of which none is."""
+    return those & opposite(those)
+
+
 @kernel
-def _strain_of(scene, e, tip):
-    """The least of a bond's tip over its corners, and the largest size, m."""
-    left, corners = bond_left(scene, e)
-    least, largest = math.inf, 0.0
-    for k in range(int(left.corners)):
-        here = value(tip, corners[2 * k], corners[2 * k + 1])
-        least, largest = min(least, here), max(largest, abs(here))
+def _strain_of(scene, count, tip):
+    """The least of a bond's tip over the corners in the room, and the largest size, m."""
+    least, largest = math.inf + zero_like(tip.at), zero_like(tip.at)
+    for k in range(count):
+        here = value(tip, scene.room[2 * k], scene.room[2 * k + 1])
+        least, largest = lesser(least, here), greater(largest, magnitude(here))
     return least, largest
 
 
@@ -44,194 +62,228 @@ def _reach(scene, e):
     """What a bond may be stretched by, m; without strength a part of the settlement."""
     settings, bonds = scene.settings, scene.extras.bonds
     least = settings.motion_floor * settings.extent
-    return max(least, bonds.strength[e] / scene.joints.stiffness[int(bonds.joint[e])])
+    return greater(least, bonds.strength[e] / scene.joints.stiffness[joint_of(scene, e)])
+
+
+@leaf
+def _strength_left(scene, e, least, largest):
+    """How far a bond is from the least of its tip that breaks it: a part."""
+    return (least + NEAR * largest) / _reach(scene, e)
 
 
 @kernel
-def _spare(scene, h, s, e):
-    """How far bond e is from breaking at fraction s of a step: a part, below zero beyond; of a crack that grows 1.
-
-    Below zero too where that has ceased to grow.
-    """
-    bonds, sound, phase = scene.extras.bonds, scene.extras.sound, _phase(row(scene, BETWEEN), scene.n)
-    j = int(bonds.joint[e])
-    load_joint_between(scene, phase, h, s, j)
-    motion, along = relative_motion(scene, phase, j), sound.spare[e]
-    tip = tip_of(scene, e, penetration(scene, j, motion))
-    if sound.held[e] != 0.0:
-        least, largest = _strain_of(scene, e, tip)
-        return min(along, (least + NEAR * largest) / _reach(scene, e))
-    return min(along, 1.0 if _grows(scene, e, tip, penetration_rate(scene, j, motion)) else -1.0)
-
-
-@kernel
-def _grows(scene, e, tip, pace):
-    """Whether the front of a crack, where the tip is zero within what is left of a bond, moves on anywhere."""
-    left, corners = bond_left(scene, e)
-    count = int(left.corners)
-    x0, y0 = corners[2 * count - 2], corners[2 * count - 1]
-    before, grows = value(tip, x0, y0), False
+def _grows(scene, count, tip, pace):
+    """Whether the front of a crack, where the tip is zero within the bond in the room, moves on anywhere."""
+    room = scene.room
+    x0, y0 = room[2 * count - 2], room[2 * count - 1]
+    before = value(tip, x0, y0)
+    grows = _none(before < 0.0)
     for k in range(count):
-        x1, y1 = corners[2 * k], corners[2 * k + 1]
+        x1, y1 = room[2 * k], room[2 * k + 1]
         here = value(tip, x1, y1)
-        if (before > 0.0) != (here > 0.0):
+        crosses = (before > 0.0) ^ (here > 0.0)
+        if any_of(crosses):
             part = before / (before - here)
-            grows = grows or value(pace, x0 + part * (x1 - x0), y0 + part * (y1 - y0)) < 0.0
+            grows = grows | (crosses & (value(pace, x0 + part * (x1 - x0), y0 + part * (y1 - y0)) < 0.0))
         x0, y0, before = x1, y1, here
     return grows
 
 
+@kernel
+def _spare(scene, phase, e):
+    """How far bond e is from breaking, whose joint has just been loaded by a phase; of a crack that grows 1.
+
+    A part; below zero beyond, and where a crack has ceased to grow.
+    """
+    sound, j = scene.extras.sound, joint_of(scene, e)
+    motion = relative_motion(scene, phase, j)
+    tip, count = tip_of(scene, e, penetration(scene, j, motion)), most_of(put_bond(scene, e))
+    least, largest = _strain_of(scene, count, tip)
+    spare, held = _strength_left(scene, e, least, largest), sound.held[e] != 0.0
+    if any_of(opposite(held)):
+        spare = where(held, spare, where(_grows(scene, count, tip, penetration_rate(scene, j, motion)), 1.0, -1.0))
+    return lesser(sound.spare[e], spare)
+
+
+@leaf
+def _spare_between(scene, h, s, e):
+    """`_spare` at fraction s of a step."""
+    return _spare(scene, load_joint_between(scene, h, s, joint_of(scene, e)), e)
+
+
 @varied
-def until_broken(scene, h, part):
-    """The part of a step of h s, at most `part`, after which no bond has begun to break."""
+def until_broken(scene, h, those):
+    """The part of a step of h s, just made, after which no bond has begun to break."""
+    return zero_like(h) + 1.0
+
+
+@until_broken.version(may_break)
+def _until_broken(scene, h, those):
+    """Resultants and the force on the base are left as they are at the end of the step."""
+    extras, part = scene.extras, zero_like(h) + 1.0
+    if extras.glued == 0:
+        return part
+    phase, poses, n = _phase(row(scene, END), scene.n), scene.poses, scene.n
+    force, moment = (poses.fx[n], poses.fy[n], poses.fz[n]), (poses.mx[n], poses.my[n], poses.mz[n])
+    for e in range(extras.glued):
+        _pose_ends(scene, phase, e)
+        extras.sound.ends[e] = _spare(scene, phase, e)
+    for e in range(extras.glued):
+        there = those & (bond_left(scene, e)[0].corners != 0.0)
+        if any_of(there):
+            part = lesser(_breaking(scene, h, e, there), part)
+    if not any_of(part < 1.0):
+        for e in range(extras.glued):
+            _pose_ends(scene, phase, e)
+            _load(scene, row(scene, END), e)
+        poses.fx[n], poses.fy[n], poses.fz[n] = force
+        poses.mx[n], poses.my[n], poses.mz[n] = moment
     return part
 
 
-@until_broken.version(has_extras)
-def _until_broken(scene, h, part):
-    for e in range(scene.extras.glued):
-        if bond_left(scene, e)[0].corners != 0.0:
-            low, high = _breaking(scene, h, part, e)
-            for _ in range(HALVINGS):
-                if high == math.inf:
-                    break
-                half = 0.5 * (low + high)
-                if _spare(scene, h, half, e) > 0.0:
-                    low = half
-                else:
-                    high = half
-            part = min(part, max(high, LEAST_PART))
-    return part
+@leaf
+def _pose_ends(scene, phase, e):
+    j = joint_of(scene, e)
+    pose_two(scene, phase, index_of(scene.joints.upper[j]), index_of(scene.joints.lower[j]))
 
 
 @kernel
-def _breaking(scene, h, part, e):
-    """Fractions of a step before and after bond e begins to break; the latter infinite where it does not.
+def _load(scene, state, e):
+    """Load the joint of bond e, whose bodies have been placed, by a state."""
+    j, remembered = joint_of(scene, e), state[_PER_BODY * scene.n :]
+    if any_of(scene.settings.gives_way != 0.0):
+        for place in range(j, _PER_JOINT * scene.m, scene.m):
+            scene.memory[place] = remembered[place]
+    load_joint(scene, _phase(state, scene.n), j)
+
+
+@kernel
+def _breaking(scene, h, e, there):
+    """The part of a step after which bond e begins to break; 1 where it does not, or is not `there`.
 
     It is seen in the middle, at the end and, by parabolas, where it may come nearest to breaking between.
     """
-    begins, middle, ends = _spare(scene, h, 0.0, e), _spare(scene, h, 0.5 * part, e), _spare(scene, h, part, e)
-    if not middle > 0.0:
-        return 0.0, 0.5 * part
-    if not ends > 0.0:
-        return 0.5 * part, part
+    begins, ends = scene.extras.sound.begins[e], scene.extras.sound.ends[e]
+    zero = zero_like(h)
+    middle = _spare_between(scene, h, zero + 0.5, e)
+    early, late = there & opposite(middle > 0.0), there & opposite(ends > 0.0)
+    low, high = where(early, 0.0, zero + 0.5), where(early, 0.5, where(late, 1.0, zero + math.inf))
     bend, rise = begins - 2.0 * middle + ends, ends - begins
-    if abs(rise) < NEARLY * bend:
-        known, trials = (0.0, -begins, 0.5, -middle, 1.0, -ends), 0
+    seeks = there & opposite(early | late) & (magnitude(rise) < NEARLY * bend)
+    if any_of(seeks):
+        known = zero, -begins, zero + 0.5, -middle, zero + 1.0, -ends
         s, height = vertex(*known)
-        while height > -MARGIN * bend and trials < MOST_TRIALS and 0.0 < s < 1.0:
-            found = _spare(scene, h, part * s, e)
-            if not found > 0.0:
-                return part * (known[0] if s < known[2] else known[2]), part * s
-            trials += 1
+        for _ in range(MOST_TRIALS):
+            seeks = seeks & (height > -MARGIN * bend) & (s > 0.0) & (s < 1.0)
+            if not any_of(seeks):
+                break
+            found = _spare_between(scene, h, where(seeks, s, 0.5), e)
+            breaks = seeks & opposite(found > 0.0)
+            low = where(breaks, where(s < known[2], known[0], known[2]), low)
+            high = where(breaks, s, high)
+            seeks = seeks & (found > 0.0)
             known = nearer(known, s, -found)
             s, height = vertex(*known)
-            s = apart(known, s)
-            bend = PROMISE * bend
-    return part, math.inf
+            s, bend = apart(known, s), PROMISE * bend
+    for _ in range(HALVINGS):
+        breaks = high < math.inf
+        if not any_of(breaks):
+            break
+        half = where(breaks, 0.5 * (low + high), 0.5)
+        holds = _spare_between(scene, h, half, e) > 0.0
+        low, high = where(breaks & holds, half, low), where(breaks & opposite(holds), half, high)
+    return lesser(greater(high, LEAST_PART), 1.0)
 
 
 @leaf
 def _tip_between(scene, h, s, e):
     """The tip of bond e at fraction s of a step."""
-    j, phase = int(scene.extras.bonds.joint[e]), _phase(row(scene, BETWEEN), scene.n)
-    pose_joint_between(scene, phase, h, s, j)
+    j = joint_of(scene, e)
+    phase = pose_between(scene, h, s, index_of(scene.joints.upper[j]), index_of(scene.joints.lower[j]))
     return tip_of(scene, e, penetration(scene, j, relative_motion(scene, phase, j)))
 
 
-@leaf
-def _doubled(room, a, b, c):
-    """Twice the area of a triangle of three corners."""
-    x, y = room[2 * a], room[2 * a + 1]
-    return abs((room[2 * b] - x) * (room[2 * c + 1] - y) - (room[2 * c] - x) * (room[2 * b + 1] - y))
-
-
-@kernel
-def _fewer(room, count):
-    """Leave out the corners that hold least until there is room for the others; returns their number."""
-    while count > MOST_BONDED:
-        least, gone = math.inf, 0
-        for k in range(count):
-            size = _doubled(room, (k + count - 1) % count, k, (k + 1) % count)
-            if size < least:
-                least, gone = size, k
-        for k in range(2 * gone, 2 * count - 2):
-            room[k] = room[k + 2]
-        count -= 1
-    return count
-
-
-@leaf
-def _store(scene, e, count):
-    """Leave what is in the room of bond e."""
-    left, corners = bond_left(scene, e)
-    for k in range(2 * count):
-        corners[k] = scene.room[k]
-    left.corners = float(count)
-
-
 @varied
-def crack_within(scene, h):
-    """Let bonds break by what a front that turns has passed within a step of h s; whether one has."""
-    return False
+def crack_within(scene, h, those):
+    """Let bonds break by what a front that turns has passed within a step of h s; where one has."""
+    return _none(those)
 
 
-@crack_within.version(has_extras)
-def _crack_within(scene, h):
-    passed, allowed = False, TURN * math.sqrt(scene.settings.tolerance)
+@crack_within.version(may_break)
+def _crack_within(scene, h, those):
+    passed, allowed = _none(those), TURN * square_root(scene.settings.tolerance)
     for e in range(scene.extras.glued):
-        if bond_left(scene, e)[0].corners == 0.0 or scene.extras.sound.held[e] != 0.0:
-            continue
-        a, b = _tip_between(scene, h, 0.0, e), _tip_between(scene, h, 1.0, e)
-        sine = a.along_x * b.along_y - a.along_y * b.along_x
-        turn = abs(math.atan2(sine, a.along_x * b.along_x + a.along_y * b.along_y))
-        cuts = int(min(MOST_CUTS, turn / allowed))
-        count = put_bond(scene, e)
-        for k in range(cuts):
-            tip = _tip_between(scene, h, (k + 1.0) / (cuts + 1.0), e)
-            count = _fewer(scene.room, cut(scene.room, count, tip))
-        if cuts > 0:
-            _store(scene, e, count)
-            passed = True
+        growing = those & (bond_left(scene, e)[0].corners != 0.0) & (scene.extras.sound.held[e] == 0.0)
+        if any_of(growing):
+            passed = passed | _cut_along(scene, h, e, growing, allowed)
     return passed
 
 
 @kernel
-def crack(scene, state):
-    """Let bonds break as a state says, and hold those that no crack grows in; whether one broke whole."""
-    broke, phase = False, _phase(state, scene.n)
-    if scene.settings.gives_way != 0.0:
-        recall(scene, state)
+def _cut_along(scene, h, e, growing, allowed):
+    """Cut bond e at places within a step between which the front of its crack turns by what is allowed, rad."""
+    a, b = _tip_between(scene, h, zero_like(h), e), _tip_between(scene, h, zero_like(h) + 1.0, e)
+    sine, cosine = a.along_x * b.along_y - a.along_y * b.along_x, a.along_x * b.along_x + a.along_y * b.along_y
+    below = square_root(sine * sine + cosine * cosine) + cosine
+    turn = where(below > 0.0, 2.0 * magnitude(sine) / below, 0.0)  # twice the tangent of half the angle: no less
+    cuts = where(growing, nearest(lesser(turn / allowed - 0.5, MOST_CUTS)), 0.0)
+    passed = cuts > 0.0
+    if any_of(passed):
+        counts = put_bond(scene, e)
+        for k in range(most_of(cuts)):
+            tip = _tip_between(scene, h, (k + 1.0) / (cuts + 1.0), e)
+            counts = cut_bond(scene, counts, cuts > k, tip, MOST_BONDED)
+        store_bond(scene, e, counts, passed)
+    return passed
+
+
+@varied
+def crack(scene, state, those):
+    """Let bonds break as a state says, and hold those that no crack grows in; where one broke whole."""
+    return _none(those)
+
+
+@crack.version(may_break)
+def _crack(scene, state, those):
+    broke, phase = _none(those), _phase(state, scene.n)
     for e in range(scene.extras.glued):
-        if bond_left(scene, e)[0].corners != 0.0:
-            broke = _crack(scene, phase, e) or broke
+        there = those & (bond_left(scene, e)[0].corners != 0.0)
+        if any_of(there):
+            scene.extras.sound.held[e] = where(there, 0.0, scene.extras.sound.held[e])
+            _pose_ends(scene, phase, e)
+            _load(scene, state, e)
+            broke = broke | _crack_bond(scene, phase, e, there)
     return broke
 
 
 @kernel
-def _crack(scene, phase, e):
-    sound, j = scene.extras.sound, int(scene.extras.bonds.joint[e])
-    for body in (int(scene.joints.upper[j]), int(scene.joints.lower[j])):
-        if body < scene.n:
-            pose_body(scene, phase, body)
-    sound.held[e] = 0.0
-    load_joint(scene, phase, j)
-    left, corners = bond_left(scene, e)
-    if not sound.spare[e] > 0.0 or not sound.area[e] > LEAST * scene.joints.area[j]:
-        left.corners, sound.area[e] = 0.0, 0.0
-        return True
+def _crack_bond(scene, phase, e, there):
+    """`crack` of bond e, whose joint has just been loaded."""
+    sound, j, left = scene.extras.sound, joint_of(scene, e), bond_left(scene, e)[0]
+    holds = (sound.spare[e] > 0.0) & (sound.area[e] > LEAST * scene.joints.area[j])
+    broke = there & opposite(holds)
+    left.corners = where(broke, 0.0, left.corners)
+    sound.area[e] = where(broke, 0.0, sound.area[e])
+    there = there & holds
+    if not any_of(there):
+        return broke
     motion = relative_motion(scene, phase, j)
-    tip = tip_of(scene, e, penetration(scene, j, motion))
-    pace = penetration_rate(scene, j, motion)
-    _store(scene, e, _fewer(scene.room, cut(scene.room, put_bond(scene, e), tip)))
-    count = int(left.corners)
-    _, largest = _strain_of(scene, e, tip)
-    sound.held[e] = 1.0
-    for k in range(count):
-        x, y = corners[2 * k], corners[2 * k + 1]
-        if value(tip, x, y) <= NEAR * largest and value(pace, x, y) < 0.0:
-            sound.held[e] = 0.0
-    return False
+    tip, pace = tip_of(scene, e, penetration(scene, j, motion)), penetration_rate(scene, j, motion)
+    counts = put_bond(scene, e)
+    least, largest = _strain_of(scene, most_of(counts), tip)
+    cuts = there & opposite(least > 0.0)
+    if any_of(cuts):
+        counts = cut_bond(scene, counts, cuts, tip, MOST_BONDED)
+        store_bond(scene, e, counts, cuts)
+        least, largest = _strain_of(scene, most_of(counts), tip)
+    grows = _none(there)
+    for k in range(most_of(counts)):
+        x, y = scene.room[2 * k], scene.room[2 * k + 1]
+        grows = grows | ((value(tip, x, y) <= NEAR * largest) & (value(pace, x, y) < 0.0))
+    spare = lesser(sound.spare[e], where(grows, 1.0, _strength_left(scene, e, least, largest)))
+    sound.held[e] = where(there, where(grows, 0.0, 1.0), sound.held[e])
+    sound.begins[e] = where(there, spare, sound.begins[e])
+    return broke
 
 
 @varied
@@ -242,6 +294,7 @@ def settle_bonds(scene, state):
 
 @settle_bonds.version(has_extras)
 def _settle_bonds(scene, state):
-    crack(scene, state)
+    recall(scene, state)
+    crack(scene, state, True)
     let_bonds_go(scene)
     return scene.extras.glued > 0

@@ -15,7 +15,7 @@ from .base import acceleration
 from .bond import let_bonds_go, show_bonds
 from .contact import error_of_pairs, gap_of, load_pairs, pairs_energy
 from .contact_in_lanes import load_pairs_in_lanes
-from .layout import OF_BEARING, OF_BOND, OF_PAIR, OF_PORT, acts_alone, has_extras, meets_in_lanes
+from .layout import OF_BEARING, OF_BOND, OF_PAIR, OF_PORT, acts_alone, has_events_in_lanes, has_extras
 from .port import is_pushed, let_ports_go, load_ports, push_ports, see_ports
 from .turning import is_turned, load_turned, show_turned, stop_turning, turn_base
 
@@ -71,7 +71,7 @@ def _load(scene, phase):
     load_turned(scene, phase)
 
 
-@load_extras.version(meets_in_lanes)
+@load_extras.version(has_events_in_lanes)
 def _load_in_lanes(scene, phase):
     load_pairs_in_lanes(scene, phase)
 
@@ -82,7 +82,7 @@ def error_of_extras(scene, errors):
     return zero_like(scene.settings.tolerance)
 
 
-@error_of_extras.version(lambda scene, *_: acts_alone(scene) or meets_in_lanes(scene))
+@error_of_extras.version(lambda scene, *_: acts_alone(scene) or has_events_in_lanes(scene))
 def _error(scene, errors):
     return error_of_pairs(scene, errors)
 

@@ -17,6 +17,7 @@ from ..stepping.control import is_too_short, shared
 from .attempt import attempt_5, evaluate_at, rate
 from .base import Shaking, is_still, segment_after
 from .bearing import raise_displacements
+from .cracking import crack, crack_within
 from .evaluate import moving, recall
 from .layout import (
     BASE,
@@ -30,6 +31,7 @@ from .layout import (
     STAGES,
     WORK,
     Sizes,
+    place_of_bonds,
     scene_over,
 )
 from .meeting_in_lanes import forget_gaps, keep_slides, limited, meet, until_closed, watch_gaps
@@ -111,8 +113,8 @@ class Batch(NamedTuple):
 def batch_over(sizes, buffer, queue):
     """The batch over a row of lanes, or of one of them."""
     seen = _all(buffer, sizes)
-    peaks = seen.peaks.row
-    scene = scene_over(sizes, seen.model, seen.control, seen.counts, peaks, peaks, seen.work, queue.extras)
+    peaks, bonded = seen.peaks.row, seen.work.states[place_of_bonds(sizes) :]  # of the row START
+    scene = scene_over(sizes, seen.model, seen.control, seen.counts, peaks, bonded, seen.work, queue.extras)
     shaking = Shaking(0, 0, queue.times, queue.ax, queue.ay, queue.az, seen.base, 0, queue.times, queue.times)
     return Batch(scene, shaking, seen.lane, seen.gaps, buffer, sizes, queue)
 
@@ -218,6 +220,7 @@ def start(batch, fresh):
     """Rates at the start of the lanes in the mask `fresh`, and looks that are due; the bits of lanes whose run ends."""
     scene, lanes = batch.scene, batch.lane
     begin, found = row(scene, START), row(scene, BETWEEN_RATES)
+    crack(scene, begin, fresh)
     meet(scene, batch.gaps, fresh)
     evaluate_at(scene, batch.shaking, 0, begin, found, lanes.t)
     _keep(batch, found, fresh)
@@ -344,10 +347,12 @@ def step_on(batch):
     raise_displacements(scene, scene.peaks[_PEAK * scene.n :], good)
     _take_stock(batch, row(scene, END), good)
     block = where(good, fallen(scene, phase), 0.0)
+    passed = crack_within(scene, step, good)
     begin, end = row(scene, START), row(scene, END)
     for i in range(moving(scene)):
         begin[i] = where(good, end[i], begin[i])
     _keep(batch, rate(scene, STAGES - 1), good)
+    changed |= bits(passed | crack(scene, begin, good))
     reached = good & (step == left)
     there = lesser(lanes.stop, lanes.piece_end)
     lanes.t = where(reached, there, where(good, lanes.t + step, lanes.t))

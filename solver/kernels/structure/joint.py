@@ -20,7 +20,7 @@ from .bed import Plane, chosen, nothing, whole
 from .bond import limits_with_bond, with_bond
 from .disc import round_bed
 from .kinematics import cross, dot, out_of, plus, push, relative_motion
-from .layout import POINT, POLYGON, acts_alone, has_extras
+from .layout import POINT, POLYGON, has_extras, may_break
 from .overlap import bed_after_slip, goes_by_faces
 from .polygon import polygon_bed
 
@@ -54,11 +54,11 @@ def bed_of_joint(scene, j, p, q):
     return _bed_of_faces(scene, j, p, q)
 
 
-@bed_of_joint.version(acts_alone)
+@bed_of_joint.version(may_break)
 def _bed_with_bond(scene, j, p, q):
-    bed = _bed_of_any(scene, j, p, q)
-    if scene.joints.bond[j] != 0.0:
-        bed = with_bond(scene, int(scene.joints.bond[j]) - 1, p, q, bed)
+    bed, bond = _bed_of_any(scene, j, p, q), index_of(scene.joints.bond[j])
+    if bond > 0:
+        bed = with_bond(scene, bond - 1, p, q, bed)
     return bed
 
 

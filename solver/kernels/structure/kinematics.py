@@ -26,6 +26,14 @@ def pose_body(scene, phase, i):
 
 
 @kernel
+def pose_two(scene, phase, one, other):
+    """`pose_body` of two bodies; the base stays where it is."""
+    for body in (one, other):
+        if body < scene.n:
+            pose_body(scene, phase, body)
+
+
+@kernel
 def pose_bodies(scene, phase):
     """Fill in the rotations and angular velocities of all bodies, and clear the forces on them."""
     poses = scene.poses

@@ -197,8 +197,11 @@ RESULTANTS = Table(  # of m joints, along the axes of the joint
     *("s1", "s2", "s3"),  # m, m, rad: slips and twist
     *("z1", "z2", "z3"),  # their elastic parts
 )
-# of bonds: m2, the part of what it bears along the joint that is left, of the evaluation; 1 while it is held as it was
-SOUND = Table("area", "spare", "held")
+SOUND = Table(  # of bonds
+    *("area", "spare"),  # of an evaluation: m2; the part of what it bears along the joint that is left
+    "held",  # 1 while it is as it was at the start of a step
+    *("begins", "ends"),  # how far it is from breaking at both ends of a step (cracking.py)
+)
 # of pairs: N, J; 1 while friction gives way; 1 while the pair bears something
 HITS = Table("force", "energy", "slides", "bears")
 PULLS = Table("force", "stretch", "elastic")  # of k ties: N, m; the elastic part of the stretch
@@ -305,15 +308,22 @@ _PER_BODY, _BONDED = PHASE.per_n, OF_POLYGON.size(1)
 
 
 @in_both
+def place_of_bonds(sizes: Any) -> int:
+    """Where a state has what is left of bonds."""
+    found: int = sizes.state - _BONDED * sizes.bonds
+    return found
+
+
+@in_both
 def remembered(sizes: Any) -> int:
     """Numbers that joints, ties and pairs remember, in a state behind its phase; bonds lie behind them."""
-    found: int = sizes.state - _PER_BODY * sizes.n - _BONDED * sizes.bonds
+    found: int = place_of_bonds(sizes) - _PER_BODY * sizes.n
     return found
 
 
 # what callers give as `extras` where there are some, by its type; else None
 WITH_EXTRAS = 1
-WITH_NEIGHBOURS = 1.0  # in lanes, where neighbours are among them
+WITH_EVENTS = 1.0  # in lanes, where neighbours or bonds are among them, which end steps
 
 
 class Extras(NamedTuple):
@@ -334,7 +344,7 @@ class Extras(NamedTuple):
     bonded: object  # row, what is left of them
     sound: object  # of the evaluation
     turn: object  # of the base
-    given: object  # WITH_EXTRAS or WITH_NEIGHBOURS
+    given: object  # WITH_EXTRAS or WITH_EVENTS
 
 
 class Scene(NamedTuple):
@@ -382,12 +392,17 @@ def acts_alone(scene: Any, *_: Any) -> bool:
     return has_extras(scene) and scene.types[scene.fields.index("memory")].kind is not LANES
 
 
-def meets_in_lanes(scene: Any, *_: Any) -> bool:
-    """Whether it is a scene of lanes whose neighbours meet, or of one of the lanes."""
+def has_events_in_lanes(scene: Any, *_: Any) -> bool:
+    """Whether it is a scene of lanes whose neighbours meet or whose bonds break, or of one of the lanes."""
     if not has_extras(scene):
         return False
     extras = scene.types[scene.fields.index("extras")]
     return isinstance(extras.types[extras.fields.index("given")], types.Float)
+
+
+def may_break(scene: Any, *_: Any) -> bool:
+    """Whether the type of a scene is one with bonds."""
+    return acts_alone(scene) or has_events_in_lanes(scene)
 
 
 _head, _model, _state, _counts, _work = HEAD.over, MODEL.over, STATE.over, COUNTS.over, WORK.over
@@ -440,7 +455,7 @@ def _no_extras(extras, sizes, model, bonded, work):
 
 @leaf
 def scene_over(sizes, model, control, counts, peaks, bonded, work, extras):
-    """The scene of MODEL and WORK; bonded: what is left of bonds, of which there are none in lanes."""
+    """The scene of MODEL and WORK; bonded: what is left of bonds."""
     return Scene(
         sizes.n,
         sizes.m,

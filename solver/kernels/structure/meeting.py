@@ -7,10 +7,10 @@ from ..numba_ext.lanes import lesser, where, zero_like
 from .attempt import attempt
 from .contact import gap_of, is_near, stretches_in
 from .cracking import crack, until_broken
-from .kinematics import pose_body
+from .kinematics import pose_two
 from .layout import PHASE, has_extras
 from .sides import SLACK
-from .watch import BETWEEN, END, START, gaps_in_row, interpolate_body, row
+from .watch import END, START, gaps_in_row, pose_between, row
 
 _phase, _PER_BODY = PHASE.over, PHASE.per_n
 CLOSED = 0.25 * SLACK  # m: the gap at which a step ends
@@ -27,9 +27,7 @@ def kept_in(scene, k):
 def gap_in(scene, k, p):
     """Gap of pair p, m, by row k of a step."""
     phase = _phase(row(scene, k), scene.n)
-    for body in (int(scene.extras.pairs.one[p]), int(scene.extras.pairs.other[p])):
-        if body < scene.n:
-            pose_body(scene, phase, body)
+    pose_two(scene, phase, int(scene.extras.pairs.one[p]), int(scene.extras.pairs.other[p]))
     return gap_of(scene, phase, scene.extras.pairs, p)
 
 
@@ -41,7 +39,7 @@ def meet(scene):
 
 @meet.version(has_extras)
 def _meet(scene):
-    broke = crack(scene, row(scene, START))
+    broke = crack(scene, row(scene, START), True)
     return meet_pairs(scene) or broke
 
 
@@ -79,7 +77,7 @@ def _until_closed(scene, shaking, segment, t, h):
     for p in range(scene.extras.met):
         if kept.touches[p] == 0.0 and is_near(scene, phase, scene.extras.pairs, p):
             part = min(part, closing(scene, h, p, gap_in(scene, END, p)))
-    part = until_broken(scene, h, part)
+    part = min(part, until_broken(scene, h, True))
     if part < 1.0:
         h = part * h
         attempt(scene, shaking, segment, t, h)
@@ -88,10 +86,9 @@ def _until_closed(scene, shaking, segment, t, h):
 
 @kernel
 def gap_at(scene, h, s, p):
-    for body in (int(scene.extras.pairs.one[p]), int(scene.extras.pairs.other[p])):
-        if body < scene.n:
-            interpolate_body(scene, h, s, body)
-    return gap_in(scene, BETWEEN, p)
+    """Gap of pair p, m, at fraction s of a step of h s."""
+    pairs = scene.extras.pairs
+    return gap_of(scene, pose_between(scene, h, s, int(pairs.one[p]), int(pairs.other[p])), pairs, p)
 
 
 @kernel

@@ -1,8 +1,8 @@
-"""Steps of lanes in which neighbours meet: as meeting.py, lane by lane.
+"""Steps of lanes in which neighbours meet, lane by lane, or bonds break: as meeting.py.
 
-Where a gap closes in some lanes, the step is made again by all, in these with a shorter length; the others find the
-same bits. A lane in which a pair touches or lets go is evaluated again (`fresh`). The gap of each pair at the end of a
-step stands where an output row has it.
+Where a gap closes or a bond begins to break in some lanes, the step is made again by all, in these with a shorter
+length; the others find the same bits. A lane in which a pair touches or lets go is evaluated again (`fresh`). The gap
+of each pair at the end of a step stands where an output row has it.
 """
 
 import math
@@ -13,7 +13,8 @@ from ..numba_ext.views import one_lane
 from .attempt import attempt_5
 from .contact import gap_of
 from .contact_in_lanes import alone
-from .layout import PHASE, meets_in_lanes
+from .cracking import until_broken
+from .layout import PHASE, has_events_in_lanes
 from .meeting import changes, closing, gap_at, gap_in, kept_in, longest_by, meet_pairs
 from .watch import END, START, gaps_in_row, row, seen
 
@@ -26,7 +27,7 @@ def limited(scene, step, constants):
     return step
 
 
-@limited.version(meets_in_lanes)
+@limited.version(has_events_in_lanes)
 def _limited(scene, step, constants):
     return lesser(step, constants * longest_by(scene, _of_pairs(scene, 0)))
 
@@ -49,7 +50,7 @@ def keep_slides(scene, lanes):
     return
 
 
-@keep_slides.version(meets_in_lanes)
+@keep_slides.version(has_events_in_lanes)
 def _keep_slides(scene, lanes):
     kept, slides = _of_pairs(scene, 0), scene.extras.hits.slides
     for p in range(scene.extras.met):
@@ -71,16 +72,20 @@ def _closing_in(scene, k, h):
 
 @varied
 def until_closed(scene, shaking, t, step, good):
-    """The steps, s, of the lanes in the mask `good` that have just been made, shortened where a gap closes."""
+    """The steps, s, of the lanes in the mask `good` that have just been made.
+
+    Shortened where a gap closes or a bond begins to break.
+    """
     return step
 
 
-@until_closed.version(meets_in_lanes)
+@until_closed.version(has_events_in_lanes)
 def _until_closed(scene, shaking, t, step, good):
     made, parts = bits(good), splat(1.0)
     for k in range(WIDTH):
         if (made >> k) & 1:
             parts = with_lane(parts, k, _closing_in(scene, k, lane(step, k)))
+    parts = where(good, lesser(parts, until_broken(scene, step, good)), 1.0)
     short = parts < 1.0
     if any_of(short):
         step = where(short, parts * step, step)
@@ -98,7 +103,7 @@ def forget_gaps(scene, least):
     return
 
 
-@forget_gaps.version(meets_in_lanes)
+@forget_gaps.version(has_events_in_lanes)
 def _forget_gaps(scene, least):
     for p in range(scene.extras.met):
         least[p] = math.inf
@@ -113,7 +118,7 @@ def watch_gaps(scene, least, step, good):
     return 0
 
 
-@watch_gaps.version(meets_in_lanes)
+@watch_gaps.version(has_events_in_lanes)
 def _watch_gaps(scene, least, step, good):
     made, changed = bits(good), 0
     for k in range(WIDTH):
@@ -145,7 +150,7 @@ def meet(scene, least, fresh):
     return
 
 
-@meet.version(meets_in_lanes)
+@meet.version(has_events_in_lanes)
 def _meet(scene, least, fresh):
     begins = bits(fresh)
     for k in range(WIDTH):

@@ -155,7 +155,7 @@ def _finish(scene, shaking, watch, segment, t, h, by_modes):
     block = int(fallen(scene, phase))
     track_peaks(scene, shaking, segment, t, h, by_modes)
     _serve_rows(scene, shaking, watch, segment, t, h)
-    if crack_within(scene, h):
+    if crack_within(scene, h, True):
         evaluate_at(scene, shaking, segment, row(scene, END), rate(scene, STAGES - 1), t + h)
     if block > 0:
         scene.counts.fallen, scene.control.fall_time = block, t + h

@@ -4,11 +4,11 @@ A step is seen at its ends and half-way. Parabolas through the three show which 
 the step; it is evaluated where they do.
 """
 
-import math
 from typing import NamedTuple
 
 from ..integrators.interpolation import quintic_through, value_of
 from ..numba_ext.jit import kernel, leaf, varied, varied_leaf
+from ..numba_ext.lanes import any_of, index_of, square_root
 from ..output.peaks import MARGIN, MOST_TRIALS, NEAR, apart, nearer, vertex
 from .evaluate import evaluate_state, moving, show, show_block, show_joint
 from .extras import taken_at
@@ -90,7 +90,7 @@ def interpolate_body(scene, h, s, i):
     per = 1.0 / (q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
     x, y, z = spin_of((q0, q1, q2, q3), (p0, p1, p2, p3))
     between.wx[i], between.wy[i], between.wz[i] = per * x, per * y, per * z
-    size = math.sqrt(per)
+    size = square_root(per)
     between.q0[i], between.q1[i], between.q2[i], between.q3[i] = size * q0, size * q1, size * q2, size * q3
 
 
@@ -99,8 +99,8 @@ def _remembered(scene, h, s, place):
     """Number `place` of a state, of what joints and ties remember: the cubic through values and rates at both ends."""
     begin, end = row(scene, START)[place], row(scene, END)[place]
     first, last = h * row(scene, RATES)[place], h * row(scene, RATES + STAGES - 1)[place]
-    left = 1.0 - s
-    return left * begin + s * end + s * left * (left * first - s * last + (left - s) * (begin - end))
+    left, change = 1.0 - s, end - begin
+    return begin + s * (change + left * (left * first - s * last - (left - s) * change))  # exact where it stays
 
 
 @kernel
@@ -248,23 +248,25 @@ def track_peaks(scene, shaking, segment, t, h, by_modes):
 
 
 @kernel
-def pose_joint_between(scene, phase, h, s, j):
-    """Place both bodies of joint j where they are at fraction s of the step; phase: of row BETWEEN."""
-    for body in (int(scene.joints.upper[j]), int(scene.joints.lower[j])):
+def pose_between(scene, h, s, one, other):
+    """Place two bodies where they are at fraction s of the step; returns the phase in which they are filled in."""
+    phase = _phase(row(scene, BETWEEN), scene.n)
+    for body in (one, other):
         if body < scene.n:
             interpolate_body(scene, h, s, body)
             pose_body(scene, phase, body)
+    return phase
 
 
 @kernel
-def load_joint_between(scene, phase, h, s, j):
-    """Load joint j at fraction s of the step; phase: of row BETWEEN, of which its two bodies are filled in."""
-    n, m = scene.n, scene.m
-    pose_joint_between(scene, phase, h, s, j)
-    if scene.settings.gives_way != 0.0:
-        for place in range(j, _PER_JOINT * m, m):
-            scene.memory[place] = _remembered(scene, h, s, _PER_BODY * n + place)
+def load_joint_between(scene, h, s, j):
+    """Load joint j at fraction s of the step; returns the phase in which its two bodies are filled in."""
+    phase = pose_between(scene, h, s, index_of(scene.joints.upper[j]), index_of(scene.joints.lower[j]))
+    if any_of(scene.settings.gives_way != 0.0):
+        for place in range(j, _PER_JOINT * scene.m, scene.m):
+            scene.memory[place] = _remembered(scene, h, s, _PER_BODY * scene.n + place)
     load_joint(scene, phase, j)
+    return phase
 
 
 @kernel
@@ -287,7 +289,7 @@ def _look_at(scene, shaking, segment, t, h, s, q):
             _raise_peak(scene, place, trial[place])
     elif q < of_ties:
         j = (q - of_joints) % m
-        load_joint_between(scene, phase, h, s, j)
+        load_joint_between(scene, h, s, j)
         show_joint(scene, j, trial)
         for place in range(of_joints + j, of_ties, m):
             _raise_peak(scene, place, trial[place])

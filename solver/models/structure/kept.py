@@ -17,4 +17,4 @@ OF_RUN = {
 }
 KEPT: dict[str, Kept] = {**OF_RUN, "peak_u": Kept("m"), **kept_peaks(OUTPUTS)}
 KEPT["least_contact"] = KEPT.pop("least_contact")  # the last one
-FROM_LANES = {*OF_RUN, "peak_u", "peak_ux", "peak_uy", "peak_uz", "peak_d", "least_gap"}
+FROM_LANES = {*OF_RUN, "peak_u", "peak_ux", "peak_uy", "peak_uz", "peak_d", "least_gap", "least_bond"}

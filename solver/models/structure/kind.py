@@ -138,8 +138,6 @@ STRUCTURES = Structures()
 
 def _why_not_in_lanes(structure: Structure, keep: Collection[str]) -> str:
     """Why runs of a structure that rests are not made in lanes; "" if they are."""
-    if structure.bonds:
-        return "joints may break"
     if not FROM_LANES.issuperset(keep):
         return "peaks of more than displacements and gaps"
     return "" if structure.model.names.settings.order == 5.0 else "steps of order 8"

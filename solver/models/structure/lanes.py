@@ -14,11 +14,12 @@ from ...ground.motion import Motion
 from ...kernels.numba_ext.lanes import WIDTH
 from ...kernels.structure import in_lanes as at
 from ...kernels.structure.entries import run_structures_in_lanes
-from ...kernels.structure.layout import WITH_NEIGHBOURS
+from ...kernels.structure.layout import WITH_EVENTS
 from ..column.lanes import aligned
 from ..column.packing import FloatArray, IntArray
 from ..protocol import LANES, OVERTURNED, STANDING, UNDECIDED, Run
 from .model import Structure
+from .packing import shares_left
 from .rest import Rest, rest_of
 from .stepper import Stepper
 from .verdict import next_look, well_of, why_it_leans
@@ -32,7 +33,8 @@ def share_of(structure: Structure) -> Hashable:
     names = structure.model.names
     places = names.joints  # of what lanes find by that of the first
     joints = tuple(
-        getattr(places, name).tobytes() for name in ("upper", "lower", "first", "corners", "above", "below", "section")
+        getattr(places, name).tobytes()
+        for name in ("upper", "lower", "first", "corners", "above", "below", "section", "bond")
     )
     ties = tuple((tie.one, tie.other) for tie in structure.ties)
     return structure.model.sizes, joints, ties, bool(names.settings.gives_way)
@@ -40,7 +42,7 @@ def share_of(structure: Structure) -> Hashable:
 
 def extras_of(structure: Structure) -> float | None:
     """What the kernels are given as `extras`, whose type they are compiled by (kernels/structure/layout.py)."""
-    return WITH_NEIGHBOURS if structure.neighbours else structure.model.extras
+    return WITH_EVENTS if structure.neighbours or structure.bonds else structure.model.extras
 
 
 def is_flat_run(structure: Structure, motion: Motion) -> bool:
@@ -60,7 +62,7 @@ def follow_in_lanes(
     lanes, all_of_them = _Lanes(runs, rests), np.arange(len(runs))
     stops = np.array([run.motion.start + run.duration for run in runs])
     lanes.follow(all_of_them, np.array([run.motion.start for run in runs]), stops, flag)
-    within, peaks = lanes.outcomes.copy(), lanes.peaks.copy()
+    within, found = lanes.outcomes.copy(), [lanes.named(k) for k in range(len(runs))]
     since, stand = 0.0, np.zeros(len(runs), dtype=bool)
     left = all_of_them
     while not flag[0]:
@@ -72,8 +74,8 @@ def follow_in_lanes(
         begin, since = since, next_look(since, settle)
         lanes.follow(left, stops[left] + begin, stops[left] + since, flag, still=True)
     return [
-        _result(at.OUTCOME.see(first), at.OUTCOME.see(last), lanes.named(most), stop, bool(stands))
-        for first, last, most, stop, stands in zip(within, lanes.outcomes, peaks, stops.tolist(), stand, strict=True)
+        _result(at.OUTCOME.see(first), at.OUTCOME.see(last), peaks, stop, bool(stands))
+        for first, last, peaks, stop, stands in zip(within, lanes.outcomes, found, stops.tolist(), stand, strict=True)
     ]
 
 
@@ -120,12 +122,16 @@ class _Lanes:
     def _stepper(self, k: int) -> Stepper:
         return self._steppers[id(self._runs[k].model)]
 
-    def named(self, peaks: FloatArray) -> dict[str, FloatArray]:
-        """Peaks of a run by the names of kept.py: of blocks, displacements of bearings, least gaps of neighbours."""
+    def named(self, k: int) -> dict[str, FloatArray]:
+        """Peaks of run k by the names of kept.py, so far: of blocks, bearings, neighbours; what is left of bonds."""
         size = at.PEAKS.per_n * self._sizes.n
-        of_blocks, of_bearings, gaps = np.split(peaks, [size, size + self._sizes.b])
-        rows = of_blocks.reshape(len(NAMES), -1)
-        return {**dict(zip(NAMES, rows, strict=True)), "peak_d": of_bearings, "least_gap": gaps}
+        of_blocks, of_bearings, gaps = np.split(self.peaks[k].copy(), [size, size + self._sizes.b])
+        rows, (left,) = (
+            of_blocks.reshape(len(NAMES), -1),
+            shares_left(self._states[k : k + 1], self._runs[k].model.model),
+        )
+        beside = {"peak_d": of_bearings, "least_gap": gaps, "least_bond": left}
+        return {**dict(zip(NAMES, rows, strict=True)), **beside}
 
     def why_it_stands(self, k: int) -> str:
         """Why run k cannot fall any more on a still base from where it is; "" if it may."""
@@ -170,12 +176,12 @@ def load_lanes(structure: Structure) -> None:
 
 
 @lru_cache(maxsize=3)
-def _load(some: bool, neighbours: bool) -> None:
+def _load(some: bool, events: bool) -> None:
     block = {"name": "block", "width": 1.0, "depth": 1.0, "height": 1.0, "mass": 1e3, "on": "base"}
     data: dict[str, Any] = {"name": "block", "joints": {"stiffness": 1e9, "damping": 1e-3}, "block": [block]}
     if some:
         data["port"] = [{"name": "port", "block": "block"}]
-    if neighbours:
+    if events:
         wall = {"at": [1.0, 0.0, 0.0], "normal": [-1.0, 0.0], "width": 1.0, "height": 1.0}
         data["neighbours"] = {"reach": 1.0, "stiffness": 1e9, "damping": 0.0, "friction": 0.0, "wall": [wall]}
     structure = Structure.from_dict(data)
