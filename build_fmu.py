@@ -46,7 +46,6 @@ from solver.common.errors import needing, shown
 from solver.common.files import check_outputs, identifier_of, whole_file
 from solver.ground.motion import Motion
 from solver.kernels.layout.spaces import DRIVES, SLOPES
-from solver.kernels.numba_ext.jit import CODE
 from solver.kernels.numba_ext.numba_parts import LINKING, missing_for_linking
 
 COLUMNS_PACKAGE = "multiblock_columns"  # name of examples/columns/ in an installed project
@@ -74,11 +73,13 @@ LEFT_AT_HOME = {
 # compiles what the slave of a column or structure calls, and prints the folders of the machine code, if any
 COMPILE = """
 import json
+from pathlib import Path
 from solver.%s import make_kernels
 from solver.kernels.%s import entries
 make_kernels(entries)
 used = [getattr(entries, name) for name in %s]
-print(json.dumps({e.__name__: [e.stats.cache_path, e.py_func.__module__.split(".")[-2]] for e in used}))
+made = [(e, Path(e.py_func.__code__.co_filename)) for e in used]
+print(json.dumps({e.py_func.__qualname__: [e.stats.cache_path, file.parent.name] for e, file in made}))
 """
 
 
@@ -355,7 +356,7 @@ def _machine_code(kernels: Carried) -> dict[str, bytes]:
         return {
             f"kernels/{package}/{file.name}": file.read_bytes()
             for name, (place, package) in folders.items()
-            for file in sorted(Path(place).glob(f"*.{name}_{CODE}-*.nb?"))
+            for file in sorted(Path(place).glob(f"*.{name}-*.nb?"))
         }
 
 

@@ -113,6 +113,28 @@ def counts(entry: Any) -> tuple[int, int]:
     return sum(entry.stats.cache_hits.values()), sum(entry.stats.cache_misses.values())
 
 
+def test_entries_that_one_function_makes_have_machine_code_each(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    place(monkeypatch, MULTIBLOCK_CACHE_DIR=str(tmp_path / "cache"))
+
+    def made_for(package: str, by: float) -> Any:
+        @jit.leaf
+        def more(x: float) -> float:
+            return x + by
+
+        def small(x: float) -> float:
+            return more(x)
+
+        return jit.entry(small, f"solver.kernels.{package}.entries")
+
+    for hits, misses in ((0, 1), (1, 0)):  # what they close over is new each time, as in another process
+        for package, by in (("one", 1.0), ("other", 2.0)):
+            entry = made_for(package, by)
+            assert entry(1.0) == 1.0 + by
+            assert (sum(entry.stats.cache_hits.values()), sum(entry.stats.cache_misses.values())) == (hits, misses)
+
+
 def replaced(file: Path, put: Callable[[Path], object]) -> None:
     file.unlink()
     put(file)

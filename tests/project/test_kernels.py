@@ -26,8 +26,10 @@ _phase = at.PHASE.over
 @pytest.mark.parametrize(
     ("entry", "further"),
     [
-        (entries.observe_state, (*SILENCE.arguments, 0.0, NOTHING, NOTHING)),
-        pytest.param(entries.run, (*SILENCE.arguments, 0.0, 1e-3, NOTHING, NOTHING, True), marks=pytest.mark.long),
+        (entries.observe_state, (*SILENCE.arguments, NOTHING, 0.0, NOTHING, NOTHING)),
+        pytest.param(
+            entries.run, (*SILENCE.arguments, NOTHING, 0.0, 1e-3, NOTHING, NOTHING, True), marks=pytest.mark.long
+        ),
     ],
 )
 def test_nothing_of_numbas_runtime_is_called(entry: Any, further: tuple[Any, ...]) -> None:

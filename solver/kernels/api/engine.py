@@ -80,7 +80,7 @@ PROBE_TURN = 1e-9  # rad, and
 PROBE_SPIN = 1e-6  # rad/s, by which the rotation of the base is varied
 RATE_PART = 1e-4  # of the first step: half the time over which outputs are differenced
 
-_model, _state, _counts, _base, _work = MODEL.over, STATE.over, COUNTS.over, BASE.over, WORK.over
+_counts, _base = COUNTS.over, BASE.over
 _DEPTHS_GIVEN = GIVEN.fields.index("strip_0")
 _LAW_GIVEN, _LAW_FIELDS, _LINEAR_FIELDS = GIVEN.fields.index(f"joint_{LAW[0]}"), len(LAW), len(LAW) - len(OTHER_LAW)
 _row, _split, _snapshot = ROW.over, SPLIT.over, SNAPSHOT.over
@@ -102,12 +102,20 @@ def scratch_room(n: int) -> int:
     return modes_scratch(n) if n <= MODAL_MOST else 1
 
 
-@leaf
-def column_over(n, model, state, counts, base, samples, work):
-    """The column of n blocks over its rows."""
-    column = Column(_model(model, n), _state(state, n), _counts(counts, 0), _base(base, 0), samples, _work(work, n))
-    begin_slips(column.model, column.work)
-    return column
+def column_in(model_space, state_space, work_space):
+    """A leaf: the column of n blocks over its rows, in these spaces."""
+    _model, _state, _work = model_space.over, state_space.over, work_space.over
+
+    @leaf
+    def column_over(n, model, state, counts, base, samples, work):
+        column = Column(_model(model, n), _state(state, n), _counts(counts, 0), _base(base, 0), samples, _work(work, n))
+        begin_slips(column.model, column.work)
+        return column
+
+    return column_over
+
+
+column_over = column_in(MODEL, STATE, WORK)
 
 
 # --- from parameters to a model

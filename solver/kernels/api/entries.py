@@ -1,10 +1,14 @@
-"""Entries called from Python: the engine over arrays."""
+"""Entries called from Python: the engine over arrays. Those of every kind of column are made by `entries_of`.
+
+A column is (n, model, state, counts, base, work); what it follows (times, ax, az, scale, held, loads, ports): samples
+of the base, and behind them what a column with ports has (ports/entries.py); of others both are empty.
+"""
 
 from ..formulations.base_motion import Samples, enter
 from ..joint.energy import least_energy
 from ..joint.law import joint_potential, law_of
 from ..layout.spaces import BASE, MODEL, ROW, SPLIT
-from ..numba_ext.jit import entry
+from ..numba_ext.jit import entry, leaf
 from ..numba_ext.views import row_of
 from ..output.watch import Watch
 from ..sections.circle import ring_part
@@ -16,35 +20,58 @@ from .engine import BASE_INPUTS, assemble, base_of, column_over, join, observe_a
 _model = MODEL.over
 _row, _split, _base, _INPUTS = ROW.over, SPLIT.over, BASE.over, BASE_INPUTS.beside
 
-# a column is (n, model, state, counts, base, work); a record (times, ax, az, scale, held)
+
+@leaf
+def _samples(times, ax, az, scale, held, loads, ports, at):
+    return Samples(times.size, row_of(times), row_of(ax), row_of(az), scale, held)
 
 
-@entry
-def assemble_column(n, model, state, counts, base, work, given, from_rest, scratch, detail):
-    """`engine.assemble`. All but n and from_rest are arrays."""
-    samples = Samples(0, row_of(given), row_of(given), row_of(given), 1.0, False)
-    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), samples, row_of(work))
-    return assemble(column, row_of(given), from_rest, row_of(scratch), row_of(detail))
+def entries_of(module, column_over=column_over, samples_of=_samples, assemble=assemble):
+    """`assemble_column`, `run`, `observe_state` and `observe_snapshots` of a kind of column, for a module.
 
-
-@entry
-def run(n, model, state, counts, base, work, times, ax, az, scale, held, t, h, at, snapshots, peaks):
-    """Take the column from t to t + h over the record, with a snapshot at each of the times `at`. Returns a code.
-
-    peaks: whether peaks are kept.
+    column_over: a leaf, the column over its rows (engine.py, `column_in`). samples_of: a leaf, what is followed, with
+    the times of snapshots, s. assemble: as `engine.assemble`.
     """
-    samples = Samples(times.size, row_of(times), row_of(ax), row_of(az), scale, held)
-    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), samples, row_of(work))
-    return advance(column, t, h, Watch(at.size, row_of(at), row_of(snapshots), peaks))
+
+    @leaf
+    def column_of(n, model, state, counts, base, work, times, ax, az, scale, held, loads, ports, at):
+        samples = samples_of(times, ax, az, scale, held, loads, ports, at)
+        return column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), samples, row_of(work))
+
+    def assemble_column(n, model, state, counts, base, work, given, from_rest, scratch, detail):
+        """`engine.assemble`. All but n and from_rest are arrays."""
+        record = given, given, given, 1.0, False, given, given
+        column = column_of(n, model, state, counts, base, work, *record, given)
+        return assemble(column, row_of(given), from_rest, row_of(scratch), row_of(detail))
+
+    # fmt: off
+    def run(n, model, state, counts, base, work, times, ax, az, scale, held, loads, ports, t, h, at, snapshots, peaks):
+        # fmt: on
+        """Take the column from t to t + h over the record, with a snapshot at each of the times `at`. Returns a code.
+
+        peaks: whether peaks are kept.
+        """
+        column = column_of(n, model, state, counts, base, work, times, ax, az, scale, held, loads, ports, at)
+        return advance(column, t, h, Watch(at.size, row_of(at), row_of(snapshots), peaks))
+
+    def observe_state(n, model, state, counts, base, work, times, ax, az, scale, held, loads, ports, t, row, split):
+        """`engine.see` at time t under the base as it stands. Returns a code."""
+        column = column_of(n, model, state, counts, base, work, times, ax, az, scale, held, loads, ports, row)
+        enter(column.base, column.samples, t)
+        return see(column, base_of(column, t), _row(row_of(row), n), _split(row_of(split), 0))
+
+    # fmt: off
+    def observe_snapshots(n, model, state, counts, base, work, times, ax, az, scale, held, loads, ports, at, snapshots,
+                          rows, count):
+        # fmt: on
+        """`engine.observe_all` of snapshots at the times `at`."""
+        column = column_of(n, model, state, counts, base, work, times, ax, az, scale, held, loads, ports, at)
+        return observe_all(column, row_of(snapshots), row_of(rows), count)
+
+    return [entry(made, module) for made in (assemble_column, run, observe_state, observe_snapshots)]
 
 
-@entry
-def observe_state(n, model, state, counts, base, work, times, ax, az, scale, held, t, row, split):
-    """`engine.see` at time t under the base as it stands. Returns a code."""
-    samples = Samples(times.size, row_of(times), row_of(ax), row_of(az), scale, held)
-    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), samples, row_of(work))
-    enter(column.base, samples, t)
-    return see(column, base_of(column, t), _row(row_of(row), n), _split(row_of(split), 0))
+assemble_column, run, observe_state, observe_snapshots = entries_of(__name__)
 
 
 @entry
@@ -52,14 +79,6 @@ def join_base(n, model, base, inputs, t, split):
     """`engine.join` by inputs without those of ports."""
     settings = _model(row_of(model), n).settings
     return join(_base(row_of(base), 0), settings, row_of(inputs), _INPUTS, t, _split(row_of(split), 0))
-
-
-@entry
-def observe_snapshots(n, model, state, counts, base, work, snapshots, rows, count):
-    """`engine.observe_all`."""
-    samples = Samples(0, row_of(base), row_of(base), row_of(base), 1.0, False)
-    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), samples, row_of(work))
-    return observe_all(column, row_of(snapshots), row_of(rows), count)
 
 
 # --- joints, for Python code without a closed form of its own

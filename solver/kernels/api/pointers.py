@@ -21,30 +21,27 @@ _row, _split = ROW.over, SPLIT.over
 
 
 @leaf
-def column_at(n, model, state, counts, base, work, samples):
-    """The column of n blocks at these pointers."""
-    return engine.column_over(n, row_at(model), row_at(state), row_at(counts), row_at(base), samples, row_at(work))
-
-
-@leaf
 def _samples(n, model, count, times, ax, az, scale):
     return Samples(count, row_at(times), row_at(ax), row_at(az), scale, False)
 
 
-def assemble(n, given, from_rest, model, state, counts, base, work, scratch, detail):
-    """`engine.assemble`."""
-    column = column_at(n, model, state, counts, base, work, _samples(n, model, 0, given, given, given, 1.0))
-    return engine.assemble(column, row_at(given), from_rest, row_at(scratch), row_at(detail))
-
-
 def entries_of(
-    assemble: Callable[..., Any], samples_of: Any, column_at: Any = column_at
+    column_over: Any = engine.column_over, samples_of: Any = _samples, assembled: Any = engine.assemble
 ) -> dict[Callable[..., Any], tuple[Any, ...]]:
     """Entry -> types of its arguments; all return a code.
 
-    samples_of: a leaf, what is followed beside the base: of the record, and of what lies behind the model. column_at: a
-    leaf, the column at pointers.
+    column_over: a leaf, the column over its rows (engine.py, `column_in`). samples_of: a leaf, what is followed beside
+    the base: of the record, and of what lies behind the model. assembled: as `engine.assemble`.
     """
+
+    @leaf
+    def column_at(n, model, state, counts, base, work, samples):
+        return column_over(n, row_at(model), row_at(state), row_at(counts), row_at(base), samples, row_at(work))
+
+    def assemble(n, given, from_rest, model, state, counts, base, work, scratch, detail):
+        """`engine.assemble`."""
+        column = column_at(n, model, state, counts, base, work, samples_of(n, model, 0, given, given, given, 1.0))
+        return assembled(column, row_at(given), from_rest, row_at(scratch), row_at(detail))
 
     def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, az, scale, row, split):
         """`engine.follow`."""
@@ -97,4 +94,4 @@ _number, _whole = types.double, types.int64
 _arguments = (_whole, _numbers, _numbers, _counters, _numbers, _numbers)  # n, model, state, counts, base, work
 _record = (_whole, _numbers, _numbers, _numbers, _number)  # count, times, ax, az, scale
 _outputs = (_numbers, _numbers)  # row, split
-ENTRIES = entries_of(assemble, _samples)
+ENTRIES = entries_of()

@@ -113,6 +113,10 @@ class _Cache(FunctionCache):  # type: ignore[misc]
     numba would end the process with whatever pickle or the disk says of a file: any exception may come.
     """
 
+    def _index_key(self, sig: Any, codegen: Any) -> Any:
+        """Types and machine: the name says the rest. numba's own has what is closed over, new in every process."""
+        return sig, codegen.magic_tuple()
+
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         try:
             return super().load_overload(sig, target_context)
@@ -126,12 +130,16 @@ class _Cache(FunctionCache):  # type: ignore[misc]
             super().save_overload(sig, data)
 
 
-def entry(function: Callable[..., Any]) -> Callable[..., Any]:
+def entry(function: Callable[..., Any], module: str = "") -> Callable[..., Any]:
     """Compile, on first use, a kernel that Python calls; it runs without the interpreter lock.
 
+    module: the one that it is made for, if a function makes it for several; its machine code lies with that function's.
     The machine code is cached (cache.py); if no folder can be written to, or others can, it is made in every process.
     Numba alone would use it until the file of the entry changes; its name here changes with any source of the kernels.
     """
+    if module:
+        function.__module__, package = module, module.split(".")[-2]
+        function.__qualname__ = f"{package}.{function.__name__}"  # numba names files by it, and by where it is written
     function.__qualname__ += f"_{CODE}"
     compiled: Any = from_python(function)
     settings: Any = numba.config

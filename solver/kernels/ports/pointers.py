@@ -5,9 +5,9 @@ outputs of ports lie as those of entries.py do.
 """
 
 from ..api import engine
-from ..api.pointers import column_at, entries_of
+from ..api.pointers import entries_of
 from ..layout.spaces import BASE, LOAD, OK, PORTS, SPOTS, STATE
-from ..numba_ext.jit import leaf
+from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import clear, copy, row_at
 from .loads import Loaded
 
@@ -23,17 +23,17 @@ def _samples(n, model, count, times, ax, az, scale):
     return Loaded(count, row_at(times), row_at(ax), row_at(az), scale, False, count, spotted, ports, 0, ports, ports)
 
 
-def assemble(n, given, from_rest, model, state, counts, base, work, scratch, detail):
-    """`engine.assemble`."""
-    behind, row = row_at(given)[_SETTINGS + _BLOCK * n :], row_at(given)
+@kernel
+def _assemble(column, given, from_rest, scratch, detail):
+    """`engine.assemble`, and the ports."""
+    n, state, behind = column.model.n, column.state.row, given[_SETTINGS + _BLOCK * column.model.n :]
     spotted = int(behind[0])
-    copy(row_at(model)[engine.model_room(n) :], behind, 1 + _PORT * spotted)
-    column = column_at(n, model, state, counts, base, work, _samples(n, model, 0, given, given, given, 1.0))
-    code = engine.assemble(column, row, from_rest, row_at(scratch), row_at(detail))
+    copy(column.model.row[engine.model_room(n) :], behind, 1 + _PORT * spotted)
+    code = engine.assemble(column, given, from_rest, scratch, detail)
     if code == OK and from_rest != 0:
-        clear(row_at(state)[_STATE_PER_N * n + _STATE_BESIDE :], _SEEN * spotted)
-        clear(row_at(base)[_BASE:], _LOADS * spotted)
+        clear(state[_STATE_PER_N * n + _STATE_BESIDE :], _SEEN * spotted)
+        clear(column.base.row[_BASE:], _LOADS * spotted)
     return code
 
 
-ENTRIES = entries_of(assemble, _samples)
+ENTRIES = entries_of(samples_of=_samples, assembled=_assemble)

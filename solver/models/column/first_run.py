@@ -17,10 +17,10 @@ import numpy as np
 from numba import typeof
 
 from ...kernels.api import entries as exact
-from ...kernels.numba_ext.jit import CODE
-from ...kernels.ports import entries as with_ports
 from .packing import unwritten
 from .stepper import SILENCE
+
+_SILENCE = (*SILENCE.arguments, np.empty(0))  # and no ports
 
 
 def are_kept(entry: Any = exact.run) -> bool:
@@ -28,7 +28,7 @@ def are_kept(entry: Any = exact.run) -> bool:
     if entry.overloads:
         return True
     folder = entry.stats.cache_path
-    return folder is not None and any(Path(folder).glob(f"*.{entry.__name__}_{CODE}*.nbc"))
+    return folder is not None and any(Path(folder).glob(f"*.{entry.py_func.__qualname__}-*.nbc"))
 
 
 def make_kernels(entries: Any = exact) -> None:
@@ -38,7 +38,7 @@ def make_kernels(entries: Any = exact) -> None:
         return
     beside = None if are_kept(entries.run) else _process_beside(entries)
     try:
-        compile_for(entries.run, *_column(), *_silence(entries), 0.0, 0.0, np.empty(0), np.empty(0), True)
+        compile_for(entries.run, *_column(), *_SILENCE, 0.0, 0.0, np.empty(0), np.empty(0), True)
         if beside is not None:
             beside.wait()
     finally:
@@ -69,14 +69,9 @@ def compile_the_rest(entries: Any) -> None:
     """Compile, or read from the disk, all entries that a run needs besides `run`."""
     row = np.empty(0)
     compile_for(entries.assemble_column, *_column(), row, 1, row, row)
-    loaded = (*_silence(entries), row) if entries is with_ports else ()
-    compile_for(entries.observe_snapshots, *_column(), *loaded, row, row, 1)
-    compile_for(entries.observe_state, *_column(), *_silence(entries), 0.0, row, row)
+    compile_for(entries.observe_snapshots, *_column(), *_SILENCE, row, row, row, 1)
+    compile_for(entries.observe_state, *_column(), *_SILENCE, 0.0, row, row)
     compile_for(entries.join_base, 1, row, row, row, 0.0, row)
-
-
-def _silence(entries: Any) -> tuple[Any, ...]:
-    return (*SILENCE.arguments, np.empty(0), SILENCE.loads) if entries is with_ports else SILENCE.arguments
 
 
 def _column() -> tuple[Any, ...]:

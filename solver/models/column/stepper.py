@@ -73,8 +73,7 @@ class Record:
         held: bool = False,
         loads: ArrayLike = (),
     ) -> None:
-        self.arguments = (_plain(time), _plain(ax), _plain(az), float(scale), bool(held))
-        self.loads = _plain(loads)
+        self.arguments = (_plain(time), _plain(ax), _plain(az), float(scale), bool(held), _plain(loads))
 
 
 SILENCE = Record(_NONE, _NONE, _NONE)
@@ -296,19 +295,17 @@ class Stepper:
         return int(self.counts.evaluations + self.counts.sweeps)
 
     def rows_of(self, snapshots: FloatArray, times: FloatArray = _NONE) -> FloatArray:
-        """The output row that belongs to each snapshot, whose times are needed where there are ports.
+        """The output row that belongs to each snapshot; their times are needed where there are ports.
 
         Raises SolverError.
         """
         rows = np.zeros((len(snapshots), len(self._row)))
         arrays = self.arrays._replace(counts=self.arrays.counts.copy(), base=self.arrays.base.copy())
-        loaded = (*self._arguments(self.followed), times) if self.column.ports else ()
+        given, times = (self.n, *arrays, *self._arguments(self.followed)), _plain(times)
         for first in range(0, len(snapshots), ROWS_AT_ONCE):
-            part, filled = snapshots[first : first + ROWS_AT_ONCE], rows[first : first + ROWS_AT_ONCE]
-            loaded = (*loaded[:-1], times[first : first + ROWS_AT_ONCE]) if loaded else ()
-            code, count = self._entries.observe_snapshots(
-                self.n, *arrays, *loaded, part.reshape(-1), filled.reshape(-1), len(part)
-            )
+            at_once = slice(first, first + ROWS_AT_ONCE)
+            part, filled = snapshots[at_once].reshape(-1), rows[at_once].reshape(-1)
+            code, count = self._entries.observe_snapshots(*given, times[at_once], part, filled, len(rows[at_once]))
             if code != at.OK:
                 raise SolverError(f"output row {first + count}: {REASONS[code]}")
         return rows
@@ -379,7 +376,7 @@ class Stepper:
 
     def _arguments(self, record: Record) -> tuple[Any, ...]:
         """A record as the entries take it."""
-        return (*record.arguments, self._ports, record.loads) if self.column.ports else record.arguments
+        return *record.arguments, self._ports
 
     def _check(self, code: int, t: float | None) -> None:
         if code < at.OK:
