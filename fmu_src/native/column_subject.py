@@ -9,6 +9,7 @@ from solver.common.ranges import LENGTH, NUMBERS
 from solver.kernels.api import engine, pointers
 from solver.kernels.bonds import layout as bonds
 from solver.kernels.bonds import pointers as pointers_of_bonds
+from solver.kernels.column import description
 from solver.kernels.layout import spaces as at
 from solver.kernels.ports import pointers as pointers_of_ports
 from solver.models.column.block import (
@@ -73,7 +74,7 @@ def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
             "COUNT_OVERTURNED": at.COUNTS.fields.index("overturned"),
             "TOO_MUCH_WORK": at.TOO_MUCH_WORK,
         }
-        | {name: getattr(engine, name) for name in REFUSALS}
+        | {name: getattr(description, name) for name in REFUSALS}
         | VERDICTS,
         places={**OF_BLOCKS, "FALLEN": OVERTURN_JOINT.name},
         inputs=[
@@ -130,10 +131,10 @@ def given_of(drive: Drive) -> dict[str, str | float]:
 def _given(column: Column, drive: Drive) -> list[str | float]:
     settings: dict[str, str | float] = {"g": "g", "step": 0.0}  # no step is fixed
     settings |= given_of(drive)
-    names = [settings.get(name, f"solver.{name}") for name in engine.GIVEN_SETTINGS.fields]
+    names = [settings.get(name, f"solver.{name}") for name in description.GIVEN_SETTINGS.fields]
     for i, block in enumerate(column.blocks, start=1):
-        names += [f"block[{i}].{name}" for name in engine.GIVEN_BLOCK]
-        for name in engine.GIVEN_JOINT:
+        names += [f"block[{i}].{name}" for name in description.GIVEN_BLOCK]
+        for name in description.GIVEN_JOINT:
             fixed = float(getattr(block.joint, name) or 0.0)
             names.append(f"joint[{i}].{name}" if name in JOINT_PARAMETERS else fixed)
         names += shape_of(block)

@@ -16,7 +16,8 @@ import numpy as np
 
 from solver.common.ranges import NUMBERS
 from solver.ground.motion import LARGEST, Motion
-from solver.kernels.api import engine, pointers
+from solver.kernels.api import pointers
+from solver.kernels.column.description import DETAILS
 from solver.models.outputs import Output, places_of
 
 from .. import alternation, rules
@@ -160,7 +161,7 @@ def headers(contents: Contents) -> dict[str, str]:
 def contract(subject: Subject) -> str:
     """The kernels, and the sizes, codes and messages that belong to them."""
     sizes = {name: subject.sizes[name] for name in SIZES}
-    sizes |= {"BASE_INPUTS": len(subject.inputs), "GIVEN": len(subject.given), "DETAILS": engine.DETAILS}
+    sizes |= {"BASE_INPUTS": len(subject.inputs), "GIVEN": len(subject.given), "DETAILS": DETAILS}
     codes = {"FALLS": int(subject.falls), "BASE_SEGMENT": subject.segment}
     codes |= {name: subject.codes.get(name, 0) for name in CODES}
     lines = ["#include <stdint.h>", *_enum(sizes), *_enum(codes)]

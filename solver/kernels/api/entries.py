@@ -15,7 +15,8 @@ from ..sections.circle import ring_part
 from ..sections.faces import Face
 from ..sections.section import contact_of, lay_out, part_stiffness
 from ..stepping.advance import advance
-from .engine import BASE_INPUTS, assemble, base_of, column_over, join, observe_all, see
+from .engine import BASE_INPUTS, assemble, column_over, join
+from .observing import base_of, observe_all, see
 
 _model = MODEL.over
 _row, _split, _base, _INPUTS = ROW.over, SPLIT.over, BASE.over, BASE_INPUTS.beside
@@ -55,7 +56,7 @@ def entries_of(module, column_over=column_over, samples_of=_samples, assemble=as
         return advance(column, t, h, Watch(at.size, row_of(at), row_of(snapshots), peaks))
 
     def observe_state(n, model, state, counts, base, work, times, ax, az, scale, held, loads, ports, t, row, split):
-        """`engine.see` at time t under the base as it stands. Returns a code."""
+        """`observing.see` at time t under the base as it stands. Returns a code."""
         column = column_of(n, model, state, counts, base, work, times, ax, az, scale, held, loads, ports, row)
         enter(column.base, column.samples, t)
         return see(column, base_of(column, t), _row(row_of(row), n), _split(row_of(split), 0))
@@ -64,7 +65,7 @@ def entries_of(module, column_over=column_over, samples_of=_samples, assemble=as
     def observe_snapshots(n, model, state, counts, base, work, times, ax, az, scale, held, loads, ports, at, snapshots,
                           rows, count):
         # fmt: on
-        """`engine.observe_all` of snapshots at the times `at`."""
+        """`observing.observe_all` of snapshots at the times `at`."""
         column = column_of(n, model, state, counts, base, work, times, ax, az, scale, held, loads, ports, at)
         return observe_all(column, row_of(snapshots), row_of(rows), count)
 

@@ -15,7 +15,7 @@ from ..layout.spaces import ROW, SPLIT
 from ..numba_ext.jit import leaf
 from ..numba_ext.views import row_at
 from ..output.watch import Watch
-from . import engine
+from . import engine, slopes
 
 _row, _split = ROW.over, SPLIT.over
 
@@ -63,22 +63,22 @@ def entries_of(
     # fmt: off
     def rates(n, model, state, counts, base, work, t, count, times, ax, az, scale, row, split, other, other_split):
         # fmt: on
-        """`engine.rates`."""
+        """`slopes.rates`."""
         samples = samples_of(n, model, count, times, ax, az, scale)
         column = column_at(n, model, state, counts, base, work, samples)
         here, there = _row(row_at(row), n), _row(row_at(other), n)
-        return engine.rates(column, t, here, _split(row_at(split), 0), there, _split(row_at(other_split), 0))
+        return slopes.rates(column, t, here, _split(row_at(split), 0), there, _split(row_at(other_split), 0))
 
     # fmt: off
     def feedthrough(n, model, state, counts, base, work, inputs, seeds, elapsed, t, count, times, ax, az, scale, row,
                     split, other, other_split):
         # fmt: on
-        """`engine.feedthrough`."""
+        """`slopes.feedthrough`."""
         samples = samples_of(n, model, count, times, ax, az, scale)
         column = column_at(n, model, state, counts, base, work, samples)
         here, there = _row(row_at(row), n), _row(row_at(other), n)
         parts, other_parts = _split(row_at(split), 0), _split(row_at(other_split), 0)
-        return engine.feedthrough(column, row_at(inputs), row_at(seeds), elapsed, t, here, parts, there, other_parts)
+        return slopes.feedthrough(column, row_at(inputs), row_at(seeds), elapsed, t, here, parts, there, other_parts)
 
     return {
         assemble: (_whole, _numbers, _whole, _numbers, _numbers, _counters, _numbers, _numbers, _numbers, _numbers),

@@ -4,7 +4,9 @@ A phase holds what is bonded at its instant. An evaluation takes what is left of
 stores it. A joint that begins to slide loses its bond.
 """
 
-from ..api.engine import GIVEN, GIVEN_SETTINGS, begin_memory, beside_row, describe_more
+from ..api.observing import beside_row
+from ..column.assembly import begin_memory
+from ..column.description import GIVEN, GIVEN_SETTINGS, describe_more
 from ..column.rest import balance, bearing_part, find_rest
 from ..formulations.dispatch import evaluate
 from ..formulations.outputs import show_more

@@ -2,11 +2,14 @@
 
 import math
 
+from ..joint.law import joint_forces, law_of
 from ..layout.spaces import DASHPOTS
-from ..numba_ext.jit import kernel
+from ..numba_ext.jit import kernel, varied
+from ..numba_ext.views import copy
 from ..sections.faces import RECTANGLE
-from ..sections.section import full_stiffness, full_turning_stiffness
+from ..sections.section import contact_of, full_stiffness, full_turning_stiffness
 from ..stepping.control import LEAST_TOLERANCE
+from .rest import find_rest
 
 # The errors of steps add up: each is allowed this part of the tolerance that the user asks for.
 STEP_PART = 0.1
@@ -29,6 +32,8 @@ LEAST_FLOOR = 1e-9  # rad
 # at most a quarter turn.
 FALL_MARGIN = 1.5
 LEAST_FALL = 0.5  # rad
+
+CARRIED = 1e-9  # of the weight: how exactly a joint carries it at rest
 
 
 @kernel
@@ -96,3 +101,41 @@ def settle_joints(model, phase):
     for i in range(n):
         carried += blocks.mass[i]
         phase.opening[i] = -(model.settings.gravity * carried / full_stiffness(blocks, i))
+
+
+@kernel
+def rest_of(model, rest, room):
+    """Turn a phase of zeros into the rest of a column whose joints have not slid. Returns whether a stable one exists.
+
+    A column on its axis, of any law, is checked for joints that carry the weight there.
+    """
+    blocks, settings = model.blocks, model.settings
+    settle_joints(model, rest)
+    begin_memory(model, rest)
+    if settings.off_axis == 0.0:
+        return carries(model)
+    copy(rest.slip, blocks.offset, model.n)
+    stands = not settings.gravity > 0.0 or find_rest(model, rest, room)
+    for i in range(model.n):
+        blocks.rest_turn[i] = rest.theta[i] if stands else math.inf  # nowhere
+        blocks.rest_opening[i] = rest.opening[i]
+    return stands
+
+
+@varied
+def begin_memory(model, rest):
+    """Store in a phase what the joints of a column as built remember: nothing."""
+    return
+
+
+@kernel
+def carries(model):
+    """Whether all joints carry the weight on them once they settle as far as their stiffness lets them."""
+    blocks, weight = model.blocks, 0.0
+    for i in range(model.n):
+        weight += model.settings.gravity * blocks.mass[i]
+        opening = -weight / full_stiffness(blocks, i)
+        normal, _, _ = joint_forces(contact_of(blocks, i), law_of(blocks, i), opening, 0.0, 0.0, 0.0)
+        if not abs(normal - weight) <= CARRIED * weight:
+            return False
+    return True

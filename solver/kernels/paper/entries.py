@@ -1,10 +1,12 @@
 """Entries called from Python, with the arguments of those of the same names in api/entries.py and batch/entries.py."""
 
-from ..api.engine import NO_REST, carries, column_in, describe, reset
+from ..api.engine import column_in, reset
 from ..api.entries import entries_of
 from ..api.entries import join_base as join_base
 from ..batch.entries import queue_of
 from ..batch.follow import batch_over
+from ..column.assembly import carries
+from ..column.description import NO_REST, describe
 from ..layout.spaces import OK, STATE, WORK
 from ..numba_ext.jit import entry, kernel
 from ..numba_ext.views import lanes_of

@@ -11,17 +11,9 @@ block as the acceleration of the base enters the lowest one: T by u along the jo
 
 from typing import NamedTuple
 
-from ..api.engine import (
-    BASE_INPUTS,
-    at_once,
-    beside_inputs,
-    beside_row,
-    load,
-    met_by_loads,
-    motion_held,
-    motion_of_snapshot,
-    see,
-)
+from ..api.engine import BASE_INPUTS, beside_inputs, load
+from ..api.observing import beside_row, motion_held, motion_of_snapshot, see
+from ..api.slopes import at_once, met_by_loads
 from ..formulations.base_motion import base_motion, enter, is_loaded, is_silent, moving, smooth_reach, to_next_sample
 from ..formulations.dispatch import base_as_shown
 from ..formulations.exact import with_couple, with_push

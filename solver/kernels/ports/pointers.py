@@ -6,6 +6,7 @@ outputs of ports lie as those of entries.py do.
 
 from ..api import engine
 from ..api.pointers import entries_of
+from ..column.description import GIVEN, GIVEN_SETTINGS
 from ..layout.spaces import BASE, LOAD, OK, PORTS, SPOTS, STATE
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import clear, copy, row_at
@@ -13,7 +14,7 @@ from .loads import Loaded
 
 _PORT, _SEEN, _LOADS, _BASE = len(PORTS.fields), len(SPOTS.fields), 2 * len(LOAD), BASE.beside
 _STATE_PER_N, _STATE_BESIDE = STATE.per_n, STATE.beside
-_SETTINGS, _BLOCK = engine.GIVEN_SETTINGS.beside, engine.GIVEN.beside
+_SETTINGS, _BLOCK = GIVEN_SETTINGS.beside, GIVEN.beside
 
 
 @leaf

@@ -13,17 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.errors import InputError, shown
-from ...kernels.api.engine import (
-    DETAILS,
-    GIVEN,
-    GIVEN_BLOCK,
-    GIVEN_JOINT,
-    GIVEN_SETTINGS,
-    NO_REST,
-    model_room,
-    scratch_room,
-)
+from ...kernels.api.engine import model_room, scratch_room
 from ...kernels.bonds.layout import GIVEN_OF_BOND
+from ...kernels.column.description import DETAILS, GIVEN, GIVEN_BLOCK, GIVEN_JOINT, GIVEN_SETTINGS, NO_REST
 from ...kernels.layout import spaces as at
 from .block import Block
 from .model import Column
@@ -169,7 +161,7 @@ def described(column: Column) -> FloatArray:
 
 
 def shape_of(block: Block) -> list[float]:
-    """The numbers of a block's shape and of the contact under it (engine.py, GIVEN_SHAPE)."""
+    """The numbers of a block's shape and of the contact under it (description.py, GIVEN_SHAPE)."""
     strips = block.joint.strips or ()
     unused = [0.0] * (at.MOST_STRIPS - len(strips))
     return [*block.shape, float(block.joint_section), block.joint_bore, float(len(strips)), *strips, *unused]

@@ -1,0 +1,73 @@
+"""What is observed of a column: output rows, and the split reaction, of its state or of snapshots."""
+
+from ..formulations.base_motion import base_motion
+from ..formulations.exact import Motion
+from ..formulations.feedthrough import split_reaction
+from ..formulations.outputs import observe
+from ..formulations.slips import phase_size, size_of_snapshot
+from ..layout.spaces import OK, ROW, SNAPSHOT
+from ..numba_ext.jit import kernel, leaf, varied_leaf
+from ..numba_ext.views import copy
+from ..stepping.advance import take_phase
+
+_row, _snapshot = ROW.over, SNAPSHOT.over
+_ROW_FIELDS, _ROW_BESIDE = ROW.per_n, ROW.beside
+
+
+@varied_leaf
+def motion_held(samples, control):
+    """The motion of the base that the state belongs to; no load acts on what has fallen."""
+    return Motion(control.base_ax, control.base_az, control.base_theta, control.base_omega, control.base_alpha)
+
+
+@varied_leaf
+def motion_of_snapshot(column, snapshot, k):
+    """The motion of the base that snapshot k belongs to, which does not rotate."""
+    return Motion(snapshot.base.ax, snapshot.base.az, 0.0, 0.0, 0.0)
+
+
+@varied_leaf
+def beside_row(column):
+    """How many numbers stand behind an output row: none."""
+    return 0
+
+
+@leaf
+def row_length(column):
+    """Numbers of an output row, those of ports among them."""
+    return _ROW_FIELDS * column.model.n + _ROW_BESIDE + beside_row(column)
+
+
+@kernel
+def base_of(column, t):
+    """Motion of the base at time t; once the column has overturned, its motion at that moment."""
+    control = column.state.control
+    if column.counts.overturned > 0:
+        return motion_held(column.samples, control)
+    return base_motion(column.base, column.samples, t)
+
+
+@kernel
+def see(column, motion, row, split):
+    """Fill an output row and the split reaction with the outputs of the state on such a base. Returns a code.
+
+    The phase is left in work.between.
+    """
+    between = column.work.between
+    take_phase(column, motion, between)
+    code = observe(column, between, motion, row)
+    return split_reaction(column, between, motion, row, split) if code == OK else code
+
+
+@kernel
+def observe_all(column, snapshots, rows, count):
+    """Fill every row with the outputs of the snapshot of that number. Returns (code, number of the last)."""
+    n, between, size, length = column.model.n, column.work.between, size_of_snapshot(column.work), row_length(column)
+    for k in range(count):
+        snapshot = _snapshot(snapshots[size * k :], n)
+        copy(between.row, snapshot.phase.row, phase_size(column.work))
+        motion = motion_of_snapshot(column, snapshot, k)
+        code = observe(column, between, motion, _row(rows[k * length :], n))
+        if code != OK:
+            return code, k
+    return OK, count

@@ -1,0 +1,129 @@
+"""What describes a column, and from it a packed model, but for its rest and modes."""
+
+import math
+
+from ..joint.sliding import RIGID
+from ..layout.spaces import LAW, MOST_STRIPS, OK, OTHER_LAW
+from ..numba_ext.jit import kernel, leaf, varied
+from ..numba_ext.views import Record, clear
+from ..sections.faces import ENDLESS, FITS, RECTANGLE, Face, face_of, misfit
+from ..sections.section import is_off_centre, lay_out
+from .assembly import derive
+from .solids import homogeneous
+
+# description of a column: settings, then a record for each block; 0 for an optional value that is not given
+GIVEN_SETTINGS = Record("g", "step", "tolerance", "without", "drive", "slope", "bodies")
+GIVEN_BLOCK = ("height", "width", "depth", "mass", "centroid", "inertia", "tilt")
+GIVEN_JOINT = (*LAW, "width", "depth", "friction", "dowel", "offset", "inclination")
+# properties that no parameter of an FMU changes: of the block the code of the section, inner diameter m, sizes of the
+# top face m; of the joint the code of the section, inner diameter m, number of strips and their depths m
+GIVEN_SHAPE = (
+    *("section", "bore", "top_width", "top_depth"),
+    *("joint_section", "joint_bore", "strips", *(f"strip_{k}" for k in range(MOST_STRIPS))),
+)
+GIVEN = Record(*GIVEN_BLOCK, *(f"joint_{name}" for name in GIVEN_JOINT), *GIVEN_SHAPE)
+# codes of `assemble` (api/engine.py), beside those of layout/spaces.py
+TOO_LARGE = -10  # the moment of inertia of a block, whose number is left in the detail, is beyond float64
+NO_REST = -11  # a column that is off its axis, or has joints of another law, does not stand under its own weight
+NOT_LINEAR = -12  # a column that may slide or is off its axis has a joint of another law than the linear one
+MISFIT = -13  # a contact face does not suit the faces that meet: the detail holds the joint and why (faces.py, Misfit)
+DETAILS = 5  # numbers of the detail
+
+
+_DEPTHS_GIVEN = GIVEN.fields.index("strip_0")
+_LAW_GIVEN, _LAW_FIELDS, _LINEAR_FIELDS = GIVEN.fields.index(f"joint_{LAW[0]}"), len(LAW), len(LAW) - len(OTHER_LAW)
+_given_settings, _given_block = GIVEN_SETTINGS.over, GIVEN.over
+_SETTINGS_FIELDS, _BLOCK_FIELDS = GIVEN_SETTINGS.beside, GIVEN.beside
+
+
+@kernel
+def describe(column, given, detail):
+    """Fill in a model but for its rest and modes, and clear `work`. Returns a code."""
+    model = column.model
+    settings, described = model.settings, _given_settings(given, 0)
+    settings.n = model.n
+    settings.gravity = described.g
+    settings.step = described.step
+    settings.tolerance = described.tolerance
+    settings.without = described.without
+    settings.drive, settings.slope, settings.bodies = described.drive, described.slope, described.bodies
+    settings.has_modes = 0.0
+    settings.slides = 0.0
+    settings.off_axis = 0.0
+    for i in range(model.n):
+        code = _describe_block(model, given, i, detail)
+        if code != OK:
+            return code
+    settings.slides = max(settings.slides, settings.off_axis)
+    describe_more(model, given)
+    derive(model)
+    clear(column.work.row, column.work.total)  # responses of the modes of another model
+    return OK
+
+
+@varied
+def describe_more(model, given):
+    """Fill in what a model has beside from what stands behind the blocks in `given`: nothing."""
+    return
+
+
+@kernel
+def _describe_block(model, given, i, detail):
+    """Take block i and the joint under it from what is given, and the contact from the faces. Returns a code."""
+    n, settings, blocks = model.n, model.settings, model.blocks
+    row = given[_SETTINGS_FIELDS + _BLOCK_FIELDS * i :]
+    block = _given_block(row, 0)
+    blocks.height[i] = block.height
+    blocks.mass[i] = block.mass
+    wide, deep, over = block.width, block.depth, (block.top_width, block.top_depth, block.bore)
+    centroid, inertia = homogeneous(block.mass, block.section, block.height, wide, deep, *over)
+    blocks.centroid[i] = centroid if block.centroid == 0.0 else block.centroid
+    blocks.inertia[i] = inertia if block.inertia == 0.0 else block.inertia
+    for k in range(_LAW_FIELDS):
+        blocks.law[k * n + i] = row[_LAW_GIVEN + k]
+    below = Face(float(RECTANGLE), ENDLESS, ENDLESS, 0.0)
+    if i + 1 < n:
+        below = _top_face(given[_SETTINGS_FIELDS + _BLOCK_FIELDS * (i + 1) :])
+    width = wide if block.joint_width == 0.0 else block.joint_width
+    depth = deep if block.joint_depth == 0.0 else block.joint_depth
+    bottom = face_of(block.section, wide, deep, block.bore)
+    own, depths = face_of(block.joint_section, width, depth, block.joint_bore), row[_DEPTHS_GIVEN:]
+    has_width, has_depth = block.joint_width != 0.0, block.joint_depth != 0.0
+    fault = misfit(own, bottom, below, has_width, has_depth, int(block.strips), depths)
+    if fault.kind != FITS:
+        detail[0], detail[1], detail[2] = i + 1.0, fault.kind, fault.strip
+        detail[3], detail[4] = fault.value, fault.bound
+        return MISFIT
+    lay_out(blocks, i, own, block.strips, depths, below)
+    blocks.friction[i] = block.joint_friction
+    blocks.dowel[i] = block.joint_dowel if block.joint_friction > 0.0 else RIGID
+    settings.slides = 1.0 if block.joint_friction > 0.0 else settings.slides
+    blocks.offset[i], blocks.lean[i] = block.joint_offset, block.joint_inclination
+    blocks.tilt[i] = block.joint_inclination + block.tilt
+    if block.joint_offset != 0.0 or blocks.lean[i] != 0.0 or blocks.tilt[i] != 0.0:
+        settings.off_axis = 1.0
+    if is_off_centre(block.strips, depths):
+        settings.off_axis = 1.0
+    if not math.isfinite(blocks.inertia[i]):
+        detail[0] = i + 1.0
+        return TOO_LARGE
+    return OK
+
+
+@leaf
+def _top_face(row):
+    """The top face of the block that a row describes."""
+    block = _given_block(row, 0)
+    width = block.width if block.top_width == 0.0 else block.top_width
+    return face_of(block.section, width, block.depth if block.top_depth == 0.0 else block.top_depth, block.bore)
+
+
+@leaf
+def is_linear(given, n):
+    """Whether all joints have the linear law."""
+    for i in range(n):
+        row = given[_SETTINGS_FIELDS + _BLOCK_FIELDS * i :]
+        for k in range(_LINEAR_FIELDS, _LAW_FIELDS):
+            if row[_LAW_GIVEN + k] != 0.0:
+                return False
+    return True
