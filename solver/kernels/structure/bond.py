@@ -29,8 +29,8 @@ from ..numba_ext.lanes import (
 )
 from ..numba_ext.views import copy, one_lane
 from .bed import Bed, Plane, chosen, nothing, triangle, value, whole
+from .clipping import cut
 from .layout import BONDED, MOST_BONDED, OF_POLYGON, has_extras, may_break
-from .overlap import cut
 from .polygon import polygon_bed
 
 _bonded = BONDED.over

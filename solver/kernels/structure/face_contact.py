@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 from ..numba_ext.jit import kernel, leaf
 from .bed import Plane, value
+from .clipping import cut
 from .kinematics import cross, dot, minus, plus, standing
-from .overlap import cut
 from .sides import NOTHING, SLACK, Touch, apart, edge_of, push_both, scaled, spin_of, velocity_of
 
 FACING = -0.1  # cosine of the angle between the normals of faces that face each other, at most

@@ -1,0 +1,47 @@
+"""Convex polygons, in `room`: the corners of one, then space for a cut."""
+
+import math
+
+from ..numba_ext.jit import kernel, leaf
+from .bed import value
+from .layout import ROOM
+
+_CUT = ROOM // 2
+
+
+@leaf
+def put_square(room, x, y, half):
+    """Put a square about a point into the room; returns the number of its corners."""
+    room[0], room[1] = x - half, y - half
+    room[2], room[3] = x + half, y - half
+    room[4], room[5] = x + half, y + half
+    room[6], room[7] = x - half, y + half
+    return 4
+
+
+@kernel
+def cut(room, count, plane):
+    """Leave the part of the polygon where a linear function is positive; returns the number of its corners."""
+    least, most = math.inf, -math.inf
+    for k in range(count):
+        here = value(plane, room[2 * k], room[2 * k + 1])
+        least, most = min(least, here), max(most, here)
+    if least > 0.0 or not most > 0.0:
+        return count if least > 0.0 else 0
+    kept, cut = 0, room[_CUT:]
+    x0, y0 = room[2 * count - 2], room[2 * count - 1]
+    before = value(plane, x0, y0)
+    for k in range(count):
+        x1, y1 = room[2 * k], room[2 * k + 1]
+        here = value(plane, x1, y1)
+        if (before > 0.0) != (here > 0.0):
+            part = before / (before - here)
+            cut[2 * kept], cut[2 * kept + 1] = x0 + part * (x1 - x0), y0 + part * (y1 - y0)
+            kept += 1
+        if here > 0.0:
+            cut[2 * kept], cut[2 * kept + 1] = x1, y1
+            kept += 1
+        x0, y0, before = x1, y1, here
+    for k in range(2 * kept):
+        room[k] = cut[k]
+    return kept

@@ -1,0 +1,80 @@
+"""The faces of a joint that has slid, each where it is with its block."""
+
+import math
+from typing import NamedTuple
+
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import any_of, greater, index_of, square_root
+from ..numba_ext.views import numbers_of, one_lane
+from .layout import FACE, JOINTS, MEMORY
+
+_face, _joints, _memory = FACE.over, JOINTS.over, MEMORY.over
+_FACE = FACE.beside
+
+
+class _Placed(NamedTuple):
+    """A face where its block is: turned by the angle of this sine and cosine, then moved by dx, dy."""
+
+    record: object
+    corners: object
+    sine: float
+    cosine: float
+    dx: float
+    dy: float
+
+
+@leaf
+def placed(corners, first, slips, j, half):
+    """The face at `first` of the corners, moved by `half` of what joint j has slid and twisted."""
+    part, sine = corners[index_of(first) :], half * slips.p3[j]
+    cosine = square_root(greater(1.0 - sine * sine, 0.0))
+    return _Placed(_face(part, 0), part[_FACE:], sine, cosine, half * slips.p1[j], half * slips.p2[j])
+
+
+@leaf
+def _moved(face, x, y):
+    return face.dx + (face.cosine * x - face.sine * y), face.dy + (face.sine * x + face.cosine * y)
+
+
+@leaf
+def corner_of(face, k):
+    """Corner k of a polygon; the one after the last is the first."""
+    k = 0 if k >= index_of(face.record.corners) else k
+    return _moved(face, face.corners[2 * k], face.corners[2 * k + 1])
+
+
+@leaf
+def centre_of(face):
+    """The middle of a disc or ring."""
+    return _moved(face, face.record.x, face.record.y)
+
+
+@leaf
+def is_round(face):
+    """Whether a face is a disc or a ring."""
+    return index_of(face.record.corners) == 0
+
+
+@kernel
+def put_corners(room, face):
+    """Put the corners of a polygon into the room; returns their number."""
+    count = index_of(face.record.corners)
+    for k in range(count):
+        room[2 * k], room[2 * k + 1] = corner_of(face, k)
+    return count
+
+
+@leaf
+def corners_of_faces(scene, j):
+    """Numbers of corners of both faces of joint j; whether the lower one has no end."""
+    above = _face(scene.corners[index_of(scene.joints.above[j]) :], 0)
+    below = _face(scene.corners[index_of(scene.joints.below[j]) :], 0)
+    return index_of(above.corners), index_of(below.corners), any_of(below.outer == math.inf)
+
+
+@leaf
+def rows_of_lane(scene, k):
+    """Room, which all lanes have in turn, and joints, corners and slips of one lane."""
+    joints = _joints(one_lane(scene.joints.row, k), scene.m)
+    slips = _memory(one_lane(scene.slips.row, k), scene.m)
+    return numbers_of(scene.room), joints, one_lane(scene.corners, k), slips

@@ -1,0 +1,162 @@
+"""What a disc or a ring shares with another one, or with a polygon.
+
+Of two discs, each counts on its side of the line through both rims. So it is a sum of convex polygons, each as far as
+it lies within a disc; pressure cuts them further. Rings count as a disc less its bore.
+"""
+
+import math
+
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import opposite
+from .bed import Bed, Plane, nothing, triangle, value
+from .clipping import cut, put_square
+from .disc import slope_of, whole_disc, with_segment
+from .placed_face import centre_of, is_round, placed, put_corners
+
+BOX = 2.0  # radii, half the width of the square about a disc that another disc or a pressure cuts
+NEARLY = 1.0 - 1e-15  # square of the distance of a chord from the centre, over that of the rim, that is taken as none
+NEAR = 1e-14  # of the radius: distance between the centres of discs that are taken as concentric
+
+
+@leaf
+def differ(p, q):
+    """Whether two linear functions are not the same."""
+    return (q.at != p.at) | (q.along_x != p.along_x) | (q.along_y != p.along_y)
+
+
+@leaf
+def cuts_disc(plane, x, y, radius):
+    """Whether a linear function passes zero, or is negative, somewhere within a disc."""
+    level, square = value(plane, x, y), plane.along_x * plane.along_x + plane.along_y * plane.along_y
+    return opposite((level > 0.0) & (level * level >= radius * radius * square))
+
+
+@leaf
+def _pressed_in(room, count, x, y, radius, p, q):
+    """Leave the part of a polygon where p and q are positive, as far as that lies within a disc."""
+    if cuts_disc(p, x, y, radius):
+        count = cut(room, count, p)
+    if differ(p, q) and cuts_disc(q, x, y, radius):
+        count = cut(room, count, q)
+    return count
+
+
+@leaf
+def _with(bed, sign, part):
+    """A bed with another part, or without it."""
+    return Bed(
+        bed.force + sign * part.force,
+        bed.first_x + sign * part.first_x,
+        bed.first_y + sign * part.first_y,
+        bed.area + sign * part.area,
+        max(bed.largest, part.largest) if sign > 0.0 else bed.largest,
+    )
+
+
+@leaf
+def _with_triangle(bed, q, a, b, c):
+    values = value(q, a[0], a[1]), value(q, b[0], b[1]), value(q, c[0], c[1])
+    area, force, first_x, first_y = triangle((a[0], b[0], c[0]), (a[1], b[1], c[1]), values)
+    largest = max(bed.largest, max(values[0], max(values[1], values[2])))
+    return Bed(bed.force + force, bed.first_x + first_x, bed.first_y + first_y, bed.area + area, largest)
+
+
+@leaf
+def _with_arc(bed, radius, q, begin, end):
+    """A bed with the segment of a disc about the origin beyond the chord of an arc, anticlockwise."""
+    dx, dy = end[0] - begin[0], end[1] - begin[1]
+    length = math.sqrt(dx * dx + dy * dy)
+    if length <= 0.0:
+        return bed
+    out_x, out_y = dy / length, -dx / length
+    off = min(max(0.5 * ((begin[0] + end[0]) * out_x + (begin[1] + end[1]) * out_y), -radius), radius)
+    largest, slope = bed.largest, slope_of(q)
+    if slope > 0.0 and radius * (q.along_x * out_x + q.along_y * out_y) >= off * slope:  # the highest point is on it
+        largest = max(largest, q.at + radius * slope)
+    bed = with_segment(bed, True, radius, q, out_x, out_y, off)
+    return Bed(bed.force, bed.first_x, bed.first_y, bed.area, largest)
+
+
+@kernel
+def _of_disc(room, count, x, y, radius, plane):
+    """The bed of the part of the polygon that lies within a disc: its sides there, and arcs between them."""
+    q = Plane(value(plane, x, y), plane.along_x, plane.along_y)  # from the centre
+    bed, begun, first_cut, was_cut, holds = nothing(q), False, False, False, True
+    first, last = (0.0, 0.0), (0.0, 0.0)
+    for k in range(count):
+        after = k + 1 if k + 1 < count else 0
+        ax, ay = room[2 * k] - x, room[2 * k + 1] - y
+        dx, dy = room[2 * after] - x - ax, room[2 * after + 1] - y - ay
+        square = dx * dx + dy * dy
+        if square == 0.0:
+            continue
+        across = ax * dy - ay * dx  # the side's length times its distance to the right of the centre
+        holds = holds and across > 0.0
+        if not across * across < NEARLY * radius * radius * square:
+            continue
+        off = across / math.sqrt(square)
+        middle = -(ax * dx + ay * dy) / square
+        half = math.sqrt((radius - off) * (radius + off) / square)
+        enters, leaves = max(0.0, middle - half), min(1.0, middle + half)
+        if enters >= leaves:
+            continue
+        begin, end = (ax + enters * dx, ay + enters * dy), (ax + leaves * dx, ay + leaves * dy)
+        if not begun:
+            begun, first, first_cut = True, begin, enters > 0.0
+        else:
+            bed = _with_triangle(bed, q, first, last, begin)
+            if was_cut or enters > 0.0:
+                bed = _with_arc(bed, radius, q, last, begin)
+        bed = _with_triangle(bed, q, first, begin, end)
+        last, was_cut = end, leaves < 1.0
+    if begun:
+        if was_cut or first_cut:
+            bed = _with_arc(bed, radius, q, last, first)
+    elif holds and count > 2:
+        whole = whole_disc(radius, q)
+        bed = Bed(whole.force, whole.first_x, whole.first_y, whole.area, q.at + radius * slope_of(q))
+    return Bed(bed.force, bed.first_x + x * bed.force, bed.first_y + y * bed.force, bed.area, bed.largest)
+
+
+@kernel
+def _of_one_disc(room, x, y, radius, other_x, other_y, other, first, p, q):
+    """The bed of the part of a disc on its side of the line through both rims: all of it lies in the other disc too.
+
+    first: it is the one of the two that counts where they are equal and concentric.
+    """
+    dx, dy = other_x - x, other_y - y
+    count = put_square(room, x, y, BOX * radius)
+    if dx * dx + dy * dy <= (NEAR * radius) * (NEAR * radius):
+        if radius > other or (radius == other and not first):
+            return nothing(q)
+    else:  # distance^2 - radius^2 about the own centre less the same about the other one
+        more = (other - radius) * (other + radius) - dx * (x + other_x) - dy * (y + other_y)
+        count = cut(room, count, Plane(more, 2.0 * dx, 2.0 * dy))
+    return _of_disc(room, _pressed_in(room, count, x, y, radius, p, q), x, y, radius, q)
+
+
+@kernel
+def _of_faces(room, above, below, outer_a, outer_b, p, q):
+    """The bed of what two faces share, of which one is round; outer: radii of the discs that count, of round faces."""
+    if is_round(above) and is_round(below):
+        (ax, ay), (bx, by) = centre_of(above), centre_of(below)
+        bed = _of_one_disc(room, ax, ay, outer_a, bx, by, outer_b, True, p, q)
+        return _with(bed, 1.0, _of_one_disc(room, bx, by, outer_b, ax, ay, outer_a, False, p, q))
+    face, other, radius = (above, below, outer_a) if is_round(above) else (below, above, outer_b)
+    x, y = centre_of(face)
+    return _of_disc(room, _pressed_in(room, put_corners(room, other), x, y, radius, p, q), x, y, radius, q)
+
+
+@kernel
+def disc_bed(room, joints, corners, slips, j, p, q):
+    """The bed of joint j."""
+    above, below = placed(corners, joints.above[j], slips, j, 0.5), placed(corners, joints.below[j], slips, j, -0.5)
+    bed = nothing(q)
+    for k in range(4):  # outer discs, less bores
+        hollow_a, hollow_b = k & 1, k >> 1
+        a = above.record.inner if hollow_a == 1 else above.record.outer
+        b = below.record.inner if hollow_b == 1 else below.record.outer
+        if (hollow_a == 1 and a == 0.0) or (hollow_b == 1 and b == 0.0):
+            continue
+        bed = _with(bed, 1.0 if hollow_a == hollow_b else -1.0, _of_faces(room, above, below, a, b, p, q))
+    return bed if bed.force > 0.0 else nothing(q)
