@@ -53,7 +53,13 @@ def header(figure: Figure, title: str, line: str = "", colour: str = INK) -> Non
     titles = textwrap.wrap(kept, int((wide - 0.2) / LETTER)) or [""]
     lines = textwrap.wrap(line, int((wide - 0.2) / LETTER * TITLE / LINE))
     figure.suptitle(
-        "\n".join(titles), x=0.1 / wide, y=1.0 - 0.08 / tall, ha="left", va="top", fontsize=TITLE, weight="bold"
+        "\n".join(titles).replace("\u00a0", " "),
+        x=0.1 / wide,
+        y=1.0 - 0.08 / tall,
+        ha="left",
+        va="top",
+        fontsize=TITLE,
+        weight="bold",
     )
     below = 0.12 + 0.225 * len(titles)
     if lines:
