@@ -49,17 +49,11 @@ def nice(most: float) -> float:
 def header(figure: Figure, title: str, line: str = "", colour: str = INK) -> None:
     """Put a bold title on the upper left, a coloured line below; a constrained layout keeps the space free."""
     wide, tall = figure.get_size_inches()
-    kept = re.sub(r"(\d) (?=\w{1,4}\b)", "\\1\u00a0", plain(title))  # a number stays with its unit
-    titles = textwrap.wrap(kept, int((wide - 0.2) / LETTER)) or [""]
+    whole = re.sub(r"(\d) (?=\w{1,4}\b)", "\\1\u00a0", plain(title))  # a number stays with its unit
+    titles = [part.replace("\u00a0", " ") for part in textwrap.wrap(whole, int((wide - 0.2) / LETTER))] or [""]
     lines = textwrap.wrap(line, int((wide - 0.2) / LETTER * TITLE / LINE))
     figure.suptitle(
-        "\n".join(titles).replace("\u00a0", " "),
-        x=0.1 / wide,
-        y=1.0 - 0.08 / tall,
-        ha="left",
-        va="top",
-        fontsize=TITLE,
-        weight="bold",
+        "\n".join(titles), x=0.1 / wide, y=1.0 - 0.08 / tall, ha="left", va="top", fontsize=TITLE, weight="bold"
     )
     below = 0.12 + 0.225 * len(titles)
     if lines:
