@@ -8,7 +8,7 @@ parts, so that slivers keep their digits.
 from typing import Any, NamedTuple
 
 from ..numba_ext.jit import leaf
-from ..numba_ext.lanes import where, zero_like
+from ..numba_ext.lanes import lane, where, zero_like
 
 
 class Plane(NamedTuple):
@@ -52,6 +52,12 @@ def chosen(condition, bed, other):
 def value(plane, x, y):
     """The function at a place."""
     return plane.at + plane.along_x * x + plane.along_y * y
+
+
+@leaf
+def plane_of_lane(plane, k):
+    """The plane of lane k."""
+    return Plane(lane(plane.at, k), lane(plane.along_x, k), lane(plane.along_y, k))
 
 
 @leaf

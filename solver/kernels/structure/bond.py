@@ -28,7 +28,7 @@ from ..numba_ext.lanes import (
     zero_like,
 )
 from ..numba_ext.views import copy, one_lane
-from .bed import Bed, Plane, chosen, nothing, triangle, value, whole
+from .bed import Bed, Plane, chosen, nothing, plane_of_lane, triangle, value, whole
 from .clipping import cut
 from .layout import BONDED, MOST_BONDED, OF_POLYGON, has_extras, may_break
 from .polygon import polygon_bed
@@ -97,8 +97,9 @@ def _cut_lanes(scene, counts, those, tip, most):
     which = bits(those)
     for k in range(WIDTH):
         if (which >> k) & 1:
-            own, plane = one_lane(scene.room, k), Plane(lane(tip.at, k), lane(tip.along_x, k), lane(tip.along_y, k))
-            counts = with_lane(counts, k, float(_fewer(own, cut(own, int(lane(counts, k)), plane), most)))
+            own = one_lane(scene.room, k)
+            count = cut(own, int(lane(counts, k)), plane_of_lane(tip, k))
+            counts = with_lane(counts, k, float(_fewer(own, count, most)))
     _repeat_last(scene.room, counts)
     return counts
 

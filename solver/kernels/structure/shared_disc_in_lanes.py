@@ -16,7 +16,7 @@ from ..numba_ext.lanes import (
     zero_like,
 )
 from ..numba_ext.views import one_lane
-from .bed import Bed, Plane, add, chosen, nothing, triangle, value
+from .bed import Bed, Plane, add, chosen, nothing, plane_of_lane, triangle, value
 from .clipping import cut
 from .disc import slope_of, whole_disc, with_segment
 from .placed_face import centre_of, corners_of_faces, is_round, placed, put_corners, rows_of_lane
@@ -33,11 +33,6 @@ def _of_one(scene, j, slid, p, q):
     return disc_bed(scene.room, scene.joints, scene.corners, scene.slips, j, p, q)
 
 
-@leaf
-def _plane_of_lane(plane, k):
-    return Plane(lane(plane.at, k), lane(plane.along_x, k), lane(plane.along_y, k))
-
-
 def _of_lanes(scene, j, slid, p, q):
     a, b, _ = corners_of_faces(scene, j)
     if a > 0 or b > 0:
@@ -47,7 +42,7 @@ def _of_lanes(scene, j, slid, p, q):
     for k in range(WIDTH):
         if (those >> k) & 1:
             one = rows_of_lane(scene, k)
-            bed = disc_bed(*one, j, _plane_of_lane(p, k), _plane_of_lane(q, k))
+            bed = disc_bed(*one, j, plane_of_lane(p, k), plane_of_lane(q, k))
             found = Bed(
                 with_lane(found.force, k, bed.force),
                 with_lane(found.first_x, k, bed.first_x),
@@ -60,7 +55,7 @@ def _of_lanes(scene, j, slid, p, q):
 
 @kernel
 def _disc_on_polygon(scene, j, slid, p, q):
-    """The bed of a disc, less its bore, and a polygon, of the lanes in a mask, with the bits of `_bed_of_one`.
+    """The bed of a disc, less its bore, and a polygon, of the lanes in a mask, with the bits of `disc_bed`.
 
     Pressure cuts the polygon lane by lane; the sum over its sides and arcs is that of all lanes.
     """
@@ -81,9 +76,9 @@ def _disc_on_polygon(scene, j, slid, p, q):
                 if ((cut_p | cut_q) >> k) & 1:
                     own, count = one_lane(room, k), int(lane(counts, k))
                     if (cut_p >> k) & 1:
-                        count = cut(own, count, _plane_of_lane(p, k))
+                        count = cut(own, count, plane_of_lane(p, k))
                     if (cut_q >> k) & 1:
-                        count = cut(own, count, _plane_of_lane(q, k))
+                        count = cut(own, count, plane_of_lane(q, k))
                     most, counts = max(most, count), with_lane(counts, k, float(count))
             part, sign = _of_discs(scene.room, counts, most, x, y, radius, q), -1.0 if hollow == 1 else 1.0
             largest = found.largest if hollow == 1 else part.largest
@@ -96,7 +91,7 @@ def _disc_on_polygon(scene, j, slid, p, q):
 
 @leaf
 def _with_triangles(bed, there, q, a, b, c):
-    """As `_with_triangle`, of the lanes in a mask."""
+    """As `_with_triangle` of shared_disc.py, of the lanes in a mask."""
     values = value(q, a[0], a[1]), value(q, b[0], b[1]), value(q, c[0], c[1])
     area, force, first_x, first_y = triangle((a[0], b[0], c[0]), (a[1], b[1], c[1]), values)
     largest = greater(bed.largest, greater(values[0], greater(values[1], values[2])))
@@ -106,7 +101,7 @@ def _with_triangles(bed, there, q, a, b, c):
 
 @leaf
 def _with_arcs(bed, there, radius, q, begin, end):
-    """As `_with_arc`, of the lanes in a mask."""
+    """As `_with_arc` of shared_disc.py, of the lanes in a mask."""
     dx, dy = end[0] - begin[0], end[1] - begin[1]
     length = square_root(dx * dx + dy * dy)
     there = there & (length > 0.0)
@@ -121,7 +116,7 @@ def _with_arcs(bed, there, radius, q, begin, end):
 
 @kernel
 def _of_discs(room, counts, most, x, y, radius, plane):
-    """As `_of_disc`, of all lanes, where a polygon has `counts` corners, `most` at most; none: nothing."""
+    """As `_of_disc` of shared_disc.py, of all lanes: a polygon has `counts` corners, `most` at most; none: nothing."""
     q = Plane(value(plane, x, y), plane.along_x, plane.along_y)
     bed, zero = nothing(q), zero_like(x)
     one, there = zero + 1.0, counts > 0.0

@@ -126,10 +126,7 @@ class _Lanes:
         """Peaks of run k by the names of kept.py, so far: of blocks, bearings, neighbours; what is left of bonds."""
         size = at.PEAKS.per_n * self._sizes.n
         of_blocks, of_bearings, gaps = np.split(self.peaks[k].copy(), [size, size + self._sizes.b])
-        rows, (left,) = (
-            of_blocks.reshape(len(NAMES), -1),
-            shares_left(self._states[k : k + 1], self._runs[k].model.model),
-        )
+        rows, left = of_blocks.reshape(len(NAMES), -1), shares_left(self._states[k], self._runs[k].model.model)
         beside = {"peak_d": of_bearings, "least_gap": gaps, "least_bond": left}
         return {**dict(zip(NAMES, rows, strict=True)), **beside}
 

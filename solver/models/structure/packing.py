@@ -77,15 +77,14 @@ def _put_bonds(bonded: FloatArray, names: Any) -> None:
         left[at.BONDED.beside :][: corners.size] = corners
 
 
-def shares_left(states: FloatArray, model: Model) -> FloatArray:
-    """Share of the area of each bonded joint that has not broken, (runs, bonds), by states as rows."""
+def shares_left(state: FloatArray, model: Model) -> FloatArray:
+    """Share of the area of each bonded joint that has not broken, (bonds,), by a state."""
     sizes, names = model.sizes, model.names
-    each = at.OF_POLYGON.size(1)
-    left = states[:, at.place_of_bonds(sizes) : sizes.state].reshape(len(states), sizes.bonds, each)
-    counts, corners = left[..., 0], left[..., at.BONDED.beside :].reshape(len(states), sizes.bonds, at.MOST_BONDED, 2)
-    there = np.arange(corners.shape[2]) < counts[..., None]
-    x, y = (np.where(there, corners[..., axis] - corners[..., :1, axis], 0.0) for axis in range(2))
-    doubled = np.sum(x[..., :-1] * y[..., 1:] - x[..., 1:] * y[..., :-1], axis=-1)
+    left = state[at.place_of_bonds(sizes) : sizes.state].reshape(sizes.bonds, at.OF_POLYGON.size(1))
+    counts, corners = left[:, 0], left[:, at.BONDED.beside :].reshape(sizes.bonds, at.MOST_BONDED, 2)
+    there = np.arange(at.MOST_BONDED) < counts[:, None]
+    x, y = (np.where(there, corners[..., axis] - corners[:, :1, axis], 0.0) for axis in range(2))
+    doubled = np.sum(x[:, :-1] * y[:, 1:] - x[:, 1:] * y[:, :-1], axis=1)
     shares: FloatArray = 0.5 * doubled / names.joints.area[names.bonds.joint.astype(int)]
     return shares
 
