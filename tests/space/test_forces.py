@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from support.fmus import ROOT
 from support.probe import G
-from support.structures import stack
+from support.structures import run, stack
 
 from solver import simulate
 from solver.ground.motion import Motion
 from solver.models.structure.builders import colonnade
 from solver.models.structure.model import Structure
+from solver.models.structure.response import SpatialResponse
 from solver.models.structure.rest import rest_of, start_from
+from solver.models.structure.run import SpatialState
 from solver.models.structure.stepper import Stepper
 
 LAW = {"stiffness": 2e9, "damping": 1e-3}
@@ -63,3 +67,42 @@ def test_rate_at_which_the_joints_die_out() -> None:
         stepper.run(SCENES["boxes"][1], 0.0, 1e-6, np.zeros(0))
         fastest = float(np.max(np.linalg.eigvals(damping).real))
         assert stepper.control.decay == pytest.approx(fastest, rel=0.1)  # measured 0.035
+
+
+def _dropped(tilt: float, height: float, tolerance: float, g: float = G, fall: float = 0.0) -> SpatialResponse:
+    """A run of 0.6 s of a block let go above its base, m, turned about its centroid, rad, with a speed, m/s."""
+    block = {"name": "a", "on": "base", "width": 1.0, "depth": 1.0, "height": 2.0, "mass": 5000.0}
+    joints = {"stiffness": 1e9, "damping": 1e-3}
+    data = {"name": "dropped", "g": g, "joints": joints, "block": [block], "solver": {"tolerance": tolerance}}
+    initial = SpatialState(*(np.zeros((1, 3)) for _ in range(4)))
+    initial.rotation[0, 1], initial.velocity[0, 2] = tilt, -fall
+    lowest = 0.5 * math.sin(abs(tilt)) + math.cos(tilt) - 1.0
+    initial.displacement[0, 2] = lowest + height
+    return run(Structure.from_dict(data), Motion.harmonic(0.0, 1.0, 0.6), initial=initial)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-6])
+@pytest.mark.parametrize(("g", "fall"), [(G, 0.0), (0.0, 1.4)])
+def test_a_run_begins_without_forces(tolerance: float, g: float, fall: float) -> None:
+    """A block falls flat, but for 1e-6 rad, on a spring and a dashpot: p'' + 2 zeta omega p' + omega^2 p = g."""
+    height, omega, eta = 0.1, math.sqrt(1e9 / 5000.0), 1e-3
+    speed, zeta = math.sqrt(fall**2 + 2.0 * g * height), 0.5 * eta * omega
+    t = np.linspace(0.0, math.pi / omega, 20001)
+    fast, settled = omega * math.sqrt(1.0 - zeta**2), g / omega**2
+    wave = (speed - zeta * omega * settled) / fast * np.sin(fast * t) - settled * np.cos(fast * t)
+    p = settled + np.exp(-zeta * omega * t) * wave
+    expected = float(np.max(1e9 * (p + eta * np.gradient(p, t))))
+    response = _dropped(1e-6, height, tolerance, g, fall)
+    assert response.peaks["N"][0] == pytest.approx(expected, rel=max(1e-5, tolerance))
+
+
+@pytest.mark.parametrize("tilt", [0.3, 0.05])
+@pytest.mark.parametrize("height", [0.1, 1e-3, 0.0])
+def test_a_tilted_block_is_let_go_above_its_base(tilt: float, height: float) -> None:
+    closest = _dropped(tilt, height, 1e-7)
+    for tolerance in (1e-2, 1e-3, 1e-4):
+        found = _dropped(tilt, height, tolerance)
+        for name in ("uz", "rotation"):
+            known = getattr(closest, name)
+            error = float(np.max(np.abs(getattr(found, name) - known)))
+            assert error <= 10.0 * tolerance * float(np.max(np.abs(known))), (name, tolerance)

@@ -14,6 +14,8 @@ from .watch import END, row
 
 _phase = PHASE.over
 LEAST_SHEAR = 0.01  # of the largest force across joints: the least that errors along them are measured against
+LEAST_NORMAL = 0.1  # of the mean weight on a joint: the least that errors across joints are measured against
+LEAST_GRAVITY = 1e-3  # m/s2, of a structure without weight
 
 
 @kernel
@@ -39,8 +41,17 @@ def _felt(scene, error, i, arm, damping):
 
 
 @kernel
+def _least_normal(scene):
+    """Return the least force across a joint, N, that errors are measured against: a run may begin without any."""
+    mass = 0.0
+    for i in range(scene.n):
+        mass += scene.bodies.mass[i]
+    return LEAST_NORMAL * mass * max(scene.settings.gravity, LEAST_GRAVITY) / max(1, scene.m)
+
+
+@kernel
 def error_of_forces(scene, errors):
-    """Largest error of a force across or along a joint over the tolerance times the largest of its kind so far.
+    """Return the largest error of a joint's force, across or along it, over the tolerance times the largest so far.
 
     errors: of the state just evaluated, at the end of a step; they are changed. The pressure counts where its resultant
     is, over the loaded area; axes are those of the lower body. A joint that slides bears what friction does.
@@ -69,7 +80,6 @@ def error_of_forces(scene, errors):
                 along = max(along, stiffness_along(scene, j, normal) * math.sqrt(dot(e1, gap) ** 2 + dot(e2, gap) ** 2))
             if kind == 1 and scene.giving_slips.p3[j] == 0.0:
                 along = max(along, joints.twist[j] / joints.arm[j] * abs(dot(e3, turn)))
-    shear = max(control.largest_shear, LEAST_SHEAR * control.largest_normal)
-    if shear == 0.0:
-        return 0.0
-    return max(across / control.largest_normal, along / shear) / scene.settings.tolerance
+    largest = max(control.largest_normal, _least_normal(scene))
+    shear = max(control.largest_shear, LEAST_SHEAR * largest)
+    return max(across / largest, along / shear) / scene.settings.tolerance
