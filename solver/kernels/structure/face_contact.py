@@ -12,11 +12,11 @@ from typing import NamedTuple
 from ..numba_ext.jit import kernel, leaf
 from .bed import Plane, value
 from .clipping import cut
+from .edges import SIMPSON
 from .kinematics import cross, dot, minus, plus, standing
 from .sides import NOTHING, SLACK, Touch, apart, edge_of, push_both, scaled, spin_of, velocity_of
 
 FACING = -0.1  # cosine of the angle between the normals of faces that face each other, at most
-SIMPSON = ((0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0))  # exact for cubics
 
 
 class _Facing(NamedTuple):

@@ -23,6 +23,7 @@ from .kinematics import cross, dot, out_of, plus, push, relative_motion
 from .layout import POINT, POLYGON, has_extras, may_break
 from .overlap import bed_after_slip, goes_by_faces
 from .polygon import polygon_bed
+from .pressure_shear import bound_of_pressure_shear, pressure_shear
 
 
 @leaf
@@ -124,17 +125,17 @@ def friction_limits(joints, j, normal, g1, g2):
 
 
 @leaf
-def _along_joint(scene, j, motion, normal, g1, g2):
+def _along_joint(scene, j, motion, p, q, normal, g1, g2, largest):
     """Forces along a joint on the upper block, N, and the twisting couple on its energy, N m.
 
-    A slider in series with a spring and a dashpot: it moves so fast that both together bear the limit. Its rates are
-    left in the scene. Both act in the middle of the contact.
+    A slider in series with a spring and a dashpot: it moves so fast that both together bear the limit, beside what the
+    pressure has along the joint. Its rates are left in the scene. Both act in the middle of the contact.
     """
     joints, slips, found, giving = scene.joints, scene.slips, scene.resultants, scene.giving_slips
     shear, twist, damping = joints.shear[j], joints.twist[j], joints.shear_damping[j]
     x, y = middle_of(scene, j)
-    s1, s2, s3 = motion.gap[0], motion.gap[1], motion.turn[2]
-    z3, v3 = s3 - slips.p3[j], motion.turn_rate[2]
+    s1, s2, z3, v3 = motion.gap[0], motion.gap[1], motion.turn[2], motion.turn_rate[2]
+    s3 = z3 + slips.p3[j]
     z1, z2 = s1 - slips.p1[j] - z3 * y, s2 - slips.p2[j] + z3 * x  # there
     v1, v2 = motion.gap_rate[0] - v3 * y, motion.gap_rate[1] + v3 * x
     t1, t2 = -shear * (z1 + damping * v1), -shear * (z2 + damping * v2)
@@ -143,26 +144,41 @@ def _along_joint(scene, j, motion, normal, g1, g2):
     if any_of(joints.friction[j] != math.inf):
         limit, couple = friction_limits(joints, j, normal, g1 + normal * y, g2 - normal * x)
         limit, couple = limits_with_bond(scene, j, normal, limit, couple, z1 * z1 + z2 * z2, z3)
-        square = t1 * t1 + t2 * t2
+        w1, w2, w3 = z1 + damping * v1, z2 + damping * v2, z3 + damping * v3
+        bound, turning = bound_of_pressure_shear(scene, j, p, normal, largest)
+        least, square = greater(limit - bound, 0.0), shear * shear * greater(w1 * w1 + w2 * w2, z1 * z1 + z2 * z2)
+        near = square > least * least
+        near = near | (twist * greater(magnitude(w3), magnitude(z3)) > greater(couple - turning, 0.0))
+        those, way = joints.friction[j] != math.inf, (w1 + w3 * y, w2 - w3 * x, w3)
+        push1, push2, push3 = pressure_shear(scene, j, those, near & those, p, q, normal, g1, g2, way)
+        # a twist of the slider turns the frame half-way, and with it what is slipped goes up or down
+        push3 += 0.5 * motion.per_scalar * normal * (motion.vector[0] * s1 + motion.vector[1] * s2)
+        push3 += push1 * y - push2 * x
+        f1, f2 = t1 - push1, t2 - push2  # what friction bears
+        square = f1 * f1 + f2 * f2
         slides = square > limit * limit
         if any_of(slides):
             part = limit / square_root(square)
             rate = (1.0 - part) / (shear * damping)
-            r1, r2 = where(slides, -t1 * rate, r1), where(slides, -t2 * rate, r2)
-            t1, t2 = where(slides, t1 * part, t1), where(slides, t2 * part, t2)
-        square = shear * shear * (z1 * z1 + z2 * z2)
+            r1, r2 = where(slides, -f1 * rate, r1), where(slides, -f2 * rate, r2)
+            t1, t2 = where(slides, f1 * part + push1, t1), where(slides, f2 * part + push2, t2)
+        f1, f2 = -(shear * z1) - push1, -(shear * z2) - push2
+        square = f1 * f1 + f2 * f2
         beyond = square > limit * limit
         if any_of(beyond):
-            part = where(beyond, limit / square_root(square), 1.0)
-            z1, z2 = z1 * part, z2 * part
-        size = magnitude(g3)
+            part = limit / square_root(square)
+            z1 = where(beyond, -(f1 * part + push1) / shear, z1)
+            z2 = where(beyond, -(f2 * part + push2) / shear, z2)
+        f3 = g3 + push3
+        size = magnitude(f3)
         twists = size > couple
         if any_of(twists):
-            r3 = where(twists, with_sign((size - couple) / (twist * damping), g3), r3)
-            g3 = where(twists, with_sign(couple, g3), g3)
-        beyond = twist * magnitude(z3) > couple
+            r3 = where(twists, with_sign((size - couple) / (twist * damping), f3), r3)
+            g3 = where(twists, with_sign(couple, f3) - push3, g3)
+        f3 = twist * z3 + push3
+        beyond = magnitude(f3) > couple
         if any_of(beyond):
-            z3 = where(beyond, with_sign(couple / twist, z3), z3)
+            z3 = where(beyond, (with_sign(couple, f3) - push3) / twist, z3)
     g3 += t1 * y - t2 * x  # about the place half-way
     t1, t2 = beside_slider(scene, j, motion, normal, t1, t2)
     giving.p1[j], giving.p2[j], giving.p3[j] = r1 + r3 * y, r2 - r3 * x, r3
@@ -184,7 +200,7 @@ def load_joint(scene, phase, j):
     normal, g1, g2 = k * bed.force, -k * bed.first_y, k * bed.first_x
     found.normal[j], found.g1[j], found.g2[j] = normal, g1, g2
     found.area[j], found.pressure[j] = bed.area, k * bed.largest
-    t1, t2, g3 = _along_joint(scene, j, motion, normal, g1, g2)
+    t1, t2, g3 = _along_joint(scene, j, motion, p, q, normal, g1, g2, bed.largest)
     force, couple = (t1, t2, normal), (g1, g2, g3)
     across = cross(motion.gap, force)
     vector, per = motion.vector, motion.per_scalar

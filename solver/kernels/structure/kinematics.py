@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, index_of, square_root, where, zero_like
+from ..numba_ext.numbers import half_sine_cosine
 
 
 @kernel
@@ -166,7 +167,7 @@ class Relative(NamedTuple):
     e3: object
     gap: object  # m: slips along e1 and e2, opening along e3
     gap_rate: object  # m/s
-    turn: object  # rad, kappa
+    turn: object  # rad, kappa: tilts, and the elastic twist
     turn_rate: object
     vector: object  # of the relative quaternion
     per_scalar: object  # 1 / (1 + its scalar)
@@ -225,12 +226,41 @@ def is_tipped(scene, phase, j):
 
 
 @leaf
+def _turned_about(q, axis, sine, cosine):
+    """Multiply a quaternion from the right by the rotation about an axis of this sine and cosine of half its angle."""
+    v = (q[1], q[2], q[3])
+    across, along_axis = cross(v, axis), dot(v, axis)
+    return (
+        cosine * q[0] - sine * along_axis,
+        cosine * q[1] + sine * (q[0] * axis[0] + across[0]),
+        cosine * q[2] + sine * (q[0] * axis[1] + across[1]),
+        cosine * q[3] + sine * (q[0] * axis[2] + across[2]),
+    )
+
+
+@leaf
+def _faces_of(scene, phase, j):
+    """Return the rotations of both faces of joint j since they were built, without the twist of its slider.
+
+    Each face takes half of that twist, so that what is left is tilt and elastic twist: nothing is singular however far
+    a block spins as it slides.
+    """
+    joints, p3 = scene.joints, scene.slips.p3[j]
+    a = quaternion(scene, phase, index_of(joints.upper[j]))
+    b = quaternion(scene, phase, index_of(joints.lower[j]))
+    if any_of(p3 != 0.0):
+        sine, cosine = half_sine_cosine(0.5 * p3)
+        axis = (joints.e3x[j], joints.e3y[j], joints.e3z[j])
+        a, b = _turned_about(a, axis, -sine, cosine), _turned_about(b, axis, sine, cosine)
+    return a, b
+
+
+@leaf
 def relative_motion(scene, phase, j):
-    """The relative motion of joint j."""
+    """The relative motion of joint j; its twist is the elastic part."""
     joints, poses = scene.joints, scene.poses
     a, b = index_of(joints.upper[j]), index_of(joints.lower[j])
-    a0, a1, a2, a3 = quaternion(scene, phase, a)
-    b0, b1, b2, b3 = quaternion(scene, phase, b)
+    (a0, a1, a2, a3), (b0, b1, b2, b3) = _faces_of(scene, phase, j)
     scalar = a0 * b0 + a1 * b1 + a2 * b2 + a3 * b3
     sign = where(scalar < 0.0, -1.0, 1.0 + zero_like(scalar))  # of the two that mean the same rotation, the near one
     a0, a1, a2, a3, scalar = sign * a0, sign * a1, sign * a2, sign * a3, sign * scalar

@@ -89,10 +89,12 @@ JOINTS = Table(
 # centre from that of the joint, m; its radius, infinite where it has no end, and that of its bore
 FACE = Record("corners", "x", "y", "outer", "inner")
 MOST_CORNERS = 64  # of a face
-# what two polygons share, in the same place among as many numbers: its corners behind it, the last one repeated, and
-# the slips and the twist that it belongs to; its integrals of 1, x, y, x^2, y^2, x y, from half-way between the centres
+# what two polygons share, from half-way between their centres: the slips and the twist that it belongs to, its
+# integrals of 1, x, y, x^2, y^2, x y; then its corners, the last one repeated, then the owner of the edge to each
 SHARED = Record("corners", "p1", "p2", "p3", "area", "x", "y", "xx", "yy", "xy")
-assert SHARED.beside == 2 * FACE.beside
+PER_CORNER = 2  # numbers of a row of SHARED over those of its two faces: it begins at so many times their place
+assert SHARED.beside <= PER_CORNER * 2 * FACE.beside
+OF_UPPER, OF_BOTH, OF_LOWER = -1.0, 0.0, 1.0  # owners of an edge; of both while edges of two faces coincide
 TIES = Table(
     *("one", "other"),  # numbers of the bodies
     *("ax", "ay", "az", "bx", "by", "bz"),  # m, the ends from the centroids, as built
@@ -279,7 +281,7 @@ WORK = Space(
     memory=REMEMBERED,
     giving=REMEMBERED,
     room=Numbers(beside=ROOM),
-    shared=(EACH, "corners"),
+    shared=(Numbers(PER_CORNER), "corners"),
     modal_room=(EACH, "modal_room"),
 )
 

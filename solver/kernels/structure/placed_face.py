@@ -4,7 +4,8 @@ import math
 from typing import NamedTuple
 
 from ..numba_ext.jit import kernel, leaf
-from ..numba_ext.lanes import any_of, greater, index_of, square_root
+from ..numba_ext.lanes import any_of, index_of
+from ..numba_ext.numbers import half_sine_cosine
 from ..numba_ext.views import numbers_of, one_lane
 from .layout import FACE, JOINTS, MEMORY
 
@@ -26,8 +27,7 @@ class _Placed(NamedTuple):
 @leaf
 def placed(corners, first, slips, j, half):
     """The face at `first` of the corners, moved by `half` of what joint j has slid and twisted."""
-    part, sine = corners[index_of(first) :], half * slips.p3[j]
-    cosine = square_root(greater(1.0 - sine * sine, 0.0))
+    part, (sine, cosine) = corners[index_of(first) :], half_sine_cosine(2.0 * half * slips.p3[j])
     return _Placed(_face(part, 0), part[_FACE:], sine, cosine, half * slips.p1[j], half * slips.p2[j])
 
 

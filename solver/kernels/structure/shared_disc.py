@@ -11,6 +11,7 @@ from ..numba_ext.lanes import opposite
 from .bed import Bed, Plane, nothing, triangle, value
 from .clipping import cut, put_square
 from .disc import slope_of, whole_disc, with_segment
+from .edges import edge_integrals
 from .placed_face import centre_of, is_round, placed, put_corners
 
 BOX = 2.0  # radii, half the width of the square about a disc that another disc or a pressure cuts
@@ -118,20 +119,36 @@ def _of_disc(room, count, x, y, radius, plane):
     return Bed(bed.force, bed.first_x + x * bed.force, bed.first_y + y * bed.force, bed.area, bed.largest)
 
 
+@leaf
+def _are_concentric(x, y, radius, other_x, other_y):
+    dx, dy = other_x - x, other_y - y
+    return dx * dx + dy * dy <= (NEAR * radius) * (NEAR * radius)
+
+
+@kernel
+def _put_own_side(room, x, y, radius, other_x, other_y, other):
+    """Put a polygon into the room that leaves the part of a disc on its side of the line through both rims.
+
+    All of this part lies in the other disc too. Returns the number of corners: of concentric discs the larger one has
+    no part, and each of two equal ones is whole.
+    """
+    count = put_square(room, x, y, BOX * radius)
+    if _are_concentric(x, y, radius, other_x, other_y):
+        return 0 if radius > other else count
+    dx, dy = other_x - x, other_y - y  # distance^2 - radius^2 about the own centre less the same about the other one
+    more = (other - radius) * (other + radius) - dx * (x + other_x) - dy * (y + other_y)
+    return cut(room, count, Plane(more, 2.0 * dx, 2.0 * dy))
+
+
 @kernel
 def _of_one_disc(room, x, y, radius, other_x, other_y, other, first, p, q):
-    """The bed of the part of a disc on its side of the line through both rims: all of it lies in the other disc too.
+    """The bed of the part of a disc on its side of the line through both rims.
 
     first: it is the one of the two that counts where they are equal and concentric.
     """
-    dx, dy = other_x - x, other_y - y
-    count = put_square(room, x, y, BOX * radius)
-    if dx * dx + dy * dy <= (NEAR * radius) * (NEAR * radius):
-        if radius > other or (radius == other and not first):
-            return nothing(q)
-    else:  # distance^2 - radius^2 about the own centre less the same about the other one
-        more = (other - radius) * (other + radius) - dx * (x + other_x) - dy * (y + other_y)
-        count = cut(room, count, Plane(more, 2.0 * dx, 2.0 * dy))
+    if radius == other and not first and _are_concentric(x, y, radius, other_x, other_y):
+        return nothing(q)
+    count = _put_own_side(room, x, y, radius, other_x, other_y, other)
     return _of_disc(room, _pressed_in(room, count, x, y, radius, p, q), x, y, radius, q)
 
 
@@ -160,3 +177,70 @@ def disc_bed(room, joints, corners, slips, j, p, q):
             continue
         bed = _with(bed, 1.0 if hollow_a == hollow_b else -1.0, _of_faces(room, above, below, a, b, p, q))
     return bed if bed.force > 0.0 else nothing(q)
+
+
+@kernel
+def _sides_in_disc(room, count, x, y, radius, p, q):
+    """Integrate p q n along the sides of the polygon in the room, as far as they lie within a disc."""
+    along_x, along_y, moment = 0.0, 0.0, 0.0
+    for k in range(count):
+        after = k + 1 if k + 1 < count else 0
+        ax, ay = room[2 * k] - x, room[2 * k + 1] - y
+        dx, dy = room[2 * after] - x - ax, room[2 * after + 1] - y - ay
+        square, across = dx * dx + dy * dy, ax * dy - ay * dx
+        if not across * across < NEARLY * radius * radius * square:
+            continue
+        middle, half = -(ax * dx + ay * dy) / square, math.sqrt(radius * radius * square - across * across) / square
+        enters, leaves = max(0.0, middle - half), min(1.0, middle + half)
+        if enters < leaves:
+            x0, y0, part = room[2 * k] + enters * dx, room[2 * k + 1] + enters * dy, leaves - enters
+            side = edge_integrals(x0, y0, part * dx, part * dy, p, q)
+            along_x, along_y, moment = along_x + side[0], along_y + side[1], moment + side[2]
+    return along_x, along_y, moment
+
+
+@kernel
+def _edges_of_lower(room, above, below, outer_a, outer_b, p, q, way):
+    """Integrate p q n along the boundary of what two faces share, as far as it is an edge of the lower face.
+
+    Along the arcs of a disc it is the integral over its part of the shared region, by the divergence theorem, less that
+    along straight sides.
+    """
+    bx, by = centre_of(below)
+    if is_round(below):
+        if is_round(above):
+            ax, ay = centre_of(above)
+            count = _put_own_side(room, bx, by, outer_b, ax, ay, outer_a)
+            if outer_a == outer_b and _are_concentric(bx, by, outer_b, ax, ay):  # half of it by the way
+                count = cut(room, count, Plane(-(way[0] * bx + way[1] * by), way[0], way[1]))
+        else:
+            count = put_corners(room, above)
+        count = _pressed_in(room, count, bx, by, outer_b, p, q)
+        bed = _of_disc(room, count, bx, by, outer_b, q)
+        sides = _sides_in_disc(room, count, bx, by, outer_b, p, q)
+        turning = p.along_y * bed.first_x - p.along_x * bed.first_y
+        along_x, along_y = 2.0 * p.along_x * bed.force - sides[0], 2.0 * p.along_y * bed.force - sides[1]
+        return along_x, along_y, 2.0 * turning - sides[2]
+    x, y = centre_of(above)
+    count = _pressed_in(room, put_corners(room, below), x, y, outer_a, p, q)
+    return _sides_in_disc(room, count, x, y, outer_a, p, q)
+
+
+@kernel
+def disc_edges_of_lower(room, joints, corners, slips, j, p, q, way):
+    """Integrate p q n along the edges of the lower face that bound what both faces of joint j share.
+
+    As `polygon_edges_of_lower`, where a face is round.
+    """
+    above, below = placed(corners, joints.above[j], slips, j, 0.5), placed(corners, joints.below[j], slips, j, -0.5)
+    along_x, along_y, moment = 0.0, 0.0, 0.0
+    for k in range(4):  # outer discs, less bores
+        hollow_a, hollow_b = k & 1, k >> 1
+        a = above.record.inner if hollow_a == 1 else above.record.outer
+        b = below.record.inner if hollow_b == 1 else below.record.outer
+        if (hollow_a == 1 and a == 0.0) or (hollow_b == 1 and b == 0.0):
+            continue
+        sign = 1.0 if hollow_a == hollow_b else -1.0
+        part = _edges_of_lower(room, above, below, a, b, p, q, way)
+        along_x, along_y, moment = along_x + sign * part[0], along_y + sign * part[1], moment + sign * part[2]
+    return along_x, along_y, moment

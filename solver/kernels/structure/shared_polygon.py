@@ -1,15 +1,17 @@
 """The polygon that two polygons share, or one and what has no end: it is kept until the joint slides on."""
 
 from ..numba_ext.jit import by_width, kernel, leaf
-from ..numba_ext.lanes import WIDTH, MaskType, any_of, bits, index_of, zero_like
+from ..numba_ext.lanes import WIDTH, MaskType, any_of, bits, index_of, where, zero_like
 from ..numba_ext.views import one_lane
 from .bed import Bed, Plane, chosen, nothing
 from .clipping import cut
-from .layout import SHARED
+from .edges import edge_integrals
+from .layout import OF_BOTH, OF_LOWER, OF_UPPER, PER_CORNER, SHARED
 from .placed_face import corner_of, placed, put_corners, rows_of_lane
 from .polygon import polygon_bed
 
 _shared, _SHARED = SHARED.over, SHARED.beside
+SAME_EDGE = 1e-12  # distance of two edges, over the length of one, within which they coincide
 
 
 @kernel
@@ -20,6 +22,32 @@ def _within(room, count, face):
         x1, y1 = corner_of(face, k + 1)
         count = cut(room, count, Plane((y1 - y0) * x0 - (x1 - x0) * y0, y0 - y1, x1 - x0))
     return count
+
+
+@kernel
+def _is_on_edge(face, x, y):
+    """Return whether a point within a polygon lies on one of its edges."""
+    for k in range(int(face.record.corners)):
+        x0, y0 = corner_of(face, k)
+        x1, y1 = corner_of(face, k + 1)
+        dx, dy = x1 - x0, y1 - y0
+        if dx * (y - y0) - dy * (x - x0) <= SAME_EDGE * (dx * dx + dy * dy):
+            return True
+    return False
+
+
+@kernel
+def _find_owners(shared, most, above, below):
+    """Fill in which face each edge of the shared polygon belongs to, by the middle of the edge."""
+    outline, owners = shared[_SHARED:], shared[_SHARED + 2 * most :]
+    x0, y0 = outline[2 * most - 2], outline[2 * most - 1]
+    for k in range(most):
+        x1, y1 = outline[2 * k], outline[2 * k + 1]
+        x, y = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
+        owner = OF_UPPER
+        if (x0 != x1 or y0 != y1) and _is_on_edge(below, x, y):
+            owner = OF_BOTH if _is_on_edge(above, x, y) else OF_LOWER
+        owners[k], x0, y0 = owner, x1, y1
 
 
 @kernel
@@ -46,6 +74,7 @@ def _share(room, joints, corners, slips, j, shared):
         found.xx += twelfth * (sx * sx + (ax * ax + bx * bx + cx * cx))
         found.yy += twelfth * (sy * sy + (ay * ay + by * by + cy * cy))
         found.xy += twelfth * (sx * sy + (ax * ay + bx * by + cx * cy))
+    _find_owners(shared, most, above, below)
 
 
 @by_width
@@ -66,18 +95,52 @@ def _renew_lanes(scene, j, place, stale):
 
 
 @leaf
-def polygon_bed_after_slip(scene, j, slid, count, p, q):
-    """The bed of joint j, whose faces have `count` corners together; slid: whether it has, or which lanes of it."""
-    place = index_of(scene.joints.above[j])
+def _shared_row(scene, j, those):
+    """Return the row of what the faces of joint j share, up to date in the lanes of the mask `those`."""
+    place = PER_CORNER * index_of(scene.joints.above[j])
     row, slips = scene.shared[place:], scene.slips
     kept = _shared(row, 0)
     moved = (kept.p1 != slips.p1[j]) | (kept.p2 != slips.p2[j]) | (kept.p3 != slips.p3[j])
-    stale = slid & (moved | (kept.corners == 0.0))
+    stale = those & (moved | (kept.corners == 0.0))
     if any_of(stale):
         _renew(scene, j, place, stale)
+    return row
+
+
+@leaf
+def polygon_bed_after_slip(scene, j, slid, count, p, q):
+    """The bed of joint j, whose faces have `count` corners together; slid: whether it has, or which lanes of it."""
+    row = _shared_row(scene, j, slid)
+    kept = _shared(row, 0)
     force = q.at * kept.area + q.along_x * kept.x + q.along_y * kept.y
     first_x = q.at * kept.x + q.along_x * kept.xx + q.along_y * kept.xy
     first_y = q.at * kept.y + q.along_x * kept.xy + q.along_y * kept.yy
     full = Bed(force, first_x, first_y, kept.area, zero_like(force))
     bed = polygon_bed(row[_SHARED:], 0, count, full, p, q)
     return chosen(kept.area > 0.0, bed, nothing(p))
+
+
+@kernel
+def polygon_edges_of_lower(scene, j, those, count, p, q, way):
+    """Integrate p q n along the edges of the lower face that bound what two polygons share.
+
+    Where edges of both faces coincide, the edge belongs to the lower face if the upper one moves outwards there:
+    way, m, m and rad, is how it moves.
+    """
+    row, zero = _shared_row(scene, j, those), zero_like(p.at)
+    outline, owners = row[_SHARED:], row[_SHARED + 2 * count :]
+    along_x, along_y, moment = zero, zero, zero
+    x0, y0 = outline[2 * count - 2], outline[2 * count - 1]
+    for k in range(count):
+        x1, y1 = outline[2 * k], outline[2 * k + 1]
+        owner = owners[k]
+        if any_of(owner >= OF_BOTH):
+            dx, dy = x1 - x0, y1 - y0
+            edge_x, edge_y, edge_moment, x, y = edge_integrals(x0, y0, dx, dy, p, q)
+            outwards = dy * (way[0] - way[2] * y) - dx * (way[1] + way[2] * x) > 0.0
+            there = (owner == OF_LOWER) | ((owner == OF_BOTH) & outwards)
+            along_x += where(there, edge_x, 0.0)
+            along_y += where(there, edge_y, 0.0)
+            moment += where(there, edge_moment, 0.0)
+        x0, y0 = x1, y1
+    return along_x, along_y, moment

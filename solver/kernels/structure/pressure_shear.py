@@ -1,0 +1,112 @@
+"""The shear that the pressure on a tilted joint has along it (theory.md section 13).
+
+The pressure acts along the normal of the face on which an edge of the other one slides, half of the tilt away from that
+of the joint. So a slip changes the elastic energy of the bed through the edges of the contact: its negative derivative
+is a force along the joint, which friction does not bear.
+"""
+
+import math
+
+from ..numba_ext.jit import by_width, leaf
+from ..numba_ext.lanes import (
+    WIDTH,
+    LanesType,
+    any_of,
+    bits,
+    greater,
+    index_of,
+    lane,
+    lesser,
+    magnitude,
+    where,
+    with_lane,
+    zero_like,
+)
+from .bed import plane_of_lane
+from .layout import FACE, POINT
+from .placed_face import corners_of_faces, rows_of_lane
+from .shared_disc import disc_edges_of_lower
+from .shared_polygon import polygon_edges_of_lower
+
+_face = FACE.over
+
+
+@by_width
+def _disc_edges(scene, j, those, p, q, way):
+    """`disc_edges_of_lower` of joint j; in lanes of those in a mask, one after the other."""
+    return _disc_edges_of_lanes if isinstance(p.types[0], LanesType) else _disc_edges_of_one
+
+
+def _disc_edges_of_one(scene, j, those, p, q, way):
+    return disc_edges_of_lower(scene.room, scene.joints, scene.corners, scene.slips, j, p, q, way)
+
+
+def _disc_edges_of_lanes(scene, j, those, p, q, way):
+    along_x, along_y, moment = zero_like(p.at), zero_like(p.at), zero_like(p.at)
+    which = bits(those)
+    for k in range(WIDTH):
+        if (which >> k) & 1:
+            one_way = lane(way[0], k), lane(way[1], k), lane(way[2], k)
+            one = disc_edges_of_lower(*rows_of_lane(scene, k), j, plane_of_lane(p, k), plane_of_lane(q, k), one_way)
+            along_x, along_y = with_lane(along_x, k, one[0]), with_lane(along_y, k, one[1])
+            moment = with_lane(moment, k, one[2])
+    return along_x, along_y, moment
+
+
+@leaf
+def _radius_about(scene, j):
+    """Return the radius of the smaller round face of joint j, m; infinite if both are polygons."""
+    above = _face(scene.corners[index_of(scene.joints.above[j]) :], 0)
+    below = _face(scene.corners[index_of(scene.joints.below[j]) :], 0)
+    a = where(above.corners == 0.0, above.outer, math.inf)
+    return lesser(a, where(below.corners == 0.0, below.outer, math.inf))
+
+
+@leaf
+def bound_of_pressure_shear(scene, j, p, normal, largest):
+    """Bound the shear of the pressure, N, and its moment, N m, where edges of a round face may count.
+
+    largest: damped penetration, m. Both are 0 where the shear costs too little to be asked for only near a slip.
+    """
+    slips, zero = scene.slips, zero_like(p.at)
+    if any_of(scene.joints.section[j] == POINT):
+        return zero, zero
+    a, b, endless = corners_of_faces(scene, j)
+    if endless or (a > 0 and b > 0):
+        return zero, zero
+    radius, steep = _radius_about(scene, j), magnitude(p.along_x) + magnitude(p.along_y)
+    lever = radius + magnitude(slips.p1[j]) + magnitude(slips.p2[j])
+    deepest = greater(p.at + steep * lever, 0.0)
+    force = 0.5 * steep * normal + math.pi * scene.joints.stiffness[j] * radius * deepest * largest
+    return force, 2.0 * lever * force
+
+
+@leaf
+def pressure_shear(scene, j, those, near, p, q, normal, g1, g2, way):
+    """Return the shear of the pressure on the upper block, N, and its moment about the place half-way, N m.
+
+    Parameters
+    ----------
+    those, near : mask
+        Whether joint j may slide; whether it may be about to.
+    p, q : Plane
+        Penetration and damped penetration, m.
+    normal, g1, g2 : float or lanes
+        Resultants of the pressure, N, N m.
+    way : tuple
+        How the upper block moves along the joint, m, m and rad: edges of equal faces count by it.
+    """
+    slips, zero = scene.slips, zero_like(p.at)
+    if any_of(scene.joints.section[j] == POINT):
+        return zero, zero, zero
+    a, b, endless = corners_of_faces(scene, j)
+    edge_x, edge_y, moment = zero, zero, zero
+    if not endless:
+        if a > 0 and b > 0:
+            edge_x, edge_y, moment = polygon_edges_of_lower(scene, j, those, a + b, p, q, way)
+        elif any_of(near):
+            edge_x, edge_y, moment = _disc_edges(scene, j, near, p, q, way)
+    half = 0.5 * scene.joints.stiffness[j]
+    turn = half * moment - 0.5 * (p.along_x * g1 + p.along_y * g2)
+    turn += 0.25 * normal * (p.along_y * slips.p1[j] - p.along_x * slips.p2[j])
+    return half * edge_x - 0.5 * normal * p.along_x, half * edge_y - 0.5 * normal * p.along_y, turn
