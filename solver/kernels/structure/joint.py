@@ -216,13 +216,18 @@ def load_joint(scene, phase, j):
 
 @kernel
 def joint_energy(scene, phase, j):
-    """Elastic energy of joint j, J; its resultants are those of this phase."""
+    """Return the elastic energy of joint j, J; its resultants are those of this phase.
+
+    Along a pressed joint it is that of all of the elastic slip, also where its dashpot bears what is beyond friction.
+    """
     joints, found = scene.joints, scene.resultants
     p = penetration(scene, j, relative_motion(scene, phase, j))
     bed = bed_of_joint(scene, j, p, p)
     square = p.at * bed.force + p.along_x * bed.first_x + p.along_y * bed.first_y  # the integral of p times p
-    (x, y), z3 = middle_of(scene, j), found.z3[j]
-    z1, z2 = found.z1[j] - z3 * y, found.z2[j] + z3 * x
+    (x, y), slips, pressed = middle_of(scene, j), scene.slips, found.normal[j] > 0.0
+    z3 = where(pressed, found.s3[j] - slips.p3[j], found.z3[j])
+    z1 = where(pressed, found.s1[j] - slips.p1[j], found.z1[j]) - z3 * y
+    z2 = where(pressed, found.s2[j] - slips.p2[j], found.z2[j]) + z3 * x
     shear, twist = z1 * z1 + z2 * z2, z3 * z3
     doubled = joints.stiffness[j] * square + joints.shear[j] * shear + joints.twist[j] * twist
     return 0.5 * with_bearing(scene, j, doubled)

@@ -26,6 +26,7 @@ from .rest import rest_of, rest_under, start_from
 from .stepper import Stepper
 from .verdict import RESTING, next_look, well_of, why_it_leans
 
+TWISTS = 6  # in which an initial twist is found: what is left of it falls by its cube over 24 each time
 COUNTED = ("steps", "elastic_steps", "rejected", "evaluations", "looks")
 
 
@@ -142,10 +143,11 @@ def set_initial(stepper: Stepper, initial: SpatialState) -> None:
     spin = np.asarray(initial.spin)
     across = np.cross(q, spin)  # into the axes of the body
     see.wx[:], see.wy[:], see.wz[:] = (spin - 2.0 * (see.q0[:, None] * across - np.cross(q, across))).T
-    stepper.observe(keep=False)
     found = at.WORK.see(stepper.arrays.work, stepper.sizes).resultants
-    for k in (1, 2, 3):  # joints begin without elastic slip
-        getattr(stepper.slips, f"p{k}")[:] = getattr(found, f"s{k}")
+    for _ in range(TWISTS):  # joints begin without elastic slip
+        stepper.observe(keep=False)
+        for k in (1, 2, 3):
+            getattr(stepper.slips, f"p{k}")[:] = getattr(found, f"s{k}")
 
 
 class _Settling:
