@@ -67,7 +67,8 @@ def place(stepper: Stepper, pose: FloatArray, slip: FloatArray) -> None:
     see, i = stepper.see, stepper.structure.n - 1
     see.ux[i], see.uy[i], see.uz[i] = pose[:3]
     vector = np.sin(0.5 * np.linalg.norm(pose[3:])) * pose[3:] / np.linalg.norm(pose[3:])
-    see.q0[i], see.q1[i], see.q2[i], see.q3[i] = math.sqrt(1.0 - vector @ vector), *vector
+    see.q0[i] = math.sqrt(1.0 - vector @ vector)
+    see.q1[i], see.q2[i], see.q3[i] = vector
     stepper.slips.p1[i], stepper.slips.p2[i], stepper.slips.p3[i] = slip
 
 

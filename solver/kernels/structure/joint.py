@@ -181,7 +181,9 @@ def _along_joint(scene, j, motion, p, q, normal, g1, g2, largest):
             z3 = where(beyond, (with_sign(couple, f3) - push3) / twist, z3)
     g3 += t1 * y - t2 * x  # about the place half-way
     t1, t2 = beside_slider(scene, j, motion, normal, t1, t2)
-    giving.p1[j], giving.p2[j], giving.p3[j] = r1 + r3 * y, r2 - r3 * x, r3
+    turned = 0.5 * motion.per_scalar * motion.gap[2] * r3  # by the frame, as the slider twists
+    giving.p1[j], giving.p2[j] = r1 + r3 * y - turned * motion.vector[0], r2 - r3 * x - turned * motion.vector[1]
+    giving.p3[j] = r3
     found.t1[j], found.t2[j], found.g3[j] = t1, t2, g3
     found.s1[j], found.s2[j], found.s3[j] = s1, s2, s3
     found.z1[j], found.z2[j], found.z3[j] = z1 + z3 * y, z2 - z3 * x, z3
