@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
-from support.bearings import Pulled, ellipse, loop
+from support.bearings import Pulled, ellipse, loop, stopped
 from support.fmus import ROOT
 from support.probe import G
 from support.structures import run
@@ -42,6 +43,7 @@ DOUBLE: Law = {
     "friction": 0.05,
     "initial_stiffness": 5e6,
 }
+DOUBLE_SMOOTH: Law = {"kind": "double_concave", "radius": [1.2, 1.0], "height": 0.2, "friction": 0.0}
 RUBBER: Law = {"kind": "elastomeric", "stiffness": 2e4, "damping": 2e3}
 LEAD: Law = {"kind": "lead_rubber", "stiffness": 2e4, "yield": 1e3, "initial_stiffness": 2e5}
 ROLLING: Law = {"kind": "rolling", "friction": 0.02, "initial_stiffness": 5e6}
@@ -94,8 +96,7 @@ def test_rubber_is_a_spring_and_a_dashpot() -> None:
 
 
 def test_a_double_pendulum_has_both_radii_less_its_height() -> None:
-    smooth = {key: value for key, value in DOUBLE.items() if key != "initial_stiffness"} | {"friction": 0.0}
-    bearing = pulled(smooth)
+    bearing = pulled(DOUBLE_SMOOTH)
     assert bearing.force(0.1) == pytest.approx(12e3 * 0.1 / 2.0, rel=1e-12)
 
 
@@ -106,6 +107,54 @@ def test_a_ring_pushes_back_beyond_the_rim() -> None:
     assert bearing.force(0.16) == pytest.approx(2e4 * 0.16 + 1e7 * 0.01, rel=1e-12)
     assert bearing.force(0.16, 2.0) == pytest.approx(2e4 * 0.16 + 2e3 * 2.0 + 1e7 * (0.01 + 2e-3), rel=1e-12)
     assert bearing.force(0.16, -20.0) == pytest.approx(2e4 * 0.16 - 2e3 * 20.0, rel=1e-12)  # it does not pull
+
+
+def _hurled(structure: Structure, u: float, v: float, lifted: float) -> SpatialState:
+    """A slab above its rest by `lifted`, m, away from the middle and moving along x."""
+    initial = SpatialState(*(np.zeros((1, 3)) for _ in range(4)))
+    initial.displacement[0] = u, 0.0, rest_of(structure).phase[2] + lifted
+    initial.velocity[0, 0] = v
+    return initial
+
+
+FREE: Law = {"kind": "rolling", "friction": 0.0, "radius": 1e4}
+
+
+@pytest.mark.parametrize("eta", [0.0, 5e-4])
+@pytest.mark.parametrize("name", ["rolling", "rubber", "double"])
+def test_a_rim_stops_a_slab_as_in_closed_form(name: str, eta: float) -> None:
+    """Rolling without friction nothing but the ring acts along it, also where the base drops away.
+
+    A slab 10 mm above its pendulums feels nothing but the ring either, until it has fallen on them.
+    """
+    cases = {"rolling": (FREE, 0.0, 0.14), "rubber": (RUBBER, 0.0, 0.3), "double": (DOUBLE, 0.01, 0.035)}
+    law, lifted, seconds = cases[name]
+    structure = slab({**law, "rim": 0.05, "rim_stiffness": 5e7, "rim_damping": eta}, tolerance=1e-6)
+    drop = -1.3 * G * np.ones(31) * (name == "rolling")
+    motion = Motion.from_samples(0.01, np.zeros(31), az=drop)
+    response = run(structure, motion, seconds, initial=_hurled(structure, 0.01, 3.0, lifted))
+    spring, dashpot = (4.0 * law.get(key, 0.0) for key in ("stiffness", "damping"))
+    known = stopped(5000.0, spring, dashpot, (0.05, 2e8, eta), np.array([0.01, 3.0]), response.time)
+    assert np.max(known) > 0.06
+    assert (np.min(response.contact) == 0.0) == (name != "rubber")  # whether it lifts
+    # measured 7e-4, 4e-4 and 3e-5: the ring's force acts half-way between the two points, and turns what lies above it
+    assert np.max(np.abs(response.ux[:, 0] - known)) <= 2e-3 * np.max(np.abs(known))
+
+
+@pytest.mark.parametrize("law", [SMOOTH, DOUBLE_SMOOTH])
+def test_a_rim_stops_a_pendulum_that_stays_on_its_surface(law: Law) -> None:
+    """m v^2 / 2 = m g u^2 / 2R + k_r (u - u_r)^2 / 2 at the farthest place, with a ring too soft to lift it."""
+    rim, stiffness, speed = 0.05, 1e5, 0.5
+    structure = slab({**law, "rim": rim, "rim_stiffness": stiffness, "rim_damping": 0.0}, vertical_stiffness=1e10)
+    structure = replace(structure, tolerance=1e-6)
+    response = run(structure, Motion.harmonic(0.0, 1.0, 0.5), initial=_hurled(structure, 0.0, speed, 0.0))
+    assert np.min(response.N) > 0.0
+    swing, ring = 5000.0 * G / 2.0, 4.0 * stiffness
+    a, b, c = swing + ring, -2.0 * ring * rim, ring * rim**2 - 5000.0 * speed**2
+    farthest = (-b + math.sqrt(b * b - 4.0 * a * c)) / (2.0 * a)
+    assert farthest > 1.2 * rim
+    assert response.peaks["u"][0] == pytest.approx(farthest, rel=1e-4)
+    assert np.max(response.peaks["d"]) == pytest.approx(farthest, rel=1e-4)
 
 
 def test_the_period_of_a_pendulum_is_that_of_its_radius_whatever_the_mass() -> None:
@@ -133,6 +182,44 @@ def test_modes_say_the_stiffness_before_and_after_a_slide() -> None:
     assert sliding_frequencies(slab(ROLLING))[0] == pytest.approx(0.0, abs=1e-3)
 
 
+def _lead_alone(
+    motion: Motion, mass: float, spring: float, lead: float, initial: float, times: FloatArray
+) -> FloatArray:
+    """Return the places at these times, m, of a mass on a spring and a slider without any damping, along x.
+
+    Central differences of 20 us; the slider's force returns to its limit.
+    """
+    step = 2e-5
+    u = v = slider = 0.0
+    places = []
+    for a in np.interp(step * np.arange(round(float(times[-1]) / step) + 1), motion.time, motion.ax).tolist():
+        places.append(u)
+        v += step * (-a - (spring * u + slider) / mass)
+        u += step * v
+        slider = min(lead, max(-lead, slider + initial * step * v))
+    return np.interp(times, step * np.arange(len(places)), places)
+
+
+@pytest.mark.parametrize("damping", [0.0, 1e-3, 3e-2])
+@pytest.mark.parametrize("name", ["lead", "pendulum"])
+def test_vertical_damping_does_not_damp_the_slider(name: str, damping: float) -> None:
+    """A mass on a spring and an ideal slider moves as far, whatever the vertical damping."""
+    law, mass, t = KINDS[name], 5000.0, np.arange(0.0, 3.01, 0.01)
+    motion = Motion.from_samples(0.01, 1.5 * np.sin(2.0 * math.pi * 0.9 * t) * np.minimum(1.0, t))
+    structure = slab(law, mass, vertical_damping=damping, vertical_stiffness=1e9)
+    response = run(structure, motion, 3.0)
+    spring = 4.0 * law["stiffness"] if name == "lead" else mass * G / law["radius"]
+    limit = 4.0 * law["yield"] if name == "lead" else law["friction"] * mass * G
+    known = _lead_alone(motion, mass, spring, limit, 4.0 * law["initial_stiffness"], response.time)
+    assert np.max(np.abs(response.ux[:, 0] - known)) <= 5e-3 * np.max(np.abs(known))  # measured 9e-4 and 3e-3
+
+
+def test_a_sliders_own_damping_is_a_dashpot_of_its_initial_stiffness() -> None:
+    """Without a slip, as long as the lead bears: T = K_0 (u + eta u')."""
+    bearing = pulled({**LEAD, "initial_damping": 2e-3})
+    assert bearing.force(1e-3, 0.5) == pytest.approx(2e4 * 1e-3 + 2e5 * (1e-3 + 2e-3 * 0.5), rel=1e-9)
+
+
 def _motion(seed: int, seconds: float, size: float = 4.0, step: float = 0.02) -> Motion:
     """Noise about 0.8 Hz in three components."""
     rng, t = np.random.default_rng(seed), np.arange(0.0, seconds, step)
@@ -151,10 +238,12 @@ def _reference(law: Law, motion: Motion, mass: float, times: FloatArray, stiffne
     The forces of a bearing act half-way between its two ends, along axes turned by half of the slab's rotation.
     """
     eta, arms = ACROSS["vertical_damping"], np.array(CORNERS) - [0.0, 0.0, 0.3]
-    per, slides = 1.0 / law.get("radius", math.inf), law.get("friction", 0.0)
+    radius = law.get("radius", math.inf)
+    per, slides = 1.0 / (sum(radius) - law["height"] if isinstance(radius, list) else radius), law.get("friction", 0.0)
+    rim, rim_stiffness, rim_damping = (law.get(name, 0.0) for name in ("rim", "rim_stiffness", "rim_damping"))
     spring, dashpot, lead = (law.get(name, 0.0) for name in ("stiffness", "damping", "yield"))
     initial = law.get("initial_stiffness", 0.0)
-    delay = max(eta, 0.1 / math.sqrt(2.0 * max(stiffness, spring + initial) / mass))
+    delay = max(law.get("initial_damping", 0.0), 0.1 / math.sqrt(2.0 * max(stiffness, spring + initial) / mass))
     inertia = mass / 12.0 * np.array([2.4**2 + 0.4**2, 2.4**2 + 0.4**2, 2.0 * 2.4**2])
 
     def rate(t: float, y: FloatArray) -> FloatArray:
@@ -176,6 +265,10 @@ def _reference(law: Law, motion: Motion, mass: float, times: FloatArray, stiffne
                 gives[k] = -elastic * (1.0 - limit / size) / (initial * delay)
                 elastic = elastic * (limit / size)
             along = elastic - (spring + normal * per) * d[:2] - dashpot * pace[:2]
+            out_by = float(np.hypot(*d[:2]))
+            if rim_stiffness and out_by > rim:
+                pushed = rim_stiffness * (out_by - rim + rim_damping * (d[:2] @ pace[:2]) / out_by)
+                along = along - max(0.0, pushed) * d[:2] / out_by
             push = half.apply([along[0], along[1], normal])
             force, moment = force + push, moment + np.cross(out - 0.5 * moved, push)
         own = turn.inv().apply(w)
@@ -215,6 +308,23 @@ def test_two_directions_are_those_of_a_reference_written_apart(name: str) -> Non
     # measured 1e-7, 1e-8, 5e-10 with 310, 342, 635 steps; 3e-7, 6e-8, 8e-9 with 272, 331, 539
     assert np.all(errors <= np.array([1e-5, 1e-6, 1e-7]))
     assert math.log(errors[0] / errors[-1]) > 2.0 * math.log(steps[-1] / steps[0])
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["double", "rolling"])
+def test_a_rim_under_a_motion_that_lifts_is_that_of_the_reference(name: str) -> None:
+    """Under 1.3 g upwards, whose slab leaves its bearings and meets the ring again and again."""
+    rim = {"rim": 0.04, "rim_stiffness": 2e6, "rim_damping": 1e-3}
+    law, even = {**KINDS[name], **rim, "initial_damping": 2e-3}, _motion(7, 0.8, 6.0)
+    up = 1.3 * G * np.sin(2.0 * math.pi * 4.0 * even.time)
+    motion = Motion.from_samples(0.02, even.ax, ay=even.ay, az=up)
+    structure = slab(law, tolerance=1e-7).with_settings(without=("elastic", "peaks"))
+    response = run(structure, motion)
+    known = _reference(law, motion, 5000.0, response.time, ACROSS["vertical_stiffness"])
+    place = np.stack([response.ux[:, 0], response.uy[:, 0], response.uz[:, 0]])[:, : known.shape[1]]
+    assert np.max(np.hypot(known[0], known[1])) > 0.04
+    assert np.min(response.contact) == 0.0
+    assert np.max(np.abs(place - known)) <= 1e-5 * np.max(np.abs(known))  # measured 1e-6 and 3e-6
 
 
 @pytest.mark.parametrize("name", ["smooth", "rubber", "ring"])
@@ -298,6 +408,10 @@ def test_the_displacement_of_a_bearing_is_an_output() -> None:
         ({"radius": -1.0}, "bearing[1].radius = -1.0: must be a radius of curvature"),
         ({"initial_stiffness": None}, "bearing[1].initial_stiffness: missing"),
         ({"friction": 0.0}, "bearing[1].initial_stiffness: must be left out where friction = 0"),
+        (
+            {"friction": 0.0, "initial_stiffness": None, "initial_damping": 1e-3},
+            "bearing[1].initial_damping: must be left out where friction = 0",
+        ),
         ({"rim": 0.7}, "bearing[1].rim_stiffness: missing beside rim"),
         ({"rim": 0.7, "rim_stiffness": 1e6, "rim_damping": 0.0}, "bearing[1].rim = 0.7: must be less than capacity"),
         ({"rim_damping": 0.0}, "bearing[1].rim: missing beside rim_stiffness and rim_damping"),

@@ -6,8 +6,11 @@ import math
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
+from scipy.optimize import brentq
 
 from solver.models.outputs import places_of
+from solver.models.structure.blocks.faces import FloatArray
 from solver.models.structure.model import Structure
 from solver.models.structure.outputs import OUTPUTS
 from solver.models.structure.stepper import Stepper
@@ -56,3 +59,45 @@ def ellipse(pulled: Pulled, amplitude: float, omega: float) -> float:
     u, v = amplitude * np.sin(angle), amplitude * omega * np.cos(angle)
     t = np.array([pulled.force(*pair) for pair in zip(u.tolist(), v.tolist(), strict=True)])
     return float(np.trapezoid(t * v / omega, angle))
+
+
+def stopped(
+    mass: float, spring: float, dashpot: float, ring: tuple[float, float, float], start: FloatArray, times: FloatArray
+) -> FloatArray:
+    """Return the places u at these times, m, of a mass on a spring and a dashpot within a ring, in closed form.
+
+    m u'' + c u' + k u = -k_r (|u| - u_r + eta_r |u|') sign(u), where |u| > u_r and the ring pushes: linear in pieces.
+
+    Parameters
+    ----------
+    ring
+        u_r, m; k_r, N/m; eta_r, s.
+    start
+        u and u' at the first of the times, m and m/s.
+    """
+    rim, stiffness, damping = ring
+
+    def pushes(y: FloatArray) -> float:
+        beyond = abs(y[0]) - rim
+        return min(beyond, beyond + damping * math.copysign(y[1], y[0] * y[1]))
+
+    def moved(y: FloatArray, t: float, touches: bool) -> FloatArray:
+        k, c = (spring + stiffness, dashpot + stiffness * damping) if touches else (spring, dashpot)
+        middle = np.array([math.copysign(stiffness * rim / k, y[0]), 0.0]) if touches else np.zeros(2)
+        return middle + expm(t * np.array([[0.0, 1.0], [-k / mass, -c / mass]])) @ (y - middle)
+
+    y, t, found, touches = start, float(times[0]), [], False
+    for end in times.tolist():
+        while t < end:
+            sign = 1.0 if touches else -1.0  # it changes when sign times `pushes` falls below zero
+            grid = np.linspace(0.0, end - t, 101)
+            left = np.array([sign * pushes(moved(y, s, touches)) for s in grid.tolist()])
+            after = np.flatnonzero((left[1:] < 0.0) & (left[:-1] >= 0.0))
+            if not after.size:
+                y, t = moved(y, end - t, touches), end
+                break
+            a, b = grid[after[0]], grid[after[0] + 1]
+            s = brentq(lambda s, y=y, on=touches: pushes(moved(y, s, on)), a, b, xtol=1e-15) if left[after[0]] else a
+            y, t, touches = moved(y, s, touches), t + s, not touches
+        found.append(y[0])
+    return np.array(found)

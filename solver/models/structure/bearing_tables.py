@@ -24,6 +24,7 @@ _RANGES = {
     "height": ((0.0, 1e6), "a height in m between the two concave surfaces, zero or positive"),
     "friction": ((0.0, 1e3), "a coefficient of friction, 0 without friction"),
     "initial_stiffness": ((1e-6, 1e15), "a positive stiffness in N/m, of what slides or yields until it does"),
+    "initial_damping": NUMBERS["damping"],
     "stiffness": ((1e-6, 1e15), "a positive horizontal stiffness in N/m, of the rubber"),
     "damping": _OF_DASHPOT,
     "yield": ((1e-6, 1e15), "a positive force in N, at which the lead yields"),
@@ -32,17 +33,17 @@ _RANGES = {
     "rim_damping": NUMBERS["damping"],
     "strength": NUMBERS["strength"],
 }
-_SLIDES = ("friction", "initial_stiffness")
+_SLIDER = "initial_stiffness", "initial_damping"
 _OF_RIM = ("rim", "rim_stiffness", "rim_damping")
 _PLACE = ("kind", "between", "at", "normal")
 _NEEDED = ("diameter", "vertical_stiffness", "vertical_damping", "capacity")
 # by kind: what a table must have beside _PLACE and _NEEDED, and what it may have beside _OF_RIM and strength
 KINDS = {
-    "pendulum": (("radius", "friction"), ("initial_stiffness", "damping")),
-    "double_concave": (("radius", "height", "friction"), ("initial_stiffness", "damping")),
+    "pendulum": (("radius", "friction"), (*_SLIDER, "damping")),
+    "double_concave": (("radius", "height", "friction"), (*_SLIDER, "damping")),
     "elastomeric": (("stiffness", "damping"), ("tension",)),
-    "lead_rubber": (("stiffness", "yield", "initial_stiffness"), ("damping", "tension")),
-    "rolling": (("friction",), ("radius", "initial_stiffness", "damping")),
+    "lead_rubber": (("stiffness", "yield", "initial_stiffness"), ("initial_damping", "damping", "tension")),
+    "rolling": (("friction",), ("radius", *_SLIDER, "damping")),
 }
 
 
@@ -91,8 +92,9 @@ def _laws(key: str, kind: str, table: Mapping[str, Any], given: Mapping[str, flo
     if kind in ("pendulum", "double_concave", "rolling"):
         if friction and "initial_stiffness" not in given:
             raise InputError(f"{key}.initial_stiffness: missing, must be {_RANGES['initial_stiffness'][1]}")
-        if not friction and "initial_stiffness" in given:
-            raise InputError(f"{key}.initial_stiffness: must be left out where friction = 0, nothing slides")
+        for word in _SLIDER:
+            if not friction and word in given:
+                raise InputError(f"{key}.{word}: must be left out where friction = 0, nothing slides")
     friction = 0.0 if kind == "lead_rubber" else friction or None  # lead bears as much under any weight
     if "rim" in given:
         for word in _OF_RIM:
@@ -112,6 +114,7 @@ def _laws(key: str, kind: str, table: Mapping[str, Any], given: Mapping[str, flo
         stiffness=across / area,
         damping=given["vertical_damping"],
         shear_ratio=given.get("initial_stiffness", 0.0) / across,
+        shear_damping=given.get("initial_damping", 0.0),
         friction=friction,
         dowel=given.get("yield", 0.0),
         strength=given.get("strength"),

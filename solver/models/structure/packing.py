@@ -323,7 +323,8 @@ def _fill_settings(settings: Any, table: Any, solids: tuple[Solid, ...], joints:
     frequency = math.sqrt(2.0 * fastest)
     settings.gravity = g
     settings.first_step = FIRST / frequency
-    damping = max((min(table.damping[j], table.shear_damping[j]) for j in range(len(joints))), default=0.0)
+    along = [d if joint.bearing else s for joint, d, s in zip(joints, table.damping, table.shear_damping, strict=True)]
+    damping = max(map(min, table.damping, along), default=0.0)  # a slider's own does not choose the method
     rings = 0.5 * damping * frequency < LIGHTLY_DAMPED
     settings.order = at.RINGING_ORDER if rings else 5.0
     settings.extent = extent
