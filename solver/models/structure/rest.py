@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from contextlib import suppress
 from functools import lru_cache
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +32,9 @@ MOST_ITERATIONS = 200
 STILL = (0.0, 0.0, 0.0)
 PUSHES = 5  # steps in which loads on ports are put on
 CLOSE = 1e-11  # of the weight: forces that are left
+ROUGH = 1e-3  # of the weight: largest rounding error of the forces at rest
+TOO_FAR_APART = "its numbers lie too far apart for its rest to be found"
+MOST_PARTS = 5
 PERTURBED = 1e-3  # of the settlement: displacements for the tangent
 OF_ONE = 0.1  # of the settlement of a joint under one block: displacements for the tangent at rest
 SOFTENING = 1e-4  # of the stiffness in full contact: first addition to a tangent that does not lead to rest
@@ -69,12 +73,28 @@ def _rest_of(
         return _finished(Stepper(structure), linear)
     slides = any(joint.bed.friction is not None for joint in structure.joints)
     settlement = _solved(structure, linear, weights(structure))
-    delta = PERTURBED * deltas_of(structure, float(np.max(np.abs(settlement))))
-    for loads in LOADS if slides else (1,):
+    size, close = float(np.max(np.abs(settlement))), _least_delta(structure)
+    deltas = [PERTURBED * deltas_of(structure, part * size) for part in _parts_of(structure, size)]
+    for delta, loads in product(deltas, LOADS if slides else (1,)):
         stepper = _loaded(structure, linear, settlement, delta, loads)
         if stepper is not None:
-            return _finished(stepper, sticking(stepper).stiffness(np.minimum(delta, _least_delta(structure))))
-    raise NoRestError("no rest found, it does not stand under its weight")
+            if _rounding(stepper.phase, linear, delta / delta[0]) > ROUGH * structure.weight:
+                raise InputError(TOO_FAR_APART)
+            sticks = sticking(stepper)
+            return _finished(stepper, *(sticks.stiffness(np.minimum(one, close)) for one in (delta, *deltas[1:])))
+    moduli = sorted(joint.bed.stiffness for joint in structure.joints)
+    apart = f", or its stiffnesses, {moduli[0]:g} to {moduli[-1]:g} N/m3, lie too far apart" if len(deltas) > 3 else ""
+    raise NoRestError(f"no rest found, it does not stand under its weight{apart}")
+
+
+def _parts_of(structure: Structure, settlement: float) -> list[float]:
+    """Return the parts of the settlement that displacements for the tangent are made of, the largest first.
+
+    A stiff joint between soft ones opens where a block moves by what is little for the others.
+    """
+    stiffest = max(joint.bed.stiffness * joint.face.moments[0] for joint in structure.joints)
+    ratio = settlement * stiffest / structure.weight
+    return [1.0, *(0.01**k for k in range(1, MOST_PARTS) if 10.0 ** (2 * k - 1) < ratio)]
 
 
 def _loaded(
@@ -120,16 +140,17 @@ def start_from(stepper: Stepper, rest: Rest) -> None:
     stepper.phase[:] = rest.phase
 
 
-def _finished(stepper: Stepper, stiffness: FloatArray) -> Rest:
+def _finished(stepper: Stepper, *stiffnesses: FloatArray) -> Rest:
+    """Return the rest with the first of these tangents that is stable."""
     stepper.observe(keep=True)
-    symmetric = 0.5 * (stiffness + stiffness.T)
-    if not np.all(np.isfinite(symmetric)):
-        raise InputError("its numbers lie too far apart for its rest to be found")
-    try:
-        np.linalg.cholesky(symmetric)
-    except np.linalg.LinAlgError:
-        raise NoRestError("its rest is not stable, it falls without any motion") from None
-    return Rest(stepper.phase.copy(), stepper.row.copy(), stiffness)
+    for stiffness in stiffnesses:
+        symmetric = 0.5 * (stiffness + stiffness.T)
+        if not np.all(np.isfinite(symmetric)):
+            raise InputError(TOO_FAR_APART)
+        with suppress(np.linalg.LinAlgError):
+            np.linalg.cholesky(symmetric)
+            return Rest(stepper.phase.copy(), stepper.row.copy(), stiffness)
+    raise NoRestError("its rest is not stable, it falls without any motion")
 
 
 def weights(structure: Structure) -> FloatArray:
@@ -247,7 +268,8 @@ def balance(stepper: Stepper, linear: FloatArray, delta: FloatArray, close: floa
     """Newton's method, and whether it arrives.
 
     Where a step lessens neither the forces left nor the energy, the tangent is stiffened. Near collapse the forces left
-    grow along the way to a rest, and the energy falls; with friction it is none.
+    grow along the way to a rest, and the energy falls; with friction it is none. Forces left
+    that fall no more and are below their rounding errors count as none: a stiff joint between soft ones has such.
     """
     per = delta / delta[0]  # moments count over the size of the block
     left, energy = residual_of(stepper)
@@ -267,6 +289,9 @@ def balance(stepper: Stepper, linear: FloatArray, delta: FloatArray, close: floa
             move(stepper, change)
             now, lower = residual_of(stepper)
             new = float(np.max(np.abs(now * per)))
+        if new >= size and size <= _rounding(before, linear, per):
+            stepper.phase[:] = before
+            return True
         if new < size or (potential and lower < energy):
             left, size, energy = now, new, lower
             softening = 0.1 * softening if softening > SOFTENING else 0.0
@@ -277,3 +302,10 @@ def balance(stepper: Stepper, linear: FloatArray, delta: FloatArray, close: floa
             if softening > 1e3:
                 break
     return False
+
+
+def _rounding(phase: FloatArray, linear: FloatArray, per: FloatArray) -> float:
+    """Return the rounding error of the forces on the blocks in a phase, N, moments times `per`."""
+    see = at.PHASE.see(phase, len(per) // 6)
+    place = np.array([see.ux, see.uy, see.uz, 2.0 * see.q1, 2.0 * see.q2, 2.0 * see.q3]).T.ravel()
+    return float(np.finfo(np.float64).eps * np.max(per * (np.abs(linear) @ np.abs(place))))
