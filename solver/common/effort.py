@@ -13,6 +13,7 @@ from typing import NamedTuple
 # evaluations of a run of a column and of a structure, which take some minutes of a few blocks. Runs of the examples,
 # benchmarks and validation take 1e4 to 1e7 (a tolerance of 1e-11)
 MOST, MOST_IN_SPACE = 2e8, 5e7
+LEAST_RATE = 1e-300  # 1/s
 EARLY = 1e6  # evaluations from which its pace is looked at
 HOPELESS = 20.0  # times the most: what a run may need, at its pace so far, when the most is done; before it, more, as
 # steps of a run that begins without motion are short at first
@@ -36,6 +37,11 @@ def too_many_steps(duration: float, first_step: float, omega: float) -> bool:
     return duration * max(1.0 / first_step, omega) > MOST_FIRST_STEPS
 
 
+def of_dashpot(key: str, damping: float, unit: str, rate: float) -> Cause:
+    """Return the cause of short steps by a damper; rate: 1/s, at which the lighter of its bodies is stopped."""
+    return Cause(rate, f"{key} = {damping:g} {unit}, which stops a block within {1.0 / max(rate, LEAST_RATE):.3g} s")
+
+
 def of_joint(key: str, stiffness: float, area: float, mass: float, damping: float) -> Cause:
     """Of a joint: its oscillation with the lighter of its blocks, kg, and how fast that dies out."""
     omega = math.sqrt(2.0 * stiffness * area / mass)
@@ -51,5 +57,13 @@ def of_harmonic(frequency: float) -> Cause:
 
 def slowness(work: float, part: float, causes: Iterable[Cause]) -> str:
     """Why a run of too much work was given up, in one line."""
-    fastest = max(causes, key=lambda cause: cause.rate)
-    return f"{work:.3g} evaluations for {part:.2g} of the run, too slow to go on: the fastest is {fastest.words}"
+    return f"{work:.3g} evaluations for {part:.2g} of the run, too slow to go on: the fastest is {_fastest(causes)}"
+
+
+def too_much(needed: float, most: float, causes: Iterable[Cause]) -> str:
+    """Return why a run is not begun, in one line."""
+    return f"it needs {needed:.3g} evaluations, more than {most:g}: the fastest is {_fastest(causes)}"
+
+
+def _fastest(causes: Iterable[Cause]) -> str:
+    return max(causes, key=lambda cause: cause.rate).words

@@ -10,6 +10,7 @@ from multiblock import Column, Motion, SolverError, Structure, simulate, simulat
 from solver.common import effort
 from solver.models.column.lane_policy import first_step_of
 from solver.models.column.stepper import Stepper
+from solver.models.structure.rest import fastest_decay
 from solver.runs.chunk import SLOW
 
 SHAKE = Motion.harmonic(3.0, 1.0, 2.0)
@@ -65,3 +66,61 @@ def test_lanes_leave_runs_of_too_many_steps_alone(monkeypatch: pytest.MonkeyPatc
     assert simulate_many(one, SHAKE, settle=0.0).stats["why_scalar"] == {SLOW: 1}
     model_step = float(Stepper(one).model.settings.first_step)
     assert first_step_of(one) == pytest.approx(model_step, rel=1e-12)  # only order of operations differs
+
+
+def _damped(**parts: Any) -> Structure:
+    """One block of 5 t on a bed or on a bearing, with what damps it too much."""
+    joints = {"stiffness": 1e9, "damping": 1e-3, **parts.get("joints", {})}
+    block = {"name": "a", "width": 0.9, "depth": 0.9, "height": 4.0, "mass": 5e3}
+    if "bearing" in parts:
+        place = {"between": ["a", "base"], "at": [[x, y, 0.0] for x in (-0.4, 0.4) for y in (-0.4, 0.4)]}
+        across = {"diameter": 0.2, "vertical_stiffness": 1e8, "vertical_damping": 1e-3, "capacity": 0.3}
+        block = {**block, "position": [0.0, 0.0, 0.0]}
+        return Structure.from_dict(
+            {"name": "one", "joints": joints, "block": [block], "bearing": [{**place, **across, **parts["bearing"]}]}
+        )
+    tie = {
+        "between": ["a", "base"],
+        "from": [0.0, 0.0, 2.0],
+        "to": [3.0, 0.0, 0.0],
+        "stiffness": 1e6,
+        "tension_only": False,
+    }
+    ties = {"tie": [{**tie, **parts["tie"]}]} if "tie" in parts else {}
+    return Structure.from_dict({"name": "one", "joints": joints, "block": [{**block, "on": "base"}], **ties})
+
+
+@pytest.mark.parametrize(
+    ("parts", "said"),
+    [
+        ({"joints": {"damping": 100.0}}, r"joint\[a-base\]: stiffness = 1e\+09 N/m3, damping = 100 s"),
+        ({"joints": {"shear_damping": 300.0}}, r"joint\[a-base\].shear_damping = 300 s"),
+        ({"tie": {"damping": 1e12}}, r"tie\[1\].damping = 1e\+12 N s/m"),
+        (
+            {"bearing": {"kind": "elastomeric", "tension": True, "stiffness": 1e5, "damping": 1e12}},
+            r"joint\[a-base.1\].damping = 1e\+12 N s/m",
+        ),
+    ],
+    ids=["joint", "shear", "tie", "bearing"],
+)
+def test_a_run_that_dampers_make_too_long_is_refused_at_its_start(parts: dict[str, Any], said: str) -> None:
+    """Alone and in lanes, by the fastest rate at which they let a motion die out, and the line names the number."""
+    structure, steps = _damped(**parts), []
+    with pytest.raises(SolverError, match=r"it needs .* evaluations, more than 5e\+07: the fastest is " + said):
+        simulate(structure, SHAKE, settle=0.0, callback=lambda t, now: steps.append(t))
+    assert len(steps) == 1  # parts of the run
+    table = simulate_many(structure, [SHAKE, SHAKE], keep=("verdict",), settle=0.0)
+    assert table["verdict"].tolist() == ["undecided"] * 2
+    assert len(table.stats["failures"]) == 2
+
+
+def test_the_fastest_decay_is_that_of_the_dampers_alone() -> None:
+    """Of a slab on dashpots through its centroid's height: each coordinate by itself."""
+    law = {"kind": "elastomeric", "stiffness": 1e5, "damping": 3e4, "vertical_stiffness": 1e8, "vertical_damping": 2e-3}
+    place = {"between": ["a", "base"], "at": [[x, y, 0.2] for x in (-1, 1) for y in (-1, 1)]}
+    block = {"name": "a", "width": 2.4, "depth": 2.4, "height": 0.4, "mass": 5e3, "position": [0.0] * 3}
+    data = {"name": "s", "joints": {"stiffness": 1e9, "damping": 1e-3}, "block": [block]}
+    structure = Structure.from_dict({**data, "bearing": [{**place, **law, "diameter": 0.2, "capacity": 0.3}]})
+    inertia = 5e3 / 12.0 * (2.4**2 + 0.4**2)
+    rates = 4.0 * 3e4 / 5e3, 4.0 * 2e5 / 5e3, 4.0 * 2e5 / inertia, 8.0 * 3e4 / (5e3 / 6.0 * 2.4**2)
+    assert fastest_decay(structure) == pytest.approx(max(rates), rel=1e-12)

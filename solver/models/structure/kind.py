@@ -15,7 +15,7 @@ from ..protocol import LOADED, SETTLE, Kind, Lanes, NoRestError, Plan, Run, Work
 from .blocks.faces import FloatArray
 from .blocks.parts import OF_COLUMN
 from .kept import FROM_LANES, KEPT, OF_RUN
-from .lanes import follow_in_lanes, is_flat_run, load_lanes, share_of
+from .lanes import follow_in_lanes, is_flat_run, load_lanes, longest_step_of, share_of
 from .model import Structure
 from .numbers import (
     is_of_neighbours,
@@ -77,7 +77,7 @@ class Structures(Kind):
                 rest_of(model)
             except NoRestError:
                 why = "no rest"
-        return Lanes(why, share_of(model), float(model.model.names.settings.first_step))
+        return Lanes(why, share_of(model), longest_step_of(model))
 
     def under(self, model: Structure, motion: Motion) -> tuple[str, Hashable]:
         """Runs that stay in a plane share lanes; those with loads go alone."""

@@ -9,18 +9,20 @@ from typing import Any
 
 import numpy as np
 
+from ...common import effort
 from ...common.turns import others_turn
 from ...ground.motion import Motion
 from ...kernels.numba_ext.lanes import WIDTH
 from ...kernels.structure import in_lanes as at
 from ...kernels.structure.entries import run_structures_in_lanes
 from ...kernels.structure.layout import WITH_EVENTS
+from ...kernels.structure.stepping import SEEN
 from ..column.lanes import aligned
 from ..column.packing import FloatArray, IntArray
 from ..protocol import LANES, OVERTURNED, STANDING, UNDECIDED, Run
 from .model import Structure
 from .packing import shares_left
-from .rest import Rest, rest_of
+from .rest import Rest, fastest_decay, rest_of
 from .stepper import Stepper
 from .verdict import next_look, well_of, why_it_leans
 
@@ -38,6 +40,16 @@ def share_of(structure: Structure) -> Hashable:
     )
     ties = tuple((tie.one, tie.other) for tie in structure.ties)
     return structure.model.sizes, joints, ties, bool(names.settings.gives_way)
+
+
+def longest_step_of(structure: Structure) -> float:
+    """Return the step, s, by which runs are too long for lanes: the first one, or a shorter one that dampers allow.
+
+    A run of more evaluations than one alone may take is left to that, which refuses it.
+    """
+    per_evaluation = effort.MOST_IN_SPACE / effort.MOST_FIRST_STEPS * SEEN / STAGES
+    decay = fastest_decay(structure)
+    return float(min(structure.model.names.settings.first_step, per_evaluation / decay if decay else math.inf))
 
 
 def extras_of(structure: Structure) -> float | None:

@@ -182,22 +182,60 @@ def _solved(structure: Structure, stiffness: FloatArray, load: FloatArray) -> Fl
 
 def full_stiffness(structure: Structure) -> FloatArray:
     """Stiffness with all joints in full contact and all ties taut, as built and without weight, (6 n, 6 n)."""
+    springs = []
+    for joint in structure.joints:
+        across, beside = joint.bed.stiffness, (0.0, 0.0)
+        if joint.bearing is not None:  # a pendulum as under an equal part of the weight
+            share = structure.weight / len(structure.bearings)
+            beside = joint.bearing.spring, joint.bearing.pendulum * share
+        springs.append((across, joint.bed.shear_ratio * across, beside))
+    return _assembled(structure, springs, [tie.stiffness for tie in structure.ties])
+
+
+def fastest_decay(structure: Structure) -> float:
+    """Return the fastest rate, 1/s, at which a motion dies out by the dampers, with all joints in full contact."""
+    table, dashpots = structure.model.names.joints, []
+    for j, joint in enumerate(structure.joints):
+        along = table.shear[j] * table.shear_damping[j] / joint.face.moments[0]
+        beside = joint.bearing.dashpot if joint.bearing is not None else 0.0
+        dashpots.append((float(table.stiffness[j] * table.damping[j]), float(along), (beside, 0.0)))
+    resisted = _assembled(structure, dashpots, [tie.damping for tie in structure.ties])
+    for i, block in enumerate(structure.blocks):  # by the inverse of a factor of the masses, from both sides
+        part = np.zeros((6, 6))
+        part[:3, :3] = np.eye(3) / math.sqrt(block.mass)
+        part[3:, 3:] = np.linalg.inv(np.linalg.cholesky(block.inertia))
+        rows = slice(6 * i, 6 * i + 6)
+        resisted[rows] = part @ resisted[rows]
+        resisted[:, rows] = resisted[:, rows] @ part.T
+    return float(np.linalg.eigvalsh(resisted)[-1])
+
+
+def _assembled(
+    structure: Structure, joints: Sequence[tuple[float, float, tuple[float, float]]], ties: Sequence[float]
+) -> FloatArray:
+    """Sum springs or dashpots over the coordinates of the blocks, (6 n, 6 n).
+
+    Parameters
+    ----------
+    joints
+        Across and along each, per area; beside its slider, of a bearing: spring and pendulum.
+    ties
+        Along each.
+    """
     n = structure.n
     matrix = np.zeros((6 * (n + 1), 6 * (n + 1)))
-    for joint in structure.joints:
+    for joint, (across, along, beside) in zip(structure.joints, joints, strict=True):
         area, ixx, iyy, ixy = joint.face.moments
-        across, along = joint.bed.stiffness, joint.bed.shear_ratio * joint.bed.stiffness
         own = np.diag([along * area, along * area, across * area, across * iyy, across * ixx, along * (ixx + iyy)])
         own[3, 4] = own[4, 3] = -across * ixy
-        if joint.bearing is not None:  # of a point; a pendulum as under an equal part of the weight
-            share = structure.weight / len(structure.bearings)
-            along = along * area + joint.bearing.spring + joint.bearing.pendulum * share
+        if joint.bearing is not None:  # of a point
+            along = along * area + beside[0] + beside[1]
             own = np.diag([along, along, across * area, 0.0, 0.0, 0.0])
         motion = np.zeros((6, 12))
         for k, (body, sign) in enumerate(((joint.upper, 1.0), (joint.lower, -1.0))):
             motion[:, 6 * k : 6 * k + 6] = sign * _moved(structure, joint.face.axes, joint.face.centre, body)
         _add(matrix, motion.T @ own @ motion, joint.upper, joint.lower)
-    for tie in structure.ties:
+    for tie, pull in zip(structure.ties, ties, strict=True):
         ends = [centroid_of(structure.blocks, tie.one) + tie.from_, centroid_of(structure.blocks, tie.other) + tie.to]
         way = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
         parts = [
@@ -205,7 +243,7 @@ def full_stiffness(structure: Structure) -> FloatArray:
             way @ _moved(structure, np.eye(3), ends[1], tie.other)[:3],
         ]
         motion = np.concatenate(parts)[None, :]
-        _add(matrix, tie.stiffness * motion.T @ motion, tie.one, tie.other)
+        _add(matrix, pull * motion.T @ motion, tie.one, tie.other)
     return matrix[: 6 * n, : 6 * n]
 
 

@@ -15,6 +15,7 @@ from ...ground.loads import on_one_grid
 from ...ground.motion import Motion
 from ...kernels.structure import layout as at
 from ...kernels.structure.entries import observe_structure, run_structure, stiffness_of
+from ...kernels.structure.stepping import SEEN
 from .blocks.faces import FloatArray
 from .packing import Arrays, arrays_of, with_modes
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 TOO_SMALL = "the tolerance requires a step that is too small to continue; a larger tolerance may help"
 AT_ONCE = 2e5  # evaluations of joints, about, after which an interruption is noticed
+OF_ORDER_5 = 6  # evaluations of a step
 _NONE = np.zeros(0)
 _SILENCE = (_NONE, _NONE, _NONE, _NONE, _NONE)
 
@@ -99,6 +101,8 @@ class Stepper:
                 after_chunk(t)
             if code != at.PAUSED:
                 break
+            if motion is not None:  # on a still base it may come to rest long before
+                self._check_work(stop - t, motion)
             work, part = float(self.counts.evaluations), 1.0 - (stop - t) / whole
             if effort.is_too_much(work, part, effort.MOST_IN_SPACE):
                 raise TooMuchWorkError(f"at t = {t:.6g} s: {effort.slowness(work, part, self._causes(motion))}")
@@ -111,16 +115,38 @@ class Stepper:
             rows[first:, visible:] = self.phase[: rows.shape[1] - visible]
         return rows
 
+    def _check_work(self, left: float, motion: Motion) -> None:
+        """Raise TooMuchWorkError if explicit steps cannot cover what is left, s, with the evaluations of a run.
+
+        Dampers bound the length of all steps, which is known once the first has been made.
+        """
+        settings = self.model.settings
+        if settings.has_modes == 0.0 and self.control.decay > 0.0:
+            per_step = at.STAGES - 1 if settings.order == at.RINGING_ORDER else OF_ORDER_5
+            needed = float(self.counts.evaluations + left * self.control.decay / SEEN * per_step)
+            if needed > effort.MOST_IN_SPACE:
+                raise TooMuchWorkError(effort.too_much(needed, effort.MOST_IN_SPACE, self._causes(motion)))
+
     def _causes(self, motion: Motion | None) -> Iterator[effort.Cause]:
         """What may make steps short."""
         structure = self.structure
         masses = [*(block.mass for block in structure.blocks), math.inf]
         for name, joint in zip(structure.joint_names, structure.joints, strict=True):
             bed, mass = joint.bed, min(masses[joint.upper], masses[joint.lower])
-            yield effort.of_joint(f"joint[{name}]", bed.stiffness, joint.face.moments[0], mass, bed.damping)
+            area = joint.face.moments[0]
+            yield effort.of_joint(f"joint[{name}]", bed.stiffness, area, mass, bed.damping)
+            if bed.shear_damping is not None:
+                rate = bed.shear_damping * bed.shear_ratio * bed.stiffness * area / mass
+                yield effort.of_dashpot(f"joint[{name}].shear_damping", bed.shear_damping, "s", rate)
+            if joint.bearing is not None:
+                dashpot, ring = joint.bearing.dashpot, joint.bearing.ring_damping
+                yield effort.of_dashpot(f"joint[{name}].damping", dashpot, "N s/m", dashpot / mass)
+                rate = joint.bearing.ring_stiffness * ring / mass
+                yield effort.of_dashpot(f"joint[{name}].rim_damping", ring, "s", rate)
         for e, tie in enumerate(structure.ties, start=1):
             mass = min(masses[tie.one], masses[tie.other])
             yield effort.Cause(math.sqrt(2.0 * tie.stiffness / mass), f"tie[{e}].stiffness = {tie.stiffness:g} N/m")
+            yield effort.of_dashpot(f"tie[{e}].damping", tie.damping, "N s/m", tie.damping / mass)
         if motion is not None and (motion.amplitude or motion.amplitude_y):
             yield effort.of_harmonic(motion.frequency)
 
