@@ -115,7 +115,7 @@ def test_a_run_that_dampers_make_too_long_is_refused_at_its_start(parts: dict[st
 
 
 def test_the_fastest_decay_is_that_of_the_dampers_alone() -> None:
-    """Of a slab on dashpots through its centroid's height: each coordinate by itself."""
+    """Of a slab on dashpots through its centroid's height: each coordinate alone."""
     law = {"kind": "elastomeric", "stiffness": 1e5, "damping": 3e4, "vertical_stiffness": 1e8, "vertical_damping": 2e-3}
     place = {"between": ["a", "base"], "at": [[x, y, 0.2] for x in (-1, 1) for y in (-1, 1)]}
     block = {"name": "a", "width": 2.4, "depth": 2.4, "height": 0.4, "mass": 5e3, "position": [0.0] * 3}
