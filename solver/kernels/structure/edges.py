@@ -1,7 +1,7 @@
 """Line integrals of a pressure along straight edges, exactly."""
 
 from ..numba_ext.jit import kernel
-from ..numba_ext.lanes import greater, lesser, where, zero_like
+from ..numba_ext.lanes import any_of, greater, lesser, where, zero_like
 from .bed import value
 
 SIMPSON = ((0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0))  # exact for cubics
@@ -29,10 +29,12 @@ def edge_integrals(x0, y0, dx, dy, p, q):
     p_rise, q_rise = p.along_x * dx + p.along_y * dy, q.along_x * dx + q.along_y * dy
     zero = zero_like(p0)
     low, high = zero, zero + 1.0
-    for first, rise in ((p0, p_rise), (q0, q_rise)):
-        root = -first / where(rise == 0.0, 1.0, rise)
-        low = where(rise > 0.0, greater(low, root), low)
-        high = where(rise < 0.0, lesser(high, root), where((rise == 0.0) & (first <= 0.0), 0.0, high))
+    cut = (lesser(p0, p0 + p_rise) <= 0.0) | (lesser(q0, q0 + q_rise) <= 0.0)
+    if any_of(cut):
+        for first, rise in ((p0, p_rise), (q0, q_rise)):
+            root = -first / where(rise == 0.0, 1.0, rise)
+            low = where(rise > 0.0, greater(low, root), low)
+            high = where(rise < 0.0, lesser(high, root), where((rise == 0.0) & (first <= 0.0), 0.0, high))
     length = greater(high - low, 0.0)
     total, moment = zero, zero
     for part, weight in SIMPSON:

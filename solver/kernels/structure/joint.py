@@ -149,8 +149,8 @@ def _along_joint(scene, j, motion, p, q, normal, g1, g2, largest):
         least, square = greater(limit - bound, 0.0), shear * shear * greater(w1 * w1 + w2 * w2, z1 * z1 + z2 * z2)
         near = square > least * least
         near = near | (twist * greater(magnitude(w3), magnitude(z3)) > greater(couple - turning, 0.0))
-        those, way = joints.friction[j] != math.inf, (w1 + w3 * y, w2 - w3 * x, w3)
-        push1, push2, push3 = pressure_shear(scene, j, those, near & those, p, q, normal, g1, g2, way)
+        near, way = near & (joints.friction[j] != math.inf), (w1 + w3 * y, w2 - w3 * x, w3)
+        push1, push2, push3 = pressure_shear(scene, j, near, p, q, normal, g1, g2, way)
         # a twist of the slider turns the frame half-way, and with it what is slipped goes up or down
         push3 += 0.5 * motion.per_scalar * normal * (motion.vector[0] * s1 + motion.vector[1] * s2)
         push3 += push1 * y - push2 * x

@@ -87,12 +87,13 @@ JOINTS = Table(
 )
 # a face among the corners of all sections, with its own corners behind it: their number, 0 where it is round; its
 # centre from that of the joint, m; its radius, infinite where it has no end, and that of its bore
-FACE = Record("corners", "x", "y", "outer", "inner")
+FACE = Record("corners", "x", "y", "outer", "inner")  # of a polygon the radius about all of it
 MOST_CORNERS = 64  # of a face
 # what two polygons share, from half-way between their centres: the slips and the twist that it belongs to, its
-# integrals of 1, x, y, x^2, y^2, x y; then its corners, the last one repeated, then the owner of the edge to each
+# integrals of 1, x, y, x^2, y^2, x y; then its corners, the last one repeated, the owner of the edge to each, and for
+# each edge of the lower and of the upper face the plane that is positive inside of it
 SHARED = Record("corners", "p1", "p2", "p3", "area", "x", "y", "xx", "yy", "xy")
-PER_CORNER = 2  # numbers of a row of SHARED over those of its two faces: it begins at so many times their place
+PER_CORNER = 4  # numbers of a row of SHARED over those of its two faces: it begins at so many times their place
 assert SHARED.beside <= PER_CORNER * 2 * FACE.beside
 OF_UPPER, OF_BOTH, OF_LOWER = -1.0, 0.0, 1.0  # owners of an edge; of both while edges of two faces coincide
 TIES = Table(
@@ -198,6 +199,7 @@ RESULTANTS = Table(  # of m joints, along the axes of the joint
     *("area", "pressure"),  # m2 loaded, Pa largest
     *("s1", "s2", "s3"),  # m, m, rad: slips and twist
     *("z1", "z2", "z3"),  # their elastic parts
+    *("edge_x", "edge_y", "edge_turn"),  # of two round faces after a slip: `disc_bed`
 )
 SOUND = Table(  # of bonds
     *("area", "spare"),  # of an evaluation: m2; the part of what it bears along the joint that is left

@@ -37,9 +37,7 @@ def _moved(face, x, y):
 
 
 @leaf
-def corner_of(face, k):
-    """Corner k of a polygon; the one after the last is the first."""
-    k = 0 if k >= index_of(face.record.corners) else k
+def _corner_of(face, k):
     return _moved(face, face.corners[2 * k], face.corners[2 * k + 1])
 
 
@@ -60,7 +58,7 @@ def put_corners(room, face):
     """Put the corners of a polygon into the room; returns their number."""
     count = index_of(face.record.corners)
     for k in range(count):
-        room[2 * k], room[2 * k + 1] = corner_of(face, k)
+        room[2 * k], room[2 * k + 1] = _corner_of(face, k)
     return count
 
 

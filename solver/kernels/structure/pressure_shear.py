@@ -18,6 +18,7 @@ from ..numba_ext.lanes import (
     lane,
     lesser,
     magnitude,
+    opposite,
     where,
     with_lane,
     zero_like,
@@ -54,41 +55,33 @@ def _disc_edges_of_lanes(scene, j, those, p, q, way):
 
 
 @leaf
-def _radius_about(scene, j):
-    """Return the radius of the smaller round face of joint j, m; infinite if both are polygons."""
-    above = _face(scene.corners[index_of(scene.joints.above[j]) :], 0)
-    below = _face(scene.corners[index_of(scene.joints.below[j]) :], 0)
-    a = where(above.corners == 0.0, above.outer, math.inf)
-    return lesser(a, where(below.corners == 0.0, below.outer, math.inf))
-
-
-@leaf
 def bound_of_pressure_shear(scene, j, p, normal, largest):
-    """Bound the shear of the pressure, N, and its moment, N m, where edges of a round face may count.
+    """Bound the shear of the pressure, N, and its moment, N m, by the edges that the contact may have at most.
 
-    largest: damped penetration, m. Both are 0 where the shear costs too little to be asked for only near a slip.
+    largest: damped penetration, m. Both are 0 where the lower face has no edges.
     """
     slips, zero = scene.slips, zero_like(p.at)
     if any_of(scene.joints.section[j] == POINT):
         return zero, zero
-    a, b, endless = corners_of_faces(scene, j)
-    if endless or (a > 0 and b > 0):
+    above = _face(scene.corners[index_of(scene.joints.above[j]) :], 0)
+    below = _face(scene.corners[index_of(scene.joints.below[j]) :], 0)
+    if any_of(below.outer == math.inf):
         return zero, zero
-    radius, steep = _radius_about(scene, j), magnitude(p.along_x) + magnitude(p.along_y)
-    lever = radius + magnitude(slips.p1[j]) + magnitude(slips.p2[j])
+    radius, steep = lesser(above.outer, below.outer), magnitude(p.along_x) + magnitude(p.along_y)
+    lever = radius + magnitude(slips.p1[j]) + magnitude(slips.p2[j]) + magnitude(above.x) + magnitude(above.y)
     deepest = greater(p.at + steep * lever, 0.0)
     force = 0.5 * steep * normal + math.pi * scene.joints.stiffness[j] * radius * deepest * largest
     return force, 2.0 * lever * force
 
 
 @leaf
-def pressure_shear(scene, j, those, near, p, q, normal, g1, g2, way):
+def pressure_shear(scene, j, near, p, q, normal, g1, g2, way):
     """Return the shear of the pressure on the upper block, N, and its moment about the place half-way, N m.
 
     Parameters
     ----------
-    those, near : mask
-        Whether joint j may slide; whether it may be about to.
+    near : mask
+        Whether joint j slides, or may be about to: else the edges of its lower face do not matter.
     p, q : Plane
         Penetration and damped penetration, m.
     normal, g1, g2 : float or lanes
@@ -101,11 +94,17 @@ def pressure_shear(scene, j, those, near, p, q, normal, g1, g2, way):
         return zero, zero, zero
     a, b, endless = corners_of_faces(scene, j)
     edge_x, edge_y, moment = zero, zero, zero
-    if not endless:
+    if not endless and any_of(near):
         if a > 0 and b > 0:
-            edge_x, edge_y, moment = polygon_edges_of_lower(scene, j, those, a + b, p, q, way)
-        elif any_of(near):
-            edge_x, edge_y, moment = _disc_edges(scene, j, near, p, q, way)
+            edge_x, edge_y, moment = polygon_edges_of_lower(scene, j, near, a + b, p, q, way)
+        else:
+            kept, found = (slips.p1[j] != 0.0) | (slips.p2[j] != 0.0), scene.resultants
+            if a > 0 or b > 0:
+                kept = kept & opposite(kept)
+            if any_of(near & opposite(kept)):
+                edge_x, edge_y, moment = _disc_edges(scene, j, near & opposite(kept), p, q, way)
+            edge_x, edge_y = where(kept, found.edge_x[j], edge_x), where(kept, found.edge_y[j], edge_y)
+            moment = where(kept, found.edge_turn[j], moment)
     half = 0.5 * scene.joints.stiffness[j]
     turn = half * moment - 0.5 * (p.along_x * g1 + p.along_y * g2)
     turn += 0.25 * normal * (p.along_y * slips.p1[j] - p.along_x * slips.p2[j])

@@ -16,6 +16,7 @@ from .placed_face import centre_of, is_round, placed, put_corners
 
 BOX = 2.0  # radii, half the width of the square about a disc that another disc or a pressure cuts
 NEARLY = 1.0 - 1e-15  # square of the distance of a chord from the centre, over that of the rim, that is taken as none
+NOWHERE = (0.0, 0.0, 0.0)
 NEAR = 1e-14  # of the radius: distance between the centres of discs that are taken as concentric
 
 
@@ -141,45 +142,6 @@ def _put_own_side(room, x, y, radius, other_x, other_y, other):
 
 
 @kernel
-def _of_one_disc(room, x, y, radius, other_x, other_y, other, first, p, q):
-    """The bed of the part of a disc on its side of the line through both rims.
-
-    first: it is the one of the two that counts where they are equal and concentric.
-    """
-    if radius == other and not first and _are_concentric(x, y, radius, other_x, other_y):
-        return nothing(q)
-    count = _put_own_side(room, x, y, radius, other_x, other_y, other)
-    return _of_disc(room, _pressed_in(room, count, x, y, radius, p, q), x, y, radius, q)
-
-
-@kernel
-def _of_faces(room, above, below, outer_a, outer_b, p, q):
-    """The bed of what two faces share, of which one is round; outer: radii of the discs that count, of round faces."""
-    if is_round(above) and is_round(below):
-        (ax, ay), (bx, by) = centre_of(above), centre_of(below)
-        bed = _of_one_disc(room, ax, ay, outer_a, bx, by, outer_b, True, p, q)
-        return _with(bed, 1.0, _of_one_disc(room, bx, by, outer_b, ax, ay, outer_a, False, p, q))
-    face, other, radius = (above, below, outer_a) if is_round(above) else (below, above, outer_b)
-    x, y = centre_of(face)
-    return _of_disc(room, _pressed_in(room, put_corners(room, other), x, y, radius, p, q), x, y, radius, q)
-
-
-@kernel
-def disc_bed(room, joints, corners, slips, j, p, q):
-    """The bed of joint j."""
-    above, below = placed(corners, joints.above[j], slips, j, 0.5), placed(corners, joints.below[j], slips, j, -0.5)
-    bed = nothing(q)
-    for k in range(4):  # outer discs, less bores
-        hollow_a, hollow_b = k & 1, k >> 1
-        a = above.record.inner if hollow_a == 1 else above.record.outer
-        b = below.record.inner if hollow_b == 1 else below.record.outer
-        if (hollow_a == 1 and a == 0.0) or (hollow_b == 1 and b == 0.0):
-            continue
-        bed = _with(bed, 1.0 if hollow_a == hollow_b else -1.0, _of_faces(room, above, below, a, b, p, q))
-    return bed if bed.force > 0.0 else nothing(q)
-
-
-@kernel
 def _sides_in_disc(room, count, x, y, radius, p, q):
     """Integrate p q n along the sides of the polygon in the room, as far as they lie within a disc."""
     along_x, along_y, moment = 0.0, 0.0, 0.0
@@ -199,13 +161,70 @@ def _sides_in_disc(room, count, x, y, radius, p, q):
     return along_x, along_y, moment
 
 
+@leaf
+def _along_arcs(p, bed, sides):
+    """Integrate p q n along the arcs about a part of a disc, by the divergence theorem.
+
+    bed: of that part; sides: the integral along its straight sides. An integral over its area of p times a slope of q
+    is taken as that of q times the slope of p, which it is where both are in proportion.
+    """
+    turning = p.along_y * bed.first_x - p.along_x * bed.first_y
+    along_x, along_y = 2.0 * p.along_x * bed.force - sides[0], 2.0 * p.along_y * bed.force - sides[1]
+    return along_x, along_y, 2.0 * turning - sides[2]
+
+
+@kernel
+def _of_one_disc(room, x, y, radius, other_x, other_y, other, first, p, q):
+    """The bed of the part of a disc on its side of the line through both rims, and p q n along its arcs.
+
+    first: it is the one of the two that counts where they are equal and concentric.
+    """
+    if radius == other and not first and _are_concentric(x, y, radius, other_x, other_y):
+        return nothing(q), NOWHERE
+    count = _put_own_side(room, x, y, radius, other_x, other_y, other)
+    count = _pressed_in(room, count, x, y, radius, p, q)
+    bed = _of_disc(room, count, x, y, radius, q)
+    return bed, NOWHERE if first else _along_arcs(p, bed, _sides_in_disc(room, count, x, y, radius, p, q))
+
+
+@kernel
+def _of_faces(room, above, below, outer_a, outer_b, p, q):
+    """The bed of what two faces share, of which one is round; outer: radii of the discs that count, of round faces.
+
+    Of two round ones also the integral of p q n along the edges of the lower one.
+    """
+    if is_round(above) and is_round(below):
+        (ax, ay), (bx, by) = centre_of(above), centre_of(below)
+        bed, _ = _of_one_disc(room, ax, ay, outer_a, bx, by, outer_b, True, p, q)
+        part, edges = _of_one_disc(room, bx, by, outer_b, ax, ay, outer_a, False, p, q)
+        return _with(bed, 1.0, part), edges
+    face, other, radius = (above, below, outer_a) if is_round(above) else (below, above, outer_b)
+    x, y = centre_of(face)
+    count = _pressed_in(room, put_corners(room, other), x, y, radius, p, q)
+    return _of_disc(room, count, x, y, radius, q), NOWHERE
+
+
+@kernel
+def disc_bed(room, joints, corners, slips, j, p, q):
+    """The bed of joint j; of two round faces also the integral of p q n along the edges of the lower one."""
+    above, below = placed(corners, joints.above[j], slips, j, 0.5), placed(corners, joints.below[j], slips, j, -0.5)
+    bed, along_x, along_y, moment = nothing(q), 0.0, 0.0, 0.0
+    for k in range(4):  # outer discs, less bores
+        hollow_a, hollow_b = k & 1, k >> 1
+        a = above.record.inner if hollow_a == 1 else above.record.outer
+        b = below.record.inner if hollow_b == 1 else below.record.outer
+        if (hollow_a == 1 and a == 0.0) or (hollow_b == 1 and b == 0.0):
+            continue
+        sign = 1.0 if hollow_a == hollow_b else -1.0
+        part, edges = _of_faces(room, above, below, a, b, p, q)
+        bed = _with(bed, sign, part)
+        along_x, along_y, moment = along_x + sign * edges[0], along_y + sign * edges[1], moment + sign * edges[2]
+    return bed if bed.force > 0.0 else nothing(q), (along_x, along_y, moment)
+
+
 @kernel
 def _edges_of_lower(room, above, below, outer_a, outer_b, p, q, way):
-    """Integrate p q n along the boundary of what two faces share, as far as it is an edge of the lower face.
-
-    Along the arcs of a disc it is the integral over its part of the shared region, by the divergence theorem, less that
-    along straight sides.
-    """
+    """Integrate p q n along the boundary of what two faces share, as far as it is an edge of the lower face."""
     bx, by = centre_of(below)
     if is_round(below):
         if is_round(above):
@@ -217,10 +236,7 @@ def _edges_of_lower(room, above, below, outer_a, outer_b, p, q, way):
             count = put_corners(room, above)
         count = _pressed_in(room, count, bx, by, outer_b, p, q)
         bed = _of_disc(room, count, bx, by, outer_b, q)
-        sides = _sides_in_disc(room, count, bx, by, outer_b, p, q)
-        turning = p.along_y * bed.first_x - p.along_x * bed.first_y
-        along_x, along_y = 2.0 * p.along_x * bed.force - sides[0], 2.0 * p.along_y * bed.force - sides[1]
-        return along_x, along_y, 2.0 * turning - sides[2]
+        return _along_arcs(p, bed, _sides_in_disc(room, count, bx, by, outer_b, p, q))
     x, y = centre_of(above)
     count = _pressed_in(room, put_corners(room, below), x, y, outer_a, p, q)
     return _sides_in_disc(room, count, x, y, outer_a, p, q)

@@ -30,19 +30,24 @@ def round_bed_after_slip(scene, j, slid, p, q):
 
 
 def _of_one(scene, j, slid, p, q):
-    return disc_bed(scene.room, scene.joints, scene.corners, scene.slips, j, p, q)
+    found = scene.resultants
+    bed, edges = disc_bed(scene.room, scene.joints, scene.corners, scene.slips, j, p, q)
+    found.edge_x[j], found.edge_y[j], found.edge_turn[j] = edges
+    return bed
 
 
 def _of_lanes(scene, j, slid, p, q):
     a, b, _ = corners_of_faces(scene, j)
     if a > 0 or b > 0:
         return _disc_on_polygon(scene, j, slid, p, q)
-    found = nothing(q)
-    those = bits(slid)
+    found, zero = nothing(q), zero_like(q.at)
+    those, along_x, along_y, moment = bits(slid), zero, zero, zero
     for k in range(WIDTH):
         if (those >> k) & 1:
             one = rows_of_lane(scene, k)
-            bed = disc_bed(*one, j, plane_of_lane(p, k), plane_of_lane(q, k))
+            bed, edges = disc_bed(*one, j, plane_of_lane(p, k), plane_of_lane(q, k))
+            along_x, along_y = with_lane(along_x, k, edges[0]), with_lane(along_y, k, edges[1])
+            moment = with_lane(moment, k, edges[2])
             found = Bed(
                 with_lane(found.force, k, bed.force),
                 with_lane(found.first_x, k, bed.first_x),
@@ -50,6 +55,8 @@ def _of_lanes(scene, j, slid, p, q):
                 with_lane(found.area, k, bed.area),
                 with_lane(found.largest, k, bed.largest),
             )
+    kept = scene.resultants
+    kept.edge_x[j], kept.edge_y[j], kept.edge_turn[j] = along_x, along_y, moment
     return found
 
 

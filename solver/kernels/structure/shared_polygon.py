@@ -3,11 +3,11 @@
 from ..numba_ext.jit import by_width, kernel, leaf
 from ..numba_ext.lanes import WIDTH, MaskType, any_of, bits, index_of, where, zero_like
 from ..numba_ext.views import one_lane
-from .bed import Bed, Plane, chosen, nothing
+from .bed import Bed, Plane, chosen, nothing, value
 from .clipping import cut
 from .edges import edge_integrals
 from .layout import OF_BOTH, OF_LOWER, OF_UPPER, PER_CORNER, SHARED
-from .placed_face import corner_of, placed, put_corners, rows_of_lane
+from .placed_face import placed, put_corners, rows_of_lane
 from .polygon import polygon_bed
 
 _shared, _SHARED = SHARED.over, SHARED.beside
@@ -15,48 +15,63 @@ SAME_EDGE = 1e-12  # distance of two edges, over the length of one, within which
 
 
 @kernel
-def _within(room, count, face):
-    """Leave what a polygon shares with a face that is another polygon; one that has no end leaves it whole."""
-    for k in range(int(face.record.corners)):
-        x0, y0 = corner_of(face, k)
-        x1, y1 = corner_of(face, k + 1)
-        count = cut(room, count, Plane((y1 - y0) * x0 - (x1 - x0) * y0, y0 - y1, x1 - x0))
-    return count
+def _put_planes(planes, corners, count):
+    """Put for each edge of a polygon the plane that is positive inside of it; its slope is the length of the edge."""
+    x0, y0 = corners[0], corners[1]
+    for k in range(count):
+        after = k + 1 if k + 1 < count else 0
+        x1, y1 = corners[2 * after], corners[2 * after + 1]
+        planes[3 * k], planes[3 * k + 1], planes[3 * k + 2] = (y1 - y0) * x0 - (x1 - x0) * y0, y0 - y1, x1 - x0
+        x0, y0 = x1, y1
+
+
+@leaf
+def _plane(planes, k):
+    return Plane(planes[3 * k], planes[3 * k + 1], planes[3 * k + 2])
 
 
 @kernel
-def _is_on_edge(face, x, y):
+def _is_on_edge(planes, count, x, y):
     """Return whether a point within a polygon lies on one of its edges."""
-    for k in range(int(face.record.corners)):
-        x0, y0 = corner_of(face, k)
-        x1, y1 = corner_of(face, k + 1)
-        dx, dy = x1 - x0, y1 - y0
-        if dx * (y - y0) - dy * (x - x0) <= SAME_EDGE * (dx * dx + dy * dy):
+    for k in range(count):
+        plane = _plane(planes, k)
+        square = plane.along_x * plane.along_x + plane.along_y * plane.along_y
+        if value(plane, x, y) <= SAME_EDGE * square:
             return True
     return False
 
 
 @kernel
-def _find_owners(shared, most, above, below):
-    """Fill in which face each edge of the shared polygon belongs to, by the middle of the edge."""
+def _find_owners(shared, most, count, planes, lower):
+    """Fill in which face each edge of the shared polygon belongs to, by the middle of the edge.
+
+    count: corners of the shared polygon; lower: edges of the lower face, whose planes come first.
+    """
     outline, owners = shared[_SHARED:], shared[_SHARED + 2 * most :]
     x0, y0 = outline[2 * most - 2], outline[2 * most - 1]
     for k in range(most):
-        x1, y1 = outline[2 * k], outline[2 * k + 1]
-        x, y = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
-        owner = OF_UPPER
-        if (x0 != x1 or y0 != y1) and _is_on_edge(below, x, y):
-            owner = OF_BOTH if _is_on_edge(above, x, y) else OF_LOWER
-        owners[k], x0, y0 = owner, x1, y1
+        owners[k] = OF_UPPER
+        if k < count:
+            x1, y1 = outline[2 * k], outline[2 * k + 1]
+            x, y = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
+            if _is_on_edge(planes, lower, x, y):
+                owners[k] = OF_BOTH if _is_on_edge(planes[3 * lower :], most - lower, x, y) else OF_LOWER
+            x0, y0 = x1, y1
 
 
 @kernel
 def _share(room, joints, corners, slips, j, shared):
     """Fill in what the faces of joint j share."""
     above, below = placed(corners, joints.above[j], slips, j, 0.5), placed(corners, joints.below[j], slips, j, -0.5)
-    count = _within(room, put_corners(room, above), below)
-    most = int(above.record.corners) + int(below.record.corners)
-    found, outline = _shared(shared, 0), shared[_SHARED:]
+    lower, upper = int(below.record.corners), int(above.record.corners)
+    most = upper + lower
+    found, outline, planes = _shared(shared, 0), shared[_SHARED:], shared[_SHARED + 3 * most :]
+    _put_planes(planes, room, put_corners(room, below))
+    count = put_corners(room, above)
+    if lower > 0:
+        _put_planes(planes[3 * lower :], room, count)
+    for k in range(lower):  # none, if it has no end
+        count = cut(room, count, _plane(planes, k))
     found.corners, found.p1, found.p2, found.p3 = most, slips.p1[j], slips.p2[j], slips.p3[j]
     for k in range(most):
         last = max(0, min(k, count - 1))
@@ -74,7 +89,8 @@ def _share(room, joints, corners, slips, j, shared):
         found.xx += twelfth * (sx * sx + (ax * ax + bx * bx + cx * cx))
         found.yy += twelfth * (sy * sy + (ay * ay + by * by + cy * cy))
         found.xy += twelfth * (sx * sy + (ax * ay + bx * by + cx * cy))
-    _find_owners(shared, most, above, below)
+    if lower > 0:
+        _find_owners(shared, most, count, planes, lower)
 
 
 @by_width

@@ -250,7 +250,8 @@ def _face_of(joint: Joint, face: Face | None) -> FloatArray:
         x, y = (face.centre - joint.face.centre) @ joint.face.axes[:, :2]
         return np.array([0.0, x, y, face.radius, face.bore])
     outline = face.seen_from(joint.face)
-    return np.array([len(outline), 0.0, 0.0, 0.0, 0.0, *outline.ravel()])
+    radius = float(np.max(np.hypot(*outline.T)))
+    return np.array([len(outline), 0.0, 0.0, radius, 0.0, *outline.ravel()])
 
 
 def _rim(face: FloatArray) -> float:
