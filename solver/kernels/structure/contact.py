@@ -21,14 +21,20 @@ _stretch, _PER_JOINT = STRETCH.over, MEMORY.per_n
 
 @leaf
 def _rub(scene, phase, extras, p, sides, touch):
-    """Add the force of friction; the rates of what it stretches by are left in the scene."""
+    """Add the force of friction; the rates of what it stretches by are left in the scene.
+
+    It acts across the resultant of all that the contact bears: the normal of the side on which the other one's edge
+    slides.
+    """
     pairs, stretch, giving = extras.pairs, extras.stretches, extras.giving_stretches
-    n, (on_a, on_b) = touch.normal, arms_to(sides, touch.place)
+    pressed = math.sqrt(dot(touch.resultant, touch.resultant))
+    n = scaled(touch.resultant, 1.0 / pressed) if pressed > 0.0 else sides.v
+    on_a, on_b = arms_to(sides, touch.place)
     v = minus(velocity_of(scene, phase, sides.a, on_a), velocity_of(scene, phase, sides.b, on_b))
     v = plus(v, n, -dot(v, n))
     z = stretch.z1[p], stretch.z2[p], stretch.z3[p]
     z = plus(z, n, -dot(z, n))
-    lag, limit = pairs.shear_damping[p], pairs.friction[p] * touch.force
+    lag, limit = pairs.shear_damping[p], pairs.friction[p] * pressed
     force = scaled(plus(z, v, lag), -pairs.shear[p])
     size = math.sqrt(dot(force, force))
     if size > limit:

@@ -97,12 +97,18 @@ def _outwards(axes, s):
 
 @leaf
 def _push_ends(scene, sides, stiffness, part, at_low, at_high):
-    """The forces of the ends of the loaded part that the other block sets; both overlap there by so much, m."""
+    """Add the forces of the ends of the loaded part that the other block sets; both overlap there by so much, m.
+
+    Returns their sum, N.
+    """
+    total = NOTHING
     for way in (-1.0, 1.0):
         s, edge, delta = (part.low, part.by_low, at_low) if way < 0.0 else (part.high, part.by_high, at_high)
         energy, across = 0.5 * stiffness * delta * delta, dot(sides.u, edge)  # per length, J/m
         if delta > 0.0 and abs(across) >= ALONG:
             push_both(scene, sides, scaled(sides.u, s), scaled(edge, way * energy / across))
+            total = plus(total, edge, way * energy / across)
+    return total
 
 
 @leaf
@@ -111,7 +117,7 @@ def load_drums(scene, phase, pairs, p, sides):
     k, eta, reach = pairs.stiffness[p], pairs.damping[p], pairs.radius_a[p] + pairs.radius_b[p]
     axes, c, t0 = _axes(sides), dot(sides.u, sides.v), dot(sides.between, sides.v)
     part = _nearer_than(axes, _beside_drum(sides, pairs.half_a[p], pairs.half_b[p]), reach + SLACK)
-    total, first, energy = 0.0, 0.0, 0.0
+    total, first, energy, resultant = 0.0, 0.0, 0.0, NOTHING
     if part.high > part.low:
         middle, half = 0.5 * (part.high + part.low), 0.5 * (part.high - part.low)
         on_a, on_b, along_b = sides.arm_a, plus(sides.arm_b, sides.v, t0), scaled(sides.v, c)
@@ -129,13 +135,14 @@ def load_drums(scene, phase, pairs, p, sides):
             energy += 0.5 * k * half * WEIGHTS[g] * max(delta, 0.0) ** 2
         push(scene.poses, sides.a, on_a, pushed, cross(sides.u, times_s), 1.0)
         push(scene.poses, sides.b, on_b, pushed, scaled(cross(along_b, times_s), -1.0), -1.0)
-        _push_ends(scene, sides, k, part, reach - _outwards(axes, part.low)[1], reach - _outwards(axes, part.high)[1])
-    normal, place = sides.u, NOTHING
+        at_low, at_high = reach - _outwards(axes, part.low)[1], reach - _outwards(axes, part.high)[1]
+        resultant = plus(pushed, _push_ends(scene, sides, k, part, at_low, at_high), 1.0)
+    place = NOTHING
     if total > 0.0:
         s = first / total
         normal, rho = _outwards(axes, s)
         place = plus(scaled(sides.u, s), normal, 0.5 * (reach - rho) - pairs.radius_a[p])
-    return Touch(total, energy, normal, place)
+    return Touch(total, energy, resultant if total > 0.0 else NOTHING, place)
 
 
 @leaf
@@ -189,7 +196,7 @@ def load_drum_before_face(scene, phase, pairs, p, sides):
     """Add the forces across of a drum before a face."""
     k, eta, half, n = pairs.stiffness[p], pairs.damping[p], pairs.half_a[p], sides.v
     line = _lowest(sides, pairs.radius_a[p])
-    total, energy, place = 0.0, 0.0, NOTHING
+    total, energy, resultant, place = 0.0, 0.0, NOTHING, NOTHING
     part = Part(-half, half, NOTHING, NOTHING)
     if line.at < pairs.radius_a[p] and line.at + abs(line.along) * half > -SLACK:
         part = _cut(_before_face(scene, pairs, p, sides, part), line.at + SLACK, line.along, NOTHING)
@@ -200,7 +207,7 @@ def load_drum_before_face(scene, phase, pairs, p, sides):
             at, along = line.at + eta * rate, line.along + eta * pace
             low, high = part.low, part.high
             d0, d1 = max(line.at + line.along * low, 0.0), max(line.at + line.along * high, 0.0)
-            _push_ends(scene, sides, k, part, d0, d1)
+            resultant = _push_ends(scene, sides, k, part, d0, d1)
             energy = k * (high - low) * (d0 * d0 + d0 * d1 + d1 * d1) / 6.0
             pressed = _cut(part, at, along, NOTHING)
             low, high = pressed.low, pressed.high
@@ -211,7 +218,8 @@ def load_drum_before_face(scene, phase, pairs, p, sides):
                 first = total * middle + k * along * length * length * length / 12.0  # about the middle of the drum
                 place = plus(line.off, sides.u, first / total)
                 push_both(scene, sides, place, scaled(n, total))
-    return Touch(total, energy, n, place)
+                resultant = plus(resultant, n, total)
+    return Touch(total, energy, resultant if total > 0.0 else NOTHING, place)
 
 
 @leaf

@@ -126,9 +126,12 @@ def _integrals(room, count, f, delta):
 
 
 @kernel
-def _push_edges(scene, pairs, p, sides, facing):
-    """Add the forces of the edges of the first face, as far as they lie within the other one and overlap."""
-    count = int(pairs.corners_a[p])
+def _push_edges(scene, pairs, p, sides, facing, q):
+    """Add the forces of the edges of the first face, as far as they lie within the other one and overlap.
+
+    q: damped overlap, m. Returns their sum, N.
+    """
+    count, total = int(pairs.corners_a[p]), NOTHING
     for k in range(count):
         x0, y0 = _corner(scene, pairs, p, sides, facing, k)
         x1, y1 = _corner(scene, pairs, p, sides, facing, k + 1 if k + 1 < count else 0)
@@ -148,27 +151,29 @@ def _push_edges(scene, pairs, p, sides, facing):
                 s = low + part * (high - low)
                 x, y = x0 + s * dx, y0 + s * dy
                 delta = value(facing.delta, x, y)
-                size = -0.5 * pairs.stiffness[p] * delta * delta * weight * (high - low)
+                size = -0.5 * pairs.stiffness[p] * delta * max(value(q, x, y), 0.0) * weight * (high - low)
                 push_both(scene, sides, _above(sides, facing, x, y), scaled(out, size))
+                total = plus(total, out, size)
+    return total
 
 
 @kernel
 def load_faces(scene, phase, pairs, p, sides):
     """Add the forces across of two faces."""
     if dot(sides.u, sides.v) > FACING:
-        return Touch(0.0, 0.0, sides.v, NOTHING)
+        return Touch(0.0, 0.0, NOTHING, NOTHING)
     facing, room, k = _facing(scene, pairs, p, sides), scene.room, pairs.stiffness[p]
-    force, energy, place = 0.0, 0.0, NOTHING
+    force, energy, total, place = 0.0, 0.0, NOTHING, NOTHING
     count = _share(scene, pairs, p, sides, facing)
     delta = facing.delta
     count = cut(room, count, Plane(delta.at + SLACK, delta.along_x, delta.along_y))
     if count > 2:
         energy = 0.5 * k * _integrals(room, count, delta, delta).delta
-        _push_edges(scene, pairs, p, sides, facing)
         q = delta
         if pairs.damping[p] != 0.0:
             rate, eta = _rate(scene, phase, sides, facing), pairs.damping[p]
             q = Plane(delta.at + eta * rate.at, delta.along_x + eta * rate.along_x, delta.along_y + eta * rate.along_y)
+        edges = _push_edges(scene, pairs, p, sides, facing, q)
         count = cut(room, count, q)
         if count > 2:
             sums = _integrals(room, count, q, delta)
@@ -176,7 +181,8 @@ def load_faces(scene, phase, pairs, p, sides):
             place = plus(scaled(facing.e1, sums.x / sums.force), facing.e2, sums.y / sums.force)
             place = minus(plus(place, sides.v, facing.shift - sums.delta / sums.force), sides.between)
             push_both(scene, sides, place, scaled(facing.pull, force))
-    return Touch(force, energy, sides.v, place)
+            total = plus(edges, facing.pull, force)
+    return Touch(force, energy, total, place)
 
 
 @kernel

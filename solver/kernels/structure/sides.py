@@ -25,9 +25,9 @@ class Sides(NamedTuple):
 class Touch(NamedTuple):
     """What a pair bears across."""
 
-    force: float  # N
+    force: float  # N, of the pressure
     energy: float  # J
-    normal: object  # towards the first body
+    resultant: object  # N, on the first body: that of the pressure with those of edges and ends
     place: object  # m, of the force, from the middle of the first side
 
 
