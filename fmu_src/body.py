@@ -31,9 +31,10 @@ from solver.models.structure.file import describes_structure, in_space
 from solver.models.structure.hull_tables import in_folder, with_hulls
 from solver.models.structure.model import Structure
 
-from . import structure_variables, variables
+from . import state_ranges, structure_variables, variables
 from .drive import USUAL, Drive
 from .rules import DAMPING_SCALE_LIMITS
+from .state_ranges import Ranges
 
 Value = Callable[[str], Any]  # looks a variable up by its name
 
@@ -100,6 +101,11 @@ class Body:
         """What follows it from call to call, of models/: stepper.py, or driven.py. Raises InputError."""
         raise NotImplementedError
 
+    def state_ranges(self, stepper: Any) -> Ranges:
+        """Return the ranges of the numbers in the arrays of its stepper."""
+        arrays = stepper.arrays
+        return state_ranges.finite(len(arrays.state), len(arrays.counts), len(arrays.base))
+
     def retune(self, stepper: Any, described: Any) -> None:
         """Go on as the parameters describe it now. Raises InputError."""
         stepper.retune(described)
@@ -164,6 +170,11 @@ class ColumnBody(Body, word="column"):
         made.driven_by(described.drive.drive, described.drive.slope, described.drive.bodies)
         return made
 
+    def state_ranges(self, stepper: in_plane.Stepper | None = None) -> Ranges:
+        column = self.column
+        loads = len(variables.inputs_of_ports(column))
+        return state_ranges.of_column(column.n, at.SPOTS.size(len(column.ports)), loads, column.is_brittle)
+
     def retune(self, stepper: in_plane.Stepper, described: Described) -> None:
         stepper.retune(described.column)
 
@@ -222,6 +233,9 @@ class StructureBody(Body, word="structure"):
 
     def stepper(self, described: Chosen) -> DrivenStructure:
         return DrivenStructure(self.structure, self.packed, described)
+
+    def state_ranges(self, stepper: DrivenStructure | None = None) -> Ranges:
+        return state_ranges.of_structure(sizes_in(self.packed))
 
     def samples(self, motion: Motion | None) -> Any:
         return record_of(motion)

@@ -22,7 +22,7 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from solver import __version__
-from solver.common.errors import InputError, TooMuchWorkError, check_number
+from solver.common.errors import InputError, SolverError, TooMuchWorkError, check_number
 from solver.common.files import identifier_of
 from solver.ground.motion import Motion
 
@@ -294,22 +294,27 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
     def _restore(self, snapshot: state.Snapshot) -> None:
         """Become what the snapshot was taken of. An exception leaves the instance as it was."""
         stepper, record, name = self._stepper, self._record, self._record_name
+        from_bytes = snapshot.stamp is not self._stamp
         if not snapshot.arrays:
             stepper = None
-        elif stepper is None or snapshot.built_from != self._built_from:
+        elif stepper is None or from_bytes or snapshot.built_from != self._built_from:
             values = snapshot.values.copy()
             values[self._parameters] = snapshot.built_from
             record, name = self._loaded(values[self._place[RECORD]], values[self._place[RECORD_SCALE]])
             stepper = self._body.stepper(self._described(values))
-        if snapshot.stamp is not self._stamp:  # else it was never bytes
+        if from_bytes:
+            body, samples = self._body, len(record.motion.time) if record else 0
             arrays = {name: getattr(stepper.arrays, name) for name in ARRAYS} if stepper else {}
-            snapshot.check_contents(self._table, arrays, self._body.segment, len(record.motion.time) if record else 0)
+            ranges = body.state_ranges(stepper) if stepper else None
+            snapshot.check_contents(self._table, arrays, ranges, body.segment, samples)
         if stepper is not None:
             if (record.digest if record else "") != snapshot.record:
                 raise InputError(f"base.record = {name!r}: its samples are not those that the state belongs to")
             stepper.record = self._body.samples(record.motion if record else None)
-            for name in ARRAYS:
-                getattr(stepper.arrays, name)[:] = snapshot.arrays[name]
+            snapshot.copy_to(stepper)
+            if from_bytes:
+                self._check_outputs(snapshot, stepper)
+                snapshot.copy_to(stepper)
         self._stepper, self._record, self._record_name = stepper, record, name
         self._built_from = snapshot.built_from
         self._values = snapshot.values.copy()
@@ -318,6 +323,15 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._shaken, self._retune = snapshot.shaken, snapshot.retune
         self._inputs_stand, self._outdated = snapshot.inputs_stand, True
         self._tolerance_set = snapshot.tolerance_set
+
+    def _check_outputs(self, snapshot: state.Snapshot, stepper: Any) -> None:
+        """Raise InputError if outputs of that state are not finite, whatever the inputs are."""
+        if not snapshot.inputs_stand:
+            stepper.drive(snapshot.time, *(variable.start for variable in self._inputs), since=snapshot.input_time)
+        with contextlib.suppress(SolverError):  # which is told when outputs are got
+            stepper.observe(snapshot.time)
+            if not np.isfinite(stepper.seen).all():
+                raise InputError("its outputs are not finite")
 
     # --- variables
 

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from solver.common.errors import InputError
 
-from .variables import Variable
+from .state_ranges import MOST_TIME, Ranges
+from .variables import RECORD_PGA, Variable
 
 FORMAT = "multiblock-fmu state 3"
 KINDS = ("<f8", "<i8")  # of arrays
@@ -58,6 +59,11 @@ class Snapshot(NamedTuple):
     record: str  # hash of the record's samples, empty without one
     arrays: dict[str, NDArray[Any]]  # of the stepper; empty before there is one
 
+    def copy_to(self, stepper: Any) -> None:
+        """Copy the arrays to those of a stepper."""
+        for name, array in self.arrays.items():
+            getattr(stepper.arrays, name)[:] = array
+
     def check(self, stamp: Stamp) -> None:
         """Raise InputError, with the reason, if the state is not one of `stamp`."""
         if self.stamp.column != stamp.column:
@@ -66,27 +72,37 @@ class Snapshot(NamedTuple):
             raise InputError(f"the state was made by another version, {self.stamp.code}: must be {stamp.code}")
 
     def check_contents(
-        self, table: list[Variable], arrays: dict[str, NDArray[Any]], segment: int | None, samples: int
+        self,
+        table: list[Variable],
+        arrays: dict[str, NDArray[Any]],
+        ranges: Ranges | None,
+        segment: int | None,
+        samples: int,
     ) -> None:
-        """Raise InputError unless an instance can be in this state; bytes can hold anything.
+        """Raise ValueError unless an instance can be in this state; bytes can hold anything.
 
-        arrays: of its stepper. segment: place in `base` of a number of a sample. samples: of the record that it
-        follows.
+        arrays, ranges: of its stepper, none without one. segment: place in `base` of a number of a sample. samples: of
+        the record that it follows.
         """
         _check_values(self.values, table)
+        for value, variable in zip(self.values, table, strict=True):
+            stepped_with = variable.causality == "input" and self.inputs_stand
+            kept = variable.causality == "output" and not arrays  # else it is computed again
+            told = stepped_with or kept or variable.name == RECORD_PGA.name
+            if told and isinstance(value, float) and not math.isfinite(value):
+                raise InputError(f"{variable.name} = {value}: must be a finite number")
         _check_values(self.built_from, table[len(table) - len(self.built_from) :])
         kinds = {name: (array.dtype, array.shape) for name, array in self.arrays.items()}
         if kinds != {name: (array.dtype, array.shape) for name, array in arrays.items()}:
             raise InputError("its arrays are not those of this FMU")
         if self.mode == Mode.STEPPING and not arrays:
             raise InputError("it has no motion")
-        if not arrays:
+        if ranges is None:
             return
-        if not np.all(np.isfinite(self.arrays["state"])):
-            raise InputError("the motion has numbers that are not finite")
-        sample = 0.0 if segment is None else self.arrays["base"][segment]
-        if np.any(self.arrays["counts"] < 0) or not -1.0 <= sample <= samples:
-            raise InputError("a count is out of range")
+        for name, array in self.arrays.items():
+            ranges.check(name, array, self.inputs_stand)
+        if segment is not None and self.arrays["base"][segment] > samples:
+            raise InputError("its sample is beyond the end of the record")
 
 
 def _check_values(values: list[Any], table: list[Variable]) -> None:
@@ -151,6 +167,6 @@ def _checked(snapshot: Snapshot) -> Snapshot:
             raise ValueError(f"{name} is of another kind")
     if snapshot.mode not in set(Mode) or not all(isinstance(part, str) for part in snapshot.stamp):
         raise ValueError("mode or stamp are none")
-    if not (math.isfinite(snapshot.time) and math.isfinite(snapshot.input_time)):
-        raise ValueError("a time that is not finite")
+    if not (abs(snapshot.time) <= MOST_TIME and abs(snapshot.input_time) <= MOST_TIME):
+        raise ValueError("a time that is out of range")
     return snapshot

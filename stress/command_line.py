@@ -1,7 +1,8 @@
-"""The command line: `python -m stress stability|damped|scheme|fuzz|faults|determinism|report`.
+"""The command line: `python -m stress stability|damped|scheme|fuzz|states|faults|determinism|report`.
 
     python -m stress stability --seed 1 --cases 500
     python -m stress fuzz --seed 1 --cases 2000 --fmu column.fmu
+    python -m stress states --seed 1 --cases 30000
     python -m stress report
 
 Every part adds its findings to a file of lines (JSON) in --output-folder; `report` writes report.md from all that
@@ -22,11 +23,11 @@ from typing import Any
 
 from benchmarks import damped_columns
 
-from . import determinism, faults, fuzz_files, fuzz_fmu, report, scheme, stability
+from . import changed_states, determinism, faults, fuzz_files, fuzz_fmu, report, scheme, stability
 
-PARTS = ("stability", "damped", "scheme", "fuzz", "faults", "determinism")
-SHORT = {"stability": 25, "damped": 2, "fuzz": 300, "faults": 2, "determinism": 10}
-USUAL = {"stability": 200, "damped": 50, "fuzz": 2000, "faults": 20, "determinism": 100}
+PARTS = ("stability", "damped", "scheme", "fuzz", "states", "faults", "determinism")
+SHORT = {"stability": 25, "damped": 2, "fuzz": 300, "states": 1000, "faults": 2, "determinism": 10}
+USUAL = {"stability": 200, "damped": 50, "fuzz": 2000, "states": 30000, "faults": 20, "determinism": 100}
 SHORT_BLOCKS = 10
 PER_ROUND = 250  # examples of one seeded search
 
@@ -61,11 +62,11 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("part", choices=[*PARTS, "report"])
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--cases", type=int, help=f"how many (default: {USUAL}; --short: {SHORT})")
-    parser.add_argument("--first", type=int, default=0, help="number of the first case of stability and damped")
+    parser.add_argument("--first", type=int, default=0, help="number of the first case of stability, damped and states")
     parser.add_argument("--short", action="store_true", help="as continuous integration runs it")
     parser.add_argument("--patience", type=int, default=20, metavar="S", help="processor time of one case")
-    parser.add_argument("--fmu", type=Path, metavar="FILE", help="another FMU for fuzz (default: one of damped Phocas)")
-    parser.add_argument("--only", choices=[*fuzz_files.KINDS, "fmu"], help="of fuzz")
+    parser.add_argument("--fmu", type=Path, metavar="FILE", help="another FMU for fuzz and states")
+    parser.add_argument("--only", choices=[*fuzz_files.KINDS, "fmu", *changed_states.SOURCES], help="of fuzz, states")
     parser.add_argument("--output-folder", type=Path, default=Path("results") / "stress")
     return parser
 
@@ -82,6 +83,8 @@ def _findings(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
         yield scheme.run(options.short)
     elif part == "fuzz":
         yield from _fuzz(options, count)
+    elif part == "states":
+        yield from _states(options, count)
     elif part == "faults":
         yield from faults.run(number, count)
     else:
@@ -95,6 +98,14 @@ def _damped(seed: int, numbers: range, short: bool) -> Iterator[dict[str, Any]]:
         found = damped_columns.measure(damped_columns.drawn(seed, number), tolerances)
         judged = {"tried": len(tolerances), "failures": damped_columns.failures(found)}
         yield {"name": "random columns under records", "seed": seed, "number": number} | judged | {"found": found}
+
+
+def _states(options: argparse.Namespace, count: int) -> Iterator[dict[str, Any]]:
+    if options.fmu is None:
+        yield from changed_states.campaign(options.seed, options.first, count, options.only)
+        return
+    found = changed_states.judged(options.fmu.resolve(), options.seed, options.first, count)
+    yield {"name": options.fmu.name, "seed": options.seed} | found
 
 
 def _fuzz(options: argparse.Namespace, count: int) -> Iterator[dict[str, Any]]:

@@ -13,7 +13,7 @@ from benchmarks import machine
 
 from .stability import LIMITS
 
-PARTS = ("stability", "damped", "scheme", "fuzz", "faults", "determinism")
+PARTS = ("stability", "damped", "scheme", "fuzz", "states", "faults", "determinism")
 NAME = "report.md"
 Findings = list[dict[str, Any]]
 
@@ -25,6 +25,7 @@ def write(folder: Path) -> Path:
         raise FileNotFoundError(f"{folder}: no findings of `python -m stress` in it")
     parts = ["# Stability: findings", _origin(found), _stability(found["stability"])]
     parts += [_plain("Damped columns", found["damped"]), _scheme(found["scheme"]), _fuzz(found["fuzz"])]
+    parts.append(_plain("Changed states of FMUs", found["states"]))
     parts += [_plain("Faults", found["faults"]), _plain("Repeatability", found["determinism"])]
     report = folder / NAME
     report.write_text("\n\n".join(part for part in parts if part) + "\n", encoding="utf-8")

@@ -27,7 +27,7 @@ from solver.models.column.settings import SKIP_CODES
 from solver.models.column.stepper import REASONS
 from solver.models.outputs import BOND, PORT
 
-from .. import rules
+from .. import rules, state_ranges
 from ..drive import USUAL, Drive
 from ..variables import (
     BOND_PARAMETERS,
@@ -93,6 +93,7 @@ def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
         peaks=peaks_of(OUTPUTS, column.sizes, last, {PORT: last, BOND: lost}),
         misfits=[MISFITS[kind] for kind in sorted(MISFITS)],
         segment=at.BASE.fields.index("segment"),
+        ranges=state_ranges.of_column(n, spots, len(of_ports), column.is_brittle),
         base=at.BASE.fields,
         entries=_entries(column),
     )

@@ -33,6 +33,7 @@ typedef struct {
 } Check;
 typedef struct { int64_t code; const char *text; } Reason;
 typedef struct { const char *name, *relation; } Misfit;
+typedef struct { int count; double low, high; int whole, may_lack, of_inputs; } Range; /* of neighbours (state_ranges.py) */
 typedef struct { int place, by_least; } Peak; /* in the state; by_least: the largest of 1 - value is kept */
 
 #include "table.h"
@@ -72,6 +73,9 @@ typedef struct {
     int64_t counts[COUNTS];
     double model[MODEL];
 } Moment;
+_Static_assert(sizeof(Moment) == 8 * sizeof(int64_t) + 3 * sizeof(double) + sizeof(double) * (REALS + BASE + STATE + MODEL) +
+                                     sizeof(int64_t) * (WHOLES + COUNTS) + TEXTS * TEXT,
+               "is_possible and is_whole check every member of a moment: add a new one there, then here");
 
 /* Whether an input alternates and grows, as fmu_src/alternation.py counts. */
 typedef struct { double last, change, largest, before; int in_a_row; } Alternation;
@@ -788,42 +792,70 @@ Status core_to_bytes(const Instance *instance, const Saved *saved, void *bytes, 
     return ST_OK;
 }
 
+/* Whether numbers, or whole ones, are within their ranges. loose: whether those that follow from inputs may be any. */
+static int are_within(const Range ranges[], size_t count, const double *numbers, const int64_t *wholes, int loose) {
+    for (size_t k = 0, at = 0; k < count; k++) {
+        const Range *range = &ranges[k];
+        for (int i = 0; i < range->count; i++, at++) {
+            double value = wholes ? (double)wholes[at] : numbers[at];
+            if ((range->of_inputs && loose) || (range->may_lack && isnan(value))) continue;
+            if (!(range->low <= value && value <= range->high) || (range->whole && value != floor(value))) return 0;
+        }
+    }
+    return 1;
+}
+
 /* Whether a moment read from bytes is one that an instance can be in: the kernels trust all of it. */
 static int is_possible(const Moment *moment) {
     const int64_t flags[] = {moment->built,  moment->started,    moment->retune,       moment->inputs_stand,
                              moment->shaken, moment->has_record, moment->tolerance_set};
+    int loose = !moment->inputs_stand, moves = moment->mode == STEPPING || moment->mode == TERMINATED;
     for (size_t k = 0; k < COUNT(flags); k++)
         if (flags[k] != 0 && flags[k] != 1) return 0;
-    if (moment->mode != INSTANTIATED && moment->mode != INITIALIZATION && moment->mode != STEPPING &&
-        moment->mode != TERMINATED)
-        return 0;
-    if (moment->mode == STEPPING && (!moment->started || moment->built == moment->retune)) return 0;
-    if (moment->has_record && !SAMPLES) return 0;
+    if (!moves && moment->mode != INSTANTIATED && moment->mode != INITIALIZATION) return 0;
+    if (moves && (!moment->started || moment->built == moment->retune)) return 0;
+    if (moment->built && !moment->started) return 0;
+    if (moment->has_record && (!SAMPLES || !(fabs(moment->scale) <= MOST_RECORD_SCALE))) return 0;
+    if (HAS_RECORD && !isfinite(moment->reals[AT_RECORD_PGA])) return 0;
+    for (int k = 0; k < BASE_INPUTS && !loose; k++)
+        if (!isfinite(moment->reals[k])) return 0;
     for (int k = 0; k < TEXTS; k++)
         if (!memchr(moment->texts[k], 0, TEXT)) return 0;
-    for (int k = 0; k < COUNTS; k++)
-        if (moment->counts[k] < 0) return 0;
-    if (FALLS && moment->counts[COUNT_OVERTURNED] > N) return 0;
-    if (BASE_SEGMENT >= 0) {
-        double segment = moment->base[BASE_SEGMENT < 0 ? 0 : BASE_SEGMENT]; /* the number of a sample */
-        if (!(-1.0 <= segment && segment <= (double)SAMPLES)) return 0;
-    }
-    for (int k = 0; k < STATE; k++)
-        if (!isfinite(moment->state[k])) return 0;
-    return isfinite(moment->time) && isfinite(moment->input_time) && isfinite(moment->scale);
+    if (!are_within(state_ranges, COUNT(state_ranges), moment->state, NULL, loose) ||
+        !are_within(counts_ranges, COUNT(counts_ranges), NULL, moment->counts, loose) ||
+        !are_within(base_ranges, COUNT(base_ranges), moment->base, NULL, loose))
+        return 0;
+    if (BASE_SEGMENT >= 0 && !(moment->base[BASE_SEGMENT < 0 ? 0 : BASE_SEGMENT] <= (double)SAMPLES)) return 0;
+    return fabs(moment->time) <= MOST_TIME && fabs(moment->input_time) <= MOST_TIME && isfinite(moment->scale);
 }
 
-/* Whether the model of a moment, which holds sizes and codes, is that of the parameters; a parameter set since does not
-   count, because the model is rebuilt before its next use. */
-static int has_own_model(const Moment *moment) {
+/* Whether outputs follow from a moment whose model is its own, whatever the inputs are. Changes the scratch. */
+static int has_outputs(Instance *scratch) {
+    Moment *now = &scratch->now;
+    if (!now->inputs_stand) memcpy(now->reals, real_starts, BASE_INPUTS * sizeof *now->reals);
+    int64_t code = look((Look){COLUMN(scratch), RECORD(scratch), .inputs = now->reals,
+                               .new_inputs = !now->inputs_stand, .upright = now->mode == INITIALIZATION,
+                               .elapsed = now->time - now->input_time, .t = now->time,
+                               .row = &now->reals[AT_ROW], .split = &now->reals[AT_SPLIT]});
+    for (int k = AT_ROW; code >= 0 && k < AT_SPLIT + SPLIT; k++)
+        if (!isfinite(now->reals[k])) return 0;
+    return 1; /* a code is told when outputs are got */
+}
+
+/* Whether the model of a moment, which holds sizes and codes, is that of the parameters, and gives outputs; a parameter
+   set since does not count, because the model is rebuilt before its next use. */
+static int is_whole(const Moment *moment) {
     char reason[MESSAGE];
-    if (!moment->started || !moment->built) return 1;
+    if (!moment->started) return 1;
     Instance *scratch = calloc(1, sizeof *scratch);
     if (!scratch) return 0;
     scratch->now = *moment;
-    int same = build(scratch, 0, reason) && !memcmp(scratch->now.model, moment->model, sizeof moment->model);
+    int built = build(scratch, 0, reason);
+    int same = !memcmp(scratch->now.model, moment->model, sizeof moment->model);
+    memcpy(scratch->now.state, moment->state, sizeof moment->state);
+    int whole = moment->built ? built && same && has_outputs(scratch) : !built || has_outputs(scratch);
     free(scratch);
-    return same;
+    return whole;
 }
 
 Status core_from_bytes(Instance *instance, const void *bytes, size_t size, Saved **saved) {
@@ -845,7 +877,7 @@ Status core_from_bytes(Instance *instance, const void *bytes, size_t size, Saved
         memcpy(&made->moment, at + HEADER, sizeof made->moment);
         write_header(header, &made->moment);
         if (memcmp(header, at, HEADER)) fault = "the bytes of the serialized state are damaged";
-        else if (!is_possible(&made->moment) || !has_own_model(&made->moment))
+        else if (!is_possible(&made->moment) || !is_whole(&made->moment))
             fault = "the bytes are those of no state that this FMU can be in";
     }
     if (fault) {

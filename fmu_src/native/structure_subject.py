@@ -59,6 +59,7 @@ def structure_subject(body: StructureBody) -> Subject:
         ],
         reasons=REASONS,
         peaks=peaks_of(OUTPUTS, body.structure.sizes, lengths["STATE"]),
+        ranges=body.state_ranges(),
         base=at.BASE.fields,
         entries=pointers_in_space.ENTRIES,
     )

@@ -20,9 +20,10 @@ from solver.kernels.api import pointers
 from solver.kernels.column.description import DETAILS
 from solver.models.outputs import Output, places_of
 
-from .. import alternation, rules
+from .. import alternation, rules, state_ranges
 from ..record import Record
 from ..references import FAMILY, array_of
+from ..state_ranges import Ranges, Run
 from ..variables import ACCELERATIONS, STEP_SIZE, VERDICT, Variable
 from .machine_code import PREFIX
 
@@ -71,7 +72,8 @@ class Subject:
     """The simulated body, as the core has to know it.
 
     falls: whether it has a verdict, and peaks, in the order of the variables: a partner of a column has none, nor their
-    codes and places. segment: place in `base` of a number of a sample, -1: there is none. entries: the kernels.
+    codes and places. segment: place in `base` of a number of a sample, -1: there is none. ranges: of the numbers of its
+    state, None: all are finite. entries: the kernels.
     """
 
     falls: bool
@@ -88,6 +90,7 @@ class Subject:
     peaks: list[Peak] = field(default_factory=list)
     misfits: list[tuple[str, str]] = field(default_factory=list)  # name and relation, by the kind from 1 on
     segment: int = -1
+    ranges: Ranges | None = None
     base: tuple[str, ...] = ()  # what stands in `base`, accelerations by the names of their inputs
     entries: Mapping[Any, tuple[Any, ...]] = field(default_factory=lambda: pointers.ENTRIES)
 
@@ -238,6 +241,7 @@ def declarations(contents: Contents) -> str:
     lines = _enum(numbers)
     lines.append(f"#define RECORD_KEY {_quoted(subject.places.get('RECORD', ''))}")
     lines.append(f"#define IDENTITY {_quoted(contents.guid)}")
+    lines.append(f"#define MOST_TIME {state_ranges.MOST_TIME!r}")
     lines.append(f"#define STATE_FORMAT {_quoted(STATE_FORMAT)}")
     lines += _array("Variable", "variables", [_variable(variable, places[variable.name]) for variable in table])
     lines += _array("double", "real_starts", [_number(_start(variable)) for variable in reals])
@@ -265,6 +269,9 @@ def declarations(contents: Contents) -> str:
     lines += _array("Peak", "peaks", peaks or ["{0, 0}"])
     misfits = [f"{{{_quoted(name)}, {_quoted(relation)}}}" for name, relation in subject.misfits]
     lines += _array("Misfit", "misfits", misfits or ["{0, 0}"])
+    sizes = subject.sizes["STATE"], subject.sizes["COUNTS"], subject.sizes["BASE"]
+    for name, runs in (subject.ranges or state_ranges.finite(*sizes))._asdict().items():
+        lines += _array("Range", f"{name}_ranges", list(map(_range, runs)))
     lines += _record(contents)
     return "\n".join(lines) + "\n"
 
@@ -278,7 +285,12 @@ def _quoted(text: str) -> str:
 
 
 def _number(value: float) -> str:
-    return float(value).hex() if math.isfinite(value) else "INFINITY"
+    return float(value).hex() if math.isfinite(value) else "INFINITY" if value > 0.0 else "-INFINITY"
+
+
+def _range(run: Run) -> str:
+    flags = int(run.range.whole), int(run.range.may_lack), int(run.range.of_inputs)
+    return f"{{{run.length}, {_number(run.range.low)}, {_number(run.range.high)}, {', '.join(map(str, flags))}}}"
 
 
 def _start(variable: Variable) -> float:

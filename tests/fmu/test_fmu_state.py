@@ -23,6 +23,11 @@ def test_a_state_with_a_wrong_tunable_parameter_that_has_not_acted(fmus: Fmus) -
     assert call(states.with_a_wrong_parameter, fmus.damped)
 
 
+def test_a_state_whose_parameter_has_not_been_stepped_with(fmus: Fmus, native: Path) -> None:
+    for fmu in (fmus.damped, native):
+        assert call(states.retuned, fmu)
+
+
 def test_the_state_of_a_fallen_column_and_of_one_that_stands_again(fmus: Fmus) -> None:
     found = call(states.fall, fmus.damped)
     assert all(found.values()), found

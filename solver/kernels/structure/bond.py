@@ -20,6 +20,7 @@ from ..numba_ext.lanes import (
     greater,
     index_of,
     lane,
+    lesser,
     magnitude,
     most_of,
     square_root,
@@ -72,12 +73,13 @@ def _repeat_last(room, counts):
 
 @kernel
 def put_bond(scene, e):
-    """Put what is left of bond e into the room; returns the number of its corners."""
+    """Put what is left of bond e into the room; returns the number of its corners, which is one that has room."""
     left, corners = bond_left(scene, e)
-    for k in range(2 * most_of(left.corners)):
+    counts = lesser(left.corners, zero_like(left.corners) + MOST_BONDED)
+    for k in range(2 * most_of(counts)):
         scene.room[k] = corners[k]
-    _repeat_last(scene.room, left.corners)
-    return left.corners
+    _repeat_last(scene.room, counts)
+    return counts
 
 
 @by_width

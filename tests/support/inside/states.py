@@ -98,6 +98,20 @@ def with_a_wrong_parameter(fmu: str) -> bool:
     return same
 
 
+def retuned(fmu: str) -> bool:
+    """Whether a state whose tunable parameter has acted on outputs, but on no step, goes on once serialized."""
+    column = Instance(fmu)
+    drive(column, 0, 50)
+    column.set({"joint[2].damping": 4e-3})
+    column.get()
+    saved = column.fmi.getFMUState()
+    first = bits(drive(column, 50, 100))
+    column.fmi.setFMUState(column.fmi.deSerializeFMUstate(column.fmi.serializeFMUstate(saved)))
+    same = bits(drive(column, 50, 100)) == first
+    column.close()
+    return same
+
+
 def fall(fmu: str) -> dict[str, bool]:
     """A column falls, stands again, is fallen again, falls again."""
     verdict = ("overturned", "overturn_time", "overturn_joint")
