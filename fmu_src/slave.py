@@ -328,7 +328,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         """Raise InputError if outputs of that state are not finite, whatever the inputs are."""
         if not snapshot.inputs_stand:
             stepper.drive(snapshot.time, *(variable.start for variable in self._inputs), since=snapshot.input_time)
-        with contextlib.suppress(SolverError):  # which is told when outputs are got
+        with contextlib.suppress(SolverError):  # an Error when outputs are got
             stepper.observe(snapshot.time)
             if not np.isfinite(stepper.seen).all():
                 raise InputError("its outputs are not finite")

@@ -88,8 +88,8 @@ class Snapshot(NamedTuple):
         for value, variable in zip(self.values, table, strict=True):
             stepped_with = variable.causality == "input" and self.inputs_stand
             kept = variable.causality == "output" and not arrays  # else it is computed again
-            told = stepped_with or kept or variable.name == RECORD_PGA.name
-            if told and isinstance(value, float) and not math.isfinite(value):
+            seen = stepped_with or kept or variable.name == RECORD_PGA.name
+            if seen and isinstance(value, float) and not math.isfinite(value):
                 raise InputError(f"{variable.name} = {value}: must be a finite number")
         _check_values(self.built_from, table[len(table) - len(self.built_from) :])
         kinds = {name: (array.dtype, array.shape) for name, array in self.arrays.items()}

@@ -839,7 +839,7 @@ static int has_outputs(Instance *scratch) {
                                .row = &now->reals[AT_ROW], .split = &now->reals[AT_SPLIT]});
     for (int k = AT_ROW; code >= 0 && k < AT_SPLIT + SPLIT; k++)
         if (!isfinite(now->reals[k])) return 0;
-    return 1; /* a code is told when outputs are got */
+    return 1; /* a code becomes an Error when outputs are got */
 }
 
 /* Whether the model of a moment, which holds sizes and codes, is that of the parameters, and gives outputs; a parameter

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numba import njit
 from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.optimize import brentq
@@ -15,10 +16,14 @@ from multiblock import Column, push_over, simulate_many, wavelets
 from solver import InputError, simulate
 from solver.commands.structure import summary
 from solver.ground.motion import Motion
+from solver.kernels.numba_ext.views import row_of
+from solver.kernels.structure import layout as at
+from solver.kernels.structure.bond import put_bond
 from solver.kernels.structure.layout import CONTROL
 from solver.models.outputs import places_of
 from solver.models.structure.model import Structure
 from solver.models.structure.outputs import OUTPUTS
+from solver.models.structure.packing import arrays_of
 from solver.models.structure.rest import rest_of, start_from
 from solver.models.structure.run import SpatialState
 from solver.models.structure.stepper import Stepper
@@ -411,3 +416,24 @@ def test_a_column_of_mortar_and_its_stack_agree_as_the_bed_stiffens_along() -> N
         apart.append(np.max(np.abs(space.ry[:, 0] - plane.theta[:, -1])) / np.max(np.abs(plane.theta)))
     assert apart[1] < 5e-3
     assert apart[0] / apart[1] == pytest.approx(10.0, rel=0.1)
+
+
+@njit
+def _corners_put(model: FloatArray, state: FloatArray, counts: NDArray[np.int64], work: FloatArray) -> float:
+    scene = at.scene_of(row_of(model), row_of(state), row_of(counts), row_of(work), at.WITH_EXTRAS)
+    return float(put_bond(scene, 0))
+
+
+@pytest.mark.parametrize(("corners", "put"), [(4.0, 4.0), (128.0, 128.0), (300.0, 128.0), (math.nan, 128.0)])
+def test_no_bond_has_more_corners_than_there_is_room_for(corners: float, put: float) -> None:
+    """Whatever a state says: nothing is written behind the room."""
+    model = pier().model
+    arrays = arrays_of(model)
+    state, work = np.append(arrays.state, np.zeros(1000)), np.full(arrays.work.size + 1000, -7.0)
+    left = at.STATE.see(state, model.sizes).bonded
+    left[0] = corners
+    assert _corners_put(arrays.model, state, arrays.counts, work) == put
+    seen = at.WORK.see(np.arange(work.size), model.sizes)
+    written = np.flatnonzero(work != -7.0)
+    assert written[0] == seen.room[0]
+    assert written[-1] == seen.room[2 * int(put) - 1]
