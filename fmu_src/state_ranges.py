@@ -184,7 +184,7 @@ def of_structure(sizes: space.Sizes) -> Ranges:
     state = _runs(space.STATE, sizes, STRUCTURE_STATE)
     places = space.STATE.see(np.arange(space.STATE.size(sizes)), sizes)
     found = [run.range for run in state for _ in range(run.length)]
-    for polygon in places.bonded.reshape(sizes.bonds, -1):
+    for polygon in places.bonded.reshape(sizes.bonds, space.OF_POLYGON.size(1)):
         for name, value in POLYGON.items():
             found[getattr(space.BONDED.see(polygon), name)] = value
     counts = _runs(space.COUNTS, 0, STRUCTURE_COUNTS, {"fallen": Range(0.0, sizes.n, True)})

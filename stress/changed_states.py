@@ -124,7 +124,11 @@ class Campaign:
         self.push(1.0)
         self.body.fmi.getReal(self.outputs)
         self.whole.append(self._saved())
-        self.ends = [self._end(state) for state, _ in self.whole]
+        self.ends = [self._end(k) for k in range(len(self.whole))]
+        read = [self.body.fmi.deSerializeFMUstate(data) for _, data in self.whole]
+        assert [self._end(k, state) for k, state in enumerate(read)] == self.ends, (
+            "a whole state is not read as it was written"
+        )
 
     def _has_derivative(self, reference: int) -> bool:
         with contextlib.suppress(Exception):
@@ -142,11 +146,10 @@ class Campaign:
         usual |= {"M": 1e4, "Mxx": 1e4, "Mzz": 1e4, "Mtt": 1e4, "Jxx": 1e4, "Jyy": 1e4}
         self.body.set({name: usual.get(name.rpartition(".")[2], 0.0) for name in self.inputs})
 
-    def _end(self, state: Any) -> list[str]:
-        """Return the bits of the outputs one step after a state."""
-        self.body.fmi.setFMUState(state)
-        t = 0.0 if state is self.whole[0][0] else self.t
-        self.body.step(t, STEP)
+    def _end(self, k: int, state: Any = None) -> list[str]:
+        """Return the bits of the outputs one step after a whole state, or another that is the same."""
+        self.body.fmi.setFMUState(self.whole[k][0] if state is None else state)
+        self.body.step(self.t if k else 0.0, STEP)
         return [float(value).hex() for value in self.body.fmi.getReal(self.outputs)]
 
     def try_state(self, number: int, seed: int) -> dict[str, Any]:
@@ -156,7 +159,7 @@ class Campaign:
         data = changed(self.whole[k][1], some)
         failures: list[str] = []
         answer = self._judge(data, 0.0 if k == 0 else self.t, failures)
-        if self._end(self.whole[k][0]) != self.ends[k]:
+        if self._end(k) != self.ends[k]:
             failures.append("the instance does not go on from a whole state as before")
         return {"number": number, "answer": answer, "failures": failures}
 
@@ -245,6 +248,7 @@ def main() -> None:
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     nothing = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nothing, 1)  # output of the FMU
+    sys.stderr = os.fdopen(os.dup(2), "w", encoding="utf-8")
     os.dup2(nothing, 2)
     fmu, seed, first, count = sys.argv[1], *map(int, sys.argv[2:])
     of = Campaign(fmu)

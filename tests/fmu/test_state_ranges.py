@@ -103,9 +103,10 @@ def test_ranges_of_a_column_are_as_long_as_its_arrays(n: int, ports: int, is_bri
     assert found == [state, plane.COUNTS.beside, plane.BASE.beside + loads]
 
 
-def test_ranges_of_a_structure_are_as_long_as_its_arrays() -> None:
-    found = lengths(state_ranges.of_structure(SIZES))
-    assert found == [space.STATE.size(SIZES), space.COUNTS.beside, space.INPUT_MOTION.size(SIZES)]
+@pytest.mark.parametrize("sizes", [SIZES, space.sizes_of(1, 1, 0, 0, 4)])
+def test_ranges_of_a_structure_are_as_long_as_its_arrays(sizes: space.Sizes) -> None:
+    found = lengths(state_ranges.of_structure(sizes))
+    assert found == [space.STATE.size(sizes), space.COUNTS.beside, space.INPUT_MOTION.size(sizes)]
 
 
 def structure_state() -> tuple[np.ndarray, Any]:
