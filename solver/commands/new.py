@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import csv
-import io
 import tomllib
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -12,7 +10,9 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from ..common.errors import InputError, reading
-from ..common.files import MB, check_file_name, check_outputs, content_of, whole_file
+from ..common.files import MB, check_file_name, check_outputs, whole_file
+from ..common.text import lines_of
+from ..common.text_tables import table_of
 from ..models.column.materials import MATERIALS, Material
 from ..models.column.model import Column
 from ..models.column.rest import check_rest
@@ -260,14 +260,13 @@ def _survey() -> list[dict[str, float]]:
     """The blocks of a table: height,width,depth or height,diameter, a line a block from the top down; m."""
     path = Path(answer_to("table, with the first line height,width,depth or height,diameter", "survey.csv"))
     with reading(path):
-        rows = [row for row in csv.reader(io.StringIO(content_of(path, MB).decode("utf-8-sig"))) if row]
-        header = tuple(key.strip().lower() for key in rows[0]) if rows else ()
+        table = table_of(lines_of(path, MB))
+        header = tuple(key.lower() for key in table.names)
         if header not in SURVEYS:
             raise InputError("line 1: must be height,width,depth or height,diameter, in m")
         blocks = []
-        for line, row in enumerate(rows[1:], start=2):
-            if len(row) != len(header):
-                raise InputError(f"line {line}: {len(row)} values, must be {len(header)}")
+        table.check_widths()
+        for line, row in zip(table.lines, table.rows, strict=True):
             values = (parsed(f"line {line}: {key}", text, SIZE) for key, text in zip(header, row, strict=True))
             blocks.append(dict(zip(header, values, strict=True)))
         if not blocks:

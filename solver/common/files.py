@@ -99,7 +99,7 @@ def toml_of(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 def with_point(text: str) -> str:
     """What to write in place of a number with a decimal comma; empty for other texts."""
-    number = re.fullmatch(r"([-+]?\d*),(\d+)", text.strip())
+    number = re.fullmatch(r"([-+]?\d*),(\d+(?:[eEdD][-+]?\d+)?)", text.strip())
     return f"{number[0]} has a decimal comma, must be {number[1]}.{number[2]} with a decimal point" if number else ""
 
 

@@ -35,8 +35,9 @@ from numpy.typing import ArrayLike
 
 from ..common.errors import POSITIVE, InputError, check_number, reading, shown
 from ..common.ranges import check_choice
+from ..common.text import lines_of
+from ..common.text_tables import table_of
 from .records.record import FloatArray
-from .records.text import lines_of, number
 
 if TYPE_CHECKING:
     from .motion import Motion
@@ -240,16 +241,13 @@ def loads_by_port(given: Mapping[str, Any], folder: str | os.PathLike[str] = "."
 
 
 def load_from_file(path: str | os.PathLike[str]) -> tuple[FloatArray, FloatArray]:
-    """Times, s, and values of a file of two columns, with commas between and a header or none. Raises InputError."""
+    """Return times, s, and values of a file of two columns, with a header or none. Raises InputError."""
     with reading(path):
-        rows = [
-            [number(k, text) for text in line.split(",")]
-            for k, line in enumerate(lines_of(path), start=1)
-            if line.strip() and not (k == 1 and line.strip()[0].isalpha())
-        ]
-        if len(rows) < 2 or any(len(row) != 2 for row in rows):
+        lines = lines_of(path)
+        found = table_of(lines, () if lines[0].strip()[:1].isalpha() else ("time", "load"))
+        if len(found.names) != 2 or len(found.rows) < 2:
             raise InputError("must have two columns, time (s) and load (N, N m), and two rows at least")
-        table = np.array(rows)
+        table = found.numbers()
         return table[:, 0], table[:, 1]
 
 

@@ -16,12 +16,12 @@ from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, InputWar
 from ..common.files import printable, whole_file
 from ..common.frames import Frame, Framed
 from ..common.notebook import Shown, counted, history
+from ..common.text import lines_of
 from .loads import Load
 from .records import STANDARD_GRAVITY as STANDARD_GRAVITY
 from .records import Record, peer, read_record
 from .records.columns import LEAD, SLOPES, read_csv
 from .records.record import FloatArray
-from .records.text import lines_of
 
 STRONGEST = 3.0 * STANDARD_GRAVITY  # of any record that can be believed
 LARGEST = 1e6  # m/s2: a larger acceleration is a mistake of units, and no column can be followed under it
@@ -348,11 +348,13 @@ class Motion(Framed, Shown):
         """Return the motion of a record that has been read; piecewise linear. Raises InputError as `Motion` does.
 
         hold: held instead, the last sample as long as the one before. Warns (InputWarning) of a peak beyond 3 g: the
-        units are probably others.
+        units are probably others; and of times that were made to begin at 0.
         """
         time, ay = record.time, _NONE if record.ay is None else record.ay
         duration = float(time[-1] - time[0] + (time[-1] - time[-2] if hold else 0.0))
         motion = cls(time, record.ax, record.az, duration, hold, ay=ay, name=printable(name))
+        if record.warning:
+            warnings.warn(f"{motion.name or 'record'}: {record.warning}", InputWarning, stacklevel=2)
         largest = max(float(np.max(np.abs(samples))) for samples in (motion.ax, motion.ay, motion.az))
         if largest > STRONGEST:
             warnings.warn(

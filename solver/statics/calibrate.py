@@ -5,7 +5,6 @@ Every function returns numbers for `with_joints`, and leaves the column as it is
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 import warnings
@@ -27,7 +26,9 @@ from ..common.errors import (
     needing,
     reading,
 )
-from ..common.files import MOST_TABLE, content_of
+from ..common.files import MOST_TABLE
+from ..common.text import lines_of
+from ..common.text_tables import check_times, from_zero, table_of
 from ..models.column.model import Column
 from ..models.column.modes import modes_about_rest
 from ..models.column.packing import FloatArray
@@ -343,22 +344,17 @@ def read_history(path: str | os.PathLike[str], channel: str | None = None) -> tu
     channel: its name; None: the second. Raises InputError.
     """
     with reading(path):
-        lines = content_of(path, MOST_TABLE).decode("utf-8-sig").splitlines()
-        try:
-            header, *rows = [row for row in csv.reader(lines) if row] or [[]]
-        except csv.Error as error:
-            raise InputError(f"is no CSV file: {error}") from None
-        names = [name.strip() for name in header]
+        table = table_of(lines_of(path, MOST_TABLE))
+        names = list(table.names)
         if len(names) < 2:
             raise InputError("must be a CSV file of times and values, with a header")
         if channel is not None and channel not in names[1:]:
             raise InputError(f"channel = {channel}: must be one of {', '.join(names[1:10])}")
         k = 1 if channel is None else names.index(channel)
-        try:
-            values = np.array([[float(row[0]), float(row[k])] for row in rows]).reshape(-1, 2)
-        except (ValueError, IndexError):
-            raise InputError(f"column {names[k]}: must hold numbers below the header") from None
-    return values[:, 0], values[:, 1]
+        values = table.numbers([0, k])
+        check_times(table.lines, values[:, 0].tolist())
+        time, _ = from_zero([row[0] for row in table.rows], values[:, 0])
+    return time, values[:, 1]
 
 
 def _strongest_frequency(t: FloatArray, y: FloatArray) -> float:

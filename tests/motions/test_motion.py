@@ -298,7 +298,7 @@ def test_scaled_to() -> None:
         ("time,base.ax\n", "0 rows of samples, must be at least 2"),
         ("time,base.ax\n0,1\n", "1 rows of samples, must be at least 2"),
         ("time,base.ax\n0,1\n\n\n1,2\n", "line 3: 0 values, must be 2 as in the header"),
-        ("time;base.ax\n0;1\n1;0,5\n", "line 3: '0,5': must be a finite number"),
+        ("time;base.ax\n0;1\n1;0,5\n", "line 3: 0,5 has a decimal comma, must be 0.5"),
         ("time,base.ax\n0,1\n1\n", "line 3: 1 values, must be 2 as in the header"),
         ("time,base.ax\n0,1\n1,1,1\n", "line 3: 3 values, must be 2 as in the header"),
         ("time,base.ax\n0,1\n\n1,1\n", "line 3: 0 values, must be 2 as in the header"),

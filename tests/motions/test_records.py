@@ -84,7 +84,11 @@ def test_a_third_plain_column_is_vertical(tmp_path: Path) -> None:
         ),
         ("0 1\n.01 2\n.01 3\n", {"units": "g"}, "line 3: time = 0.01: must be later than the row before, 0.01 s"),
         ("0 1\n.01 2\n.02\n", {"units": "g"}, "line 3: 1 values, must be time, ax and perhaps az"),
-        ("a title\n1\n2\n", {"dt": 0.01, "units": "g"}, "line 1: 'a': must be a finite number"),
+        (
+            "a title\n1\n2\n",
+            {"dt": 0.01, "units": "g"},
+            "line 1: 'a title': must be numbers; put # before",
+        ),
         ("1\n2.0.1\n", {"dt": 0.01, "units": "g"}, "line 2: '2.0.1': must be a finite number"),
         ("1\n", {"dt": 0.01, "units": "g"}, "1 samples, must be at least 2"),
         ("", {"dt": 0.01, "units": "g"}, "0 samples, must be at least 2"),

@@ -2,55 +2,63 @@
 
 from __future__ import annotations
 
-import csv
 from itertools import pairwise
 
 import numpy as np
 
 from ...common.errors import InputError
+from ...common.text import numbers
+from ...common.text_tables import (
+    COMMENTS,
+    SEPARATORS,
+    TextTable,
+    check_is_numbers,
+    check_no_decimal_commas,
+    check_no_header_of_numbers,
+    check_times,
+    from_zero,
+    increases_as_times,
+    table_of,
+)
 from .record import Record, equally_spaced
-from .text import number, numbers
 from .units import KNOWN, factor_of
 
 CSV, PLAIN = "CSV", "plain columns"
-SEPARATORS = (";", "\t", ",")
-COMMENTS = ("#", "%", "!", "//")
 _SAMPLES = ("base.ax", "base.ay", "base.az")
 SLOPES = ("base.jx", "base.jz")  # within the steps of a master; a record has them from its samples
 # of a sampling interval: how long before a sample stands the row with the slopes up to there, as masters draw straight
 # lines between rows. Longer than what FMPy takes for the same instant, and than what times are rounded by.
 LEAD = 1e-5
+_BLANKS = str.maketrans(dict.fromkeys(SEPARATORS, " "))
 
 
 def recognised(lines: list[str]) -> bool:
-    """Whether the first line names a column as the CSV of this project does."""
-    return any(name in _header(lines)[1] for name in ("time", *_SAMPLES))
+    """Return True if the first line names an acceleration as the CSV of this project does."""
+    return any(name in _SAMPLES for name in _names(table_of(lines[:1])))
 
 
 def read_csv(lines: list[str]) -> Record:
     """Return the record of `time,base.ax,base.ay,base.az` in s and m/s2; those that are absent are zeros.
 
-    Between `;` or tabs as well, names in any case, blank lines at the end. Slopes base.jx and base.jz, as `convert`
-    writes them, are passed over with the rows that are there for their sake. Raises InputError.
+    Between `;` or tabs as well, names in any case, blank lines. Slopes base.jx and base.jz, as `convert` writes them,
+    are passed over with the rows that are there for their sake. Raises InputError.
     """
-    separator, header = _header(lines)
+    found = table_of(lines)
+    header = _names(found)
     given, slopes = [name for name in header[1:] if name not in SLOPES], [name for name in header if name in SLOPES]
     known = bool(given) and set(given) <= set(_SAMPLES) and len(set(header)) == len(header)
     if header[:1] != ["time"] or not known:
         raise InputError(
-            f"line 1: {lines[0].strip()[:80]!r}: must be 'time,base.ax,base.az' (or without one of base.ax, base.az)"
+            f"line 1: {found.title[:80]!r}: must be 'time,base.ax,base.az' (or without one of base.ax, base.az)"
         )
-    while lines and not lines[-1].strip():
-        lines = lines[:-1]
-    rows: list[list[float]] = []
-    for k, texts in enumerate(_table(lines[1:], separator), start=2):
-        if len(texts) != len(header):
-            raise InputError(f"line {k}: {len(texts)} values, must be {len(header)} as in the header")
-        rows.append([number(k, text) for text in texts])
-        _check_order(k, rows)
-    if len(rows) < 2:
-        raise InputError(f"{len(rows)} rows of samples, must be at least 2")
-    table = np.array(rows)
+    blank = next((k for k, line in enumerate(found.lines, start=2) if line != k), 0)
+    if blank:
+        raise InputError(f"line {blank}: 0 values, must be {len(header)} as in the header")
+    table = found.numbers()
+    check_times(found.lines, table[:, 0].tolist())
+    if len(table) < 2:
+        raise InputError(f"{len(table)} rows of samples, must be at least 2")
+    table[:, 0], shifted = from_zero([row[0] for row in found.rows], table[:, 0])
     if slopes:
         between = np.diff(table[:, 0])
         leads = between[1:] < 10.0 * LEAD * between[:-1]  # a row from the second on, and another one after it
@@ -58,7 +66,7 @@ def read_csv(lines: list[str]) -> Record:
     columns = dict(zip(header, table.T, strict=True))
     zero = np.zeros(len(table))
     ax, ay, az = (columns.get(name, zero) for name in _SAMPLES)
-    return Record(CSV, columns["time"], ax, az, ay=ay if np.any(ay) else None)
+    return Record(CSV, columns["time"], ax, az, ay=ay if np.any(ay) else None, warning=shifted)
 
 
 def read_plain(lines: list[str], dt: float | None, units: str | None) -> Record:
@@ -69,59 +77,55 @@ def read_plain(lines: list[str], dt: float | None, units: str | None) -> Record:
     comment.
     """
     if units is None:
+        if any(name.startswith("time") for name in _names(table_of(lines[:1]))):
+            raise InputError(
+                f"line 1: {lines[0].strip()[:80]!r}: must be 'time,base.ax,base.az' with m/s2; or put # before "
+                "this line and give the units (--units) of columns of time, ax and perhaps az"
+            )
         raise InputError(
             "no known header (PEER AT2, ESM, K-NET, COSMOS, CSV): units must be given (--units) to read it as plain "
             f"columns, {KNOWN}"
         )
     factor = factor_of(units)
-    rows: list[list[float]] = []
-    at: list[int] = []
-    for k, line in enumerate(lines, start=1):
-        row = line.strip()
-        if not row or row.startswith(COMMENTS):
-            continue
-        for separator in SEPARATORS:
-            row = row.replace(separator, " ")
-        rows.append(numbers(k, row))
-        at.append(k)
+    texts = [
+        (k, line.strip())
+        for k, line in enumerate(lines, start=1)
+        if line.strip() and not line.strip().startswith(COMMENTS)
+    ]
+    check_no_decimal_commas(texts)
+    at, plain = [line for line, _ in texts], [row.translate(_BLANKS) for _, row in texts]
+    rows = [_row(line, row) for line, row in zip(at, plain, strict=True)]
     if dt is not None:
-        if _has_times(rows):
-            raise InputError("dt: must be left out, the first column increases as times do")
-        return equally_spaced(PLAIN, dt, [factor * a for row in rows for a in row])
+        if increases_as_times(rows):
+            raise InputError(f"dt: must be left out, the first column increases as times do{_kept(rows)}")
+        samples = [a for row in rows for a in row]
+        check_no_header_of_numbers(dt, samples)
+        return equally_spaced(PLAIN, dt, [factor * a for a in samples])
     for k in range(len(rows)):
         if len(rows[k]) not in (2, 3) or len(rows[k]) != len(rows[0]):
-            raise InputError(
-                f"line {at[k]}: {len(rows[k])} values, must be time, ax and perhaps az, or dt must be given (--dt)"
-            )
-        _check_order(at[k], rows[max(k - 1, 0) : k + 1])
+            other = _kept(rows) if increases_as_times(rows) else ", or dt must be given (--dt)"
+            raise InputError(f"line {at[k]}: {len(rows[k])} values, must be time, ax and perhaps az{other}")
+    check_times(at, [row[0] for row in rows])
     if len(rows) < 2:
         raise InputError(f"{len(rows)} rows of samples, must be at least 2")
     table = np.array(rows).T
+    time, shifted = from_zero([row.split()[0] for row in plain], table[0])
     az = factor * table[2] if len(table) == 3 else np.zeros(len(rows))
-    return Record(PLAIN, table[0], factor * table[1], az)
+    return Record(PLAIN, time, factor * table[1], az, warning=shifted)
 
 
-def _header(lines: list[str]) -> tuple[str, list[str]]:
-    """Return the separator and the names in the first line."""
-    separator = next((mark for mark in SEPARATORS if mark in lines[0]), ",")
-    names = next(iter(_table(lines[:1], separator)), [])
-    return separator, [name.strip().lower() for name in names]
+def _names(table: TextTable) -> list[str]:
+    return [name.lower() for name in table.names]
 
 
-def _table(lines: list[str], separator: str) -> list[list[str]]:
-    try:
-        return list(csv.reader(lines, strict=True, delimiter=separator))
-    except csv.Error as error:
-        raise InputError(f"is not CSV: {error}") from error
+def _row(line: int, row: str) -> list[float]:
+    check_is_numbers(line, row)
+    return numbers(line, row)
 
 
-def _check_order(line: int, rows: list[list[float]]) -> None:
-    if len(rows) > 1 and not rows[-1][0] > rows[-2][0]:
-        raise InputError(f"line {line}: time = {rows[-1][0]}: must be later than the row before, {rows[-2][0]} s")
-
-
-def _has_times(rows: list[list[float]]) -> bool:
-    """Whether the rows look like a time and one or two accelerations."""
-    if len(rows) < 3 or {len(row) for row in rows} not in ({2}, {3}):
-        return False
-    return all(late[0] > early[0] for early, late in pairwise(rows))
+def _kept(rows: list[list[float]]) -> str:
+    """Return what to do with a table of times: which columns to keep."""
+    repeated = any(late[0] == early[0] for early, late in pairwise(rows))
+    if repeated:
+        return "; some are equal: write more digits, or keep the accelerations alone, one a line, and give dt"
+    return "" if len(rows[0]) in (2, 3) else "; keep the columns of time and acceleration, and the vertical one if any"

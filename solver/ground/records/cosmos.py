@@ -6,8 +6,8 @@ import re
 from dataclasses import dataclass
 
 from ...common.errors import InputError
+from ...common.text import fixed_columns, number, rows_of_numbers
 from .record import Record, equally_spaced
-from .text import fixed_columns, number, rows_of_numbers
 from .units import factor_of
 
 NAME = "COSMOS or CSMIP V1/V2"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 
 from ...common.errors import InputError
+from ...common.text import number, rows_of_numbers
 from .record import Record, equally_spaced
-from .text import number, rows_of_numbers
 from .units import factor_of
 
 NAME = "ESM ASCII"

@@ -7,8 +7,8 @@ import re
 import numpy as np
 
 from ...common.errors import InputError
+from ...common.text import number, rows_of_numbers
 from .record import Record, equally_spaced
-from .text import number, rows_of_numbers
 from .units import factor_of
 
 NAME = "K-NET ASCII"

@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 
 from ...common.errors import InputError, reading
+from ...common.text import lines_of
 from . import columns, cosmos, esm, knet, peer
 from .record import Record
-from .text import lines_of
 
 _READERS = {peer.NAME: peer.read, esm.NAME: esm.read, knet.NAME: knet.read, columns.CSV: columns.read_csv}
 

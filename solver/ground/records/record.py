@@ -24,6 +24,7 @@ class Record:
     title: str = ""  # event, station and direction in the file's own words
     notes: tuple[str, ...] = ()  # changes made to the samples, e.g. a mean subtracted
     ay: FloatArray | None = None  # (m,) m/s2, across ax, where the file has it
+    warning: str = ""  # what was changed and may not be meant; `Motion.from_record` says it
 
 
 def equally_spaced(

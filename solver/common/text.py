@@ -7,8 +7,8 @@ import math
 import os
 import re
 
-from ...common.errors import InputError, shown
-from ...common.files import MOST_RECORD, content_of
+from .errors import InputError, shown
+from .files import MOST_RECORD, content_of, with_point
 
 _EXPONENT = r"(?:[EeDd][+-]?\d+)?"
 _NUMBER = re.compile(rf"[+-]?(?:\d+\.?\d*|\.\d+){_EXPONENT}", re.ASCII)
@@ -18,14 +18,14 @@ _TOUCHING = re.compile(rf"[+-]?{_WITH_POINT}(?:[+-]{_WITH_POINT})+", re.ASCII)
 _ONE_OF_THEM = re.compile(rf"[+-]?{_WITH_POINT}", re.ASCII)
 
 
-def lines_of(path: str | os.PathLike[str]) -> list[str]:
+def lines_of(path: str | os.PathLike[str], most: int = MOST_RECORD) -> list[str]:
     """Return the lines of a text file, without their ends (LF, CRLF or CR).
 
     UTF-8 and UTF-16 by their marks, UTF-8 without; other files are read as Latin-1, for station names in old files.
 
     Raises InputError if the file is not text, OSError.
     """
-    raw = content_of(path, MOST_RECORD)
+    raw = content_of(path, most)
     try:
         if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
             text = raw.decode("utf-16")
@@ -45,7 +45,7 @@ def number(line: int, text: str) -> float:
     if _NUMBER.fullmatch(stripped):
         value = float(stripped.upper().replace("D", "E"))
     if not math.isfinite(value):
-        raise InputError(f"line {line}: {shown(text)}: must be a finite number")
+        raise InputError(f"line {line}: {with_point(stripped) or f'{shown(text)}: must be a finite number'}")
     return value
 
 

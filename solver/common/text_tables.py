@@ -1,0 +1,146 @@
+"""Tables in text files, as instruments and spreadsheets write them: one reader for every command."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import InputError, shown
+from .files import with_point
+from .text import number
+
+FloatArray = NDArray[np.float64]
+SEPARATORS = (";", "\t", ",")
+COMMENTS = ("#", "%", "!", "//")
+MOST_ROUNDED = 1e-9  # of the shortest step: float64 times that are rounded by more begin at 0
+FEWEST_OF_MANY = 4  # rows of more than three columns that can be told from samples row by row
+_COMMAS = re.compile(r"[+-]?\d*,\d+(?:[EeDd][+-]?\d+)?(?:,[+-]?\d*,\d+(?:[EeDd][+-]?\d+)?)*", re.ASCII)
+
+
+@dataclass(frozen=True)
+class TextTable:
+    """Fields below a header, each row with the number of its line, from 1."""
+
+    title: str  # the header as written
+    names: tuple[str, ...]  # without blanks around them
+    rows: tuple[tuple[str, ...], ...]
+    lines: tuple[int, ...]
+
+    def check_widths(self) -> None:
+        """Raise InputError unless every row has as many fields as the header."""
+        for line, row in zip(self.lines, self.rows, strict=True):
+            if len(row) != len(self.names):
+                twice = len(row) == 2 * len(self.names) and "." not in "".join(row)
+                hint = "; are these decimal commas? They must be decimal points" if twice else ""
+                raise InputError(f"line {line}: {len(row)} values, must be {len(self.names)} as in the header{hint}")
+
+    def numbers(self, columns: Sequence[int] | None = None) -> FloatArray:
+        """Return the fields of some columns as numbers, (rows, columns); None: of all. Raises InputError."""
+        self.check_widths()
+        columns = range(len(self.names)) if columns is None else columns
+        found = [[number(line, row[k]) for k in columns] for line, row in zip(self.lines, self.rows, strict=True)]
+        return np.array(found, dtype=np.float64).reshape(len(found), len(columns))
+
+
+def table_of(lines: Sequence[str], names: Sequence[str] = ()) -> TextTable:
+    """Return the table of a file between `;`, tabs or commas, whichever its first line has; blank lines are left out.
+
+    names: of a file without a header. Raises InputError if quotes are left open.
+    """
+    first = lines[0] if lines else ""
+    separator = next((mark for mark in SEPARATORS if mark in first), ",")
+    reader = csv.reader(lines, strict=True, delimiter=separator)
+    try:
+        rows = [(reader.line_num, tuple(row)) for row in reader if any(text.strip() for text in row)]
+    except csv.Error as error:
+        raise InputError(f"is not CSV: {error}") from error
+    if not names:
+        names, rows = (rows[0][1] if rows else ()), rows[1:]
+    return TextTable(
+        first.strip(), tuple(name.strip() for name in names), tuple(row for _, row in rows), tuple(k for k, _ in rows)
+    )
+
+
+def check_no_decimal_commas(rows: Iterable[tuple[int, str]]) -> None:
+    """Raise InputError if the commas of rows without a header, (line, text), are those of decimal fractions.
+
+    A comma between two digits is decimal where another mark or a blank separates the numbers as well, and where no row
+    has a decimal point and every second number lacks a sign.
+    """
+    rows = list(rows)
+    points = any("." in row for _, row in rows)
+    every = not points and all(_COMMAS.fullmatch(row.strip()) for _, row in rows)
+    for line, row in rows:
+        words = re.split(r"[;\s]+", row.strip(" \t;"))
+        for word in words:
+            decimal = _COMMAS.fullmatch(word) and (every or (len(words) > 1 and word.count(",") == 1))
+            if decimal and "." not in row:
+                part = re.match(r"[^,]*,[^,]*", word)
+                raise InputError(
+                    f"line {line}: {with_point(part[0] if part else word)}; "
+                    "put a blank after commas that separate numbers"
+                )
+
+
+def increases_as_times(rows: Sequence[Sequence[float]]) -> bool:
+    """Return True if the first of several columns never decreases, as times do not; the last row may be cut short."""
+    widths = {len(row) for row in rows[:-1]}
+    if len(rows) < 3 or len(widths) != 1 or widths == {1}:
+        return False
+    first = [row[0] for row in (rows if len(rows[-1]) in widths else rows[:-1])]
+    if len(rows[-1]) in widths and widths <= {2, 3} and all(late > early for early, late in pairwise(first)):
+        return True
+    steady = all(late >= early for early, late in pairwise(first)) and first[-1] > first[0]
+    return steady and len(first) >= FEWEST_OF_MANY
+
+
+def check_times(lines: Sequence[int], time: Sequence[float]) -> None:
+    """Raise InputError unless times increase from row to row."""
+    for (early, late), line in zip(pairwise(time), lines[1:], strict=True):
+        if not late > early:
+            raise InputError(f"line {line}: time = {late}: must be later than the row before, {early} s")
+
+
+def from_zero(texts: Sequence[str], time: FloatArray) -> tuple[FloatArray, str]:
+    """Return times that begin at 0 where float64 would round them too much, as since 1970, and a line that says so.
+
+    texts: the times as written, whose differences are exact. Other times are returned as they are, with "".
+    """
+    if len(time) < 2 or not np.spacing(np.max(np.abs(time))) > MOST_ROUNDED * np.min(np.diff(time)):
+        return time, ""
+    exact = [Decimal(text.strip().upper().replace("D", "E")) for text in texts]
+    made = np.array([float(value - exact[0]) for value in exact])
+    return made, f"times begin at 0 instead of {texts[0].strip()} s, which leaves too few digits for the steps"
+
+
+def check_no_header_of_numbers(dt: float, samples: Sequence[float]) -> None:
+    """Raise InputError if the first samples look like the count or the factor, and the step, of a header of numbers."""
+    if len(samples) < 5:
+        return
+    first, second = samples[0], samples[1]
+    most = 10.0 * max(abs(value) for value in samples[2:5])
+    found = ""
+    for value, other in ((second, first), (first, second)):
+        if np.isclose(value, dt, rtol=1e-9, atol=0.0) and other and (float(other).is_integer() or abs(other) > most):
+            found = f"one of the first two numbers, {first:g} and {second:g}, equals dt"
+    for k, value in ((1, first), (2, first), (2, second)):
+        if value == len(samples) - k > most:
+            found = found or f"{value:g} is the number of samples that follow"
+    if found:
+        raise InputError(f"{found}: these look like a header; must begin with # to be left out, or be removed")
+
+
+def check_is_numbers(line: int, row: str) -> None:
+    """Raise InputError that says what to do with a heading, if a row without a header begins with a word."""
+    word = row.split()[0].strip("\"'")
+    if word[:1].isalpha() and word.lower() not in ("nan", "inf", "infinity"):
+        raise InputError(
+            f"line {line}: {shown(row[:80])}: must be numbers; put # before a line that is a heading, or remove it"
+        )

@@ -1,0 +1,147 @@
+"""Tables in text files: what looks like samples and is something else is refused by name, in every command."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support.record_files import DT, SAMPLES
+
+from solver import InputError, InputWarning, Motion
+from solver.ground.loads import load_from_file
+from solver.ground.records import read_record
+from solver.statics.calibrate import read_history
+
+IN_G = SAMPLES / 9.80665
+TIME = DT * np.arange(len(SAMPLES))
+COMMA = "has a decimal comma, must be"
+
+
+def rows_of(*columns: Any, mark: str = " ", digits: int = 5) -> str:
+    return "".join(mark.join(f"{value:.{digits}f}" for value in row) + "\n" for row in zip(*columns, strict=True))
+
+
+def read(tmp_path: Path, text: str, **given: Any) -> Motion:
+    path = tmp_path / "record.txt"
+    path.write_text(text, encoding="utf-8")
+    return Motion.from_file(path, **given)
+
+
+@pytest.mark.parametrize(
+    ("text", "given"),
+    [
+        (rows_of(IN_G).replace(".", ","), {"dt": DT}),
+        (rows_of(TIME, IN_G, mark=";").replace(".", ","), {}),
+        (rows_of(TIME, IN_G, mark="\t").replace(".", ","), {}),
+        (rows_of(TIME, IN_G).replace(".", ","), {"dt": DT}),
+        (rows_of(TIME, IN_G, mark=",").replace(".", ","), {"dt": DT}),
+        ("0;0,1\n0,01;0\n0,02;-1,5E-02\n", {}),
+    ],
+)
+def test_decimal_commas_are_refused_where_they_are(tmp_path: Path, text: str, given: dict[str, float]) -> None:
+    """Not taken for two samples each: twice as many, 20 times as strong."""
+    with pytest.raises(InputError, match=rf"record\.txt: line 1: [-\d,]+ {COMMA} [-\d.]+ with a decimal point"):
+        read(tmp_path, text, units="g", **given)
+
+
+@pytest.mark.parametrize("text", ["0, 1\n1, -2\n", "0.0,1\n1.0,2\n", "0,+1\n1,-2\n", "0 , 12\n1 , 15\n", "0,1.\n1,2\n"])
+def test_commas_between_columns_stay(tmp_path: Path, text: str) -> None:
+    motion = read(tmp_path, text, units="m/s2")
+    np.testing.assert_array_equal(motion.time, [0.0, 1.0])
+    assert motion.ax[1] in (-2.0, 2.0, 15.0)
+
+
+def test_every_command_reads_tables_alike(tmp_path: Path) -> None:
+    """Between semicolons; decimal commas are named with their line."""
+    path = tmp_path / "table.csv"
+    good, bad = "time;value\n0;0.5\n1;1.5\n2;0.25\n", "time;value\n0;0,5\n1;1,5\n2;0,25\n"
+    for reads in (load_from_file, read_history):
+        path.write_text(good, encoding="utf-8")
+        time, values = reads(path)
+        assert (time.tolist(), values.tolist()) == ([0.0, 1.0, 2.0], [0.5, 1.5, 0.25])
+        path.write_text(bad, encoding="utf-8")
+        with pytest.raises(InputError, match=rf"table\.csv: line 2: 0,5 {COMMA} 0\.5"):
+            reads(path)
+        path.write_text("time,value\n0,01,0,5\n0,02,1,5\n", encoding="utf-8")
+        with pytest.raises(InputError, match="line 2: 4 values, must be 2 as in the header; are these decimal commas"):
+            reads(path)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 5, 7])
+def test_tables_of_times_are_not_rows_of_samples(tmp_path: Path, count: int) -> None:
+    """With dt every number is a sample; the first column of these is none."""
+    text = rows_of(TIME, *[k * IN_G for k in range(1, count)])
+    for lines in (text, text + "1.0\n", rows_of(1.7e9 + TIME, *[IN_G] * (count - 1))):
+        with pytest.raises(InputError, match="dt: must be left out, the first column increases as times do") as caught:
+            read(tmp_path, lines, units="g", dt=DT)
+        assert ("keep the columns of time and acceleration" in str(caught.value)) == (count > 3)
+    if count > 3:
+        with pytest.raises(
+            InputError, match=r"line 1: \d values, must be .*; keep the columns of time and acceleration"
+        ):
+            read(tmp_path, text, units="g")
+
+
+def test_samples_in_many_columns_stay_samples(tmp_path: Path) -> None:
+    for each in (4, 5, 8):
+        text = "\n".join(" ".join(f"{value:.5f}" for value in IN_G[k : k + each]) for k in range(0, 200, each))
+        np.testing.assert_allclose(read(tmp_path, text, units="g", dt=DT).ax, SAMPLES, atol=1e-4)
+
+
+def test_times_of_too_few_digits_are_refused_with_dt_too(tmp_path: Path) -> None:
+    text = rows_of(0.5 * TIME, IN_G, digits=2)
+    with pytest.raises(InputError, match=r"line \d: time = 0\.\d+: must be later than the row before"):
+        read(tmp_path, text, units="g")
+    with pytest.raises(InputError, match="some are equal: write more digits, or keep the accelerations alone"):
+        read(tmp_path, text, units="g", dt=0.5 * DT)
+
+
+@pytest.mark.parametrize("begin", [1_700_000_000, 1_700_000_000_000, -2_000_000_000])
+@pytest.mark.parametrize("header", ["", "time,base.ax\n"])
+def test_times_since_1970_begin_at_0_and_it_is_said(tmp_path: Path, begin: int, header: str) -> None:
+    """The motion is that of times from 0, to the bit."""
+    mark = "," if header else " "
+    text = header + "".join(f"{begin + k // 100}.{k % 100:02d}{mark}{a:.6f}\n" for k, a in enumerate(SAMPLES))
+    if begin < 0:
+        text = header + "".join(f"{begin + k}.0{mark}{a:.6f}\n" for k, a in enumerate(SAMPLES))
+    given = {} if header else {"units": "m/s2"}
+    with pytest.warns(InputWarning, match=rf"record\.txt: times begin at 0 instead of {begin}\.0"):
+        motion = read(tmp_path, text, **given)
+    step = 1.0 if begin < 0 else 0.01
+    np.testing.assert_array_equal(motion.time, [float(f"{step * k:.2f}") for k in range(200)])
+
+
+def test_times_that_keep_their_digits_stay(tmp_path: Path) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert read(tmp_path, rows_of(5000.0 + TIME, IN_G), units="g").start == 5000.0
+
+
+@pytest.mark.parametrize(
+    "head", ["1\n0.01\n", "9.81 0.01\n", "200 0.01\n", "0.01 200\n", "200\n", "200\n0.02\n", "0.01\n981\n"]
+)
+def test_numbers_of_a_header_are_no_samples(tmp_path: Path, head: str) -> None:
+    """A count or a factor, and the step, above the samples."""
+    with pytest.raises(InputError, match="look like a header; must begin with # to be left out"):
+        read(tmp_path, head + rows_of(IN_G), units="g", dt=DT)
+    marked = "".join(f"# {line}\n" for line in head.splitlines())
+    assert len(read(tmp_path, marked + rows_of(IN_G), units="g", dt=DT).ax) == 200
+
+
+def test_a_sample_may_equal_the_step(tmp_path: Path) -> None:
+    samples = [0.0, 0.01, 0.02, 0.01, 0.0, -0.01]
+    assert read(tmp_path, rows_of(samples), units="m/s2", dt=0.01).ax.tolist() == samples
+
+
+@pytest.mark.parametrize("head", ["time,acc", "Time;Acceleration", "time (s)\tacc (g)", '"Time","Acc"'])
+def test_a_heading_of_others_is_refused_with_what_to_change(tmp_path: Path, head: str) -> None:
+    path = tmp_path / "record.txt"
+    path.write_text(head + "\n0.0 0.1\n0.5 0.2\n", encoding="utf-8")
+    for units in ("g", None):
+        with pytest.raises(InputError, match=r"line 1: .*put # before (this|a) line"):
+            read_record(path, units=units)
+    path.write_text(f"# {head}\n0.0 0.1\n0.5 0.2\n", encoding="utf-8")
+    assert read_record(path, units="m/s2").ax.tolist() == [0.1, 0.2]
