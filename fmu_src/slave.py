@@ -26,7 +26,7 @@ from solver.common.errors import InputError, SolverError, TooMuchWorkError, chec
 from solver.common.files import identifier_of
 from solver.ground.motion import Motion
 
-from . import rules, state
+from . import rules, state, state_ranges
 from .alternation import Alternation
 from .body import body_of
 from .description_parts import LOG_CATEGORIES, About
@@ -325,13 +325,13 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._tolerance_set = snapshot.tolerance_set
 
     def _check_outputs(self, snapshot: state.Snapshot, stepper: Any) -> None:
-        """Raise InputError if outputs of that state are not finite, whatever the inputs are."""
+        """Raise InputError if outputs of that state are beyond any motion, whatever the inputs are."""
         if not snapshot.inputs_stand:
             stepper.drive(snapshot.time, *(variable.start for variable in self._inputs), since=snapshot.input_time)
         with contextlib.suppress(SolverError):  # an Error when outputs are got
             stepper.observe(snapshot.time)
-            if not np.isfinite(stepper.seen).all():
-                raise InputError("its outputs are not finite")
+            if not (np.abs(stepper.seen) <= state_ranges.MOST).all():
+                raise InputError("its outputs are no finite numbers that a motion can have")
 
     # --- variables
 

@@ -20,6 +20,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import traceback
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -53,26 +54,34 @@ LARGEST = 1e6  # of inputs: beyond it outputs need not be finite
 STEP = 0.01  # s
 
 
-def changed(data: bytes, some: random.Random) -> bytes:
-    """Return a state in which one number differs, seldom three, under a right checksum."""
-    return _changed_text(data, some) if data[DIGEST : DIGEST + 1] == b"{" else _changed_words(data, some)
+def changed(data: bytes, some: random.Random, begin_of_model: int = 0) -> bytes:
+    """Return a state in which one number differs, seldom three, under a right checksum.
 
-
-def _changed_words(data: bytes, some: random.Random) -> bytes:
-    head, content = data[:HEADER], bytearray(data[HEADER:])
+    begin_of_model: number of the first word of the model at the end of a native state, which is seldom changed: it is
+    compared as a whole.
+    """
+    if data[DIGEST : DIGEST + 1] == b"{":
+        return _changed_text(data, some)
+    content = bytearray(data[HEADER:])
     for _ in range(some.choice([1, 1, 1, 3])):
-        place = 8 * some.randrange(len(content) // 8)
+        words = len(content) // 8
+        place = 8 * some.randrange(begin_of_model if begin_of_model and some.random() < 0.9 else words)
         (number,) = struct.unpack_from("<d", content, place)
         if some.random() < 0.2:
             struct.pack_into("<q", content, place, some.choice(WHOLE))
         else:
             struct.pack_into("<d", content, place, _other(number, some))
+    return _sealed(data[:HEADER], content)
+
+
+def _sealed(head: bytes, content: bytearray) -> bytes:
+    """Return a native state with its checksum."""
     checksum = 14695981039346656037
     for byte in content:
         checksum = ((checksum ^ byte) * 1099511628211) % 2**64
     words = head.rstrip(b"\0").split(b"\n")
     words[-1] = f"{checksum:016x}".encode()
-    return b"\n".join(words).ljust(HEADER, b"\0") + bytes(content)
+    return b"\n".join(words).ljust(HEADER, b"\0") + content
 
 
 def _changed_text(data: bytes, some: random.Random) -> bytes:
@@ -125,6 +134,7 @@ class Campaign:
         self.body.fmi.getReal(self.outputs)
         self.whole.append(self._saved())
         self.ends = [self._end(k) for k in range(len(self.whole))]
+        self.begin_of_model = self._begin_of_model()
         read = [self.body.fmi.deSerializeFMUstate(data) for _, data in self.whole]
         assert [self._end(k, state) for k, state in enumerate(read)] == self.ends, (
             "a whole state is not read as it was written"
@@ -139,6 +149,21 @@ class Campaign:
     def _saved(self) -> tuple[Any, bytes]:
         state = self.body.fmi.getFMUState()
         return state, bytes(self.body.fmi.serializeFMUstate(state))
+
+    def _begin_of_model(self) -> int:
+        """Return the first word of a native state in and behind which no bit may change; 0 of a PythonFMU's."""
+        data = self.whole[1][1]
+        if data[DIGEST : DIGEST + 1] == b"{":
+            return 0
+        low, high = 0, (len(data) - HEADER) // 8
+        while low < high:
+            middle, content = (low + high) // 2, bytearray(data[HEADER:])
+            content[8 * middle] ^= 1
+            if self.body.attempt("deSerializeFMUstate", _sealed(data[:HEADER], content)) == "ok":
+                low = middle + 1
+            else:
+                high = middle
+        return low
 
     def push(self, size: float) -> None:
         """Set the inputs: accelerations, and for a body that drives the base its mass and its force."""
@@ -156,7 +181,7 @@ class Campaign:
         """Make the state of that number, and judge it: {"answer", "failures"}."""
         some = random.Random(f"{seed} {number}")
         k = some.randrange(len(self.whole))
-        data = changed(self.whole[k][1], some)
+        data = changed(self.whole[k][1], some, self.begin_of_model)
         failures: list[str] = []
         answer = self._judge(data, 0.0 if k == 0 else self.t, failures)
         if self._end(k) != self.ends[k]:
@@ -245,16 +270,19 @@ def judged(fmu: Path, seed: int, first: int, count: int) -> dict[str, Any]:
 
 def main() -> None:
     """Judge states in this process."""
-    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    answers, errors = (os.fdopen(os.dup(k), "w", encoding="utf-8") for k in (1, 2))
     nothing = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nothing, 1)  # output of the FMU
-    sys.stderr = os.fdopen(os.dup(2), "w", encoding="utf-8")
-    os.dup2(nothing, 2)
+    for k in (1, 2):  # output of the FMU
+        os.dup2(nothing, k)
     fmu, seed, first, count = sys.argv[1], *map(int, sys.argv[2:])
-    of = Campaign(fmu)
-    for number in range(first, first + count):
-        signal.alarm(PATIENCE)  # ends this process
-        print(json.dumps(of.try_state(number, seed)), file=answers, flush=True)
+    try:
+        of = Campaign(fmu)
+        for number in range(first, first + count):
+            signal.alarm(PATIENCE)  # ends this process
+            print(json.dumps(of.try_state(number, seed)), file=answers, flush=True)
+    except Exception:
+        traceback.print_exc(file=errors)
+        raise
 
 
 if __name__ == "__main__":

@@ -829,7 +829,8 @@ static int is_possible(const Moment *moment) {
     return fabs(moment->time) <= MOST_TIME && fabs(moment->input_time) <= MOST_TIME && isfinite(moment->scale);
 }
 
-/* Whether outputs follow from a moment whose model is its own, whatever the inputs are. Changes the scratch. */
+/* Whether outputs and their rates follow from a moment whose model is its own, whatever the inputs are. Changes the
+   scratch. */
 static int has_outputs(Instance *scratch) {
     Moment *now = &scratch->now;
     if (!now->inputs_stand) memcpy(now->reals, real_starts, BASE_INPUTS * sizeof *now->reals);
@@ -837,9 +838,16 @@ static int has_outputs(Instance *scratch) {
                                .new_inputs = !now->inputs_stand, .upright = now->mode == INITIALIZATION,
                                .elapsed = now->time - now->input_time, .t = now->time,
                                .row = &now->reals[AT_ROW], .split = &now->reals[AT_SPLIT]});
-    for (int k = AT_ROW; code >= 0 && k < AT_SPLIT + SPLIT; k++)
-        if (!isfinite(now->reals[k])) return 0;
-    return 1; /* a code becomes an Error when outputs are got */
+    if (code < 0) return 1; /* which becomes an Error when outputs are got */
+    for (int k = AT_ROW; k < AT_SPLIT + SPLIT; k++)
+        if (!(fabs(now->reals[k]) <= MOST)) return 0;
+    code = rates((Rates){COLUMN(scratch), RECORD(scratch), .t = now->time, .row = scratch->row, .split = scratch->split,
+                         .other = scratch->other_row, .other_split = scratch->other_split});
+    for (int k = 0; code >= 0 && k < ROW; k++)
+        if (!isfinite(scratch->row[k])) return 0;
+    for (int k = 0; code >= 0 && k < SPLIT; k++)
+        if (!isfinite(scratch->split[k])) return 0;
+    return 1;
 }
 
 /* Whether the model of a moment, which holds sizes and codes, is that of the parameters, and gives outputs; a parameter
