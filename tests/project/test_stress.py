@@ -21,7 +21,7 @@ pytest.importorskip("resource", reason="processes are limited by means of POSIX"
 
 from solver import Motion
 from solver.kernels.layout import spaces as at
-from stress import command_line, fuzz_files, fuzz_fmu, report, scheme, stability
+from stress import changed_states, command_line, fuzz_files, fuzz_fmu, report, scheme, stability
 from stress.cases import draw
 from stress.determinism import digest, elsewhere, restored
 from stress.energy import Energies
@@ -132,6 +132,21 @@ def test_fmi_calls(fmus: Fmus) -> None:
     found = fuzz_fmu.fuzz(fmus.damped, 7, 150)
     assert found["failures"] == []
     assert found["calls"] > 2000
+
+
+def test_changed_states(fmus: Fmus) -> None:
+    found = changed_states.judged(fmus.damped, 7, 0, 200)
+    assert found["failures"] == []
+    assert found["answers"]["refused"] > 50
+    assert found["answers"]["taken"] > 50
+
+
+@pytest.mark.long
+def test_changed_states_of_a_structure(trilith: Path, native_trilith: Path) -> None:
+    for fmu in (trilith, native_trilith):
+        found = changed_states.judged(fmu, 7, 0, 500)
+        assert found["failures"] == []
+        assert found["answers"]["taken"] > 150
 
 
 class Yielding:
