@@ -22,6 +22,8 @@ _BLOCKS = len(OF_BLOCK)
 _CONTACT = OF_JOINT.index("contact")
 PROMISE = 0.1  # of the tolerance: a peak whose predicted rise is smaller has been found
 EDGE = 0.1  # of a step, from its ends: where a top is looked for that may lie nearer to them
+KINKED = 0.5  # of the bend: largest deviation of a force of a joint, which may have a kink, above the parabola
+BEYOND = 0.1  # of the change to the middle: by how much such a force may go on rising from the start of a step
 QUIET = 1e-3  # of the largest peak of its kind: smaller ones are searched to a tolerance relative to this
 
 
@@ -305,17 +307,23 @@ def _find_tops(scene, shaking, segment, t, h):
     begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
     allowed = seen(scene, 4)
     _allow(scene, allowed)
+    of_joints, of_ties = _BLOCKS * scene.n, _BLOCKS * scene.n + len(OF_JOINT) * scene.m
     for j in range(scene.visible):
         by_least = _by_least(scene, j)
         sign = -1.0 if middle[j] < 0.0 or by_least else 1.0
         a, b, c = sign * begin[j], sign * middle[j], sign * end[j]
         bend, rise = 2.0 * b - a - c, c - a
-        if abs(rise) >= NEAR * bend:
-            continue
+        has_kinks = of_joints <= j < of_ties and not by_least  # where a joint begins to slide or to open
         above = scene.peaks[j] + allowed[j] - (1.0 if by_least else 0.0)
-        s, height, trials = 0.5 + rise / (4.0 * bend), b + rise * rise / (8.0 * bend) + MARGIN * bend, 0
-        s = min(max(s, EDGE), 1.0 - EDGE)
-        known = (0.0, a, 0.5, b, 1.0, c)
+        if abs(rise) < NEAR * bend:
+            s, height = 0.5 + rise / (4.0 * bend), b + rise * rise / (8.0 * bend)
+            height += (KINKED if has_kinks else MARGIN) * bend
+            s = min(max(s, EDGE), 1.0 - EDGE)
+        elif has_kinks and a > b:
+            s, height = EDGE, a + BEYOND * (a - b)
+        else:
+            continue
+        trials, known = 0, (0.0, a, 0.5, b, 1.0, c)
         while height > above and trials < MOST_TRIALS and 0.0 < s < 1.0:
             found = sign * _look_at(scene, shaking, segment, t, h, s, j)
             trials += 1
