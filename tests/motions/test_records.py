@@ -10,7 +10,22 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from support.record_files import CASES, DT, ENCODINGS, SAMPLES, Case, at2, cosmos_v2, csmip_v2, csv, esm, knet, plain
+from support.record_files import (
+    CASES,
+    DT,
+    ENCODINGS,
+    SAMPLES,
+    Case,
+    at2,
+    cosmos_v1c,
+    cosmos_v2,
+    csmip_v1,
+    csmip_v2,
+    csv,
+    esm,
+    knet,
+    plain,
+)
 
 from solver import InputError, Motion
 from solver.ground.records import format_of, read_record
@@ -142,6 +157,15 @@ def test_a_third_plain_column_is_vertical(tmp_path: Path) -> None:
         ),
         (cosmos_v2().replace("     200 acc", "     208 acc"), {}, "200 samples found, must be 208 as line 45 says"),
         (cosmos_v2().replace("acceleration pts", "velocity pts"), {}, "no block of accelerations, must have one"),
+        (
+            cosmos_v1c()
+            .replace("acceleration pts", "raw accel. pts")
+            .replace("units=g.     (02)", "units= counts(50),"),
+            {},
+            "line 45: units = 'counts': must be g, m/s2 or cm/s2 (counts are raw: take the V1 or V2 file)",
+        ),
+        (csmip_v1(), {}, "2 channels: channel must be given, one of 1 90 Deg, 2 180 Deg"),
+        (csmip_v1("in/s2"), {"channel": 1}, "line 28: units = 'in/s2': must be g, m/s2 or cm/s2"),
         (
             csmip_v2().replace("  200 points of accel", "  201 points of accel"),
             {},

@@ -130,6 +130,28 @@ def csmip_v2() -> str:
     return f"Corrected accelerogram\nChan  1: 90 Deg\n{line}\n{values}{veloc}\n{values}{end}\n"
 
 
+def cosmos_v1c() -> str:
+    """COSMOS V1 as CESMD writes it: a point after the unit, no comma before the format, columns that touch."""
+    text = cosmos_v1().split("\n")
+    k = next(k for k, line in enumerate(text) if "acceleration pts" in line)
+    text[k] = f"{len(SAMPLES):8d} acceleration pts, approx   2 secs, units=g.     (02)Format=(8f9.6)"
+    values = _rows([f"{a / G:9.6f}" for a in SAMPLES], 8).rstrip("\n").split("\n")
+    return "\n".join([*text[: k + 1], *values, *text[k + 1 + len(SAMPLES) :]])
+
+
+def csmip_v1(units: str = "g .     ") -> str:
+    """CSMIP V1 of 1999 to 2019: 27 lines, two lists of numbers, then number, rate, units and columns; two channels."""
+    head = [f"text line {k}" for k in range(1, 28)]
+    head[10] = f"No. of Points =    {len(SAMPLES)}  Record Length =  2.000 sec   at 100 Samples/sec"
+    line = f"{len(SAMPLES):6d} Accelerogram points at 100 pts/sec in units of {units} Format: (8f9.6)"
+    channels = []
+    for number, sign in ((1, 1.0), (2, -1.0)):
+        values = _rows([f"{sign * a / G:9.6f}" for a in SAMPLES], 8).rstrip("\n")
+        end = f"/&  ---------- End of data for channel  {number} ----------"
+        channels += [*head[:5], f"Chan  {number}: {90 * number} Deg", *head[6:], line, values, end]
+    return "\n".join(channels) + "\n"
+
+
 def csv(separator: str = ",", header: Sequence[str] = ("time", "base.ax")) -> str:
     """The CSV of this project."""
     rows = [f"{t:.17g}{separator}{a:.17g}" for t, a in zip(_TIME, SAMPLES, strict=True)]
@@ -174,6 +196,8 @@ CASES = {
     "cosmos v1": _case(cosmos_v1(), "COSMOS or CSMIP V1/V2", 0.5e-7 * G),
     "cosmos v2": _case(cosmos_v2(), "COSMOS or CSMIP V1/V2", 0.5e-5 * 0.01),
     "cosmos v2 second": _case(cosmos_v2(3), "COSMOS or CSMIP V1/V2", 0.5e-5 * 0.01, channel=3),
+    "cosmos v1 of cesmd": _case(cosmos_v1c(), "COSMOS or CSMIP V1/V2", 0.5e-6 * G),
+    "csmip v1": _case(csmip_v1(), "COSMOS or CSMIP V1/V2", 0.5e-6 * G, channel=1),
     "csmip v2": _case(csmip_v2(), "COSMOS or CSMIP V1/V2", 0.5e-3 * 0.01),
     "csv": _case(csv(), "CSV", 0.0),
     "csv of a spreadsheet": _case(csv(";", ("Time", "BASE.AX")) + "\n\n", "CSV", 0.0),

@@ -13,12 +13,18 @@ from .units import factor_of
 NAME = "COSMOS or CSMIP V1/V2"
 
 _FLAGS = re.IGNORECASE | re.ASCII
-_FORMAT = r"Format\s*=\s*\(\s*(?P<each>\d*)[A-Z](?P<width>\d+)[^)]*\)"
+_FORMAT = r"Format\s*[=:]\s*\(\s*(?P<each>\d*)[A-Z](?P<width>\d+)[^)]*\)"
 _REALS = re.compile(
     rf"\s*(?P<count>\d+)\s+Real-?\s?header values follow on\s+(?P<lines>\d+)\s+lines?.*?{_FORMAT}", _FLAGS
 )
 _COSMOS = re.compile(
-    rf"\s*(?P<count>\d+)\s+(?P<what>[a-z]+)\.?\s+(?:pts|points)\b.*?units\s*=(?P<units>[^,]*),\s*{_FORMAT}", _FLAGS
+    rf"\s*(?P<count>\d+)\s+(?:raw\s+)?(?P<what>[a-z]+)\.?\s+(?:pts|points)\b.*?units\s*=(?P<units>[^,]*?),?\s*{_FORMAT}",
+    _FLAGS,
+)
+_CSMIP_V1 = re.compile(  # of 1999 to 2019
+    rf"\s*(?P<count>\d+)\s+(?P<what>accel)\w* points at\s*(?P<rate>\d*\.?\d+)\s*pts/sec in units of\s+"
+    rf"(?P<units>[a-z][\w/*^]*)[ .,]*{_FORMAT}",
+    _FLAGS,
 )
 _CSMIP = re.compile(
     r"\s*(?P<count>\d+)\s+points of (?P<what>accel|veloc|displ)\w* data equally spaced at\s*(?P<dt>\d*\.?\d+)\s*sec"
@@ -42,12 +48,17 @@ class _Block:
 
 def recognised(lines: list[str]) -> bool:
     """Whether any line describes a block of data."""
-    return any(_COSMOS.match(line) or _CSMIP.match(line) for line in lines)
+    return any(_heading(line) for line in lines)
+
+
+def _heading(line: str) -> re.Match[str] | None:
+    """Return what a line says of the block of data below it; None if it is no such line."""
+    return next((found for pattern in (_COSMOS, _CSMIP, _CSMIP_V1) if (found := pattern.match(line))), None)
 
 
 def _tells(line: str) -> bool:
     """Whether a line is not a row of numbers but ends a block or begins the next."""
-    return any(pattern.match(line) is not None for pattern in (_END, _COSMOS, _CSMIP))
+    return _END.match(line) is not None or _heading(line) is not None
 
 
 def read(lines: list[str], channel: int | None = None) -> Record:
@@ -62,7 +73,7 @@ def read(lines: list[str], channel: int | None = None) -> Record:
     if not 1 <= channel <= len(blocks):
         raise InputError(f"channel = {channel}: must be 1 to {len(blocks)}")
     block = blocks[channel - 1]
-    units = re.sub(r"\(\s*\d+\s*\)", "", block.heading["units"]).strip()
+    units = re.sub(r"\(\s*\d+\s*\)", "", block.heading["units"]).strip(" .")
     factor = factor_of(units, block.line, " (counts are raw: take the V1 or V2 file)")
     samples = _samples(lines, block)
     if len(samples) != int(block.heading["count"]):
@@ -78,9 +89,12 @@ def _accelerations(lines: list[str]) -> list[_Block]:
             title = channel["direction"].strip()
         if reals := _REALS.match(line):
             step = _real_header(lines, k + 1, reals)
-        heading = _COSMOS.match(line)
-        if heading is None and (heading := _CSMIP.match(line)) is not None:
-            step = number(k + 1, heading["dt"])
+        heading = _heading(line)
+        stated = {} if heading is None else heading.groupdict()
+        if "dt" in stated:
+            step = number(k + 1, stated["dt"])
+        elif "rate" in stated:
+            step = 1.0 / max(number(k + 1, stated["rate"]), 1e-12)
         if heading is not None and heading["what"].lower().startswith("acc"):
             if not step > 0.0:
                 raise InputError(
