@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numba import njit
 from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.optimize import brentq
@@ -16,9 +15,12 @@ from multiblock import Column, push_over, simulate_many, wavelets
 from solver import InputError, simulate
 from solver.commands.structure import summary
 from solver.ground.motion import Motion
+from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import row_of
 from solver.kernels.structure import layout as at
+from solver.kernels.structure.bed import Plane
 from solver.kernels.structure.bond import put_bond
+from solver.kernels.structure.clipping import cut
 from solver.kernels.structure.layout import CONTROL
 from solver.models.outputs import places_of
 from solver.models.structure.model import Structure
@@ -418,7 +420,7 @@ def test_a_column_of_mortar_and_its_stack_agree_as_the_bed_stiffens_along() -> N
     assert apart[0] / apart[1] == pytest.approx(10.0, rel=0.1)
 
 
-@njit
+@from_python
 def _corners_put(model: FloatArray, state: FloatArray, counts: NDArray[np.int64], work: FloatArray) -> float:
     scene = at.scene_of(row_of(model), row_of(state), row_of(counts), row_of(work), at.WITH_EXTRAS)
     return float(put_bond(scene, 0))
@@ -437,3 +439,18 @@ def test_no_bond_has_more_corners_than_there_is_room_for(corners: float, put: fl
     written = np.flatnonzero(work != -7.0)
     assert written[0] == seen.room[0]
     assert written[-1] == seen.room[2 * int(put) - 1]
+
+
+@from_python
+def _cut(room: FloatArray, count: int, height: float) -> int:
+    return int(cut(row_of(room), count, Plane(-height, 0.0, 1.0)))
+
+
+@pytest.mark.parametrize(("count", "left"), [(4, 4), (87, 130), (88, 132), (90, 0), (128, 0)])
+def test_no_cut_writes_behind_its_room(count: int, left: int) -> None:
+    """Of a comb whose teeth each have one corner above the line, whatever bytes of a state may hold."""
+    comb = np.column_stack([np.arange(count), (np.arange(count) + 1) % 2 if count > 4 else [0.0, 0.0, 1.0, 1.0]])
+    room = np.full(at.ROOM + 1000, -7.0)
+    room[: 2 * count] = comb.ravel()
+    assert _cut(room, count, 0.5) == left
+    assert np.all(room[at.ROOM :] == -7.0)

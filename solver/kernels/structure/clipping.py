@@ -7,6 +7,7 @@ from .bed import value
 from .layout import ROOM
 
 _CUT = ROOM // 2
+_MOST_LEFT = (ROOM - _CUT) // 2  # corners that a cut may leave; of convex polygons none leaves more
 
 
 @leaf
@@ -21,7 +22,10 @@ def put_square(room, x, y, half):
 
 @kernel
 def cut(room, count, plane):
-    """Leave the part of the polygon where a linear function is positive; returns the number of its corners."""
+    """Leave the part of the polygon where a linear function is positive; returns the number of its corners.
+
+    Nothing is left of one that is so far from convex that there is no room for what a cut leaves.
+    """
     least, most = math.inf, -math.inf
     for k in range(count):
         here = value(plane, room[2 * k], room[2 * k + 1])
@@ -35,10 +39,14 @@ def cut(room, count, plane):
         x1, y1 = room[2 * k], room[2 * k + 1]
         here = value(plane, x1, y1)
         if (before > 0.0) != (here > 0.0):
+            if kept == _MOST_LEFT:
+                return 0
             part = before / (before - here)
             cut[2 * kept], cut[2 * kept + 1] = x0 + part * (x1 - x0), y0 + part * (y1 - y0)
             kept += 1
         if here > 0.0:
+            if kept == _MOST_LEFT:
+                return 0
             cut[2 * kept], cut[2 * kept + 1] = x1, y1
             kept += 1
         x0, y0, before = x1, y1, here
