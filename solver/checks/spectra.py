@@ -6,11 +6,8 @@ EN 1998-1:2004, 3.2.2.2 and 3.2.2.3, with the recommended values of its tables 3
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import os
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -18,8 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.errors import InputError, check_number, reading, shown
-from ..common.files import MB, content_of, printable
+from ..common.files import MB, printable
 from ..common.ranges import check_choice
+from ..common.text import lines_of
+from ..common.text_tables import TextTable, table_of
 from ..ground.motion import STANDARD_GRAVITY
 
 FloatArray = NDArray[np.float64]
@@ -52,6 +51,7 @@ _NTC = {
 }
 _NTC_TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}  # table 3.2.V, at the top of the slope
 MOST_TABLE = MB
+SAME_PERIOD = 1e-6  # of a period: rounding
 MOST_PSA = 10.0 * STANDARD_GRAVITY  # of a table: more is a mistake of units
 UNITS = {"g": STANDARD_GRAVITY, "m/s2": 1.0}
 
@@ -95,19 +95,42 @@ class CornerSpectrum:
 class TableSpectrum:
     """A spectrum of 5 % damping from a table, interpolated in logarithms.
 
-    Before the first period it is constant, beyond the last it falls with the square of the period. Other dampings by
-    the factor of the codes (`damping_factor`).
+    Before the first period it is linear from the peak of the ground, if the table has it, else constant; beyond the
+    last it falls with the square of the period. Other dampings by the factor of the codes (`damping_factor`).
     """
 
-    period: FloatArray  # (m,) s, increasing
+    period: FloatArray  # (m,) s, increasing, above 0
     values: FloatArray  # (m,) m/s2
+    pga: float | None = None  # m/s2, at period 0
 
     def psa(self, period: ArrayLike, damping: float = DAMPING) -> FloatArray:
         """Pseudo-acceleration, m/s2, at periods, s."""
-        t = np.maximum(np.asarray(period, dtype=np.float64), self.period[0])
+        given = np.asarray(period, dtype=np.float64)
+        t = np.maximum(given, self.period[0])
         within = np.exp(np.interp(np.log(t), np.log(self.period), np.log(self.values)))
         beyond: FloatArray = np.minimum(1.0, self.period[-1] / t) ** 2
-        return damping_factor(damping) * within * beyond
+        found = damping_factor(damping) * within * beyond
+        if self.pga is None:
+            return found
+        part = np.minimum(given / self.period[0], 1.0)
+        return np.where(part < 1.0, (1.0 - part) * self.pga + part * found, found)  # the ground has no damping
+
+    def outside(self, shortest: float, longest: float) -> list[str]:
+        """Return a line for each end at which a use from `shortest` to `longest`, s, leaves the table."""
+        lines, (first, last) = [], (float(self.period[0]), float(self.period[-1]))
+        if shortest < first * (1.0 - SAME_PERIOD) and self.pga is None:
+            value = float(self.values[0]) / STANDARD_GRAVITY
+            lines.append(
+                f"the table begins at {first:.4g} s and is read from {shortest:.3g} s: its first value, {value:.4g} g, "
+                "is kept down to period 0; add a row for period 0, the PGA"
+            )
+        if longest > last * (1.0 + SAME_PERIOD):
+            value = float(self.psa(longest)) / STANDARD_GRAVITY
+            lines.append(
+                f"the table ends at {last:.4g} s and is read to {longest:.3g} s, where 1/T^2 makes it {value:.4g} g; "
+                "codes have more up to TD"
+            )
+        return lines
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,38 +188,34 @@ def _of_code(name: str, horizontal: CornerSpectrum, vertical_pga: float, amplifi
 def spectrum_from_csv(path: str | os.PathLike[str]) -> TargetSpectrum:
     """Read a spectrum of 5 % damping from a table; its first line is `period,g` or `period,m/s2`.
 
-    Periods in s, increasing and positive. Raises InputError that begins with `path`.
+    Periods in s, increasing; the first may be 0, with the peak of the ground. Raises InputError that begins with
+    `path`.
     """
     with reading(path):
-        rows = list(csv.reader(io.StringIO(content_of(path, MOST_TABLE).decode("utf-8-sig"))))
-        header = [name.strip().lower() for name in rows[0]] if rows else []
+        table = table_of(lines_of(path, MOST_TABLE))
+        header = [name.lower() for name in table.names]
         if len(header) != 2 or header[0] != "period" or header[1] not in UNITS:
-            raise InputError("line 1: must be period,g or period,m/s2")
-        period, values = _numbers(rows[1:], UNITS[header[1]])
-    return TargetSpectrum(printable(os.fspath(path)), TableSpectrum(period, values))
+            raise InputError(f"line 1: {shown(table.title[:80])}: must be period,g or period,m/s2")
+        spectrum = _spectrum_of(table, UNITS[header[1]])
+    return TargetSpectrum(printable(os.fspath(path)), spectrum)
 
 
-def _numbers(rows: Sequence[Sequence[str]], unit: float) -> tuple[FloatArray, FloatArray]:
-    """Periods, s, and values, m/s2."""
+def _spectrum_of(table: TextTable, unit: float) -> TableSpectrum:
+    """Return the spectrum of a table of periods, s, and values in `unit`, m/s2. Raises InputError."""
     found: list[tuple[float, float]] = []
-    for line, row in enumerate(rows, start=2):
-        if not row:
-            continue
-        try:
-            period, value = (float(text) for text in row)
-        except ValueError:
-            raise InputError(f"line {line}: {shown(','.join(row))}, must be a period in s and a value") from None
-        if not (0.0 < period < math.inf and 0.0 < value < math.inf):
-            raise InputError(f"line {line}: {shown(','.join(row))}, must be two positive numbers")
+    for line, row, (period, value) in zip(table.lines, table.rows, table.numbers(), strict=True):
+        if not (period >= 0.0 and value > 0.0):
+            raise InputError(f"line {line}: {shown(','.join(row))}, must be a period, 0 or more, and a positive value")
         if not unit * value <= MOST_PSA:
             raise InputError(f"line {line}: {shown(','.join(row))}, must be at most {MOST_PSA / STANDARD_GRAVITY:g} g")
         if found and not found[-1][0] < period:
             raise InputError(f"line {line}: period {period:g} s, must be above the one before, {found[-1][0]:g} s")
         found.append((period, unit * value))
+    pga = found.pop(0)[1] if found and found[0][0] == 0.0 else None
     if len(found) < 2:
-        raise InputError("must have at least two periods")
-    period, value = np.array(found).T
-    return period, value
+        raise InputError("must have at least two periods above 0")
+    periods, values = np.array(found).T
+    return TableSpectrum(periods, values, pga)
 
 
 def _acceleration(ag: float) -> float:

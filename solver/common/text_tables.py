@@ -139,7 +139,9 @@ def check_no_header_of_numbers(dt: float, samples: Sequence[float]) -> None:
 
 def check_is_numbers(line: int, row: str) -> None:
     """Raise InputError that says what to do with a heading, if a row without a header begins with a word."""
-    word = row.split()[0].strip("\"'")
+    word = next(iter(row.split()), "").strip("\"'")
+    if not word:
+        raise InputError(f"line {line}: no number, must be numbers, or blank without marks")
     if word[:1].isalpha() and word.lower() not in ("nan", "inf", "infinity"):
         raise InputError(
             f"line {line}: {shown(row[:80])}: must be numbers; put # before a line that is a heading, or remove it"
