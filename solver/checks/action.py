@@ -57,6 +57,17 @@ class Action:
             made.append(scaled._replace(motion=motion))
         return replace(self, motions=tuple(made), how=f"{self.how}, turned by a quarter")
 
+    def cautions(self, longest: float = 0.0) -> list[str]:
+        """Return a line for each use of the target beyond its table, and one of factors that are too large.
+
+        longest: period, s, up to which the methods by hand read the target.
+        """
+        lines = scaling.factor_lines(self.motions)
+        if self.target is None or self.periods is None:
+            return lines
+        found = self.target.outside(0.0, max(self.periods[1], longest))
+        return [*(f"{self.target.name}: {line}." for line in found), *lines]
+
     @property
     def statistic(self) -> str:
         """Which of the values of several motions counts, in words."""
@@ -80,6 +91,7 @@ class Level:
     artificial: int  # motions made where none is given
     vertical: bool  # these have vertical components
     seed: int
+    force_scale: bool = False  # factors on records beyond what they bear
 
     def __post_init__(self) -> None:
         if sum(value is not None for value in (self.target, self.pga, self.sa)) > 1:
@@ -112,6 +124,8 @@ def action_on(subject: Subject, motions: Motions, level: Level, variants: Sequen
         how = f"each to a spectral acceleration of {level.sa / STANDARD_GRAVITY:.4g} g at the first period, {own:.4g} s"
     else:
         scaled, how = [ScaledMotion(*pair) for pair in given.items()], "as given"
+    if scaled:
+        scaling.check_factors(scaled, level.force_scale)
     return Action(tuple(scaled), how)
 
 
@@ -122,8 +136,14 @@ def _following(
     own = subject.period
     usual = (SHORTEST_PART * own, max(LONGEST_PART * own, min(longest, LONGEST_PERIOD)))
     low, high = usual if level.periods is None else level.periods
+    if high > target.longest:
+        raise InputError(
+            f"{target.name}: the table ends at {target.longest:.4g} s, the check needs it to {high:.4g} s: must be as "
+            f"long, or --periods {low:.3g} {target.longest:.3g}, periods, must leave out what is beyond"
+        )
     if given:
         scaled = scaling.scaled_to_spectrum(given, target, (low, high), level.least)
+        scaling.check_factors(scaled, level.force_scale)
         how = f"each to a mean of 1 over the target from {low:.3g} to {high:.3g} s, all so that their mean is no "
         return Action(tuple(scaled), f"{how}less than {level.least:g} of it", target, (low, high))
     made = artificial_motions(target, level.artificial, level.seed)

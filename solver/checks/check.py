@@ -128,8 +128,9 @@ class Check:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What a check in the plane leaves to another one, in sentences; none in space."""
-        return tuple(self.subject.left_to_others(self.both))
+        """Sentences on the action where it is doubtful, and on what a check in the plane leaves to another one."""
+        longest = self.by_hand.mechanism.period() if self.by_hand else 0.0
+        return (*self.action.cautions(longest), *self.subject.left_to_others(self.both))
 
     @property
     def agreement(self) -> tuple[str, ...]:
@@ -211,6 +212,7 @@ def check(
     artificial: int = ARTIFICIAL,
     vertical: bool = False,
     seed: int = 0,
+    force_scale: bool = False,
     plan: Plan | None = None,
     callback: Callback | None = None,
 ) -> Check:
@@ -225,12 +227,13 @@ def check(
     the displacement on the edge (C8.7.1.10; of a structure that of a rigid block as high), at most 4 s and at least
     twice the first period. least: part of the target below which the mean spectrum must not be. plan: limits,
     ensembles, margin (limits.py); None: its defaults.
+    force_scale: apply factors on records beyond 0.01 to 100 too.
     callback: as in `simulate_many`, for each set of runs.
 
     Raises InputError for a wrong value, SolverError if the column does not stand at rest or a run cannot be finished.
     """
     span = None if periods is None else (float(periods[0]), float(periods[1]))
-    level = Level(target, pga, vertical_pga, sa, span, least, artificial, vertical, seed)
+    level = Level(target, pga, vertical_pga, sa, span, least, artificial, vertical, seed, force_scale)
     plan = Plan() if plan is None else plan
     subject = subject_of(column, plan.confidence_factor)
     return checked(subject, action_on(subject, motions, level), plan, callback)

@@ -24,6 +24,10 @@ FEWEST, MEAN_FROM = 3, 7  # motions: EN 1998-1, 4.3.3.4.3(3)
 LEAST_PART = 0.9  # of the target, that the mean spectrum keeps: EN 1998-1, 3.2.3.1.2(4)
 MOST_RAISED = 1.15  # factor on artificial motions; those of the spectra of codes need 1.07, one alone
 PERIODS_OF_FIT = 40
+USUAL_FACTOR, MOST_FACTOR = (
+    10.0,
+    100.0,
+)  # on records, and their inverses: the first is said, the other refused
 VERTICAL_RANGE = (0.05, 1.0)  # s, of the fit of vertical components: plateau and next branch of the codes
 
 
@@ -77,6 +81,35 @@ def statistic(values: ArrayLike) -> FloatArray:
     """
     values = np.asarray(values, dtype=np.float64)
     return np.asarray(np.mean(values, axis=0) if len(values) >= MEAN_FROM else np.max(values, axis=0))
+
+
+def check_factors(scaled: Sequence[ScaledMotion], force: bool) -> None:
+    """Raise InputError for a factor that no record bears, unless `force`: its noise would decide."""
+    for one in scaled:
+        factor = _farthest(one)
+        if not force and not 1.0 / MOST_FACTOR <= abs(factor) <= MOST_FACTOR:
+            raise InputError(
+                f"{one.name}: a factor of {factor:.3g}, must be {1.0 / MOST_FACTOR:g} to {MOST_FACTOR:g}: choose "
+                "another record, or check its units; --force-scale, force_scale, applies it"
+            )
+
+
+def factor_lines(scaled: Sequence[ScaledMotion]) -> list[str]:
+    """Return a line that names the motions whose factors are beyond those that guides accept; mostly none."""
+    far = [one for one in scaled if not 1.0 / USUAL_FACTOR <= abs(_farthest(one)) <= USUAL_FACTOR]
+    if not far:
+        return []
+    named = ", ".join(f"{one.name} ({_farthest(one):.3g})" for one in far[:4]) + (", ..." if len(far) > 4 else "")
+    return [
+        f"Factors beyond {1.0 / USUAL_FACTOR:g} to {USUAL_FACTOR:g} on {len(far)} of {len(scaled)} motions: {named}. "
+        "Records scaled that far are of another kind of earthquake, or noise; guides accept 0.25 to 4."
+    ]
+
+
+def _farthest(scaled: ScaledMotion) -> float:
+    """Return the factor of a motion, horizontal or vertical, that is farther from 1."""
+    there = [scaled.factor, scaled.vertical_factor] if np.any(scaled.motion.az) else [scaled.factor]
+    return max(there, key=lambda factor: abs(math.log(abs(factor) or 1e-300)))
 
 
 def applied(name: str, motion: Motion, factor: float, vertical_factor: float | None = None) -> ScaledMotion:

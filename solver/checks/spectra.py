@@ -50,6 +50,7 @@ _NTC = {
     "E": ((1.0, 2.0, -1.1, 1.6), (1.15, -0.4)),
 }
 _NTC_TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}  # table 3.2.V, at the top of the slope
+LIMITS_OF_AG = (1e-3, 100.0)  # m/s2
 MOST_TABLE = MB
 SAME_PERIOD = 1e-6  # of a period: rounding
 MOST_PSA = 10.0 * STANDARD_GRAVITY  # of a table: more is a mistake of units
@@ -145,6 +146,17 @@ class TargetSpectrum:
         """Horizontal pseudo-acceleration, m/s2, at periods, s."""
         return self.horizontal.psa(period, damping)
 
+    @property
+    def longest(self) -> float:
+        """The longest period of a table, s; infinite of a code."""
+        if not isinstance(self.horizontal, TableSpectrum):
+            return math.inf
+        return float(self.horizontal.period[-1]) * (1.0 + SAME_PERIOD)
+
+    def outside(self, shortest: float, longest: float) -> list[str]:
+        """Return a line for each end at which a use from `shortest` to `longest`, s, leaves a table."""
+        return self.horizontal.outside(shortest, longest) if isinstance(self.horizontal, TableSpectrum) else []
+
 
 def eurocode8(ag: float, soil: str, kind: int = 1) -> TargetSpectrum:
     """EN 1998-1:2004, elastic spectrum of type 1 or 2 (`kind`) on ground A to E; recommended values.
@@ -195,7 +207,7 @@ def spectrum_from_csv(path: str | os.PathLike[str]) -> TargetSpectrum:
         table = table_of(lines_of(path, MOST_TABLE))
         header = [name.lower() for name in table.names]
         if len(header) != 2 or header[0] != "period" or header[1] not in UNITS:
-            raise InputError(f"line 1: {shown(table.title[:80])}: must be period,g or period,m/s2")
+            raise InputError(f"line 1: must be period,g or period,m/s2, not {shown(table.title[:80])}")
         spectrum = _spectrum_of(table, UNITS[header[1]])
     return TargetSpectrum(printable(os.fspath(path)), spectrum)
 
@@ -203,7 +215,7 @@ def spectrum_from_csv(path: str | os.PathLike[str]) -> TargetSpectrum:
 def _spectrum_of(table: TextTable, unit: float) -> TableSpectrum:
     """Return the spectrum of a table of periods, s, and values in `unit`, m/s2. Raises InputError."""
     found: list[tuple[float, float]] = []
-    for line, row, (period, value) in zip(table.lines, table.rows, table.numbers(), strict=True):
+    for line, row, (period, value) in zip(table.lines, table.rows, table.numbers().tolist(), strict=True):
         if not (period >= 0.0 and value > 0.0):
             raise InputError(f"line {line}: {shown(','.join(row))}, must be a period, 0 or more, and a positive value")
         if not unit * value <= MOST_PSA:
@@ -219,4 +231,4 @@ def _spectrum_of(table: TextTable, unit: float) -> TableSpectrum:
 
 
 def _acceleration(ag: float) -> float:
-    return check_number("ag", ag, (1e-3, 100.0), "an acceleration in m/s2, from 0.001 to 100")
+    return check_number("ag", ag, LIMITS_OF_AG, "an acceleration in m/s2, from 0.001 to 100")

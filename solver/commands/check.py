@@ -97,6 +97,7 @@ def _add_action(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help=f"motions made where no record is given (default: {ARTIFICIAL})",
     )
+    action.add_argument("--force-scale", action="store_true", help="apply factors on records beyond 0.01 to 100 too")
     action.add_argument("--artificial-vertical", action="store_true", help="with vertical components, by the codes")
     action.add_argument("--seed", type=int, default=0, metavar="N", help="of the first of them (default: 0)")
 
@@ -243,6 +244,7 @@ def _level(options: argparse.Namespace) -> Level:
         artificial=options.artificial,
         vertical=options.artificial_vertical,
         seed=options.seed,
+        force_scale=options.force_scale,
     )
 
 

@@ -7,7 +7,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from ..checks.spectra import SOILS, TargetSpectrum, eurocode8, ntc2018, spectrum_from_csv
-from ..common.errors import InputError
+from ..common.errors import InputError, check_number
+from ..common.ranges import meant
 from ..ground.motion import STANDARD_GRAVITY
 
 
@@ -20,6 +21,7 @@ class Option(NamedTuple):
     help: str
     argument: str = ""  # if it has another name
     factor: float = 1.0  # to SI
+    limits: tuple[tuple[float, float], str] | None = None  # in the option's own unit, and what it must be
 
 
 class Code(NamedTuple):
@@ -30,7 +32,14 @@ class Code(NamedTuple):
     more: tuple[Option, ...] = ()
 
 
-AG = Option("ag", float, "G", "design acceleration on rock, importance included, g", factor=STANDARD_GRAVITY)
+AG = Option(
+    "ag",
+    float,
+    "G",
+    "design acceleration on rock, importance included, g",
+    factor=STANDARD_GRAVITY,
+    limits=((1e-3, 10.0), "an acceleration in g, from 0.001 to 10"),
+)
 SOIL = Option("soil", str, "CLASS", ", ".join(SOILS))
 CODES = {
     "ec8": Code(eurocode8, (AG, SOIL), (Option("type", int, "N", "1 or 2 (default: 1)", "kind"),)),
@@ -68,6 +77,8 @@ def target_of(options: argparse.Namespace) -> TargetSpectrum | None:
     """The spectrum that --spectrum names, from the options of its code or from a table. Raises InputError."""
     name = options.spectrum
     code = CODES.get(name)
+    if name is not None and not code and not name.lower().endswith(".csv"):
+        raise InputError(f"--spectrum {name}: must be {', '.join(CODES)} or a table FILE.csv{meant(CODES, name)}")
     given = {}
     for option, codes in _options().items():
         value = getattr(options, option.name)
@@ -75,10 +86,10 @@ def target_of(options: argparse.Namespace) -> TargetSpectrum | None:
             raise InputError(f"--{option.name}: must be given with --spectrum {name}")
         if value is not None and name not in codes:
             raise InputError(f"--{option.name} {value}: is for --spectrum {' or '.join(codes)}")
+        if value is not None and option.limits is not None:
+            check_number(f"--{option.name}", value, *option.limits)
         if value is not None:
             given[option.argument or option.name] = value * option.factor if option.factor != 1.0 else value
     if code:
         return code.spectrum(**given)
-    if name is not None and not name.lower().endswith(".csv"):
-        raise InputError(f"--spectrum {name}: must be {', '.join(CODES)} or a table FILE.csv")
     return None if name is None else spectrum_from_csv(name)

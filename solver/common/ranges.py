@@ -64,5 +64,11 @@ def check_keys(prefix: str, table: Iterable[str], known: Collection[str], of: st
 
 def listed(known: Collection[str], value: object) -> str:
     """Return the known names and, if one is near enough to `value`, which one is probably meant."""
-    near = difflib.get_close_matches(str(value).lower(), known, n=1, cutoff=0.5)
-    return ", ".join(known) + (f"; did you mean {near[0]}?" if near else "")
+    return ", ".join(known) + meant(known, value)
+
+
+def meant(known: Collection[str], value: object) -> str:
+    """Return "; did you mean ...?" of the known name that is near to `value`, in any case; "" if none is."""
+    written = {name.lower(): name for name in known}
+    near = difflib.get_close_matches(str(value).lower(), written, n=1, cutoff=0.5)
+    return f"; did you mean {written[near[0]]}?" if near else ""

@@ -70,6 +70,15 @@ def test_components_and_a_table_of_a_spectrum(folder: Path, capsys: pytest.Captu
     [
         (["--spectrum", "ec8", "--ag", "0.2"], "--soil: must be given with --spectrum ec8"),
         (["--spectrum", "ec9"], f"--spectrum ec9: must be {', '.join(CODES)} or a table FILE.csv"),
+        (
+            ["--spectrum", "EC8", "--ag", "0.2", "--soil", "A"],
+            f"--spectrum EC8: must be {', '.join(CODES)} or a table FILE.csv; did you mean ec8?",
+        ),
+        (
+            ["--spectrum", "ec8", "--ag", "25", "--soil", "A"],
+            "--ag = 25.0: must be an acceleration in g",
+        ),
+        (["--spectrum", "ec8", "--ag", "0", "--soil", "A"], "--ag = 0.0: must be an acceleration in g, from 0.001"),
         (["--pga", "0.2", "--soil", "A"], f"--soil A: is for --spectrum {' or '.join(CODES)}"),
         (["--limit", "slope=1"], "--limit slope=1: must be KEY=VALUE with one of displacement, friction"),
         (["--limit", "slip=wide"], "--limit slip=wide: must be slip= and a number"),

@@ -6,6 +6,8 @@ import pytest
 from multiblock import InputError, Motion, spectra, spectrum, wavelets
 from solver.checks.scaling import (
     MotionSpectra,
+    check_factors,
+    factor_lines,
     scaled_to_pga,
     scaled_to_sa,
     scaled_to_spectrum,
@@ -14,6 +16,26 @@ from solver.checks.scaling import (
 
 NOISE = {f"noise {k}": wavelets.filtered_noise(1.0 + k, 2.5, 15.0, k) for k in range(3)}
 TARGET = spectra.eurocode8(2.0, "B")
+
+
+@pytest.mark.parametrize(("factor", "said"), [(0.2, False), (9.9, False), (10.1, True), (99.0, True), (0.09, True)])
+def test_factors_that_are_large_are_said(factor: float, said: bool) -> None:
+    motions = {"near": Motion.from_samples(0.01, [0.0, 1.0, 0.0])}
+    scaled = scaled_to_pga(motions, factor)
+    check_factors(scaled, force=False)
+    (line,) = factor_lines(scaled) or [""]
+    assert line.startswith(f"Factors beyond 0.1 to 10 on 1 of 1 motions: near ({factor:.3g}).") == said
+
+
+@pytest.mark.parametrize("factor", [101.0, 2e5, 0.009])
+def test_factors_that_no_record_bears_are_refused(factor: float) -> None:
+    """Noise of a far station, scaled 200,000 times, is no ground motion; nor is a vertical component of noise."""
+    far = scaled_to_pga({"far": Motion.from_samples(0.01, [0.0, 1.0, 0.0])}, factor)
+    up = scaled_to_pga({"far": Motion.from_samples(0.01, [0.0, 1.0, 0.0], [0.0, 1.0, 0.0])}, 1.0, factor)
+    for scaled in (far, up):
+        with pytest.raises(InputError, match=r"far: a factor of .*, must be 0\.01 to 100: .*--force-scale"):
+            check_factors(scaled, force=False)
+        check_factors(scaled, force=True)
 
 
 def test_to_a_peak_and_to_the_spectrum_at_one_period() -> None:

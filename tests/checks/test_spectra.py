@@ -78,14 +78,40 @@ def test_table_is_interpolated_in_logarithms(tmp_path: Path) -> None:
     np.testing.assert_allclose(found.psa([0.01, 0.1, 0.5, 2.0, 4.0]), [G, G, 0.2 * G, 0.05 * G, 0.0125 * G], rtol=1e-12)
 
 
+def test_a_table_may_begin_at_period_0_with_the_pga(tmp_path: Path) -> None:
+    """Up to the first period it is linear, as EN 1998-1 (3.2) is up to TB; beyond it is the table without that row."""
+    path = tmp_path / "site.csv"
+    path.write_text("period;g\n0;0.2\n0.15;0.5\n0.6;0.5\n2;0.15\n", encoding="utf-8")
+    found, code = spectra.spectrum_from_csv(path), CornerSpectrum(0.2 * G, 2.5, 0.15, 0.6, 2.0)
+    periods = np.linspace(0.0, 0.6, 61)
+    np.testing.assert_allclose(found.psa(periods), code.psa(periods), rtol=1e-12)
+    assert found.psa(0.0, 0.2) == pytest.approx(0.2 * G)
+    path.write_text("period;g\n0.15;0.5\n0.6;0.5\n2;0.15\n", encoding="utf-8")
+    np.testing.assert_array_equal(found.psa([0.15, 0.3, 2.5]), spectra.spectrum_from_csv(path).psa([0.15, 0.3, 2.5]))
+
+
+def test_a_table_that_is_left_is_named_with_both_periods() -> None:
+    """1/T^2 beyond the table halves what EN 1998-1 has between TC and TD = 2 s."""
+    table = TargetSpectrum("site.csv", TableSpectrum(np.array([0.1, 1.0]), G * np.array([0.5, 0.25])))
+    below, beyond = table.outside(0.0, 2.0)
+    assert below.startswith("the table begins at 0.1 s and is read from 0 s: its first value, 0.5 g, is kept")
+    assert beyond.startswith("the table ends at 1 s and is read to 2 s, where 1/T^2 makes it 0.0625 g")
+    assert table.outside(0.1, 1.0) == []
+    whole = TargetSpectrum("", TableSpectrum(np.array([0.1, 1.0]), G * np.array([0.5, 0.25]), 0.2 * G))
+    assert whole.outside(0.0, 1.0) == []
+    assert spectra.eurocode8(1.0, "A").outside(0.0, 100.0) == []
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         ("T,g\n1,1\n", r"line 1: must be period,g or period,m/s2"),
         ("period,g\n1,1\n0.5,1\n", r"line 3: period 0.5 s, must be above the one before, 1 s"),
-        ("period,g\n1,-1\n", r"line 2: '1,-1', must be two positive numbers"),
-        ("period,g\n1,x\n", r"line 2: '1,x', must be a period in s and a value"),
+        ("period,g\n1,-1\n", r"line 2: '1,-1', must be a period, 0 or more, and a positive value"),
+        ("period,g\n1,x\n", r"line 2: 'x': must be a finite number"),
         ("period,g\n1,1\n", r"must have at least two periods"),
+        ("period,g\n0,0.2\n1,1\n", r"must have at least two periods above 0"),
+        ("period;g\n0;0,2\n1;1\n", r"line 2: 0,2 has a decimal comma, must be 0.2"),
     ],
 )
 def test_wrong_tables_are_refused_in_one_line(tmp_path: Path, text: str, message: str) -> None:
@@ -99,6 +125,8 @@ def test_wrong_tables_are_refused_in_one_line(tmp_path: Path, text: str, message
 def test_wrong_parameters_are_refused() -> None:
     with pytest.raises(InputError, match="soil = 'F': must be one of A, B, C, D, E"):
         spectra.eurocode8(1.0, "F")
+    with pytest.raises(InputError, match=r"soil = 'b': must be one of A, B, C, D, E; did you mean B\?"):
+        spectra.eurocode8(1.0, "b")
     with pytest.raises(InputError, match="type = 3: must be 1 or 2"):
         spectra.eurocode8(1.0, "A", 3)
     with pytest.raises(InputError, match=r"topography = 'T9': must be one of T1, T2"):
