@@ -173,7 +173,8 @@ class ColumnBody(Body, word="column"):
     def state_ranges(self, stepper: in_plane.Stepper | None = None) -> Ranges:
         column = self.column
         loads = len(variables.inputs_of_ports(column))
-        return state_ranges.of_column(column.n, at.SPOTS.size(len(column.ports)), loads, column.is_brittle)
+        spots = at.SPOTS.size(len(column.ports))
+        return state_ranges.of_column(column.n, spots, loads, column.is_brittle, self.drive.is_chosen)
 
     def retune(self, stepper: in_plane.Stepper, described: Described) -> None:
         stepper.retune(described.column)
@@ -235,7 +236,7 @@ class StructureBody(Body, word="structure"):
         return DrivenStructure(self.structure, self.packed, described)
 
     def state_ranges(self, stepper: DrivenStructure | None = None) -> Ranges:
-        return state_ranges.of_structure(sizes_in(self.packed))
+        return state_ranges.of_structure(sizes_in(self.packed), self.drive.is_chosen)
 
     def samples(self, motion: Motion | None) -> Any:
         return record_of(motion)

@@ -327,7 +327,10 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
     def _check_outputs(self, snapshot: state.Snapshot, stepper: Any) -> None:
         """Raise InputError if outputs of that state are beyond any motion, whatever the inputs are."""
         if not snapshot.inputs_stand:
-            stepper.drive(snapshot.time, *(variable.start for variable in self._inputs), since=snapshot.input_time)
+            given = snapshot.values[: len(self._inputs)]
+            if not all(abs(value) <= state_ranges.MOST_TRIED for value in given):
+                given = [variable.start for variable in self._inputs]
+            stepper.drive(snapshot.time, *given, since=snapshot.input_time)
         with contextlib.suppress(SolverError):  # an Error when outputs are got
             stepper.observe(snapshot.time)
             if not (np.abs(stepper.seen) <= state_ranges.MOST).all():

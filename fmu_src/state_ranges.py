@@ -21,6 +21,7 @@ from solver.kernels.structure.turning import MOST_TURN
 
 MOST = 1e30  # beyond any motion; products of several such numbers are still finite
 MOST_TIME = 1e15  # s
+MOST_TRIED = 1e6  # of inputs with which outputs of a state are tried; of others those at the start are taken
 MOST_COUNT = 2.0**53
 
 
@@ -169,17 +170,22 @@ def _packed(found: Sequence[Range | None]) -> list[Run]:
     return [Run(len([*same]), value) for value, same in groupby(filter(None, found))]
 
 
-def of_column(n: int, spots: int, loads: int, is_brittle: bool) -> Ranges:
+def _of_base(described: Described, bodies_drive: bool) -> Described:
+    """Return the ranges of a base; where bodies drive it, its accelerations are a part of the motion."""
+    return {name: ANY if bodies_drive and value == INPUT else value for name, value in described.items()}
+
+
+def of_column(n: int, spots: int, loads: int, is_brittle: bool, bodies_drive: bool = False) -> Ranges:
     """Return the ranges of a column of n blocks. spots, loads: numbers of its ports behind state and base."""
     state = of_bonds.STATE if is_brittle else plane.STATE
     return Ranges(
         [*_runs(state, n, BRITTLE_STATE if is_brittle else COLUMN_STATE), Run(spots, FINITE)],
         _runs(plane.COUNTS, 0, COLUMN_COUNTS, {"overturned": Range(0.0, n, True)}),
-        [*_runs(plane.BASE, 0, COLUMN_BASE), Run(loads, INPUT)],
+        [*_runs(plane.BASE, 0, _of_base(COLUMN_BASE, bodies_drive)), Run(loads, INPUT)],
     )
 
 
-def of_structure(sizes: space.Sizes) -> Ranges:
+def of_structure(sizes: space.Sizes, bodies_drive: bool = False) -> Ranges:
     """Return the ranges of a structure in space."""
     state = _runs(space.STATE, sizes, STRUCTURE_STATE)
     places = space.STATE.see(np.arange(space.STATE.size(sizes)), sizes)
@@ -188,7 +194,8 @@ def of_structure(sizes: space.Sizes) -> Ranges:
         for name, value in POLYGON.items():
             found[getattr(space.BONDED.see(polygon), name)] = value
     counts = _runs(space.COUNTS, 0, STRUCTURE_COUNTS, {"fallen": Range(0.0, sizes.n, True)})
-    return Ranges(_packed(found), counts, _runs(space.INPUT_MOTION, sizes, STRUCTURE_BASE))
+    base = _runs(space.INPUT_MOTION, sizes, _of_base(STRUCTURE_BASE, bodies_drive))
+    return Ranges(_packed(found), counts, base)
 
 
 def finite(state: int, counts: int, base: int) -> Ranges:

@@ -93,7 +93,7 @@ def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
         peaks=peaks_of(OUTPUTS, column.sizes, last, {PORT: last, BOND: lost}),
         misfits=[MISFITS[kind] for kind in sorted(MISFITS)],
         segment=at.BASE.fields.index("segment"),
-        ranges=state_ranges.of_column(n, spots, len(of_ports), column.is_brittle),
+        ranges=state_ranges.of_column(n, spots, len(of_ports), column.is_brittle, drive.is_chosen),
         base=at.BASE.fields,
         entries=_entries(column),
     )

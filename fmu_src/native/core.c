@@ -833,7 +833,9 @@ static int is_possible(const Moment *moment) {
    scratch. */
 static int has_outputs(Instance *scratch) {
     Moment *now = &scratch->now;
-    if (!now->inputs_stand) memcpy(now->reals, real_starts, BASE_INPUTS * sizeof *now->reals);
+    int usual = 1;
+    for (int k = 0; k < BASE_INPUTS; k++) usual &= fabs(now->reals[k]) <= MOST_TRIED;
+    if (!usual && !now->inputs_stand) memcpy(now->reals, real_starts, BASE_INPUTS * sizeof *now->reals);
     int64_t code = look((Look){COLUMN(scratch), RECORD(scratch), .inputs = now->reals,
                                .new_inputs = !now->inputs_stand, .upright = now->mode == INITIALIZATION,
                                .elapsed = now->time - now->input_time, .t = now->time,

@@ -242,6 +242,7 @@ def declarations(contents: Contents) -> str:
     lines.append(f"#define RECORD_KEY {_quoted(subject.places.get('RECORD', ''))}")
     lines.append(f"#define IDENTITY {_quoted(contents.guid)}")
     lines.append(f"#define MOST {state_ranges.MOST!r}")
+    lines.append(f"#define MOST_TRIED {state_ranges.MOST_TRIED!r}")
     lines.append(f"#define MOST_TIME {state_ranges.MOST_TIME!r}")
     lines.append(f"#define STATE_FORMAT {_quoted(STATE_FORMAT)}")
     lines += _array("Variable", "variables", [_variable(variable, places[variable.name]) for variable in table])

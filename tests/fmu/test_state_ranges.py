@@ -180,6 +180,15 @@ def test_inputs_may_be_wrong_until_a_step_is_made_with_them() -> None:
         ranges.check("base", base, True)
 
 
+def test_the_acceleration_of_a_base_that_bodies_drive_is_never_wrong() -> None:
+    ranges = state_ranges.of_column(2, 0, 0, False, bodies_drive=True)
+    base = np.zeros(plane.BASE.beside)
+    ranges.check("base", base, False)
+    plane.BASE.see(base).az = np.inf
+    with pytest.raises(ValueError, match="= inf"):
+        ranges.check("base", base, False)
+
+
 def test_what_is_said_by_nan_and_infinity_is_no_fault() -> None:
     """Of a column at rest whose parameters have just been changed."""
     ranges = state_ranges.of_column(2, 0, 0, False)
