@@ -34,7 +34,9 @@ def lines_of(path: str | os.PathLike[str], most: int = MOST_RECORD) -> list[str]
     except UnicodeDecodeError:
         text = raw.decode("latin-1")
     if "\0" in text:
-        raise InputError("is not text: it holds bytes of zero")
+        raise InputError(
+            "is not text: it holds bytes of zero (miniSEED, SAC and zip files are not read: convert or unpack them)"
+        )
     return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 

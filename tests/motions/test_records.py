@@ -213,3 +213,28 @@ def test_a_spoiled_record_is_read_or_refused_in_one_line(tmp_path: Path, name: s
         said = str(error)
     assert said.startswith(f"{path}: ")
     assert "\n" not in said
+
+
+@pytest.mark.parametrize(
+    ("head", "name"),
+    [
+        ("1 UNCORRECTED ACCELEROGRAM", "USGS SMC"),
+        ("2 CORRECTED ACCELEROGRAM   ", "USGS SMC"),
+        ("Uncorrected accelerogram 20000101_000000_TST GNS Science", "GeoNet V1A and V2A"),
+        ("FILE     0 OF UNCORRECTED ACCELEROGRAM DATA OF VOLUME I:", "USC and Caltech Volume I and II"),
+        ("* VOL1DS FILE:  1/01", "BHRC V1"),
+        ("UNCORRECTED ACCELEROGRAM DATA    PROCESSED: 01/01/00", "RENADIC V1 and CSMIP V1 before 1999"),
+        ("Response and Fourier amplitude spectra (86 periods)", "CSMIP V3 (spectra)"),
+        ("STRONG GROUND MOTION RECORDS OF TURKIYE", "NSMN (Turkey)"),
+        ("****\n      INSTITUTO DE INGENIERIA, UNAM", "UNAM"),
+        ("#Earthquake Information", "CWB (Taiwan)"),
+    ],
+)
+def test_formats_that_are_not_read_are_refused_by_name(tmp_path: Path, head: str, name: str) -> None:
+    path = tmp_path / "record"
+    path.write_text(f"{head}\n0.00 0.1\n0.01 0.2\n")
+    said = re.escape(f"{path}: {name} files are not read: convert with gmprocess (USGS)")
+    with pytest.raises(InputError, match=said):
+        Motion.from_file(path)
+    if head.startswith("#"):
+        assert Motion.from_file(path, units="m/s2").ax.tolist() == [0.1, 0.2]

@@ -6,7 +6,7 @@ import os
 
 from ...common.errors import InputError, reading
 from ...common.text import lines_of
-from . import columns, cosmos, esm, knet, peer
+from . import columns, cosmos, esm, knet, others, peer
 from .record import Record
 
 _READERS = {peer.NAME: peer.read, esm.NAME: esm.read, knet.NAME: knet.read, columns.CSV: columns.read_csv}
@@ -25,6 +25,8 @@ def read_record(
     with reading(path):
         lines = lines_of(path)
         name = _format(lines)
+        if name == columns.PLAIN:
+            others.check_is_none(lines, units)
         for key, value, used in (
             ("dt", dt, name == columns.PLAIN),
             ("units", units, name == columns.PLAIN),
