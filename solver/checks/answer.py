@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
+import numpy as np
+
+from .action import Action
 from .margin import Margin
 from .table import Row
 from .verdicts import Verdicts
@@ -27,6 +31,35 @@ def answer(rows: Sequence[Row]) -> str:
     if outcome == FAILS:
         return f"{FAILS} by: {'; '.join(row.name for row in rows if row.passes is False)}."
     return f"{UNDECIDED}: no row of the table fails, but some runs neither fell nor came to rest."
+
+
+def cracked_sentence(names: Sequence[str], runs: Sequence[Any]) -> str:
+    """Return which joints of mortar break through under some motion, "" without any; names: of these joints."""
+    if not names:
+        return ""
+    broken = np.array([np.asarray(run.peaks["bond"]) <= 0.0 for run in runs])
+    said = [
+        f"{name} (under {np.sum(broken[:, i])} of {len(runs)} motions)"
+        for i, name in enumerate(names)
+        if broken[:, i].any()
+    ]
+    if not said:
+        return " No joint of mortar breaks through."
+    return f" Its mortar breaks through as given: {', '.join(said)}; it is not compared, the joint is dry from then on."
+
+
+def components_sentence(action: Action, across: bool) -> str:
+    """Return how many components of motion act; across: the model can move along both horizontal directions."""
+    two = sum(scaled.motion.has_ay for scaled in action.motions)
+    upright = any(np.any(scaled.motion.az) for scaled in action.motions)
+    other = " and a vertical one" if upright else ""
+    if two == len(action.motions):
+        return f"Two horizontal components{other} act together."
+    if two:
+        return f"Two horizontal components{other} act together under {two} of {len(action.motions)} motions, else one."
+    there = "give the second ones (--across)" if across else "without --plane a code spectrum brings both, and --across"
+    there += "" if across else " gives a record its second one"
+    return f"One horizontal component{other} acts; codes ask for two together, which overturn more: {there}."
 
 
 def verdict_sentence(word: str, found: Verdicts) -> str:

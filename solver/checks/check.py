@@ -19,7 +19,7 @@ from ..runs.many import Callback
 from ..runs.table import Table
 from . import of_column, of_structure  # noqa: F401  # subjects that they register
 from .action import ARTIFICIAL, Action, Level, Motions, action_on
-from .answer import PASSES, answer, margin_sentence, outcome_of, verdict_sentence
+from .answer import PASSES, answer, components_sentence, cracked_sentence, margin_sentence, outcome_of, verdict_sentence
 from .by_hand import ByHand
 from .limits import Plan
 from .margin import Margin, margin_of
@@ -81,8 +81,8 @@ class Check:
 
     @property
     def answer(self) -> str:
-        """Whether it passes, fails or is undecided, and by which rows."""
-        return answer(self.rows)
+        """Whether it passes, fails or is undecided, by which rows, and which joints of mortar break through."""
+        return answer(self.rows) + cracked_sentence(self.subject.bonds, self.responses)
 
     @property
     def fallen(self) -> tuple[int, int, int]:
@@ -128,9 +128,10 @@ class Check:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Sentences on the action where it is doubtful, and on what a check in the plane leaves to another one."""
+        """How many components of motion act, doubts about the action, and what is left to another check, in sentences."""
         longest = self.by_hand.mechanism.period() if self.by_hand else 0.0
-        return (*self.action.cautions(longest), *self.subject.left_to_others(self.both))
+        components = components_sentence(self.action, self.subject.model.kind.across)
+        return (components, *self.action.cautions(longest), *self.subject.left_to_others(self.both))
 
     @property
     def agreement(self) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ from ..models.column.first_run import make_kernels
 from ..models.column.model import Column
 from ..models.column.modes import natural_frequencies
 from ..models.column.packing import carried_weights
+from ..models.column.push import WITHOUT_BONDS
 from ..models.column.response import Response, friction_history
 from ..models.column.rest import check_rest
 from ..runs.table import Table
@@ -24,6 +25,7 @@ from .subject import Joints, Subject, subject_of
 # (Phocas, doric, statue; eta 5e-4 to 2e-2 s; 0.04 to 0.6 g): 1.1 to 3.3 times as fast as alone, 0.2 to 1.4 with more
 MOST_IMPLICIT = 0.05
 
+OF_EDGE = "The displacement at which it balances on its edge, and the methods by hand, are"
 ROLLS = "Its contacts are round: in space they roll on their rims, and may fall under less than here (--space)."
 
 
@@ -78,6 +80,8 @@ class InPlane(Subject):
         """The other direction unless both are alike or checked; space if it rolls there."""
         if not both and not self.model.is_alike_across:
             yield "It is shaken along its width alone: check the other direction too (--both)."
+        if self.model.is_brittle:
+            yield f"{OF_EDGE} {WITHOUT_BONDS}."
         if self.model.rolls_in_space:
             yield ROLLS
 

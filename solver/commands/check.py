@@ -43,11 +43,14 @@ def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
     )
     way = parser.add_mutually_exclusive_group()
     add_space(way)
-    way.add_argument("--plane", action="store_true", help="check a column of round drums in its plane, not in space")
+    way.add_argument(
+        "--plane", action="store_true", help="check a column in its plane, under one horizontal component, not in space"
+    )
     way.add_argument(
         "--both",
         action="store_true",
-        help="check in both horizontal directions, a structure under motions turned by a quarter",
+        help="check twice: a column in its plane along its width, then along its depth, under one component each; a "
+        "structure under the motions, then turned by a quarter",
     )
     add_file_options(parser)
     _add_action(parser)
@@ -180,18 +183,23 @@ def _write_report(checks: list[Check], notes: list[str], path: Path) -> None:
 
 
 def _model(path: Path, options: argparse.Namespace) -> Any:
-    """The column or structure of a file; a column that would roll in space goes there unless --plane is given."""
+    """Read the file; move a column to space if it may roll there or two components act, unless --plane is given."""
     model: Any = read_subject(path, options.space)
-    if options.plane or not model.rolls_in_space:
+    two = bool(options.across) or (options.spectrum is not None and not options.records)
+    rolls = model.rolls_in_space
+    if model.kind.across or options.plane or not (rolls or (two and not options.both)):
         return model
     try:
         with reading(path):
             found = model.in_space()
     except InputError as why:
+        if options.across:
+            raise
         print(printable(f"{why}; checked in its plane"))
         return model
+    why_there = "its contacts are round and may roll" if rolls else "two horizontal components act"
     name = printable(str(path))
-    print(f"{name}: its contacts are round and may roll, so it is checked in space; --plane keeps it in its plane")
+    print(f"{name}: {why_there}, so it is checked in space; --plane keeps it in its plane")
     return found
 
 
@@ -200,7 +208,10 @@ def _across(path: Path, model: Any) -> Any:
     if model.kind.across and not model.is_stack:
         return replace(model, name=f"{model.name} across")
     if model.is_alike_across:
-        raise InputError(f"--both: must be left out, {path} is the same in both directions, or is checked in space")
+        raise InputError(
+            f"--both: must be left out, {path} is the same in both directions, or is checked in space; "
+            "without --both a code spectrum acts with two components together"
+        )
     with reading(path):
         return model.across()
 

@@ -196,11 +196,10 @@ def _column_said(data: dict[str, Any], path: Path) -> list[str]:
     check_rest(column, from_rest=False)
     height = sum(block.height for block in column.blocks)
     mass = sum(block.mass for block in column.blocks)
-    both = "" if column.is_alike_across else " --both"  # else it is shaken along its width alone
     return [
         f"{path}: {column.n} blocks, {height:.4g} m, {mass:.5g} kg. Next:",
         f"  multiblock statics {path}",
-        f"  multiblock check {path}{both} --spectrum ec8 --ag 0.25 --soil B --report report.html",
+        f"  multiblock check {path} --spectrum ec8 --ag 0.25 --soil B --report report.html",
     ]
 
 

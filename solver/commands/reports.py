@@ -12,6 +12,7 @@ from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..models.column.model import Column
 from ..models.column.modes import Modes, natural_frequencies
 from ..models.column.packing import settlements
+from ..models.column.push import WITHOUT_BONDS
 from ..statics.capacity import CapacityCurve, Rest
 
 MOST_BLOCKS = 100  # with more, natural frequencies take too long for a report
@@ -112,6 +113,11 @@ def statics_report(rest: Rest, curve: CapacityCurve) -> str:
             f"{1e-3 * curve.base_shear[strongest]:.5g} kN, moment {1e-3 * curve.base_moment[strongest]:.5g} kN m, "
             f"largest stress {1e-6 * float(np.max(curve.sigma_max[strongest])):.4g} MPa; top at "
             f"{1e3 * abs(float(curve.ux[strongest, 0])):.5g} mm",
+            *(
+                [f"pushes and openings are {WITHOUT_BONDS}; --space pushes it with them"]
+                if rest.column.is_brittle
+                else []
+            ),
             f"falls without a push once the top is displaced by {curve.overturning_displacement:.5g} m",
             f"with less friction than {curve.friction:.3g} it slides before",
         ]

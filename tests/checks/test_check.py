@@ -132,7 +132,9 @@ def test_the_other_direction_is_named_unless_it_is_the_same(found: Check) -> Non
     def said(both: bool = False, **sizes: Any) -> tuple[str, ...]:
         blocks = tuple(replace(block, **sizes) for block in BLOCK.blocks)
         subject = subject_of(replace(BLOCK, blocks=blocks))
-        return replace(found, subject=subject, both=both).remarks
+        components, *others = replace(found, subject=subject, both=both).remarks
+        assert components.startswith("One horizontal component acts; codes ask for two together")
+        return tuple(others)
 
     width = BLOCK.blocks[0].width
     assert "check the other direction too (--both)" in said(depth=2.0 * width)[0]

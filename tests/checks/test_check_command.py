@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from multiblock import Motion
+from multiblock import Column, Motion, simulate
 from solver.checks.spectra import CornerSpectrum, TargetSpectrum
 from solver.commands.code_spectra import CODES, Code, Option
 from solver.commands.command_line import main
@@ -177,6 +177,61 @@ def test_both_directions_in_one_command(folder: Path, capsys: pytest.CaptureFixt
     assert turned.splitlines()[3:8] == tables[2].splitlines()[3:8]  # all of the rows, from the margin left out on
     assert main(["check", "block.toml", *words, "--both"]) == 2
     assert "--both: must be left out, block.toml is the same in both directions" in capsys.readouterr().err
+
+
+def test_mortar_is_said_wherever_it_is_left_out(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """In statics, where checks compare with the dry edge, in the report; and which joint broke through."""
+    mortar = COLUMN.replace("strength = 2e6 }", "friction = 0.6, tensile_strength = 2e5, cohesion = 3e5 }")
+    Path("mortar.toml").write_text(mortar, encoding="utf-8")
+    said = "computed without mortar, as once all bonds have broken"
+    for file, counted in (("mortar.toml", 1), ("block.toml", 0)):
+        assert main(["statics", file]) == 0
+        assert capsys.readouterr().out.count(said) == counted
+    for pga, broken in (("0.05", 0.0), ("0.5", 1.0)):
+        words = ["check", "mortar.toml", "slow.csv", "--pga", pga, *QUICK, "--report", "report.html", "--force"]
+        assert main(words) == 0
+        printed = capsys.readouterr().out
+        run = simulate(Column.from_toml("mortar.toml"), Motion.from_file("slow.csv").scaled_to(float(pga) * G))
+        assert 1.0 - run.peaks["bond"][0] == broken
+        through = "Its mortar breaks through as given: joint 1 (under 1 of 1 motions)"
+        assert (through in printed) == bool(broken)
+        assert ("No joint of mortar breaks through." in printed) == (not broken)
+        page = Path("report.html").read_text(encoding="utf-8")
+        for text in (printed, page):
+            assert f"The displacement at which it balances on its edge, and the methods by hand, are {said}." in text
+            assert (through in text) == bool(broken)
+        for text in ("tensile strength (MPa)", "cohesion (MPa)", "0.2", "0.3", "until their mortar breaks"):
+            assert text in page
+        assert "The joints bear pressure only" not in page
+
+
+def test_two_components_act_unless_the_plane_is_asked_for(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Under a code spectrum, and of records with --across; one record alone, --plane and --both keep the plane."""
+    code = ["--spectrum", "ec8", "--ag", "0.02", "--soil", "A", "--artificial", "1"]
+    deep = COLUMN.replace("depth = 0.5", "depth = 1.0")
+    Path("deep.toml").write_text(deep, encoding="utf-8")
+    Path("offset.toml").write_text(COLUMN.replace("joint = {", "joint = { offset = 0.01,"), encoding="utf-8")
+    two, one = "Two horizontal components act together.", "One horizontal component acts; codes ask for two together"
+    for words, said, kind in (
+        (["block.toml", *code], two, "structures"),
+        (["block.toml", "slow.csv", "--across", "fast.csv", "--pga", "0.05"], two, "structures"),
+        (["block.toml", "slow.csv", "--space", "--pga", "0.05"], one, "structures"),
+        (["block.toml", *code, "--plane"], one, "columns"),
+        (["block.toml", "slow.csv", "--pga", "0.05"], one, "columns"),
+        (["deep.toml", *code, "--both"], one, "columns"),
+        (["offset.toml", *code], one, "columns"),
+    ):
+        assert main(["check", *words, *QUICK]) == 0
+        printed = capsys.readouterr().out
+        assert said in printed, words
+        assert f"1 varied {kind}" in printed, words
+        moved = "two horizontal components act, so it is checked in space; --plane keeps it in its plane" in printed
+        assert moved == (said == two)
+        assert ("to be stacked in space; checked in its plane" in printed) == (words[0] == "offset.toml")
+    assert main(["check", "offset.toml", "slow.csv", "--across", "fast.csv", "--pga", "0.05", *QUICK]) == 2
+    assert "must stand on its axis, and not on strips, to be stacked in space" in capsys.readouterr().err
+    assert main(["check", "block.toml", "slow.csv", "--across", "fast.csv", "--pga", "0.05", *QUICK, "--plane"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
 
 
 def test_both_directions_of_a_structure(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

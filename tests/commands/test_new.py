@@ -112,7 +112,8 @@ def test_centre_of_mass_of_a_statue(
     answers = ("statue", "", "2.0", "0.6", "0.5", "", "", "0.85", *[""] * 5)
     assert ask(monkeypatch, tmp_path / "a.toml", *answers) == 0
     assert Column.from_toml(tmp_path / "a.toml").blocks[0].resolved_centroid == 0.85
-    assert " --both --spectrum ec8" in capsys.readouterr().out  # 0.6 m along the motion, 0.5 m across
+    assert "check" in (printed := capsys.readouterr().out)
+    assert "--both" not in printed  # under a code spectrum two components act together
 
 
 def test_a_wrong_answer_on_a_terminal_is_asked_for_again(

@@ -31,7 +31,6 @@ from .pictures import embedded, spectra_picture
 
 LIMITS_OF_THE_MODEL = (  # whatever is checked
     "The blocks are rigid. Their elasticity is in the modulus of the joints.",
-    "The joints bear pressure only; they open, and close with the damping given.",
     "A joint without friction never slides. The friction that this takes is in the table.",
     "Edges do not crush or spall. A pressure above the strength makes it weaker than computed.",
 )
@@ -72,7 +71,7 @@ def _content(checks: Sequence[Check]) -> dict[str, Any]:
             if item.name not in (("displacement",) if math.isnan(check.subject.edge) else ("overlap", "hits"))
         ],
         "differences": [difference(check, one) for one in checks[1:]],
-        "left_out": (*check.subject.of_model, *LIMITS_OF_THE_MODEL),
+        "left_out": (*check.subject.of_model, _of_joints(check), *LIMITS_OF_THE_MODEL),
         "not_by_hand": NOT_IN_SPACE,
         "tolerance": TOLERANCE,
         "names": list(dict.fromkeys(row.name for one in checks for row in one.rows)),
@@ -91,6 +90,16 @@ def _content(checks: Sequence[Check]) -> dict[str, Any]:
             "numba": numba.__version__,
         },
     }
+
+
+def _of_joints(check: Check) -> str:
+    """Return what the joints bear across them, in a sentence."""
+    bonds, joints = len(check.subject.bonds), len(check.subject.joints.names)
+    dry = "pressure only; they open, and close with the damping given."
+    if not bonds:
+        return f"The joints bear {dry}"
+    which = "The joints bear" if bonds == joints else f"{bonds} of {joints} joints bear"
+    return f"{which} tension and cohesion until their mortar breaks, for good; broken or dry joints bear {dry}"
 
 
 def _motions(check: Check) -> list[dict[str, str]]:

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from ...common.errors import InputError
 from ...models.column.block import Block
 from ...models.column.model import Column
+from ...models.column.push import WITHOUT_BONDS
 from ...models.column.response import Response
 from ...models.structure.blocks.parts import Joint, Solid, Tie
 from ...models.structure.model import Structure
@@ -47,7 +48,10 @@ def shown_of(model: Any, check: Check, run: Any) -> Shown:
 
 @shown_of.register
 def _column(model: Column, check: Check, run: Response) -> Shown:
-    push = f"It balances a steady push of {check.by_hand.mechanism.alpha0:.3g} g at most. " if check.by_hand else ""
+    push = ""
+    if check.by_hand:
+        dry = f" ({WITHOUT_BONDS})" if model.is_brittle else ""
+        push = f"It balances a steady push of {check.by_hand.mechanism.alpha0:.3g} g at most{dry}. "
     title = f"{check.name} under {check.action.motions[check.governing].name}"
     return Shown(
         f"{push}Blocks count from the top; each has the joint under it.",
@@ -63,10 +67,24 @@ def _of_column(column: Column) -> list[Sheet]:
     both = [_block(block) for block in column.blocks]
     rows = _merged([(str(number), *one, *other) for number, (one, other) in enumerate(both, start=1)])
     width = 1 + len(blocks)
+    strengths = [
+        (str(number), *_strengths(block.joint))
+        for number, block in enumerate(column.blocks, start=1)
+        if block.joint.is_brittle
+    ]
     return [
         Sheet(("block", *blocks), [row[:width] for row in rows]),
         Sheet(("joint", *joints), [(row[0], *row[width:]) for row in rows]),
+        *([Sheet(_MORTAR, _merged(strengths), 1)] if strengths else []),
     ]
+
+
+_MORTAR = ("joint", "tensile strength (MPa)", "cohesion (MPa)")
+
+
+def _strengths(law: Any) -> tuple[str, str]:
+    """Return the two strengths of a joint of mortar."""
+    return f"{1e-6 * law.tensile_strength:.4g}", f"{1e-6 * law.cohesion:.4g}"
 
 
 _LAW = ("modulus (GN/m³)", "damping η (s)", "friction", "strength (MPa)")
@@ -120,8 +138,8 @@ def _structure(structure: Structure, check: Check, run: SpatialResponse) -> Show
         sheets.append(Sheet(known, _merged([_bearing(*pair) for pair in pairs])))
     if structure.bonds:
         laws = [(name, structure.joints[j].bed) for name, j in zip(structure.bond_names, structure.bonds, strict=True)]
-        rows = [(name, f"{1e-6 * law.tensile_strength:.4g}", f"{1e-6 * law.cohesion:.4g}") for name, law in laws]
-        sheets.append(Sheet(("joint", "tensile strength (MPa)", "cohesion (MPa)"), _merged(rows), 1))
+        rows = [(name, *_strengths(law)) for name, law in laws]
+        sheets.append(Sheet(_MORTAR, _merged(rows), 1))
     if structure.ties:
         headings = ("tie", "between", "stiffness (MN/m)", "yield (kN)")
         names = (*structure.names, "base")

@@ -34,6 +34,7 @@ CONVERGED = 1e-9  # last correction, in parts of what opens a joint
 ROUNDED = 1e-5  # last correction with new derivatives, if rounding stops the convergence
 PART = 1e-3  # of the coordinates at which a joint opens: size of finite differences
 TURN = 0.97  # least cosine between the directions of the curve at two points
+WITHOUT_BONDS = "computed without mortar, as once all bonds have broken"  # of a brittle column
 NARROWED = 1e-9  # of a step: accuracy of a point at which a regime changes
 
 
