@@ -17,16 +17,18 @@ from ..models.protocol import Model
 from ..models.uncertainty import PERCENTILES
 from ..runs.many import Callback
 from ..runs.table import Table
+from ..statics.rocking import restitution_sentence
 from . import of_column, of_structure  # noqa: F401  # subjects that they register
 from .action import ARTIFICIAL, Action, Level, Motions, action_on
 from .answer import PASSES, answer, components_sentence, cracked_sentence, margin_sentence, outcome_of, verdict_sentence
 from .by_hand import ByHand
 from .limits import Plan
 from .margin import Margin, margin_of
+from .other_joints import OtherJoints, joints_sentence, other_joints
 from .runs import as_given, own_runs, run_all, varied
 from .scaling import LEAST_PART
 from .spectra import TargetSpectrum
-from .subject import Subject, subject_of
+from .subject import Pair, Subject, subject_of
 from .table import Row, rows_of
 from .verdicts import Verdicts, verdicts_of
 
@@ -42,7 +44,8 @@ class Check:
     """A checked column or structure: rows of demand and capacity, margin, methods by hand, every run behind them.
 
     responses: of itself, one for each motion. runs: table of the varied ones, `plan.ensemble` for each motion, one
-    motion after the other. by_hand: None of a structure in space. both: the other direction is checked beside it.
+    motion after the other. by_hand: None of a structure in space. others: outcomes with other moduli and dampings of
+    the joints. both: the other direction is checked beside it.
     """
 
     subject: Subject
@@ -54,6 +57,7 @@ class Check:
     responses: tuple[Any, ...]
     runs: Table
     verdicts: Verdicts
+    others: tuple[OtherJoints, ...] = ()
     both: bool = False
 
     def __repr__(self) -> str:
@@ -133,6 +137,13 @@ class Check:
         components = components_sentence(self.action, self.subject.model.kind.across)
         return (components, *self.action.cautions(longest), *self.subject.left_to_others(self.both))
 
+    @cached_property
+    def of_joints(self) -> tuple[str, ...]:
+        """Whether the answer hangs on modulus or damping, and the restitution of the model, in sentences."""
+        column = self.subject.planar
+        said = (joints_sentence(self.rows, self.others),) if self.subject.joints.names else ()
+        return (*said, restitution_sentence(column)) if column is not None else said
+
     @property
     def agreement(self) -> tuple[str, ...]:
         """Agreement of the methods by hand with the time histories, a line for each."""
@@ -184,6 +195,29 @@ class Check:
 
 def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | None = None) -> Check:
     """The check of a subject under motions that are already scaled, as for variants. Raises as `check` does."""
+    responses, ensembles, runs, verdicts = _made(subject, action, plan, callback)
+    margin = None
+    if plan.margin:
+        all_of = [[as_given(subject, run), *ensemble] for run, ensemble in zip(responses, ensembles, strict=True)]
+        margin = margin_of(subject, all_of, verdicts.under_which_it_falls, callback)
+    rows = rows_of(subject, responses, runs, plan.limits, margin, verdicts)
+    others: tuple[OtherJoints, ...] = ()
+    if plan.joints:
+
+        def outcome_and_note(changed: Subject) -> tuple[str, str]:
+            found, _, table, fell = _made(changed, action, plan, callback)
+            note = f"{fell.fallen} of {len(fell.varied)} varied ones fall"
+            return outcome_of(rows_of(changed, found, table, plan.limits, None, fell)), note
+
+        others = other_joints(subject.model, plan.confidence_factor, outcome_and_note)
+    hand = subject.by_hand(action, plan.limits)
+    return Check(subject, action, plan, rows, hand, margin, responses, runs, verdicts, others)
+
+
+def _made(
+    subject: Subject, action: Action, plan: Plan, callback: Callback | None
+) -> tuple[tuple[Any, ...], list[list[Pair]], Table, Verdicts]:
+    """Return the runs of the subject, the varied pairs of each motion, their table, and the verdicts of both."""
     responses = own_runs(subject, [scaled.motion for scaled in action.motions])
     ensembles = [
         varied(subject, run, scaled, plan, place)
@@ -192,12 +226,7 @@ def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | N
     runs = run_all(subject, [pair for ensemble in ensembles for pair in ensemble], True, callback)
     names = [scaled.name for scaled in action.motions]
     verdicts = Verdicts(names, np.array([run.verdict for run in responses]), verdicts_of(runs))
-    margin = None
-    if plan.margin:
-        all_of = [[as_given(subject, run), *ensemble] for run, ensemble in zip(responses, ensembles, strict=True)]
-        margin = margin_of(subject, all_of, verdicts.under_which_it_falls, callback)
-    rows = rows_of(subject, responses, runs, plan.limits, margin, verdicts)
-    return Check(subject, action, plan, rows, subject.by_hand(action, plan.limits), margin, responses, runs, verdicts)
+    return responses, ensembles, runs, verdicts
 
 
 def check(

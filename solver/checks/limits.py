@@ -57,6 +57,7 @@ class Plan:
     spread: Spread = UNCERTAIN
     margin: bool = True  # whether to look for the factor at which it begins to fall
     confidence_factor: float = CONFIDENCE_FACTOR
+    joints: bool = True  # whether to repeat all runs with other moduli and dampings (other_joints.py)
 
     def __post_init__(self) -> None:
         check_confidence_factor(self.confidence_factor)

@@ -44,6 +44,10 @@ class InPlane(Subject):
         make_kernels(self.model.kind.entries)
         check_rest(self.model, from_rest=True)
 
+    @property
+    def planar(self) -> Column:
+        return self.model
+
     @cached_property
     def joints(self) -> Joints:
         """The joints, from the top."""

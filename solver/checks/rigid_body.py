@@ -15,6 +15,7 @@ import numpy as np
 
 from ..common.errors import InputError
 from ..models.column.model import Column
+from ..statics.rocking import parts_above
 from .spectra import FloatArray, Spectral
 
 ANGLES = 400  # among which the rotation is looked for; and frequencies for sliding
@@ -89,16 +90,7 @@ class RigidBody:
 
 def rigid_bodies(column: Column) -> list[RigidBody]:
     """The parts above each joint, the top joint first, each standing straight."""
-    found: list[RigidBody] = []
-    mass = height = inertia = 0.0  # of the part above: its centroid above the joint, inertia about the centroid
-    for number, (block, contact) in enumerate(zip(column.blocks, column.contacts, strict=True), start=1):
-        both, own, raised = mass + block.mass, block.resolved_centroid, height + block.height
-        middle = (mass * raised + block.mass * own) / both
-        inertia += block.resolved_inertia + mass * (raised - middle) ** 2 + block.mass * (own - middle) ** 2
-        mass, height = both, middle
-        half = min(-contact.left, contact.right)
-        found.append(RigidBody(number, mass, half, height, inertia + mass * (height**2 + half**2)))
-    return found
+    return [RigidBody(*part) for part in parts_above(column)]
 
 
 def governing_body(column: Column) -> RigidBody:

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..common.errors import InputError, shown
 from ..ground.motion import Motion
+from ..models.column.model import Column
 from ..models.structure.overlap import Overlap
 from ..runs.table import Table
 from .kinematic import CONFIDENCE_FACTOR
@@ -45,7 +46,13 @@ class Subject:
 
     model: Any
     confidence_factor: float = CONFIDENCE_FACTOR
+    column: Column | None = None  # that a structure stands for in space, if known
     of_model: ClassVar[tuple[str, ...]] = ()  # sentences on what the model leaves out
+
+    @property
+    def planar(self) -> Column | None:
+        """The column in its plane, None of a structure that is none."""
+        return self.column
 
     @property
     def joints(self) -> Joints:

@@ -130,6 +130,9 @@ def _add_plan(parser: argparse.ArgumentParser) -> None:
     plan.add_argument("--spread-seed", type=int, default=UNCERTAIN.seed, metavar="N", help="(default: 0)")
     plan.add_argument("--no-margin", action="store_true", help="do not look for the factor at which it begins to fall")
     plan.add_argument(
+        "--no-joints", action="store_true", help="do not repeat the runs with other moduli and dampings of the joints"
+    )
+    plan.add_argument(
         "--confidence-factor",
         type=float,
         default=usual.confidence_factor,
@@ -220,7 +223,9 @@ def _subject(path: Path, model: Column | Structure, plan: Plan) -> Subject:
     with reading(path):
         compile_for_space() if model.kind.across else compile_kernels()
         model.kind.check(model, from_rest=True)
-        return subject_of(model, plan.confidence_factor)
+        found = subject_of(model, plan.confidence_factor)
+        column = read_subject(path) if model.kind.across else None
+        return replace(found, column=column if isinstance(column, Column) else None)
 
 
 def _checked(path: Path, subject: Subject, action: Action, plan: Plan) -> Check:
@@ -241,7 +246,14 @@ def _plan(options: argparse.Namespace) -> Plan:
             raise InputError(f"--limit {text}: must be {key}= and a number") from None
     stiffness, damping, motion = options.spread
     spread = Spread(stiffness, damping, motion, options.spread_seed)
-    return Plan(Limits(**limits), options.ensemble, spread, not options.no_margin, options.confidence_factor)
+    return Plan(
+        Limits(**limits),
+        options.ensemble,
+        spread,
+        not options.no_margin,
+        options.confidence_factor,
+        not options.no_joints,
+    )
 
 
 def _level(options: argparse.Namespace) -> Level:

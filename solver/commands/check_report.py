@@ -44,7 +44,7 @@ def check_lines(check: Check) -> list[str]:
     """The tables with their notes, where methods disagree, and the sentences."""
     lines = [f"{check.name}, first period {check.period:.4g} s", *_table(check.rows)]
     lines += ["by hand:", *_table(check.by_hand.rows), *check.agreement] if check.by_hand else [NOT_IN_SPACE]
-    said = (check.answer, check.verdict, check.margin_sentence, *check.remarks)
+    said = (check.answer, check.verdict, check.margin_sentence, *check.of_joints, *check.remarks)
     return [*lines, *said, f"inputs {check.fingerprint[:16]}"]
 
 

@@ -18,6 +18,7 @@ from ..models.column.model import Column
 from ..models.column.rest import check_rest
 from ..models.structure.blocks.meshes import UP
 from ..models.structure.model import Structure
+from ..statics.rocking import critical_damping, restitution_sentence
 from .command_files import add_force, check_suffix
 from .new_mesh import new_from_mesh
 from .new_structures import BUILT, Built, origin_of_stiffness, sliding_lines, structure_text
@@ -25,7 +26,7 @@ from .questions import HEIGHT, SIZE, Limits, Question, answer_to, choice, number
 
 T = TypeVar("T")
 
-DAMPING = 1e-3  # s
+DAMPING = 1e-3  # s, of structures
 # of height times width times depth of its base, that a statue fills. The body of a person: 0.3 of the box around it. A
 # draped Roman statue of 650 kg on a base of 0.72 by 0.43 m, centroid at 0.635 m (Monaco and others 2020, table 1): at
 # most 0.6, if of marble and not wider above
@@ -171,8 +172,9 @@ def _new(options: argparse.Namespace) -> None:
     asked = {"density": MATERIALS[material].density}
     for key, question in shapes[shape].questions.items():
         asked[key] = number(question, asked)
-    words = "damping eta of the joints (s), a guess for dry stone: try half and twice; 1e-3 is 1 % at 3 Hz"
-    damping = number(Question(words, DAMPING, DAMPINGS))
+    if shape not in BUILT:
+        blocks = blocks or SHAPES[shape].blocks(asked)
+    damping = _asked_damping(blocks, material)
     friction = choice("joints may slide", {"yes": "by friction", "no": "they never slide"}, "no") == "yes"
     dowel = 0.0
     if friction:
@@ -182,12 +184,23 @@ def _new(options: argparse.Namespace) -> None:
     if shape in BUILT:
         text = structure_text(name, BUILT[shape], asked, *law)
     else:
-        text = column_text(name, SHAPES[shape].text, blocks or SHAPES[shape].blocks(asked), *law)
+        text = column_text(name, SHAPES[shape].text, blocks, *law)
     with reading(path):
         said = (_structure_said if shape in BUILT else _column_said)(tomllib.loads(text), path)
         with whole_file(path) as beside:
             beside.write_text(text, encoding="utf-8")
     print(*said, sep="\n")
+
+
+def _asked_damping(blocks: Sequence[dict[str, float]], material: str) -> float:
+    """Ask for the damping; of a column the critical one of its rocking part is proposed, as follows from its joint."""
+    words = "damping eta of the joints (s), a guess for dry stone: try half and twice; 1e-3 is 1 % at 3 Hz"
+    proposed = DAMPING
+    if blocks:
+        column = Column.from_dict(tomllib.loads(column_text("column", "column", blocks, material, DAMPING)))
+        proposed = float(f"{min(critical_damping(column), DAMPINGS[0][1]):.2g}")
+        words = "damping eta of the joints (s); proposed: 2 sqrt(m / (k A)) of the part that rocks, no measured value"
+    return number(Question(words, proposed, DAMPINGS))
 
 
 def _column_said(data: dict[str, Any], path: Path) -> list[str]:
@@ -197,7 +210,9 @@ def _column_said(data: dict[str, Any], path: Path) -> list[str]:
     height = sum(block.height for block in column.blocks)
     mass = sum(block.mass for block in column.blocks)
     return [
-        f"{path}: {column.n} blocks, {height:.4g} m, {mass:.5g} kg. Next:",
+        f"{path}: {column.n} blocks, {height:.4g} m, {mass:.5g} kg.",
+        f"{restitution_sentence(column)} `multiblock calibrate` adapts the damping to a measured one.",
+        "Next:",
         f"  multiblock statics {path}",
         f"  multiblock check {path} --spectrum ec8 --ag 0.25 --soil B --report report.html",
     ]
@@ -237,7 +252,7 @@ def column_text(
         f'material = "{material}"           # density, strength and stiffness of all that is not given below',
         "",
         "[joint]                      # of every block, under it",
-        f"damping = {damping!r}            # s, eta: a mode of frequency f has the damping ratio pi f eta",
+        f"damping = {damping!r}            # s, eta: a mode of frequency f has the damping ratio pi f eta; a guess",
         f"# strength = {found.strength!r}  # Pa, of the material: pressure at the edge is compared with it",
     ]
     lines += sliding_lines(found, friction, dowel)

@@ -248,6 +248,7 @@ def damping_from_restitution(column: Column, wanted: float | None = None, releas
     `rocking.restitution`, on which the restitution depends. More damping does not always leave less: the least eta is
     found, with a warning (InputWarning) where there are others. Raises InputError if no damping has it, SolverError.
     """
+    rigid = wanted is None
     wanted = housner_restitution(column) if wanted is None else wanted
     wanted = check_number("restitution", wanted, (1e-6, 1.0 - 1e-9), "a ratio of rotation rates, between 0 and 1")
     with needing("calibrate", "scipy"):
@@ -267,12 +268,15 @@ def damping_from_restitution(column: Column, wanted: float | None = None, releas
             f"damping (eta = {ETAS[0]:g} s): {column.n} blocks lose the rest as they strike and vibrate, which a rigid "
             "block does not; give a measured restitution, or the damping in contact by --damping-ratio"
         )
-    if not crossed:
-        least = int(np.argmin(differences))
+    most = damping_from_ratio(column, 1.0)
+    if not crossed or (rigid and above(math.log(most)) > 0.0 and ETAS[crossed[0]] > most):
+        reached = [(wanted + difference, eta) for difference, eta in zip(differences, ETAS, strict=True) if eta < most]
+        nearest, eta = min([*reached, (wanted + above(math.log(most)), most)])
         raise InputError(
-            f"restitution = {wanted:.6g}: no damping reaches it, joints of this stiffness leave {curve}; softer joints "
-            f"lose more (--young, --frequencies); or take damping = {ETAS[least]:.2g} s, which loses most, or the "
-            "damping in contact by --damping-ratio, and say so"
+            f"restitution = {wanted:.6g}: no damping reaches it up to the critical one, {most:.3g} s in the first "
+            f"mode; the nearest is {nearest:.4g}, of damping = {eta:.3g} s; joints of this stiffness leave {curve}; "
+            "softer joints lose more (--young, --frequencies); or take the damping in contact by --damping-ratio, "
+            "and say so"
         )
     k = crossed[0]
     if len(crossed) > 1:
@@ -283,7 +287,16 @@ def damping_from_restitution(column: Column, wanted: float | None = None, releas
             InputWarning,
             stacklevel=2,
         )
-    return math.exp(float(brentq(above, logarithms[k], logarithms[k + 1], xtol=DIGITS)))
+    eta = math.exp(float(brentq(above, logarithms[k], logarithms[k + 1], xtol=DIGITS)))
+    if eta > most:
+        beyond = (
+            f"restitution = {wanted:.6g}: takes damping = {eta:.3g} s, beyond the critical one, {most:.3g} s in the "
+        )
+        if rigid:
+            nearest = wanted + above(math.log(most))
+            raise InputError(f"{beyond}first mode: the nearest up to it is {nearest:.4g}, of damping = {most:.3g} s")
+        warnings.warn(f"{beyond}first mode: joints that no block has", InputWarning, stacklevel=2)
+    return eta
 
 
 def _curve_text(values: list[float]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,24 +19,72 @@ from ..models.column.stepper import Stepper
 
 RELEASE = 0.5  # of the way to the edge, the default
 LOOK = 2e-3  # between two checks of the motion, in parts of the time in which the column falls
+MOST_BLOCKS = 12  # of which the restitution is worked out beside an answer
 LONGEST = 100.0  # such times, within which it must turn on the other side
 
 
-def housner_restitution(column: Column) -> float:
-    """Rotation rate after over before an impact, of the whole column as one rigid block (Housner 1963).
+class Part(NamedTuple):
+    """The part of a column above a joint, as one rigid body that stands straight."""
 
-    From angular momentum about the new edge: 1 - 2 m c^2 / I, with c half the width of the lowest joint and I the
-    moment of inertia about an edge. Of a homogeneous rectangle that is 1 - 1.5 sin^2(alpha).
+    joint: int  # from the top, 1 is the highest
+    mass: float  # kg
+    half_width: float  # m, from below the centroid to the nearer edge of the joint's contact
+    centroid: float  # m, above the joint
+    inertia: float  # kg m2, about the edge
+
+    @property
+    def slenderness(self) -> float:
+        """Half the width over the height of the centroid."""
+        return self.half_width / self.centroid
+
+
+def parts_above(column: Column) -> list[Part]:
+    """Return the part above each joint, the top joint first."""
+    found: list[Part] = []
+    mass = height = inertia = 0.0  # of the part above: its centroid above the joint, inertia about the centroid
+    for number, (block, contact) in enumerate(zip(column.blocks, column.contacts, strict=True), start=1):
+        both, own, raised = mass + block.mass, block.resolved_centroid, height + block.height
+        middle = (mass * raised + block.mass * own) / both
+        inertia += block.resolved_inertia + mass * (raised - middle) ** 2 + block.mass * (own - middle) ** 2
+        mass, height = both, middle
+        half = min(-contact.left, contact.right)
+        found.append(Part(number, mass, half, height, inertia + mass * (height**2 + half**2)))
+    return found
+
+
+def rocking_part(column: Column) -> Part:
+    """Return the part that the least push sets in motion: a statue rocks on its pedestal."""
+    return min(reversed(parts_above(column)), key=lambda part: part.slenderness)
+
+
+def housner_restitution(column: Column) -> float:
+    """Return the rotation rate after over before an impact, of the part that rocks as one rigid block (Housner 1963).
+
+    From angular momentum about the new edge: 1 - 2 m c^2 / I, with c half the width of the joint under the part and I
+    the moment of inertia about an edge. Of a homogeneous rectangle that is 1 - 1.5 sin^2(alpha).
     """
-    mass, inertia = 0.0, 0.0  # about the base
-    below = sum(block.height for block in column.blocks)
-    for block in column.blocks:
-        below -= block.height
-        rise = below + block.resolved_centroid
-        mass += block.mass
-        inertia += block.resolved_inertia + block.mass * rise * rise
-    half = 0.5 * column.contacts[-1].width
-    return 1.0 - 2.0 * mass * half * half / (inertia + mass * half * half)
+    part = rocking_part(column)
+    return 1.0 - 2.0 * part.mass * part.half_width**2 / part.inertia
+
+
+def critical_damping(column: Column) -> float:
+    """Return the eta, s, at which the part that rocks is critically damped as it bounces: 2 sqrt(m / (k A))."""
+    part = rocking_part(column)
+    joint = column.blocks[part.joint - 1].joint
+    return 2.0 * math.sqrt(part.mass / column.contacts[part.joint - 1].stiffness(joint.stiffness))
+
+
+def restitution_sentence(column: Column) -> str:
+    """Return the restitution of the model beside that of Housner's block, or why there is none, in a sentence."""
+    rigid = f"Housner's rigid block {housner_restitution(column):.3f}"
+    if column.n > MOST_BLOCKS:
+        return f"Restitution: {rigid}; that of the model is not worked out beyond {MOST_BLOCKS} blocks."
+    try:
+        own = restitution(column)
+    except (InputError, SolverError) as why:
+        return f"Restitution: {rigid}; that of the model is not found: {why}."
+    dry = " without its mortar" if column.is_brittle else ""
+    return f"Restitution (rotation rate after over before an impact, in the plane): the model{dry} {own:.3f}, {rigid}."
 
 
 def restitution(column: Column, release: float = RELEASE) -> float:

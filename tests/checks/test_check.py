@@ -39,7 +39,7 @@ from solver.checks.verdicts import Verdicts
 G = 9.80665
 BLOCK = Column("block", (Block(2.0, 0.5, 0.5, 1200.0, Joint(2e9, 2e-3, strength=2e6)),))
 PULSES = {f"{frequency} Hz": wavelets.one_sine(G, frequency) for frequency in (0.8, 1.2, 2.0)}
-SHORT = Plan(ensemble=4)
+SHORT = Plan(ensemble=4, joints=False)
 
 
 @pytest.fixture(scope="module")
@@ -155,7 +155,7 @@ def test_a_column_that_falls_fails() -> None:
 
 def test_limits_decide(found: Check) -> None:
     limits = Limits(friction=0.05, opening=0.01, strength_factor=100.0)
-    strict = checked(found.subject, found.action, replace(SHORT, limits=limits, margin=False))
+    strict = checked(found.subject, found.action, replace(SHORT, limits=limits, margin=False, joints=False))
     names = [one.name for one in strict.rows if one.passes is False]
     assert names == ["pressure at the edge", "friction asked for", "opening"]
     with pytest.raises(InputError, match=r"limits.share = 2: must be share of the runs that may fall"):
@@ -231,7 +231,9 @@ def test_contradictions_are_refused(words: dict[str, Any], message: str) -> None
 
 
 def test_artificial_motions_where_none_are_given() -> None:
-    made = check(BLOCK, target=spectra.eurocode8(0.05 * G, "A"), artificial=3, plan=Plan(ensemble=1, margin=False))
+    made = check(
+        BLOCK, target=spectra.eurocode8(0.05 * G, "A"), artificial=3, plan=Plan(ensemble=1, margin=False, joints=False)
+    )
     assert [scaled.name for scaled in made.action.motions] == ["artificial 0", "artificial 1", "artificial 2"]
     assert made.action.periods is not None
     assert made.action.periods[0] == max(0.04, 0.2 * made.period)  # shorter ones artificial motions do not follow
@@ -243,7 +245,7 @@ def test_artificial_motions_where_none_are_given() -> None:
 def test_artificial_motions_have_vertical_components_where_wanted() -> None:
     target = spectra.eurocode8(0.05 * G, "A")
     assert target.vertical is not None
-    plan = Plan(ensemble=1, margin=False)
+    plan = Plan(ensemble=1, margin=False, joints=False)
     motion = check(BLOCK, target=target, artificial=1, vertical=True, plan=plan).action.motions[0].motion
     periods = np.geomspace(0.05, 2.0, 20)
     ratio = spectrum(motion, periods, component="az").psa / target.vertical.psa(periods)
@@ -279,6 +281,6 @@ def test_report_has_everything_inside(found: Check, tmp_path: Path) -> None:
 
 def test_motion_as_given_is_not_scaled() -> None:
     motion = Motion.from_samples(0.01, 0.3 * np.sin(np.arange(200) * 0.1))
-    made = check(BLOCK, [motion], plan=Plan(ensemble=1, margin=False))
+    made = check(BLOCK, [motion], plan=Plan(ensemble=1, margin=False, joints=False))
     assert made.action.motions[0].motion is motion
     assert made.action.motions[0].factor == 1.0

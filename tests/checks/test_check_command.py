@@ -20,7 +20,7 @@ depth = 0.5
 mass = 1200.0
 joint = { stiffness = 2e9, damping = 2e-3, strength = 2e6 }
 """
-QUICK = ("--no-margin", "--ensemble", "1")
+QUICK = ("--no-margin", "--no-joints", "--ensemble", "1")
 
 
 @pytest.fixture

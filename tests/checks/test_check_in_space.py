@@ -46,7 +46,7 @@ BLOCK = Structure.stack(COLUMN)
 ALONG, ACROSS = wavelets.one_sine(G, 1.2), wavelets.one_sine(G, 2.0)
 BOTH = ALONG.with_across(ACROSS)
 NOISE = wavelets.filtered_noise(1.0, 2.5, 8.0, 1).with_across(wavelets.filtered_noise(0.7, 2.0, 8.0, 2))
-QUICK = Plan(ensemble=2, margin=False)
+QUICK = Plan(ensemble=2, margin=False, joints=False)
 
 
 def row(made: Check, name: str) -> Row:
@@ -81,7 +81,7 @@ def test_rows_have_the_worse_of_both_ways(found: Check) -> None:
 
 def test_a_block_has_the_margin_that_it_has_in_its_plane() -> None:
     """The same factors are drawn for both; in space its joint gives along itself."""
-    plan = Plan(ensemble=4)
+    plan = Plan(ensemble=4, joints=False)
     flat, made = (check(model, [ALONG], pga=0.2 * G, plan=plan) for model in (COLUMN, BLOCK))
     assert flat.margin is not None
     assert made.margin is not None
@@ -120,7 +120,7 @@ def test_two_components_are_scaled_together_by_their_geometric_mean() -> None:
 
 def test_artificial_motions_follow_the_target_along_both_directions() -> None:
     target, periods = spectra.eurocode8(0.05 * G, "A"), np.geomspace(0.05, 2.0, 20)
-    made = check(BLOCK, target=target, artificial=1, plan=Plan(ensemble=1, margin=False))
+    made = check(BLOCK, target=target, artificial=1, plan=Plan(ensemble=1, margin=False, joints=False))
     motion = made.action.motions[0].motion
     for name in ("ax", "ay"):
         ratio = spectrum(motion, periods, component=name).psa / target.psa(periods)
@@ -214,7 +214,7 @@ def test_varied_structures_that_do_not_even_rest_count_as_fallen() -> None:
     law = {"stiffness": 1.05 * weight * 2.0 / inertia, "damping": 2e-3}
     data = {"name": "tall", "joints": law, "block": [tall]}
     slow = Motion.from_samples(0.5, [0.0, 1e-6, 0.0])
-    found = check(Structure.from_dict(data), {"slow": slow}, plan=Plan(ensemble=8, margin=False))
+    found = check(Structure.from_dict(data), {"slow": slow}, plan=Plan(ensemble=8, margin=False, joints=False))
     fallen, undecided, size = found.fallen
     assert (size, undecided) == (8, 0)
     assert 0 < fallen < 8

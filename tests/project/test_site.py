@@ -90,7 +90,7 @@ def test_check_page(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
         pages.call(command, *(["--no-margin", "--ensemble", "1", "--artificial", "1"] if checks else []))
     assert (folder / "report.html").stat().st_size > 5_000
     assert Column.from_toml("my-statue.toml").n > 1
-    quick = functools.partial(multiblock.check, plan=Plan(ensemble=1, margin=False), artificial=1)
+    quick = functools.partial(multiblock.check, plan=Plan(ensemble=1, margin=False, joints=False), artificial=1)
     monkeypatch.setattr(multiblock, "check", quick)
     (program,) = pages.blocks(CHECK, "python")
     capsys.readouterr()

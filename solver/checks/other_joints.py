@@ -1,0 +1,71 @@
+"""A check repeated with other moduli and dampings of its joints: whether its answer hangs on them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..common.errors import InputError, SolverError
+from .answer import FAILS, outcome_of
+from .subject import subject_of
+
+CHANGES = (("modulus", 0.5), ("modulus", 2.0), ("damping", 0.25), ("damping", 4.0))
+
+
+@dataclass(frozen=True)
+class OtherJoints:
+    """The outcome of a check whose joints have another modulus or damping."""
+
+    key: str  # modulus or damping
+    factor: float
+    outcome: str
+    note: str  # how many fall, or why no run could be made
+
+    @property
+    def text(self) -> str:
+        """The change, its outcome and the note."""
+        return f"{self.outcome} with {self.factor:g} times the {self.key} ({self.note})"
+
+
+def changed(model: Any, key: str, factor: float) -> Any:
+    """Return the model with this factor on the modulus or the damping of every joint. Raises InputError."""
+    stiffness, damping = (factor, 1.0) if key == "modulus" else (1.0, factor)
+    laws = model.laws
+    return model.with_joints([stiffness * law.stiffness for law in laws], [damping * law.damping for law in laws])
+
+
+def other_joints(model: Any, confidence_factor: float, outcome_and_note: Any) -> tuple[OtherJoints, ...]:
+    """Return the outcome with each of `CHANGES`, none of a model without joints.
+
+    outcome_and_note: a function of the changed subject.
+    """
+    found = []
+    for key, factor in CHANGES if model.laws else ():
+        if key == "damping" and not any(law.damping for law in model.laws):
+            continue
+        try:
+            outcome, note = outcome_and_note(subject_of(changed(model, key, factor), confidence_factor))
+        except (InputError, SolverError) as why:
+            outcome, note = FAILS, str(why)
+        found.append(OtherJoints(key, factor, outcome, note))
+    return tuple(found)
+
+
+def joints_sentence(rows: Sequence[Any], others: Sequence[OtherJoints]) -> str:
+    """Return whether the answer of the rows changes with other joints, and what to measure then."""
+    if not others:
+        return "Whether the answer hangs on the modulus or the damping of the joints was not tried."
+    own = outcome_of(without_margin(rows))
+    tried = ", ".join(f"{one.factor:g} times the {one.key}" for one in others)
+    hangs = list(dict.fromkeys(one.key for one in others if one.outcome != own))
+    if not hangs:
+        return f"The answer stays with other joints: {tried}."
+    said = "; ".join(one.text for one in others if one.key in hangs)
+    which = " and on the ".join(hangs)
+    return f"The answer hangs on the {which}: measure {'it' if len(hangs) == 1 else 'them'}. {said}."
+
+
+def without_margin(rows: Sequence[Any]) -> list[Any]:
+    """Return the rows but that of the margin, which is not looked for with other joints."""
+    return [row for row in rows if row.name != "overturning, margin"]
