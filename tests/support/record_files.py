@@ -152,6 +152,29 @@ def csmip_v1(units: str = "g .     ") -> str:
     return "\n".join(channels) + "\n"
 
 
+def smc() -> str:
+    """SMC: 11 lines of text, 48 integers, 50 reals, comments, eight numbers in cm/s2 a row, columns that touch."""
+    head = ["2 CORRECTED ACCELEROGRAM", "*", "TST", "     2000   1   1 Testville", "*", "station = Test", *["*"] * 5]
+    integers, reals = [f"{-32768:10d}"] * 48, [f"{'0.1700000E+39':>15}"] * 50
+    integers[15], integers[16], reals[1] = f"{2:10d}", f"{len(SAMPLES):10d}", f"{'0.1000000E+03':>15}"
+    values = [f"{100.0 * a:10.3f}" for a in SAMPLES]
+    return "\n".join(head) + "\n" + _rows(integers, 8) + _rows(reals, 5) + "|\n|a comment\n" + _rows(values, 8)
+
+
+def geonet() -> str:
+    """GeoNet V2A: channels of 26 lines, then accelerations, velocities and displacements in columns of 8."""
+    channels = []
+    for name, sign in (("N10E", 1.0), ("Up", -1.0)):
+        head = ["Corrected accelerogram 20000101_000000_TST GNS Science", "Site TST  a place", *["text"] * 10]
+        integers, steps = [f"{0:8d}"] * 10, [f"{0.0:8.4f}"] * 10
+        integers[3:6], steps[5] = [f"{len(SAMPLES):8d}"] * 3, f"{DT:8.4f}"
+        head += [f"Component {name}", "text", "text", "text", *["".join([f"{0:8d}"] * 10)] * 3, "".join(integers)]
+        head += ["".join([f"{0.0:8.4f}"] * 10)] * 2 + ["".join(steps)] + ["".join([f"{0.0:8.4f}"] * 10)] * 3
+        values = _rows([f"{sign * 1e3 * a:8.2f}" for a in SAMPLES], 10)
+        channels.append("\n".join(head) + "\n" + values * 3)
+    return "".join(channels)
+
+
 def csv(separator: str = ",", header: Sequence[str] = ("time", "base.ax")) -> str:
     """The CSV of this project."""
     rows = [f"{t:.17g}{separator}{a:.17g}" for t, a in zip(_TIME, SAMPLES, strict=True)]
@@ -197,6 +220,8 @@ CASES = {
     "cosmos v2": _case(cosmos_v2(), "COSMOS or CSMIP V1/V2", 0.5e-5 * 0.01),
     "cosmos v2 second": _case(cosmos_v2(3), "COSMOS or CSMIP V1/V2", 0.5e-5 * 0.01, channel=3),
     "cosmos v1 of cesmd": _case(cosmos_v1c(), "COSMOS or CSMIP V1/V2", 0.5e-6 * G),
+    "smc": _case(smc(), "USGS SMC", 0.5e-3 * 0.01),
+    "geonet": _case(geonet(), "GeoNet V1A/V2A", 0.5e-2 * 1e-3, channel=1),
     "csmip v1": _case(csmip_v1(), "COSMOS or CSMIP V1/V2", 0.5e-6 * G, channel=1),
     "csmip v2": _case(csmip_v2(), "COSMOS or CSMIP V1/V2", 0.5e-3 * 0.01),
     "csv": _case(csv(), "CSV", 0.0),

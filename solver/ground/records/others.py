@@ -8,8 +8,6 @@ from ...common.errors import InputError
 
 HEAD = 12  # lines in which a format names itself
 _FORMATS = {
-    "USGS SMC": r"[12] (UN)?CORRECTED ACCELEROGRAM\b",
-    "GeoNet V1A and V2A": r"(Unc|C)orrected accelerogram\b.*\bGNS\b",
     "USC and Caltech Volume I and II": r"(FILE\s+\d+ OF UNCORRECTED ACCELEROGRAM DATA|CORRECTED ACCELEROGRAM\s+II)",
     "BHRC V1": r"\* VOL1DS FILE",
     "RENADIC V1 and CSMIP V1 before 1999": r"UNCORRECTED ACCELEROGRAM DATA\b",

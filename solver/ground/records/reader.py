@@ -6,10 +6,17 @@ import os
 
 from ...common.errors import InputError, reading
 from ...common.text import lines_of
-from . import columns, cosmos, esm, knet, others, peer
+from . import columns, cosmos, esm, geonet, knet, others, peer, smc
 from .record import Record
 
-_READERS = {peer.NAME: peer.read, esm.NAME: esm.read, knet.NAME: knet.read, columns.CSV: columns.read_csv}
+_READERS = {
+    peer.NAME: peer.read,
+    esm.NAME: esm.read,
+    knet.NAME: knet.read,
+    smc.NAME: smc.read,
+    columns.CSV: columns.read_csv,
+}
+_OF_CHANNELS = {cosmos.NAME: cosmos.read, geonet.NAME: geonet.read}
 
 
 def read_record(
@@ -30,14 +37,14 @@ def read_record(
         for key, value, used in (
             ("dt", dt, name == columns.PLAIN),
             ("units", units, name == columns.PLAIN),
-            ("channel", channel, name == cosmos.NAME),
+            ("channel", channel, name in _OF_CHANNELS),
         ):
             if value is not None and not used:
                 raise InputError(f"{key} = {value}: must be left out, the file is {name} and says all itself")
         if name == columns.PLAIN:
             return columns.read_plain(lines, dt, units)
-        if name == cosmos.NAME:
-            return cosmos.read(lines, channel)
+        if name in _OF_CHANNELS:
+            return _OF_CHANNELS[name](lines, channel)
         return _READERS[name](lines)
 
 
@@ -50,4 +57,6 @@ def format_of(path: str | os.PathLike[str]) -> str:
 def _format(lines: list[str]) -> str:
     if columns.recognised(lines):
         return columns.CSV
-    return next((known.NAME for known in (knet, esm, peer, cosmos) if known.recognised(lines)), columns.PLAIN)
+    return next(
+        (known.NAME for known in (knet, esm, peer, smc, geonet, cosmos) if known.recognised(lines)), columns.PLAIN
+    )

@@ -1,0 +1,51 @@
+"""GeoNet V1A and V2A (New Zealand): channels of 26 lines of header and numbers in mm/s2, in columns of 8."""
+
+from __future__ import annotations
+
+import re
+
+from ...common.errors import InputError
+from ...common.text import fixed_columns
+from .record import Record, equally_spaced
+
+NAME = "GeoNet V1A/V2A"
+_FIRST = re.compile(r"(Unc|C)orrected accelerogram\b.*\bGNS\b")
+_HEADER = 26  # lines of a channel
+_COMPONENT, _INTEGERS, _REALS = 12, 19, 22  # lines, from 0: direction, counts, duration and steps
+_COUNT, _STEP = 3, 5  # places in these lines, from 0: accelerations (velocities, displacements beside it), s
+
+
+def recognised(lines: list[str]) -> bool:
+    """Return True if the first line is that of a channel."""
+    return _FIRST.match(lines[0]) is not None
+
+
+def read(lines: list[str], channel: int | None = None) -> Record:
+    """Return the accelerations of a channel, counted from 1; None: of the only one. Raises InputError."""
+    first = [k for k, line in enumerate(lines) if _FIRST.match(line)]
+    if channel is None and len(first) > 1:
+        listed = ", ".join(f"{n} {_direction(lines, k)}" for n, k in enumerate(first, start=1))
+        raise InputError(f"{len(first)} channels: channel must be given, one of {listed[:200]}")
+    channel = 1 if channel is None else channel
+    if not 1 <= channel <= len(first):
+        raise InputError(f"channel = {channel}: must be 1 to {len(first)}")
+    k = first[channel - 1]
+    header = lines[k : k + _HEADER]
+    counts = fixed_columns(k + _INTEGERS + 1, header[_INTEGERS], 8) if len(header) == _HEADER else []
+    steps = fixed_columns(k + _REALS + 1, header[_REALS], 8) if len(header) == _HEADER else []
+    if len(counts) <= _COUNT or len(steps) <= _STEP:
+        raise InputError(f"line {k + 1}: a channel without its {_HEADER} lines of header")
+    count, at = int(counts[_COUNT]), k + _HEADER
+    samples: list[float] = []
+    while len(samples) < count and at < len(lines):
+        samples += fixed_columns(at + 1, lines[at], 8)
+        at += 1
+    if len(samples) != count:
+        raise InputError(f"{len(samples)} samples found, must be {count} as line {k + _INTEGERS + 1} says")
+    title = f"{lines[k + 1][:12]} {_direction(lines, k)}"
+    return equally_spaced(NAME, steps[_STEP], [1e-3 * a for a in samples], title)
+
+
+def _direction(lines: list[str], first: int) -> str:
+    words = (lines[first + _COMPONENT : first + _COMPONENT + 1] or [""])[0].split()
+    return words[1] if len(words) > 1 else ""
