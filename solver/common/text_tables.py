@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 SEPARATORS = (";", "\t", ",")
 COMMENTS = ("#", "%", "!", "//")
 MOST_ROUNDED = 1e-9  # of the shortest step: float64 times that are rounded by more begin at 0
-FEWEST_OF_MANY = 4  # rows of more than three columns that can be told from samples row by row
+FEWEST_OF_MANY = 4  # rows from which columns with times are distinguished from samples row by row
 _COMMAS = re.compile(r"[+-]?\d*,\d+(?:[EeDd][+-]?\d+)?(?:,[+-]?\d*,\d+(?:[EeDd][+-]?\d+)?)*", re.ASCII)
 
 
