@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any
 
 from ..common.errors import POSITIVE, check_number, check_whole
-from ..models.structure.overlap import TOUCH
+from ..models.structure.convex import TOUCH
 from ..models.uncertainty import Spread
 from .kinematic import CONFIDENCE_FACTOR, LIFE_SAFETY, check_confidence_factor
 

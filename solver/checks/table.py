@@ -282,7 +282,8 @@ def _overlap(demands: Demands, limits: Limits) -> list[Row]:
     if not overlaps:
         return []
     deepest = max(overlaps, key=lambda found: found.depth)
-    note = "the deepest under any motion; these blocks do not meet in the model: no joint, no neighbours"
+    why = "their sides, paired as built, do not meet there" if deepest.paired else "no joint, no neighbours"
+    note = f"the deepest under any motion; these blocks do not meet in the model: {why}"
     values = tuple(found.depth for found in overlaps)
     where = ", ".join(deepest.between)
     return [Row("overlap of blocks", deepest.depth, limits.overlap, MM, where, note if where else "", values)]

@@ -9,10 +9,22 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from multiblock import InputWarning, Limits, Plan, Structure, check, simulate, wavelets
+from multiblock import (
+    InputError,
+    InputWarning,
+    Limits,
+    Motion,
+    Plan,
+    SpatialState,
+    Structure,
+    check,
+    simulate,
+    wavelets,
+)
 from solver.models.structure.blocks.parts import Solid
 from solver.models.structure.blocks.shapes import box, drum, placed, prism, rotation_matrix, turned
-from solver.models.structure.overlap import TOUCH, Overlap, _apart, _Hull, deepest_overlap
+from solver.models.structure.convex import TOUCH, Hull, along_axes, distance
+from solver.models.structure.overlap import Overlap, deepest_overlap
 
 G = 9.80665
 UPRIGHT = np.eye(3)
@@ -98,17 +110,17 @@ def test_random_boxes_and_prisms_overlap_where_a_linear_program_says_so() -> Non
                 placed(prism(name, WEDGE, depth, 1.0), np.zeros(3), turn),
             )
             solids.append(shapes[int(rng.integers(3))])
-        hulls = [_Hull(solid) for solid in solids]
+        hulls = [Hull(solid) for solid in solids]
         r1, r2 = rng.normal(0.0, 0.5, (2, 1, 3))
         between = rng.normal(0.0, 0.5, (1, 3))
-        gap = float(_apart(hulls[0], hulls[1], r1, r2, between)[0])
+        gap = float(along_axes(hulls[0], hulls[1], r1, r2, between)[0])
         corners = [hull.corners + turned(r, hull.corners) for hull, r in zip(hulls, (r1, r2), strict=True)]
         assert share_a_point(corners[0], corners[1] + between) is (gap < 0.0)
         if gap < 0.0:  # pushed apart by that along some axis they no longer meet: none of a few ways does it with less
             met += 1
             ways = rng.normal(0.0, 1.0, (8, 3))
             less = -0.99 * gap * ways / np.linalg.norm(ways, axis=1, keepdims=True)
-            assert all(_apart(hulls[0], hulls[1], r1, r2, between + step)[0] < 0.0 for step in less)
+            assert all(along_axes(hulls[0], hulls[1], r1, r2, between + step)[0] < 0.0 for step in less)
     assert 10 < met < 50
 
 
@@ -138,3 +150,77 @@ def test_stones_that_pass_through_each_other_are_named_and_fail_a_check() -> Non
     assert "overlap of blocks" in found.answer
     deep = check(beside(0.005), {"pulse": motion}, plan=Plan(Limits(overlap=0.9), 1, margin=False))
     assert next(row for row in deep.rows if row.name == "overlap of blocks").passes
+
+
+def polygons(solid: Solid, sides: int = 48) -> np.ndarray:
+    """Corners of a drum whose rims are polygons about them, from its centroid."""
+    angles = np.linspace(0.0, 2.0 * math.pi, sides, endpoint=False)
+    circle = np.stack([np.cos(angles), np.sin(angles)], axis=1) / math.cos(math.pi / sides)
+    ends = [face.centre + face.radius * circle @ face.axes[:, :2].T for face in solid.faces]
+    return np.concatenate(ends) - solid.centroid
+
+
+def test_random_drums_overlap_where_a_linear_program_says_so() -> None:
+    """The program has polygons about their rims, which lie up to 0.2 % of the radius outside."""
+    rng, apart = np.random.default_rng(8), 0
+    for _ in range(120):
+        drums = []
+        for name in ("a", "b"):
+            shape, turn = drum(name, 0.6, 0.6, 0.0, rng.uniform(0.1, 1.5), 1.0), rotation_matrix(rng.normal(size=3))
+            drums.append(placed(shape, np.zeros(3), turn))
+        between = rng.normal(size=3) * 0.45
+        found = float(distance(Hull(drums[0]), Hull(drums[1]), *np.zeros((2, 1, 3)), between[None])[0])
+        corners = polygons(drums[0]), polygons(drums[1]) + between
+        if not share_a_point(*corners):
+            apart += 1
+            assert found > -1e-9
+        elif found > 2e-3:
+            raise AssertionError("apart where polygons about them share a point by more than they lie outside")
+    assert 30 < apart < 100
+
+
+MEET: dict[str, Any] = {"reach": 0.6, "line_stiffness": 1e8, "stiffness": 1e8, "restitution": 0.5, "friction": 0.3}
+
+
+def two(apart: float, turn: float = 0.0, meet: dict[str, Any] | None = None) -> Structure:
+    """Two boxes of 0.6 m beside each other."""
+    size = {"on": "base", "width": 0.6, "depth": 0.6, "height": 1.0, "density": 2400.0}
+    blocks = [
+        {"name": "a", "at": [0.0, 0.0], **size},
+        {"name": "b", "at": [apart, 0.0], "rotation": [0, 0, turn], **size},
+    ]
+    data = {"name": "two", "joints": {"stiffness": 1e9, "damping": 1e-3, "friction": 0.02}, "block": blocks}
+    return Structure.from_dict(data if meet is None else {**data, "neighbours": meet})
+
+
+def test_overlaps_as_built_are_refused_or_said() -> None:
+    with pytest.raises(InputError, match="a and b overlap by 20 mm as built"):
+        two(0.58, meet=MEET)
+    with pytest.raises(InputError, match=r"a and b overlap by 23\.5 mm as built"):
+        two(0.605, 0.1, meet=MEET)
+    rounded = two(0.59999, meet=MEET)
+    assert rounded.contact_names == ("a-b",)
+    assert rounded.neighbours[0].gap == 0.0
+    with_gap = two(0.58, meet={**MEET, "pair": [{"between": ["a", "b"], "gap": 0.01}]})
+    assert [pair.gap for pair in with_gap.neighbours] == [0.01]
+    with pytest.warns(InputWarning, match=r"block\[a\] and block\[b\] overlap by 20 mm as built"):
+        two(0.58)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        two(0.59999)
+        two(0.6)
+
+
+def test_a_block_that_enters_its_neighbour_where_no_sides_are_paired_is_said() -> None:
+    """It turns by a quarter before it hits: its sides were paired as built."""
+    structure = two(1.1, meet=MEET)
+    state = SpatialState(*(np.zeros((2, 3)) for _ in range(4)))
+    state.velocity[0, 0], state.spin[0, 2], state.displacement[:, 2] = 0.7, 2.2, -2.4e-5
+    response = simulate(structure, Motion.from_samples(0.1, np.zeros(16)), initial=state, settle=0.0)
+    assert response.overlap.paired
+    assert response.overlap.depth > 0.05
+    assert "a and b pass into each other" in response.remarks[0]
+    state.spin[:] = 0.0
+    hits = simulate(structure, Motion.from_samples(0.1, np.zeros(16)), initial=state, settle=0.0)
+    assert hits.peaks["hit"][0] > 1e3
+    assert hits.overlap == Overlap()

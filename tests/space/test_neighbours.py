@@ -96,7 +96,7 @@ def test_pairs_with_a_joint_and_overlaps_are_refused() -> None:
     joined = described(DRUM, {**DRUM, "on": "b0", "at": [0.0, 0.0]}, pair=[{"between": ["b0", "b1"]}])
     with pytest.raises(InputError, match=r"neighbours.pair\[1\].between: must be two blocks without a joint"):
         Structure.from_dict(joined)
-    with pytest.raises(InputError, match=r"neighbours: b0 and b1 overlap by 0.1 m as built"):
+    with pytest.raises(InputError, match=r"neighbours: b0 and b1 overlap by 100 mm as built"):
         Structure.from_dict(described(DRUM, {**DRUM, "at": [0.9, 0.0]}))
     angle = 2.0 * math.pi * np.arange(100) / 100
     outline = np.column_stack([0.5 * np.cos(angle), 0.5 + 0.5 * np.sin(angle)]).tolist()

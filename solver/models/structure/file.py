@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from ...common.errors import InputError, check_number, check_whole, shown
+from ...common.errors import InputError, InputWarning, check_number, check_whole, shown
 from ...common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice
 from ...common.tables import check_table, tables_in, vector_of
 from ..column.file import has_blocks_in_space
@@ -22,6 +23,7 @@ from .blocks.outlines import MEANING, MOST_CORNERS, outline_of
 from .blocks.parts import BASE, BESIDE_COLUMN, OF_COLUMN, TOLERANCE, Bed, Joint, Solid, Tie
 from .blocks.placement import check_joints, check_places
 from .blocks.shapes import box, drum, placed, prism, rectangle, rotation_matrix
+from .convex import built_overlaps
 from .hull_tables import OF_HULL, OF_MESH, solid_from_hull
 from .neighbours import neighbours_from
 
@@ -96,6 +98,8 @@ def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> d
     check_table("solver.", solver, ("tolerance", "without"))
     tolerance = check("solver.tolerance", solver.get("tolerance", TOLERANCE))
     gravity = check("g", data.get("g", 9.80665))
+    if "neighbours" not in data:
+        _say_overlaps(blocks, joints)
     found = {
         "name": data["name"],
         "blocks": blocks,
@@ -106,6 +110,20 @@ def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> d
         "g": gravity,
     }
     return found | {"tolerance": tolerance, "without": names_from("solver.without", solver.get("without", ()))}
+
+
+def _say_overlaps(blocks: tuple[Solid, ...], joints: Sequence[Joint]) -> None:
+    """Warn of blocks that overlap as built and that do not meet."""
+    overlaps = built_overlaps(blocks, joints)
+    if overlaps:
+        one, other, depth = overlaps[0]
+        more = f"; {len(overlaps) - 1} more pairs overlap" if len(overlaps) > 1 else ""
+        warnings.warn(
+            f"block[{blocks[one].name}] and block[{blocks[other].name}] overlap by {1e3 * depth:.3g} mm as built, and "
+            f"no joint connects them{more}; move them apart",
+            InputWarning,
+            stacklevel=5,
+        )
 
 
 def names_from(key: str, value: object) -> tuple[Any, ...]:

@@ -18,6 +18,7 @@ from .blocks.contacts import facing
 from .blocks.faces import Face, clipped, polygon_moments
 from .blocks.parts import Joint, Pair, Side, Solid
 from .blocks.shapes import rectangle
+from .convex import TOUCH, built_overlaps, touching
 
 _REACH = (0.0, 1e6), "a length in m, zero or positive: sides that face each other within it may meet"
 _FRICTION = (0.0, 1e3), "a coefficient of friction, 0 without friction"
@@ -47,7 +48,7 @@ PARALLEL = 0.5  # cosine of the angle between the axis of a drum and a face beyo
 OPPOSITE = -0.9  # cosine of the angle between the normals of faces that face each other, at most
 LEVEL = 0.9  # of a normal: faces that lie more level than that are no sides
 LEAST = 1e-6  # of half the length of a drum: sides that face each other over less do not meet
-NEAR = 1e-6  # m: of less overlap as built nothing is said
+NEAR = 1e-6  # m
 
 
 def neighbours_from(data: Mapping[str, Any], blocks: tuple[Solid, ...], joints: Sequence[Joint]) -> tuple[Pair, ...]:
@@ -68,6 +69,7 @@ def neighbours_from(data: Mapping[str, Any], blocks: tuple[Solid, ...], joints: 
         raise InputError(f"neighbours.reach: missing, must be {_REACH[1]}, or give tables [[neighbours.pair]]")
     joined = {frozenset((joint.upper, joint.lower)) for joint in joints}
     reach, found = given.get("reach", -1.0), []
+    _refuse_overlaps(blocks, joints, {pair for pair, (_, own) in declared.items() if "gap" in own})
     near = _near(blocks, reach)
     for one in range(len(blocks)):
         for other in range(one + 1, len(blocks)):
@@ -78,7 +80,7 @@ def neighbours_from(data: Mapping[str, Any], blocks: tuple[Solid, ...], joints: 
                 if key:
                     raise InputError(f"{key}.between: must be two blocks without a joint between them")
                 continue
-            pairs = _facing(blocks, one, other, math.inf if key else reach)
+            pairs = _facing(blocks, one, other, math.inf if key else reach, _deepest(blocks, one, other, own))
             if key and not pairs:
                 raise InputError(f"{key}.between: must be two blocks whose sides face each other: drums, plane faces")
             found += [_with_law(key or "neighbours", pair, {**_law(given, own), **own}, blocks) for pair in pairs]
@@ -94,6 +96,20 @@ def neighbours_from(data: Mapping[str, Any], blocks: tuple[Solid, ...], joints: 
     if len(found) > MOST:
         raise InputError(f"neighbours.reach: {len(found)} pairs of sides lie within it, must be at most {MOST}")
     return tuple(found)
+
+
+def _refuse_overlaps(blocks: tuple[Solid, ...], joints: Sequence[Joint], apart: set[tuple[int, int]]) -> None:
+    """Raise InputError if two blocks overlap as built whose distance no table gives."""
+    for one, other, depth in built_overlaps(blocks, joints):
+        if (one, other) not in apart:
+            names = f"{blocks[one].name} and {blocks[other].name} overlap by {1e3 * depth:.3g} mm as built"
+            raise InputError(f"neighbours: {names}, must stand apart, or have a gap in [[neighbours.pair]]")
+
+
+def _deepest(blocks: tuple[Solid, ...], one: int, other: int, own: Mapping[str, float]) -> float:
+    """Return the overlap as built up to which sides face each other, m: of rounded surveys, or of a pair with a gap."""
+    drop = min(blocks[one].drop, blocks[other].drop)
+    return drop if "gap" in own else touching(blocks[one], blocks[other])
 
 
 def _near(blocks: tuple[Solid, ...], reach: float) -> NDArray[np.bool_]:
@@ -156,30 +172,38 @@ def side_of_drum(solid: Solid) -> Side | None:
     return Side(0.5 * (ends[0].centre + ends[1].centre), along / length, 0.5 * length, ends[0].radius)
 
 
-def _facing(blocks: tuple[Solid, ...], one: int, other: int, reach: float) -> list[Pair]:
-    """Pairs of sides of two blocks that face each other within a reach, m, without their laws."""
+def _facing(blocks: tuple[Solid, ...], one: int, other: int, reach: float, deepest: float) -> list[Pair]:
+    """Return pairs of sides of two blocks that face each other within a reach, m, without their laws.
+
+    deepest: overlap as built up to which plane faces still do, m.
+    """
     drums = side_of_drum(blocks[one]), side_of_drum(blocks[other])
     if drums[0] and drums[1]:
         gap, length = _gap_of_drums(drums[0], drums[1])
         return [Pair(one, other, drums[0], drums[1], gap, length)] if gap <= reach else []
     if drums[1]:
         one, other = other, one
-    return _before_faces(blocks[one], one, blocks[other].faces, other, reach)
+    return _before_faces(blocks[one], one, blocks[other].faces, other, reach, deepest)
 
 
-def _before_faces(block: Solid, one: int, faces: Sequence[Face], other: int, reach: float) -> list[Pair]:
+def _before_faces(
+    block: Solid, one: int, faces: Sequence[Face], other: int, reach: float, deepest: float = TOUCH
+) -> list[Pair]:
     """Pairs of a block with faces of another one that a side of it stands before, within a reach."""
     drum, found = side_of_drum(block), []
     before = [(face, drum) for face in faces] if drum else facing(faces, block.faces, OPPOSITE + NEAR)
     for face, side in before:
-        gap = _gap_before_face(side, face) if isinstance(side, Side) else _gap_of_faces(side, face)
+        gap = _gap_before_face(side, face) if isinstance(side, Side) else _gap_of_faces(side, face, deepest)
         if gap and gap[0] <= reach:
             found.append(Pair(one, other, side, face, *gap))
     return found
 
 
-def _gap_of_faces(one: Face, other: Face) -> tuple[float, float] | None:
-    """Distance of two faces that face each other, m, and the area over which they do, m2; None if they do not."""
+def _gap_of_faces(one: Face, other: Face, deepest: float) -> tuple[float, float] | None:
+    """Return the distance of two faces that face each other, m, and the area over which they do, m2.
+
+    None if they do not, or if they overlap by more than `deepest`, m.
+    """
     cosine = float(one.normal @ other.normal)
     if one.radius or other.radius or cosine > OPPOSITE or max(abs(one.normal[2]), abs(other.normal[2])) > LEVEL:
         return None
@@ -193,7 +217,7 @@ def _gap_of_faces(one: Face, other: Face) -> tuple[float, float] | None:
         return None
     places = other.centre + common @ other.axes[:, :2].T
     gap = float(np.min((one.centre - places) @ one.normal / cosine))
-    return (gap, area) if gap >= -NEAR else None
+    return (gap, area) if gap >= -deepest else None
 
 
 def _gap_of_drums(a: Side, b: Side) -> tuple[float, float]:
@@ -251,8 +275,8 @@ def _with_law(key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Soli
         raise InputError(f"{key}.friction: missing, must be {_FRICTION[1]}: {names} may meet")
     if not {"damping", "restitution"} & law.keys():
         raise InputError(f"{key}.damping: missing, must be {NUMBERS['damping'][1]}, or a restitution: {names} may meet")
-    if "gap" not in law and pair.gap < -NEAR:
-        raise InputError(f"{key}: {names} overlap by {-pair.gap:.3g} m as built, must stand apart, or have a gap")
+    if "gap" not in law and pair.gap < -touching(*(blocks[i] for i in (pair.one, pair.other) if i < len(blocks))):
+        raise InputError(f"{key}: {names} overlap by {-1e3 * pair.gap:.3g} mm as built, must stand apart, or have a gap")
     stiffness = law[of_kind] * pair.size
     if "damping" in law:
         damping = law["damping"]

@@ -94,14 +94,14 @@ class SpatialResponse(StructureHistories, Result):
 
     @cached_property
     def overlap(self) -> Overlap:
-        """The deepest overlap of blocks that no joint connects and that are no neighbours: they do not meet."""
+        """The deepest overlap of blocks without a joint, of neighbours beyond what their contacts know of."""
         return deepest_overlap(self.structure, self.time, self)
 
     model = StructureHistories.model
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Whether blocks that do not meet in the model overlap."""
+        """Lines on the run: blocks that overlap where the model does not let them meet."""
         return (self.overlap.sentence,) if self.overlap.between else ()
 
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:

@@ -1,0 +1,244 @@
+"""Distance and overlap of convex blocks; blocks that are not convex are compared part by part.
+
+Two convex blocks are apart where some axis separates them. Of boxes and prisms the axes are the normals of faces and
+the cross products of edges, which are all that are needed. Of drums they are those in which two of them, or a drum and
+a corner, face each other; where these do not separate drums or hulls of many edges, the nearest point of their
+difference decides (E. Gilbert, SIAM J. Control 4, 1966, p. 61). Along an axis the extent of a block is that of its
+corners and rims.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .blocks.faces import Face, FloatArray
+from .blocks.parts import Joint, Solid
+from .blocks.shapes import turned
+
+PARALLEL = 1e-6  # sine of the angle between two edges; of the size of a block: corners closer than this are one
+PAIRS = 2000  # of edges; where two hulls have more, their many normals have to do: depths seem larger, never less
+TOUCH, TOUCH_PART = 1e-4, 1e-4  # m, and of the size of a block: blocks that overlap by less as built touch
+NEAREST = 200  # iterations
+
+
+@dataclass(frozen=True, eq=False)
+class Hull:
+    """Corners, rims and axes of a convex block or part, from the centroid of the block, along the axes of the base."""
+
+    block: Solid
+    part: tuple[Face, ...] = ()
+
+    @property
+    def faces(self) -> tuple[Face, ...]:
+        """Of the part, or of all of the block."""
+        return self.part or self.block.faces
+
+    @cached_property
+    def corners(self) -> FloatArray:
+        """(corners, 3) m, of its polygons."""
+        found = [face.points() - self.block.centroid for face in self.faces if not face.radius]
+        if not found:
+            return np.empty((0, 3))
+        every = np.concatenate(found)
+        _, first = np.unique(np.round(every / (PARALLEL * self.block.size)), axis=0, return_index=True)
+        return every[np.sort(first)]
+
+    @cached_property
+    def rims(self) -> list[tuple[FloatArray, FloatArray, float]]:
+        """Centre, normal and radius of its round faces."""
+        faces = [face for face in self.faces if face.radius]
+        return [(face.centre - self.block.centroid, face.normal, face.radius) for face in faces]
+
+    @cached_property
+    def edges(self) -> FloatArray:
+        """Directions of its edges, of a drum that of its axis (edges, 3)."""
+        if self.rims:
+            return self.rims[0][1][None]
+        outlines = [face.points() for face in self.faces]
+        found = [np.roll(outline, -1, axis=0) - outline for outline in outlines]
+        return _directions(np.concatenate([*found, self._sides]))
+
+    @cached_property
+    def normals(self) -> FloatArray:
+        """Normals of its faces, (normals, 3)."""
+        found = [face.normal[None] for face in self.faces]
+        if len(self._sides):  # of a box that tapers: each contains an edge of the bottom and one to the top
+            bottom = self.faces[0].points()
+            along = np.roll(bottom, -1, axis=0) - bottom
+            found += [np.cross(along, side) for side in (self._sides, np.roll(self._sides, -1, axis=0))]
+        return _directions(np.concatenate(found))
+
+    @cached_property
+    def _sides(self) -> FloatArray:
+        """Edges from the bottom to the top of a box that tapers, whose other faces are not among its faces."""
+        if self.rims or len(self.faces) != 2:
+            return np.empty((0, 3))
+        bottom, top = (face.points() for face in self.faces)
+        nearest = np.argmin(np.linalg.norm(bottom[:, None] - top[None], axis=2), axis=1)
+        return top[nearest] - bottom
+
+    def extent(self, rotation: FloatArray, axes: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Least and largest place along axes (rows, axes, 3) from the centroid, m (rows, axes)."""
+        own = axes + turned(-rotation[:, None], axes)  # the axes, along those of the block
+        low, high = np.full(own.shape[:2], np.inf), np.full(own.shape[:2], -np.inf)
+        for corner in self.corners:
+            place = own @ corner
+            low, high = np.minimum(low, place), np.maximum(high, place)
+        for centre, normal, radius in self.rims:
+            place, half = own @ centre, radius * np.sqrt(np.maximum(0.0, 1.0 - (own @ normal) ** 2))
+            low, high = np.minimum(low, place - half), np.maximum(high, place + half)
+        return low, high
+
+    def farthest(self, rotation: FloatArray, along: FloatArray) -> FloatArray:
+        """Return the point that lies farthest along a direction, from the centroid, m (rows, 3)."""
+        own = along + turned(-rotation, along)
+        found, most = np.zeros_like(own), np.full(len(own), -np.inf)
+        for corner in self.corners:
+            place = own @ corner
+            found, most = np.where((place > most)[:, None], corner, found), np.maximum(most, place)
+        for centre, normal, radius in self.rims:
+            across = own - (own @ normal)[:, None] * normal
+            length = np.linalg.norm(across, axis=1, keepdims=True)
+            point = centre + radius * across / np.maximum(length, PARALLEL)
+            place = np.einsum("rk,rk->r", own, point)
+            found, most = np.where((place > most)[:, None], point, found), np.maximum(most, place)
+        return found + turned(rotation, found)
+
+    def facing(self, rotation: FloatArray, other: Hull, turn: FloatArray, between: FloatArray) -> FloatArray:
+        """Axes in which a drum faces another block, whose centroid is `between` away (rows, axes, 3)."""
+        if not self.rims:
+            return np.empty((len(between), 0, 3))
+        upright = self.rims[0][1] + turned(rotation, self.rims[0][1])
+        corners = other.corners if len(other.corners) else np.zeros((1, 3))
+        places = between[:, None] + corners + turned(turn[:, None], corners[None])
+        return places - np.sum(places * upright[:, None], axis=2, keepdims=True) * upright[:, None]
+
+
+def _directions(vectors: FloatArray) -> FloatArray:
+    """Unit vectors, each direction once, whichever way it points."""
+    units = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+    kept: list[FloatArray] = []
+    for unit in units:
+        if all(abs(float(unit @ other)) < 1.0 - PARALLEL**2 for other in kept):
+            kept.append(unit)
+    return np.array(kept)
+
+
+def along_axes(one: Hull, other: Hull, r1: FloatArray, r2: FloatArray, between: FloatArray) -> FloatArray:
+    """Return the distance along the axis that separates best, below 0 by the overlap, m (rows,).
+
+    Of drums the axes are not all: an overlap may seem deeper than it is (`distance`).
+
+    r1, r2: rotations since built, rad (rows, 3); between: from the centroid of the one to that of the other, m.
+    """
+    mine, yours = ((hull, rotation[:, None]) for hull, rotation in ((one, r1), (other, r2)))
+    normals = [hull.normals + turned(rotation, hull.normals[None]) for hull, rotation in (mine, yours)]
+    across = np.empty((len(between), 0, 3))
+    if len(one.edges) * len(other.edges) <= PAIRS:
+        edges = [hull.edges + turned(rotation, hull.edges[None]) for hull, rotation in (mine, yours)]
+        across = np.cross(edges[0][:, :, None], edges[1][:, None]).reshape(len(between), -1, 3)
+    facing = one.facing(r1, other, r2, between), other.facing(r2, one, r1, -between)
+    axes = np.concatenate([*normals, across, *facing, between[:, None]], axis=1)
+    length = np.linalg.norm(axes, axis=2)
+    none = length < PARALLEL
+    axes = axes / np.where(none, 1.0, length)[:, :, None]
+    low1, high1 = one.extent(r1, axes)
+    low2, high2 = other.extent(r2, axes)
+    away = np.einsum("rak,rk->ra", axes, between)
+    gap = np.maximum(away + low2 - high1, low1 - high2 - away)
+    return np.max(np.where(none, -np.inf, gap), axis=1)
+
+
+def _nearest(one: Hull, other: Hull, r1: FloatArray, r2: FloatArray, between: FloatArray) -> FloatArray:
+    """Return a lower bound of the distance of two convex bodies, m (rows,), that is exact where they are apart."""
+    point, bound = between.copy(), np.full(len(between), -np.inf)
+    for _ in range(NEAREST):
+        length = np.linalg.norm(point, axis=1)
+        along = point / np.maximum(length, PARALLEL)[:, None]
+        support = between + other.farthest(r2, -along) - one.farthest(r1, along)
+        bound = np.where(length > PARALLEL, np.maximum(bound, np.einsum("rk,rk->r", support, along)), bound)
+        step = support - point
+        square = np.einsum("rk,rk->r", step, step)
+        part = -np.einsum("rk,rk->r", point, step) / np.maximum(square, PARALLEL**2)
+        point += np.clip(part, 0.0, 1.0)[:, None] * step
+    return bound
+
+
+def distance(one: Hull, other: Hull, r1: FloatArray, r2: FloatArray, between: FloatArray) -> FloatArray:
+    """Return the distance of two convex bodies, m (rows,), below 0 by their overlap.
+
+    Parameters
+    ----------
+    r1, r2 : array (rows, 3)
+        Rotations since built, rad.
+    between : array (rows, 3)
+        From the centroid of the one to that of the other, m.
+    """
+    found = along_axes(one, other, r1, r2, between)
+    unclear = np.flatnonzero(found < 0.0)
+    complete = not (one.rims or other.rims) and len(one.edges) * len(other.edges) <= PAIRS
+    if len(unclear) and not complete:
+        found[unclear] = np.maximum(found[unclear], _nearest(one, other, r1[unclear], r2[unclear], between[unclear]))
+    return found
+
+
+def hulls_of(block: Solid) -> list[Hull]:
+    """Return the convex body of a block, or its convex parts."""
+    return [Hull(block, part) for part in block.parts or ((),)]
+
+
+class BuiltOverlap(NamedTuple):
+    """Two blocks that share some of their volume as built."""
+
+    one: int  # numbers of the blocks
+    other: int
+    depth: float  # m
+
+
+def touching(*blocks: Solid) -> float:
+    """Return the overlap up to which blocks touch as built, m: surveys are rounded."""
+    return max(TOUCH, TOUCH_PART * min(block.reach for block in blocks))
+
+
+def near_as_built(blocks: Sequence[Solid], joints: Iterable[Joint], within: FloatArray) -> NDArray[np.bool_]:
+    """Return which pairs (i, j), i < j, that no joint connects, are nearer than `within`, m (n, n).
+
+    The distance is not below that of the spheres about both, nor below that of the boxes along the axes of the base.
+    """
+    n = len(blocks)
+    centre = np.array([block.centroid for block in blocks])
+    reach = np.array([block.reach for block in blocks])
+    low = np.array([np.min(block.corners, axis=0) for block in blocks])
+    high = np.array([np.max(block.corners, axis=0) for block in blocks])
+    spread = np.array([max((face.radius for face in block.faces), default=0.0) for block in blocks])
+    low, high = low - 0.01 * spread[:, None], high + 0.01 * spread[:, None]  # rims lie beyond the corners drawn on them
+    apart = np.linalg.norm(centre[:, None] - centre[None], axis=2) - reach[:, None] - reach[None]
+    for axis in range(3):
+        gap = low[None, :, axis] - high[:, None, axis]
+        apart = np.maximum(apart, np.maximum(gap, gap.T))
+    found: NDArray[np.bool_] = apart <= within
+    found &= np.triu(np.ones((n, n), dtype=np.bool_), 1)
+    for joint in joints:
+        if joint.lower < n:
+            found[joint.upper, joint.lower] = found[joint.lower, joint.upper] = False
+    return found
+
+
+def built_overlaps(blocks: Sequence[Solid], joints: Iterable[Joint]) -> list[BuiltOverlap]:
+    """Return the pairs of blocks without a joint that overlap as built by more than they touch, the deepest first."""
+    found = []
+    for i, j in np.argwhere(near_as_built(blocks, joints, np.array(-TOUCH))):
+        one, other = blocks[i], blocks[j]
+        still, between = np.zeros((1, 3)), (other.centroid - one.centroid)[None]
+        pairs = product(hulls_of(one), hulls_of(other))
+        depth = -min(float(distance(a, b, still, still, between)[0]) for a, b in pairs)
+        if depth > touching(one, other):
+            found.append(BuiltOverlap(int(i), int(j), depth))
+    return sorted(found, key=lambda overlap: -overlap.depth)
