@@ -276,7 +276,8 @@ def _with_law(key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Soli
     if not {"damping", "restitution"} & law.keys():
         raise InputError(f"{key}.damping: missing, must be {NUMBERS['damping'][1]}, or a restitution: {names} may meet")
     if "gap" not in law and pair.gap < -touching(*(blocks[i] for i in (pair.one, pair.other) if i < len(blocks))):
-        raise InputError(f"{key}: {names} overlap by {-1e3 * pair.gap:.3g} mm as built, must stand apart, or have a gap")
+        deep = f"{-1e3 * pair.gap:.3g} mm as built"
+        raise InputError(f"{key}: {names} overlap by {deep}, must stand apart, or have a gap")
     stiffness = law[of_kind] * pair.size
     if "damping" in law:
         damping = law["damping"]
