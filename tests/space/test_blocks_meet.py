@@ -162,14 +162,14 @@ def polygons(solid: Solid, sides: int = 48) -> np.ndarray:
 
 def test_random_drums_overlap_where_a_linear_program_says_so() -> None:
     """The program has polygons about their rims, which lie up to 0.2 % of the radius outside."""
-    rng, apart = np.random.default_rng(8), 0
+    rng, apart, still = np.random.default_rng(8), 0, np.zeros((1, 3))
     for _ in range(120):
         drums = []
         for name in ("a", "b"):
             shape, turn = drum(name, 0.6, 0.6, 0.0, rng.uniform(0.1, 1.5), 1.0), rotation_matrix(rng.normal(size=3))
             drums.append(placed(shape, np.zeros(3), turn))
         between = rng.normal(size=3) * 0.45
-        found = float(distance(Hull(drums[0]), Hull(drums[1]), *np.zeros((2, 1, 3)), between[None])[0])
+        found = float(distance(Hull(drums[0]), Hull(drums[1]), still, still, between[None])[0])
         corners = polygons(drums[0]), polygons(drums[1]) + between
         if not share_a_point(*corners):
             apart += 1
