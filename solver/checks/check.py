@@ -132,7 +132,7 @@ class Check:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Sentences on the components that act, doubts about the action, and what is left to another check."""
+        """Sentences on the components that act, cautions about the action, and what is left to another check."""
         longest = self.by_hand.mechanism.period() if self.by_hand else 0.0
         components = components_sentence(self.action, self.subject.model.kind.across)
         return (components, *self.action.cautions(longest), *self.subject.left_to_others(self.both))

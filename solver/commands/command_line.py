@@ -56,7 +56,7 @@ from .study import add_command as add_study
 
 BASE_PEAKS = ("Fx", "Fz", "My"), ("kN", "kN", "kN m")
 PROGRAM = "python -m solver"
-INTERRUPTED = 130  # exit code, as of shells
+INTERRUPTED, CLOSED_PIPE = 130, 141  # exit codes, as of shells
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -86,7 +86,7 @@ def program_parser(program: str, description: str) -> OneLineParser:
 def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> int:
     """Call `options.command(options)` with the options that the parser reads.
 
-    Returns the exit code: 2 for a user's mistake. An interrupt by the user ends the process at once, with 130.
+    Returns the exit code: 2 for a user's mistake, CLOSED_PIPE, silently, once the output is no longer read. An interrupt by the user ends the process at once, with 130.
     """
     if hasattr(sys.stdout, "reconfigure"):  # the name of a file may not be decodable as text
         sys.stdout.reconfigure(errors="backslashreplace")
@@ -96,7 +96,11 @@ def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None
             warnings.showwarning = _warnings_shower()
             options = _parsed(parser, arguments)
             options.command(options)
+            sys.stdout.flush()
     except (InputError, SolverError, OSError) as error:
+        if _is_closed_pipe(error):  # `| head` has read enough
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return CLOSED_PIPE
         print(f"{parser.prog}: {printable(str(error))}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
@@ -105,6 +109,13 @@ def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None
         sys.stderr.flush()
         os._exit(INTERRUPTED)  # at once: Python takes half a second to tidy up, and would wait for threads
     return 0
+
+
+def _is_closed_pipe(error: BaseException | None) -> bool:
+    """Return whether an error comes from writing to a pipe that is no longer read."""
+    while error is not None and not isinstance(error, BrokenPipeError):
+        error = error.__cause__ or error.__context__
+    return error is not None
 
 
 def _warnings_shower() -> Callable[..., None]:

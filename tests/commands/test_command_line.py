@@ -3,6 +3,7 @@
 import csv
 import inspect
 import re
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -316,3 +317,14 @@ def test_a_decimal_comma_of_an_option_is_called_by_its_name(capsys: pytest.Captu
     assert main(["simulate", "a.toml", "b.csv", "--pga", "0,3"]) == 2
     line = "argument --pga: 0,3 has a decimal comma, must be 0.3 with a decimal point\n"
     assert capsys.readouterr().err.endswith(line)
+
+
+def test_output_that_is_no_longer_read_ends_a_command_silently() -> None:
+    """As `| head` does: with the exit code that shells give."""
+    with subprocess.Popen(
+        [sys.executable, "-m", "multiblock", "statics", str(PHOCAS)], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as command:
+        assert command.stdout is not None and command.stderr is not None
+        command.stdout.close()
+        said = command.stderr.read()
+    assert (command.returncode, said) == (141, b"")

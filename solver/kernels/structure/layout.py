@@ -93,7 +93,7 @@ MOST_CORNERS = 64  # of a face
 # integrals of 1, x, y, x^2, y^2, x y; then its corners, the last one repeated, the owner of the edge to each, and for
 # each edge of the lower and of the upper face the plane that is positive inside of it
 SHARED = Record("corners", "p1", "p2", "p3", "area", "x", "y", "xx", "yy", "xy")
-PER_CORNER = 4  # numbers of a row of SHARED over those of its two faces: it begins at so many times their place
+PER_CORNER = 4  # numbers of a row of SHARED over those of its two faces: its place is that multiple of theirs
 assert SHARED.beside <= PER_CORNER * 2 * FACE.beside
 OF_UPPER, OF_BOTH, OF_LOWER = -1.0, 0.0, 1.0  # owners of an edge; of both while edges of two faces coincide
 TIES = Table(
