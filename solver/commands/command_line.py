@@ -86,7 +86,8 @@ def program_parser(program: str, description: str) -> OneLineParser:
 def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> int:
     """Call `options.command(options)` with the options that the parser reads.
 
-    Returns the exit code: 2 for a user's mistake, CLOSED_PIPE, silently, once the output is no longer read. An interrupt by the user ends the process at once, with 130.
+    Returns the exit code: 2 for a user's mistake; CLOSED_PIPE, silently, once the output is no longer read. An
+    interrupt by the user ends the process at once, with 130.
     """
     if hasattr(sys.stdout, "reconfigure"):  # the name of a file may not be decodable as text
         sys.stdout.reconfigure(errors="backslashreplace")

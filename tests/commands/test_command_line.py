@@ -324,7 +324,8 @@ def test_output_that_is_no_longer_read_ends_a_command_silently() -> None:
     with subprocess.Popen(
         [sys.executable, "-m", "multiblock", "statics", str(PHOCAS)], stdout=subprocess.PIPE, stderr=subprocess.PIPE
     ) as command:
-        assert command.stdout is not None and command.stderr is not None
+        assert command.stdout is not None
+        assert command.stderr is not None
         command.stdout.close()
         said = command.stderr.read()
     assert (command.returncode, said) == (141, b"")
