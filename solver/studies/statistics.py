@@ -161,7 +161,8 @@ def fit_fragility(
     failed. "demand": the logarithm of the largest displacement is linear in that of the intensity, with a normal
     scatter; what overturned is censored, known only to be beyond the limit. It needs a limit and fewer failures.
     Confidence: by resampling, 200 times, the samples of the random parameters together with the motion, each with all
-    its intensities. chosen: (runs,) mask of the runs used. Raises InputError if the runs do not determine the curve.
+    its intensities. chosen: (runs,) mask of the runs used. Raises InputError if the runs do not determine the curve:
+    none or all failed, or all stand below one intensity and all fail above it, so that any deviation fits.
     """
     name = intensity or intensity_name(results)
     valid = made(results) & (results[name] > 0.0)
@@ -173,6 +174,7 @@ def fit_fragility(
     if not 0 < np.sum(failed) < len(failed):
         raise InputError(f"{name}: {np.sum(failed)} of {len(failed)} runs failed: a fragility needs some of both")
     if method == "failures":
+        _refuse_separated(name, im, failed)
         fit = _of_failures(im, failed)
         how = said_of(limit)
     elif method == "demand":
@@ -204,6 +206,25 @@ def fit_fragility(
         failed=int(np.sum(failed)),
         undecided=int(np.sum(undecided)),
         how=how,
+    )
+
+
+def _refuse_separated(name: str, intensity: FloatArray, failed: NDArray[np.bool_]) -> None:
+    """Raise InputError if no intensity has both outcomes between others, and say where the median lies."""
+    stands, fails = float(np.max(intensity[~failed])), float(np.min(intensity[failed]))
+    if stands > fails:
+        return
+    low, high = stands, fails
+    mixed = ""
+    if stands == fails:  # of one level alone: with the neighbouring levels around it
+        mixed = f", at {stands:.4g} they do either"
+        low = float(np.max(intensity[intensity < stands], initial=0.0))
+        high = float(np.min(intensity[intensity > stands], initial=math.inf))
+    fall = f" and all from {high:.4g} on fail" if math.isfinite(high) else ""
+    where = f"between {low:.4g} and {high:.4g}" if math.isfinite(high) else f"above {low:.4g}"
+    raise InputError(
+        f"{name}: all runs up to {low:.4g} stand{fall}{mixed}: the median lies {where}, its bounds and the deviation "
+        "need more levels there"
     )
 
 

@@ -115,6 +115,23 @@ def test_runs_that_do_not_tell_are_refused() -> None:
         fit_fragility(made_up(np.full(10, 0.1), np.linspace(0.1, 1.0, 10)))
 
 
+@pytest.mark.parametrize(
+    ("levels", "fell", "where"),
+    [
+        ([0.2, 0.2, 0.65, 1.0], [0, 0, 1, 1], "between 0.2 and 0.65"),
+        ([0.2, 0.6, 0.6, 0.6, 1.0], [0, 0, 1, 1, 1], "between 0.2 and 1"),
+        ([0.2, 0.6, 0.6, 0.6], [0, 0, 1, 1], "above 0.2"),
+    ],
+)
+def test_outcomes_that_are_separated_are_refused_with_the_range_of_the_median(
+    levels: list[float], fell: list[int], where: str
+) -> None:
+    """Any small deviation fits them, so that bounds would have no width."""
+    results = made_up(np.where(np.array(fell) > 0, math.inf, 0.1), np.array(levels))
+    with pytest.raises(InputError, match=f"the median lies {where}"):
+        fit_fragility(results)
+
+
 def test_bins_hold_all_runs(known: Results) -> None:
     found = binned(known["pga"], known.overturned)
     assert np.sum(found.runs) == 20000
