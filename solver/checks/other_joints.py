@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..common.errors import InputError, SolverError
+from ..common.errors import InputError, InputWarning, SolverError
 from .answer import FAILS, outcome_of
 from .subject import subject_of
 
@@ -45,7 +46,9 @@ def other_joints(model: Any, confidence_factor: float, outcome_and_note: Any) ->
         if key == "damping" and not any(law.damping for law in model.laws):
             continue
         try:
-            outcome, note = outcome_and_note(subject_of(changed(model, key, factor), confidence_factor))
+            with warnings.catch_warnings():  # on values that the user has not given
+                warnings.simplefilter("ignore", InputWarning)
+                outcome, note = outcome_and_note(subject_of(changed(model, key, factor), confidence_factor))
         except (InputError, SolverError) as why:
             outcome, note = FAILS, str(why)
         found.append(OtherJoints(key, factor, outcome, note))

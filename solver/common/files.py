@@ -24,6 +24,7 @@ MOST_RECORD = 64 * MB  # an hour of three columns at 200 Hz has 40 MB
 MOST_TABLE = 256 * MB  # of histories
 LONGEST_NAME = 200  # characters; a suffix has to fit into the 255 bytes of file systems
 MARKS = ((codecs.BOM_UTF8, "UTF-8"), (codecs.BOM_UTF16_LE, "UTF-16"), (codecs.BOM_UTF16_BE, "UTF-16"))
+FORMULA = ("=", "+", "-", "@", "\t", "\r")  # begin of a text that spreadsheets run
 DECIMAL_COMMA = re.compile(r"=\s*([-+]?\d+,\d+)\s*(?:[,}#]|$)")
 
 
@@ -156,8 +157,19 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def write_table(path: str | os.PathLike[str], names: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
-    """Write a CSV file with a header, whole or not at all. Raises OSError."""
+    """Write a CSV file with a header, whole or not at all; text is marked that would be a formula. Raises OSError."""
     with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(names)
-        writer.writerows(rows)
+        writer.writerow(map(_plain, names))
+        writer.writerows(map(_plain, row) for row in rows)
+
+
+def _plain(cell: Any) -> Any:
+    """Return a cell that no spreadsheet runs as a formula: such a text with an apostrophe before it."""
+    if not isinstance(cell, str) or not cell.startswith(FORMULA):
+        return cell
+    try:
+        float(cell)
+    except ValueError:
+        return f"'{cell}"
+    return cell

@@ -14,7 +14,7 @@ from support.inside import full_disk
 
 from solver import Column, InputError, Motion
 from solver.commands.command_line import main
-from solver.common.files import MOST_RECORD, MOST_TOML, whole_file
+from solver.common.files import MOST_RECORD, MOST_TOML, whole_file, write_table
 from solver.studies import Study
 
 COLUMN = ROOT / "examples" / "columns" / "phocas-damped.toml"
@@ -133,3 +133,10 @@ def test_two_builds_of_one_fmu_at_once(tmp_path: Path) -> None:
         assert build.returncode == 0, said
     assert zipfile.ZipFile(output).testzip() is None
     assert list(tmp_path.iterdir()) == [output]
+
+
+def test_a_text_that_spreadsheets_would_run_is_marked(tmp_path: Path) -> None:
+    path = tmp_path / "table.csv"
+    write_table(path, ["name", "=head"], [["=1+1", "-1.5"], ["@SUM(A1)", "+0.1"], ["plain", 2.0]])
+    lines = path.read_text(encoding="utf-8").split()
+    assert lines == ["name,'=head", "'=1+1,-1.5", "'@SUM(A1),+0.1", "plain,2.0"]

@@ -6,6 +6,7 @@ import base64
 import json
 import math
 import os
+import re
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -83,9 +84,7 @@ def _page(response: Any, scale: float | None, fps: float, numbers: int, triangle
         "@VIEWER@": (folder / "viewer.js").read_text(encoding="utf-8"),
     }
     text = (folder / "viewer.html").read_text(encoding="utf-8")
-    for mark, content in parts.items():
-        text = text.replace(mark, content)
-    return text
+    return re.sub("|".join(parts), lambda mark: parts[mark[0]], text)  # at once: a name may look like a mark
 
 
 def _contents(scene: Scene, response: Any, scale: float | None, triangles: int) -> dict[str, Any]:
