@@ -243,6 +243,6 @@ def test_a_block_may_have_the_name_of_a_mark_of_the_page(tmp_path: Path) -> None
     block = {"name": "@VIEWER@", "on": "base", "width": 1.0, "depth": 1.0, "height": 1.0, "density": 2000.0}
     structure = Structure.from_dict({"name": "marks", "joints": {"stiffness": 1e9, "damping": 1e-3}, "block": [block]})
     page = tmp_path / "page.html"
-    write_view(simulate(structure, SHAKING, check=False, settle=0.0), page)
+    simulate(structure, SHAKING, check=False, settle=0.0).view(page)
     text = page.read_text(encoding="utf-8")
     assert '"name":"@VIEWER@"' in text
