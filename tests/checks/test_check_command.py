@@ -151,7 +151,9 @@ def test_odd_names_reach_neither_terminal_nor_legend_as_they_are(
 def test_a_record_in_other_units_and_a_factor_out_of_range(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     time = np.arange(0.0, 1.0, 0.01)
     Motion.from_samples(0.01, 320.0 * np.sin(2.0 * np.pi * time)).to_csv("gal.csv")
-    assert main(["check", "block.toml", "gal.csv", "--pga", "0.05", *QUICK]) == 0
+    assert main(["check", "block.toml", "gal.csv", "--pga", "0.05", *QUICK]) == 2
+    assert "--force-scale" in capsys.readouterr().err
+    assert main(["check", "block.toml", "gal.csv", "--pga", "0.05", "--force-scale", *QUICK]) == 0
     assert "warning: gal.csv: largest acceleration 32.63 g, ground motions reach 3 g" in capsys.readouterr().err
     for factor in ("-1", "nan", "0", "1e300"):
         for space in ([], ["--space"]):
