@@ -210,22 +210,13 @@ def fit_fragility(
 
 
 def _refuse_separated(name: str, intensity: FloatArray, failed: NDArray[np.bool_]) -> None:
-    """Raise InputError if no intensity has both outcomes between others, and say where the median lies."""
-    stands, fails = float(np.max(intensity[~failed])), float(np.min(intensity[failed]))
-    if stands > fails:
-        return
-    low, high = stands, fails
-    mixed = ""
-    if stands == fails:  # of one level alone: with the neighbouring levels around it
-        mixed = f", at {stands:.4g} they do either"
-        low = float(np.max(intensity[intensity < stands], initial=0.0))
-        high = float(np.min(intensity[intensity > stands], initial=math.inf))
-    fall = f" and all from {high:.4g} on fail" if math.isfinite(high) else ""
-    where = f"between {low:.4g} and {high:.4g}" if math.isfinite(high) else f"above {low:.4g}"
-    raise InputError(
-        f"{name}: all runs up to {low:.4g} stand{fall}{mixed}: the median lies {where}, its bounds and the deviation "
-        "need more levels there"
-    )
+    """Raise InputError if all runs stand below one intensity and all fail above it, with where the median lies."""
+    low, high = float(np.max(intensity[~failed])), float(np.min(intensity[failed]))
+    if low < high:
+        raise InputError(
+            f"{name}: all runs up to {low:.4g} stand and all from {high:.4g} on fail: the median lies between "
+            f"{low:.4g} and {high:.4g}, its bounds and the deviation need more levels there"
+        )
 
 
 def said_of(limit: Limit) -> str:

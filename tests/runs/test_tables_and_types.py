@@ -46,7 +46,7 @@ def test_the_picture_of_a_table_has_a_mark_for_each_run(tmp_path: Path) -> None:
 
 
 def test_results_draw_the_picture_of_their_kind_and_fragilities_are_short() -> None:
-    motions = {f"pulse {k}": pulse for k, pulse in enumerate(PULSES)}
+    motions = {f"pulse {k}": pulse for k, pulse in enumerate(PULSES)} | {"fast": Motion.harmonic(1.0, 4.0, 0.5)}
     results = studies.fragility(STATUE, motions, {}, 1, levels=[0.2, 0.4, 0.6, 0.8])
     assert results.plot().axes[0].get_ylabel() == "probability of failure"
     found = studies.fit_fragility(results)
