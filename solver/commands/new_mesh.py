@@ -22,7 +22,6 @@ from ..models.structure.hull_tables import FACTOR, in_folder
 from ..models.structure.model import Structure
 from .command_files import check_suffix
 
-TALL = 100.0  # m: a mesh higher than this is probably in mm
 DAMPING = 1e-3  # s
 HOLLOW = 1.05  # times its volume: a mesh whose hull is larger may be better as parts
 TURN = 22.5  # degrees between the directions that are shown of a foot of many edges
@@ -65,7 +64,7 @@ def new_from_mesh(options: argparse.Namespace, path: Path) -> None:
     name = check_file_name("name", path.stem)
     check_choice("--material", options.material, tuple(MATERIALS))
     check_number("--unit", options.unit, *FACTOR)
-    of_mesh = options.unit, options.up, options.feet, options.parts
+    of_mesh = options.unit, options.up, options.feet, options.parts, options.repair
     given = name, os.path.relpath(mesh, path.parent), options.material, *of_mesh
     structure = _structure(mesh_text(*given, height=1.0), path.parent)
     height = float(np.ptp(structure.blocks[0].corners[:, 2]))
@@ -75,8 +74,6 @@ def new_from_mesh(options: argparse.Namespace, path: Path) -> None:
         with whole_file(path) as beside:
             beside.write_text(text, encoding="utf-8")
     print("\n".join(facts_of(structure)))
-    if height > TALL:
-        print(f"  It is {height:.4g} m high: if the mesh is in mm, --unit 1e-3.")
     try:
         from ..plotting.structures import structure_picture
         from ..plotting.style import save
@@ -138,7 +135,15 @@ def _nearest(edges: list[Edge], direction: float) -> Edge:
 
 
 def mesh_text(
-    name: str, file: str, material: str, unit: float, up: str | None, feet: int, parts: int | None, height: float
+    name: str,
+    file: str,
+    material: str,
+    unit: float,
+    up: str | None,
+    feet: int,
+    parts: int | None,
+    repair: bool,
+    height: float,
 ) -> str:
     """The text of the file; height: m, of the mesh, for the modulus of its joint; feet, parts: how many."""
     found = MATERIALS[material]
@@ -162,6 +167,7 @@ def mesh_text(
         *([f'up = "{up}"                     # axis of the mesh'] if up else []),
         'on = "base"',
         f"density = {found.density!r}",
+        *(["repair = true                # triangles that look the wrong way are turned"] if repair else []),
         *([f"feet = {feet}                     # groups of the points that bear"] if feet != 1 else []),
         *([f"parts = {parts}                    # convex ones that others meet, at most"] if parts is not None else []),
         "# foot = [[x, y], ...]       # m; else the points within level = 1e-3 of its height of the lowest",

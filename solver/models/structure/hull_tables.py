@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import chain, islice
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ...common.errors import InputError, check_number, check_whole, shown
+from ...common.errors import InputError, InputWarning, check_number, check_whole, shown
 from ...common.ranges import check_choice, check_keys
 from ...common.tables import vector_of
 from .blocks.cuts import convex_parts
@@ -21,12 +22,14 @@ from .blocks.parts import Solid
 from .blocks.shapes import placed
 
 OF_HULL = ("points", "foot", "feet", "level", "scale", "faces", "parts", "volume", "centroid", "inertia")
-OF_MESH = ("file", "unit", "up", "foot", "feet", "level", "scale", "parts")
+OF_MESH = ("file", "unit", "up", "foot", "feet", "level", "scale", "parts", "repair")
 FIXED = frozenset(OF_HULL + OF_MESH) - {"scale"}  # no study varies them
+OF_FILE = ("file", "unit", "up", "feet", "parts", "repair")  # keys of a mesh that a hull has no longer
 MOST_POINTS = 100_000
 MOST_FEET = 64
 MOST_PARTS = 64
 LEVEL = 1e-3  # of the height of a mesh: points that lie within it of the lowest one bear
+WHOLE = 1e-2  # of its volume: a mesh whose hull holds no more beside it is convex
 FACTOR = (1e-6, 1e6), "a positive factor, from 1e-6 to 1e6"
 POINTS = f"a list of 4 to {MOST_POINTS} points [x, y, z] in m"
 FOOT = "a list of corners [x, y] in m of a convex polygon, or a list of such polygons"
@@ -113,7 +116,10 @@ def _mesh_table(key: str, table: Mapping[str, Any]) -> tuple[Mapping[str, Any], 
     check_keys(f"{key}.", table.keys() & (set(OF_HULL) - set(OF_MESH)), OF_MESH, " of a mesh")
     unit = _optional(f"{key}.unit", table, 1.0, FACTOR)
     share = _optional(f"{key}.level", table, LEVEL, _LEVEL)
-    triangles = _within(f"{key}.file", triangles_of, Path(file), unit, table.get("up"))
+    repair = table.get("repair", False)
+    if not isinstance(repair, bool):
+        raise InputError(f"{key}.repair = {shown(repair)}: must be true or false")
+    triangles = _within(f"{key}.file", triangles_of, Path(file), unit, table.get("up"), repair)
     points = np.unique(triangles.reshape(-1, 3), axis=0)
     if "parts" in table:
         count = check_whole(f"{key}.parts", table["parts"], 1, MOST_PARTS, f"a whole number, 1 to {MOST_PARTS}")
@@ -122,8 +128,16 @@ def _mesh_table(key: str, table: Mapping[str, Any]) -> tuple[Mapping[str, Any], 
         clouds = [points]
     hulls = [hull_of(_within(f"{key}.file: {file}", convex_surface, cloud)) for cloud in clouds]
     bulk = _within(f"{key}.file: {file}", bulk_of, triangles)
+    around = bulk_of(hulls[0].triangles).volume / bulk.volume
+    if table.get("parts", 1) > 1 and len(hulls) == 1 and around > 1.0 + WHOLE:
+        warnings.warn(
+            f"{key}.parts = {table['parts']}: {file}: no parts hold less than its hull, which others meet: "
+            f"{around:.3g} times its volume",
+            InputWarning,
+            stacklevel=2,
+        )
     feet = _feet(key, table, points, share * float(np.ptp(points[:, 2])))
-    rest = {word: value for word, value in table.items() if word not in ("file", "unit", "up", "feet", "parts")}
+    rest = {word: value for word, value in table.items() if word not in OF_FILE}
     return {**rest, **_known(hulls, bulk, feet, share)}, triangles
 
 

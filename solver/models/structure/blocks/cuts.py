@@ -8,7 +8,8 @@ import numpy as np
 
 from ....common.errors import InputError, needing
 from .faces import NEAR, FloatArray
-from .hulls import EXTRA, THINNEST_HULL
+from .hulls import THINNEST_HULL
+from .shells import EXTRA
 
 FINE = 1e-4  # of the volume: a part whose hull holds no more than that beside it is not cut again
 BENT = 12  # planes of triangles beside edges that go inwards, which are tried for a cut
@@ -21,7 +22,8 @@ SURE = 1e-9  # of the volume: a cut is better than another one by more than this
 def convex_parts(triangles: FloatArray, most: int) -> list[FloatArray]:
     """Points (n, 3) m of each part of a closed surface (k, 3, 3) m, of which there are `most` or fewer.
 
-    Each cut is the plane after which the hulls hold least, of the part whose hull holds most beside it. Raises
+    Each cut is the plane after which the hulls hold least, of the part whose hull holds most beside it; where none
+    helps, the first of two that do. Raises
     InputError for a surface that is none of solids, and for one of more solids than parts.
     """
     with needing(EXTRA, "manifold3d"):
@@ -42,6 +44,8 @@ def convex_parts(triangles: FloatArray, most: int) -> list[FloatArray]:
         part = left.pop(int(np.argmax(beside)))
         further = most - len(left) - len(found)
         pieces = _cut(part[0], further, SURE * volume) if further > 1 and max(beside) > FINE * volume else []
+        if not pieces and further > 2 and max(beside) > FINE * volume:
+            pieces = _halves(part[0], further, FINE * volume)
         left += pieces
         found += [] if pieces else [part]
     return [middle + _corners(solid.hull()) for solid, _ in found]
@@ -51,13 +55,35 @@ def _cut(solid: Any, most: int, sure: float) -> list[tuple[Any, float]]:
     """The pieces of a solid, `most` or fewer, without skins, and the volumes of their hulls, m3; none: no cut helps."""
     best, least = [], solid.hull().volume() - sure
     for plane in np.concatenate([_bent(solid), _levels(solid)]):
-        halves = solid.split_by_plane(plane[:3], plane[3])
-        pieces = [piece for half in halves for piece in half.decompose() if not _is_skin(piece)]
+        pieces = _pieces(solid, plane)
         if len(pieces) <= most:
             around = [piece.hull().volume() for piece in pieces]
             if sum(around) < least:
                 best, least = list(zip(pieces, around, strict=True)), sum(around) - sure
     return best
+
+
+def _halves(solid: Any, most: int, sure: float) -> list[tuple[Any, float]]:
+    """Return the pieces of a cut near the middle after which one more cut makes the hulls hold least, as `_cut`.
+
+    Of a ring no single cut helps: each half holds half of the hollow. Empty if two cuts do not help either.
+    """
+    best, least = [], solid.hull().volume() - sure
+    for plane in _levels(solid)[3 * (LEVELS // 2 - 1) : 3 * (LEVELS // 2 + 1)]:
+        pieces = _pieces(solid, plane)
+        around = [piece.hull().volume() for piece in pieces]
+        for k, piece in enumerate(pieces if 1 < len(pieces) < most else []):
+            further = _cut(piece, most - len(pieces) + 1, sure)
+            total = sum(around) - around[k] + sum(hull for _, hull in further)
+            if further and total < least:
+                best, least = list(zip(pieces, around, strict=True)), total
+    return best
+
+
+def _pieces(solid: Any, plane: FloatArray) -> list[Any]:
+    """Return the pieces of a solid on both sides of a plane, without skins."""
+    halves = solid.split_by_plane(plane[:3], plane[3])
+    return [piece for half in halves for piece in half.decompose() if not _is_skin(piece)]
 
 
 def _is_skin(piece: Any) -> bool:

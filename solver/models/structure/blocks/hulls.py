@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
-from itertools import compress, pairwise
+from itertools import compress, pairwise, product
 from typing import NamedTuple
 
 import numpy as np
@@ -14,14 +16,15 @@ from ....common.errors import InputError, needing
 from ....kernels.structure.layout import MOST_CORNERS
 from .contacts import axis_of
 from .faces import NEAR, Face, FloatArray, beside, polygon_moments, without_doubles
-from .outlines import THINNEST
+from .outlines import THINNEST, bent_corners, is_convex
 from .parts import Solid
+from .shells import EXTRA
 
-EXTRA = "mesh"
 THIN = 1e-12  # of the cube of its extent: the least volume
 FEW = 100  # corners of a hull that is kept as it is; of others the farthest points in DIRECTIONS, and their hull
 DIRECTIONS = 300
 THINNEST_HULL = 1e-5  # of the cube of its extent: the least volume of a hull, whose faces must differ
+COARSE = 1e-4  # of the extent: how far corners of a noisy flat side may lie off its plane
 MERGED = 1e-5  # of the height of a triangle: corners nearer to its plane are of its face
 STRAIGHT = 1e-9  # of the area of a face: a corner that takes away less is none
 BLUNT = 1e-4  # the same of a foot that is found among the points of a mesh
@@ -95,15 +98,65 @@ def convex_surface(points: FloatArray) -> FloatArray:
 
 
 def hull_of(surface: FloatArray) -> Hull:
-    """The hull that `convex_surface` has found, triangles in a plane merged.
+    """Return the hull that `convex_surface` has found, triangles in a plane merged.
 
-    The largest triangles make the planes; all corners near a plane are of its face, and triangles between them are
-    used up. Of more than FEW corners the farthest in directions all around make the hull.
+    Of more than FEW corners the farthest in directions all around make the hull. Where the merged faces do not close,
+    as of flat sides with noise, corners that stand out by less than a coarser tolerance are left out, and faces merged
+    within it; where that does not help either, the faces are the triangles.
     """
     points = np.unique(surface.reshape(-1, 3), axis=0)
     if len(points) > FEW:
         points = _farthest(points)
         surface = convex_surface(points)
+    extent = float(np.max(np.ptp(points, axis=0)))
+    hull = _merged(points, surface, NEAR * extent, MERGED)
+    if _closes(hull):
+        return hull
+    fewer = _outermost(points, COARSE * extent)
+    with suppress(InputError):  # without volume at this tolerance
+        hull = _merged(fewer, convex_surface(fewer), COARSE * extent, math.inf)
+        if _closes(hull):
+            return hull
+    return _merged(points, surface, NEAR * extent, 0.0)
+
+
+def _closes(hull: Hull) -> bool:
+    """Return True if the faces are those of a convex polyhedron."""
+    try:
+        checked(hull.points, hull.faces)
+    except InputError:
+        return False
+    return True
+
+
+def _outermost(points: FloatArray, within: float) -> FloatArray:
+    """Return those of the points (n, 3) whose hull leaves none of them outside by more than `within`, m.
+
+    The farthest points along axes and diagonals begin; the one that is farthest outside is added until none is.
+    """
+    with needing(EXTRA, "scipy"):
+        from scipy.spatial import ConvexHull, QhullError
+    local = points - points[0]
+    ways = np.array([way for way in product((-1.0, 0.0, 1.0), repeat=3) if any(way)])
+    chosen = np.unique(np.argmax(local @ ways.T, axis=0)).tolist()
+    while True:
+        try:
+            planes = ConvexHull(local[chosen]).equations
+        except QhullError:
+            return points
+        outside = np.max(local @ planes[:, :3].T + planes[:, 3], axis=1)
+        farthest = int(np.argmax(outside))
+        if outside[farthest] <= within or farthest in chosen:
+            return points[np.sort(chosen)]
+        chosen.append(farthest)
+
+
+def _merged(points: FloatArray, surface: FloatArray, most: float, share: float) -> Hull:
+    """Return the hull whose faces are the triangles of a surface, merged where they lie in a plane.
+
+    The largest triangles make the planes; all corners near a plane are of its face, and triangles between them are
+    used up. Near is closer than `most`, m, and than `share` of the height of the triangle; share 0: none is merged.
+    """
     local = points - points[0]
     extent = float(np.max(np.ptp(points, axis=0)))
     number = {tuple(point): k for k, point in enumerate(points.tolist())}
@@ -117,7 +170,8 @@ def hull_of(surface: FloatArray) -> Hull:
     for k in np.argsort(-size):
         if left[k]:
             normal = normals[k] / size[k]
-            near = np.abs((local - local[triangles[k, 0]]) @ normal) <= min(MERGED * height[k], NEAR * extent)
+            near = np.abs((local - local[triangles[k, 0]]) @ normal) < min(share * height[k], most)
+            near[triangles[k]] = True
             left &= ~near[triangles].all(axis=1)
             corners = np.flatnonzero(near)
             flat = local[corners] @ _axes(normal)[:, :2]
@@ -306,9 +360,12 @@ def _axes(normal: FloatArray) -> FloatArray:
 
 
 def checked(points: FloatArray, faces: Sequence[Sequence[int]]) -> Hull:
-    """The hull whose faces are known. Raises InputError if they are not those of a convex polyhedron."""
+    """Return the hull whose faces are given, those that are not convex without corners on a line of others.
+
+    Raises InputError if they are not those of a convex polyhedron.
+    """
     extent = float(np.max(np.ptp(points, axis=0)))
-    closing = np.zeros(3)
+    closing, kept = np.zeros(3), []
     for k, numbers in enumerate(faces):
         corners = points[list(numbers)]
         sides = corners - corners[0]
@@ -317,6 +374,11 @@ def checked(points: FloatArray, faces: Sequence[Sequence[int]]) -> Hull:
         size = float(np.linalg.norm(area))
         if not size > 0.0 or np.max((points - corners[0]) @ area) > 10.0 * MERGED * extent * size:
             raise InputError(f"faces[{k}]: must be plane, anticlockwise from outside, with all points behind it")
+        flat = sides @ _axes(area)[:, :2]
+        bent = np.arange(len(numbers)) if is_convex(flat) else bent_corners(flat)
+        if not is_convex(flat[bent]):
+            raise InputError(f"faces[{k}]: must be a convex polygon, its corners one after the other")
+        kept.append(tuple(numbers[corner] for corner in bent))
     if np.linalg.norm(closing) > 10.0 * MERGED * extent**2:
         raise InputError("faces: do not close, must be all those of the hull of the points")
-    return Hull(points, tuple(tuple(face) for face in faces))
+    return Hull(points, tuple(kept))

@@ -2,62 +2,124 @@
 
 from __future__ import annotations
 
+import os
+import warnings
+from collections.abc import Callable
+from io import BytesIO
 from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ....common.errors import InputError, needing, reading
-from ....common.files import MB, check_size
+from ....common.errors import InputError, InputWarning, needing, reading
+from ....common.files import MB, content_of
 from .faces import FloatArray
-from .hulls import EXTRA
+from .shells import EXTRA, check_closed, check_shells, repaired, solids_apart
 
-MOST = 200 * MB
+MOST = 200 * MB  # of a mesh, and of all buffers that it names
 KINDS = (".obj", ".stl", ".gltf", ".glb", ".ply", ".off")
+COLOURED = (".obj", ".gltf", ".glb", ".ply")  # those that may name files of materials, which are not read
+TALL = 100.0  # m: a mesh higher than this is probably in mm
 UP = ("x", "y", "z")
 TURNS = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}  # which of its axes become x, y, z
 
 
-def triangles_of(path: Path, unit: float, up: str | None) -> FloatArray:
-    """The triangles of a closed mesh, (k, 3, 3) m, outside anticlockwise.
+def triangles_of(path: Path, unit: float, up: str | None, repair: bool = False) -> FloatArray:
+    """Return the triangles of a closed mesh, (k, 3, 3) m, outside anticlockwise.
 
-    unit: m of a unit of the file; up: the axis of the file that points up; None: y of glTF, which says so, z of others.
-    Raises InputError, beginning with the path, for a file that is none or is not closed.
+    unit: m of a unit of the file; up: the axis of the file that points up; None: y of glTF, which says so, z of others;
+    repair: turn triangles that look inwards. Warns of solids that do not touch, of a height beyond `TALL` and of what
+    was repaired. Raises InputError, beginning with the path, for a file that is none or bounds no solid.
     """
     kind = path.suffix.lower()
     if kind not in KINDS:
         raise InputError(f"{path}: must end with one of {', '.join(KINDS)}")
     with reading(path):
-        check_size(path, MOST)
+        content = content_of(path, MOST)
         with needing(EXTRA, "trimesh"):
             import trimesh
+        reader = _buffer_reader(path.parent, MOST - len(content))
+        colourless = {"skip_materials": True} if kind in COLOURED else {}
         try:
-            mesh = trimesh.load_mesh(path, process=False)
+            mesh = trimesh.load_mesh(
+                BytesIO(content), file_type=kind[1:], resolver=_resolver(reader), process=False, **colourless
+            )
             mesh.merge_vertices(merge_tex=True, merge_norm=True)
         except (InputError, OSError):
             raise
         except Exception as error:  # parsers of many formats raise anything
             raise InputError(f"cannot be read as a mesh: {type(error).__name__}: {error}".partition("\n")[0]) from None
-        corners, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces)
+        corners, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64)
         faces = faces[np.all(faces != np.roll(faces, 1, axis=1), axis=1)]  # corners that are one since they were merged
         if not len(faces) or not np.isfinite(corners).all():
             raise InputError("has no triangles, must be a closed mesh" if not len(faces) else "has no finite places")
-        _check_closed(faces)
-    order = TURNS[up or ("y" if kind in (".gltf", ".glb") else "z")]
-    found: FloatArray = unit * corners[faces][:, :, order]
-    middle = np.mean(found, axis=(0, 1))
-    a, b, c = np.moveaxis(found - middle, 1, 0)
-    return found if float(np.einsum("ij,ij->", a, np.cross(b, c))) > 0.0 else found[:, ::-1].copy()
+        if repair:
+            faces, turned = repaired(corners, faces)
+            if turned:
+                _warn(path, f"{turned} of {len(faces)} triangles turned")
+        check_closed(faces)
+        order = TURNS[up or ("y" if kind in (".gltf", ".glb") else "z")]
+        corners = unit * corners[:, order]
+        found: FloatArray = corners[faces]
+        middle = np.mean(found, axis=(0, 1))
+        a, b, c = np.moveaxis(found - middle, 1, 0)
+        if not float(np.einsum("ij,ij->", a, np.cross(b, c))) > 0.0:
+            faces, found = faces[:, ::-1], found[:, ::-1].copy()
+        check_shells(corners, faces)
+        solids = solids_apart(corners, faces)
+    if solids > 1:
+        _warn(path, f"{solids} solids that do not touch, taken as one rigid block")
+    height = float(np.ptp(found[:, :, 2]))
+    if height > TALL:
+        _warn(path, f"{height:.4g} m high: a mesh in mm needs unit = 1e-3 (--unit 1e-3)")
+    return found
 
 
-def _check_closed(faces: NDArray[np.int64]) -> None:
-    """Raise InputError unless each edge is passed as often one way as the other: then Green's theorem holds."""
-    ends = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
-    forth = np.where(ends[:, 0] < ends[:, 1], 1, -1)
-    _, edge = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
-    passed, turns = np.bincount(edge.ravel()), np.bincount(edge.ravel(), weights=forth)
-    single = int(np.sum(passed % 2))
-    if single:
-        raise InputError(f"is not closed: {single} edges do not have two triangles, must be a closed mesh")
-    if np.any(turns):
-        raise InputError("has triangles that look inwards beside others that look outwards, must be one closed mesh")
+def _warn(path: Path, text: str) -> None:
+    warnings.warn(f"{path}: {text}", InputWarning, stacklevel=2)
+
+
+def _buffer_reader(folder: Path, most: int) -> Callable[[str], bytes]:
+    """Return a function that reads a file that a mesh names: an ordinary one in its folder, `most` bytes in all."""
+    inside, left = Path(os.path.realpath(folder)), most
+
+    def read(name: str) -> bytes:
+        nonlocal left
+        named = next((text for text in (name, unquote(name)) if (inside / text).exists()), name)
+        place = Path(os.path.realpath(inside / named))
+        if inside not in place.parents:
+            raise InputError(f"needs {name}, must be a file in its own folder, or in one below it")
+        if not place.exists():
+            raise InputError(f"needs {name} beside it, which is not there")
+        with reading(name):
+            content = content_of(place, left)
+        left -= len(content)
+        return content
+
+    return read
+
+
+def _resolver(read: Callable[[str], bytes]) -> Any:
+    """Return what trimesh asks for the files that a mesh names."""
+    from trimesh.resolvers import Resolver
+
+    class Buffers(Resolver):
+        """The buffers of a glTF file."""
+
+        def __init__(self) -> None:
+            pass
+
+        def get(self, name: str) -> bytes:
+            return read(name)
+
+        def write(self, name: str, data: bytes) -> None:
+            raise NotImplementedError
+
+        def namespaced(self, namespace: str) -> Buffers:
+            raise NotImplementedError
+
+        def keys(self) -> tuple[str, ...]:
+            return ()
+
+    return Buffers()
