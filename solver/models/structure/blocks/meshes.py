@@ -60,8 +60,8 @@ def triangles_of(path: Path, unit: float, up: str | None, repair: bool = False) 
                 _warn(path, f"{turned} of {len(faces)} triangles turned")
         check_closed(faces)
         order = TURNS[up or ("y" if kind in (".gltf", ".glb") else "z")]
+        found: FloatArray = unit * corners[faces][:, :, order]
         corners = unit * corners[:, order]
-        found: FloatArray = corners[faces]
         middle = np.mean(found, axis=(0, 1))
         a, b, c = np.moveaxis(found - middle, 1, 0)
         if not float(np.einsum("ij,ij->", a, np.cross(b, c))) > 0.0:
