@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..common.digits import percent, three_digits
 from .action import Action
 from .margin import Margin
 from .table import Row
@@ -24,12 +25,14 @@ def outcome_of(rows: Sequence[Row]) -> str:
 
 
 def answer(rows: Sequence[Row]) -> str:
-    """Whether it passes, and by which rows it does not."""
+    """Return whether it passes, and by which rows it does not; demands that a fall leaves unknown are not named."""
     outcome = outcome_of(rows)
     if outcome == PASSES:
         return f"{PASSES}: no row of the table fails."
     if outcome == FAILS:
-        return f"{FAILS} by: {'; '.join(row.name for row in rows if row.passes is False)}."
+        failed = [row for row in rows if row.passes is False]
+        named = [row.name for row in failed if not row.of_fall] or [row.name for row in failed]
+        return f"{FAILS} by: {'; '.join(named)}."
     return f"{UNDECIDED}: no row of the table fails, but some runs neither fell nor came to rest."
 
 
@@ -92,12 +95,8 @@ def _varied(word: str, found: Verdicts) -> str:
     under = f", under {count} motions" if count > 1 else ""
     open_ones = f" and {found.undecided} may fall" if found.undecided else ""
     fell = f"{found.fallen} of {size} varied {word}s fell" if found.fallen else f"None of {size} varied {word}s fell"
-    share = f"at most {_percent(high)}" if low == 0.0 else f"{_percent(low)} to {_percent(high)}"
+    share = f"at most {percent(high)}" if low == 0.0 else f"{percent(low)} to {percent(high)}"
     return f"{fell}{open_ones}{under}: with 95 % confidence {share} of {of}"
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.2g} %"
 
 
 def margin_sentence(margin: Margin | None, any_undecided: bool) -> str:
@@ -106,11 +105,11 @@ def margin_sentence(margin: Margin | None, any_undecided: bool) -> str:
         return "How much more shaking it bears was not looked for."
     least = margin.stands
     if margin.is_open:
-        said = f"Even {least:.2g} times this shaking overturned none of them."
+        said = f"Even {three_digits(least)} times this shaking overturned none of them."
     elif least >= 1.0:
-        said = f"The shaking can grow to about {least:.2g} times before the first of them falls."
+        said = f"The shaking can grow to about {three_digits(least)} times before the first of them falls."
     elif least > 0.0:
-        said = f"With the shaking reduced to about {least:.2g} of this none of them falls."
+        said = f"With the shaking reduced to about {three_digits(least)} of this none of them falls."
     else:
         said = "Some fall even under a small part of this shaking."
     return f"{said} Undecided ones do not count as fallen there." if any_undecided else said

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..common.digits import percent, three_digits
 from ..models.protocol import OVERTURNED
 from ..models.uncertainty import PERCENTILES
 from ..runs.table import Table
@@ -34,11 +35,6 @@ class Unit:
 MM, MPA, KN, PERCENT = Unit("mm", 1e3), Unit("MPa", 1e-6), Unit("kN", 1e-3), Unit("%", 100.0)
 FACTOR, PLAIN, MRAD = Unit("x"), Unit(), Unit("mrad", 1e3)
 BEARING = "displacement of a bearing"
-
-
-def three_digits(value: float) -> str:
-    """A number for the eye, without an exponent where it is large."""
-    return f"{value:.0f}" if 1e3 <= abs(value) < 1e7 else f"{value:.3g}"
 
 
 @dataclass(frozen=True)
@@ -72,6 +68,11 @@ class Row:
         return None if math.isnan(self.ratio) else self.ratio <= 1.0
 
     @property
+    def of_fall(self) -> bool:
+        """Return True if the demand is not known since the model falls: the rows of overturning say so."""
+        return math.isinf(self.demand)
+
+    @property
     def texts(self) -> tuple[str, str, str, str, str, str]:
         """Name, place, demand, capacity, ratio and outcome, for the eye."""
         return (
@@ -88,6 +89,8 @@ class Row:
         """Whether it passes, in a word."""
         if self.undecided:
             return "undecided"
+        if self.of_fall and self.passes is False:
+            return "falls"
         return {True: "passes", False: "FAILS", None: "not compared"}[self.passes]
 
     @property
@@ -95,9 +98,9 @@ class Row:
         """The note, and the percentiles."""
         if not self.band:
             return self.note
-        percent = ", ".join(map(str, PERCENTILES))
+        points = ", ".join(map(str, PERCENTILES))
         values = ", ".join(three_digits(self.unit.factor * value) for value in self.band)
-        return f"{self.note}; {percent} % points {values} {self.unit.name}".rstrip()
+        return f"{self.note}; {points} % points {values} {self.unit.name}".rstrip()
 
     @property
     def brief(self) -> str:
@@ -105,7 +108,7 @@ class Row:
         if self.unit is FACTOR:
             return f"bears {self.shown(self.capacity)}"
         *_, demand, _, ratio, outcome = self.texts
-        return demand if self.passes is None else f"{demand} ({ratio or outcome.lower()})"
+        return demand if self.passes is None or self.of_fall else f"{demand} ({ratio or outcome.lower()})"
 
     def shown(self, value: float) -> str:
         """A value of this row with its unit."""
@@ -189,7 +192,7 @@ def overturning(verdicts: Verdicts, limits: Limits, margin: Margin | None, failu
     note = f"{verdicts.fallen} of {size} runs fall"
     note += f", {len(no_rest)} of them under their weight alone ({no_rest[0]})" if no_rest else ""
     note += f", {unfinished} of them could not be finished" if unfinished else ""
-    note += f"; {low:.1%} to {high:.1%} at 95 % confidence" + (", motions counted" if count > 1 else "")
+    note += f"; {percent(low)} to {percent(high)} at 95 % confidence" + (", motions counted" if count > 1 else "")
     rows.append(Row("overturning", verdicts.fallen / size, limits.share, PERCENT, note=note))
     left = verdicts.own_undecided
     if left or verdicts.undecided:
@@ -198,9 +201,9 @@ def overturning(verdicts: Verdicts, limits: Limits, margin: Margin | None, failu
         matters = bool(left) or verdicts.fallen + verdicts.undecided > limits.share * size
         rows.append(Row("undecided", verdicts.undecided / size, math.nan, PERCENT, note=note, undecided=matters))
     if margin is not None:
-        note = f"no run falls up to {margin.stands:.3g} times the motion, the most looked at"
+        note = f"no run falls up to {three_digits(margin.stands)} times the motion, the most looked at"
         if not margin.is_open:
-            note = f"the first run falls between {margin.stands:.3g} and {margin.falls:.3g} times "
+            note = f"the first run falls between {three_digits(margin.stands)} and {three_digits(margin.falls)} times "
             note += verdicts.names[margin.place]
         rows.append(Row("overturning, margin", 1.0, margin.stands, FACTOR, note=note))
     return rows
@@ -296,7 +299,7 @@ def _hits(demands: Demands, table: Table, verdicts: Verdicts, limits: Limits) ->
         return []
     hit = np.any(table["least_gap"] < 0.0, axis=1)
     low, high = bounds_of(hit, hit, len(verdicts.names))
-    note = f"in {int(np.sum(hit))} of {hit.size} runs; {low:.1%} to {high:.1%} at 95 % confidence"
+    note = f"in {int(np.sum(hit))} of {hit.size} runs; {percent(low)} to {percent(high)} at 95 % confidence"
     note += ", motions counted" if len(verdicts.names) > 1 else ""
     note += "" if limits.hits is not None else "; no limit is given"
     share = Row(

@@ -19,6 +19,7 @@ from .subject import OF_BEARINGS
 from .table import BEARING, MM, MRAD, PERCENT, Unit
 from .verdicts import falls
 
+POINTS = Unit("percentage points", PERCENT.factor)
 MOST_NAMED = 4  # changes of a variant
 SAME = "cannot be distinguished"
 STRIPS = 10_000  # of a quarter turn: Student to 1e-6
@@ -36,7 +37,7 @@ def difference(first: Check, other: Check) -> str:
     found = []
     if np.any(fell):
         more = pairs_of(fell[1].astype(float), fell[0].astype(float))
-        found.append(_said("{} of its runs fall", more, PERCENT, of))
+        found.append(_bounded(_falls(fell[1], fell[0], float(np.mean(more))), more, POINTS, of))
     stand = ~(fell[0] | fell[1])
     if any(check.subject.bearings[0] for check in (first, other)):  # what they let move is no damage
         apart = pairs_of(*(np.where(stand[:, :1], _tilt(check), math.nan) for check in (other, first)))
@@ -146,6 +147,20 @@ def _said(what: str, trials: FloatArray, unit: Unit, of: str) -> tuple[str, str]
     """The mean difference and its bounds in words, and which is better; less is."""
     mean = float(np.mean(trials))
     shown = what.format(f"{unit.factor * abs(mean):.3g} {unit.name} {'less' if mean < 0.0 else 'more'}")
+    return _bounded(shown, trials, unit, of)
+
+
+def _falls(other: NDArray[np.bool_], first: NDArray[np.bool_], more: float) -> str:
+    """Return by how many percentage points more or fewer runs fall, and how many of how many."""
+    counts = f"{int(np.sum(other))} of {other.size} instead of {int(np.sum(first))}"
+    if more == 0.0:
+        return f"as many runs fall: {counts}"
+    points = f"{POINTS.factor * abs(more):.3g} {POINTS.name}"
+    return f"{points} {'fewer' if more < 0.0 else 'more'} runs fall: {counts}"
+
+
+def _bounded(shown: str, trials: FloatArray, unit: Unit, of: str) -> tuple[str, str]:
+    """Return a difference in words with the bounds of its mean, and which is better; less is."""
     if len(trials) < 2:
         return f"{shown}, of one pair alone", SAME
     low, high = mean_bounds(trials)

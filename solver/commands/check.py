@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import shlex
 import sys
 from collections.abc import Mapping
@@ -155,6 +156,7 @@ def _check(options: argparse.Namespace) -> None:
     inputs = (options.column, *options.records, *components, *options.variant)
     check_outputs((options.output, options.report), inputs, options.force)
     models = [(path, _model(path, options)) for path in (options.column, *options.variant)]
+    models = _told_apart(models)
     if options.both:
         models.insert(1, (options.column, _across(*models[0])))
     plan = _plan(options)
@@ -203,6 +205,16 @@ def _model(path: Path, options: argparse.Namespace) -> Any:
     why_there = "its contacts are round and may roll" if rolls else "two horizontal components act"
     name = printable(str(path))
     print(f"{name}: {why_there}, so it is checked in space; --plane keeps it in its plane")
+    return found
+
+
+def _told_apart(models: list[tuple[Path, Any]]) -> list[tuple[Path, Any]]:
+    """Name models of one name by their files, by numbers too where a file's name does not tell them apart."""
+    names, found = [model.name for _, model in models], []
+    stems = [re.sub(r"[^\w-]", "-", path.stem) for path, _ in models]
+    for number, ((path, model), stem) in enumerate(zip(models, stems, strict=True), start=1):
+        apart = stem if stems.count(stem) == 1 and stem.strip("-") == stem else f"{model.name} {number}"
+        found.append((path, replace(model, name=apart) if names.count(model.name) > 1 else model))
     return found
 
 

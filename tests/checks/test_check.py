@@ -27,13 +27,14 @@ from multiblock import (
     wavelets,
 )
 from solver.checks.action import Action
+from solver.checks.answer import margin_sentence, verdict_sentence
 from solver.checks.check import checked
 from solver.checks.limits import TOLERANCE
-from solver.checks.margin import MOST, NARROW, STEP, margin_of
+from solver.checks.margin import MOST, NARROW, STEP, Margin, margin_of
 from solver.checks.runs import as_given, varied
 from solver.checks.scaling import ScaledMotion, applied
 from solver.checks.subject import subject_of
-from solver.checks.table import Row
+from solver.checks.table import Row, overturning
 from solver.checks.verdicts import Verdicts
 
 G = 9.80665
@@ -106,10 +107,10 @@ def test_sentences_say_what_was_found(found: Check) -> None:
     assert found.fallen == (0, 0, 12)
     assert found.verdict == (
         "As given the column stands under all 3 motions. None of 12 varied columns fell, under 3 motions: with 95 % "
-        "confidence at most 71 % of such columns would fall in such shaking."
+        "confidence at most 70.8 % of such columns would fall in such shaking."
     )  # 1 - 0.025^(1/3) = 0.7076
     assert found.margin is not None
-    assert f"about {found.margin.stands:.2g} times" in found.margin_sentence
+    assert f"about {found.margin.stands:.3g} times" in found.margin_sentence
 
 
 def test_runs_under_one_motion_are_one_trial() -> None:
@@ -149,8 +150,41 @@ def test_a_column_that_falls_fails() -> None:
     assert row(strong, "displacement of the top").demand == math.inf
     assert row(strong, "displacement of the top").texts[2] == "falls"
     assert row(strong, "overturning, as given").passes is False
-    assert strong.answer.startswith("FAILS by: overturning, as given; overturning; displacement of the top; ")
+    assert strong.answer == "FAILS by: overturning, as given; overturning."
+    assert row(strong, "pressure at the edge").outcome == row(strong, "displacement of the top").brief == "falls"
     assert re.match(r"As given the column falls under .*\. \d+ of 12 varied columns fell", strong.verdict)
+
+
+def test_a_fall_is_no_slip_and_no_pressure() -> None:
+    """Demands of a motion under which a column falls are not known: nothing is compared with them in words."""
+    rough = Column("rough", tuple(replace(block, joint=replace(block.joint, friction=0.9)) for block in BLOCK.blocks))
+    strong = check(rough, {"pulse": PULSES["0.8 Hz"]}, pga=1.5 * G, plan=replace(SHORT, margin=False))
+    assert math.isinf(row(strong, "slip").demand)
+    assert "slip" not in strong.answer
+    (line,) = (line for line in strong.agreement if line.startswith("sliding"))
+    assert line.endswith("time histories: runs fall; sliding is not compared")
+    assert "inf" not in " ".join((*strong.agreement, strong.answer, strong.verdict))
+
+
+def test_shares_and_factors_have_the_same_digits_in_table_and_sentences() -> None:
+    names = [f"motion {k}" for k in range(7)]
+    verdicts = Verdicts(names, np.array(["standing"] * 7), np.array(["standing"] * 56))
+    margin = Margin(1.2345, 1.2678, 3, 9)
+    *_, share, factor = overturning(verdicts, Limits(), margin, {})
+    high = verdicts.bounds[1]
+    assert f"0 % to {100.0 * high:.3g} % at 95 % confidence" in share.note
+    assert f"at most {100.0 * high:.3g} % of" in verdict_sentence("column", verdicts)
+    assert "between 1.23 and 1.27 times motion 3" in factor.note
+    assert "can grow to about 1.23 times" in margin_sentence(margin, False)
+
+
+def test_only_joints_without_friction_are_said_never_to_slide(found: Check) -> None:
+    from solver.checks.report.html import never_slide
+
+    assert never_slide(found.subject.joints)[0].startswith("No joint has friction: ")
+    some = replace(found.subject.joints, names=("1", "2"), friction=np.array([0.5, math.nan]))
+    assert never_slide(some)[0].startswith("1 of 2 joints has no friction: ")
+    assert never_slide(replace(some, friction=np.array([0.5, 0.4]))) == ()
 
 
 def test_limits_decide(found: Check) -> None:

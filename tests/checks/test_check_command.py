@@ -266,3 +266,14 @@ def test_round_contacts_are_checked_in_space_unless_kept_in_the_plane(
     printed = capsys.readouterr().out
     assert "soft.toml: block[1]: must stand on its axis, and not on strips, to be stacked in space; checked" in printed
     assert "1 varied columns" in printed
+
+
+def test_variants_of_one_name_are_named_by_their_files(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("wider.toml").write_text(COLUMN.replace("width = 0.5", "width = 1.0"), encoding="utf-8")
+    (folder / "other").mkdir()
+    (folder / "other" / "block.toml").write_text(COLUMN.replace("2e-3", "3e-3"), encoding="utf-8")
+    words = ["check", "block.toml", "slow.csv", "--pga", "0.1", *QUICK]
+    assert main([*words, "--variant", "wider.toml"]) == 0
+    assert "wider (block[1].width 0.5 to 1) against block: " in capsys.readouterr().out
+    assert main([*words, "--variant", "other/block.toml"]) == 0
+    assert "block 2 (block[1].joint.damping 0.002 to 0.003) against block 1: " in capsys.readouterr().out

@@ -54,7 +54,8 @@ def test_wider_is_better_and_narrower_worse(given: Check) -> None:
     assert difference(given, checked("wider", 0.75)).startswith(wider)
     narrow = difference(given, checked("narrow", 0.3))
     assert narrow.startswith("narrow (block[1].width 0.6 to 0.3) against given: worse. ")
-    assert re.search(r"% more of its runs fall", narrow)
+    fell = [int(count) for count in re.findall(r"runs fall: (\d+) of 20 instead of (\d+)", narrow)[0]]
+    assert f"{5 * (fell[0] - fell[1]):.3g} percentage points more runs fall" in narrow
 
 
 def test_changes_of_several_blocks_are_said_once() -> None:

@@ -17,6 +17,7 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from ... import __version__
+from ...common.digits import three_digits
 from ...common.files import whole_file
 from ...ground.intensity import peak, pgv
 from ...ground.motion import STANDARD_GRAVITY
@@ -24,14 +25,13 @@ from ...plotting.scene.page import frame_of
 from ..by_hand import NOT_IN_SPACE
 from ..check import Check
 from ..limits import TOLERANCE
-from ..table import three_digits
+from ..subject import Joints
 from ..variants import difference
 from .model import shown_of
 from .pictures import embedded, spectra_picture
 
 LIMITS_OF_THE_MODEL = (  # whatever is checked
     "The blocks are rigid. Their elasticity is in the modulus of the joints.",
-    "A joint without friction never slides. The friction that this takes is in the table.",
     "Edges do not crush or spall. A pressure above the strength makes it weaker than computed.",
 )
 
@@ -71,7 +71,12 @@ def _content(checks: Sequence[Check]) -> dict[str, Any]:
             if item.name not in (("displacement",) if math.isnan(check.subject.edge) else ("overlap", "hits"))
         ],
         "differences": [difference(check, one) for one in checks[1:]],
-        "left_out": (*check.subject.of_model, _of_joints(check), *LIMITS_OF_THE_MODEL),
+        "left_out": (
+            *check.subject.of_model,
+            _of_joints(check),
+            *never_slide(check.subject.joints),
+            *LIMITS_OF_THE_MODEL,
+        ),
         "not_by_hand": NOT_IN_SPACE,
         "tolerance": TOLERANCE,
         "names": list(dict.fromkeys(row.name for one in checks for row in one.rows)),
@@ -100,6 +105,16 @@ def _of_joints(check: Check) -> str:
         return f"The joints bear {dry}"
     which = "The joints bear" if bonds == joints else f"{bonds} of {joints} joints bear"
     return f"{which} tension and cohesion until their mortar breaks, for good; broken or dry joints bear {dry}"
+
+
+def never_slide(joints: Joints) -> tuple[str, ...]:
+    """Return a sentence on the joints without friction, none where all have some."""
+    missing, count = int(np.sum(np.isnan(joints.friction))), len(joints.names)
+    if not missing:
+        return ()
+    some = f"{missing} of {count} joints {'has' if missing == 1 else 'have'} no friction"
+    which = "No joint has friction" if missing == count else some
+    return (f"{which}: such a joint never slides. The friction that this takes is in the table.",)
 
 
 def _motions(check: Check) -> list[dict[str, str]]:
