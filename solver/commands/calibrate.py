@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..common.digits import percent
 from ..common.errors import InputError, SolverError, reading
 from ..common.files import check_outputs, whole_file
 from ..models.column.model import Column
@@ -121,7 +122,8 @@ def _decay_of_record(options: argparse.Namespace) -> FreeVibration:
 def _decay(options: argparse.Namespace, decay: FreeVibration | None) -> str:
     if decay is None:
         return ""
-    swing = f"{decay.frequency:.5g} Hz, damping {decay.ratio:.3%}; a decaying swing explains {decay.explained:.1%}"
+    damping, explained = percent(decay.ratio, ".3f"), percent(decay.explained)
+    swing = f"{decay.frequency:.5g} Hz, damping {damping}; a decaying swing explains {explained}"
     return f"{options.free_vibration}: {swing}\n"
 
 
@@ -131,14 +133,13 @@ def _fit(fit: ModulusFit | None) -> str:
         return ""
     lines = ["mode  measured (Hz)    fit (Hz)  difference"]
     for mode, values in enumerate(zip(fit.measured, fit.fitted, fit.difference, strict=True), start=1):
-        lines.append("{:4d}  {:13.5g}  {:10.5g}  {:+10.2%}".format(mode, *values))
+        lines.append("{:4d}  {:13.5g}  {:10.5g}  {:+8.2f} %".format(mode, *values[:2], 100.0 * values[2]))
     spreads = ", ".join(
         f"{part:.2g}" if known else "not determined" for part, known in zip(fit.spread, fit.determined, strict=True)
     )
     what = "of each modulus, the top joint first" if fit.each else "of the factor on all moduli"
-    lines.append(
-        f"standard error {what}, for {SPREAD:.0%} in every frequency: {spreads if fit.each else spreads.split(',')[0]}"
-    )
+    shown = spreads if fit.each else spreads.split(",")[0]
+    lines.append(f"standard error {what}, for {percent(SPREAD)} in every frequency: {shown}")
     return "\n".join(lines) + "\n"
 
 
@@ -190,7 +191,9 @@ def _found(column: Column, release: float, decay: FreeVibration | None, fit: Mod
 
 def _meaning(found: dict[str, Any]) -> str:
     """First mode and restitution that follow from the values."""
-    first = f"first mode {found['frequency']:.5g} Hz, damping {found['damping_ratio']:.3%}, all joints closed"
+    first = (
+        f"first mode {found['frequency']:.5g} Hz, damping {percent(found['damping_ratio'], '.3f')}, all joints closed"
+    )
     result = f"not found: {found.get('no_restitution')}"
     if found["restitution"] is not None:
         result = f"{found['restitution']:.5f}, let go at {found['release']:g} of the way to the edge"

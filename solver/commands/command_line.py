@@ -14,6 +14,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from .. import __version__
+from ..common.digits import percent
 from ..common.errors import InputError, InputWarning, SolverError, reading
 from ..common.files import check_outputs, printable, with_point
 from ..ground.motion import STANDARD_GRAVITY, Motion
@@ -318,7 +319,7 @@ def _summary(response: Response) -> str:
     if response.ensemble is not None:
         lines += _ensemble(response.ensemble)
     regimes = ("full_contact", "rocking", "flight")
-    lines.append("time in " + ", ".join(f"{name.replace('_', ' ')} {stats[name]:.1%}" for name in regimes))
+    lines.append("time in " + ", ".join(f"{name.replace('_', ' ')} {percent(stats[name])}" for name in regimes))
     lines.append(f"{stats['steps']} steps in {stats['wall_time']:.2f} s")
     return "\n".join(lines)
 
@@ -357,8 +358,8 @@ def _ensemble(ensemble: Ensemble) -> list[str]:
     lines = [
         f"{ensemble.size} runs varied by {spread.stiffness:.2g} (stiffness), {spread.damping:.2g} (damping), "
         f"{spread.motion:.2g} (motion): {ensemble.overturned} overturned, {ensemble.undecided} undecided; "
-        f"share that overturns {low:.0%} to {high:.0%} at 95 % confidence",
-        "block  peak |ux| (mm) of those that stand, " + ", ".join(f"{percent} %" for percent in PERCENTILES),
+        f"share that overturns {percent(low)} to {percent(high)} at 95 % confidence",
+        "block  peak |ux| (mm) of those that stand, " + ", ".join(f"{point} %" for point in PERCENTILES),
     ]
     lines += [
         f"{i:5d}  " + "  ".join(f"{1e3 * peak:14.5g}" for peak in peaks)

@@ -7,6 +7,7 @@ import time as clock
 from types import TracebackType
 from typing import Any, Self
 
+from ..common.digits import percent
 from ..common.waiting import notice
 from ..kernels.api import entries as exact
 from ..kernels.numba_ext.numba_parts import LINKING
@@ -88,7 +89,11 @@ class PlainLine(Line):
         self._next = took * LONGER
         pace = (done - self._before) / took
         left = f", {(total - done) / pace:.0f} s left" if pace > 0.0 else ""
-        print(f"{done} of {total} runs, {done / total:.0%}, after {took:.0f} s{left}", file=sys.stderr, flush=True)
+        print(
+            f"{done} of {total} runs, {percent(done / total, '.0f')}, after {took:.0f} s{left}",
+            file=sys.stderr,
+            flush=True,
+        )
 
 
 def compile_kernels(entries: Any = exact) -> None:

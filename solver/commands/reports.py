@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from ..common.digits import percent
 from ..common.errors import SolverError
 from ..ground.intensity import DAMPING, NAMES, Component, components, intensity, spectrum
 from ..ground.motion import STANDARD_GRAVITY, Motion
@@ -66,7 +67,7 @@ def _component(motion: Motion, component: Component, name: str) -> str:
             f"  {name}Arias intensity {found.arias:.4g} m/s",
             f"  {name}significant duration 5-95 % {found.significant_duration:.4g} s, "
             f"from {found.start:.4g} s to {found.end:.4g} s",
-            f"  {name}pseudo-acceleration, {DAMPING:.0%} damping",
+            f"  {name}pseudo-acceleration, {percent(DAMPING)} damping",
             "  period (s)" + "".join(f"{period:8g}" for period in PERIODS),
             "  PSA (g)   " + "".join(f"{psa / STANDARD_GRAVITY:8.4f}" for psa in oscillators.psa),
         ]

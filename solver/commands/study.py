@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from ..common.digits import percent
 from ..common.errors import InputError, reading
 from ..common.executors import end_with_parent
 from ..common.files import check_outputs
@@ -173,7 +174,7 @@ def summary(results: Results) -> str:
             curves.levels, curves.percentiles.T, curves.overturned, curves.undecided, strict=True
         ):
             shown = "  ".join(f"{1e3 * point:10.4g}" for point in points)
-            lines.append(f"{level:10.4g}  {shown}  {fell_there:6.1%}  {unknown:6.1%}")
+            lines.append(f"{level:10.4g}  {shown}  {percent(fell_there):>7s}  {percent(unknown):>7s}")
     if study["kind"] == "fragility" and len(results):
         for failure in failures_of(results):
             try:

@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.gridspec import SubplotSpec
 
+from ..common.digits import percent
 from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..kernels.layout.spaces import COUNTS_FROM
@@ -319,7 +320,7 @@ def _draw_panel(axes: Axes, panel: _Panel, shown: _Shown, ensemble: FloatArray |
     draw_lines(axes, shown.time, panel.factor * values, shown.chosen, panel.largest_only)
     axes.set_ylabel(f"{panel.label} ({panel.unit})" if panel.unit else panel.label)
     if panel.name == "T/N":
-        note = f"where N > {COUNTS_FROM:.0%} of the weight"
+        note = f"where N > {percent(COUNTS_FROM)} of the weight"
         axes.text(0.01, 0.98, note, transform=axes.transAxes, va="top", fontsize=7, color=GREY)
     _limit(axes, panel, shown)
     _mark_peak(axes, panel, shown)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..common.digits import percent
 from ..common.errors import InputError
 from ..ground.intensity import DAMPING, NAMES, components, histories, lines_of, spectrum
 from ..ground.motion import STANDARD_GRAVITY, Motion
@@ -48,7 +49,9 @@ def plot_records(motions: Mapping[str, Motion], path: str | os.PathLike[str] | N
     acceleration.set(title="(a) base acceleration", ylabel="g")
     velocity.set(title="(b) velocity, integrated from rest", ylabel="m/s")
     displacement.set(title="(c) displacement, no baseline taken away", ylabel="m", xlabel="time (s)")
-    spectra.set(title=f"(d) pseudo-acceleration, {DAMPING:.0%} damping", ylabel="g", xlabel="period (s)", xscale="log")
+    spectra.set(
+        title=f"(d) pseudo-acceleration, {percent(DAMPING)} damping", ylabel="g", xlabel="period (s)", xscale="log"
+    )
     spectra.set(xticks=(0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0), ylim=(0.0, None))
     spectra.set_xticklabels(["0.1", "0.2", "0.5", "1", "2", "5", "10"])
     spectra.minorticks_off()

@@ -15,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..common.digits import percent
 from ..common.errors import (
     NOT_NEGATIVE,
     POSITIVE,
@@ -205,7 +206,7 @@ def _warned(fit: ModulusFit) -> ModulusFit:
             )
             _warn(f"frequency {mode}: {measured:g} Hz measured, {fitted:.5g} Hz of the fit, {off:+.1%}: {why}")
     for joint in np.flatnonzero(~fit.determined):
-        what = f"{SPREAD:.0%} in the frequencies is more than {UNDETERMINED:.0%} in it"
+        what = f"{percent(SPREAD)} in the frequencies is more than {percent(UNDETERMINED)} in it"
         _warn(f"joint {joint + 1}: its modulus is not determined, {what}")
     if fit.another is not None:
         listed = ", ".join(f"{modulus:.4g}" for modulus in fit.another)
@@ -344,8 +345,8 @@ def free_vibration(time: ArrayLike, values: ArrayLike) -> FreeVibration:
     explained = 1.0 - 2.0 * float(best.cost)
     if explained < FOUND:
         raise InputError(
-            f"free vibration: a decaying swing explains {max(0.0, explained):.0%} of the record's variance, must be at "
-            f"least {FOUND:.0%}; choose a part in which one mode is left"
+            f"free vibration: a decaying swing explains {percent(max(0.0, explained))} of the record's variance, must "
+            f"be at least {percent(FOUND)}; choose a part in which one mode is left"
         )
     omega, ratio = (float(value) for value in best.x)
     return FreeVibration(omega / (2.0 * math.pi), ratio, explained, fit(best.x))

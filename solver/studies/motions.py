@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..common.digits import percent
 from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_number, shown
 from ..common.ranges import check_keys
 from ..ground import wavelets
@@ -96,7 +97,7 @@ class Measure:
     @property
     def label(self) -> str:
         """As shown to users."""
-        return f"Sa({self.period:g} s, {self.damping:.0%})" if self.name == "sa" else self.name.upper()
+        return f"Sa({self.period:g} s, {percent(self.damping)})" if self.name == "sa" else self.name.upper()
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Measure:

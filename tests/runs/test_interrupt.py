@@ -225,5 +225,5 @@ def test_in_a_pipe_a_long_study_says_how_far_it_is(monkeypatch: pytest.MonkeyPat
             now[0] = 1.0 * done
             line(done, 100)
     lines = shown.getvalue().splitlines()
-    assert lines[0] == "10 of 100 runs, 10%, after 10 s, 90 s left"
+    assert lines[0] == "10 of 100 runs, 10 %, after 10 s, 90 s left"
     assert [int(text.split()[0]) for text in lines] == [10, 15, 23, 35, 53, 80]

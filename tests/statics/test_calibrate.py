@@ -189,7 +189,7 @@ def test_a_modulus_that_frequencies_do_not_determine_is_said() -> None:
         fit = fit_moduli(phocas(), [3.0, 30.0, 31.0])
     said = [str(warning.message) for warning in caught]
     assert not np.any(fit.determined)
-    assert "joint 2: its modulus is not determined, 1% in the frequencies is more than 100% in it" in said
+    assert "joint 2: its modulus is not determined, 1 % in the frequencies is more than 100 % in it" in said
     assert any(line.startswith("frequency 2: 30 Hz measured") and "no moduli near" in line for line in said)
 
 
@@ -200,7 +200,7 @@ def test_command_gives_each_joint_its_modulus(tmp_path: Path, capsys: pytest.Cap
     out, error = capsys.readouterr()
     assert error == ""
     assert out.count("[block.joint]") == 3
-    assert "standard error of each modulus, the top joint first, for 1% in every frequency: 0.0" in out
+    assert "standard error of each modulus, the top joint first, for 1 % in every frequency: 0.0" in out
     assert main(["calibrate", column, "--frequencies", *words, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     stiffness = [joint["stiffness"] / PHOCAS_STIFFNESS for joint in found["joints"]]
@@ -250,8 +250,8 @@ def test_command_prints_what_to_write_and_what_it_means(tmp_path: Path, capsys: 
     decayed = ["--free-vibration", str(tmp_path / "decay.csv"), "--channel", "top", "--begin", "0.5"]
     assert main(["calibrate", column, "--young", "24.5e9", *decayed]) == 0
     text = capsys.readouterr().out
-    assert "3.0581 Hz, damping 2.000%; a decaying swing explains 100.0%" in text
-    assert "damping 2.000%, all joints closed" in text
+    assert "3.0581 Hz, damping 2.000 %; a decaying swing explains 100 %" in text
+    assert "damping 2.000 %, all joints closed" in text
     assert read_history(tmp_path / "decay.csv", "top")[1] == pytest.approx(ux)
 
 
