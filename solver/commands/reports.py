@@ -12,7 +12,7 @@ from ..ground.intensity import DAMPING, NAMES, Component, components, intensity,
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..models.column.model import Column
 from ..models.column.modes import Modes, natural_frequencies
-from ..models.column.packing import settlements
+from ..models.column.packing import FloatArray, settlements
 from ..models.column.push import WITHOUT_BONDS
 from ..statics.capacity import CapacityCurve, Rest
 
@@ -20,6 +20,7 @@ MOST_BLOCKS = 100  # with more, natural frequencies take too long for a report
 PERIODS = (0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0)  # s
 NO_BASELINE = "integrated from rest, no baseline taken away"
 MOST_MODES = 12  # printed on the terminal
+STRONG = 0.3  # of critical: each swing is less than a seventh of the one before, exp(-2 pi 0.3 / sqrt(1 - 0.3^2))
 
 
 def column_report(column: Column, motion: Motion) -> str:
@@ -88,7 +89,19 @@ def modes_report(modes: Modes) -> str:
             f"{k + 1:4d}  {modes.frequency[k]:14.6g}  {100.0 * modes.damping_ratio[k]:11.4g}  {100.0 * part:7.2f} "
             f"{'horizontal' if modes.sways[k] else 'vertical'}"
         )
-    return "\n".join(lines)
+    return "\n".join([*lines, *damped_much(modes.damping_ratio[:count])])
+
+
+def damped_much(ratios: FloatArray) -> list[str]:
+    """Return a line on the modes whose damping ratio is above `STRONG`, none where there are none."""
+    (strong,) = np.nonzero(ratios > STRONG)
+    if not strong.size:
+        return []
+    named = ("mode " if strong.size == 1 else "modes ") + ", ".join(str(k + 1) for k in strong)
+    return [
+        f"{named}: damping above {percent(STRONG)} of critical, each swing less than a seventh of the one before: "
+        "hardly a vibration, and beyond 100 % none"
+    ]
 
 
 def statics_report(rest: Rest, curve: CapacityCurve) -> str:

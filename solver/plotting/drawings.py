@@ -16,8 +16,9 @@ from ..models.column.model import Column
 from ..models.column.packing import FloatArray
 from ..models.column.response import Response
 from .figures import Figure
+from .largest import length
 from .style import GREY, INK, RED, STONE, header, nice, save
-from .words import length, setting_of
+from .words import setting_of
 
 SHOWN = 0.15  # of the column's height: displacement of its top in a picture whose scale is not given
 MOST_NUMBERED = 15  # joints that get a number; of more, every second, third ...

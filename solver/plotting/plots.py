@@ -23,6 +23,7 @@ from ..models.column.packing import FloatArray, carried_weights
 from ..models.column.response import Response, friction_history
 from .drawings import Places
 from .figures import Figure
+from .largest import rows_before_fall
 from .lines import draw_ensemble, draw_lines, reduced
 from .profiles import draw_last_moments, draw_offsets, draw_profiles
 from .style import FEW_COLOURS, GREY, INK, RED, TINT, VERDICT_COLOURS, aside, header, name_of, save, show_names, tidy
@@ -35,7 +36,6 @@ PEAK = "peak between rows"
 MISSED = 1.02  # times the largest row: a larger peak is marked
 FAR = 3.0  # times the largest row: larger peaks are marked there by an arrow outwards
 AFTER_FALL = 0.03  # of the time until a fall, drawn after it
-GONE = 1.0  # of the largest width: a column that falls and has moved by more does not come back
 
 
 @dataclass(frozen=True)
@@ -219,9 +219,7 @@ def _shown(
     gone = rows
     if falls:
         widest = max(block.width for block in column.blocks)
-        beyond = np.flatnonzero(np.max(np.abs(cut["ux"]), axis=1) > GONE * widest)
-        gone = int(beyond[0]) if len(beyond) else int(np.searchsorted(time, overturn_time))
-        gone = min(max(2, gone), rows)
+        gone = rows_before_fall(time[:rows], np.abs(cut["ux"]), overturn_time, widest)
     carried = carried_weights(column)
     if np.all(carried > 0.0):
         ratio = friction_history(cut["T"], cut["N"], carried)
@@ -347,7 +345,7 @@ def _mark_peak(axes: Axes, panel: _Panel, shown: _Shown) -> None:
     top = int(np.argmax(true))
     of = "block" if panel.name in ("ux", "theta", "slip") else "joint"
     value = f"{panel.factor * true[top]:.4g} {panel.unit}".rstrip()
-    aside(axes, f"{'before the fall' if shown.falls else 'peak'} {value}, {of} {top + 1}")
+    aside(axes, f"{'before the fall' if math.isfinite(shown.overturn_time) else 'peak'} {value}, {of} {top + 1}")
     missed = [i for i in (*shown.chosen, top) if true[i] > MISSED * max(largest[i], 1e-300)]
     low, high = axes.get_ylim()
     for i in missed:

@@ -20,10 +20,11 @@ from ..models.structure.model import Structure
 from ..models.structure.response import SpatialResponse
 from .figures import Figure
 from .film import FILM_DPI, FRAMES_PER_SECOND, Progress, shoot
+from .largest import largest_displacement, length
 from .plots import draw_ground
 from .scene.bodies import normal_of, parts_of, walls_of
 from .solids import EDGE, SHADED, Solids, towards_viewer
-from .style import GREY, GRID, INK, RED, TINT, VERDICT_COLOURS, header, nice, plain, save, tidy
+from .style import GREY, GRID, INK, RED, TINT, VERDICT_COLOURS, aside, header, nice, plain, save, tidy
 from .words import setting_of, verdict_of
 
 VISIBLE = 0.08  # of the extent: largest deformation in a picture
@@ -247,10 +248,12 @@ def plot_response(response: SpatialResponse, path: str | os.PathLike[str] | None
     figure = Figure(figsize=(7.5, 8.4), layout="constrained")
     ground, top, middle, bottom = figure.subplots(4, 1, sharex=True)
     draw_ground(ground, response.motion)
-    i = int(np.argmax(response.peaks["u"]))
+    largest, i = largest_displacement(response)
     for name in ("ux", "uy", "uz"):
         top.plot(response.time, 1e3 * getattr(response, name)[:, i], linewidth=0.9, label=f"$u_{name[1]}$")
+    until = "before the fall" if np.isfinite(response.overturn_time) else "at most"
     top.set(title=f"displacement of {plain(response.structure.names[i])}", ylabel="$u$ (mm)")
+    aside(top, f"{until} {length(largest)} horizontally")
     top.legend(ncols=3, frameon=False, fontsize=8)
     middle.plot(response.time, 1e3 * np.max(np.linalg.norm(response.rotation, axis=2), axis=1), linewidth=0.9)
     middle.set(title="largest rotation of a block", ylabel="rotation (mrad)")

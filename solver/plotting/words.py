@@ -9,6 +9,7 @@ import numpy as np
 
 from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
+from .largest import largest_displacement, length
 from .style import plain
 
 
@@ -42,10 +43,9 @@ def verdict_of(response: Any) -> tuple[str, str]:
         text += ", after the end of the histories" if time is not None and response.overturn_time > time[-1] else ""
     elif word in ("standing", "undecided"):
         structure = getattr(response, "structure", None)
-        peaks = response.peaks["ux" if structure is None else "u"]
-        block = int(np.argmax(peaks))
+        largest, block = largest_displacement(response)
         name = f"block {block + 1}" if structure is None else plain(structure.names[block])
-        moved = f"largest displacement {length(float(peaks[block]))}, {name}"
+        moved = f"largest displacement {length(largest)}, {name}"
         text = f"Stands: {moved}" if word == "standing" else f"Undecided, {response.reason}; {moved}"
     else:
         return "", ""
@@ -53,8 +53,3 @@ def verdict_of(response: Any) -> tuple[str, str]:
     if ensemble is not None:
         text += f"; {ensemble.overturned} of {ensemble.size} varied runs overturn"
     return word, f"{text}."
-
-
-def length(metres: float) -> str:
-    """A length in the unit in which it is read best."""
-    return f"{metres:.3g} m" if abs(metres) >= 1.0 else f"{1e3 * metres:.3g} mm"

@@ -27,7 +27,7 @@ from ..ground.motion import Motion
 from ..kernels.numba_ext.jit import SOURCES
 from ..models.protocol import FloatArray, Model, Run
 from .distributions import Random
-from .motions import BESIDE, LOAD_SCALE, Measure, Shaking, tilted
+from .motions import BESIDE, LOAD_SCALE, OF_MOTION, Measure, Shaking, tilted
 from .subjects import DIRECTION, IN_PLANE, OF_SPACE, always_kept, check_alike, check_motion, sizes_of, subjects_in
 
 KINDS = ("sweep", "ida", "fragility", "spectrum", "montecarlo")
@@ -35,7 +35,6 @@ SAMPLINGS = ("latin-hypercube", "sobol", "random")
 LIMITED = "fragility"
 SUBJECTS = ("column", "columns", "structure", "structures")  # keys of the file: the paths of what is shaken
 INTENSITY = "intensity"
-OF_MOTION = "motion."
 MOST_RUNS = 10**8
 QUICK_RUNS, QUICK_VALUES = 200, 5  # of a quick study: runs, and values of each name of the grid
 _SIMPLE = ("samples", "sampling", "seed", "tolerance", "duration")

@@ -64,6 +64,7 @@ FORMULAS = {
     "near-fault": _NEAR_FAULT,
     "near-fault-1981": replace(_NEAR_FAULT, makes=partial(near_fault.motion, velocity=near_fault.pgv_of_all)),
 }
+OF_MOTION = "motion."  # begin of the names of their numbers in a study
 WHOLE = ("seed",)
 _OF_RECORDS = ("record", "vertical", "across", "dt", "units", "channel", "vertical_channel")
 # numbers of every motion: factor; tilt of the base, rad, clockwise positive; of structures also the direction in plan,

@@ -38,6 +38,7 @@ from .statistics import (
     made,
     percentiles,
     said_of,
+    said_undecided,
     varied_beside,
 )
 from .subjects import can_slide, subject_from
@@ -141,28 +142,42 @@ def draw_ida(results: Results) -> Figure:
     axes, fallen = figure.subplots(1, 2, sharey=True, width_ratios=(2.4, 1.0))
     step = max(1, len(curves.each) // MOST_CURVES)
     for curve in curves.each[::step]:
-        stands = np.isfinite(curve)
-        axes.plot(1e3 * curve[stands], curves.levels[stands], color="0.6", linewidth=0.4, alpha=0.5, zorder=1)
+        _draw_broken(axes, curve, curves.levels, color="0.6", linewidth=0.4, alpha=0.5, zorder=1)
     for percent, points, colour, style in zip(
         PERCENTILES, curves.percentiles, (BLUE, "black", RED), ("--", "-", "--"), strict=True
     ):
-        stands = np.isfinite(points)
-        axes.plot(1e3 * points[stands], curves.levels[stands], style, color=colour, linewidth=2.0, label=f"{percent} %")
-        if not np.all(stands[~np.isnan(points)]) and np.any(stands):
-            last = int(np.flatnonzero(stands)[-1])
-            axes.plot(1e3 * points[last], curves.levels[last], ">", color=colour, markersize=8.0)
+        look: dict[str, Any] = {"linestyle": style, "color": colour, "linewidth": 2.0}
+        _draw_broken(axes, points, curves.levels, label=f"{percent} %", **look)
+        last = last_before_falls(points)
+        axes.plot(1e3 * points[last], curves.levels[last], ">", color=colour, markersize=8.0)
     axes.set_xscale("log")
     axes.set(title="grey: one column under one motion; thick: of all runs", ylabel=_label(results, curves.name))
     axes.set_xlabel("largest displacement of any block (mm)")
     axes.legend(frameon=False, title="an arrow: beyond it they overturn", loc="upper left")
     fallen.plot(curves.overturned, curves.levels, "o-", color="black", markersize=3.0, label="overturned")
     either = curves.overturned + curves.undecided
-    fallen.fill_betweenx(curves.levels, curves.overturned, either, color="0.7", linewidth=0.0, label="undecided")
+    label = "undecided: neither fell nor came to rest"
+    fallen.fill_betweenx(curves.levels, curves.overturned, either, color="0.7", linewidth=0.0, label=label)
     fallen.legend(frameon=False, loc="upper left")
     fallen.set(title="how they ended", xlabel="share of the runs", xlim=(-0.02, 1.02))
     for panel in (axes, fallen):
         tidy(panel)
     return _captioned(figure, results)
+
+
+def _draw_broken(axes: Axes, moved: FloatArray, levels: FloatArray, **look: Any) -> None:
+    """Draw a curve of displacements, m, with a gap where it falls, a dot where it stands between two falls."""
+    known = ~np.isnan(moved)
+    x, y = 1e3 * np.where(np.isfinite(moved), moved, math.nan)[known], levels[known]
+    alone = np.isfinite(x) & np.isnan(np.append(math.nan, x[:-1])) & np.isnan(np.append(x[1:], math.nan))
+    axes.plot(x, y, marker=".", markevery=np.flatnonzero(alone).tolist(), **look)
+
+
+def last_before_falls(moved: FloatArray) -> NDArray[np.int64]:
+    """Return the places of finite displacements whose next level that was run has an infinite one."""
+    (known,) = np.nonzero(~np.isnan(moved))
+    falls = np.isinf(moved[known])
+    return known[:-1][~falls[:-1] & falls[1:]]
 
 
 def draw_fragility(results: Results) -> Figure:
@@ -207,7 +222,7 @@ def _draw_fits(axes: Axes, results: Results, name: str, texts: list[str]) -> Non
         said.append(f"{what} {found.median:.3g} ({bounds}), {found.deviation:.2g}")
     texts.append(f"{_label(results, name)}, median with its bounds, deviation of the logarithm: {'; '.join(said)}.")
     axes.set(xlabel=_label(results, name), ylabel="probability of failure", ylim=(-0.02, 1.02))
-    axes.set_title("lognormal with its 95 % band; open: with undecided", loc="left", fontsize=10)
+    axes.set_title("lognormal with its 95 % band", loc="left", fontsize=10)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=False, loc="best")
     tidy(axes)
@@ -248,7 +263,9 @@ def draw_curve(axes: Axes, found: Fragility, colour: str, name: str) -> None:
     axes.errorbar(bins.middle, bins.share, errors, fmt="o", color=colour, markersize=4.0, capsize=2.5)
     some = bins.undecided > 0
     with_undecided = (bins.failed + bins.undecided) / bins.runs
-    axes.plot(bins.middle[some], with_undecided[some], "o", color=colour, markerfacecolor="none", markersize=4.0)
+    style: dict[str, Any] = {"color": colour, "markerfacecolor": "none", "markersize": 4.0}
+    label = f"{name}, if the undecided fell too" if np.any(some) else ""
+    axes.plot(bins.middle[some], with_undecided[some], "o", label=label, **style)
 
 
 def draw_spectrum(results: Results) -> Figure:
@@ -352,7 +369,7 @@ def caption(results: Results) -> list[str]:
     undecided = int(np.sum(results["verdict"] == "undecided"))
     runs = f"{len(results)} of {results.head['runs']} runs, seed {study['seed']}"
     runs += f", {int(np.sum(results.overturned))} overturned"
-    runs += f", {undecided} undecided" if undecided else ""
+    runs += f"; {said_undecided(undecided)}" if undecided else ""
     runs += f", {failed} could not be made" if failed else ""
     said = [f"{study['name']}: {columns}; base motion: {_some(study['motions'], 6)}; {runs}."]
     if random:

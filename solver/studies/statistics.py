@@ -15,6 +15,7 @@ from ..common.notebook import Shown, counted
 from ..models.protocol import FloatArray
 from ..models.structure.numbers import unit_in_space
 from ..models.uncertainty import CONFIDENCE, PERCENTILES, share_bounds
+from .motions import OF_MOTION, WHOLE
 from .results import Results
 
 # of weights of the runs and a first guess: median and deviation
@@ -27,6 +28,7 @@ RESAMPLED = 200  # times, for confidence
 GROUPS = 1000  # of neighbouring intensities, if there are more different ones: the likelihood uses their middles
 BINS = 12
 LEAST_DEVIATION, MOST_DEVIATION = 0.01, 5.0
+SEEDS = tuple(f"{OF_MOTION}{key}" for key in WHOLE)  # labels, not quantities
 TAIL = 0.16  # of the runs, at either end of a parameter
 
 
@@ -225,6 +227,14 @@ def said_of(limit: Limit) -> str:
     return words[limit] if limit is None or limit == "hit" else f"overturned or moved by more than {limit:g} m"
 
 
+def said_undecided(count: int) -> str:
+    """Return what the undecided runs of a study are, "" without any."""
+    if not count:
+        return ""
+    runs, they = ("run", "it was") if count == 1 else ("runs", "they were")
+    return f"{count} undecided {runs} neither fell nor came to rest while {they} followed"
+
+
 def intensity_name(results: Results) -> str:
     """The measure of the study, PGA if it has none."""
     measure = results.study["intensity"]
@@ -400,7 +410,7 @@ class Influence:
 
 
 def influences(results: Results) -> list[Influence]:
-    """The effect of each random parameter, the strongest first."""
+    """Return the effect of each random parameter, the strongest first; none of a seed, which only labels motions."""
     with needing("studies", "scipy"):
         from scipy.stats import rankdata
     valid = made(results)
@@ -421,7 +431,7 @@ def influences(results: Results) -> list[Influence]:
         return found
     for name in results.head["varied"]:
         values = results[name][valid]
-        if name in fixed or np.ptp(values) == 0.0:
+        if name in (*fixed, *SEEDS) or np.ptp(values) == 0.0:
             continue
         ends = np.quantile(values, [TAIL, 1.0 - TAIL])
         low, high = values <= ends[0], values >= ends[1]

@@ -1,5 +1,7 @@
 """A picture shows the numbers it was given, and importing the solver does not bring in what draws it."""
 
+import json
+import re
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -15,7 +17,9 @@ from support.child import call
 from support.fmus import PHOCAS
 from support.inside import imports
 
+from multiblock import wavelets
 from solver import Block, Column, InputError, Joint, Motion, Response, simulate
+from solver.checks.report.pictures import histories_picture
 from solver.plotting import plots
 from solver.plotting.lines import COLUMNS, thinned
 from solver.plotting.plots import PEAK
@@ -322,3 +326,36 @@ def test_one_instant_is_no_history() -> None:
     time, given = histories(2)
     with pytest.raises(InputError, match="at least 2"):
         plot_histories(time[:1], {name: values[:1] for name, values in given.items()})
+
+
+def test_the_number_of_a_fall_is_the_same_in_figure_and_page(tmp_path: Path) -> None:
+    """A slender block that falls: both show what it moved by before it could not come back, and no mark is later."""
+    block = Column("slender", (Block(2.0, 0.3, 0.3, 400.0, Joint(2e9, 2e-3)),))
+    run = simulate(block, wavelets.one_sine(9.80665, 0.8), duration=6.0, check=False)
+    assert run.overturn_time < 5.0
+    before = np.abs(run.ux[:, 0])
+    gone = int(np.flatnonzero(before > 0.3)[0])
+    expected = 1e3 * np.max(before[:gone])
+    assert run.peak_ux[0] > 2.0 * 0.3  # the fall itself
+    title = panel(run.plot(), "displacement").get_title(loc="right")
+    assert title == f"before the fall {expected:.4g} mm, block 1"
+    run.view(tmp_path / "fall.html")
+    page = (tmp_path / "fall.html").read_text(encoding="utf-8")
+    assert f"Largest displacement before the fall {expected:.3g} mm." in page
+    marks = dict(json.loads(re.search(r'"marks":(\[\[.*?\]\])', page)[1]))  # type: ignore[index]
+    assert marks["peak"] < marks["fall"] == pytest.approx(run.overturn_time)
+
+
+def test_the_figure_of_a_report_shows_peaks_between_rows() -> None:
+    block = Column("block", (Block(2.0, 0.5, 0.5, 1200.0, Joint(2e9, 2e-3)),))
+    run = simulate(block, wavelets.one_sine(0.25 * 9.80665, 1.2), output_step=0.2, check=False)
+    assert run.verdict == "standing"
+    assert np.max(np.abs(run.ux)) < 0.98 * run.peak_ux[0]
+    title = panel(histories_picture(run, "a block"), "displacement").get_title(loc="right")
+    assert title == f"peak {1e3 * run.peak_ux[0]:.4g} mm, block 1"
+
+
+def test_a_fall_after_the_histories_has_no_peak() -> None:
+    time, given = histories(3)
+    axes = panel(plot_histories(time, given, overturn_time=2.0 * time[-1]), "displacement")
+    assert axes.get_title(loc="right").startswith("before the fall ")

@@ -11,8 +11,9 @@ from matplotlib.image import imread
 from support.fmus import ROOT
 
 from solver import Column, InputError
+from solver.plotting.figures import Figure
 from solver.studies import Results, Shaking, fragility, ida, montecarlo, spectrum, sweep
-from solver.studies.pictures import draw
+from solver.studies.pictures import _draw_broken, draw, last_before_falls
 
 PULSE = Shaking("my pulse", "ricker", {"frequency": 1.2})
 SOFT = {
@@ -66,3 +67,19 @@ def test_nothing_to_draw() -> None:
     results = STUDIES["montecarlo"]()
     with pytest.raises(InputError, match="no run is finished yet"):
         draw(Results(results.head, []))
+
+
+def test_curves_have_gaps_where_they_fall_and_dots_between_two_falls() -> None:
+    """Levels 1 to 7; it falls at 2, 4 and 7, and level 5 was not run: the line ends before each fall."""
+    levels = np.arange(1.0, 8.0)
+    moved = np.array([0.1, np.inf, 0.3, np.inf, np.nan, 0.6, np.inf])
+    axes = Figure().add_subplot()
+    _draw_broken(axes, moved, levels)
+    (line,) = axes.lines
+    found = np.asarray(line.get_xdata(), dtype=np.float64)
+    np.testing.assert_allclose(found, np.array([100.0, np.nan, 300.0, np.nan, 600.0, np.nan]))
+    np.testing.assert_array_equal(line.get_ydata(), [1.0, 2.0, 3.0, 4.0, 6.0, 7.0])
+    assert line.get_markevery() == [0, 2, 4]
+    assert levels[last_before_falls(moved)].tolist() == [1.0, 3.0, 6.0]
+    _draw_broken(axes, np.array([0.1, 0.2, np.inf]), levels[:3])
+    assert axes.lines[1].get_markevery() == []

@@ -11,7 +11,7 @@ from scipy import stats
 
 from solver import InputError
 from solver.studies import Results, fit_fragility, ida_curves, influences
-from solver.studies.statistics import binned, bounds_of, percentiles
+from solver.studies.statistics import binned, bounds_of, percentiles, said_undecided
 
 
 def made_up(
@@ -195,3 +195,18 @@ def test_what_the_grid_does_is_in_no_rank() -> None:
     u = np.repeat([1e-3, 1e-1, 1e1], samples) * (1.0 + stiffness)
     results = made_up(u, np.repeat(levels, samples), "ida", samples, {"intensity": levels}, {"stiffness": stiffness})
     assert [item.rank for item in influences(results)] == [pytest.approx(1.0)]
+
+
+def test_a_seed_has_no_rank() -> None:
+    """A seed labels a motion: a displacement that happens to grow with it says nothing."""
+    seed, stiffness = np.arange(60.0), np.linspace(1.0, 2.0, 60)[::-1]
+    results = made_up(
+        0.1 + 0.01 * seed, np.full(60, 0.3), "montecarlo", beside={"motion.seed": seed, "joint.stiffness": stiffness}
+    )
+    assert [item.name for item in influences(results)] == ["joint.stiffness"]
+
+
+def test_undecided_runs_are_said_in_plain_words() -> None:
+    assert said_undecided(0) == ""
+    assert said_undecided(1) == "1 undecided run neither fell nor came to rest while it was followed"
+    assert said_undecided(3).startswith("3 undecided runs neither fell nor came to rest")

@@ -92,6 +92,7 @@ def histories_picture(response: Response, title: str) -> Figure:
         title,
         response.overturn_time,
         verdict=verdict_of(response),
+        peaks=response.peaks,
     )
 
 

@@ -19,6 +19,7 @@ from ...common.files import whole_file
 from ...ground.intensity import Component, histories, is_measurable
 from ...ground.motion import Motion
 from ...models.structure.blocks.faces import FloatArray
+from ..largest import largest_displacement, length
 from .bodies import SHAPES, Body, Scene, scene_of
 
 FPS = 30.0  # the most rows a second
@@ -72,8 +73,8 @@ def _page(response: Any, scale: float | None, fps: float, numbers: int, triangle
     sizes, span = response.model.sizes, max(float(response.time[-1] - response.time[0]), 1e-9)
     scene = scene_of(response, min(fps, numbers / ((6 * sizes["block"] + sizes["joint"] + 3) * span)))
     name, facts = escape(scene.name), VERDICTS.get(response.verdict, "").format(response.overturn_time)
-    most = float(np.max(response.peaks[response.model.kind.largest]))
-    line = f"{facts} Largest displacement {f'{most:.3g} m' if most >= 1.0 else f'{1e3 * most:.3g} mm'}."
+    until = " before the fall" if math.isfinite(response.overturn_time) else ""
+    line = f"{facts} Largest displacement{until} {length(largest_displacement(response)[0])}."
     folder = files(__package__)
     contents = _contents(scene, response, scale, triangles)
     parts = {
@@ -93,8 +94,10 @@ def _contents(scene: Scene, response: Any, scale: float | None, triangles: int) 
     low, high = corners.min(axis=0), corners.max(axis=0)
     extent = float(np.linalg.norm(high - low))
     across = np.linalg.norm(scene.u, axis=2)
-    peak, fall = scene.time[int(np.argmax(np.max(across, axis=1)))], response.overturn_time
+    fall = response.overturn_time
     fell = not math.isnan(fall) and fall <= scene.time[-1]
+    rows = max(1, int(np.searchsorted(scene.time, fall))) if fell else len(scene.time)
+    peak = scene.time[int(np.argmax(np.max(across[:rows], axis=1)))]
     wanted = VISIBLE * extent / max(float(np.max(across)), 1e-12)
     factor = scale or (1.0 if fell else float(min(max(1.0, float(f"{wanted:.1g}")), MOST_TIMES)))
     of_mesh = triangles // max(1, sum(body.meshed for body in scene.bodies))

@@ -1,0 +1,41 @@
+"""The largest displacement of a run as pictures and pages say it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ..models.column.packing import FloatArray
+
+GONE = 1.0  # of the largest width: a column that falls and has moved by more does not come back
+
+
+def largest_displacement(response: Any) -> tuple[float, int]:
+    """Return the largest displacement of a block, m, and the number of that block from 0.
+
+    In the plane of top faces along x, in space of centroids in any horizontal direction. Of a model that falls within
+    its histories the rows before it cannot come back count: later ones are those of the fall.
+    """
+    column = getattr(response, "column", None)
+    if not response.overturn_time <= response.time[-1]:
+        largest = response.peaks["u" if column is None else "ux"]
+    else:
+        moved = np.hypot(response.ux, response.uy) if column is None else np.abs(response.ux)
+        widest = math.inf if column is None else max(block.width for block in column.blocks)
+        largest = np.max(moved[: rows_before_fall(response.time, moved, response.overturn_time, widest)], axis=0)
+    block = int(np.argmax(largest))
+    return float(largest[block]), block
+
+
+def rows_before_fall(time: FloatArray, moved: FloatArray, overturn_time: float, widest: float) -> int:
+    """Return the number of rows, 2 at least, until a block that falls has moved by `GONE` widths, or has fallen."""
+    beyond = np.flatnonzero(np.max(moved, axis=1) > GONE * widest)
+    fallen = int(np.searchsorted(time, overturn_time))
+    return min(max(2, min([fallen, *beyond[:1].tolist()])), len(time))
+
+
+def length(metres: float) -> str:
+    """A length in the unit in which it is read best."""
+    return f"{metres:.3g} m" if abs(metres) >= 1.0 else f"{1e3 * metres:.3g} mm"
