@@ -15,6 +15,8 @@ from pathlib import Path
 POSITIVE = (sys.float_info.min, sys.float_info.max)
 NOT_NEGATIVE = (0.0, sys.float_info.max)
 FINITE = (-sys.float_info.max, sys.float_info.max)
+LONGEST_WHOLE = 128  # bits of a whole number that is shown, 39 digits
+LONGEST_QUOTE = 160  # letters of a message of another package
 
 
 class InputError(ValueError):
@@ -64,7 +66,18 @@ def check_whole(key: str, value: object, least: int, most: float, meaning: str) 
 
 def shown(value: object) -> str:
     """Return a short repr of `value` for a one-line message; a number is shown as a user would write it."""
-    return str(value) if isinstance(value, Real) else reprlib.repr(value)
+    if isinstance(value, Integral) and int(value).bit_length() > LONGEST_WHOLE:
+        return f"a whole number of about {round(math.log10(2.0) * int(value).bit_length())} digits"
+    try:
+        return str(value) if isinstance(value, Real) else reprlib.repr(value)
+    except ValueError:  # Python writes no whole number of more than 4300 digits, as in a list
+        return f"a {type(value).__name__} of long numbers"
+
+
+def shortened(error: BaseException) -> str:
+    """Return the first line of what another package says, cut: it may quote a whole file."""
+    text = str(error).partition("\n")[0]
+    return text if len(text) <= LONGEST_QUOTE else f"{text[:LONGEST_QUOTE]} ..."
 
 
 @contextmanager

@@ -48,10 +48,11 @@ def check(key: str, value: object) -> float:
     return check_number(key, value, limits, meaning)
 
 
-def check_choice(key: str, value: object, known: Collection[str]) -> None:
-    """Raise InputError if `value` is none of the `known` names."""
+def check_choice(key: str, value: object, known: Collection[str]) -> str:
+    """Return `value` if it is one of the `known` names. Raises InputError."""
     if not isinstance(value, str) or value not in known:
         raise InputError(f"{key} = {shown(value)}: must be one of {listed(known, value)}")
+    return value
 
 
 def check_keys(prefix: str, table: Iterable[str], known: Collection[str], of: str = "") -> None:
@@ -70,5 +71,5 @@ def listed(known: Collection[str], value: object) -> str:
 def meant(known: Collection[str], value: object) -> str:
     """Return "; did you mean ...?" of the known name that is near to `value`, in any case; "" if none is."""
     written = {name.lower(): name for name in known}
-    near = difflib.get_close_matches(str(value).lower(), written, n=1, cutoff=0.5)
+    near = difflib.get_close_matches(value.lower() if isinstance(value, str) else "", written, n=1, cutoff=0.5)
     return f"; did you mean {written[near[0]]}?" if near else ""

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import InputError, shown
+from .errors import InputError, shortened, shown
 from .files import with_point
 from .text import number
 
@@ -60,7 +60,7 @@ def table_of(lines: Sequence[str], names: Sequence[str] = ()) -> TextTable:
     try:
         rows = [(reader.line_num, tuple(row)) for row in reader if any(text.strip() for text in row)]
     except csv.Error as error:
-        raise InputError(f"is not CSV: {error}") from error
+        raise InputError(f"is not CSV: {shortened(error)}") from error
     if not names:
         names, rows = (rows[0][1] if rows else ()), rows[1:]
     return TextTable(

@@ -8,7 +8,7 @@ from importlib import import_module
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from ..common.errors import InputError, needing
+from ..common.errors import InputError, needing, shortened
 
 LOCAL = "local"
 # Housekeeping of the scheduler, nannies and workers that are started here. With Dask's defaults, looks at the stack
@@ -48,7 +48,7 @@ class Cluster(AbstractContextManager["Cluster"]):
                 self._client = distributed.Client(address, timeout=CONNECT, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
             self._scratch.cleanup()
-            raise InputError(f"--dask {address}: no scheduler answers: {error}") from error
+            raise InputError(f"--dask {address}: no scheduler answers: {shortened(error)}") from error
         self.address = address
 
     @property

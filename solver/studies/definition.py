@@ -104,7 +104,7 @@ class Study(Shown):
             self.columns[0].with_settings(tolerance=self.tolerance)
         self._check_names()
         if self.runs > MOST_RUNS:
-            raise InputError(f"samples: {self.runs} runs in all, must be at most {MOST_RUNS}")
+            raise InputError(f"samples: {shown(self.runs)} runs in all, must be at most {MOST_RUNS}")
 
     def _check_names(self) -> None:
         twice = set(self.grid) & set(self.random)

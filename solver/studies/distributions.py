@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..common.errors import FINITE, POSITIVE, InputError, check_number, needing, shown
-from ..common.ranges import check_keys
+from ..common.ranges import check_choice, check_keys
 from ..models.protocol import FloatArray
 
 # keys that a distribution needs, in the order of its arguments; and those that cut its tails
@@ -45,9 +45,7 @@ class Distribution:
     @classmethod
     def from_table(cls, key: str, table: Mapping[str, Any]) -> Distribution:
         """Read {distribution = "normal", mean = 1.0, ...}. Raises InputError that names the key."""
-        kind = table.get("distribution")
-        if kind not in _NEEDS:
-            raise InputError(f"{key}.distribution = {shown(kind)}: must be one of {', '.join(KINDS)}")
+        kind = check_choice(f"{key}.distribution", table.get("distribution"), KINDS)
         allowed = _NEEDS[kind] + (_TAILS if kind in _CAN_BE_CUT else ())
         check_keys(f"{key}.", [name for name in table if name != "distribution"], allowed, f" of {kind}")
         for name in _NEEDS[kind]:

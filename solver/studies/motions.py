@@ -13,7 +13,7 @@ import numpy as np
 
 from ..common.digits import percent
 from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_number, shown
-from ..common.ranges import check_keys
+from ..common.ranges import check_choice, check_keys
 from ..ground import wavelets
 from ..ground.intensity import pgv, spectrum
 from ..ground.loads import loads_by_port, loads_from
@@ -103,9 +103,7 @@ class Measure:
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Measure:
         """Read {measure = "sa", period = 0.5, damping = 0.05}. Raises InputError."""
-        name = table.get("measure")
-        if name not in MEASURES:
-            raise InputError(f"intensity.measure = {shown(name)}: must be one of {', '.join(MEASURES)}")
+        name = check_choice("intensity.measure", table.get("measure"), MEASURES)
         known = ("measure", "period", "damping") if name == "sa" else ("measure",)
         check_keys("intensity.", table, known, f" of {name}")
         if name != "sa":
@@ -143,8 +141,10 @@ class Shaking:
         if ("record" in table) == ("formula" in table):
             raise InputError(f"{key}: must have exactly one of record, a file, and formula, of {', '.join(FORMULAS)}")
         name, formula = table.get("name"), table.get("formula", "")
-        if formula and formula not in FORMULAS:
-            raise InputError(f"{key}.formula = {shown(formula)}: must be one of {', '.join(FORMULAS)}")
+        if "formula" in table:
+            check_choice(f"{key}.formula", formula, FORMULAS)
+        if name is not None and not isinstance(name, str):
+            raise InputError(f"{key}.name = {shown(name)}: must be a text")
         numbers = cls.numbers_of(formula)
         known = ("name", "load", "formula", *numbers) if formula else ("name", "load", *_OF_RECORDS, *numbers)
         check_keys(f"{key}.", table, known)
@@ -156,7 +156,7 @@ class Shaking:
         loads = table.get("load", {})
         if not isinstance(loads, Mapping):
             raise InputError(f'{key}.load = {shown(loads)}: must be a table, as {{ "roof.Fx" = 1000.0 }}')
-        shown_as = str(name) if name is not None else shown_as
+        shown_as = shown_as if name is None else name
         return cls(shown_as, formula, given, record, loads_by_port(loads, folder))
 
     def with_loads(self, motion: Motion, before: Motion, factor: float | None) -> Motion:

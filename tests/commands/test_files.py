@@ -14,6 +14,7 @@ from support.inside import full_disk
 
 from solver import Column, InputError, Motion
 from solver.commands.command_line import main
+from solver.common.errors import shortened, shown
 from solver.common.files import MOST_RECORD, MOST_TOML, whole_file, write_table
 from solver.studies import Study
 
@@ -140,3 +141,13 @@ def test_a_text_that_spreadsheets_would_run_is_marked(tmp_path: Path) -> None:
     write_table(path, ["name", "=head"], [["=1+1", "-1.5"], ["@SUM(A1)", "+0.1"], ["plain", 2.0]])
     lines = path.read_text(encoding="utf-8").split()
     assert lines == ["name,'=head", "'=1+1,-1.5", "'@SUM(A1),+0.1", "plain,2.0"]
+
+
+def test_what_messages_quote_is_short() -> None:
+    assert shown(10**30) == str(10**30)
+    assert shown(10**400) == "a whole number of about 400 digits"
+    assert shown(10**5000) == "a whole number of about 5000 digits"  # which Python does not write
+    assert len(shown([10**5000])) < 40
+    assert shown(True) == "True"
+    assert shortened(ValueError("could not convert\nmore")) == "could not convert"
+    assert len(shortened(ValueError("1.0" + "9" * 5000))) < 200

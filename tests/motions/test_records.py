@@ -113,7 +113,7 @@ def test_a_third_plain_column_is_vertical(tmp_path: Path) -> None:
         ("0 1\n", {"units": "g"}, "1 rows of samples, must be at least 2"),
         ("1\0\n2\n", {"dt": 0.01, "units": "g"}, "is not text"),
         # what says all itself
-        (at2(), {"units": "g"}, "units = g: must be left out, the file is PEER AT2 and says all itself"),
+        (at2(), {"units": "g"}, "units = 'g': must be left out, the file is PEER AT2 and says all itself"),
         (at2(), {"dt": 0.01}, "dt = 0.01: must be left out, the file is PEER AT2 and says all itself"),
         (csv(), {"channel": 2}, "channel = 2: must be left out, the file is CSV and says all itself"),
         # PEER: other quantities

@@ -379,6 +379,7 @@ def test_y_is_up_in_gltf(tmp_path: Path) -> None:
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", "has triangles that look inwards"),
         ("v 0 0 0\nv 1 0 0\n", "has no triangles"),
         ("", ""),
+        (f"v 0 0 0.{'1' * 5000}x\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "cannot be read as a mesh: "),
     ],
 )
 def test_wrong_meshes_are_refused_in_one_line(tmp_path: Path, text: str, line: str) -> None:
@@ -388,6 +389,7 @@ def test_wrong_meshes_are_refused_in_one_line(tmp_path: Path, text: str, line: s
         structure_of({**MESH, "file": str(file)})
     assert str(caught.value).startswith(f"block[1].file: {file}: {line}")
     assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 400
 
 
 def test_a_mesh_that_is_not_there_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 import math
 import random
 import time
+import tomllib
+from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from datetime import date
 from pathlib import Path
 from typing import Any
 
@@ -191,6 +195,64 @@ def test_a_wrong_study_is_refused_in_one_line(folder: Path, old: str, new: str, 
         Study.from_toml(path)
     assert "\n" not in str(caught.value)
     assert str(caught.value).startswith(str(path))
+
+
+WRONG: tuple[Any, ...] = (
+    [],
+    {},
+    ["x"],
+    {"a": 1},
+    "",
+    7,
+    True,
+    math.nan,
+    -1,
+    10**400,
+    10**5000,
+    date(2020, 1, 1),
+    None,
+    [[1]],
+    b"x",
+)
+
+
+def places(value: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """Paths of keys and indices of every table, list and value inside."""
+    if place:
+        yield place
+    keys = value if isinstance(value, dict) else range(len(value)) if isinstance(value, list) else ()
+    for key in keys:
+        yield from places(value[key], (*place, key))
+
+
+def test_values_of_a_wrong_type_are_refused_in_one_line_wherever_they_are(folder: Path) -> None:
+    """Each value of a study replaced by each of `WRONG`: an InputError of one line of at most 400 letters, or none."""
+    spec = tomllib.loads((folder / "study.toml").read_text(encoding="utf-8"))
+    spec["random"]["block.width"] = {"distribution": "choice", "values": [1.0, 1.1]}
+    spec["motion"][0] |= {"name": "pulse", "scale": 1.0}
+    (folder / "plain.csv").write_text("0,0\n0.01,1\n0.02,0\n", encoding="utf-8")
+    record = {"record": "plain.csv", "units": "g", "vertical": "plain.csv", "channel": 1}
+    refused = 0
+    for motion in (spec["motion"][0], record):
+        whole = spec | {"motion": [motion]}
+        for place in places(whole):
+            for wrong in WRONG:
+                changed = copy.deepcopy(whole)
+                inner: Any = changed
+                for key in place[:-1]:
+                    inner = inner[key]
+                inner[place[-1]] = wrong
+                said = ""
+                try:
+                    Study.from_dict(changed, folder)
+                except InputError as error:
+                    said = str(error)
+                except OSError:  # of a folder in place of a file
+                    pass
+                refused += bool(said)
+                assert "\n" not in said
+                assert len(said) < 400, (place, said[:200])
+    assert refused > 500
 
 
 def test_a_silent_record_cannot_be_scaled_to_an_intensity(study: Study) -> None:

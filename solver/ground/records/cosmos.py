@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from ...common.errors import InputError
+from ...common.errors import InputError, check_whole
 from ...common.text import fixed_columns, number, rows_of_numbers
 from .record import Record, equally_spaced
 from .units import factor_of
@@ -69,9 +69,7 @@ def read(lines: list[str], channel: int | None = None) -> Record:
     if channel is None and len(blocks) > 1:
         listed = ", ".join(f"{k} {block.title}".strip() for k, block in enumerate(blocks, start=1))
         raise InputError(f"{len(blocks)} channels: channel must be given, one of {listed[:200]}")
-    channel = 1 if channel is None else channel
-    if not 1 <= channel <= len(blocks):
-        raise InputError(f"channel = {channel}: must be 1 to {len(blocks)}")
+    channel = 1 if channel is None else check_whole("channel", channel, 1, len(blocks), f"1 to {len(blocks)}")
     block = blocks[channel - 1]
     units = re.sub(r"\(\s*\d+\s*\)", "", block.heading["units"]).strip(" .")
     factor = factor_of(units, block.line, " (counts are raw: take the V1 or V2 file)")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from ...common.errors import InputError
+from ...common.errors import InputError, check_whole
 from ...common.text import fixed_columns
 from .record import Record, equally_spaced
 
@@ -26,9 +26,7 @@ def read(lines: list[str], channel: int | None = None) -> Record:
     if channel is None and len(first) > 1:
         listed = ", ".join(f"{n} {_direction(lines, k)}" for n, k in enumerate(first, start=1))
         raise InputError(f"{len(first)} channels: channel must be given, one of {listed[:200]}")
-    channel = 1 if channel is None else channel
-    if not 1 <= channel <= len(first):
-        raise InputError(f"channel = {channel}: must be 1 to {len(first)}")
+    channel = 1 if channel is None else check_whole("channel", channel, 1, len(first), f"1 to {len(first)}")
     k = first[channel - 1]
     header = lines[k : k + _HEADER]
     counts = fixed_columns(k + _INTEGERS + 1, header[_INTEGERS], 8) if len(header) == _HEADER else []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from ...common.errors import InputError, reading
+from ...common.errors import InputError, reading, shown
 from ...common.text import lines_of
 from . import columns, cosmos, esm, geonet, knet, others, peer, smc
 from .record import Record
@@ -40,7 +40,7 @@ def read_record(
             ("channel", channel, name in _OF_CHANNELS),
         ):
             if value is not None and not used:
-                raise InputError(f"{key} = {value}: must be left out, the file is {name} and says all itself")
+                raise InputError(f"{key} = {shown(value)}: must be left out, the file is {name} and says all itself")
         if name == columns.PLAIN:
             return columns.read_plain(lines, dt, units)
         if name in _OF_CHANNELS:

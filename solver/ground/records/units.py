@@ -10,12 +10,14 @@ FACTORS = {"g": STANDARD_GRAVITY, "m/s2": 1.0, "cm/s2": 0.01, "gal": 0.01}  # to
 KNOWN = "g, m/s2 or cm/s2"
 
 
-def factor_of(name: str, line: int = 0, hint: str = "") -> float:
+def factor_of(name: object, line: int = 0, hint: str = "") -> float:
     """Return the factor from the unit of that name to m/s2.
 
     The usual spellings are known: cm/s^2, cm/sec/sec, CM/SEC**2, gal. Raises InputError, which names the line if it is
     given, and ends with the hint.
     """
+    if not isinstance(name, str):
+        raise InputError(f"units = {shown(name)}: must be {KNOWN}{hint}")
     plain = name.lower().replace(" ", "").replace("sec", "s").replace("**", "").replace("^", "").replace("/s/s", "/s2")
     if plain not in FACTORS:
         raise InputError(f"{f'line {line}: ' if line else ''}units = {shown(name)}: must be {KNOWN}{hint}")

@@ -12,7 +12,7 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from ....common.errors import InputError, InputWarning, needing, reading
+from ....common.errors import InputError, InputWarning, needing, reading, shortened
 from ....common.files import MB, content_of
 from .faces import FloatArray
 from .shells import EXTRA, check_closed, check_shells, repaired, solids_apart
@@ -49,7 +49,7 @@ def triangles_of(path: Path, unit: float, up: str | None, repair: bool = False) 
         except (InputError, OSError):
             raise
         except Exception as error:  # parsers of many formats raise anything
-            raise InputError(f"cannot be read as a mesh: {type(error).__name__}: {error}".partition("\n")[0]) from None
+            raise InputError(f"cannot be read as a mesh: {type(error).__name__}: {shortened(error)}") from None
         corners, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64)
         faces = faces[np.all(faces != np.roll(faces, 1, axis=1), axis=1)]  # corners that are one since they were merged
         if not len(faces) or not np.isfinite(corners).all():
