@@ -15,6 +15,7 @@ from ..common.notebook import Shown, counted
 from ..models.protocol import FloatArray
 from ..models.structure.numbers import unit_in_space
 from ..models.uncertainty import CONFIDENCE, PERCENTILES, share_bounds
+from .confidence import likelihood_ends
 from .motions import OF_MOTION, WHOLE
 from .results import Results
 
@@ -61,9 +62,10 @@ class Bins(Shown):
 class Fragility(Shown):
     """A lognormal probability of failure over an intensity: median, and deviation of the logarithm.
 
-    median_bounds, deviation_bounds: at 95 % confidence, by the bootstrap. curves (resampled, 2): the two of each of its
-    samples. bins: the data themselves. name: of the intensity. how: what was fitted. undecided: of the runs, those that
-    have not failed and may yet overturn; the curve takes them as standing.
+    median_bounds, deviation_bounds: at 95 % confidence, the wider of those by the bootstrap and, of failures, by the
+    likelihood. curves (resampled, 2): the two of each sample of the bootstrap. ends (k, 2): the two of the curves at
+    the ends of the likelihood region. bins: the data themselves. name: of the intensity. how: what was fitted.
+    undecided: of the runs, those that have not failed and may yet overturn; the curve takes them as standing.
     """
 
     name: str
@@ -72,6 +74,7 @@ class Fragility(Shown):
     median_bounds: tuple[float, float]
     deviation_bounds: tuple[float, float]
     curves: FloatArray
+    ends: FloatArray
     bins: Bins
     runs: int
     failed: int
@@ -95,7 +98,8 @@ class Fragility(Shown):
         """Within which the curve lies at each intensity (k,), at 95 % confidence."""
         curves = np.array([lognormal(intensity, median, deviation) for median, deviation in self.curves])
         low, high = np.percentile(curves, _ends(), axis=0)
-        return low, high
+        outer = np.array([low, high, *(lognormal(intensity, median, deviation) for median, deviation in self.ends)])
+        return np.min(outer, axis=0), np.max(outer, axis=0)
 
 
 def lognormal(intensity: FloatArray, median: float, deviation: float) -> FloatArray:
@@ -163,8 +167,10 @@ def fit_fragility(
     failed. "demand": the logarithm of the largest displacement is linear in that of the intensity, with a normal
     scatter; what overturned is censored, known only to be beyond the limit. It needs a limit and fewer failures.
     Confidence: by resampling, 200 times, the samples of the random parameters together with the motion, each with all
-    its intensities. chosen: (runs,) mask of the runs used. Raises InputError if the runs do not determine the curve:
-    none or all failed, or all stand below one intensity and all fail above it, so that any deviation fits.
+    its intensities; for failures also by the likelihood of all runs as trials (confidence.py), which has a width where
+    few levels have both outcomes or there is one motion alone; the wider bounds are given. chosen: (runs,) mask of the
+    runs used. Raises InputError if the runs do not determine the curve: none or all failed, or all stand below one
+    intensity and all fail above it, so that any deviation fits.
     """
     name = intensity or intensity_name(results)
     valid = made(results) & (results[name] > 0.0)
@@ -177,11 +183,13 @@ def fit_fragility(
         raise InputError(f"{name}: {np.sum(failed)} of {len(failed)} runs failed: a fragility needs some of both")
     if method == "failures":
         _refuse_separated(name, im, failed)
-        fit = _of_failures(im, failed)
+        fit, levels = _of_failures(im, failed)
         how = said_of(limit)
     elif method == "demand":
         if limit is None or limit == "hit":
             raise InputError("limit: must be given for the method demand, in m")
+        if clusters.max() == 0:
+            raise InputError("method = 'demand': needs several motions or samples, whose resampling gives its bounds")
         fit = _of_demand(im, results.largest[valid], limit)
         how = f"moved by more than {limit:g} m, by the demand of those that stand"
     else:
@@ -196,6 +204,12 @@ def fit_fragility(
 
     curves = np.array([again() for _ in range(resampled)])
     bounds = np.percentile(curves, _ends(), axis=0)
+    ends = np.empty((0, 2))
+    if method == "failures":
+        ends = likelihood_ends(*levels, best, (LEAST_DEVIATION, MOST_DEVIATION))
+        bounds = np.array(
+            [by(np.vstack([bound, ends]), axis=0) for by, bound in zip((np.min, np.max), bounds, strict=True)]
+        )
     return Fragility(
         name=name,
         median=best[0],
@@ -203,6 +217,7 @@ def fit_fragility(
         median_bounds=(float(bounds[0, 0]), float(bounds[1, 0])),
         deviation_bounds=(float(bounds[0, 1]), float(bounds[1, 1])),
         curves=curves,
+        ends=ends,
         bins=binned(im, failed, bins, undecided),
         runs=len(im),
         failed=int(np.sum(failed)),
@@ -270,8 +285,13 @@ def bounds_of(count: NDArray[np.int64], size: NDArray[np.int64]) -> tuple[FloatA
     return low, high
 
 
-def _of_failures(intensity: FloatArray, failed: NDArray[np.bool_]) -> Fit:
-    """Maximum likelihood of the failures: probability ndtr((log im - log median) / deviation)."""
+def _of_failures(
+    intensity: FloatArray, failed: NDArray[np.bool_]
+) -> tuple[Fit, tuple[FloatArray, FloatArray, FloatArray]]:
+    """Return the fit of largest likelihood of the failures, and the levels: log im, runs and failures, (levels,) each.
+
+    Probability of a failure: ndtr((log im - log median) / deviation).
+    """
     with needing("studies", "scipy"):
         from scipy.special import log_ndtr
     every = np.log(intensity)
@@ -299,7 +319,7 @@ def _of_failures(intensity: FloatArray, failed: NDArray[np.bool_]) -> Fit:
         median, deviation = _minimum(loss, start)
         return math.exp(median), math.exp(deviation)
 
-    return fit
+    return fit, (x, np.bincount(group, minlength=len(x)).astype(np.float64), np.bincount(group, weights=failed))
 
 
 def _of_demand(intensity: FloatArray, largest: FloatArray, limit: float) -> Fit:

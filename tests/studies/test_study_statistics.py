@@ -131,6 +131,51 @@ def test_outcomes_that_are_separated_are_refused_with_the_range_of_the_median(
         fit_fragility(results)
 
 
+@pytest.mark.parametrize(("levels", "fell"), [((0.2, 0.6), (0, 10)), ((0.3, 0.5, 0.7), (1, 5, 12))])
+def test_bounds_have_the_width_of_the_likelihood(levels: tuple[float, ...], fell: tuple[int, ...]) -> None:
+    """Against all pairs of a fine grid: those whose likelihood is at least exp(-1.92) of the largest."""
+    im = np.repeat(levels, 12)
+    failed = np.concatenate([np.arange(12) < count for count in fell])
+    found = fit_fragility(made_up(np.where(failed, math.inf, 0.1), im, samples=1))  # one motion: nothing to resample
+    assert np.ptp(found.curves[:, 0]) == 0.0
+    median = np.exp(np.arange(math.log(0.1), math.log(1.2), 0.002))[:, None, None]
+    deviation = np.exp(np.arange(math.log(0.01), math.log(5.0), 0.01))[:, None]
+    share = stats.norm.logcdf(np.log(np.array(levels) / median) / deviation)
+    rest = stats.norm.logsf(np.log(np.array(levels) / median) / deviation)
+    likelihood = np.sum(np.array(fell) * share + (12 - np.array(fell)) * rest, axis=2)
+    region = likelihood >= np.max(likelihood) - 0.5 * stats.chi2.ppf(0.95, 1)
+    medians, deviations = median.ravel()[region.any(axis=1)], deviation.ravel()[region.any(axis=0)]
+    assert found.median_bounds == pytest.approx((medians[0], medians[-1]), rel=5e-3)
+    assert found.deviation_bounds == pytest.approx((deviations[0], deviations[-1]), rel=2e-2)
+    low, high = found.band(np.array([0.4]))
+    assert low[0] < found.probability(np.array([0.4]))[0] < high[0]
+
+
+@pytest.mark.long
+def test_bounds_of_few_levels_hold_as_often_as_they_say() -> None:
+    """Of 100 studies of 12 samples at four levels the truth lies within the bounds of some 95: measured 94 to 100."""
+    rng = np.random.default_rng(7)
+    for median, deviation in ((0.45, 0.3), (0.6, 0.15)):
+        hits, made = 0, 0
+        for _ in range(100):
+            im = np.repeat([0.2, 0.4, 0.6, 0.8], 12)
+            fell = rng.random(48) < stats.norm.cdf(np.log(im / median) / deviation)
+            try:
+                found = fit_fragility(made_up(np.where(fell, math.inf, 0.1), im), resampled=20)
+            except InputError:  # separated
+                continue
+            made += 1
+            hits += found.median_bounds[0] <= median <= found.median_bounds[1]
+        assert made > 80
+        assert hits >= 0.88 * made
+
+
+def test_one_motion_has_no_bounds_by_demand() -> None:
+    results = made_up([0.1, 0.2, 0.4, math.inf], [0.1, 0.2, 0.3, 0.4], samples=1)
+    with pytest.raises(InputError, match="needs several motions or samples"):
+        fit_fragility(results, limit=0.3, method="demand")
+
+
 def test_bins_hold_all_runs(known: Results) -> None:
     found = binned(known["pga"], known.overturned)
     assert np.sum(found.runs) == 20000

@@ -1,0 +1,92 @@
+"""Bounds of a lognormal fragility by its likelihood, which hold where the bootstrap has nothing to resample."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from ..common.errors import needing
+from ..models.protocol import FloatArray
+from ..models.uncertainty import CONFIDENCE
+
+FARTHEST = 20.0  # of the logarithm of the median: beyond it a bound is of no use
+FIRST = 0.05  # first step outwards, of the logarithm
+EXACT = 1e-4  # of the logarithm, of each bound
+
+Profile = Callable[[float], tuple[float, float]]  # largest likelihood at a value, and the other value that has it
+
+
+def likelihood_ends(
+    x: FloatArray, runs: FloatArray, failed: FloatArray, best: tuple[float, float], widths: tuple[float, float]
+) -> FloatArray:
+    """Return the curves at the ends of the likelihood region: least and largest median, least and largest deviation.
+
+    A median lies in the region if the largest likelihood over all deviations is at least exp(-q / 2) of the largest of
+    all, and a deviation likewise; q: the quantile of chi-squared of one degree of freedom at `CONFIDENCE`. Each run is
+    one trial.
+
+    Parameters
+    ----------
+    x, runs, failed
+        Logarithm of each intensity, its runs and those that failed, (levels,).
+    best
+        Median and deviation of the largest likelihood.
+    widths
+        Least and largest deviation of a fit.
+
+    Returns
+    -------
+    Medians and deviations, (4, 2).
+    """
+    with needing("studies", "scipy"):
+        from scipy.special import log_ndtr
+        from scipy.stats import chi2
+    stood = runs - failed
+
+    def likelihood(median: float, deviation: float) -> float:
+        z = (x - median) * math.exp(-deviation)
+        return float(np.sum(failed * log_ndtr(z)) + np.sum(stood * log_ndtr(-z)))
+
+    centre, width = math.log(best[0]), math.log(best[1])
+    (inner, outer), (low, high) = (centre - FARTHEST, centre + FARTHEST), np.log(widths).tolist()
+
+    def of_median(median: float) -> tuple[float, float]:
+        return _largest(lambda deviation: likelihood(median, deviation), low, high)
+
+    def of_deviation(deviation: float) -> tuple[float, float]:
+        return _largest(lambda median: likelihood(median, deviation), inner, outer)
+
+    least = max(likelihood(centre, width), of_median(centre)[0]) - 0.5 * float(chi2.ppf(CONFIDENCE, 1))
+    medians = [_end(of_median, least, centre, limit) for limit in (inner, outer)]
+    deviations = [_end(of_deviation, least, width, limit) for limit in (low, high)]
+    ends = [(at, of_median(at)[1]) for at in medians] + [(of_deviation(at)[1], at) for at in deviations]
+    return np.exp(np.array(ends))
+
+
+def _largest(function: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
+    """Return the largest value of a function of one maximum between two ends, and where it has it."""
+    with needing("studies", "scipy"):
+        from scipy.optimize import minimize_scalar
+    found = minimize_scalar(lambda at: -function(at), bounds=(low, high), method="bounded", options={"xatol": EXACT})
+    return max((function(at), at) for at in (float(found.x), low, high))
+
+
+def _end(profile: Profile, least: float, start: float, limit: float) -> float:
+    """Return where a profile falls below `least` on the way from `start` to `limit`, or `limit`."""
+    step, inside = math.copysign(FIRST, limit - start), start
+    while abs(inside + step - start) < abs(limit - start) and profile(inside + step)[0] >= least:
+        inside, step = inside + step, 2.0 * step
+    outside = inside + step
+    if abs(outside - start) >= abs(limit - start):
+        outside = limit
+        if profile(limit)[0] >= least:
+            return limit
+    while abs(outside - inside) > EXACT:
+        middle = 0.5 * (inside + outside)
+        if profile(middle)[0] >= least:
+            inside = middle
+        else:
+            outside = middle
+    return outside
