@@ -319,7 +319,8 @@ def _of_failures(
         median, deviation = _minimum(loss, start)
         return math.exp(median), math.exp(deviation)
 
-    return fit, (x, np.bincount(group, minlength=len(x)).astype(np.float64), np.bincount(group, weights=failed))
+    counts = np.bincount(group, minlength=len(x)), np.bincount(group, weights=failed)
+    return fit, (x, counts[0].astype(np.float64), counts[1].astype(np.float64))
 
 
 def _of_demand(intensity: FloatArray, largest: FloatArray, limit: float) -> Fit:
