@@ -172,7 +172,7 @@ def test_hits_of_neighbours_and_the_gap_that_is_left() -> None:
     assert made.runs.stats["lanes"] == 8
     assert hits.passes is None
     assert "no limit is given" in hits.note
-    low, high = (float(part) for part in re.findall(r"([\d.]+)%", hits.note))
+    low, high, _ = (float(part) for part in re.findall(r"([\d.]+) %", hits.note))  # the last: the confidence
     assert low <= 100.0 * hits.demand <= high
     assert gap.where == "low-high"
     assert gap.values[0] > 0.0 > gap.values[1] == gap.demand
