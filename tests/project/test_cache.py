@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numba
 import pytest
 from support.child import command, returned
 from support.fmus import DAMPED, ROOT, finish_in
@@ -74,28 +75,33 @@ def test_the_folder_of_the_user_follows_the_platform(
     ("file", "package", "variables", "folder"),
     [
         ("solver/kernels/api/entries.py", "solver.kernels", {}, ""),  # a checkout
-        ("solver/kernels/api/entries.py", "solver.kernels", {"NUMBA_CACHE_DIR": "/numba"}, "/numba"),
+        ("solver/kernels/api/entries.py", "solver.kernels", {"NUMBA_CACHE_DIR": "NUMBA"}, "NUMBA/multiblock-fmu"),
         ("solver/kernels/api/entries.py", "solver.kernels", {"MULTIBLOCK_CACHE_DIR": "CHOSEN"}, "CHOSEN/code"),
         (SITE, "solver.kernels", {}, "CACHE/multiblock-fmu/code"),
-        (SITE, "solver.kernels", {"NUMBA_CACHE_DIR": "/numba"}, "/numba"),
-        (SITE, "solver.kernels", {"NUMBA_CACHE_DIR": "/numba", "MULTIBLOCK_CACHE_DIR": "CHOSEN"}, "CHOSEN/code"),
-        ("solver_0123/kernels/api/entries.py", "solver_0123.kernels", {"NUMBA_CACHE_DIR": "/numba"}, ""),  # an FMU's
+        (SITE, "solver.kernels", {"NUMBA_CACHE_DIR": "NUMBA"}, "NUMBA/multiblock-fmu"),
+        (SITE, "solver.kernels", {"NUMBA_CACHE_DIR": "NUMBA", "MULTIBLOCK_CACHE_DIR": "CHOSEN"}, "CHOSEN/code"),
+        ("solver_0123/kernels/api/entries.py", "solver_0123.kernels", {"NUMBA_CACHE_DIR": "NUMBA"}, ""),  # an FMU's
         ("missing/entries.py", "solver.kernels", {}, "CACHE/multiblock-fmu/code"),  # nor can be written to
-        ("missing/entries.py", "solver_0123.kernels", {"NUMBA_CACHE_DIR": "/numba"}, "/numba"),
+        ("missing/entries.py", "solver_0123.kernels", {}, ""),
+        ("missing/entries.py", "solver_0123.kernels", {"NUMBA_CACHE_DIR": "NUMBA"}, "NUMBA/multiblock-fmu"),
     ],
 )
 def test_machine_code_stays_out_of_what_a_package_manager_looks_after(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, file: str, package: str, variables: dict[str, str], folder: str
 ) -> None:
     def here(text: str) -> str:
-        return text.replace("CACHE/", f"{tmp_path}/cache/").replace("CHOSEN", f"{tmp_path}/chosen")
+        return (
+            text.replace("CACHE/", f"{tmp_path}/cache/")
+            .replace("CHOSEN", f"{tmp_path}/chosen")
+            .replace("NUMBA", f"{tmp_path}/numba")
+        )
 
     place(monkeypatch, XDG_CACHE_HOME=here("CACHE/"), **{name: here(text) for name, text in variables.items()})
     monkeypatch.setattr(sys, "platform", "linux")
     source = tmp_path / file
     if "missing" not in file:
         source.parent.mkdir(parents=True)
-    assert cache.code_folder(source, package, variables.get("NUMBA_CACHE_DIR", "")) == here(folder)
+    assert cache.code_folder(source, package, here(variables.get("NUMBA_CACHE_DIR", ""))) == here(folder)
 
 
 def made() -> Any:
@@ -206,6 +212,40 @@ def test_machine_code_that_others_may_have_planted_is_not_read(
     assert entry.stats.cache_path is None
     assert entry(1.0) == 2.0
     assert cache.kept("code", "name") is None
+
+
+@pytest.mark.skipif(os.name == "nt", reason="folders of a user on Windows are his own")
+def test_machine_code_that_others_may_have_planted_for_numba_is_not_read(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Others wrote to NUMBA_CACHE_DIR while all could: numba itself would load their code by the name of its file."""
+    numbas = tmp_path / "numba"
+    place(monkeypatch)
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(numbas), raising=False)
+    assert counts(made()) == (0, 1)
+    assert counts(made()) == (1, 0)
+    own = numbas / cache.NUMBAS_FOLDER
+    (planted,) = own.iterdir()
+    shutil.copytree(planted, numbas / planted.name)
+    shutil.rmtree(own)
+    numbas.chmod(0o777)
+    assert counts(made()) == (0, 1)
+    assert numbas.stat().st_mode & 0o022 == 0  # closed, as MULTIBLOCK_CACHE_DIR is
+    own.chmod(0o777)
+    with pytest.warns(RuntimeWarning, match="machine code is not kept, and made in every process: .*: others c"):
+        assert made().stats.cache_path is None
+
+
+@pytest.mark.skipif(os.name == "nt", reason="folders of a user on Windows are his own")
+def test_a_folder_that_all_may_add_to_stays_so(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """As /tmp, whose owner would close it to all others."""
+    numbas = tmp_path / "shared"
+    numbas.mkdir()
+    numbas.chmod(0o1777)
+    place(monkeypatch)
+    assert cache.code_folder(tmp_path / "solver.py", "solver.kernels", str(numbas)) == str(numbas / cache.NUMBAS_FOLDER)
+    assert numbas.stat().st_mode & 0o7777 == 0o1777
+    assert (numbas / cache.NUMBAS_FOLDER).stat().st_mode & 0o7777 == 0o700
 
 
 def place(monkeypatch: pytest.MonkeyPatch, **variables: str) -> None:

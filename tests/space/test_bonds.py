@@ -452,5 +452,7 @@ def test_no_cut_writes_behind_its_room(count: int, left: int) -> None:
     comb = np.column_stack([np.arange(count), (np.arange(count) + 1) % 2 if count > 4 else [0.0, 0.0, 1.0, 1.0]])
     room = np.full(at.ROOM + 1000, -7.0)
     room[: 2 * count] = comb.ravel()
+    room[at.NO_ROOM] = 0.0
     assert _cut(room, count, 0.5) == left
-    assert np.all(room[at.ROOM :] == -7.0)
+    assert room[at.NO_ROOM] == (left == 0)
+    assert np.all(room[at.NO_ROOM + 1 :] == -7.0)

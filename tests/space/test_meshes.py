@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from multiblock import InputError, InputWarning, Structure
+from multiblock import InputError, InputWarning, Motion, Structure, simulate
 from multiblock.__main__ import main
 from solver.models.structure.blocks.hulls import checked, convex_surface, hull_of
+from solver.models.structure.stepper import Stepper
 
 trimesh = pytest.importorskip("trimesh")
 pytest.importorskip("manifold3d")
@@ -301,3 +302,14 @@ def test_meshes_need_no_trimesh_once_they_are_numbers(tmp_path: Path, monkeypatc
     assert "repair" not in made["block"][0]
     monkeypatch.setitem(sys.modules, "trimesh", None)
     assert Structure.from_dict(made).to_dict() == made
+
+
+def test_contacts_without_room_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    law = {"stiffness": 1e9, "damping": 1e-3, "friction": 0.5}
+    block = {"name": "a", "on": "base", "width": 1.0, "depth": 1.0, "height": 1.0, "mass": 1e3}
+    structure = Structure.from_dict({"name": "m", "joints": law, "block": [block]})
+    shaking = Motion.harmonic(6.0, 1.0, 0.2)
+    assert simulate(structure, shaking, 0.2).stats["without_room"] == 0
+    monkeypatch.setattr(Stepper, "without_room", 3)
+    with pytest.warns(InputWarning, match=r"^m: 3 times the corners of a contact had no room, and it bore nothing"):
+        assert simulate(structure, shaking, 0.2).stats["without_room"] == 3

@@ -12,6 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 
 CODE_FOLDER = "code"  # of numba's machine code, in the folder of the user
+NUMBAS_FOLDER = "multiblock-fmu"  # of the same, in NUMBA_CACHE_DIR
 OF_OTHERS = stat.S_IWGRP | stat.S_IWOTH
 DIGEST = 32  # bytes of a checksum, before what is kept
 INSTALLED = {"site-packages", "dist-packages"}  # folders that a package manager looks after
@@ -39,12 +40,15 @@ class NotPrivateError(OSError):
 
 
 def make_private(folder: Path) -> None:
-    """Let the user alone write to a folder, and to those that it lies in. Raises OSError, NotPrivateError."""
+    """Let the user alone write to a folder, and check those that it lies in. Raises OSError, NotPrivateError.
+
+    Where others may add folders but not replace those of the user (sticky), nothing is changed.
+    """
     for place in reversed([place for place in (folder, *folder.parents) if not place.exists()]):
         place.mkdir(mode=0o700, exist_ok=True)
     if not hasattr(os, "getuid"):  # folders of a user on Windows are his own
         return
-    if folder.stat().st_uid == os.getuid():
+    if folder.stat().st_uid == os.getuid() and not folder.stat().st_mode & stat.S_ISVTX:  # as /tmp, of root
         folder.chmod(folder.stat().st_mode & ~OF_OTHERS)
     for place in (folder, *folder.resolve().parents):
         about = place.stat()
@@ -60,12 +64,12 @@ def is_private(folder: Path) -> bool:
     return about.st_uid == os.getuid() and not about.st_mode & (stat.S_IRWXG | stat.S_IRWXO)
 
 
-def private_folder(name: str) -> Path:
-    """A folder in that of the user, which only the user can enter; made if there is none.
+def private_folder(name: str, parent: Path | None = None) -> Path:
+    """Return a folder in that of the user, or in `parent`, which only the user can enter; made if there is none.
 
     Raises RuntimeError if the user has no home, OSError, NotPrivateError.
     """
-    folder = user_folder() / name
+    folder = (parent or user_folder()) / name
     make_private(folder.parent)
     folder.mkdir(mode=0o700, exist_ok=True)
     if not is_private(folder):
@@ -96,19 +100,22 @@ def kept(kind: str, name: str) -> bytes | None:
 
 
 def code_folder(source: Path, package: str, numbas: str) -> str:
-    """Folder for the machine code of a source file; "" for `__pycache__` beside it.
+    """Return the folder for the machine code of a source file; "" for `__pycache__` beside it.
 
     package: name of the package that the kernels belong to; in an FMU it is a copy, which brings its machine code.
-    numbas: NUMBA_CACHE_DIR. "" if there is no folder to write to: numba looks elsewhere. Raises NotPrivateError.
+    numbas: NUMBA_CACHE_DIR, in which the code has a private folder. "" if there is no folder to write to: numba looks
+    elsewhere. Raises NotPrivateError.
     """
-    writable = os.access(source.parent, os.W_OK)
-    if package.partition(".")[0] != "solver":
-        return "" if writable else numbas
-    beside = writable and not INSTALLED.intersection(source.parts)
-    if not os.environ.get("MULTIBLOCK_CACHE_DIR") and (numbas or beside):
-        return numbas
+    writable, chosen = os.access(source.parent, os.W_OK), os.environ.get("MULTIBLOCK_CACHE_DIR")
+    if package.partition(".")[0] == "solver":
+        beside = writable and not (chosen or numbas or INSTALLED.intersection(source.parts))
+    else:
+        chosen, beside = "", writable or not numbas
+    if beside:
+        return ""
     try:
-        return str(private_folder(CODE_FOLDER))
+        in_numbas = numbas and not chosen
+        return str(private_folder(NUMBAS_FOLDER, Path(numbas).absolute()) if in_numbas else private_folder(CODE_FOLDER))
     except NotPrivateError:
         raise
     except (OSError, RuntimeError):

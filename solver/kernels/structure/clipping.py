@@ -4,7 +4,7 @@ import math
 
 from ..numba_ext.jit import kernel, leaf
 from .bed import value
-from .layout import ROOM
+from .layout import NO_ROOM, ROOM
 
 _CUT = ROOM // 2
 _MOST_LEFT = (ROOM - _CUT) // 2  # corners that a cut may leave; of convex polygons none leaves more
@@ -24,7 +24,7 @@ def put_square(room, x, y, half):
 def cut(room, count, plane):
     """Leave the part of the polygon where a linear function is positive; returns the number of its corners.
 
-    Nothing is left of one that is so far from convex that there is no room for what a cut leaves.
+    Nothing is left of one that is so far from convex that there is no room for what a cut leaves, which is counted.
     """
     least, most = math.inf, -math.inf
     for k in range(count):
@@ -40,12 +40,14 @@ def cut(room, count, plane):
         here = value(plane, x1, y1)
         if (before > 0.0) != (here > 0.0):
             if kept == _MOST_LEFT:
+                room[NO_ROOM] += 1.0
                 return 0
             part = before / (before - here)
             cut[2 * kept], cut[2 * kept + 1] = x0 + part * (x1 - x0), y0 + part * (y1 - y0)
             kept += 1
         if here > 0.0:
             if kept == _MOST_LEFT:
+                room[NO_ROOM] += 1.0
                 return 0
             cut[2 * kept], cut[2 * kept + 1] = x1, y1
             kept += 1

@@ -242,6 +242,7 @@ def step_tolerance(order: float, tolerance: float) -> float:
 # --- the arrays
 # numbers of the corners of a polygon and of what a cut leaves of it: of two faces and a square, cut by two pressures
 ROOM = 2 * 2 * (2 * MOST_CORNERS + 4)
+NO_ROOM = ROOM  # place behind them: how often a cut would have left more corners than there is room for
 SEEN = 5  # output rows of a step: at its start, in its middle, at its end, of a trial; what is allowed
 EACH, OF_POLYGON = Numbers(1), Numbers(BONDED.beside + 2 * MOST_BONDED)
 _SIZES = Sizes._fields
@@ -282,7 +283,7 @@ WORK = Space(
     turn=TURN,
     memory=REMEMBERED,
     giving=REMEMBERED,
-    room=Numbers(beside=ROOM),
+    room=Numbers(beside=ROOM + 1),
     shared=(Numbers(PER_CORNER), "corners"),
     modal_room=(EACH, "modal_room"),
 )

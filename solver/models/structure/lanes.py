@@ -15,7 +15,7 @@ from ...ground.motion import Motion
 from ...kernels.numba_ext.lanes import WIDTH
 from ...kernels.structure import in_lanes as at
 from ...kernels.structure.entries import run_structures_in_lanes
-from ...kernels.structure.layout import WITH_EVENTS
+from ...kernels.structure.layout import NO_ROOM, WITH_EVENTS
 from ...kernels.structure.stepping import SEEN
 from ..column.lanes import aligned
 from ..column.packing import FloatArray, IntArray
@@ -175,6 +175,8 @@ class _Lanes:
         found = models.ravel(), states.ravel(), rows.ravel(), outcomes.ravel(), peaks.ravel()
         with others_turn():
             run_structures_in_lanes(lanes, len(which), *found, self._record, flag, extras_of(self._runs[0].model))
+        if at.ALL.see(lanes.reshape(-1, WIDTH).sum(axis=1), self._sizes).work.room[NO_ROOM] != 0.0:
+            outcomes[:, at.OUTCOME.places["ends"]] = at.STEP_TOO_SMALL  # followed alone, which says why
         self._states[which], self.outcomes[which], self.peaks[which] = states, outcomes, peaks
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time as clock
+import warnings
 from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from ...common.errors import InputError
+from ...common.errors import InputError, InputWarning
 from ...ground.loads import ACROSS, COMPONENTS
 from ...ground.motion import Motion
 from ...kernels.structure import layout as at
@@ -70,6 +71,14 @@ def single_run(structure: Structure, plan: Plan) -> SpatialResponse:
     coupled = "" if stepper.model.settings.has_modes else "dampers couple the modes"
     stats["why_no_modes"] = why_no_modes or coupled
     stats["wall_time"] = clock.perf_counter() - begin
+    stats["without_room"] = stepper.without_room
+    if stepper.without_room:
+        warnings.warn(
+            f"{structure.name}: {stepper.without_room} times the corners of a contact had no room, and it bore "
+            "nothing: its faces are not convex",
+            InputWarning,
+            stacklevel=2,
+        )
     peaks = peaks_in_space(structure, rows, stepper.state.peaks)
     again = partial(moved, structure, motion, stop, plan.times, plan.initial)
     response = SpatialResponse(structure, rows, again, time=plan.times, peaks=peaks, stats=stats, motion=motion)

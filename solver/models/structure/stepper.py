@@ -115,6 +115,11 @@ class Stepper:
             rows[first:, visible:] = self.phase[: rows.shape[1] - visible]
         return rows
 
+    @property
+    def without_room(self) -> int:
+        """The number of contacts, so far, that were clipped to nothing since their corners had no room."""
+        return int(at.WORK.see(self.arrays.work, self.sizes).room[at.NO_ROOM])
+
     def _check_work(self, left: float, motion: Motion) -> None:
         """Raise TooMuchWorkError if explicit steps cannot cover what is left, s, with the evaluations of a run.
 
