@@ -18,12 +18,12 @@ def largest_displacement(response: Any) -> tuple[float, int]:
     In the plane of top faces along x, in space of centroids in any horizontal direction. Of a model that falls within
     its histories the rows before it cannot come back count: later ones are those of the fall.
     """
-    column = getattr(response, "column", None)
+    model, in_space = response.model, response.model.kind.largest == "u"
     if not response.overturn_time <= response.time[-1]:
-        largest = response.peaks["u" if column is None else "ux"]
+        largest = response.peaks[model.kind.largest]
     else:
-        moved = np.hypot(response.ux, response.uy) if column is None else np.abs(response.ux)
-        widest = math.inf if column is None else max(block.width for block in column.blocks)
+        moved = np.hypot(response.ux, response.uy) if in_space else np.abs(response.ux)
+        widest = math.inf if in_space else max(block.width for block in model.blocks)
         largest = np.max(moved[: rows_before_fall(response.time, moved, response.overturn_time, widest)], axis=0)
     block = int(np.argmax(largest))
     return float(largest[block]), block
