@@ -247,7 +247,7 @@ BAD = [
     ("height = 3.0", "height = true", "block[2].height = True: must be"),
     ("height = 3.0", "height = [3]", "block[2].height = [3]: must be"),
     ("height = 3.0", "height.m = 3", "block[2].height = {'m': 3}: must be"),
-    ("height = 3.0", f"height = 1{'0' * 400}", "block[2].height = 1000"),
+    ("height = 3.0", f"height = 1{'0' * 400}", "block[2].height = a whole number of about 400 digits"),
     ("height = 3.0", "", "block[2].height: missing, must be a positive length in m"),
     (
         "height = 3.0",

@@ -11,7 +11,7 @@ from ..column.description import NO_REST, NOT_LINEAR, describe, is_linear
 from ..column.normal_modes import normal_modes
 from ..column.normal_modes import scratch_size as modes_scratch
 from ..formulations.base_motion import enter
-from ..formulations.coupled_base import couple
+from ..formulations.coupled_base import arrive, couple
 from ..formulations.dispatch import Column
 from ..formulations.slips import begin_slips, phase_size
 from ..layout.spaces import (
@@ -151,20 +151,16 @@ def load(base, samples, inputs, elapsed, t):
 def exchange(column, inputs, elapsed, t, row, split):
     """Let the base go on from time t as bodies drive it, by inputs of that instant. Returns a code.
 
-    elapsed: s, since loads on ports were set. row, split: filled with the outputs at t as the base has moved so far.
+    elapsed: s, since loads on ports were set. row, split: filled with the outputs at t, of the accelerations so far.
     """
     if column.samples.size > 0:
         return RECORD_BESIDE
+    settings, given = column.model.settings, _base_inputs(inputs, 0)
+    arrive(column.base, settings, given, t)
     load(column.base, column.samples, inputs, elapsed, t)
     code = see(column, base_of(column, t), row, split)
     first = _INPUTS + beside_inputs(column.samples)
-    return join(column.base, column.model.settings, inputs, first, t, split) if code == OK else code
-
-
-@kernel
-def join(base, settings, inputs, first, t, split):
-    """`exchange` where the split of the column at t is known; first: place of the bodies' inputs. Returns a code."""
-    return couple(base, settings, _base_inputs(inputs, 0), inputs, first, t, split)
+    return couple(column.base, settings, given, inputs, first, split) if code == OK else code
 
 
 # --- motion

@@ -5,6 +5,7 @@ of the base, and behind them what a column with ports has (ports/entries.py); of
 """
 
 from ..formulations.base_motion import Samples, enter
+from ..formulations.coupled_base import arrive, couple
 from ..joint.energy import least_energy
 from ..joint.law import joint_potential, law_of
 from ..layout.spaces import BASE, MODEL, ROW, SPLIT
@@ -15,11 +16,11 @@ from ..sections.circle import ring_part
 from ..sections.faces import Face
 from ..sections.section import contact_of, lay_out, part_stiffness
 from ..stepping.advance import advance
-from .engine import BASE_INPUTS, assemble, column_over, join
+from .engine import BASE_INPUTS, assemble, column_over
 from .observing import base_of, observe_all, see
 
 _model = MODEL.over
-_row, _split, _base, _INPUTS = ROW.over, SPLIT.over, BASE.over, BASE_INPUTS.beside
+_row, _split, _base, _base_inputs, _INPUTS = ROW.over, SPLIT.over, BASE.over, BASE_INPUTS.over, BASE_INPUTS.beside
 
 
 @leaf
@@ -76,10 +77,16 @@ assemble_column, run, observe_state, observe_snapshots = entries_of(__name__)
 
 
 @entry
-def join_base(n, model, base, inputs, t, split):
-    """`engine.join` by inputs without those of ports."""
-    settings = _model(row_of(model), n).settings
-    return join(_base(row_of(base), 0), settings, row_of(inputs), _INPUTS, t, _split(row_of(split), 0))
+def arrive_base(n, model, base, inputs, t):
+    """`coupled_base.arrive`."""
+    arrive(_base(row_of(base), 0), _model(row_of(model), n).settings, _base_inputs(row_of(inputs), 0), t)
+
+
+@entry
+def couple_base(n, model, base, inputs, split):
+    """`coupled_base.couple` by inputs without those of ports."""
+    settings, given = _model(row_of(model), n).settings, _base_inputs(row_of(inputs), 0)
+    return couple(_base(row_of(base), 0), settings, given, row_of(inputs), _INPUTS, _split(row_of(split), 0))
 
 
 # --- joints, for Python code without a closed form of its own

@@ -57,7 +57,7 @@ def feedthrough(n, model, state, counts, base, work, inputs, seeds, elapsed, t, 
     # fmt: on
     """`driven.feedthrough`."""
     arrays = row_at(model), row_at(state), row_at(counts), row_at(base), row_at(work)
-    return driven.feedthrough(*arrays, row_at(seeds), row_at(row))
+    return driven.feedthrough(*arrays, row_at(seeds), elapsed, t, row_at(row))
 
 
 def _with_ay(of_column):

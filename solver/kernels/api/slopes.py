@@ -92,17 +92,10 @@ def feedthrough(column, inputs, seeds, elapsed, t, row, split, other, other_spli
     alpha = seed.alpha
     spin = seed.omega + elapsed * alpha
     turn = seed.theta + elapsed * (seed.omega + 0.5 * elapsed * alpha)
+    if settings.drive != ACCELERATION and settings.drive != HORIZONTAL:
+        turn = spin = 0.0  # they belong to the state
     motion = base_motion(base, samples, t)
-    see(column, motion, other, other_split)
-    met_by_loads(column, motion, seeds, elapsed, row, split, other_split)
-    if settings.drive != ACCELERATION:
-        first = _INPUTS + beside_inputs(samples)
-        along_x, along_z, alpha = driven_along(
-            settings, inputs, seeds, first, other_split, split, motion, along_z, alpha
-        )
-        if settings.drive != HORIZONTAL:
-            turn = spin = 0.0  # they belong to the state
-    at_once(column, motion, seeds, elapsed, along_x, along_z, alpha, row, other, other_split)
+    # rotation of the base and its rate, by central differences under the accelerations as they are
     way = 1.0
     for _ in range(2):
         if turn != 0.0:
@@ -116,24 +109,33 @@ def feedthrough(column, inputs, seeds, elapsed, t, row, split, other, other_spli
             see(column, then, other, other_split)
             _add(row, split, other, other_split, 0.5 * spin / (way * PROBE_SPIN), length)
         way = -1.0
+    # loads, and the accelerations that bodies at the base follow with: they meet the changed split
+    see(column, motion, other, other_split)
+    met_by_loads(column, motion, seeds, elapsed, other, split, other_split)
+    if settings.drive != ACCELERATION:
+        first = _INPUTS + beside_inputs(samples)
+        along_x, along_z, alpha = driven_along(
+            settings, inputs, seeds, first, other_split, split, motion, along_z, alpha
+        )
+    at_once(column, motion, seeds, elapsed, along_x, along_z, alpha, row, other, other_split)
     return OK
 
 
 @varied
-def met_by_loads(column, motion, seeds, elapsed, row, split, other_split):
-    """Fill split with what R0 changes by as loads do by their seeds; other_split: as they are. There are no loads.
+def met_by_loads(column, motion, seeds, elapsed, other, split, other_split):
+    """Add to split what R0 changes by as loads change by their seeds; without ports there are no loads.
 
-    row: room.
+    The column was just seen on this motion, as other and other_split say, and is left so.
     """
     return
 
 
 @varied
 def at_once(column, motion, seeds, elapsed, along_x, along_z, alpha, row, other, other_split):
-    """Fill an output row with what changes at once as the base accelerates by so much more, m/s2 and rad/s2.
+    """Add to an output row what changes at once as the base accelerates by so much more, m/s2 and rad/s2.
 
     Forces along the joints and reaction (formulations/feedthrough.py). The column was just seen on this motion, as
-    `other` says; other_split: room.
+    `other` says; it and other_split are room afterwards.
     """
     model, work = column.model, column.work
     n, phase = model.n, work.between
@@ -145,9 +147,9 @@ def at_once(column, motion, seeds, elapsed, along_x, along_z, alpha, row, other,
     turn_below = 0.0
     for i in range(n - 1, -1, -1):
         _, cosine = sine_cosine(0.5 * (phase.theta[i] + turn_below) + motion.theta + model.blocks.lean[i])
-        row.joints.T[i] = -gains[i] * met
-        row.joints.S[i] = -cosine * gains[i] * met
+        row.joints.T[i] -= gains[i] * met
+        row.joints.S[i] -= cosine * gains[i] * met
         turn_below = phase.theta[i]
-    row.base.Fx = -g_x * force
-    row.base.Fz = -g_z * force
-    row.base.My = -g_m * force
+    row.base.Fx -= g_x * force
+    row.base.Fz -= g_z * force
+    row.base.My -= g_m * force

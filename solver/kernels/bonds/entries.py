@@ -4,8 +4,9 @@
 """
 
 from ..api.engine import column_in
+from ..api.entries import arrive_base as arrive_base
+from ..api.entries import couple_base as couple_base
 from ..api.entries import entries_of
-from ..api.entries import join_base as join_base
 from . import memory  # noqa: F401  versions of kernels
 from .layout import MODEL, STATE, WORK
 

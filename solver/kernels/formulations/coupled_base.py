@@ -108,24 +108,31 @@ def goes_on(base, t):
     return is_later
 
 
-@leaf
-def _remember(base, t):
-    """Where time has gone on since the last exchange: keep its accelerations, and turn the base as it has."""
+@kernel
+def arrive(base, settings, given, t):
+    """Let the base come to time t, and turn it as inputs say where bodies do not: before its column is seen at t.
+
+    Where time has gone on since the last exchange, the accelerations of that are kept. given: inputs of the base by
+    name.
+    """
+    past = t - base.t0
     if goes_on(base, t):
         base.before_ax, base.before_az, base.before_alpha = base.last_ax, base.last_az, base.last_alpha
         base.last_ax, base.last_az, base.last_alpha = base.ax, base.az, base.alpha
         base.theta, base.omega = base_turn(base, t), base_spin(base, t)
+    base.ax, base.az, base.alpha = base.ax + base.jx * past, base.az + base.jz * past, base.alpha + base.jalpha * past
+    if settings.drive == HORIZONTAL or base.coupled == 0.0:
+        base.theta, base.omega = given.theta, given.omega
     base.t0 = t
 
 
 @kernel
-def couple(base, settings, given, inputs, first, t, split):
-    """Let the base go on from time t as the bodies and the column move it, whose split at t it is. Returns a code.
+def couple(base, settings, given, inputs, first, split):
+    """Let the base, which has arrived, go on as bodies and the column move it, whose split it is. Returns a code.
 
     given: inputs of the base by name; bodies from place `first` of `inputs` on. Without a mass, and before a body has
     said anything, it does not accelerate.
     """
-    _remember(base, t)
     bodies, code, ax, az, alpha = int(settings.bodies), OK, 0.0, 0.0, 0.0
     if not are_silent(inputs, first, bodies * _BODY):
         code, ax, az, alpha = solve(settings.drive, sums(bodies, inputs, first, split), given.az, given.alpha)
@@ -133,32 +140,25 @@ def couple(base, settings, given, inputs, first, t, split):
     way, steps, step, before = settings.slope, base.steps, base.last_step, base.before_step
     base.jx = slope_of(way, steps, step, before, ax, base.last_ax, base.before_ax)
     if settings.drive == HORIZONTAL:
-        base.jz, base.theta, base.omega, base.jalpha = given.jz, given.theta, given.omega, 0.0
+        base.jz, base.jalpha = given.jz, 0.0
     else:
         base.jz = slope_of(way, steps, step, before, az, base.last_az, base.before_az)
         base.jalpha = slope_of(way, steps, step, before, alpha, base.last_alpha, base.before_alpha)
-        if base.coupled == 0.0:
-            base.theta, base.omega = given.theta, given.omega
     base.coupled = 1.0
     return code
 
 
 @kernel
 def driven_along(settings, inputs, seeds, first, split, met, motion, az, alpha):
-    """(ax, az, alpha) by which the base accelerates more as its inputs change by `seeds`: m/s2, rad/s2.
+    """Return what (ax, az, alpha) of the base change by as its inputs change by `seeds`: m/s2, rad/s2.
 
-    split: of the column, which the inputs meet; met: what its R0 changes by. motion: of the base. az, alpha: by which
-    its own inputs change.
+    split: of the column, which the inputs meet; met: what it changes by. motion: of the base. az, alpha: what its own
+    inputs change by.
     """
     bodies = int(settings.bodies)
-    of = sums(bodies, inputs, first, split)
-    x, z, m = met.R0x, met.R0z, met.R0m
-    xx, xz, xt, zz, zt, tt = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for k in range(bodies):
-        seed = _body(seeds[first + k * _BODY :], 0)
-        x, z, m = x + seed.F0x, z + seed.F0z, m + seed.F0m
-        xx, xz, xt = xx + seed.Mxx, xz + seed.Mxz, xt + seed.Mxt
-        zz, zt, tt = zz + seed.Mzz, zt + seed.Mzt, tt + seed.Mtt
+    of, change = sums(bodies, inputs, first, split), sums(bodies, seeds, first, met)
+    x, z, m = change.x, change.z, change.m
+    xx, xz, xt, zz, zt, tt = change.xx, change.xz, change.xt, change.zz, change.zt, change.tt
     x -= xx * motion.ax + xz * motion.az + xt * motion.alpha
     z -= xz * motion.ax + zz * motion.az + zt * motion.alpha
     m -= xt * motion.ax + zt * motion.az + tt * motion.alpha

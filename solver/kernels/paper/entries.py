@@ -1,8 +1,9 @@
 """Entries called from Python, with the arguments of those of the same names in api/entries.py and batch/entries.py."""
 
 from ..api.engine import column_in, reset
+from ..api.entries import arrive_base as arrive_base
+from ..api.entries import couple_base as couple_base
 from ..api.entries import entries_of
-from ..api.entries import join_base as join_base
 from ..batch.entries import queue_of
 from ..batch.follow import batch_over
 from ..column.assembly import carries

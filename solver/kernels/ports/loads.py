@@ -322,14 +322,20 @@ def _more(motion, along_x, along_z, alpha, seeds, elapsed):
 
 
 @met_by_loads.version(of_loaded)
-def _met_by_loads(column, motion, seeds, elapsed, row, split, other_split):
-    see(column, _more(motion, 0.0, 0.0, 0.0, seeds, elapsed), row, split)
+def _met_by_loads(column, motion, seeds, elapsed, other, split, other_split):
     for i in range(_SPLIT):
         split.row[i] -= other_split.row[i]
+    see(column, _more(motion, 0.0, 0.0, 0.0, seeds, elapsed), other, other_split)
+    for i in range(_SPLIT):
+        split.row[i] += other_split.row[i]
+    see(column, motion, other, other_split)
 
 
 @at_once.version(of_loaded)
 def _at_once(column, motion, seeds, elapsed, along_x, along_z, alpha, row, other, other_split):
-    see(column, _more(motion, along_x, along_z, alpha, seeds, elapsed), row, other_split)
-    for i in range(_ROW_PER_N * column.model.n + _ROW_BESIDE + beside_row(column)):
+    length = _ROW_PER_N * column.model.n + _ROW_BESIDE + beside_row(column)
+    for i in range(length):
         row.row[i] -= other.row[i]
+    see(column, _more(motion, along_x, along_z, alpha, seeds, elapsed), other, other_split)
+    for i in range(length):
+        row.row[i] += other.row[i]

@@ -74,15 +74,20 @@ def _have_said_nothing(scene, inputs):
     return are_silent(inputs, first, _place_of(scene, int(scene.settings.bodies)) - first)
 
 
-@leaf
-def _remember(base, t):
-    """Where time has gone on since the last exchange: keep its accelerations, and turn the base as it has."""
+@kernel
+def arrive(scene, phase, base, inputs, t):
+    """Let the base come to time t, and turn it as inputs say where bodies do not: before the structure is seen at t.
+
+    Where time has gone on since the last exchange, the accelerations of that are kept.
+    """
     if goes_on(base, t):
         base.before_ax, base.before_ay, base.before_az = base.last_ax, base.last_ay, base.last_az
         base.before_alpha_x, base.before_alpha_y = base.last_alpha_x, base.last_alpha_y
         base.last_ax, base.last_ay, base.last_az = base.ax, base.ay, base.az
         base.last_alpha_x, base.last_alpha_y = base.alpha_x, base.alpha_y
     start_at(base, t)
+    if scene.settings.turns != 0.0 and (base.coupled == 0.0 or scene.settings.drive == HORIZONTAL):
+        turn(scene, phase, base, inputs)
 
 
 class Sums(NamedTuple):
@@ -128,17 +133,14 @@ def _turns_of(of):
 
 
 @kernel
-def exchange(scene, base, inputs, phase, t, flat, reaction):
-    """Let the base go on from time t as bodies and the structure drive it (formulations/coupled_base.py): a code.
+def exchange(scene, base, inputs, flat, reaction):
+    """Let the base, which has arrived, go on as bodies and the structure drive it (formulations/coupled_base.py).
 
-    flat: whether the structure moves in the plane x, z alone. reaction: its force and couple on the base, along fixed
-    axes.
+    Returns a code. flat: whether the structure moves in the plane x, z alone. reaction: its force and couple on the
+    base, along fixed axes.
     """
     settings, given, of = scene.settings, _inputs(inputs, 0), _sums(scene, inputs, flat, reaction)
     turns, is_whole = settings.turns != 0.0, settings.drive != HORIZONTAL
-    _remember(base, t)
-    if turns and (base.coupled == 0.0 or not is_whole):
-        turn(scene, phase, base, inputs)
     base.coupled = 1.0
     if not of.mass > 0.0:  # without one it does not accelerate
         base.ax, base.ay, base.az, base.jx, base.jy, base.jz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

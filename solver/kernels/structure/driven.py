@@ -19,7 +19,7 @@ from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import Record, clear, copy
 from ..stepping.control import most_of_a_call, most_work
 from .base import Shaking, segment_after
-from .coupled import INPUTS, exchange, start_at, turn, turned_by
+from .coupled import INPUTS, arrive, exchange, start_at, turn, turned_by
 from .evaluate import evaluate, evaluate_state, moving, recall, show
 from .extras import let_go, taken_at
 from .layout import (
@@ -210,9 +210,10 @@ def follow(model, state, counts, base, work, inputs, start, h, count, times, ax,
     else:
         code = RECORD_BESIDE
         if count == 0:
+            arrive(scene, phase, shaking.base, inputs, start)
             _see(scene, shaking.base, phase, start, visible)
             flat = is_plane and _lies_flat(shaking.base, phase, scene.n)
-            code = exchange(scene, shaking.base, inputs, phase, start, flat, visible[scene.visible - _REACTION :])
+            code = exchange(scene, shaking.base, inputs, flat, visible[scene.visible - _REACTION :])
         if code != OK:
             return code
     _load(scene, shaking, inputs, 0.0, start)
@@ -279,10 +280,10 @@ def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, 
 
 
 @kernel
-def feedthrough(model, state, counts, base, work, seeds, visible):
-    """Fill an output row with the derivatives of the outputs along inputs of the same instant, the seeds. Returns OK.
+def feedthrough(model, state, counts, base, work, seeds, elapsed, t, visible):
+    """Fill an output row with the derivatives of the outputs at time t along inputs, the seeds. Returns OK.
 
-    Only accelerations of ports depend on these, by straight lines.
+    Only accelerations of ports depend on these, by straight lines. elapsed: s, since the inputs were set.
     """
     sizes, scene = sizes_in(model), _scene(model, state, counts, work)
     clear(visible, sizes.visible)
@@ -292,14 +293,16 @@ def feedthrough(model, state, counts, base, work, seeds, visible):
     motion, loads = _input(base, sizes).motion, seeds[_INPUTS:]
     recall(scene, phase.row)
     let_go(scene)
-    turn_base(scene, motion, motion.t0, 0.0, 0.0, 0.0)
+    turn_base(scene, motion, t, 0.0, 0.0, 0.0)
     evaluate(scene, phase, pace, 0.0, 0.0, 0.0)
     show(scene, phase, seen(scene, 0))
-    copy(scene.extras.pushes.row, loads, _LOAD * scene.extras.spotted)
+    count = _LOAD * scene.extras.spotted
+    for i in range(count):
+        scene.extras.pushes.row[i] = loads[i] + elapsed * loads[count + i]
     ax, ay, az = 0.0, 0.0, 0.0
     if scene.settings.drive == ACCELERATION:
-        ax, ay, az = inputs.ax, inputs.ay, inputs.az
-    turn_base(scene, motion, motion.t0, ax, ay, az)
+        ax, ay, az = inputs.ax + elapsed * inputs.jx, inputs.ay + elapsed * inputs.jy, inputs.az + elapsed * inputs.jz
+    turn_base(scene, motion, t, ax, ay, az)
     evaluate(scene, phase, pace, ax, ay, az)
     show(scene, phase, visible)
     let_go(scene)

@@ -71,7 +71,8 @@ def compile_the_rest(entries: Any) -> None:
     compile_for(entries.assemble_column, *_column(), row, 1, row, row)
     compile_for(entries.observe_snapshots, *_column(), *_SILENCE, row, row, row, 1)
     compile_for(entries.observe_state, *_column(), *_SILENCE, 0.0, row, row)
-    compile_for(entries.join_base, 1, row, row, row, 0.0, row)
+    compile_for(entries.arrive_base, 1, row, row, row, 0.0)
+    compile_for(entries.couple_base, 1, row, row, row, row)
 
 
 def _column() -> tuple[Any, ...]:

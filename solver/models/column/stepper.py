@@ -144,9 +144,8 @@ class Stepper:
             loads, behind = behind[: self._inputs.size], behind[self._inputs.size :]
             self._load(loads, elapsed)
         if self._is_driven:
-            self._load(loads, elapsed - (t - self._base[0]))  # lines begin at the last exchange, and
+            self._load(loads, elapsed)
             self._join(t, [ax, az, jx, jz, theta, omega, alpha, *behind])
-            self._load(loads, elapsed)  # after this one here
             return
         _MOVED.pack_into(self._base, 0, t, ax + jx * elapsed, jx, az + jz * elapsed, jz)
         turn = theta + elapsed * (omega + 0.5 * elapsed * alpha)
@@ -167,11 +166,12 @@ class Stepper:
     def _join(self, t: float, given: list[float]) -> None:
         if self.record is not SILENCE:
             raise SolverError(f"at t = {t:.6g} s: {REASONS[at.RECORD_BESIDE]}")
-        self.observe(t)
         model, base = self.arrays.model, self.arrays.base
         inputs = np.zeros(BASE_INPUTS.beside + BODY.beside * int(self.model.settings.bodies))
         inputs[: len(given)] = given
-        self.lacks_mass = self._entries.join_base(self.n, model, base, inputs, float(t), self._split) < at.OK
+        self._entries.arrive_base(self.n, model, base, inputs, float(t))
+        self.observe(t)
+        self.lacks_mass = self._entries.couple_base(self.n, model, base, inputs, self._split) < at.OK
 
     def advance(self, t: float, h: float) -> None:
         """Advance from t to t + h, s, under `base` and `record`; all peaks are kept. Raises SolverError."""

@@ -1,0 +1,118 @@
+"""Directional derivatives of every kind of FMU: all outputs by all inputs, against differences of what it shows."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import pytest
+from support.child import call
+from support.inside import derivatives as inside
+
+from build_fmu import build_native_fmu
+from fmu_src.drive import USUAL, drive_of
+
+COLUMN = """
+name = "post"
+[joint]
+stiffness = 5e9
+damping = 1e-3
+{joint}
+[solver]
+tolerance = 1e-8
+[[block]]
+repeat = 2
+height = 3.0
+width = 1.2
+depth = 1.2
+density = 2500.0
+"""
+PORTS = """
+[[port]]
+name = "top"
+block = "block1"
+at = [0.2, 1.5]
+[[port]]
+name = "lower"
+block = "block2"
+"""
+BLOCK = """
+name = "post with a port"
+[joints]
+stiffness = 1e9
+damping = 1e-3
+[[block]]
+name = "post"
+width = 0.8
+depth = 0.7
+height = 2.0
+density = 2000.0
+on = "base"
+[[port]]
+name = "top"
+block = "post"
+at = [0.1, 0.2, 0.9]
+"""
+# masses of bodies at the base, light beside what stands on it, and a force that bears the weight of that
+LIGHT = {"body.Mxx": 5e3, "body.Mzz": 4e3, "body.Mtt": 1e5}
+PLANE = LIGHT | {"body.F0z": 2.12e5, "body.Mxz": 100.0, "body.Mxt": 300.0, "body.Mzt": -200.0}
+SPACE = {"body.F0z": 2.2e4, "body.M": 1e6}
+TURNING = SPACE | {"body.Jxx": 1e6, "body.Jyy": 2e6, "body.Jxy": 100.0, "body.Mxry": 300.0, "body.Myrx": -200.0}
+MORTAR = "tensile_strength = 2e5\ncohesion = 3e5\nfriction = 0.6"
+KINDS = {
+    "column, horizontal": (COLUMN.format(joint=""), "horizontal", False, PLANE),
+    "column with friction": (COLUMN.format(joint="friction = 0.05"), "acceleration", False, {}),
+    "column with friction, horizontal": (COLUMN.format(joint="friction = 0.05"), "horizontal", False, PLANE),
+    "column with mortar": (COLUMN.format(joint=MORTAR), "acceleration", False, {}),
+    "column with mortar, horizontal": (
+        COLUMN.format(joint=MORTAR),
+        "horizontal",
+        False,
+        PLANE,
+    ),
+    "column with ports": (COLUMN.format(joint="") + PORTS, "acceleration", False, {}),
+    "column with ports, body": (COLUMN.format(joint="") + PORTS, "body", False, PLANE),
+    "column with ports, horizontal": (COLUMN.format(joint="") + PORTS, "horizontal", False, PLANE),
+    "structure": (BLOCK, "acceleration", False, {}),
+    "structure, body": (BLOCK, "body", False, SPACE),
+    "structure that turns": (BLOCK, "acceleration", True, {}),
+    "structure that turns, body": (BLOCK, "body", True, TURNING),
+    "structure that turns, horizontal": (BLOCK, "horizontal", True, TURNING),
+}
+
+
+def check(fmu: Path, mass: dict[str, float], moved: float) -> None:
+    """Compare them, each beside the largest of its kind; moved: the least that the largest of them is."""
+    found, overturned = call(inside.compare, fmu, {}, mass, 60)
+    assert not overturned
+    by_kind: dict[tuple[str, str], float] = {}
+    for output, name, _, difference, _ in found:
+        kind = output.split(".")[-1], name.split(".")[-1]
+        by_kind[kind] = max(by_kind.get(kind, 0.0), abs(difference))
+    assert max(by_kind.values()) > moved
+    wrong = []
+    for output, name, derivative, difference, rounding in found:
+        largest = by_kind[output.split(".")[-1], name.split(".")[-1]]
+        if abs(derivative - difference) > 1e-4 * abs(difference) + 2e-5 * largest + rounding:
+            wrong.append((output, name, derivative, difference))
+    assert not wrong, wrong[:20]
+
+
+def test_of_a_column(native: Path) -> None:
+    check(native, {}, 1.0)
+
+
+@pytest.mark.long  # builds native FMUs
+@pytest.mark.parametrize("kind", list(KINDS))
+def test_of_every_kind(kind: str, tmp_path: Path) -> None:
+    if not importlib.util.find_spec("ziglang") or not sys.platform.startswith("linux"):
+        pytest.skip("needs the extra native, and Linux")
+    text, word, turns, mass = KINDS[kind]
+    file, drive = tmp_path / "model.toml", USUAL._replace(turns=turns)
+    file.write_text(text, encoding="utf-8")
+    if word != "acceleration":
+        drive = drive_of(word, "parabola", 1, turns)
+    fmu = tmp_path / "model.fmu"
+    build_native_fmu(file, fmu, platforms=["linux64"], drive=drive)
+    check(fmu, mass, 1e-6)

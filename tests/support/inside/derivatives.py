@@ -1,0 +1,68 @@
+"""Every directional derivative of an FMU beside differences of its own outputs."""
+
+from __future__ import annotations
+
+import re
+from math import sin
+from typing import Any
+
+from support.inside.native import directional
+from support.instance import Instance
+
+H = 5e-3  # s, a step
+OWN_PART = 0.01  # of a probe: what the FMU's own differences are over, by the rotation of the base
+EPSILON, SMALLEST = 1e-15, 1.0  # of an output, and of outputs that are differences of lengths
+Row = tuple[str, str, float, float, float]
+# input -> amplitude, probe: half the distance of the two values between which outputs are differenced
+USUAL = {
+    r"base\.a[xyz]$": (1.5, 1.0),
+    r"base\.j[xyz]$": (5.0, 1.0),
+    r"base\.theta.*": (1e-4, 1e-7),
+    r"base\.omega.*": (2e-3, 1e-5),
+    r"base\.alpha.*": (0.05, 1.0),
+    r"port\[\d+\]\.d?[FM]\w*": (2e3, 100.0),
+    r"body\d*\.F0\w*": (5e3, 100.0),
+    r"body\d*\.(M|Mxx|Mzz|Mtt|Jxx|Jyy)$": (0.0, 10.0),
+    r"body\d*\.(Mxz|Mxt|Mzt|Mxry|Myrx|Jxy)$": (0.0, 10.0),
+}
+
+
+def _usual(name: str) -> tuple[float, float]:
+    return next(value for pattern, value in USUAL.items() if re.fullmatch(pattern, name))
+
+
+def compare(fmu: str, start: dict[str, Any], mass: dict[str, float], steps: int) -> tuple[list[Row], bool]:
+    """Return what every continuous output changes by with every input, after some steps; whether it has overturned.
+
+    Rows are (output, input, derivative, difference, rounding). mass: inputs that are held, those of bodies at the base.
+    """
+    body = Instance(fmu, {"solver.tolerance": 1e-9, **start})
+    names = [name for name, item in body.variables.items() if item.causality == "input" and item.type == "Real"]
+    outputs = [
+        name
+        for name, item in body.variables.items()
+        if item.causality == "output" and item.type == "Real" and item.variability == "continuous"
+    ]
+
+    def push(k: int) -> None:
+        wave = {name: _usual(name)[0] * sin(0.1 * (1.0 + 0.07 * i) * k + i) for i, name in enumerate(names)}
+        body.set(wave | mass)
+
+    for k in range(steps):
+        push(k)
+        body.step(H * k, H)
+    push(steps)
+    found = []
+    for name in names:
+        derivatives = directional(body, outputs, [name], [1.0])
+        at, probe, seen = body.get(name)[0], _usual(name)[1], []
+        for value in (at - probe, at + probe):
+            state = body.fmi.getFMUState()
+            body.set({name: value})
+            seen.append(body.get(*outputs))
+            body.fmi.setFMUState(state)
+            body.fmi.freeFMUState(state)
+        for output, derivative, low, high in zip(outputs, derivatives, *seen, strict=True):
+            rounding = EPSILON * max(abs(low), abs(high), SMALLEST) / (OWN_PART * probe)
+            found.append((output, name, derivative, (high - low) / (2.0 * probe), rounding))
+    return found, bool(body.get("overturned")[0])
