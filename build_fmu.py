@@ -1,7 +1,8 @@
 """Build a co-simulation FMU from the TOML file of a column or of a structure in space.
 
     multiblock build-fmu [FILE.toml] [-o FILE.fmu] [--record RECORD] [--space]
-                         [--reference] [--native [--fmi 3 [--scalars]] [--source] [--terminals] [--platforms NAME,...]]
+                         [--real-outputs] [--reference]
+                         [--native [--fmi 3 [--scalars]] [--source] [--terminals] [--platforms NAME,...]]
     python build_fmu.py ...
 
 Packaging only. Inside the FMU the two packages carry the hash of their content in their names, so that two FMUs in one
@@ -39,6 +40,7 @@ from fmu_src.native.library import has_tools
 from fmu_src.native.platforms import PLATFORMS, USUAL_FORM, Form
 from fmu_src.reference_run import FOLDER as RUN_FOLDER
 from fmu_src.reference_run import reference_files, replay
+from fmu_src.variables import with_real_outputs
 from solver import InputError
 from solver.commands.command_files import add_force, add_space
 from solver.commands.command_line import program_parser, run_command
@@ -56,6 +58,7 @@ LEFT_AT_HOME = {
     "checks",
     "commands",
     "documentation.py",
+    "exchange.py",
     "intensity.py",
     "licences.py",
     "model_description3.py",
@@ -106,7 +109,7 @@ except ImportError as error:
 
 class Slave(BlocksSlave):
     """The slave of this FMU: the wrapper needs a class defined in this script."""
-
+{more}
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
 '''
@@ -145,6 +148,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--terminals", action="store_true", help="terminals of FMI 3.0 in an FMU of FMI 2.0, too")
     known = "; ".join(f"FMI {version}: {','.join(names)}" for version, names in PLATFORMS.items())
     parser.add_argument("--plain-names", action="store_true", help="block1.ux in place of block[1].ux")
+    parser.add_argument(
+        "--real-outputs", action="store_true", help="without outputs that are no reals (verdict, overturned ...)"
+    )
     parser.add_argument("--reference", action="store_true", help="with a short run and its results inside (replay)")
     parser.add_argument("--platforms", help=f"of the native FMU, with commas (default: all; {known})")
 
@@ -170,13 +176,13 @@ def _build(options: argparse.Namespace) -> None:
     rest = options.space, drive, options.plain_names, options.reference
     if options.native:
         platforms = options.platforms.split(",") if options.platforms else None
-        form = Form(options.fmi, options.source, options.terminals, options.scalars)
+        form = Form(options.fmi, options.source, options.terminals, options.scalars, options.real_outputs)
         path = build_native_fmu(options.column, options.output, options.record, platforms, form, *rest)
     elif options.fmi != 2 or options.source or options.terminals:
         option = "--source" if options.source else "--terminals" if options.terminals else f"--fmi {options.fmi}"
         raise InputError(f"{option}: with --native only")
     else:
-        path = build_fmu(options.column, options.output, options.record, *rest)
+        path = build_fmu(options.column, options.output, options.record, *rest, options.real_outputs)
     print(path)
 
 
@@ -265,11 +271,13 @@ def build_fmu(
     drive: Drive = USUAL,
     plain_names: bool = False,
     reference: bool = False,
+    real_outputs: bool = False,
 ) -> Path:
     """Build the FMU of a file, or of a model, and return its path; a record is put inside it.
 
     space: the column of a file as a structure in space. drive: how its base moves (fmu_src/drive.py). Another model
-    has its `Body` (fmu_src/body.py), whose package is put inside. reference: with what `replay` compares.
+    has its `Body` (fmu_src/body.py), whose package is put inside. reference: with what `replay` compares. real_outputs:
+    without outputs that are no reals.
     Raises InputError, OSError.
     """
     with needing("fmu", *BUILDER_PACKAGES):
@@ -296,7 +304,8 @@ def build_fmu(
             renamed = {"solver": carried_solver, "fmu_src": carried_fmu_src}
             carried.append(_carry_package(sys.modules[package], stage, renamed))
             others = f"\n    import {carried[-1]}.{module}  # noqa: F401"
-        script = SCRIPT.format(name=body.name, solver=carried_solver, fmu_src=carried_fmu_src, others=others)
+        more = "\n    real_outputs = True\n" if real_outputs else ""
+        script = SCRIPT.format(name=body.name, solver=carried_solver, fmu_src=carried_fmu_src, others=others, more=more)
         content = script.encode() + body.text.encode()
         if record is not None:
             content += record.name.encode() + record.read_bytes()
@@ -322,7 +331,9 @@ def build_fmu(
             sys.path[:] = [entry for entry in sys.path if not entry.startswith(str(stage))]
         output.parent.mkdir(parents=True, exist_ok=True)
         needs = NEEDS if has_tools() else f"{NEEDS} {guard.WITHOUT}"
-        pages = documentation.pages(body, body.table(record_name), needs) | legal_files(needs, "pythonfmu")
+        table = body.table(record_name)
+        table = with_real_outputs(table) if real_outputs else table
+        pages = documentation.pages(body, table, needs) | legal_files(needs, "pythonfmu")
         extra = {"model.png": pages["documentation/model.png"]} | pages
         extra["resources/requirements.txt"] = REQUIRED.encode()
         extra |= {f"resources/{MACHINE_CODE}/{name}": code for name, code in machine_code.items()}
@@ -347,7 +358,7 @@ def _machine_code(kernels: Carried) -> dict[str, bytes]:
     environment["PYTHONPATH"] = str(Path(solver.__path__[0]).parent)
     with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
         for instead in ({}, {"MULTIBLOCK_CACHE_DIR": temporary}):  # there if no other folder can keep it
-            command = [sys.executable, "-c", COMPILE % kernels]
+            command = [sys.executable, "-c", COMPILE % kernels[:3]]
             there = environment | instead
             listed = subprocess.run(command, env=there, check=True, stdout=subprocess.PIPE, text=True)
             folders = json.loads(listed.stdout)

@@ -5,6 +5,7 @@ Recognized by its content: the keys of the TOML file, or of the text that the FM
 
 from __future__ import annotations
 
+import importlib
 import json
 import re
 from collections.abc import Callable, Mapping
@@ -22,6 +23,7 @@ from solver.kernels.layout import spaces as at
 from solver.kernels.layout.spaces import DRIVES, SLOPES
 from solver.kernels.structure.layout import BASE as BASE_OF_STRUCTURE
 from solver.models.column import stepper as in_plane
+from solver.models.column.first_run import is_made
 from solver.models.column.model import Column
 from solver.models.column.rest import check_rest
 from solver.models.outputs import BASE, BOND
@@ -44,7 +46,17 @@ class Carried(NamedTuple):
 
     maker: str = ""  # module of the solver with make_kernels
     folder: str = ""  # of their entries
-    used: tuple[str, ...] = ()  # entries that the slave calls
+    used: tuple[str, ...] = ()  # entries that the slave calls, first the three that take long to compile
+    minutes: str = ""  # that it takes to compile them
+
+    @property
+    def are_made(self) -> bool:
+        """Whether their machine code is there for this processor, Python and numba; of small ones it is not asked."""
+        if not self.folder:
+            return True
+        solver = Column.__module__.partition(".")[0]  # which in an FMU has another name
+        entries = importlib.import_module(f"{solver}.kernels.{self.folder}.entries")
+        return all(is_made(getattr(entries, name)) for name in self.used[:3])
 
 
 class Body:
@@ -55,6 +67,7 @@ class Body:
     """
 
     of: ClassVar[dict[str, type[Body]]] = {}  # by the word of their kind
+    drive = USUAL
     inputs: tuple[variables.Variable, ...] = (variables.INPUTS[0], variables.INPUTS[2])
     fallen = variables.OVERTURNED_BLOCK  # the joint or block that has fallen
     first_parameter = variables.TOLERANCE
@@ -148,7 +161,7 @@ class ColumnBody(Body, word="column"):
         folder, beside = ("paper", ()) if column.kind.fixed else ("api", ("arrive_base", "couple_base"))
         folder = "bonds" if column.is_brittle else "ports" if column.ports else folder
         used = ("assemble_column", "run", "observe_state", *beside)
-        self.kernels = Carried("models.column.first_run", folder, used)
+        self.kernels = Carried("models.column.first_run", folder, used, "0.5 to 2 minutes")
         self.why_not_native = "has solver.formulation = paper, must be exact" if column.kind.fixed else ""
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
@@ -194,7 +207,10 @@ class StructureBody(Body, word="structure"):
 
     first_parameter = structure_variables.DAMPING_SCALE
     kernels = Carried(
-        "models.structure.driven", "structure", ("assemble_structure", "follow_structure", "look_structure")
+        "models.structure.driven",
+        "structure",
+        ("assemble_structure", "follow_structure", "look_structure"),
+        "1 to 7 minutes",
     )
     base = BASE_OF_STRUCTURE.fields
     why_not_native = ""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from enum import Enum
 from typing import Any, NamedTuple
 
 from solver.common.ranges import check_choice
@@ -19,6 +20,37 @@ SAID = {
     **dict.fromkeys(("Mxt", "Mzt", "Mxry", "Myrx"), ("kg.m", "Mass")),
     **dict.fromkeys(("Mtt", "Jxx", "Jyy", "Jxy"), ("kg.m2", "Inertia")),
 }
+
+
+# fields of the array `base` that are 0 while the base rests
+MOTION = (
+    *("ax", "ay", "az", "jx", "jy", "jz", "theta", "omega", "alpha"),
+    *("theta_x", "theta_y", "omega_x", "omega_y", "alpha_x", "alpha_y"),
+)
+_ALONG = ("ax", "ay", "jx", "jy")  # inputs of a base that is accelerated horizontally
+# said by bodies of a motion that is not along x or y
+_ACROSS = ("F0z", "F0m", "Mzz", "Mzt", "Mtt", "F0mx", "F0my", "Jxx", "Jyy", "Jxy")
+_PLACED = ("theta", "omega", "theta_x", "theta_y", "omega_x", "omega_y")  # where a base begins that bodies turn
+
+
+class Idle(Enum):
+    """When an input does nothing."""
+
+    EVER = 1
+    LATER = 2  # after the first exchange with the bodies
+
+
+def idle(drive: str, name: str) -> Idle | None:
+    """Return when an input does nothing, under a drive that is one of DRIVES; None: it acts."""
+    owner, _, what = name.partition(".")
+    if owner.startswith("body"):
+        is_idle = drive == "acceleration" or (drive == "horizontal" and what in _ACROSS)
+        return Idle.EVER if is_idle else None
+    if owner != "base":
+        return None
+    if drive == "body":
+        return Idle.LATER if what in _PLACED else Idle.EVER
+    return Idle.EVER if drive == "horizontal" and what in _ALONG else None
 
 
 class Drive(NamedTuple):

@@ -11,6 +11,7 @@ from collections.abc import Collection
 from xml.etree.ElementTree import Element, SubElement
 
 from .description_parts import INITIAL, About, Standard, attributes, beginning, by_role, shown
+from .drive import USUAL, Drive, idle
 from .references import array_of
 from .variables import Variable
 
@@ -23,6 +24,8 @@ KINDS = {
     "String": "String",
     "Enumeration": "Enumeration",
 }
+OF_BODY = "Forces and mass of a body that moves the base, as its state determines them"
+OF_PORT = "Loads on {} in, motion relative to the base out"
 TERMINAL = "base"  # motion in, reaction and effective mass out
 REACTION = "[FM][xyz]"  # of a structure: what it does to the base, which follows from its state alone
 SPLIT = "R0[xzm]|m[xzt][xzt]"  # of a column
@@ -106,11 +109,12 @@ def _structure(arrays: dict[str, list[Variable]]) -> Element:
     return structure
 
 
-def terminals(table: list[Variable], has_icon: bool = False) -> Element:
-    """The port at the base, so that its signals connect as one: motion in, reaction and effective mass out.
+def terminals(table: list[Variable], has_icon: bool = False, drive: Drive = USUAL, scalars: bool = True) -> Element:
+    """The ports whose signals connect as one: the base, bodies that drive it, and the points at which loads act.
 
-    With it one for each body that drives the base: what that body says of its forces and mass. has_icon: icon.png is
-    beside the file.
+    Of the base motion goes in, unless bodies move it, reaction and effective mass out; of a body what it says of its
+    forces and mass goes in; of a point loads in, its motion out. has_icon: icon.png is beside the file. scalars: no
+    variable is an array; else all points are one terminal, of arrays.
     """
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     if has_icon:
@@ -119,25 +123,38 @@ def terminals(table: list[Variable], has_icon: bool = False) -> Element:
         SubElement(picture, "CoordinateSystem", square | {"suggestedScalingFactorTo_mm": "0.1"})
         SubElement(picture, "Icon", square)
     has_split = any(variable.name == f"{TERMINAL}.mxx" for variable in table)
-    out = "split reaction R0 and effective mass of the column" if has_split else "reaction of the structure"
-    found = SubElement(root, "Terminals")
-    base = _terminal(found, TERMINAL, "org.multiblock-fmu.base", f"Motion of the base in; {out} out")
     members = SPLIT if has_split else REACTION
-    bodies: dict[str, Element] = {}
-    for variable in table:
-        owner, _, member = variable.name.partition(".")
-        if owner == TERMINAL and (variable.causality == "input" or re.fullmatch(members, member)):
-            _member(base, variable.name, member)
-        elif variable.causality == "input" and re.fullmatch(r"body\d*", owner):
-            if owner not in bodies:
-                says = "Forces and mass of a body that moves the base, as its state determines them"
-                bodies[owner] = _terminal(found, owner, "org.multiblock-fmu.body", says)
-            _member(bodies[owner], variable.name, member)
+    found = SubElement(root, "Terminals")
+    made = {TERMINAL: _terminal(found, TERMINAL, "base", _about_base(has_split, drive))}
+    for name, (variable, *_) in grouped(table, scalars).items():
+        owner, _, member = name.partition(".")
+        kind = re.sub(r"\d*$|\[\d+\]$", "", owner)
+        is_input = variable.causality == "input"
+        is_member = {
+            "base": (is_input and not all(idle(word, name) for word in drive.words)) or re.fullmatch(members, member),
+            "body": is_input,
+            "port": variable.causality != "parameter" and not member.endswith("_peak"),
+        }
+        if not is_member.get(kind):
+            continue
+        if owner not in made:
+            port = re.search(r"port \d+ \(.*\)", variable.description) if scalars else None
+            about = OF_BODY if kind == "body" else OF_PORT.format(port[0] if port else "points of blocks")
+            made[owner] = _terminal(found, owner, kind, about)
+        _member(made[owner], name, member)
     return root
 
 
+def _about_base(has_split: bool, drive: Drive) -> str:
+    out = "Split reaction R0 and effective mass of the column" if has_split else "Reaction of the structure"
+    if len(drive.words) == 1:
+        return f"{out} out, for the bodies that move the base"
+    return f"Motion of the base in; {out[0].lower()}{out[1:]} out"
+
+
 def _terminal(parent: Element, name: str, kind: str, description: str) -> Element:
-    words = {"name": name, "matchingRule": "plug", "terminalKind": kind, "description": description}
+    words = {"name": name, "matchingRule": "plug", "terminalKind": f"org.multiblock-fmu.{kind}"}
+    words["description"] = description
     return SubElement(parent, "Terminal", words)
 
 

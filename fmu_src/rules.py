@@ -10,6 +10,7 @@ from solver.common.errors import FINITE
 TIME_SLACK = 1e-6  # of a step: how far a communication point may be from where the last step ended
 STEP_SLACK = 1e-6  # of a sampling interval: a communication step that is no longer than that but for rounding
 SCALE_LIMITS = (FINITE, "a finite number")  # of the factor on the record
+STILL = 1e-6  # m/s2 and so on: a base that bodies drive and that moves less has not moved, but for rounding
 DAMPING_SCALE_LIMITS = ((0.0, 1e6), "a factor from 0 to 1e6")  # of that on the damping of a structure
 
 # the life of an instance
@@ -22,6 +23,12 @@ START_TIME = "start time = %s: must be a finite time in s"
 STOP_TIME = "stop time = %s: must be a time from the start time %s s on"
 TOLERANCE = "solver.tolerance = %s, the experiment's tolerance"
 NOT_SHAKEN = "the base acceleration was zero for the whole run: is the input connected?"
+NOT_DRIVEN = "the base never moved in the whole run: is body.F0x of what drives it connected?"
+
+COMPILES = (
+    "the solver is compiled next, for this processor, Python %s and numba %s, which takes about %s; later starts of "
+    "this account use what is compiled"
+)
 
 # variables
 NOT_READ = "variables at t = %s s: %s"
@@ -29,6 +36,11 @@ NO_VARIABLE = "value reference %u: is not that of a %s variable"
 NOT_SETTABLE = "value reference %u: is not an input or a parameter of the kind %s"
 NOTHING_SET = "nothing can be set, the run is terminated"
 FIXED = "%s: can be set before the end of initialization only"
+IDLE = "%s does nothing%s: base.drive = %s, %s"
+IDLE_LATER = " after the first exchange"
+BY_ACCELERATION = "the base moves as base.ax and its like say"
+BY_BODY = "the bodies at the base move it"
+BY_HORIZONTAL = "the bodies at the base move it horizontally, its other motion is given by base.az and its like"
 TOO_EARLY = "outputs can be read from initialization on"
 
 # steps

@@ -11,12 +11,14 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import math
+import platform
 import sys
 from functools import partialmethod
 from pathlib import Path
 from typing import Any, NoReturn
 from xml.etree.ElementTree import Element
 
+import numba
 import numpy as np
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
@@ -30,12 +32,14 @@ from . import rules, state, state_ranges
 from .alternation import Alternation
 from .body import body_of
 from .description_parts import LOG_CATEGORIES, About
+from .drive import MOTION, USUAL, Idle, idle
 from .host import finalize_at_exit, leave_search_path, survive_exception
 from .model_description import FLAGS, model_description
 from .record import Record, usual_experiment
 from .state import Mode
 from .variables import (
     ACCELERATIONS,
+    DRIVE,
     OVERTURN_TIME,
     OVERTURNED,
     RECORD,
@@ -45,6 +49,7 @@ from .variables import (
     VERDICT,
     VERDICT_NOW,
     Variable,
+    with_real_outputs,
 )
 
 TOOL = "build_fmu.py with PythonFMU"
@@ -83,6 +88,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
     """A column or structure of blocks as a co-simulation slave; `resources` holds its body.json and guid.txt."""
 
     log_categories = LOG_CATEGORIES
+    real_outputs = False  # whether the model description lists no other outputs
     _fmu_state_to_bytes = staticmethod(state.to_bytes)
     _fmu_state_from_bytes = staticmethod(state.from_bytes)
 
@@ -127,9 +133,12 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._shaken = False  # whether the base has moved yet
         self._stepped = False  # whether this instance has made a step
         self._coarse_warned = self._unstable_warned = False
+        self._idle_warned: set[str] = set()
         self._accelerations = [item for item in self._inputs if item.unit in ACCELERATIONS]
         self._in_base = [self._body.base.index(item.name.removeprefix("base.")) for item in self._accelerations]
         self._alternation = Alternation(len(self._accelerations))  # no part of the state
+        self._motion = [self._body.base.index(name) for name in MOTION if name in self._body.base]  # in the array base
+        self._loads = [k for k, item in enumerate(self._inputs) if item.name.startswith("port[")]
         self.modelName = identifier_of(self._body.name)  # what PythonFMU calls the libraries
         guid = resources / GUID_FILE
         if guid.is_file():
@@ -140,7 +149,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         body, motion = self._body, Motion.from_file(self._own_record) if self._own_record else None
         experiment = usual_experiment(body.tolerance, motion)
         about = About(body.name, str(self.guid), body.about, __version__, experiment, FLAGS, TOOL)
-        return model_description(about, self._table)
+        return model_description(about, with_real_outputs(self._table) if self.real_outputs else self._table)
 
     # --- lifecycle
 
@@ -160,6 +169,10 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
     def enter_initialization_mode(self) -> None:
         """From here on outputs can be read: they follow from inputs and parameters as they stand."""
         self._check_mode(rules.WHEN_ENTERED, Mode.INSTANTIATED)
+        kernels = self._body.kernels
+        if not kernels.are_made:  # said now: what the next call logs reaches the master when it is over
+            said = platform.python_version(), numba.__version__, kernels.minutes
+            self._say(Fmi2Status.warning, rules.COMPILES % said)
         self._mode = Mode.INITIALIZATION
 
     def exit_initialization_mode(self) -> None:
@@ -174,11 +187,14 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         except Exception as error:
             self._fail(_message_of(error))
         self._mode = Mode.STEPPING
+        for variable, value in zip(self._inputs, self._values, strict=False):
+            if value != variable.start:
+                self._warn_of_idle(variable.name, False)
 
     def terminate(self) -> None:
         """End the run; only reset, or a state got earlier, makes another one possible."""
         if self._mode == Mode.STEPPING and self._stepped and not self._shaken:
-            self._say(Fmi2Status.warning, rules.NOT_SHAKEN)
+            self._say(Fmi2Status.warning, rules.NOT_DRIVEN if self._is_driven else rules.NOT_SHAKEN)
         self._mode = Mode.TERMINATED
 
     def do_step(self, current_time: float, step_size: float) -> bool:
@@ -244,12 +260,38 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._stepped = True
         self._inputs_stand = self._outdated = True
         if not self._shaken:
-            self._shaken = record is not None or any(given)
+            self._shaken = self._has_moved(given)
         if record is not None and not self._coarse_warned and step > record.dt * (1.0 + rules.STEP_SLACK):
             self._coarse_warned = True
             self._say(Fmi2Status.warning, rules.COARSE % (step, record.dt))
         if not self._unstable_warned:
             self._warn_of_instability(start)
+
+    def _has_moved(self, given: list[float]) -> bool:
+        """Return True if the base has moved in the last step, or a port was loaded."""
+        record, base = self._record, self._stepper.arrays.base
+        least = rules.STILL if self._is_driven else 0.0
+        follows = record is not None and self._time > record.begins
+        return follows or any(abs(base[k]) > least for k in self._motion) or any(given[k] for k in self._loads)
+
+    @property
+    def _is_driven(self) -> bool:
+        """Whether bodies drive the base."""
+        return self._body.drive.is_chosen and self._values[self._place[DRIVE]] != USUAL.drive
+
+    def _warn_of_idle(self, name: str, is_coupled: bool) -> None:
+        """Say once that an input does nothing, if it does, as the base is driven."""
+        owner = name[:4]  # once of the base's inputs, once of those of bodies
+        if owner in self._idle_warned or not self._body.drive.is_chosen:
+            return
+        drive = self._values[self._place[DRIVE]]
+        when = idle(drive, name)
+        if when is None or (when is Idle.LATER and not is_coupled):
+            return
+        self._idle_warned.add(owner)
+        way = {"acceleration": rules.BY_ACCELERATION, "body": rules.BY_BODY}.get(drive, rules.BY_HORIZONTAL)
+        later = rules.IDLE_LATER if when is Idle.LATER else ""
+        self._say(Fmi2Status.warning, rules.IDLE % (name, later, drive, way))
 
     def _warn_of_instability(self, start: float) -> None:
         """Say once that the accelerations of the base, held from `start` on, diverge with the coupling."""
@@ -357,6 +399,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         places = [self._place_of.get(reference, -1) for reference in vrs]
         for place, reference in zip(places, vrs, strict=True):
             self._check_settable(place, reference, kind)
+        self._watch_inputs(places, values)
         for place, value in zip(places, values, strict=True):
             self._values[place] = value
             if place == self._place[TOLERANCE]:
@@ -393,10 +436,21 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         if not known:
             self._set(vrs, values, "Real")
             return
+        if self._body.drive.is_chosen:
+            self._watch_inputs([input_of[reference] for reference in vrs], values)
         for reference, value in zip(vrs, values, strict=True):
             own[input_of[reference]] = value
         self._input_time = self._time
         self._inputs_stand, self._outdated = False, True
+
+    def _watch_inputs(self, places: list[int], values: list[Any]) -> None:
+        """Say once that an input does nothing, if values that are to be set change it in a run of a driven base."""
+        if self._mode is not STEPPING or not self._body.drive.is_chosen:
+            return
+        is_coupled = bool(self._stepper.arrays.base[self._body.base.index("coupled")])
+        for place, value in zip(places, values, strict=True):
+            if place < len(self._inputs) and value != self._values[place]:
+                self._warn_of_idle(self._inputs[place].name, is_coupled)
 
     def _update(self) -> None:
         """Bring the outputs up to date, but peaks and verdict, which are asked for less often."""

@@ -239,6 +239,11 @@ def variables(column: Column, record: str = "", reads_files: bool = True, drive:
     return [*inputs, *(_with_initial(output, column.n, described) for output in outputs), *parameters]
 
 
+def with_real_outputs(table: list[Variable]) -> list[Variable]:
+    """Return the table without outputs that are no reals, for hosts that read every output as one."""
+    return [item for item in table if item.causality != "output" or item.kind == "Real"]
+
+
 def inputs_of_ports(column: Column) -> list[Variable]:
     """The loads on the ports of a column, as `Stepper.drive` takes them."""
     return inputs_of(column.ports, IN_PLANE, {unit: values[-1] for unit, values in _sizes(column).items()})

@@ -87,7 +87,7 @@ struct Instance {
     double described[GIVEN]; /* arguments of `assemble`: too long for the stack of a thread */
     double stop; /* s, where the experiment ends; it is no part of the state */
     int outdated; /* whether the outputs belong to an earlier time, input or parameter */
-    int coarse_warned, unstable_warned, stepped; /* stepped: whether this instance has made a step */
+    int coarse_warned, unstable_warned, idle_warned, stepped; /* stepped: whether this instance has made a step */
     Alternation alternations[INPUT_ROOM];
     double watched; /* s, start of the last step that the alternations count */
     Status last_step;
@@ -348,6 +348,48 @@ static int update(Instance *instance, char *reason) {
     return 1;
 }
 
+/* --- how the base moves: as its inputs say, or bodies at it */
+
+/* The kernels' code of how the base moves, and its word. */
+static int drive_of(const Moment *now, const char **word) {
+    char reason[MESSAGE];
+    if (DRIVE_CHOICE < 0) return 0;
+    const Choice *choice = &choices[DRIVE_CHOICE < 0 ? 0 : DRIVE_CHOICE];
+    int code = chosen(choice, now, reason);
+    if (word) *word = now->texts[variables[choice->row].place];
+    return code < 0 ? 0 : code;
+}
+
+/* Say once that an input does nothing, if it does, as the base is driven. is_coupled: after the first exchange. */
+static void warn_of_idle(Instance *instance, int input, int is_coupled) {
+    static const char *const ways[] = {SAY_BY_ACCELERATION, SAY_BY_BODY, SAY_BY_HORIZONTAL}; /* by the code */
+    const char *word = "", *name = variables[input].name;
+    int owner = strncmp(name, "base", 4) ? 1 : 2; /* once of the base's inputs, once of those of bodies */
+    if (instance->idle_warned & owner || !idle[input]) return;
+    int drive = drive_of(&instance->now, &word), ever = (idle[input] >> (2 * drive)) & IDLE_EVER;
+    if (!ever && !(is_coupled && (idle[input] >> (2 * drive)) & IDLE_LATER)) return;
+    instance->idle_warned |= owner;
+    core_say(instance, ST_WARNING, SAY_IDLE, name, ever ? "" : SAY_IDLE_LATER, word, ways[drive]);
+}
+
+/* The same of an input that is to be set in a run, if this changes it. */
+static void watch_input(Instance *instance, int input, double value) {
+    const Moment *now = &instance->now;
+    if (now->mode == STEPPING && value != now->reals[input])
+        warn_of_idle(instance, input, BASE_COUPLED >= 0 && now->base[BASE_COUPLED < 0 ? 0 : BASE_COUPLED] != 0.0);
+}
+
+/* Whether the base has moved in the last step, or a port was loaded. */
+static int has_moved(const Moment *now) {
+    double least = drive_of(now, NULL) ? STILL : 0.0;
+    if (now->has_record && now->scale != 0.0 && now->time > RECORD_BEGINS) return 1;
+    for (int k = 0; k < MOTIONS; k++)
+        if (fabs(now->base[motion_in_base[k]]) > least) return 1;
+    for (int k = AT_LOADS; k < AT_LOADS + LOADS; k++)
+        if (now->reals[k] != 0.0) return 1;
+    return 0;
+}
+
 /* --- life */
 
 static int wrong_mode(const Instance *instance, int allowed, const char *what) {
@@ -378,7 +420,7 @@ void core_reset(Instance *instance) {
     for (int k = 0; k < TEXTS; k++) snprintf(now->texts[k], TEXT, "%s", text_starts[k]);
     instance->outdated = 1;
     instance->stop = INFINITY;
-    instance->coarse_warned = instance->unstable_warned = instance->stepped = 0;
+    instance->coarse_warned = instance->unstable_warned = instance->idle_warned = instance->stepped = 0;
     memset(instance->alternations, 0, sizeof instance->alternations);
     instance->watched = -INFINITY;
     instance->last_step = ST_OK;
@@ -415,12 +457,15 @@ Status core_exit_initialization(Instance *instance) {
     (void)update(instance, reason); /* stands on the base as it is turned now; outputs report errors */
     instance->outdated = 1;
     instance->now.mode = STEPPING;
+    for (int k = 0; k < BASE_INPUTS; k++)
+        if (instance->now.reals[k] != real_starts[k]) warn_of_idle(instance, k, 0);
     return ST_OK;
 }
 
 Status core_terminate(Instance *instance) {
     if (wrong_mode(instance, STEPPING, SAY_WHEN_TERMINATED)) return ST_ERROR;
-    if (FALLS && !instance->now.shaken && instance->stepped) core_say(instance, ST_WARNING, SAY_NOT_SHAKEN);
+    if (FALLS && !instance->now.shaken && instance->stepped)
+        core_say(instance, ST_WARNING, "%s", drive_of(&instance->now, NULL) ? SAY_NOT_DRIVEN : SAY_NOT_SHAKEN);
     instance->now.mode = TERMINATED;
     return ST_OK;
 }
@@ -512,6 +557,7 @@ Status core_set_reals(Instance *instance, const Reference references[], size_t c
     if (core_settable(instance, references, count, REAL, values) != ST_OK) return ST_ERROR;
     for (size_t k = 0; k < count; k++) {
         const Variable *variable = find(references[k]);
+        if (variable->role == INPUT) watch_input(instance, variable->place, values[k]);
         instance->now.reals[variable->place] = values[k];
         if (HAS_TOLERANCE && variable->place == AT_TOLERANCE) instance->now.tolerance_set = 1;
         parameters |= variable->role == PARAMETER;
@@ -616,10 +662,7 @@ static Status advance(Instance *instance, double start, double step, char *reaso
     now->time = start + step;
     instance->stepped = 1;
     now->inputs_stand = instance->outdated = 1;
-    if (!now->shaken) {
-        now->shaken = now->has_record;
-        for (int k = 0; k < BASE_INPUTS; k++) now->shaken |= now->reals[k] != 0.0;
-    }
+    if (FALLS && !now->shaken) now->shaken = has_moved(now);
     if (FALLS && now->has_record && !instance->coarse_warned && step > RECORD_DT * (1.0 + STEP_SLACK)) {
         char text[NUMBER];
         instance->coarse_warned = 1;
@@ -672,7 +715,9 @@ Status core_set_slopes(Instance *instance, const Reference references[], size_t 
     }
     for (size_t k = 0; k < count; k++) {
         int slope = slope_of[find(references[k])->place];
-        if (slope >= 0) instance->now.reals[slope] = values[k];
+        if (slope < 0) continue;
+        watch_input(instance, slope, values[k]);
+        instance->now.reals[slope] = values[k];
     }
     core_has_changed(instance, 0);
     return ST_OK;

@@ -1,7 +1,8 @@
 /* The guard of the PythonFMU: takes every call of the master and hands it to PythonFMU's library, which lies beside it.
 
    That library ends the process when it does not find its resources, knows no other escape than %20 in their URI, takes
-   any GUID, and answers Fatal where the slave has refused a call and lives on. What it does well it goes on doing. */
+   any GUID, answers Fatal where the slave has refused a call and lives on, logs a second line then, and none where the
+   master has turned logging off. What it does well it goes on doing. */
 
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -13,7 +14,8 @@
 #include "fmi2Functions.h"
 
 #define NEIGHBOUR "pythonfmu.so"
-enum { PATH = 4096, TEXT = 256, MESSAGE = 2 * PATH };
+#define SECOND_LINE "Fatal py exception encountered"
+enum { PATH = 4096, TEXT = 256, MESSAGE = 2 * PATH, CATEGORIES = 8 };
 
 #define CALLS(each)                                                                                                    \
     each(Instantiate) each(FreeInstance) each(SetDebugLogging) each(SetupExperiment) each(EnterInitializationMode)     \
@@ -58,7 +60,12 @@ __attribute__((destructor)) static void leave(void) {
 typedef struct {
     fmi2Component component;
     fmi2Status last_step;
-    fmi2CallbackFunctions functions; /* PythonFMU's library keeps where they are */
+    fmi2CallbackFunctions functions; /* of the master */
+    fmi2CallbackFunctions heard; /* of the guard; PythonFMU's library keeps where they are */
+    int logging; /* whether the master wants to hear more than warnings and errors */
+    size_t wanted; /* of these categories, 0: of all */
+    char categories[CATEGORIES][TEXT];
+    int has_failed; /* whether the last line was the reason of an error */
     char name[TEXT];
 } Face;
 
@@ -77,6 +84,26 @@ static void say(const Face *instance, fmi2Status status, const char *text) {
     fprintf(stderr, "%s: %s\n", instance->name, text); /* as the slave itself does */
     instance->functions.logger(instance->functions.componentEnvironment, instance->name, status,
                                status == fmi2Discard ? "logStatusDiscard" : "logStatusError", escaped);
+}
+
+static int is_wanted(const Face *instance, const char *category) {
+    size_t k = 0;
+    while (k < instance->wanted && strcmp(instance->categories[k], category)) k++;
+    return instance->logging && (!instance->wanted || k < instance->wanted);
+}
+
+/* A line of the slave or of PythonFMU's library: warnings and errors are passed on even if logging is off, and what the
+   library adds to the reason of an error is left out. */
+static void hear(fmi2ComponentEnvironment component, fmi2String name, fmi2Status status, fmi2String category,
+                 fmi2String text, ...) {
+    Face *instance = component;
+    char escaped[MESSAGE];
+    int repeats = instance->has_failed && !strncmp(text, SECOND_LINE, sizeof SECOND_LINE - 1);
+    instance->has_failed = status == fmi2Error;
+    if (repeats || (status == fmi2OK && !is_wanted(instance, category ? category : ""))) return;
+    escape(text, escaped, sizeof escaped);
+    instance->functions.logger(instance->functions.componentEnvironment, name, status,
+                               category ? category : "logStatusFatal", escaped);
 }
 
 /* --- the folder with the resources */
@@ -148,6 +175,10 @@ FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
     if (!instance) return NULL;
     if (functions) instance->functions = *functions;
     if (!instance->functions.logger) instance->functions.logger = silent;
+    instance->heard = instance->functions;
+    instance->heard.logger = hear;
+    instance->heard.componentEnvironment = instance;
+    instance->logging = logging;
     snprintf(instance->name, TEXT, "%s", name ? name : "");
     if (fault[0]) memcpy(reason, fault, sizeof fault);
     else if (!name || !*name) strcpy(reason, "the instance needs a name");
@@ -157,7 +188,7 @@ FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
         strcpy(reason, "the GUID is not that of this FMU: binary and model description differ");
     if (reason[0]) say(instance, fmi2Error, reason);
     else
-        instance->component = inner.Instantiate(name, type, guid, path, &instance->functions, visible, logging);
+        instance->component = inner.Instantiate(name, type, guid, path, &instance->heard, visible, fmi2True);
     if (instance->component) return instance;
     free(instance);
     return NULL;
@@ -189,8 +220,17 @@ static int lacks(const Face *instance, size_t count, const void *first, const vo
 #define ITS instance->component
 typedef fmi2ValueReference Reference;
 
-HAND_OVER(SetDebugLogging, (fmi2Component component, fmi2Boolean on, size_t count, const fmi2String categories[]),
-          NEEDS(count, categories, categories, categories), (ITS, on, count, categories))
+FMI2_Export fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t count,
+                                           const fmi2String categories[]) {
+    Face *instance = component;
+    if (!instance || NEEDS(count, categories, categories, categories)) return fmi2Error;
+    instance->logging = on;
+    instance->wanted = count < CATEGORIES ? count : CATEGORIES;
+    for (size_t k = 0; k < instance->wanted; k++)
+        snprintf(instance->categories[k], TEXT, "%s", categories[k] ? categories[k] : "");
+    return fmi2OK;
+}
+
 HAND_OVER(SetupExperiment,
           (fmi2Component component, fmi2Boolean has_tolerance, fmi2Real tolerance, fmi2Real start, fmi2Boolean has_stop,
            fmi2Real stop),

@@ -21,6 +21,7 @@ from ..licences import legal_files
 from ..model_description import FLAGS, model_description
 from ..model_description3 import model_description3, terminals
 from ..record import usual_experiment
+from ..variables import with_real_outputs
 from .column_subject import column_subject
 from .library import BESIDE_WINDOWS, OWN_HEADERS, libraries, sources
 from .machine_code import BRITTLE_COLUMN, COLUMN, COLUMN_WITH_PORTS, STRUCTURE, Kernels, made_with
@@ -80,7 +81,7 @@ def contents_of(body: Body, record: Motion | None = None, record_name: str = "",
     """The content of the FMU of a body, under a GUID that follows from everything its libraries are made of."""
     table = body.table(record_name, reads_files=False)
     contents = Contents(CORES[type(body)].subject(body), table, "", record_name, record, form.scalars)
-    return identified(contents, kernels_of(body), form.fmi, body.text)
+    return identified(contents, kernels_of(body), form.fmi, body.text, "real outputs" if form.real_outputs else "")
 
 
 def kernels_of(body: Body) -> Kernels:
@@ -102,18 +103,21 @@ def native_files(
 ) -> tuple[dict[str, bytes], dict[str, list[Symbols]]]:
     """The files of the FMU by their names, and the symbols that the libraries need. Raises InputError, OSError."""
     fmi, contents, kernels = form.fmi, contents_of(body, record, record_name, form), kernels_of(body)
+    table = with_real_outputs(contents.table) if form.real_outputs else contents.table
     experiment = usual_experiment(body.tolerance, record)
     name = identifier_of(body.name)
     identity = (body.name, contents.guid, body.about, __version__, experiment)
     about = About(*identity, FLAGS_3 if fmi == 3 else NATIVE_FLAGS, "build_fmu.py --native")
     if fmi == 3:
-        description = model_description3(about, contents.table, contents.subject.lines, form.scalars)
+        description = model_description3(about, table, contents.subject.lines, form.scalars)
     else:
-        description = model_description(about, contents.table)
-    pages = documentation.pages(body, contents.table, NEEDS) | legal_files(NEEDS)
+        description = model_description(about, table)
+    pages = documentation.pages(body, table, NEEDS) | legal_files(NEEDS)
     pages["terminalsAndIcons/icon.png" if fmi == 3 else "model.png"] = pages["documentation/model.png"]
     if fmi == 3 or form.terminals:
-        pages["terminalsAndIcons/terminalsAndIcons.xml"] = XML + tostring(terminals(contents.table, fmi == 3))
+        pages["terminalsAndIcons/terminalsAndIcons.xml"] = XML + tostring(
+            terminals(table, fmi == 3, body.drive, form.scalars or fmi == 2)
+        )
     if form.source:
         pages |= source_files(name, headers(contents), kernels, fmi)
         pages |= describe_sources(description, name, fmi)

@@ -13,6 +13,7 @@ class Form:
     source: bool = False  # with the source code inside
     terminals: bool = False  # those that FMI 3.0 always has, in an FMU of FMI 2.0
     scalars: bool = False  # of FMI 3.0 without arrays
+    real_outputs: bool = False  # without outputs that are no reals
 
 
 USUAL_FORM = Form()

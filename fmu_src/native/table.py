@@ -18,13 +18,15 @@ from solver.common.ranges import NUMBERS
 from solver.ground.motion import LARGEST, Motion
 from solver.kernels.api import pointers
 from solver.kernels.column.description import DETAILS
+from solver.kernels.layout.spaces import DRIVES
 from solver.models.outputs import Output, places_of
 
 from .. import alternation, rules, state_ranges
+from ..drive import MOTION, Idle, idle
 from ..record import Record
 from ..references import FAMILY, array_of
 from ..state_ranges import Ranges, Run
-from ..variables import ACCELERATIONS, STEP_SIZE, VERDICT, Variable
+from ..variables import ACCELERATIONS, DRIVE, STEP_SIZE, VERDICT, Variable
 from .machine_code import PREFIX
 
 TEXT = 256  # bytes of a String, its end included
@@ -165,11 +167,14 @@ def contract(subject: Subject) -> str:
     """The kernels, and the sizes, codes and messages that belong to them."""
     sizes = {name: subject.sizes[name] for name in SIZES}
     sizes |= {"BASE_INPUTS": len(subject.inputs), "GIVEN": len(subject.given), "DETAILS": DETAILS}
-    codes = {"FALLS": int(subject.falls), "BASE_SEGMENT": subject.segment}
+    coupled = subject.base.index("coupled") if "coupled" in subject.base else -1
+    codes = {"FALLS": int(subject.falls), "BASE_SEGMENT": subject.segment, "BASE_COUPLED": coupled}
+    codes |= {f"IDLE_{when.name}": when.value for when in Idle}
     codes |= {name: subject.codes.get(name, 0) for name in CODES}
     lines = ["#include <stdint.h>", *_enum(sizes), *_enum(codes)]
     lines.append(f"#define TIME_SLACK {rules.TIME_SLACK!r}")
     lines.append(f"#define STEP_SLACK {rules.STEP_SLACK!r}")
+    lines.append(f"#define STILL {rules.STILL!r}")
     numbers = {"MANY": alternation.MANY, "BACK": alternation.BACK, "GROWTH": alternation.GROWTH}
     lines += [f"#define ALTERNATES_{name} {number!r}" for name, number in numbers.items()]
     lines.append(f"#define MUST_INERTIA {_quoted('must be ' + NUMBERS['inertia'][1])}")
@@ -237,6 +242,11 @@ def declarations(contents: Contents) -> str:
         "HAS_RECORD": int("RECORD" in subject.places),
         "HAS_TOLERANCE": int("TOLERANCE" in subject.places),
     }
+    chosen = [choice.name for choice in subject.choices]
+    numbers["DRIVE_CHOICE"] = chosen.index(DRIVE) if DRIVE in chosen else -1
+    motions = [subject.base.index(name) for name in MOTION if name in subject.base]
+    loads = [k for k, name in enumerate(subject.inputs) if name.startswith("port[")]
+    numbers |= {"MOTIONS": len(motions), "AT_LOADS": min(loads, default=0), "LOADS": len(loads)}
     numbers |= {f"AT_{name}": places[subject.places[name]] if name in subject.places else 0 for name in PLACES}
     lines = _enum(numbers)
     lines.append(f"#define RECORD_KEY {_quoted(subject.places.get('RECORD', ''))}")
@@ -254,12 +264,13 @@ def declarations(contents: Contents) -> str:
     watched = [name.removeprefix("base.") if units[name] in ACCELERATIONS else "" for name in subject.inputs]
     places_in_base = [subject.base.index(name) if name in subject.base and name else -1 for name in watched]
     lines += _array("int", "place_in_base", list(map(str, places_in_base)))
+    lines += _array("int", "motion_in_base", list(map(str, motions)))
+    lines += _array("int", "idle", [str(_idle(name) if DRIVE in chosen else 0) for name in subject.inputs])
     lines += _array("int", "slope_of", [str(places.get(subject.slopes.get(name, ""), -1)) for name in subject.inputs])
     references = {variable.name: variable.reference for variable in table}
     listed = [f"{{{references[name]}, {references[slope]}}}" for name, slope in subject.lines.items()]
     lines += _array("Line", "lines", listed or ["{0, 0}"])
-    chosen = {choice.name for choice in subject.choices}  # given as a code
-    fixed = [isinstance(name, float) or name in chosen for name in subject.given]
+    fixed = [isinstance(name, float) or name in chosen for name in subject.given]  # chosen ones are given as a code
     found = ["-1" if own else str(places[str(name)]) for name, own in zip(subject.given, fixed, strict=True)]
     lines += _array("int", "given", found)
     constants = [name if isinstance(name, float) else 0.0 for name in subject.given]
@@ -276,6 +287,12 @@ def declarations(contents: Contents) -> str:
         lines += _array("Range", f"{name}_ranges", list(map(_range, runs)))
     lines += _record(contents)
     return "\n".join(lines) + "\n"
+
+
+def _idle(name: str) -> int:
+    """Return two bits for each code of DRIVES: when an input does nothing."""
+    when = {int(code): idle(word, name) for word, code in DRIVES.items()}
+    return sum(found.value << 2 * code for code, found in when.items() if found)
 
 
 def _quoted(text: str) -> str:
@@ -368,12 +385,13 @@ def _record(contents: Contents) -> list[str]:
     """The samples as they are; the slopes in between are the kernels' business."""
     motion = contents.record
     count = 0 if motion is None else len(motion.time)
-    dt = 0.0 if motion is None else Record(motion).dt
+    dt, begins = (0.0, math.inf) if motion is None else (Record(motion).dt, Record(motion).begins)
     pga = 0.0 if motion is None else motion.pga
     largest = 0.0 if motion is None else max(np.abs(part).max() for part in (motion.ax, motion.ay, motion.az))
     lines = _enum({"SAMPLES": count})
     lines.append(f"#define USUAL_STEP {_number(dt or STEP_SIZE)}")
-    lines += [f"#define RECORD_DT {_number(dt)}", f"#define RECORD_LARGEST {_number(pga)}"]
+    lines += [f"#define RECORD_DT {_number(dt)}", f"#define RECORD_BEGINS {_number(begins)}"]
+    lines += [f"#define RECORD_LARGEST {_number(pga)}"]
     lines.append(f"#define MOST_RECORD_SCALE {_number(LARGEST / largest if largest > 0.0 else LARGEST)}")
     lines.append(f"#define RECORD_NAME {_quoted(contents.record_name)}")
     for name in ("time", "ax", "ay", "az"):

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import marshal
 import os
+import re
 import subprocess
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 from support.child import call, command, returned
-from support.fmus import DAMPED, Fmus, environment, run
+from support.fmus import DAMPED, REFUSED, Fmus, environment, run
 from support.inside import starts
 
 from solver import Motion
@@ -38,11 +40,22 @@ def start(fmu: Path, home: Path, hindrance: str = "", record: object = "", **var
 
 
 def counts(process: subprocess.Popen[str]) -> tuple[int, int, float]:
-    """Kernels found compiled, kernels compiled, displacement; fails unless the process ends with 0 and says nothing."""
+    """Kernels found compiled, kernels compiled, displacement; fails unless the process ends with 0.
+
+    It has to say that it compiles before it does, in one line, and nothing else.
+    """
+    assert process.stderr is not None
+    first, began = process.stderr.readline(), time.monotonic()
     out, err = process.communicate()
-    assert process.returncode == 0, err
-    assert err == ""
+    assert process.returncode == 0, first + err
     hits, misses, ux = returned(out)
+    assert err == ""
+    if misses:
+        assert re.search(r"the solver is compiled next, .*Python 3\.\d+.*numba .* takes about \d", first), first
+        assert time.monotonic() - began > 5.0  # s
+        assert "[WARNING] the solver is compiled next" in out or REFUSED != "error"
+    else:
+        assert first == ""
     return hits, misses, ux
 
 

@@ -22,6 +22,7 @@ from fmu_src.drive import Drive
 from fmu_src.model_description3 import terminals
 from fmu_src.native import library, symbols
 from fmu_src.native.platforms import PLATFORMS
+from fmu_src.variables import Variable
 from multiblock import Column
 
 pytestmark = pytest.mark.long  # builds native FMUs
@@ -84,6 +85,46 @@ def test_bodies_at_the_base_are_terminals_too() -> None:
     for body in ("body", "body2"):
         assert found[body] == [row.name for row in table if row.name.startswith(f"{body}.")]
         assert len(found[body]) == 9
+
+
+def test_a_base_that_bodies_alone_move_takes_no_motion() -> None:
+    ports = {part.get("name"): part for part in terminals(driven_table("body"), drive=Drive("body")).iter("Terminal")}
+    members = [part.get("memberName") for part in ports["base"]]
+    assert members == ["R0x", "R0z", "R0m", "mxx", "mxz", "mxt", "mzz", "mzt", "mtt"]
+    assert "bodies that move the base" in (ports["base"].get("description") or "")
+    ports = {part.get("name"): part for part in terminals(driven_table("horizontal"), drive=Drive("horizontal"))[0]}
+    assert "base.az" in [part.get("variableName") for part in ports["base"]]
+
+
+def driven_table(drive: str) -> list[Variable]:
+    return ColumnBody(Column.from_toml(DAMPED), Drive(drive)).table()
+
+
+@pytest.mark.parametrize("scalars", [True, False])
+def test_points_of_blocks_are_terminals(tmp_path: Path, scalars: bool) -> None:
+    """One for each port, or one of arrays; its signals are loads, their slopes and the motion."""
+    file = tmp_path / "table.toml"
+    block = "[[block]]\nheight = 1.0\nwidth = 1.0\ndepth = 1.0\ndensity = 2000.0\n"
+    port = '[[port]]\nname = "{}"\nblock = "block{}"\nat = [0.0, 0.5]\n'
+    joint = "[joint]\nstiffness = 1e9\ndamping = 1e-3\n"
+    file.write_text(f'name = "pair"\n{2 * block}{port.format("top", 1)}{port.format("low", 2)}{joint}')
+    options = ("--native", "--fmi", "3", "--platforms", "x86_64-linux", *(["--scalars"] * scalars))
+    fmu = Fmus.build(file, tmp_path / "table.fmu", *options)
+    assert "No problems found" in run("fmpy", "validate", fmu)
+    with zipfile.ZipFile(fmu) as archive:
+        root = etree.fromstring(archive.read("terminalsAndIcons/terminalsAndIcons.xml"))
+    schema = etree.XMLSchema(etree.parse(str(Path(fmpy.__file__).parent / "schema/fmi3/fmi3TerminalsAndIcons.xsd")))
+    assert schema.validate(root), schema.error_log
+    ports = {part.get("name"): part for part in root.iter("Terminal") if part.get("name") != "base"}
+    assert list(ports) == (["port[1]", "port[2]"] if scalars else ["port"])
+    known = {variable.name: variable.causality for variable in read_model_description(str(fmu)).modelVariables}
+    for name, part in ports.items():
+        members = {member.get("memberName"): member.get("variableName") for member in part}
+        assert members == {member: f"{name}.{member}" for member in members}
+        roles = {member: known[f"{name}.{member}"] for member in members}
+        assert [member for member, role in roles.items() if role == "input"] == ["Fx", "Fz", "My", "dFx", "dFz", "dMy"]
+        assert [member for member, role in roles.items() if role == "output"] == ["x", "z", "vx", "vz", "ax", "az"]
+    assert ("(low)" in (ports["port[2]"].get("description") or "")) if scalars else True
 
 
 def test_fmi_3_has_an_icon_and_fmi_2_no_terminals_by_default(native3: Path, tmp_path: Path) -> None:

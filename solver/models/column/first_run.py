@@ -31,6 +31,22 @@ def are_kept(entry: Any = exact.run) -> bool:
     return folder is not None and any(Path(folder).glob(f"*.{entry.py_func.__qualname__}-*.nbc"))
 
 
+def is_made(entry: Any) -> bool:
+    """Return True if machine code of an entry is in this process, or kept for this processor, Python and numba.
+
+    True if that cannot be found out: `_cache_file` is a private name of numba.
+    """
+    if entry.overloads:
+        return True
+    if entry.stats.cache_path is None:
+        return False
+    try:
+        here = entry.targetctx.codegen().magic_tuple()
+        return any(machine == here for _, machine in entry._cache._cache_file._load_index())
+    except Exception:
+        return True
+
+
 def make_kernels(entries: Any = exact) -> None:
     """Have the entries of a module that every run needs in this process: read from the disk, or compiled."""
     needed = entries.run, entries.assemble_column, entries.observe_snapshots, entries.observe_state

@@ -66,3 +66,13 @@ def answers(fmu: str, calls: list[WrongCall], logging: bool = False) -> list[tup
         found.append((heard, usual(column) == usual(column) == expected))
         column.close()
     return found
+
+
+def read_as_reals(fmu: str, names: list[str]) -> list[float]:
+    """Outputs after some steps, read by one call for reals, as a host does that knows no other kind."""
+    column = Instance(fmu, {"base.ax": 0.5})
+    for k in range(20):
+        column.step(0.01 * k, 0.01)
+    found = [float(value) for value in column.fmi.getReal([column.variables[name].valueReference for name in names])]
+    column.close()
+    return found
