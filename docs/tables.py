@@ -17,6 +17,7 @@ from pathlib import Path
 
 import multiblock
 from fmu_src.drive import Drive
+from fmu_src.exchange import exchange, signals
 from fmu_src.model_description3 import ELEMENT
 from fmu_src.structure_variables import structure_variables
 from fmu_src.variables import Variable, variables
@@ -203,8 +204,8 @@ def fmu_variables(causality: str) -> str:
     return table(["name", "unit", "type", "meaning"], list(rows.values()))
 
 
-def fmu_variables_in_space(causality: str) -> str:
-    """The same of a structure."""
+def structure_of_everything() -> Structure:
+    """Return a structure that has variables of every kind."""
     data = {
         "name": "one",
         "block": [
@@ -230,9 +231,26 @@ def fmu_variables_in_space(causality: str) -> str:
         "tie": [{"between": ["block", "base"], "from": [0, 0, 0], "to": [2, 0, 0], "stiffness": 1e6}],
         "port": [{"name": "point", "block": "block"}],
     }
-    table_of_one = structure_variables(Structure.from_dict(data), drive=Drive("body", turns=True))
+    return Structure.from_dict(data)
+
+
+def fmu_variables_in_space(causality: str) -> str:
+    """The same of a structure."""
+    table_of_one = structure_variables(structure_of_everything(), drive=Drive("body", turns=True))
     rows = [_row(item) for item in table_of_one if item.causality == causality and "[2]" not in item.name]
     return table(["name", "unit", "type", "meaning"], rows)
+
+
+def exchange_of_column() -> str:
+    """Return the text about the exchange that the FMU of a column carries."""
+    drive = Drive("horizontal")
+    return exchange(variables(Column("one", (Block(1.0, 1.0, 1.0, 1.0, Joint(1e9, 1e-3)),)), drive=drive), drive)
+
+
+def signals_in_space() -> str:
+    """Return what is exchanged with a structure, and the equations, from the text that its FMU carries."""
+    drive = Drive("horizontal", turns=True)
+    return signals(structure_variables(structure_of_everything(), drive=drive), drive)
 
 
 def _row(variable: Variable) -> list[str]:
@@ -323,5 +341,7 @@ PARTS = {
     "inputs-in-space": lambda: fmu_variables_in_space("input"),
     "outputs-in-space": lambda: fmu_variables_in_space("output"),
     "parameters-in-space": lambda: fmu_variables_in_space("parameter"),
+    "exchange": exchange_of_column,
+    "signals-in-space": signals_in_space,
     "python-names": python_names,
 }

@@ -22,6 +22,7 @@ from solver.plotting.structures import draw_blocks
 
 from .body import Body, ColumnBody, StructureBody
 from .description_parts import DISPLAY_UNITS
+from .exchange import exchange, html
 from .variables import Variable
 
 STONE = "#cdbfa7"
@@ -44,10 +45,8 @@ code {{ white-space: nowrap }}</style></head>
 <h2>Signs</h2>
 {signs}
 <h2>Inputs within a communication step</h2>
-<p>From the start t0 of a step to its end the base acceleration is base.ax + base.jx (t - t0), and likewise along the
-other axes: with base.jx = 0 it is held, with the slope of the signal it is linear. To this is added the record that
-base.record names, sampled by the FMU itself whatever the communication step. {turning}</p>
-<h2>Variables</h2>
+<p>{within}</p>
+{exchange}<h2>Variables</h2>
 {tables}
 </body>
 </html>
@@ -86,6 +85,11 @@ OF_ANY = {
     "turning": "The base does not rotate.",
 }
 
+WITHIN = """\
+From the start t0 of a step to its end the base acceleration is base.ax + base.jx (t - t0), and likewise along the
+other axes: with base.jx = 0 it is held, with the slope of the signal it is linear. To this is added the record that
+base.record names, sampled by the FMU itself whatever the communication step. {turning}"""
+DRIVEN = "Bodies at the base move it; the section on the exchange says how, and which inputs then do nothing."
 HEADINGS = {"input": "Inputs", "output": "Outputs", "parameter": "Parameters"}
 
 
@@ -131,7 +135,12 @@ def _page(body: Body, table: list[Variable], words: dict[str, str]) -> str:
         rows = [_row(variable) for variable in table if variable.causality == causality]
         head = "<tr><th>name</th><th>unit (shown as)</th><th>start</th><th>range</th><th>meaning</th></tr>"
         parts.append(f"<h3>{heading}</h3>\n<table>\n{head}\n" + "\n".join(rows) + "\n</table>")
-    return PAGE.format(name=escape(body.name), about=escape(body.about), tables="\n".join(parts), **words)
+    about, drive = escape(body.about), body.drive
+    words = {**words, "within": WITHIN.format(turning=words["turning"]), "exchange": ""}
+    if drive.is_chosen:
+        words["within"] = DRIVEN if len(drive.words) == 1 else f"{DRIVEN} Else: {words['within']}"
+        words["exchange"] = f"<h2>The exchange with the bodies at the base</h2>\n{html(exchange(table, drive))}\n"
+    return PAGE.format(name=escape(body.name), about=about, tables="\n".join(parts), **words)
 
 
 def _row(variable: Variable) -> str:
