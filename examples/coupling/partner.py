@@ -20,6 +20,7 @@ from types import ModuleType
 from typing import ClassVar
 
 from pythonfmu import Fmi2Slave
+from pythonfmu.enums import Fmi2Status
 
 from .host import finalize_at_exit, leave_search_path, survive_exception
 from .law import BEFORE, is_finite, later, power, remember, slopes
@@ -104,7 +105,7 @@ class Partner(Fmi2Slave):
         except (ArithmeticError, ValueError) as error:
             reason = str(error)
         if reason:
-            print(f"{self.instance_name}: step from t = {current_time} s not made: {reason}", file=sys.stderr)
+            self._say(Fmi2Status.discard, f"step from t = {current_time} s not made: {reason}")
             return False
         remember(self._before, a, step_size)
         self._fresh = False
@@ -145,8 +146,12 @@ class Partner(Fmi2Slave):
         except Exception as error:
             self._fail(error)
 
+    def _say(self, status, message):
+        self.log(message, status)
+        print(f"{self.instance_name}: {message}", file=sys.stderr)
+
     def _fail(self, error):
-        print(f"{self.instance_name}: {error}", file=sys.stderr)
+        self._say(Fmi2Status.error, str(error))
         survive_exception(self, type(self), self.log_queue)
         raise RuntimeError(str(error))
 

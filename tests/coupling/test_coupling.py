@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from fmpy import read_model_description
 from support.child import call_with_example as example
+from support.child import ended_with_example, returned
 from support.fmus import REFUSED, ROOT, run
 from support.inside import coupled as inside
 from support.inside import systems
@@ -106,3 +107,14 @@ def test_partners_are_sound_fmus_whose_state_can_be_kept(coupled: Path) -> None:
         assert found["moved"]
         assert f"({REFUSED})" in found["backwards"]
         assert "discard" in found["no number"].lower()
+
+
+def test_a_partner_gives_the_master_one_reason(coupled: Path) -> None:
+    for name in ("isolator", "soil"):
+        done = ended_with_example(inside.kept_state, coupled / f"{name}.fmu")
+        assert done.returncode == 0
+        assert returned(done.stdout)["moved"]
+        reasons = ("the step must be a positive time", "ground.ax = nan: must be a finite number")
+        for text in (done.stdout, done.stderr) if REFUSED == "error" else (done.stderr,):
+            lines = [line for line in text.splitlines() if "not made" in line or "Fatal" in line]
+            assert [reason in line for reason, line in zip(reasons, lines, strict=True)] == [True, True], lines

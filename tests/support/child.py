@@ -36,8 +36,16 @@ def call(function: Callable[..., object], *arguments: object, **named: object) -
 
 def call_with_example(function: Callable[..., object], *arguments: object, **variables: str) -> Any:
     """As `call`, with the modules of examples/coupling in reach and more variables in the environment."""
-    modules = os.pathsep.join((str(ROOT / "examples" / "coupling"), environment()["PYTHONPATH"]))
-    return returned(run(*command(function, *arguments), PYTHONPATH=modules, **variables))
+    return returned(run(*command(function, *arguments), PYTHONPATH=_with_example(), **variables))
+
+
+def ended_with_example(function: Callable[..., object], *arguments: object) -> subprocess.CompletedProcess[str]:
+    """As `ended`, with the same modules in reach."""
+    return finish(*command(function, *arguments), PYTHONPATH=_with_example())
+
+
+def _with_example() -> str:
+    return os.pathsep.join((str(ROOT / "examples" / "coupling"), environment()["PYTHONPATH"]))
 
 
 def ended(function: Callable[..., object], *arguments: object, **named: object) -> subprocess.CompletedProcess[str]:
