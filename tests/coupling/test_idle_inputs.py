@@ -8,10 +8,11 @@ from typing import Any
 
 import pytest
 from support.child import ended, returned, said
-from support.fmus import COLUMNS, LINUX, ROOT, Fmus, built_once
+from support.fmus import COLUMNS, LINUX, ROOT, Fmus, built_once, stack_file
 from support.inside import driven
 
 from fmu_src.drive import Idle, idle
+from multiblock import Motion
 
 if not sys.platform.startswith("linux"):
     pytest.skip("the native FMUs are built for Linux", allow_module_level=True)
@@ -96,6 +97,23 @@ def test_the_warning_of_a_base_at_rest_looks_at_the_base(fmu: tuple[str, Path]) 
     assert ["does nothing" in lines[0], "acceleration was zero" in lines[1]] == [True, True], lines
     lines, _ = heard(file, "acceleration", {}, {"base.jx": 1e-9}, {})
     assert lines == []
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("options", [(), LINUX], ids=["python", "native"])
+def test_a_record_moves_the_base_from_its_first_sample_that_is_not_zero(
+    options: tuple[str, ...], tmp_path: Path
+) -> None:
+    """A run of 4 ms ends before the record begins, or not; scaled by 0 it never does."""
+    if options:
+        pytest.importorskip("ziglang", reason="needs the extra native")
+    Motion.from_samples(1e-3, [0.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0]).to_csv(tmp_path / "late.csv")
+    file = stack_file(tmp_path, 1)
+    fmu = Fmus.build(file, tmp_path / "late.fmu", "--record", tmp_path / "late.csv", *options)
+    for count, scale, moves in ((4, 1.0, False), (5, 1.0, True), (5, 0.0, False)):
+        done = ended(driven.run, fmu, {"base.record_scale": scale}, [{}] * count)
+        assert done.returncode == 0, done.stderr
+        assert any("acceleration was zero" in line for line in said(done.stdout)) != moves
 
 
 def test_inputs_that_do_nothing() -> None:
