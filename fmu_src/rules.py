@@ -25,11 +25,6 @@ TOLERANCE = "solver.tolerance = %s, the experiment's tolerance"
 NOT_SHAKEN = "the base acceleration was zero for the whole run: is the input connected?"
 NOT_DRIVEN = "the base never moved in the whole run: is body.F0x of what drives it connected?"
 
-COMPILES = (
-    "the solver is compiled next, for this processor, Python %s and numba %s, which takes about %s; later starts of "
-    "this account use what is compiled"
-)
-
 # variables
 NOT_READ = "variables at t = %s s: %s"
 NO_VARIABLE = "value reference %u: is not that of a %s variable"

@@ -57,6 +57,10 @@ BODY_FILE = "body.json"
 GUID_FILE = "guid.txt"
 RECORD_FOLDER = "record"  # holds the record inside the FMU, if there is one
 STEPPING = Mode.STEPPING
+COMPILES = (
+    "the solver is compiled next, for this processor, Python %s and numba %s, which takes about %s; later starts of "
+    "this account use what is compiled"
+)
 ARRAYS = ("state", "counts", "base")  # of the stepper: all that differs from one moment to another
 # what the calls of FMI 2.0 get and set -> kinds of variables
 ACCESS = {"Real": ("Real",), "Integer": ("Integer", "Enumeration"), "Boolean": ("Boolean",), "String": ("String",)}
@@ -172,7 +176,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         kernels = self._body.kernels
         if not kernels.are_made:  # said now: what the next call logs reaches the master when it is over
             said = platform.python_version(), numba.__version__, kernels.minutes
-            self._say(Fmi2Status.warning, rules.COMPILES % said)
+            self._say(Fmi2Status.warning, COMPILES % said)
         self._mode = Mode.INITIALIZATION
 
     def exit_initialization_mode(self) -> None:

@@ -162,12 +162,15 @@ def test_every_kernel_is_given_all_its_arguments_by_name() -> None:
     (sampled,) = re.findall(r"#define SAMPLED (.*)", contract)
     components = re.findall(r"\.(\w+) = ", sampled)
     for entry in pointers.ENTRIES:
-        (call,) = re.findall(rf"\b{entry.__name__}\(\({entry.__name__.title()}\){{(.*?)}}\)", core, re.DOTALL)
-        named = re.findall(r"\.(\w+) = ", call)
-        for group, names in groups.items():
-            named += names if f"{group}(instance)" in call else []
-        named += components if "RECORD(instance)" in call else []
-        assert sorted(named) == sorted(inspect.signature(cast(Callable[..., object], entry)).parameters), entry.__name__
+        calls = re.findall(rf"\b{entry.__name__}\(\({entry.__name__.title()}\){{(.*?)}}\)", core, re.DOTALL)
+        assert calls, entry.__name__
+        for call in calls:
+            named = re.findall(r"\.(\w+) = ", call)
+            for group, names in groups.items():
+                named += names if f"{group}(" in call else []
+            named += components if "RECORD(" in call else []
+            parameters = inspect.signature(cast(Callable[..., object], entry)).parameters
+            assert sorted(named) == sorted(parameters), entry.__name__
 
 
 def test_a_kernel_that_takes_another_argument_does_not_compile(tmp_path: Path) -> None:
