@@ -164,11 +164,11 @@ def test_every_kernel_is_given_all_its_arguments_by_name() -> None:
     for entry in pointers.ENTRIES:
         calls = re.findall(rf"\b{entry.__name__}\(\({entry.__name__.title()}\){{(.*?)}}\)", core, re.DOTALL)
         assert calls, entry.__name__
-        for call in calls:
-            named = re.findall(r"\.(\w+) = ", call)
+        for text in calls:
+            named = re.findall(r"\.(\w+) = ", text)
             for group, names in groups.items():
-                named += names if f"{group}(" in call else []
-            named += components if "RECORD(" in call else []
+                named += names if f"{group}(" in text else []
+            named += components if "RECORD(" in text else []
             parameters = inspect.signature(cast(Callable[..., object], entry)).parameters
             assert sorted(named) == sorted(parameters), entry.__name__
 
