@@ -81,11 +81,18 @@ GET = {
 }
 SET = {"column": '{"body.F0x": F0x, "body.Mxx": M}', "structure": '{"body.F0x": F0x, "body.M": M}'}
 
+# how long a step may be: of a column, which says a mass, and of a structure, whose mass at its base is 0
+STEP_OF_COLUMN = "Where an acceleration of the base changes its sign at every step and grows, a warning says so."
+STEP_OF_STRUCTURE = (
+    "Stable are steps up to 2 / c (held), 1 / c (line) or 0.55 / c (parabola) with c = C (1 / M + 1 / m): C is the sum "
+    "of the dashpots along the joints on the base in N s/m, m the mass that these joints move at once, about a quarter "
+    "of a slender block that stands on one."
+)
+
 TEXT = """\
 Bodies at the base of this FMU move it: isolators, soil, a building, a vehicle. Once per step this FMU sends {said}, and
 its partner a force F0 and a mass M. Each follows from the state of its side alone. Both sides solve the same equation
-for the acceleration a of the base, and move the base by it. So no iteration is needed, and the partner may have any
-mass.
+for the acceleration a of the base, and move the base by it. So no iteration is needed{mass}.
 
 ```text
 {sketch}
@@ -118,7 +125,7 @@ The first step is held and the second one a line, as is every step after two ste
 2. exchange at every step, with the same t and h as this FMU;
 3. use the same slope;
 4. have a mass: a step under forces without a mass is discarded;
-5. take steps that resolve the vibration of both sides together: halve the step and compare.
+5. take steps that resolve the vibration of both sides together: halve the step and compare. {step}
 
 **An example**: a slab of mass M on a spring K and a dashpot C, along x{alone}:
 
@@ -175,6 +182,8 @@ def exchange(table: Sequence[Variable], drive: Drive) -> str:
         signs="to +x and up, moments clockwise" if is_column else "to +x, +y and up, moments about +x and +y",
         out=_some(out),
         into=_some(into),
+        mass=", and the partner may have any mass" if is_column else "; a light partner needs short steps",
+        step=STEP_OF_COLUMN if is_column else STEP_OF_STRUCTURE,
         slopes=_rows(["base.slope", "j", "order"], [[f"`{word}`", *SLOPE_RULES[word]] for word in SLOPES]),
         alone="" if "horizontal" in words else " (along z and for the rotation likewise: F0z has to bear the weight)",
         partner=partner,
@@ -206,7 +215,7 @@ def _idle(table: Sequence[Variable], words: Sequence[str]) -> str:
         later = [f"`{name}`" for name in inputs if idle(word, name) is Idle.LATER]
         line = f"With `base.drive` = `{word}` these inputs do nothing: {', '.join(ever)}"
         lines.append(line + (f"; after the first exchange also {', '.join(later)}." if later else "."))
-    return " ".join([*lines, "A warning says so the first time that one of them is set."])
+    return " ".join([*lines, "A warning says so the first time that the value of one of them changes."])
 
 
 def html(markdown: str) -> str:
