@@ -28,7 +28,7 @@ from solver.models.column.model import Column
 from solver.models.column.rest import check_rest
 from solver.models.outputs import BASE, BOND
 from solver.models.protocol import Kind
-from solver.models.structure.driven import SKIP_CODES, Chosen, DrivenStructure, packed, record_of, sizes_in
+from solver.models.structure.driven import SKIP_CODES, Chosen, DrivenStructure, driven_size, packed, record_of, sizes_in
 from solver.models.structure.file import describes_structure, in_space
 from solver.models.structure.hull_tables import in_folder, with_hulls
 from solver.models.structure.model import Structure
@@ -157,8 +157,9 @@ class ColumnBody(Body, word="column"):
         blocks = "block" if column.n == 1 else "blocks"
         self.about = f"Column of {column.n} rigid {blocks} with no-tension elastic joints under base acceleration"
         more = at.SPOTS.size(len(column.ports)) + column.sizes[BOND]
-        self.sizes = at.ROW.size(column.n) + more, at.SPLIT.beside, at.PEAKS.size(column.n) + more
-        folder, beside = ("paper", ()) if column.kind.fixed else ("api", ("arrive_base", "couple_base"))
+        split = at.SPLIT.beside + (at.DRIVEN.beside if drive.is_chosen else 0)
+        self.sizes = at.ROW.size(column.n) + more, split, at.PEAKS.size(column.n) + more
+        folder, beside = ("paper", ()) if column.kind.fixed else ("api", ("arrive_base", "couple_base", "examine_base"))
         folder = "bonds" if column.is_brittle else "ports" if column.ports else folder
         used = ("assemble_column", "run", "observe_state", *beside)
         self.kernels = Carried("models.column.first_run", folder, used, "0.5 to 2 minutes")
@@ -180,7 +181,7 @@ class ColumnBody(Body, word="column"):
 
     def stepper(self, described: Described) -> in_plane.Stepper:
         made = in_plane.Stepper(described.column)
-        made.driven_by(described.drive.drive, described.drive.slope, described.drive.bodies)
+        made.driven_by(described.drive.drive, described.drive.slope, described.drive.most_bodies)
         return made
 
     def state_ranges(self, stepper: in_plane.Stepper | None = None) -> Ranges:
@@ -227,7 +228,7 @@ class StructureBody(Body, word="structure"):
         counted = ", ".join(f"{count} {what}{'' if count == 1 else 's'}" for what, count in parts.items() if count)
         self.about = f"Structure of rigid blocks in space with no-tension elastic joints: {counted}"
         size = sizes_in(self.packed).visible
-        self.sizes = size, 0, size
+        self.sizes = size, driven_size(drive.most_bodies, int(drive.turns)), size
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
         return structure_variables.structure_variables(self.structure, record, reads_files, self.drive)
@@ -245,7 +246,7 @@ class StructureBody(Body, word="structure"):
             check_choice(names[2], word, tuple(SKIP_CODES))
             code |= SKIP_CODES[word]
         drive = self.drive.chosen(value)
-        of_drive = DRIVES[drive.drive], SLOPES[drive.slope], drive.bodies, float(drive.turns)
+        of_drive = DRIVES[drive.drive], SLOPES[drive.slope], drive.most_bodies, float(drive.turns)
         return Chosen(tolerance, float(code), scale, *of_drive)
 
     def stepper(self, described: Chosen) -> DrivenStructure:

@@ -70,14 +70,18 @@ class Drive(NamedTuple):
         return self.drive != "acceleration"
 
     @property
+    def most_bodies(self) -> int:
+        """How many bodies may drive the base, 0 in the usual FMU."""
+        return self.bodies if self.is_chosen else 0
+
+    @property
     def words(self) -> tuple[str, ...]:
         """What the parameter may be: an FMU that is built for bodies has outputs that depend on nothing else."""
         return (self.drive,) if self.drive == "body" else tuple(DRIVES)
 
     def inputs(self, said: Sequence[str] = OF_COLUMN) -> tuple[Variable, ...]:
         """The rows of the bodies, each of which says this."""
-        count = self.bodies if self.is_chosen else 0
-        return tuple(_input(name) for k in range(count) for name in names_of_body(k, said))
+        return tuple(_input(name) for k in range(self.most_bodies) for name in names_of_body(k, said))
 
     @property
     def parameters(self) -> list[Variable]:

@@ -22,6 +22,14 @@ def names_of_body(k: int, said: Sequence[str]) -> list[str]:
     return [f"body{k + 1 if k else ''}.{name}" for name in said]
 
 
+# motion of a base that bodies drive
+MOVED = tuple(
+    f"driven.{name}"
+    for name in (
+        *("x", "y", "z", "theta", "theta_x", "theta_y", "vx", "vy", "vz", "omega", "omega_x", "omega_y"),
+        *("ax", "ay", "az", "alpha", "alpha_x", "alpha_y"),
+    )
+)
 # A number once given stays: a new variable takes the next free one, a dropped one leaves a gap.
 REFERENCES = {
     # inputs: from 1
@@ -70,6 +78,8 @@ REFERENCES = {
     "base.Mx_peak": 1025,
     "base.Mz_peak": 1026,
     "overturned_block": 1027,
+    # of a base that bodies drive
+    **{name: 1028 + i for i, name in enumerate(MOVED)},
     # parameters of the column or structure as a whole: from 2001
     "g": 2001,
     "solver.step": 2004,

@@ -57,4 +57,9 @@ UNSTABLE = (
     "communication step or a heavier body under the base"
 )
 
+TOO_LONG = (
+    "communication step = %s s: with the masses at the base and the springs and dashpots of the joints on it, the "
+    "coupling is stable up to steps of about %.2g s"
+)
+
 NOT_SET = "the state cannot be set: %s"

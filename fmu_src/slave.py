@@ -136,8 +136,9 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._late_outdated = False  # whether peaks and verdict do while the others are up to date
         self._shaken = False  # whether the base has moved yet
         self._stepped = False  # whether this instance has made a step
-        self._coarse_warned = self._unstable_warned = False
+        self._coarse_warned = self._unstable_warned = self._long_warned = False
         self._idle_warned: set[str] = set()
+        self._allowed = self._body.base.index("allowed_step") if "allowed_step" in self._body.base else None
         self._accelerations = [item for item in self._inputs if item.unit in ACCELERATIONS]
         self._in_base = [self._body.base.index(item.name.removeprefix("base.")) for item in self._accelerations]
         self._alternation = Alternation(len(self._accelerations))  # no part of the state
@@ -268,6 +269,8 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         if record is not None and not self._coarse_warned and step > record.dt * (1.0 + rules.STEP_SLACK):
             self._coarse_warned = True
             self._say(Fmi2Status.warning, rules.COARSE % (step, record.dt))
+        if self._allowed is not None and not self._long_warned:
+            self._warn_of_long_step(step)
         if not self._unstable_warned:
             self._warn_of_instability(start)
 
@@ -296,6 +299,13 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         way = {"acceleration": rules.BY_ACCELERATION, "body": rules.BY_BODY}.get(drive, rules.BY_HORIZONTAL)
         later = rules.IDLE_LATER if when is Idle.LATER else ""
         self._say(Fmi2Status.warning, rules.IDLE % (name, later, drive, way))
+
+    def _warn_of_long_step(self, step: float) -> None:
+        """Say once that a step is longer than the coupling with the bodies at the base allows."""
+        allowed = self._stepper.arrays.base.item(self._allowed)
+        if allowed > 0.0:
+            self._long_warned = True
+            self._say(Fmi2Status.warning, rules.TOO_LONG % (step, allowed))
 
     def _warn_of_instability(self, start: float) -> None:
         """Say once that the accelerations of the base, held from `start` on, diverge with the coupling."""

@@ -86,6 +86,8 @@ COLUMN_BASE: Described = {
     "steps": KEPT,
     **_all(("last_step", "before_step"), DURATION),
     **_all((f"{when}_{name}" for when in ("last", "before") for name in ("ax", "az", "alpha")), ANY),
+    **_all(("x", "z", "vx", "vz", "mass_x", "mass_z", "mass_turn", "checked_mass"), ANY),
+    **_all(("checked_step", "allowed_step"), DURATION),
 }
 STRUCTURE_STATE: Described = {
     **_all(("next_step", "elastic_step"), DURATION, "control."),
@@ -115,6 +117,8 @@ STRUCTURE_BASE: Described = {
     "motion.steps": KEPT,
     **_all(("last_step", "before_step"), DURATION, "motion."),
     **_all((f"{when}_a{axis}" for when in ("last", "before") for axis in "xyz"), ANY, "motion."),
+    **_all(("x", "y", "z", "vx", "vy", "vz", "mass", "checked_mass"), ANY, "motion."),
+    **_all(("checked_step", "allowed_step"), DURATION, "motion."),
     **_all(("theta_x", "theta_y"), TURN, "motion."),
     **_all(("omega_x", "omega_y"), ANY, "motion."),
     **_all(("alpha_x", "alpha_y", "jalpha_x", "jalpha_y"), INPUT, "motion."),

@@ -14,6 +14,7 @@ import numpy as np
 from solver.common.errors import InputError
 from solver.ground.loads import COMPONENTS
 from solver.ground.motion import STANDARD_GRAVITY
+from solver.kernels.structure.layout import DRIVEN, DRIVEN_TURN
 from solver.models.outputs import BEARING, BLOCK, BOND, CONTACT, JOINT, PORT, TIE
 from solver.models.structure.model import Structure
 from solver.models.structure.outputs import OUTPUTS
@@ -25,6 +26,7 @@ from .variables import (
     OVERTURNED_BLOCK,
     SLOPE,
     Variable,
+    driven_outputs,
     input_of,
     inputs_of,
     named_ports,
@@ -78,6 +80,11 @@ def _direct(structure: Structure, name: str, drive: Drive) -> tuple[str, ...]:
     return (*base, *(f"port[{p}].{component}" for component in COMPONENTS for p in beside))
 
 
+def _moved_by(drive: Drive) -> tuple[str, ...]:
+    """Return the names of the motion of a base that bodies drive, in the order of the kernels."""
+    return (*DRIVEN.fields, *(DRIVEN_TURN.fields if drive.turns else ())) if drive.is_chosen else ()
+
+
 def structure_variables(
     structure: Structure, record: str = "", reads_files: bool = True, drive: Drive = USUAL
 ) -> list[Variable]:
@@ -110,7 +117,8 @@ def structure_variables(
         *drive.parameters,
         *of_record(record, reads_files),
     ]
-    return [*inputs_of_structure(structure, drive), *row, *peaks, *outcome(OVERTURNED_BLOCK), *parameters]
+    moved = [replace(output, initially=()) for output in driven_outputs(_moved_by(drive), {})]
+    return [*inputs_of_structure(structure, drive), *row, *moved, *peaks, *outcome(OVERTURNED_BLOCK), *parameters]
 
 
 def _sizes(structure: Structure) -> dict[str, float]:

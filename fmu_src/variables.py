@@ -19,6 +19,7 @@ from solver.common.errors import InputError, check_number
 from solver.common.ranges import NUMBERS
 from solver.ground.loads import IN_PLANE
 from solver.ground.motion import STANDARD_GRAVITY
+from solver.kernels.layout.spaces import DRIVEN
 from solver.models.column.block import Joint
 from solver.models.column.model import Column
 from solver.models.column.outputs import OUTPUTS
@@ -155,6 +156,17 @@ _SPLIT_OUTPUTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "base.mtt": ("kg.m2", _MASS.format("alpha alpha"), TURNED),
 }
 _REST_OF_SPLIT = ("base.R0x", "base.R0z", "base.R0m")  # which follow loads, as all does that follows accelerations
+_TURNS_OF_BASE = {
+    "theta": ("Rotation of the base{} as bodies drive it", "rad", 1e-3),
+    "omega": ("Rate of rotation of the base{} as bodies drive it", "rad/s", 1e-2),
+    "alpha": ("Rotational acceleration of the base{} as bodies drive it", "rad/s2", 0.1),
+}
+_MOVES_OF_BASE = {
+    "": ("Displacement of the base along {} as bodies drive it", "m", 1e-2),
+    "v": ("Velocity of the base along {} as bodies drive it", "m/s", 0.1),
+    "a": ("Acceleration of the base along {} as bodies drive it", "m/s2", 1.0),
+}
+_DIRECT_OF_BASE = {"theta": TURNED, "omega": ("base.omega",), "ax": MOVING, "az": MOVING, "alpha": MOVING}
 USUAL_RATES = {"m/s": 1e-2, "m/s2": 1.0}  # typical velocities and accelerations
 OVERTURN_TIME = event_of("overturn_time", "Real", "Time of overturning, -1 while it stands", "s")
 OVERTURN_JOINT = event_of("overturn_joint", "Integer", "Joint over which the column has fallen, 0 while it stands")
@@ -223,7 +235,8 @@ def variables(column: Column, record: str = "", reads_files: bool = True, drive:
     names[BOND] = numbers if column.is_brittle else []
     row, peaks = seen(OUTPUTS, names, lambda unit, i: sizes[unit][i - 1] if unit in sizes else USUAL_RATES[unit])
     row = [replace(output, depends_on=_direct(output.name, column.n)) for output in row]
-    outputs = [*row, *_split_outputs(column), *peaks]
+    moved = driven_outputs(DRIVEN.fields, _DIRECT_OF_BASE) if drive and drive.is_chosen else []
+    outputs = [*row, *_split_outputs(column), *moved, *peaks]
     of_ports = inputs_of_ports(column)
     loads = tuple(given.name for given in of_ports[: len(of_ports) // 2])
     follow = [loads if output.depends_on == MOVING or output.name in _REST_OF_SPLIT else () for output in outputs]
@@ -299,6 +312,18 @@ def _split_outputs(column: Column) -> list[Variable]:
         output_of(name, unit, text, nominal=nominal[unit], depends_on=inputs)
         for name, (unit, text, inputs) in _SPLIT_OUTPUTS.items()
     ]
+
+
+def driven_outputs(fields: Sequence[str], direct: Mapping[str, tuple[str, ...]]) -> list[Variable]:
+    """The motion of a base that bodies drive, by the names of the kernels; direct: inputs that each depends on."""
+    found = []
+    for field in fields:
+        name, _, axis = field.partition("_")
+        kind, at_axis = (name, axis) if name in _TURNS_OF_BASE else (name[:-1], name[-1])
+        text, unit, nominal = (_TURNS_OF_BASE | _MOVES_OF_BASE)[kind]
+        text = text.format(f" about {at_axis}" if kind in _TURNS_OF_BASE and at_axis else at_axis)
+        found.append(output_of(f"driven.{field}", unit, text, nominal=nominal, depends_on=direct.get(field, ())))
+    return found
 
 
 def _sizes(column: Column) -> dict[str, list[float]]:

@@ -65,7 +65,7 @@ def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
             "BASE": at.BASE.beside + len(of_ports),
             "WORK": spaces.WORK.size(n) + spots,
             "ROW": at.ROW.size(n) + spots + column.sizes[BOND],
-            "SPLIT": at.SPLIT.beside,
+            "SPLIT": at.SPLIT.beside + (at.DRIVEN.beside if drive.is_chosen else 0),
             "ROOM": engine.scratch_room(n),
         },
         codes={f"STATE_{name.upper()}": place for place, name in enumerate(at.CONTROL.fields)}
@@ -125,7 +125,7 @@ def choices_of(drive: Drive) -> list[Chosen]:
 def given_of(drive: Drive) -> dict[str, str | float]:
     """The same as `assemble` is given it: parameters, or numbers that never change."""
     if not drive.is_chosen:
-        return {"drive": at.ACCELERATION, "slope": at.SLOPE_PARABOLA, "bodies": 1.0}
+        return {"drive": at.ACCELERATION, "slope": at.SLOPE_PARABOLA, "bodies": 0.0}
     return {"drive": DRIVE, "slope": SLOPE_OF_BASE, "bodies": float(drive.bodies)}
 
 

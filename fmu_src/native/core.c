@@ -87,7 +87,8 @@ struct Instance {
     double described[GIVEN]; /* arguments of `assemble`: too long for the stack of a thread */
     double stop; /* s, where the experiment ends; it is no part of the state */
     int outdated; /* whether the outputs belong to an earlier time, input or parameter */
-    int coarse_warned, unstable_warned, idle_warned, stepped; /* stepped: whether this instance has made a step */
+    int coarse_warned, unstable_warned, idle_warned, long_warned;
+    int stepped; /* whether this instance has made a step */
     Alternation alternations[INPUT_ROOM];
     double watched; /* s, start of the last step that the alternations count */
     Status last_step;
@@ -420,7 +421,8 @@ void core_reset(Instance *instance) {
     for (int k = 0; k < TEXTS; k++) snprintf(now->texts[k], TEXT, "%s", text_starts[k]);
     instance->outdated = 1;
     instance->stop = INFINITY;
-    instance->coarse_warned = instance->unstable_warned = instance->idle_warned = instance->stepped = 0;
+    instance->coarse_warned = instance->unstable_warned = instance->idle_warned = instance->long_warned = 0;
+    instance->stepped = 0;
     memset(instance->alternations, 0, sizeof instance->alternations);
     instance->watched = -INFINITY;
     instance->last_step = ST_OK;
@@ -667,6 +669,11 @@ static Status advance(Instance *instance, double start, double step, char *reaso
         char text[NUMBER];
         instance->coarse_warned = 1;
         core_say(instance, ST_WARNING, SAY_COARSE, shown(step, text), RECORD_DT);
+    }
+    if (BASE_ALLOWED >= 0 && !instance->long_warned && now->base[BASE_ALLOWED < 0 ? 0 : BASE_ALLOWED] > 0.0) {
+        char text[NUMBER];
+        instance->long_warned = 1;
+        core_say(instance, ST_WARNING, SAY_TOO_LONG, shown(step, text), now->base[BASE_ALLOWED < 0 ? 0 : BASE_ALLOWED]);
     }
     if (FALLS) warn_of_instability(instance, start);
     return ST_OK;

@@ -33,7 +33,7 @@ def structure_subject(body: StructureBody) -> Subject:
                 "BASE": at.INPUT_MOTION.size(sizes),
                 "ROW": sizes.visible,
             },
-            **{**lengths, "SPLIT": 0, "ROOM": 1},
+            **{**lengths, "SPLIT": body.sizes[1], "ROOM": 1},
         },
         codes={
             "STATE_OVERTURN_TIME": at.CONTROL.fields.index("fall_time"),
@@ -46,7 +46,7 @@ def structure_subject(body: StructureBody) -> Subject:
         inputs=[item.name for item in body.inputs],
         slopes={f"base.a{axis}": f"base.j{axis}" for axis in "xyz"}
         | slopes_of(structure_variables.inputs_of_ports(body.structure)),
-        split=FIRST_PEAK,
+        split="driven.x" if body.sizes[1] else FIRST_PEAK,
         given=[*(given[name] for name in driven.GIVEN.fields), *body.packed.tolist()],
         choices=[
             *choices_of(body.drive),

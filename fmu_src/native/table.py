@@ -170,6 +170,7 @@ def contract(subject: Subject) -> str:
     coupled = subject.base.index("coupled") if "coupled" in subject.base else -1
     codes = {"FALLS": int(subject.falls), "BASE_SEGMENT": subject.segment, "BASE_COUPLED": coupled}
     codes |= {f"IDLE_{when.name}": when.value for when in Idle}
+    codes["BASE_ALLOWED"] = subject.base.index("allowed_step") if "allowed_step" in subject.base else -1
     codes |= {name: subject.codes.get(name, 0) for name in CODES}
     lines = ["#include <stdint.h>", *_enum(sizes), *_enum(codes)]
     lines.append(f"#define TIME_SLACK {rules.TIME_SLACK!r}")

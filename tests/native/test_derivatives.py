@@ -63,6 +63,7 @@ MORTAR = "tensile_strength = 2e5\ncohesion = 3e5\nfriction = 0.6"
 KINDS = {
     "column, horizontal": (COLUMN.format(joint=""), "horizontal", False, PLANE),
     "column with friction": (COLUMN.format(joint="friction = 0.05"), "acceleration", False, {}),
+    "column with friction, body": (COLUMN.format(joint="friction = 0.05"), "body", False, PLANE),
     "column with friction, horizontal": (COLUMN.format(joint="friction = 0.05"), "horizontal", False, PLANE),
     "column with mortar": (COLUMN.format(joint=MORTAR), "acceleration", False, {}),
     "column with mortar, horizontal": (

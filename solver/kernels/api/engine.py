@@ -10,8 +10,9 @@ from ..column.assembly import rest_of
 from ..column.description import NO_REST, NOT_LINEAR, describe, is_linear
 from ..column.normal_modes import normal_modes
 from ..column.normal_modes import scratch_size as modes_scratch
+from ..formulations.allowed_step import examine_step
 from ..formulations.base_motion import enter
-from ..formulations.coupled_base import arrive, couple
+from ..formulations.coupled_base import arrive, couple, show_driven
 from ..formulations.dispatch import Column
 from ..formulations.slips import begin_slips, phase_size
 from ..layout.spaces import (
@@ -178,6 +179,7 @@ def follow(column, inputs, start, h, watch, row, split):
         code = exchange(column, inputs, 0.0, start, row, split)
         if code != OK:
             return code
+        examine_step(column.model, column.base, h)
     load(column.base, column.samples, inputs, 0.0, start)
     return advance(column, start, h, watch)
 
@@ -200,4 +202,5 @@ def look(column, inputs, new_inputs, upright, elapsed, t, row, split):
     if upright != 0:
         control.base_theta = base.theta
         control.base_omega = base.omega
+    show_driven(base, column.model.settings, t, split)
     return see(column, base_of(column, t), row, split)

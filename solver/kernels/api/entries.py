@@ -4,8 +4,9 @@ A column is (n, model, state, counts, base, work); what it follows (times, ax, a
 of the base, and behind them what a column with ports has (ports/entries.py); of others both are empty.
 """
 
+from ..formulations.allowed_step import examine_step
 from ..formulations.base_motion import Samples, enter
-from ..formulations.coupled_base import arrive, couple
+from ..formulations.coupled_base import arrive, couple, show_driven
 from ..joint.energy import least_energy
 from ..joint.law import joint_potential, law_of
 from ..layout.spaces import BASE, MODEL, ROW, SPLIT
@@ -60,7 +61,9 @@ def entries_of(module, column_over=column_over, samples_of=_samples, assemble=as
         """`observing.see` at time t under the base as it stands. Returns a code."""
         column = column_of(n, model, state, counts, base, work, times, ax, az, scale, held, loads, ports, row)
         enter(column.base, column.samples, t)
-        return see(column, base_of(column, t), _row(row_of(row), n), _split(row_of(split), 0))
+        parts = _split(row_of(split), 0)
+        show_driven(column.base, column.model.settings, t, parts)
+        return see(column, base_of(column, t), _row(row_of(row), n), parts)
 
     # fmt: off
     def observe_snapshots(n, model, state, counts, base, work, times, ax, az, scale, held, loads, ports, at, snapshots,
@@ -87,6 +90,12 @@ def couple_base(n, model, base, inputs, split):
     """`coupled_base.couple` by inputs without those of ports."""
     settings, given = _model(row_of(model), n).settings, _base_inputs(row_of(inputs), 0)
     return couple(_base(row_of(base), 0), settings, given, row_of(inputs), _INPUTS, _split(row_of(split), 0))
+
+
+@entry
+def examine_base(n, model, base, h):
+    """`allowed_step.examine_step`."""
+    examine_step(_model(row_of(model), n), _base(row_of(base), 0), h)
 
 
 # --- joints, for Python code without a closed form of its own

@@ -42,13 +42,14 @@ def look(
     """`driven.look`."""
     arrays = row_at(model), row_at(state), row_at(counts), row_at(base), row_at(work)
     record = count, row_at(times), row_at(ax), row_at(ay), row_at(az), scale
-    return driven.look(*arrays, row_at(inputs), new_inputs, elapsed, t, *record, row_at(row))
+    return driven.look(*arrays, row_at(inputs), new_inputs, elapsed, t, *record, row_at(row), row_at(split))
 
 
 def rates(n, model, state, counts, base, work, t, count, times, ax, ay, az, scale, row, split, other, other_split):
     """`driven.rates`."""
     arrays = row_at(model), row_at(state), row_at(counts), row_at(base), row_at(work)
-    return driven.rates(*arrays, t, count, row_at(times), row_at(ax), row_at(ay), row_at(az), scale, row_at(row))
+    record = count, row_at(times), row_at(ax), row_at(ay), row_at(az), scale
+    return driven.rates(*arrays, t, *record, row_at(row), row_at(split))
 
 
 # fmt: off
@@ -57,7 +58,7 @@ def feedthrough(n, model, state, counts, base, work, inputs, seeds, elapsed, t, 
     # fmt: on
     """`driven.feedthrough`."""
     arrays = row_at(model), row_at(state), row_at(counts), row_at(base), row_at(work)
-    return driven.feedthrough(*arrays, row_at(seeds), elapsed, t, row_at(row))
+    return driven.feedthrough(*arrays, row_at(seeds), elapsed, t, row_at(row), row_at(split))
 
 
 def _with_ay(of_column):

@@ -1,7 +1,7 @@
 """Derivatives of what is observed of a column: by time, and by the inputs of its base and ports."""
 
 from ..formulations.base_motion import base_motion, moving
-from ..formulations.coupled_base import driven_along
+from ..formulations.coupled_base import driven_along, show_driven_along, show_driven_rates
 from ..formulations.feedthrough import base_direction, effective_mass, split_reaction, tangential_gains
 from ..formulations.outputs import observe
 from ..formulations.slips import phase_size
@@ -44,6 +44,7 @@ def rates(column, t, row, split, other, other_split):
     model, work = column.model, column.work
     n, length = model.n, row_length(column)
     _clear_output(row, split, length)
+    show_driven_rates(column.base, model.settings, t, split)
     if column.counts.overturned > 0:
         return OK
     see(column, base_motion(column.base, column.samples, t), other, other_split)
@@ -84,6 +85,7 @@ def feedthrough(column, inputs, seeds, elapsed, t, row, split, other, other_spli
     """
     base, samples, settings, length = column.base, column.samples, column.model.settings, row_length(column)
     _clear_output(row, split, length)
+    show_driven_along(settings, 0.0, 0.0, 0.0, 0.0, 0.0, split)
     if column.counts.overturned > 0:
         return OK
     seed = _base_inputs(seeds, 0)
@@ -117,6 +119,7 @@ def feedthrough(column, inputs, seeds, elapsed, t, row, split, other, other_spli
         along_x, along_z, alpha = driven_along(
             settings, inputs, seeds, first, other_split, split, motion, along_z, alpha
         )
+    show_driven_along(settings, turn, spin, along_x, along_z, alpha, split)
     at_once(column, motion, seeds, elapsed, along_x, along_z, alpha, row, other, other_split)
     return OK
 

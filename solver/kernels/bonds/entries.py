@@ -7,6 +7,7 @@ from ..api.engine import column_in
 from ..api.entries import arrive_base as arrive_base
 from ..api.entries import couple_base as couple_base
 from ..api.entries import entries_of
+from ..api.entries import examine_base as examine_base
 from . import memory  # noqa: F401  versions of kernels
 from .layout import MODEL, STATE, WORK
 

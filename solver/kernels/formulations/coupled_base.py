@@ -10,9 +10,9 @@ the same slope of it, by the accelerations at the steps before, so that the base
 
 from typing import NamedTuple
 
-from ..layout.spaces import BODY_LACKING, HORIZONTAL, OK, SLOPE_HELD, SLOPE_LINE
+from ..layout.spaces import ACCELERATION, BODY_LACKING, DRIVEN, HORIZONTAL, OK, SLOPE_HELD, SLOPE_LINE, SPLIT
 from ..numba_ext.jit import kernel, leaf
-from ..numba_ext.views import Record
+from ..numba_ext.views import Record, clear
 from .base_motion import base_spin, base_turn
 
 # what a caller sets for each body at the base: force, N and N m, and mass, kg, kg m and kg m2
@@ -22,6 +22,7 @@ ALIKE = 1e-6  # of a step: steps that differ by less are the same
 ROUNDING = 1e-12  # of a time
 
 _body, _BODY = BODY.over, BODY.beside
+_driven, _DRIVEN, _SPLIT = DRIVEN.over, DRIVEN.beside, SPLIT.beside
 
 
 class Sums(NamedTuple):
@@ -108,6 +109,58 @@ def goes_on(base, t):
     return is_later
 
 
+@leaf
+def gone_on(place, rate, acceleration, slope, past):
+    """Return (place, rate, acceleration) `past` s later, as the acceleration goes on with that slope."""
+    return (
+        place + past * (rate + past * (0.5 * acceleration + past * (slope / 6.0))),
+        rate + past * (acceleration + 0.5 * past * slope),
+        acceleration + past * slope,
+    )
+
+
+@kernel
+def show_driven(base, settings, t, split):
+    """Fill what lies behind a split reaction with the motion of the base at time t (DRIVEN), where bodies may drive it.
+
+    It is all zeros while its own inputs move the base.
+    """
+    if settings.bodies == 0.0:
+        return
+    shown, past = _driven(split.row[_SPLIT:], 0), t - base.t0
+    clear(shown.row, _DRIVEN)
+    if settings.drive != ACCELERATION:
+        shown.x, shown.vx, shown.ax = gone_on(base.x, base.vx, base.ax, base.jx, past)
+        shown.z, shown.vz, shown.az = gone_on(base.z, base.vz, base.az, base.jz, past)
+        shown.theta, shown.omega = base_turn(base, t), base_spin(base, t)
+        shown.alpha = base.alpha + past * base.jalpha
+
+
+@kernel
+def show_driven_rates(base, settings, t, split):
+    """Fill what lies behind a split reaction with the rates of `show_driven`."""
+    if settings.bodies == 0.0:
+        return
+    show_driven(base, settings, t, split)
+    shown = _driven(split.row[_SPLIT:], 0)
+    shown.x, shown.z, shown.theta = shown.vx, shown.vz, shown.omega
+    shown.vx, shown.vz, shown.omega = shown.ax, shown.az, shown.alpha
+    shown.ax, shown.az, shown.alpha = 0.0, 0.0, 0.0
+    if settings.drive != ACCELERATION:
+        shown.ax, shown.az, shown.alpha = base.jx, base.jz, base.jalpha
+
+
+@kernel
+def show_driven_along(settings, turn, spin, along_x, along_z, alpha, split):
+    """Fill what lies behind a split reaction with what `show_driven` changes by as rotation and accelerations do."""
+    if settings.bodies == 0.0:
+        return
+    shown = _driven(split.row[_SPLIT:], 0)
+    clear(shown.row, _DRIVEN)
+    if settings.drive != ACCELERATION:
+        shown.theta, shown.omega, shown.ax, shown.az, shown.alpha = turn, spin, along_x, along_z, alpha
+
+
 @kernel
 def arrive(base, settings, given, t):
     """Let the base come to time t, and turn it as inputs say where bodies do not: before its column is seen at t.
@@ -116,6 +169,8 @@ def arrive(base, settings, given, t):
     name.
     """
     past = t - base.t0
+    base.x, base.vx, _ = gone_on(base.x, base.vx, base.ax, base.jx, past)
+    base.z, base.vz, _ = gone_on(base.z, base.vz, base.az, base.jz, past)
     if goes_on(base, t):
         base.before_ax, base.before_az, base.before_alpha = base.last_ax, base.last_az, base.last_alpha
         base.last_ax, base.last_az, base.last_alpha = base.ax, base.az, base.alpha
@@ -134,8 +189,11 @@ def couple(base, settings, given, inputs, first, split):
     said anything, it does not accelerate.
     """
     bodies, code, ax, az, alpha = int(settings.bodies), OK, 0.0, 0.0, 0.0
+    base.mass_x, base.mass_z, base.mass_turn = 0.0, 0.0, 0.0
     if not are_silent(inputs, first, bodies * _BODY):
-        code, ax, az, alpha = solve(settings.drive, sums(bodies, inputs, first, split), given.az, given.alpha)
+        of = sums(bodies, inputs, first, split)
+        base.mass_x, base.mass_z, base.mass_turn = of.xx, of.zz, of.tt
+        code, ax, az, alpha = solve(settings.drive, of, given.az, given.alpha)
     base.ax, base.az, base.alpha = ax, az, alpha
     way, steps, step, before = settings.slope, base.steps, base.last_step, base.before_step
     base.jx = slope_of(way, steps, step, before, ax, base.last_ax, base.before_ax)

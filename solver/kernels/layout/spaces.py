@@ -225,6 +225,10 @@ BASE = Record(
     "before_ax",
     "before_az",
     "before_alpha",
+    *("x", "z", "vx", "vz"),  # m, m/s, at time t0: how far the base has moved since bodies drive it
+    *("mass_x", "mass_z", "mass_turn"),  # kg, kg, kg m2: of all that moves with the base, at the last exchange
+    *("checked_step", "checked_mass"),  # s; their sum: of the steps so far the longest, and the least of them
+    "allowed_step",  # s, the longest stable step, once a step was longer; 0 while none was
 )
 
 # --- one snapshot: the base acceleration, then the phase that belongs to it, slips where there are any
@@ -246,6 +250,8 @@ ROW = Space(joints=OUTPUTS, base=REACTION)
 
 # --- the base reaction split: R = R0 - M a with R = (Fx, Fz, My), a = (a_x, a_z, alpha) of the base
 SPLIT = Record("R0x", "R0z", "R0m", "mxx", "mxz", "mxt", "mzz", "mzt", "mtt")  # N, N m, kg, kg m, kg m2
+# behind it where bodies may drive the base: its motion, m, rad, m/s, rad/s, m/s2, rad/s2
+DRIVEN = Record("x", "z", "theta", "vx", "vz", "omega", "ax", "az", "alpha")
 
 # --- ports (kernels/ports/): points of blocks at which loads act, and whose motion is seen
 PORTS = Table("body", "x", "z")  # number of the block; m, from its centroid along its axes as built

@@ -4,6 +4,7 @@ from ..api.engine import column_in, reset
 from ..api.entries import arrive_base as arrive_base
 from ..api.entries import couple_base as couple_base
 from ..api.entries import entries_of
+from ..api.entries import examine_base as examine_base
 from ..batch.entries import queue_of
 from ..batch.follow import batch_over
 from ..column.assembly import carries

@@ -9,6 +9,7 @@ from ..api.entries import arrive_base as arrive_base
 from ..api.entries import assemble_column as assemble_column
 from ..api.entries import couple_base as couple_base
 from ..api.entries import entries_of
+from ..api.entries import examine_base as examine_base
 from ..layout.spaces import PORTS
 from ..numba_ext.jit import leaf
 from ..numba_ext.views import row_of

@@ -5,11 +5,12 @@ A structure has no mass of its own at its base, whose joints are elastic along t
 
 from typing import NamedTuple
 
-from ..formulations.coupled_base import SINGULAR, are_silent, goes_on, slope_of
-from ..layout.spaces import BODY_LACKING, HORIZONTAL, OK
+from ..formulations.allowed_step import is_new, longest_step
+from ..formulations.coupled_base import SINGULAR, are_silent, goes_on, gone_on, slope_of
+from ..layout.spaces import ACCELERATION, BODY_LACKING, HORIZONTAL, OK
 from ..numba_ext.jit import kernel, leaf
-from ..numba_ext.views import Record
-from .layout import LOAD
+from ..numba_ext.views import Record, clear
+from .layout import DRIVEN, DRIVEN_TURN, LOAD
 from .turning import rotation_at, turn_beneath
 
 INPUTS = Record("ax", "ay", "az", "jx", "jy", "jz")  # m/s2; m/s3, their slopes; then INPUT_LOADS of the ports
@@ -22,6 +23,7 @@ TURNING_BODY = Record("F0mx", "F0my", "Mxry", "Myrx", "Jxx", "Jyy", "Jxy")
 _inputs, _rotation, _body, _turning_body = INPUTS.over, ROTATION.over, BODY.over, TURNING_BODY.over
 _INPUTS, _ROTATION, _BODY, _TURNING_BODY = INPUTS.beside, ROTATION.beside, BODY.beside, TURNING_BODY.beside
 _LOAD = len(LOAD)
+_driven, _driven_turn, _DRIVEN, _DRIVEN_TURN = DRIVEN.over, DRIVEN_TURN.over, DRIVEN.beside, DRIVEN_TURN.beside
 
 
 @leaf
@@ -80,6 +82,10 @@ def arrive(scene, phase, base, inputs, t):
 
     Where time has gone on since the last exchange, the accelerations of that are kept.
     """
+    past = t - base.t0
+    base.x, base.vx, _ = gone_on(base.x, base.vx, base.ax, base.jx, past)
+    base.y, base.vy, _ = gone_on(base.y, base.vy, base.ay, base.jy, past)
+    base.z, base.vz, _ = gone_on(base.z, base.vz, base.az, base.jz, past)
     if goes_on(base, t):
         base.before_ax, base.before_ay, base.before_az = base.last_ax, base.last_ay, base.last_az
         base.before_alpha_x, base.before_alpha_y = base.last_alpha_x, base.last_alpha_y
@@ -88,6 +94,40 @@ def arrive(scene, phase, base, inputs, t):
     start_at(base, t)
     if scene.settings.turns != 0.0 and (base.coupled == 0.0 or scene.settings.drive == HORIZONTAL):
         turn(scene, phase, base, inputs)
+
+
+@kernel
+def show_driven(settings, base, t, order, row):
+    """Fill a row with the motion of the base at time t (DRIVEN, DRIVEN_TURN), where bodies may drive it.
+
+    It is all zeros while its own inputs move the base. order: 1 for the rates of these numbers.
+    """
+    if settings.bodies == 0.0:
+        return
+    turns, past = settings.turns != 0.0, t - base.t0
+    clear(row, _DRIVEN + (_DRIVEN_TURN if turns else 0))
+    if settings.drive == ACCELERATION:
+        return
+    shown = _driven(row, 0)
+    x, vx, ax = gone_on(base.x, base.vx, base.ax, base.jx, past)
+    y, vy, ay = gone_on(base.y, base.vy, base.ay, base.jy, past)
+    z, vz, az = gone_on(base.z, base.vz, base.az, base.jz, past)
+    if order == 0:
+        shown.x, shown.y, shown.z, shown.vx, shown.vy, shown.vz = x, y, z, vx, vy, vz
+        shown.ax, shown.ay, shown.az = ax, ay, az
+    else:
+        shown.x, shown.y, shown.z, shown.vx, shown.vy, shown.vz = vx, vy, vz, ax, ay, az
+        shown.ax, shown.ay, shown.az = base.jx, base.jy, base.jz
+    if turns:
+        turned = _driven_turn(row[_DRIVEN:], 0)
+        theta_x, theta_y, omega_x, omega_y = rotation_at(base, t)
+        alpha_x, alpha_y = base.alpha_x + past * base.jalpha_x, base.alpha_y + past * base.jalpha_y
+        if order == 0:
+            turned.theta_x, turned.theta_y, turned.omega_x, turned.omega_y = theta_x, theta_y, omega_x, omega_y
+            turned.alpha_x, turned.alpha_y = alpha_x, alpha_y
+        else:
+            turned.theta_x, turned.theta_y, turned.omega_x, turned.omega_y = omega_x, omega_y, alpha_x, alpha_y
+            turned.alpha_x, turned.alpha_y = base.jalpha_x, base.jalpha_y
 
 
 class Sums(NamedTuple):
@@ -133,6 +173,42 @@ def _turns_of(of):
 
 
 @kernel
+def examine_step(scene, base, h):
+    """Say in `base.allowed_step` how long a step may be where one of h s is too long for what stands on the base.
+
+    Along x, y and z (formulations/allowed_step.py): the blocks on the base move on their joints, along these with the
+    mass that a joint meets as its block turns, too. A block on several joints counts once.
+    """
+    joints, bodies, n, settings = scene.joints, scene.bodies, scene.n, scene.settings
+    if not base.mass > 0.0 or not is_new(base, h, base.mass):
+        return
+    along, by_dashpots, across, across_by_dashpots, moved_x, moved_y, moved_z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for j in range(scene.m):
+        if int(joints.lower[j]) != n:
+            continue
+        k = int(joints.upper[j])
+        along += joints.shear[j] + joints.spring[j]
+        by_dashpots += joints.shear[j] * joints.shear_damping[j] + joints.dashpot[j]
+        bed = joints.stiffness[j] * joints.area[j]
+        across, across_by_dashpots = across + bed, across_by_dashpots + bed * joints.damping[j]
+        is_first = True
+        for i in range(j):
+            is_first = is_first and not (int(joints.lower[i]) == n and int(joints.upper[i]) == k)
+        if is_first:
+            arm = joints.az[j]
+            moved_x += 1.0 / (bodies.per_mass[k] + arm * arm * bodies.iyy[k])
+            moved_y += 1.0 / (bodies.per_mass[k] + arm * arm * bodies.ixx[k])
+            moved_z += bodies.mass[k]
+    way, mass = settings.slope, base.mass
+    found = longest_step(way, h, by_dashpots, along, moved_x, mass)
+    found = min(found, longest_step(way, h, by_dashpots, along, moved_y, mass))
+    if settings.drive != HORIZONTAL:
+        found = min(found, longest_step(way, h, across_by_dashpots, across, moved_z, mass))
+    if found < h:
+        base.allowed_step = found
+
+
+@kernel
 def exchange(scene, base, inputs, flat, reaction):
     """Let the base, which has arrived, go on as bodies and the structure drive it (formulations/coupled_base.py).
 
@@ -141,7 +217,7 @@ def exchange(scene, base, inputs, flat, reaction):
     """
     settings, given, of = scene.settings, _inputs(inputs, 0), _sums(scene, inputs, flat, reaction)
     turns, is_whole = settings.turns != 0.0, settings.drive != HORIZONTAL
-    base.coupled = 1.0
+    base.coupled, base.mass = 1.0, of.mass
     if not of.mass > 0.0:  # without one it does not accelerate
         base.ax, base.ay, base.az, base.jx, base.jy, base.jz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         base.alpha_x, base.alpha_y, base.jalpha_x, base.jalpha_y = 0.0, 0.0, 0.0, 0.0

@@ -19,11 +19,13 @@ from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import Record, clear, copy
 from ..stepping.control import most_of_a_call, most_work
 from .base import Shaking, segment_after
-from .coupled import INPUTS, arrive, exchange, start_at, turn, turned_by
+from .coupled import INPUTS, arrive, examine_step, exchange, show_driven, start_at, turn, turned_by
 from .evaluate import evaluate, evaluate_state, moving, recall, show
 from .extras import let_go, taken_at
 from .layout import (
     COUNTS,
+    DRIVEN,
+    DRIVEN_TURN,
     HEAD,
     INPUT_MOTION,
     LOAD,
@@ -54,6 +56,7 @@ _inputs, _head, _given, _input, _phase = INPUTS.over, HEAD.over, GIVEN.over, INP
 _model, _state = MODEL.over, STATE.over
 _INPUTS = INPUTS.beside
 _GIVEN, _COUNTS, _REACTION, _LOAD = GIVEN.beside, COUNTS.beside, len(OF_BASE), len(LOAD)
+_DRIVEN, _DRIVEN_TURN = DRIVEN.beside, DRIVEN_TURN.beside
 
 
 @leaf
@@ -216,6 +219,7 @@ def follow(model, state, counts, base, work, inputs, start, h, count, times, ax,
             code = exchange(scene, shaking.base, inputs, flat, visible[scene.visible - _REACTION :])
         if code != OK:
             return code
+        examine_step(scene, shaking.base, h)
     _load(scene, shaking, inputs, 0.0, start)
     if not _are_bounded(shaking.base, h):
         return INPUT_TOO_LARGE
@@ -230,13 +234,17 @@ def follow(model, state, counts, base, work, inputs, start, h, count, times, ax,
 
 
 @kernel
-def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, count, times, ax, ay, az, scale, visible):
+def look(
+    model, state, counts, base, work, inputs, new_inputs, elapsed, t, count, times, ax, ay, az, scale, visible, driven
+):
     """Fill an output row with the outputs of the state. Returns OK.
 
-    With `new_inputs` base and ports follow, from time t on, the inputs set `elapsed` s before.
+    With `new_inputs` base and ports follow, from time t on, the inputs set `elapsed` s before. driven: filled with the
+    motion of the base where bodies may drive it, as the last step has left it.
     """
     sizes, scene = sizes_in(model), _scene(model, state, counts, work)
     phase = _state(state, sizes).phase
+    show_driven(scene.settings, _input(base, sizes).motion, t, 0, driven)
     if new_inputs != 0 and scene.settings.drive == ACCELERATION:  # else no output depends on them
         _drive(scene, _input(base, sizes).motion, inputs, elapsed, t)
     if scene.extras.spotted == 0:
@@ -250,7 +258,7 @@ def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, count
 
 
 @kernel
-def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, visible):
+def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, visible, driven):
     """Fill an output row with the rate of every output at time t, 1/s; `look` has been called then. Returns OK.
 
     Central differences along the rates of the state, over a fraction of the first step.
@@ -259,6 +267,7 @@ def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, 
     scene, shaking = _scene(model, state, counts, work), _shaking(base, sizes, count, times, ax, ay, az, scale)
     size, here, between = scene.visible, _state(state, sizes).phase.row, row(scene, STAGE)
     clear(visible, size)
+    show_driven(scene.settings, shaking.base, t, 1, driven)
     if scene.counts.fallen > 0:
         return OK
     pace, segment = row(scene, RATES), segment_after(shaking, t)
@@ -279,14 +288,24 @@ def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, 
     return OK
 
 
+@leaf
+def _driven_size(settings):
+    """Return how many numbers `show_driven` fills."""
+    if settings.bodies == 0.0:
+        return 0
+    return _DRIVEN + (_DRIVEN_TURN if settings.turns != 0.0 else 0)
+
+
 @kernel
-def feedthrough(model, state, counts, base, work, seeds, elapsed, t, visible):
+def feedthrough(model, state, counts, base, work, seeds, elapsed, t, visible, driven):
     """Fill an output row with the derivatives of the outputs at time t along inputs, the seeds. Returns OK.
 
-    Only accelerations of ports depend on these, by straight lines. elapsed: s, since the inputs were set.
+    Only accelerations of ports depend on these, by straight lines; the motion of the base (driven) does not. elapsed:
+    s, since the inputs were set.
     """
     sizes, scene = sizes_in(model), _scene(model, state, counts, work)
     clear(visible, sizes.visible)
+    clear(driven, _driven_size(scene.settings))
     if scene.extras.spotted == 0 or scene.counts.fallen > 0:
         return OK
     phase, pace, inputs = _state(state, sizes).phase, _phase(row(scene, RATES), scene.n), _inputs(seeds, 0)

@@ -146,7 +146,7 @@ def follow_structure(arrays, inputs, t, h, times, ax, ay, az, row):
 
 
 @entry
-def look_structure(arrays, inputs, new_inputs, elapsed, t, times, ax, ay, az, row):
+def look_structure(arrays, inputs, new_inputs, elapsed, t, times, ax, ay, az, row, driven_row):
     """`driven.look`."""
     record = times.size, row_of(times), row_of(ax), row_of(ay), row_of(az), 1.0
-    return driven.look(*_rows(arrays), row_of(inputs), new_inputs, elapsed, t, *record, row_of(row))
+    return driven.look(*_rows(arrays), row_of(inputs), new_inputs, elapsed, t, *record, row_of(row), row_of(driven_row))

@@ -178,7 +178,12 @@ BASE = Record(
     *("theta_x", "theta_y", "omega_x", "omega_y"),  # rad, rad/s, rotation at time t0
     *("alpha_x", "alpha_y", "jalpha_x", "jalpha_y"),  # rad/s2, rad/s3
     *("last_alpha_x", "last_alpha_y", "before_alpha_x", "before_alpha_y"),
+    *("x", "y", "z", "vx", "vy", "vz"),  # m, m/s, at time t0: how far the base has moved since bodies drive it
+    *("mass", "checked_step", "checked_mass", "allowed_step"),  # kg, s, kg, s: as of a column
 )
+# motion of a base that bodies drive, where they may: m, m/s, m/s2; behind it, where it may turn: rad, rad/s, rad/s2
+DRIVEN = Record("x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az")
+DRIVEN_TURN = Record("theta_x", "theta_y", "omega_x", "omega_y", "alpha_x", "alpha_y")
 LOAD = ("fx", "fy", "fz", "mx", "my", "mz")  # N, N m, along the axes of the base, at a port
 # behind it: inputs at the ports at time t0, and their slopes, N/s, N m/s
 INPUT_LOADS = Table(*LOAD, *(f"d{name}" for name in LOAD))

@@ -89,6 +89,7 @@ def compile_the_rest(entries: Any) -> None:
     compile_for(entries.observe_state, *_column(), *_SILENCE, 0.0, row, row)
     compile_for(entries.arrive_base, 1, row, row, row, 0.0)
     compile_for(entries.couple_base, 1, row, row, row, row)
+    compile_for(entries.examine_base, 1, row, row, 0.0)
 
 
 def _column() -> tuple[Any, ...]:

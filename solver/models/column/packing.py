@@ -148,7 +148,7 @@ def described(column: Column) -> FloatArray:
         "without": sum(SKIP_CODES[name] for name in set(settings.without)),
         "drive": at.ACCELERATION,
         "slope": at.SLOPE_PARABOLA,
-        "bodies": 1.0,
+        "bodies": 0.0,
     }
     given = [values[name] for name in GIVEN_SETTINGS.fields]
     for block in column.blocks:

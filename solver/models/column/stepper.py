@@ -105,9 +105,10 @@ class Stepper:
         self._ports = ports_of(column)
         self.record = SILENCE
         row = at.ROW.size(self.n) + at.SPOTS.size(len(column.ports)) + column.sizes[BOND]
-        self.seen = np.zeros(row + at.SPLIT.beside)
-        """The output row last observed, and its split."""
-        self._row, self._split = self.seen[:row], self.seen[row:]
+        self._whole = np.zeros(row + at.SPLIT.beside + at.DRIVEN.beside)
+        self._row, self._split = self._whole[:row], self._whole[row:]
+        self.seen = self._whole[: row + at.SPLIT.beside]
+        """The output row last observed and its split; then the motion of the base where bodies may drive it."""
 
     @property
     def record(self) -> Record:
@@ -158,10 +159,14 @@ class Stepper:
             self._inputs[:] = np.concatenate([values + slopes * past, slopes])
 
     def driven_by(self, drive: str, slope: str, bodies: int) -> None:
-        """Let `bodies` at the base drive it, by words of DRIVES and SLOPES (kernels/layout/spaces.py)."""
+        """Let `bodies` at the base drive it, by words of DRIVES and SLOPES (kernels/layout/spaces.py).
+
+        bodies: 0 where none ever does; else `seen` ends with the motion of the base.
+        """
         settings = self.model.settings
         settings.drive, settings.slope, settings.bodies = at.DRIVES[drive], at.SLOPES[slope], bodies
         self._is_driven = settings.drive != at.ACCELERATION
+        self.seen = self._whole if bodies else self._whole[: len(self._whole) - at.DRIVEN.beside]
 
     def _join(self, t: float, given: list[float]) -> None:
         if self.record is not SILENCE:
@@ -177,6 +182,8 @@ class Stepper:
         """Advance from t to t + h, s, under `base` and `record`; all peaks are kept. Raises SolverError."""
         if self.lacks_mass:
             self._check(at.BODY_LACKING, t)
+        if self._is_driven:
+            self._entries.examine_base(self.n, self.arrays.model, self.arrays.base, float(h))
         code = self._entries.run(*self._given, float(t), float(h), _NONE, _NONE, True)
         if code < at.OK:
             self._check(code, t)
@@ -191,7 +198,7 @@ class Stepper:
     @property
     def split(self) -> FloatArray:
         """Base reaction of the row last observed as R0 - M a: R0 and the effective mass M (layout/spaces.py, SPLIT)."""
-        return self._split
+        return self._split[: at.SPLIT.beside]
 
     @property
     def _inputs(self) -> FloatArray:

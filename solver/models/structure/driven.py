@@ -89,13 +89,18 @@ def sizes_in(packed: FloatArray) -> at.Sizes:
     return at.Sizes(*packed[: len(at.Sizes._fields)].astype(int).tolist())
 
 
+def driven_size(bodies: int, turns: int) -> int:
+    """Numbers of the motion of a base that so many bodies may drive: none without any."""
+    return at.DRIVEN.beside + turns * at.DRIVEN_TURN.beside if bodies else 0
+
+
 def make_kernels(_: object = None) -> None:
     """Compile the entries that an FMU calls, unless they are cached."""
     row = np.empty(0)
     arrays = row, row, np.empty(0, dtype=np.int64), row, row
     compile_for(assemble_structure, arrays, row, 1)
     compile_for(follow_structure, arrays, row, 0.0, 0.0, *record_of(None), row)
-    compile_for(look_structure, arrays, row, 1, 0.0, 0.0, *record_of(None), row)
+    compile_for(look_structure, arrays, row, 1, 0.0, 0.0, *record_of(None), row, row)
 
 
 class DrivenStructure:
@@ -116,8 +121,9 @@ class DrivenStructure:
         turns, bodies = int(given.turns), int(given.bodies)
         of_bodies = bodies * (coupled.BODY.beside + turns * coupled.TURNING_BODY.beside)
         self._inputs = np.zeros(coupled.INPUTS.beside + of_ports + turns * coupled.ROTATION.beside + of_bodies)
-        self.seen = self._row = np.zeros(self.sizes.visible)
-        """The output row last observed."""
+        self.seen = np.zeros(self.sizes.visible + driven_size(bodies, turns))
+        """The output row last observed, then the motion of the base where bodies may drive it."""
+        self._row, self._driven = self.seen[: self.sizes.visible], self.seen[self.sizes.visible :]
         self._room = np.zeros(self.sizes.visible)
         self._elapsed, self._new = 0.0, False
         self.counts, self._state = at.COUNTS.see(self.arrays.counts), at.STATE.see(self.arrays.state, self.sizes)
@@ -151,7 +157,7 @@ class DrivenStructure:
     def observe(self, t: float) -> FloatArray:
         """The output row (kernels/structure/layout.py); overwritten by the next call."""
         new = int(self._new)
-        look_structure(self._arrays, self._inputs, new, self._elapsed, float(t), *self.record, self._row)
+        look_structure(self._arrays, self._inputs, new, self._elapsed, float(t), *self.record, self._row, self._driven)
         return self._row
 
     def stand_on_base(self) -> None:

@@ -1,0 +1,111 @@
+"""The longest communication step at which a base that bodies drive is stable with what stands on it (theory.md, 15).
+
+What stands on the base vibrates on its joints: a mass m on a spring k and a dashpot c that move with the base. Within
+a step the model follows that exactly; the force on the base acts on its mass M at the exchanges alone, and goes on by
+the rule for the slope of the acceleration. With d for the deformation, and a + j s over a step,
+
+    d'' = -(c d' + k d) / m - (a + j s),    a = (c d' + k d) / M  at the exchange
+
+A step is too long where this recurrence grows.
+"""
+
+import math
+
+from ..layout.spaces import BODY, SLOPE_HELD, SLOPE_LINE
+from ..numba_ext.jit import kernel, leaf
+from ..sections.section import full_stiffness, full_turning_stiffness
+
+STEPS = 200  # over which growth is judged, in their second half
+GROWTH = 1.005  # a step
+SHORTEST, LONGEST, WIDER = 1e-5, 0.1, 1.05  # s, s: steps that are tried, each so much longer than the one before
+FAR = 1e100
+SOFTEST = 1e-8  # (frequency times step)^2: a softer spring is none within a step, and would round
+LONGER, LIGHTER = 1.0 + 1e-6, 0.99  # than any before: then a step is examined
+
+
+@leaf
+def is_new(base, h, mass):
+    """Whether a step of h s at such masses is to be examined, because it is longer, or they are less, than before."""
+    if base.allowed_step != 0.0 or (h <= LONGER * base.checked_step and mass >= LIGHTER * base.checked_mass):
+        return False
+    base.checked_mass = mass if base.checked_step == 0.0 else min(mass, base.checked_mass)
+    base.checked_step = max(h, base.checked_step)
+    return True
+
+
+@leaf
+def _grows(way, h, dashpot, spring, moved, mass):
+    """Whether the recurrence grows at steps of h s; kg, N/m and N s/m. way: a code of SLOPES."""
+    decay, square = dashpot / moved, max(spring / moved, SOFTEST / (h * h))
+    half = 0.5 * decay
+    rest = half * half - square
+    # free motion over a step: d + v times these
+    if rest > 0.0:
+        rate = math.sqrt(rest)
+        slow, fast = math.exp((rate - half) * h), math.exp(-(rate + half) * h)
+        of_place, of_rate = 0.5 * (slow + fast), 0.5 * (slow - fast) / rate
+    else:
+        rate = math.sqrt(-rest)
+        fading = math.exp(-half * h)
+        of_place = fading * math.cos(rate * h)
+        of_rate = fading * (math.sin(rate * h) / rate if rate > 0.0 else h)
+    d, v, last, last_line, middle, size = 1.0, 0.5 * math.sqrt(square), 0.0, 0.0, 0.0, 0.0
+    for n in range(STEPS):
+        # the acceleration of the exchange and its slope
+        a = (dashpot * v + spring * d) / mass
+        line = (a - last) / h if n > 0 else 0.0
+        slope = line
+        if way == SLOPE_HELD:
+            slope = 0.0
+        elif way != SLOPE_LINE and n > 1:
+            slope = (11.0 * line - 5.0 * last_line) / 6.0
+        last, last_line = a, line
+        # particular solution place + rate s, and the free rest of the motion
+        drift = -slope / square
+        place = (-a - decay * drift) / square
+        x, y = d - place, v - drift
+        d = place + drift * h + of_place * x + of_rate * (y + half * x)
+        v = drift + of_place * y - of_rate * (square * x + half * y)
+        size = math.hypot(d * math.sqrt(square), v)
+        if n == STEPS // 2:
+            middle = size
+        if not size < FAR:
+            return True
+    return size > middle * GROWTH ** (STEPS // 2 - 1)
+
+
+@kernel
+def longest_step(way, h, dashpot, spring, moved, mass):
+    """Return the longest stable step below h, s, where h is too long; else infinity.
+
+    dashpot N s/m, spring N/m, moved kg: of what stands on the base; mass of the base, kg. A quantity of rotation is one
+    of the same kind.
+    """
+    if not (spring > 0.0 and moved > 0.0 and mass > 0.0) or not _grows(way, h, dashpot, spring, moved, mass):
+        return math.inf
+    step = SHORTEST
+    while step * WIDER < min(h, LONGEST) and not _grows(way, step * WIDER, dashpot, spring, moved, mass):
+        step *= WIDER
+    return step
+
+
+@kernel
+def examine_step(model, base, h):
+    """Say in `base.allowed_step` how long a step may be where one of h s is too long for the column on its base.
+
+    What vibrates is the lowest block on its joint: along x as it rocks, which moves the effective mass at the joint.
+    """
+    settings, blocks, low = model.settings, model.blocks, model.n - 1
+    if not base.mass_x > 0.0 or not is_new(base, h, base.mass_x + base.mass_z + base.mass_turn):
+        return
+    way, eta, above, mass = settings.slope, blocks.damping[low], blocks.centroid[low], blocks.mass[low]
+    turning, inertia = full_turning_stiffness(blocks, low), blocks.inertia[low] + mass * above * above
+    by_turn = mass * above / inertia  # 1/m, rotation by which a unit of motion along x is met
+    spring = turning * by_turn * by_turn
+    found = longest_step(way, h, eta * spring, spring, inertia * by_turn * by_turn, base.mass_x)
+    if settings.drive == BODY:
+        spring = full_stiffness(blocks, low)
+        found = min(found, longest_step(way, h, eta * spring, spring, mass, base.mass_z))
+        found = min(found, longest_step(way, h, eta * turning, turning, inertia, base.mass_turn))
+    if found < h:
+        base.allowed_step = found

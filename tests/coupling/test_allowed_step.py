@@ -1,0 +1,109 @@
+"""Bodies that drive the base: the longest stable step, and the motion of the base that FMUs show."""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.child import ended
+from support.fmus import DAMPED, ROOT
+from support.inside import light_bodies as inside
+
+from build_fmu import build_fmu, build_native_fmu
+from fmu_src.drive import drive_of
+from multiblock import Column
+from solver.kernels.formulations.allowed_step import longest_step
+from solver.kernels.layout.spaces import SLOPES
+from solver.kernels.numba_ext.jit import from_python
+from solver.models.column.stepper import Stepper
+
+G = 9.80665
+TRILITH = ROOT / "examples" / "structures" / "trilith.toml"
+
+
+@from_python
+def longest(way: float, h: float, dashpot: float, spring: float, moved: float, mass: float) -> float:
+    return longest_step(way, h, dashpot, spring, moved, mass)
+
+
+@pytest.mark.parametrize(
+    ("slope", "rate", "heaviest"), [("held", 2.0, 1.0), ("line", 1.0, 3.0), ("parabola", 6.0 / 11.0, 19.0 / 3.0)]
+)
+def test_of_dashpots_in_closed_form(slope: str, rate: float, heaviest: float) -> None:
+    """Light bases: h = rate M / c. Beyond `heaviest` times the mass on the dashpots any step is stable.
+
+    The recurrence changes its sign at every step where it begins to grow. Steps are tried 5 % apart.
+    """
+    way = SLOPES[slope]
+    exact = rate * 1e3 / 1e6
+    assert exact / 1.06 < longest(way, 0.05, 1e6, 1.0, 1e9, 1e3) < 1.01 * exact
+    assert longest(way, 0.05, 1e6, 1.0, 100.0, 1.05 * heaviest * 100.0) == math.inf
+    assert longest(way, 0.05, 1e6, 1.0, 100.0, 0.95 * heaviest * 100.0) < 0.05
+
+
+def on_free_body(h: float, slope: str, mass: float, steps: int) -> tuple[float, float]:
+    """Return the largest acceleration of a free body under a column after `steps`, and the allowed step it is told."""
+    column = Column.from_toml(DAMPED)
+    weight = G * sum(block.mass for block in column.blocks)
+    stepper = Stepper(column.with_settings(tolerance=1e-8))
+    stepper.driven_by("body", slope, 1)
+    largest = 0.0
+    for k in range(steps):
+        pull = weight + (1e3 if k < 2 else 0.0)
+        stepper.drive(k * h, *[0.0] * 7, 0.0, pull, 0.0, mass, 0.0, 0.0, mass, 0.0, 2.0 * mass)
+        stepper.advance(k * h, h)
+        largest = max(largest, abs(float(stepper.base.az))) if k > steps // 2 else largest
+    return largest, float(stepper.base.allowed_step)
+
+
+@pytest.mark.parametrize("slope", list(SLOPES))
+def test_columns_on_a_light_body(slope: str) -> None:
+    """A free body of 30 t: below the step that is named the motion fades, above it grows.
+
+    That of `held` is named from the lowest block alone, and is 1.5 times too short here: upper joints damp it too.
+    """
+    mass = 30e3
+    _, named = on_free_body(4e-3, slope, mass, 3)
+    assert 0.5e-3 < named < 4e-3
+    fading, none = on_free_body(0.85 * named, slope, mass, 200)
+    growing, again = on_free_body((2.0 if slope == "held" else 1.3) * named, slope, mass, 60)
+    assert none == 0.0
+    assert again == pytest.approx(named, rel=0.06)
+    assert fading < 1e-3
+    assert growing > 1.0
+
+
+@pytest.mark.parametrize("model", [DAMPED, TRILITH], ids=["column", "structure"])
+@pytest.mark.parametrize("kind", ["python", pytest.param("native", marks=pytest.mark.long)])
+def test_fmus_show_the_motion_of_the_base_and_say_which_step_is_too_long(
+    model: Path, kind: str, tmp_path: Path
+) -> None:
+    """A heavy body under a constant force moves as in closed form; with a light one a step is too long: said once."""
+    fmu, drive = tmp_path / "driven.fmu", drive_of("body", "line", 1)
+    if kind == "python":
+        build_fmu(model, fmu, drive=drive)
+    else:
+        if not importlib.util.find_spec("ziglang") or not sys.platform.startswith("linux"):
+            pytest.skip("needs the extra native, and Linux")
+        build_native_fmu(model, fmu, platforms=["linux64"], drive=drive)
+    assert "stable up to" not in said(fmu, inside.moved, tmp_path / "rows.npy")
+    t, x, vx, ax, z = np.load(tmp_path / "rows.npy").T
+    assert x == pytest.approx(0.5 * 0.1 * t * t, rel=1e-6)
+    assert vx == pytest.approx(0.1 * t, rel=1e-6)
+    assert ax == pytest.approx(0.1, rel=1e-6)
+    assert z == pytest.approx(0.5 * 0.2 * t * t, rel=1e-5)
+    told = said(fmu, inside.too_long, 2e3, 4)
+    assert told.count("the coupling is stable up to steps of about") == 1
+    assert "communication step = 0.004 s: with the masses" in told
+
+
+def said(fmu: Path, function: Callable[..., object], *arguments: object) -> str:
+    """Return what is said while a function is called with an FMU: by its logger, which a PythonFMU repeats."""
+    done = ended(function, fmu, *arguments)
+    assert done.returncode == 0, done.stderr
+    return done.stderr if "stable up to" in done.stderr else done.stdout
