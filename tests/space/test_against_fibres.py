@@ -66,3 +66,43 @@ def in_plane(given: Scene) -> Seen:
 def on_fibres(given: Scene) -> Seen:
     found = follow(given.block, given.amplitude, given.frequency, 1.0 / given.frequency + REST)
     return Seen(found.largest, found.x, found.fallen)
+
+
+def differences(seeds: range) -> tuple[int, int, int]:
+    """Return how many verdicts differ in space and in the plane from those on fibres; and how many blocks do both."""
+    space, plane, both = 0, 0, 0
+    for seed in seeds:
+        given = scene(seed)
+        truth = on_fibres(given)
+        space += in_space(given).fallen != truth.fallen
+        plane += in_plane(given).fallen != truth.fallen
+        both += truth.largest > 0.05 and abs(truth.moved) > 0.01
+    return space, plane, both
+
+
+def test_blocks_that_stand_move_as_on_fibres() -> None:
+    """The medians of twelve scenes: single blocks rock past each other, which the smallest difference decides."""
+    rotations, places = [], []
+    for seed in range(12):
+        given = scene(seed)
+        seen, truth = in_space(given), on_fibres(given)
+        assert seen.fallen == truth.fallen
+        if not truth.fallen:
+            rotations.append(abs(seen.largest - truth.largest))
+            places.append(abs(seen.moved - truth.moved))
+    assert len(places) >= 5
+    assert np.median(rotations) < 2e-3  # rad, measured 9e-4
+    assert np.median(places) < 0.01  # m, measured 7e-3
+
+
+@pytest.mark.campaign
+def test_verdicts_differ_no_more_in_space_than_in_the_plane() -> None:
+    """Measured: of 320 blocks, 264 of which rock by 0.05 rad and slide by 1 cm at least, 3 in space, 7 in the plane.
+
+    Friction acts along the half-way tangent of a joint, that of the fibres along the ground: half of the tilt away. Let
+    it act there in the fibres, too, and 2 and 6 differ.
+    """
+    space, plane, both = differences(range(320))
+    assert both > 200
+    assert space <= 5
+    assert space <= plane

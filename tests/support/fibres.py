@@ -56,7 +56,9 @@ def follow(block: Block, amplitude: float, frequency: float, duration: float, fi
     inertia = mass * (block.width**2 + block.height**2) / 12.0
     area = block.width * block.depth
     # on one edge a fibre meets translation and rotation at once
-    fastest = math.sqrt(max(1.0, block.shear) * block.stiffness * area * (1.0 / mass + 0.25 * block.height**2 / inertia))
+    fastest = math.sqrt(
+        max(1.0, block.shear) * block.stiffness * area * (1.0 / mass + 0.25 * block.height**2 / inertia)
+    )
     law = np.array([block.stiffness, block.damping, block.friction, block.shear, mass, inertia, 0.5 * block.height])
     found = _follow(places, areas, law, amplitude, frequency, duration, PART / fastest)
     return Followed(float(found[0]), float(found[1]), float(found[2]), bool(found[0] > FALLEN))
