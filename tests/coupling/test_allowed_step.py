@@ -47,7 +47,7 @@ def test_of_dashpots_in_closed_form(slope: str, rate: float, heaviest: float) ->
 
 
 def on_free_body(h: float, slope: str, mass: float, steps: int) -> tuple[float, float]:
-    """Return the largest acceleration of a free body under a column after `steps`, and the allowed step it is told."""
+    """Return the largest acceleration of a free body under a column after `steps`, and the allowed step it is warned."""
     column = Column.from_toml(DAMPED)
     weight = G * sum(block.mass for block in column.blocks)
     stepper = Stepper(column.with_settings(tolerance=1e-8))
@@ -97,9 +97,9 @@ def test_fmus_show_the_motion_of_the_base_and_say_which_step_is_too_long(
     assert vx == pytest.approx(0.1 * t, rel=1e-6)
     assert ax == pytest.approx(0.1, rel=1e-6)
     assert z == pytest.approx(0.5 * 0.2 * t * t, rel=1e-5)
-    told = said(fmu, inside.too_long, 2e3, 4)
-    assert told.count("the coupling is stable up to steps of about") == 1
-    assert "communication step = 0.004 s: with the masses" in told
+    warned = said(fmu, inside.too_long, 2e3, 4)
+    assert warned.count("the coupling is stable up to steps of about") == 1
+    assert "communication step = 0.004 s: with the masses" in warned
 
 
 def said(fmu: Path, function: Callable[..., object], *arguments: object) -> str:

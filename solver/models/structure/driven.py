@@ -90,7 +90,7 @@ def sizes_in(packed: FloatArray) -> at.Sizes:
 
 
 def driven_size(bodies: int, turns: int) -> int:
-    """Numbers of the motion of a base that so many bodies may drive: none without any."""
+    """Return how many numbers the motion of a base has that bodies may drive: none without bodies."""
     return at.DRIVEN.beside + turns * at.DRIVEN_TURN.beside if bodies else 0
 
 
