@@ -47,7 +47,7 @@ def test_of_dashpots_in_closed_form(slope: str, rate: float, heaviest: float) ->
 
 
 def on_free_body(h: float, slope: str, mass: float, steps: int) -> tuple[float, float]:
-    """Return the largest acceleration of a free body under a column after `steps`, and the allowed step it is warned."""
+    """Return the largest acceleration of a free body under a column after `steps`, and the step it is warned of."""
     column = Column.from_toml(DAMPED)
     weight = G * sum(block.mass for block in column.blocks)
     stepper = Stepper(column.with_settings(tolerance=1e-8))
