@@ -5,15 +5,18 @@ from __future__ import annotations
 import json
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from support.probe import PHOCAS_STIFFNESS, Array, monolith, phocas
 
-from solver import Column, InitialState, InputError, InputWarning, Motion, SolverError, simulate
+from solver import Block, Column, InitialState, InputError, InputWarning, Joint, Motion, SolverError, simulate
 from solver.commands.command_line import main
+from solver.models.column.linearization import undamped
 from solver.models.column.modes import natural_modes
+from solver.models.column.push import BalanceCurve
 from solver.statics.calibrate import (
     damping_from_ratio,
     damping_from_restitution,
@@ -206,6 +209,25 @@ def test_command_gives_each_joint_its_modulus(tmp_path: Path, capsys: pytest.Cap
     stiffness = [joint["stiffness"] / PHOCAS_STIFFNESS for joint in found["joints"]]
     assert stiffness == pytest.approx(THREE, rel=1e-6)
     assert found["frequencies"]["fitted"] == pytest.approx(found["frequencies"]["measured"], rel=1e-9)
+
+
+def test_a_block_that_touches_at_its_edges_loses_what_housners_block_loses() -> None:
+    """Two edge strips, where the curve of balance has a corner: one strip opens, and the block turns on the other.
+
+    The largest push turns the block about the middle of a strip, which bears all. Measured: 0.9116 beside Housner's
+    0.9028, of the whole face 0.958.
+    """
+    strips = (0.5, *[0.0] * 30, 0.5)
+    edges = Joint(stiffness=2e10, damping=1e-3, section="strips", strips=strips)
+    column = Column("edges", (Block(height=1.9, width=0.5, depth=0.5, mass=1140.0, joint=edges),))
+    places = BalanceCurve(undamped(column)).follow()
+    push = max(place.push for place in places)
+    assert push == pytest.approx(column.g * 0.5 * (31.0 / 32.0) / 1.9, rel=1e-3)
+    assert places[-1].push == 0.0 or abs(places[-1].push) < 1e-6
+    assert restitution(column) == pytest.approx(housner_restitution(column), rel=0.015)
+    whole = column.with_joints([2e10], [1e-3])
+    face = replace(whole, blocks=(replace(whole.blocks[0], joint=Joint(stiffness=2e10, damping=1e-3)),))
+    assert restitution(face) > 1.05 * housner_restitution(face)
 
 
 def test_restitution_that_is_not_monotone_is_said(capsys: pytest.CaptureFixture[str]) -> None:

@@ -33,6 +33,8 @@ NEAR = 1e-4  # of the length of the curve: a correction below this cannot reach 
 CONVERGED = 1e-9  # last correction, in parts of what opens a joint
 ROUNDED = 1e-5  # last correction with new derivatives, if rounding stops the convergence
 PART = 1e-3  # of the coordinates at which a joint opens: size of finite differences
+CORNER = 1e-5  # step from a corner on
+BEYOND = (1e-4, 1e-3, 1e-2, 0.1)  # of what opens a joint: how far behind a corner derivatives are taken
 TURN = 0.97  # least cosine between the directions of the curve at two points
 WITHOUT_BONDS = "computed without mortar, as once all bonds have broken"  # of a brittle column
 NARROWED = 1e-9  # of a step: accuracy of a point at which a regime changes
@@ -105,7 +107,7 @@ class BalanceCurve:
             except _LostError:
                 step *= 0.5
                 if step < SHORTEST:
-                    raise SolverError(f"the balance is lost beyond a push of {last.push:.6g} m/s2") from None
+                    places[-1], step = self._round(last), CORNER
                 continue
             places[-1] = last._replace(inverse=_NONE)
             between = []
@@ -124,6 +126,32 @@ class BalanceCurve:
             if renewals <= FEW:
                 step = min(LONGEST, 2.0 * step)
         raise SolverError(f"the curve of balance does not come to an end within {MOST_POINTS} points")
+
+    def _round(self, last: Balanced) -> Balanced:
+        """Return the place with the direction of the curve behind a corner, where a narrow strip has just opened.
+
+        The derivatives are taken a little further on, with the rotations and openings as they change before it. Raises
+        SolverError if the curve goes on nowhere.
+        """
+        moves = last.along * self._scale
+        moves[-1] = 0.0
+        moves /= np.max(np.abs(moves) / self._opens)
+        for part in BEYOND:
+            try:
+                beyond = self._pointed(last.q + part * moves[:-1], last.push, last.along)
+                ahead = beyond.along * math.copysign(1.0, float(np.sum((beyond.along * last.along)[:-1])))
+                if float(np.sum(self._weight * ahead * last.along)) >= TURN:
+                    continue
+                rounded = last._replace(along=ahead, inverse=_inverse(self._matrix(*self._at(beyond), ahead)))
+                self._step(rounded, CORNER)
+            except _LostError:
+                continue
+            return rounded
+        raise SolverError(f"the balance is lost beyond a push of {last.push:.6g} m/s2")
+
+    @staticmethod
+    def _at(place: Balanced) -> tuple[FloatArray, float]:
+        return place.q, place.push
 
     def _step(self, last: Balanced, step: float) -> tuple[Balanced, int]:
         """The place one step further along the curve, and the number of renewals of derivatives. Raises _LostError."""
