@@ -21,12 +21,12 @@ from ..models.structure.model import Structure
 from ..statics.rocking import critical_damping, restitution_sentence
 from .command_files import add_force, check_suffix
 from .new_mesh import new_from_mesh
-from .new_structures import BUILT, Built, origin_of_stiffness, sliding_lines, structure_text
+from .new_structures import BUILT, Built, bounce_damping, origin_of_stiffness, sliding_lines, structure_text
 from .questions import HEIGHT, SIZE, Limits, Question, answer_to, choice, number, parsed
 
 T = TypeVar("T")
 
-DAMPING = 1e-3  # s, of structures
+DAMPING = 1e-3  # s, until blocks and joints are known
 # of height times width times depth of its base, that a statue fills. The body of a person: 0.3 of the box around it. A
 # draped Roman statue of 650 kg on a base of 0.72 by 0.43 m, centroid at 0.635 m (Monaco and others 2020, table 1): at
 # most 0.6, if of marble and not wider above
@@ -175,7 +175,8 @@ def _new(options: argparse.Namespace) -> None:
         asked[key] = number(question, asked)
     if shape not in BUILT:
         blocks = blocks or SHAPES[shape].blocks(asked)
-    damping = _asked_damping(blocks, material)
+    built = structure_text(name, BUILT[shape], asked, material, DAMPING) if shape in BUILT else ""
+    damping = _asked_damping(blocks, material, built)
     friction = choice("joints may slide", {"yes": "by friction", "no": "they never slide"}, "no") == "yes"
     dowel = 0.0
     if friction:
@@ -193,11 +194,15 @@ def _new(options: argparse.Namespace) -> None:
     print(*said, sep="\n")
 
 
-def _asked_damping(blocks: Sequence[dict[str, float]], material: str) -> float:
-    """Ask for the damping; of a column the critical one of its rocking part is proposed, as follows from its joint."""
-    words = "damping eta of the joints (s), a guess for dry stone: try half and twice; 1e-3 is 1 % at 3 Hz"
-    proposed = DAMPING
-    if blocks:
+def _asked_damping(blocks: Sequence[dict[str, float]], material: str, built: str) -> float:
+    """Ask for the damping; proposed is the critical one of what rocks, as follows from its joint.
+
+    blocks: of a column, none of a structure; built: text of a structure with another damping.
+    """
+    if built:
+        proposed = bounce_damping(Structure.from_dict(tomllib.loads(built)))
+        words = "damping eta of the joints (s); proposed: 2 sqrt(m / (k A)) of the blocks, no measured value"
+    else:
         column = Column.from_dict(tomllib.loads(column_text("column", "column", blocks, material, DAMPING)))
         proposed = float(f"{min(critical_damping(column), DAMPINGS[0][1]):.2g}")
         words = "damping eta of the joints (s); proposed: 2 sqrt(m / (k A)) of the part that rocks, no measured value"

@@ -21,8 +21,9 @@ from ..models.structure.blocks.parts import Solid
 from ..models.structure.hull_tables import FACTOR, in_folder
 from ..models.structure.model import Structure
 from .command_files import check_suffix
+from .new_structures import bounce_damping
 
-DAMPING = 1e-3  # s
+DAMPING = 1e-3  # s, until mass and foot are known
 HOLLOW = 1.05  # times its volume: a mesh whose hull is larger may be better as parts
 TURN = 22.5  # degrees between the directions that are shown of a foot of many edges
 
@@ -68,7 +69,8 @@ def new_from_mesh(options: argparse.Namespace, path: Path) -> None:
     given = name, os.path.relpath(mesh, path.parent), options.material, *of_mesh
     structure = _structure(mesh_text(*given, height=1.0), path.parent)
     height = float(np.ptp(structure.blocks[0].corners[:, 2]))
-    text = mesh_text(*given, height=height)
+    structure = _structure(mesh_text(*given, height=height), path.parent)
+    text = mesh_text(*given, height=height, damping=bounce_damping(structure))
     with reading(path):
         structure = _structure(text, path.parent)
         with whole_file(path) as beside:
@@ -144,8 +146,12 @@ def mesh_text(
     parts: int | None,
     repair: bool,
     height: float,
+    damping: float = DAMPING,
 ) -> str:
-    """The text of the file; height: m, of the mesh, for the modulus of its joint; feet, parts: how many."""
+    """The text of the file; height: m, of the mesh, for the modulus of its joint; feet, parts: how many.
+
+    damping: s, of its joint.
+    """
     found = MATERIALS[material]
     lines = [
         f"# A block from the mesh {Path(file).name}. Lengths in m, masses in kg.",
@@ -155,7 +161,7 @@ def mesh_text(
         "",
         "[joints]                     # under the block",
         f"stiffness = {found.modulus(height):.4g}        # N/m3, of the material over its height, and a dry joint",
-        f"damping = {DAMPING!r}            # s, eta: a mode of frequency f has the damping ratio pi f eta",
+        f"damping = {damping!r}          # s, eta = 2 sqrt(m / (k A)), critical as it bounces: no measured value",
         f"friction = {found.friction!r}",
         f"strength = {found.strength!r}      # Pa, with which `multiblock check` compares the pressure",
         "",

@@ -7,8 +7,11 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ..models.column.materials import MATERIALS, Material
 from ..models.structure.builders import arch
+from ..models.structure.model import Structure
 from .questions import Limits, Question
 
 Asked = Mapping[str, float]
@@ -126,6 +129,18 @@ def sliding_lines(material: Material, friction: bool, dowel: float) -> list[str]
     if dowel:
         lines.append(f"dowel = {dowel!r}            # N, shear borne beside friction")
     return lines
+
+
+def bounce_damping(structure: Structure) -> float:
+    """Return the eta, s, at which the blocks are critically damped as they bounce: 2 sqrt(m / (k A)), their median.
+
+    k A is of all joints under a block, two digits are kept.
+    """
+    beds = np.zeros(structure.n)
+    for joint in structure.joints:
+        beds[joint.upper] += joint.bed.stiffness * joint.face.moments[0]
+    masses = np.array([block.mass for block in structure.blocks])
+    return float(f"{np.median(2.0 * np.sqrt(masses[beds > 0.0] / beds[beds > 0.0])):.2g}")
 
 
 def structure_text(
