@@ -237,7 +237,9 @@ def campaign(seed: int, first: int, count: int, only: str | None = None) -> Iter
         for name, is_native in kinds:
             source, own = SOURCES[name]
             fmu, called = Path(folder) / "body.fmu", f"{name}{', native' if is_native else ''}"
-            code, _, err = finish("build_fmu.py", EXAMPLES / source, "-o", fmu, *own, *(NATIVE if is_native else ()))
+            code, _, err = finish(
+                "build_fmu.py", EXAMPLES / source, "-o", fmu, "--force", *own, *(NATIVE if is_native else ())
+            )
             about = {"name": called, "seed": seed}
             yield about | ({"tried": 0, "failures": [err]} if code else judged(fmu, seed, first, each))
 
