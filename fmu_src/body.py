@@ -181,7 +181,7 @@ class ColumnBody(Body, word="column"):
 
     def stepper(self, described: Described) -> in_plane.Stepper:
         made = in_plane.Stepper(described.column)
-        made.driven_by(described.drive.drive, described.drive.slope, described.drive.most_bodies)
+        made.driven_by(described.drive.drive, described.drive.slope, self.drive.most_bodies)
         return made
 
     def state_ranges(self, stepper: in_plane.Stepper | None = None) -> Ranges:
@@ -246,7 +246,7 @@ class StructureBody(Body, word="structure"):
             check_choice(names[2], word, tuple(SKIP_CODES))
             code |= SKIP_CODES[word]
         drive = self.drive.chosen(value)
-        of_drive = DRIVES[drive.drive], SLOPES[drive.slope], drive.most_bodies, float(drive.turns)
+        of_drive = DRIVES[drive.drive], SLOPES[drive.slope], self.drive.most_bodies, float(drive.turns)
         return Chosen(tolerance, float(code), scale, *of_drive)
 
     def stepper(self, described: Chosen) -> DrivenStructure:
