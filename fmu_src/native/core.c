@@ -753,9 +753,16 @@ static int up_to_date(Instance *instance) {
     return 0;
 }
 
-/* The status for a kernel's code; an error is logged. */
-static Status answer(const Instance *instance, int64_t code) {
-    return code >= 0 ? ST_OK : core_say(instance, ST_ERROR, "%s", reason_of(code));
+/* Take derivatives for which a kernel has left a code, and return the status; an error is logged. */
+static Status take(const Instance *instance, int64_t code, const Reference references[], size_t count,
+                   double values[]) {
+    if (code < 0) return core_say(instance, ST_ERROR, "%s", reason_of(code));
+    for (size_t k = 0; k < count; k++) {
+        values[k] = *visible(instance, references[k]);
+        if (!isfinite(values[k]))
+            return core_say(instance, ST_ERROR, "%s: its derivative is no finite number", find(references[k])->name);
+    }
+    return ST_OK;
 }
 
 Status core_rates(Instance *instance, const Reference references[], size_t count, const int orders[], double values[]) {
@@ -768,8 +775,7 @@ Status core_rates(Instance *instance, const Reference references[], size_t count
     int64_t code = rates((Rates){COLUMN(instance), RECORD(instance), .t = instance->now.time, .row = instance->row,
                                  .split = instance->split, .other = instance->other_row,
                                  .other_split = instance->other_split});
-    for (size_t k = 0; k < count; k++) values[k] = *visible(instance, references[k]);
-    return answer(instance, code);
+    return take(instance, code, references, count, values);
 }
 
 Status core_directional(Instance *instance, const Reference unknowns[], size_t unknown_count, const Reference knowns[],
@@ -792,8 +798,7 @@ Status core_directional(Instance *instance, const Reference unknowns[], size_t u
                                              .elapsed = now->time - now->input_time,
                                              .t = now->time, .row = instance->row, .split = instance->split,
                                              .other = instance->other_row, .other_split = instance->other_split});
-    for (size_t k = 0; k < unknown_count; k++) values[k] = *visible(instance, unknowns[k]);
-    return answer(instance, code);
+    return take(instance, code, unknowns, unknown_count, values);
 }
 
 /* --- state */
