@@ -157,8 +157,7 @@ class ColumnBody(Body, word="column"):
         blocks = "block" if column.n == 1 else "blocks"
         self.about = f"Column of {column.n} rigid {blocks} with no-tension elastic joints under base acceleration"
         more = at.SPOTS.size(len(column.ports)) + column.sizes[BOND]
-        split = at.SPLIT.beside + (at.DRIVEN.beside if drive.is_chosen else 0)
-        self.sizes = at.ROW.size(column.n) + more, split, at.PEAKS.size(column.n) + more
+        self.sizes = at.ROW.size(column.n) + more, drive.split_of_column, at.PEAKS.size(column.n) + more
         folder, beside = ("paper", ()) if column.kind.fixed else ("api", ("arrive_base", "couple_base", "examine_base"))
         folder = "bonds" if column.is_brittle else "ports" if column.ports else folder
         used = ("assemble_column", "run", "observe_state", *beside)

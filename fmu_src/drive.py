@@ -7,7 +7,7 @@ from enum import Enum
 from typing import Any, NamedTuple
 
 from solver.common.ranges import check_choice
-from solver.kernels.layout.spaces import DRIVES, SLOPES
+from solver.kernels.layout.spaces import DRIVEN, DRIVES, SLOPES, SPLIT
 
 from .references import MOST_BODIES, OF_COLUMN, names_of_body
 from .variables import DRIVE, MOVING, SLOPE_OF_BASE, Variable, input_of, parameter_of
@@ -71,8 +71,13 @@ class Drive(NamedTuple):
 
     @property
     def most_bodies(self) -> int:
-        """How many bodies may drive the base, 0 in the usual FMU."""
+        """Number of bodies that may drive the base, 0 in the usual FMU."""
         return self.bodies if self.is_chosen else 0
+
+    @property
+    def split_of_column(self) -> int:
+        """Length of a column's split reaction, with the motion of its base where bodies may drive it."""
+        return SPLIT.beside + (DRIVEN.beside if self.is_chosen else 0)
 
     @property
     def words(self) -> tuple[str, ...]:

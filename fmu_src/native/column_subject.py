@@ -65,7 +65,7 @@ def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
             "BASE": at.BASE.beside + len(of_ports),
             "WORK": spaces.WORK.size(n) + spots,
             "ROW": at.ROW.size(n) + spots + column.sizes[BOND],
-            "SPLIT": at.SPLIT.beside + (at.DRIVEN.beside if drive.is_chosen else 0),
+            "SPLIT": drive.split_of_column,
             "ROOM": engine.scratch_room(n),
         },
         codes={f"STATE_{name.upper()}": place for place, name in enumerate(at.CONTROL.fields)}

@@ -20,6 +20,7 @@ from support.inside import ports
 from support.inside import structures as inside
 from support.lagrange import TINY, Array, Reference
 from support.loads import generalized, place
+from support.shaft import PORTS, SHAFT
 
 from build_fmu import build_fmu, build_native_fmu
 from fmu_src.drive import drive_of
@@ -32,27 +33,7 @@ from solver.models.outputs import places_of
 
 H, DURATION = 0.01, 1.0  # s
 NATIVE = bool(importlib.util.find_spec("ziglang")) and sys.platform.startswith("linux")
-FILE = """
-name = "shaft"
-[joint]
-stiffness = 5e9
-damping = 1e-3
-[solver]
-tolerance = 1e-8
-[[block]]
-repeat = 2
-height = 3.0
-width = 1.2
-depth = 1.2
-density = 2500.0
-[[port]]
-name = "top"
-block = "block1"
-at = [0.2, 1.5]
-[[port]]
-name = "lower"
-block = "block2"
-"""
+FILE = SHAFT.format(joint="") + PORTS
 
 
 def shaft(folder: Path) -> Path:

@@ -9,34 +9,11 @@ from pathlib import Path
 import pytest
 from support.child import call
 from support.inside import derivatives as inside
+from support.shaft import PORTS, SHAFT
 
 from build_fmu import build_native_fmu
 from fmu_src.drive import USUAL, drive_of
 
-COLUMN = """
-name = "post"
-[joint]
-stiffness = 5e9
-damping = 1e-3
-{joint}
-[solver]
-tolerance = 1e-8
-[[block]]
-repeat = 2
-height = 3.0
-width = 1.2
-depth = 1.2
-density = 2500.0
-"""
-PORTS = """
-[[port]]
-name = "top"
-block = "block1"
-at = [0.2, 1.5]
-[[port]]
-name = "lower"
-block = "block2"
-"""
 BLOCK = """
 name = "post with a port"
 [joints]
@@ -61,20 +38,20 @@ SPACE = {"body.F0z": 2.2e4, "body.M": 1e6}
 TURNING = SPACE | {"body.Jxx": 1e6, "body.Jyy": 2e6, "body.Jxy": 100.0, "body.Mxry": 300.0, "body.Myrx": -200.0}
 MORTAR = "tensile_strength = 2e5\ncohesion = 3e5\nfriction = 0.6"
 KINDS = {
-    "column, horizontal": (COLUMN.format(joint=""), "horizontal", False, PLANE),
-    "column with friction": (COLUMN.format(joint="friction = 0.05"), "acceleration", False, {}),
-    "column with friction, body": (COLUMN.format(joint="friction = 0.05"), "body", False, PLANE),
-    "column with friction, horizontal": (COLUMN.format(joint="friction = 0.05"), "horizontal", False, PLANE),
-    "column with mortar": (COLUMN.format(joint=MORTAR), "acceleration", False, {}),
+    "column, horizontal": (SHAFT.format(joint=""), "horizontal", False, PLANE),
+    "column with friction": (SHAFT.format(joint="friction = 0.05"), "acceleration", False, {}),
+    "column with friction, body": (SHAFT.format(joint="friction = 0.05"), "body", False, PLANE),
+    "column with friction, horizontal": (SHAFT.format(joint="friction = 0.05"), "horizontal", False, PLANE),
+    "column with mortar": (SHAFT.format(joint=MORTAR), "acceleration", False, {}),
     "column with mortar, horizontal": (
-        COLUMN.format(joint=MORTAR),
+        SHAFT.format(joint=MORTAR),
         "horizontal",
         False,
         PLANE,
     ),
-    "column with ports": (COLUMN.format(joint="") + PORTS, "acceleration", False, {}),
-    "column with ports, body": (COLUMN.format(joint="") + PORTS, "body", False, PLANE),
-    "column with ports, horizontal": (COLUMN.format(joint="") + PORTS, "horizontal", False, PLANE),
+    "column with ports": (SHAFT.format(joint="") + PORTS, "acceleration", False, {}),
+    "column with ports, body": (SHAFT.format(joint="") + PORTS, "body", False, PLANE),
+    "column with ports, horizontal": (SHAFT.format(joint="") + PORTS, "horizontal", False, PLANE),
     "structure": (BLOCK, "acceleration", False, {}),
     "structure, body": (BLOCK, "body", False, SPACE),
     "structure that turns": (BLOCK, "acceleration", True, {}),

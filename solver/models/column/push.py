@@ -142,16 +142,12 @@ class BalanceCurve:
                 ahead = beyond.along * math.copysign(1.0, float(np.sum((beyond.along * last.along)[:-1])))
                 if float(np.sum(self._weight * ahead * last.along)) >= TURN:
                     continue
-                rounded = last._replace(along=ahead, inverse=_inverse(self._matrix(*self._at(beyond), ahead)))
+                rounded = last._replace(along=ahead, inverse=_inverse(self._matrix(beyond.q, beyond.push, ahead)))
                 self._step(rounded, CORNER)
             except _LostError:
                 continue
             return rounded
         raise SolverError(f"the balance is lost beyond a push of {last.push:.6g} m/s2")
-
-    @staticmethod
-    def _at(place: Balanced) -> tuple[FloatArray, float]:
-        return place.q, place.push
 
     def _step(self, last: Balanced, step: float) -> tuple[Balanced, int]:
         """The place one step further along the curve, and the number of renewals of derivatives. Raises _LostError."""
