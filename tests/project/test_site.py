@@ -46,8 +46,9 @@ def test_tutorials(folder: Path, page: Path, capsys: pytest.CaptureFixture[str])
         exec(program, {})
     printed = capsys.readouterr().out
     shown = [line for text in pages.blocks(page, "") for line in text.splitlines()]
-    # between none and all a verdict may depend on the last digits
-    certain = [line for line in shown if not re.match(r"[\d.]+ x .*: [1-6] of 7", line)]
+    # between none and all a verdict may depend on the last digits, those of the artificial motions by numpy's version
+    between = r"[\d.]+ x .*: [1-6] of 7|The shaking can grow to|The answer hangs on"
+    certain = [line for line in shown if not re.match(between, line)]
     assert [line for line in certain if line not in printed] == []
     assert not shown or certain
 
