@@ -29,6 +29,16 @@ class Bed(NamedTuple):
     largest: Any  # of q, m
 
 
+class Moments(NamedTuple):
+    """Integrals over a section of x, y (m3) and of x^2, x y, y^2 (m4)."""
+
+    x: Any
+    y: Any
+    xx: Any
+    xy: Any
+    yy: Any
+
+
 @leaf
 def nothing(plane):
     """A joint without contact."""
@@ -61,12 +71,36 @@ def plane_of_lane(plane, k):
 
 
 @leaf
-def whole(joints, j, q, largest):
-    """The bed of joint j in full contact; its axes begin at the centroid of the section."""
-    force = q.at * joints.area[j]
-    first_x = q.along_x * joints.ixx[j] + q.along_y * joints.ixy[j]
-    first_y = q.along_x * joints.ixy[j] + q.along_y * joints.iyy[j]
-    return Bed(force, first_x, first_y, joints.area[j], largest)
+def whole(area, moments, q, largest):
+    """Return the bed of a section in full contact.
+
+    Parameters
+    ----------
+    area : float or lanes
+        Area of the section, m2.
+    moments : Moments
+        The other integrals over the section.
+    q : Plane
+        Damped penetration, m.
+    largest : float or lanes
+        Largest q, m.
+    """
+    force = q.at * area + (q.along_x * moments.x + q.along_y * moments.y)
+    first_x = q.along_x * moments.xx + q.along_y * moments.xy + q.at * moments.x
+    first_y = q.along_x * moments.xy + q.along_y * moments.yy + q.at * moments.y
+    return Bed(force, first_x, first_y, area, largest)
+
+
+@leaf
+def less(bed, other):
+    """Return a bed without that of a part of its section."""
+    return Bed(
+        bed.force - other.force,
+        bed.first_x - other.first_x,
+        bed.first_y - other.first_y,
+        bed.area - other.area,
+        bed.largest,
+    )
 
 
 @leaf

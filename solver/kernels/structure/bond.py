@@ -33,6 +33,7 @@ from .bed import Bed, Plane, chosen, nothing, plane_of_lane, triangle, value, wh
 from .clipping import cut
 from .layout import BONDED, MOST_BONDED, OF_POLYGON, has_extras, may_break
 from .polygon import polygon_bed
+from .section import bearing_area
 
 _bonded = BONDED.over
 _BONDED, _EACH = BONDED.beside, OF_POLYGON.size(1)
@@ -166,8 +167,8 @@ def with_bond(scene, e, p, q, bed):
     own = _all_of(room, count, q)
     full = own.area > NEARLY * scene.joints.area[j]
     if any_of(full):
-        own = chosen(full, whole(scene.joints, j, q, bed.largest), own)
-    dry = polygon_bed(room, 0, count, own, p, q)
+        own = chosen(full, whole(*bearing_area(scene, j), q, bed.largest), own)
+    dry = polygon_bed(room, count, own, p, q)
     sound.area[e] = where(there, own.area, 0.0)
     force, first_x, first_y = own.force - dry.force, own.first_x - dry.first_x, own.first_y - dry.first_y
     area = own.area + (bed.area - dry.area)

@@ -185,12 +185,11 @@ def _highest(radius, p, q, slope_p, slope_q):
 
 
 @kernel
-def round_bed(scene, j, p, q):
-    """The bed of joint j, whose section is a disc or a ring."""
-    outer, inner = scene.joints.outer[j], scene.joints.inner[j]
+def round_bed(outer, inner, area, moments, p, q):
+    """Return the bed of a disc or ring about the centre of its joint: radii, m; area, m2; `Moments`."""
     slope_p, slope_q = slope_of(p), slope_of(q)
     full = (p.at >= outer * slope_p) & (q.at >= outer * slope_q)
-    bed = whole(scene.joints, j, q, q.at + outer * slope_q)
+    bed = whole(area, moments, q, q.at + outer * slope_q)
     if any_of(opposite(full)):
         part = nothing(p)
         for k in range(2):  # which is compiled once

@@ -16,14 +16,15 @@ from ..numba_ext.lanes import (
     zero_like,
 )
 from .bearing import TINY, bed_of_point, beside_slider, lifted, with_bearing
-from .bed import Plane, chosen, nothing, whole
+from .bed import Plane, chosen, less, nothing, whole
 from .bond import limits_with_bond, with_bond
 from .disc import round_bed
 from .kinematics import cross, dot, out_of, plus, push, relative_motion
-from .layout import POINT, POLYGON, has_extras, may_break
+from .layout import POINT, has_extras, may_break
 from .overlap import bed_after_slip, goes_by_faces
 from .polygon import polygon_bed
 from .pressure_shear import bound_of_pressure_shear, pressure_shear
+from .section import bearing_area, has_inside, inside_of, outline_of
 
 
 @leaf
@@ -77,21 +78,44 @@ def _bed_in_lanes(scene, j, p, q):
 
 @leaf
 def _bed_of_faces(scene, j, p, q):
+    """Return the bed of the outline of joint j, less that of the inside that its rim leaves open."""
+    outline = outline_of(scene, j)
+    bed = _bed_of_section(scene, j, outline, 1.0, p, q)
+    rims = has_inside(scene, j)
+    if any_of(rims):
+        # in full contact both parts are pressed as a whole: no difference of two large numbers
+        full = rims & (bed.area == outline.area) & opposite(_has_slid(scene, j))
+        rim = less(bed, _bed_of_inside(scene, j, p, q))
+        bed = chosen(rims, chosen(full, whole(*bearing_area(scene, j), q, bed.largest), rim), bed)
+    return bed
+
+
+@kernel
+def _bed_of_inside(scene, j, p, q):
+    """Return the bed of the inside that the rim of joint j leaves open."""
+    return _bed_of_section(scene, j, inside_of(scene, j), -1.0, p, q)
+
+
+@leaf
+def _bed_of_section(scene, j, section, sign, p, q):
+    """Return the bed of a section of joint j: as built until it has slid, then of what both faces share.
+
+    sign: 1 of its outline, -1 of its inside.
+    """
     bed, slid = nothing(p), goes_by_faces(scene, j, _has_slid(scene, j))
     if any_of(opposite(slid)):
-        bed = _bed_as_built(scene, j, p, q)
+        bed = _bed_as_built(section, p, q)
     if any_of(slid):
-        bed = chosen(slid, bed_after_slip(scene, j, slid, p, q), bed)
+        bed = chosen(slid, bed_after_slip(scene, j, section, sign, slid, p, q), bed)
     return bed
 
 
 @leaf
-def _bed_as_built(scene, j, p, q):
-    if any_of(scene.joints.section[j] == POLYGON):
-        joints = scene.joints
-        first, count = index_of(joints.first[j]), index_of(joints.corners[j])
-        return polygon_bed(scene.corners, first, count, whole(joints, j, q, zero_like(q.at)), p, q)
-    return round_bed(scene, j, p, q)
+def _bed_as_built(section, p, q):
+    area, moments = section.area, section.moments
+    if section.is_polygon:
+        return polygon_bed(section.corners, section.corners_count, whole(area, moments, q, zero_like(q.at)), p, q)
+    return round_bed(section.outer, section.inner, area, moments, p, q)
 
 
 @leaf

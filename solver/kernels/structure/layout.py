@@ -70,7 +70,7 @@ JOINTS = Table(
     *("shear", "twist", "shear_damping"),  # N/m, N m/rad, s
     *("friction", "dowel"),  # coefficient, infinite where nothing slides; N
     "section",  # POLYGON, ROUND or POINT
-    *("area", "ixx", "iyy", "ixy"),  # m2; m4, integrals of x^2, y^2, x y about the centre, which is the centroid
+    *("area", "ixx", "iyy", "ixy"),  # m2; m4, integrals of x^2, y^2, x y about the centre, the centroid of what bears
     "reach",  # m, elastic slip that friction and dowel bear under the weight of one block; infinite without
     "arm",  # m, mean distance of the section from the centre
     *("outer", "inner"),  # m, radii of a round section
@@ -84,11 +84,15 @@ JOINTS = Table(
     "capacity",  # m: beyond this |u| what it bears has come off
     "holds",  # 1: it bears tension too
     "bond",  # number of its bond from 1, 0 without
+    "inside",  # place among the corners of what a rim leaves open (INSIDE), 0 where the whole section bears
 )
 # a face among the corners of all sections, with its own corners behind it: their number, 0 where it is round; its
 # centre from that of the joint, m; its radius, infinite where it has no end, and that of its bore
 FACE = Record("corners", "x", "y", "outer", "inner")  # of a polygon the radius about all of it
 MOST_CORNERS = 64  # of a face
+# the inside of a section that bears in a rim only, about the centre of the joint: POLYGON or ROUND, number of corners,
+# integrals of 1, x, y, x^2, y^2, x y, radii, places of the insides of both faces; its corners stand behind it
+INSIDE = Record("section", "corners", "area", "x", "y", "ixx", "iyy", "ixy", "outer", "inner", "above", "below")
 # what two polygons share, from half-way between their centres: the slips and the twist that it belongs to, its
 # integrals of 1, x, y, x^2, y^2, x y; then its corners, the last one repeated, the owner of the edge to each, and for
 # each edge of the lower and of the upper face the plane that is positive inside of it

@@ -6,7 +6,7 @@ Each face moves with its block by half of the slip and twist that friction has g
 import math
 
 from ..numba_ext.jit import by_width, leaf
-from ..numba_ext.lanes import MaskType, any_of
+from ..numba_ext.lanes import MaskType, any_of, index_of
 from .bed import Bed, Plane, value
 from .disc import round_bed
 from .placed_face import corners_of_faces
@@ -15,10 +15,12 @@ from .shared_polygon import polygon_bed_after_slip
 
 
 @leaf
-def _moved_disc_bed(scene, j, p, q):
+def _moved_disc_bed(scene, j, section, p, q):
     """The bed of a disc or ring that has slid on what has no end, about half-way to where it was."""
     x, y = 0.5 * scene.slips.p1[j], 0.5 * scene.slips.p2[j]
-    bed = round_bed(scene, j, Plane(value(p, x, y), p.along_x, p.along_y), Plane(value(q, x, y), q.along_x, q.along_y))
+    moved_p = Plane(value(p, x, y), p.along_x, p.along_y)
+    moved_q = Plane(value(q, x, y), q.along_x, q.along_y)
+    bed = round_bed(section.outer, section.inner, section.area, section.moments, moved_p, moved_q)
     return Bed(bed.force, bed.first_x + x * bed.force, bed.first_y + y * bed.force, bed.area, bed.largest)
 
 
@@ -34,18 +36,21 @@ def goes_by_faces(scene, j, slid):
 def _lanes_go_by_faces(scene, j, slid):
     may_slide = scene.joints.friction[j] != math.inf
     if any_of(may_slide):
-        a, b, endless = corners_of_faces(scene, j)
+        a, b, endless = corners_of_faces(scene, index_of(scene.joints.above[j]), index_of(scene.joints.below[j]))
         if a > 0 and (b > 0 or endless):
             return may_slide
     return slid
 
 
 @leaf
-def bed_after_slip(scene, j, slid, p, q):
-    """The bed of joint j by what both faces share."""
-    a, b, endless = corners_of_faces(scene, j)
+def bed_after_slip(scene, j, section, sign, slid, p, q):
+    """Return the bed of joint j by what the faces of a section of it share.
+
+    sign: 1 of its outline, -1 of the inside that its rim leaves open.
+    """
+    a, b, endless = corners_of_faces(scene, section.above, section.below)
     if a > 0 and (b > 0 or endless):
-        return polygon_bed_after_slip(scene, j, slid, a + b, p, q)
+        return polygon_bed_after_slip(scene, j, section, slid, a + b, p, q)
     if endless:
-        return _moved_disc_bed(scene, j, p, q)
-    return round_bed_after_slip(scene, j, slid, p, q)
+        return _moved_disc_bed(scene, j, section, p, q)
+    return round_bed_after_slip(scene, j, section, sign, slid, p, q)

@@ -7,9 +7,9 @@ from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, index_of
 from ..numba_ext.numbers import half_sine_cosine
 from ..numba_ext.views import numbers_of, one_lane
-from .layout import FACE, JOINTS, MEMORY
+from .layout import FACE, MEMORY
 
-_face, _joints, _memory = FACE.over, JOINTS.over, MEMORY.over
+_face, _memory = FACE.over, MEMORY.over
 _FACE = FACE.beside
 
 
@@ -25,9 +25,9 @@ class _Placed(NamedTuple):
 
 
 @leaf
-def placed(corners, first, slips, j, half):
-    """The face at `first` of the corners, moved by `half` of what joint j has slid and twisted."""
-    part, (sine, cosine) = corners[index_of(first) :], half_sine_cosine(2.0 * half * slips.p3[j])
+def placed(corners, place, slips, j, half):
+    """The face at a place of the corners, moved by `half` of what joint j has slid and twisted."""
+    part, (sine, cosine) = corners[place:], half_sine_cosine(2.0 * half * slips.p3[j])
     return _Placed(_face(part, 0), part[_FACE:], sine, cosine, half * slips.p1[j], half * slips.p2[j])
 
 
@@ -63,16 +63,14 @@ def put_corners(room, face):
 
 
 @leaf
-def corners_of_faces(scene, j):
-    """Numbers of corners of both faces of joint j; whether the lower one has no end."""
-    above = _face(scene.corners[index_of(scene.joints.above[j]) :], 0)
-    below = _face(scene.corners[index_of(scene.joints.below[j]) :], 0)
+def corners_of_faces(scene, above, below):
+    """Return the numbers of corners of two faces at these places, and whether the lower one has no end."""
+    above, below = _face(scene.corners[above:], 0), _face(scene.corners[below:], 0)
     return index_of(above.corners), index_of(below.corners), any_of(below.outer == math.inf)
 
 
 @leaf
 def rows_of_lane(scene, k):
-    """Room, which all lanes have in turn, and joints, corners and slips of one lane."""
-    joints = _joints(one_lane(scene.joints.row, k), scene.m)
+    """Return the room, which all lanes have in turn, and corners and slips of one lane."""
     slips = _memory(one_lane(scene.slips.row, k), scene.m)
-    return numbers_of(scene.room), joints, one_lane(scene.corners, k), slips
+    return numbers_of(scene.room), one_lane(scene.corners, k), slips

@@ -50,14 +50,14 @@ class _Cut(NamedTuple):
 
 
 @kernel
-def _cuts(corners, first, count, p, q):
+def _cuts(corners, count, p, q):
     """The cuts by p and by q, and the point that all triangles share."""
-    a = _point(corners, first + count - 1, q)
+    a = _point(corners, count - 1, q)
     p0 = value(p, a.x, a.y)
     was_in, was_pressed = p0 > 0.0, a.q > 0.0
     enters_p, leaves_p, enters_q, leaves_q, on_cut, deepest = a, a, a, a, a, zero_like(p0)
     for k in range(count):
-        b = _point(corners, first + k, q)
+        b = _point(corners, k, q)
         p1 = value(p, b.x, b.y)
         is_in, is_pressed = p1 > 0.0, b.q > 0.0
         crosses = was_in ^ is_in
@@ -80,14 +80,14 @@ def _cuts(corners, first, count, p, q):
 
 
 @kernel
-def _cut_bed(corners, first, count, p, q):
+def _cut_bed(corners, count, p, q):
     """The bed of the part of the section where p and q are positive."""
-    by_p, by_q, apex = _cuts(corners, first, count, p, q)
-    bed, before = nothing(p), _point(corners, first + count - 1, q)
+    by_p, by_q, apex = _cuts(corners, count, p, q)
+    bed, before = nothing(p), _point(corners, count - 1, q)
     was_in = value(p, before.x, before.y) > 0.0
     for k in range(count + 1):
         if k < count:
-            after = _point(corners, first + k, q)
+            after = _point(corners, k, q)
             is_in = value(p, after.x, after.y) > 0.0
             there, cut = was_in | is_in, by_q
             if not any_of(there):
@@ -119,13 +119,13 @@ def _cut_bed(corners, first, count, p, q):
 
 
 @kernel
-def polygon_bed(corners, first, count, full, p, q):
-    """The bed of a convex polygon, `count` corners from number `first` on; full: that where all of it is pressed."""
-    x, y = _corner(corners, first)
+def polygon_bed(corners, count, full, p, q):
+    """The bed of a convex polygon of `count` corners; full: that where all of it is pressed."""
+    x, y = _corner(corners, 0)
     least_p, least_q = value(p, x, y), value(q, x, y)
     most_p, most_q = least_p, least_q
     for k in range(1, count):
-        x, y = _corner(corners, first + k)
+        x, y = _corner(corners, k)
         at_p, at_q = value(p, x, y), value(q, x, y)
         least_p, most_p = lesser(least_p, at_p), greater(most_p, at_p)
         least_q, most_q = lesser(least_q, at_q), greater(most_q, at_q)
@@ -134,5 +134,5 @@ def polygon_bed(corners, first, count, full, p, q):
     bed = chosen(closed, Bed(full.force, full.first_x, full.first_y, full.area, most_q), nothing(p))
     cut = some & opposite(closed)
     if any_of(cut):
-        bed = chosen(cut, _cut_bed(corners, first, count, p, q), bed)
+        bed = chosen(cut, _cut_bed(corners, count, p, q), bed)
     return bed

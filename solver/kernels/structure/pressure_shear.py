@@ -26,6 +26,7 @@ from ..numba_ext.lanes import (
 from .bed import plane_of_lane
 from .layout import FACE, POINT
 from .placed_face import corners_of_faces, rows_of_lane
+from .section import has_inside, inside_of, outline_of
 from .shared_disc import disc_edges_of_lower
 from .shared_polygon import polygon_edges_of_lower
 
@@ -33,25 +34,35 @@ _face = FACE.over
 
 
 @by_width
-def _disc_edges(scene, j, those, p, q, way):
-    """`disc_edges_of_lower` of joint j; in lanes of those in a mask, one after the other."""
+def _disc_edges(scene, j, section, those, p, q, way):
+    """Return `disc_edges_of_lower` of a section of joint j; in lanes of those in a mask, one after the other."""
     return _disc_edges_of_lanes if isinstance(p.types[0], LanesType) else _disc_edges_of_one
 
 
-def _disc_edges_of_one(scene, j, those, p, q, way):
-    return disc_edges_of_lower(scene.room, scene.joints, scene.corners, scene.slips, j, p, q, way)
+def _disc_edges_of_one(scene, j, section, those, p, q, way):
+    return disc_edges_of_lower(scene.room, scene.corners, scene.slips, j, section.above, section.below, p, q, way)
 
 
-def _disc_edges_of_lanes(scene, j, those, p, q, way):
+def _disc_edges_of_lanes(scene, j, section, those, p, q, way):
     along_x, along_y, moment = zero_like(p.at), zero_like(p.at), zero_like(p.at)
     which = bits(those)
     for k in range(WIDTH):
         if (which >> k) & 1:
             one_way = lane(way[0], k), lane(way[1], k), lane(way[2], k)
-            one = disc_edges_of_lower(*rows_of_lane(scene, k), j, plane_of_lane(p, k), plane_of_lane(q, k), one_way)
+            faces, planes = (section.above, section.below), (plane_of_lane(p, k), plane_of_lane(q, k))
+            one = disc_edges_of_lower(*rows_of_lane(scene, k), j, *faces, *planes, one_way)
             along_x, along_y = with_lane(along_x, k, one[0]), with_lane(along_y, k, one[1])
             moment = with_lane(moment, k, one[2])
     return along_x, along_y, moment
+
+
+@leaf
+def _edges_of_lower(scene, j, section, those, p, q, way):
+    """Integrate p q n along the edges of the lower face that bound what the faces of a section of joint j share."""
+    a, b, _ = corners_of_faces(scene, section.above, section.below)
+    if a > 0 and b > 0:
+        return polygon_edges_of_lower(scene, j, section, those, a + b, p, q, way)
+    return _disc_edges(scene, j, section, those, p, q, way)
 
 
 @leaf
@@ -70,7 +81,8 @@ def bound_of_pressure_shear(scene, j, p, normal, largest):
     radius, steep = lesser(above.outer, below.outer), magnitude(p.along_x) + magnitude(p.along_y)
     lever = radius + magnitude(slips.p1[j]) + magnitude(slips.p2[j]) + magnitude(above.x) + magnitude(above.y)
     deepest = greater(p.at + steep * lever, 0.0)
-    force = 0.5 * steep * normal + math.pi * scene.joints.stiffness[j] * radius * deepest * largest
+    edges = where(has_inside(scene, j), 2.0 * math.pi, math.pi)  # those of the inside count too
+    force = 0.5 * steep * normal + edges * scene.joints.stiffness[j] * radius * deepest * largest
     return force, 2.0 * lever * force
 
 
@@ -92,19 +104,24 @@ def pressure_shear(scene, j, near, p, q, normal, g1, g2, way):
     slips, zero = scene.slips, zero_like(p.at)
     if any_of(scene.joints.section[j] == POINT):
         return zero, zero, zero
-    a, b, endless = corners_of_faces(scene, j)
+    outline = outline_of(scene, j)
+    a, b, endless = corners_of_faces(scene, outline.above, outline.below)
     edge_x, edge_y, moment = zero, zero, zero
     if not endless and any_of(near):
-        if a > 0 and b > 0:
-            edge_x, edge_y, moment = polygon_edges_of_lower(scene, j, near, a + b, p, q, way)
-        else:
-            kept, found = (slips.p1[j] != 0.0) | (slips.p2[j] != 0.0), scene.resultants
-            if a > 0 or b > 0:
-                kept = kept & opposite(kept)
-            if any_of(near & opposite(kept)):
-                edge_x, edge_y, moment = _disc_edges(scene, j, near & opposite(kept), p, q, way)
-            edge_x, edge_y = where(kept, found.edge_x[j], edge_x), where(kept, found.edge_y[j], edge_y)
-            moment = where(kept, found.edge_turn[j], moment)
+        # edges of two round faces that have slid are known from their bed
+        kept, found = (slips.p1[j] != 0.0) | (slips.p2[j] != 0.0), scene.resultants
+        if a > 0 or b > 0:
+            kept = kept & opposite(kept)
+        those = near & opposite(kept)
+        if any_of(those):
+            edge_x, edge_y, moment = _edges_of_lower(scene, j, outline, those, p, q, way)
+            rims = has_inside(scene, j)
+            if any_of(rims):
+                inside = _edges_of_lower(scene, j, inside_of(scene, j), those & rims, p, q, way)
+                edge_x, edge_y = edge_x - where(rims, inside[0], 0.0), edge_y - where(rims, inside[1], 0.0)
+                moment = moment - where(rims, inside[2], 0.0)
+        edge_x, edge_y = where(kept, found.edge_x[j], edge_x), where(kept, found.edge_y[j], edge_y)
+        moment = where(kept, found.edge_turn[j], moment)
     half = 0.5 * scene.joints.stiffness[j]
     turn = half * moment - 0.5 * (p.along_x * g1 + p.along_y * g2)
     turn += 0.25 * normal * (p.along_y * slips.p1[j] - p.along_x * slips.p2[j])

@@ -205,9 +205,12 @@ def _of_faces(room, above, below, outer_a, outer_b, p, q):
 
 
 @kernel
-def disc_bed(room, joints, corners, slips, j, p, q):
-    """The bed of joint j; of two round faces also the integral of p q n along the edges of the lower one."""
-    above, below = placed(corners, joints.above[j], slips, j, 0.5), placed(corners, joints.below[j], slips, j, -0.5)
+def disc_bed(room, corners, slips, j, at_above, at_below, p, q):
+    """Return the bed of two faces of joint j, which lie at these places of the corners.
+
+    Of two round faces also the integral of p q n along the edges of the lower one.
+    """
+    above, below = placed(corners, at_above, slips, j, 0.5), placed(corners, at_below, slips, j, -0.5)
     bed, along_x, along_y, moment = nothing(q), 0.0, 0.0, 0.0
     for k in range(4):  # outer discs, less bores
         hollow_a, hollow_b = k & 1, k >> 1
@@ -243,12 +246,12 @@ def _edges_of_lower(room, above, below, outer_a, outer_b, p, q, way):
 
 
 @kernel
-def disc_edges_of_lower(room, joints, corners, slips, j, p, q, way):
-    """Integrate p q n along the edges of the lower face that bound what both faces of joint j share.
+def disc_edges_of_lower(room, corners, slips, j, at_above, at_below, p, q, way):
+    """Integrate p q n along the edges of the lower face that bound what two faces of joint j share.
 
     As `polygon_edges_of_lower`, where a face is round.
     """
-    above, below = placed(corners, joints.above[j], slips, j, 0.5), placed(corners, joints.below[j], slips, j, -0.5)
+    above, below = placed(corners, at_above, slips, j, 0.5), placed(corners, at_below, slips, j, -0.5)
     along_x, along_y, moment = 0.0, 0.0, 0.0
     for k in range(4):  # outer discs, less bores
         hollow_a, hollow_b = k & 1, k >> 1

@@ -24,28 +24,41 @@ from .shared_disc import NEARLY, cuts_disc, differ, disc_bed
 
 
 @by_width
-def round_bed_after_slip(scene, j, slid, p, q):
-    """The bed of joint j, of which a face is round; of lanes of those that have `slid`, one after the other."""
+def round_bed_after_slip(scene, j, section, sign, slid, p, q):
+    """Return the bed of a section of joint j, of which a face is round; of lanes of those that have `slid`.
+
+    sign: 1 of its outline, -1 of the inside that its rim leaves open. The integrals along the edges of the lower face
+    are kept, summed with these signs.
+    """
     return _of_lanes if isinstance(p.types[0], LanesType) else _of_one
 
 
-def _of_one(scene, j, slid, p, q):
-    found = scene.resultants
-    bed, edges = disc_bed(scene.room, scene.joints, scene.corners, scene.slips, j, p, q)
-    found.edge_x[j], found.edge_y[j], found.edge_turn[j] = edges
+def _of_one(scene, j, section, sign, slid, p, q):
+    bed, edges = disc_bed(scene.room, scene.corners, scene.slips, j, section.above, section.below, p, q)
+    _keep_edges(scene, j, sign, *edges)
     return bed
 
 
-def _of_lanes(scene, j, slid, p, q):
-    a, b, _ = corners_of_faces(scene, j)
+@leaf
+def _keep_edges(scene, j, sign, along_x, along_y, moment):
+    """Keep the integrals along the edges of an outline, or subtract those of its inside from them."""
+    kept = scene.resultants
+    if sign < 0.0:
+        along_x, along_y = kept.edge_x[j] - along_x, kept.edge_y[j] - along_y
+        moment = kept.edge_turn[j] - moment
+    kept.edge_x[j], kept.edge_y[j], kept.edge_turn[j] = along_x, along_y, moment
+
+
+def _of_lanes(scene, j, section, sign, slid, p, q):
+    a, b, _ = corners_of_faces(scene, section.above, section.below)
     if a > 0 or b > 0:
-        return _disc_on_polygon(scene, j, slid, p, q)
+        return _disc_on_polygon(scene, j, section, slid, p, q)
     found, zero = nothing(q), zero_like(q.at)
     those, along_x, along_y, moment = bits(slid), zero, zero, zero
     for k in range(WIDTH):
         if (those >> k) & 1:
             one = rows_of_lane(scene, k)
-            bed, edges = disc_bed(*one, j, plane_of_lane(p, k), plane_of_lane(q, k))
+            bed, edges = disc_bed(*one, j, section.above, section.below, plane_of_lane(p, k), plane_of_lane(q, k))
             along_x, along_y = with_lane(along_x, k, edges[0]), with_lane(along_y, k, edges[1])
             moment = with_lane(moment, k, edges[2])
             found = Bed(
@@ -55,20 +68,19 @@ def _of_lanes(scene, j, slid, p, q):
                 with_lane(found.area, k, bed.area),
                 with_lane(found.largest, k, bed.largest),
             )
-    kept = scene.resultants
-    kept.edge_x[j], kept.edge_y[j], kept.edge_turn[j] = along_x, along_y, moment
+    _keep_edges(scene, j, sign, along_x, along_y, moment)
     return found
 
 
 @kernel
-def _disc_on_polygon(scene, j, slid, p, q):
+def _disc_on_polygon(scene, j, section, slid, p, q):
     """The bed of a disc, less its bore, and a polygon, of the lanes in a mask, with the bits of `disc_bed`.
 
     Pressure cuts the polygon lane by lane; the sum over its sides and arcs is that of all lanes.
     """
     room, found = scene.room, nothing(q)
-    above = placed(scene.corners, scene.joints.above[j], scene.slips, j, 0.5)
-    below = placed(scene.corners, scene.joints.below[j], scene.slips, j, -0.5)
+    above = placed(scene.corners, section.above, scene.slips, j, 0.5)
+    below = placed(scene.corners, section.below, scene.slips, j, -0.5)
     face, other = (above, below) if is_round(above) else (below, above)
     x, y = centre_of(face)
     for hollow in range(2):

@@ -1,7 +1,7 @@
 """The polygon that two polygons share, or one and what has no end: it is kept until the joint slides on."""
 
 from ..numba_ext.jit import by_width, kernel, leaf
-from ..numba_ext.lanes import WIDTH, MaskType, any_of, bits, index_of, where, zero_like
+from ..numba_ext.lanes import WIDTH, MaskType, any_of, bits, where, zero_like
 from ..numba_ext.views import one_lane
 from .bed import Bed, Plane, chosen, nothing, value
 from .clipping import cut
@@ -60,9 +60,9 @@ def _find_owners(shared, most, count, planes, lower):
 
 
 @kernel
-def _share(room, joints, corners, slips, j, shared):
-    """Fill in what the faces of joint j share."""
-    above, below = placed(corners, joints.above[j], slips, j, 0.5), placed(corners, joints.below[j], slips, j, -0.5)
+def _share(room, corners, slips, j, at_above, at_below, shared):
+    """Fill in what two faces of joint j share, which lie at these places of the corners."""
+    above, below = placed(corners, at_above, slips, j, 0.5), placed(corners, at_below, slips, j, -0.5)
     lower, upper = int(below.record.corners), int(above.record.corners)
     most = upper + lower
     found, outline, planes = _shared(shared, 0), shared[_SHARED:], shared[_SHARED + 3 * most :]
@@ -94,56 +94,57 @@ def _share(room, joints, corners, slips, j, shared):
 
 
 @by_width
-def _renew(scene, j, place, stale):
+def _renew(scene, j, section, stale):
     """Fill in what faces share that have slid on since: of those lanes in `stale`."""
     return _renew_lanes if isinstance(stale, MaskType) else _renew_one
 
 
-def _renew_one(scene, j, place, stale):
-    _share(scene.room, scene.joints, scene.corners, scene.slips, j, scene.shared[place:])
+def _renew_one(scene, j, section, stale):
+    shared = scene.shared[PER_CORNER * section.above :]
+    _share(scene.room, scene.corners, scene.slips, j, section.above, section.below, shared)
 
 
-def _renew_lanes(scene, j, place, stale):
+def _renew_lanes(scene, j, section, stale):
     those = bits(stale)
     for k in range(WIDTH):
         if (those >> k) & 1:
-            _share(*rows_of_lane(scene, k), j, one_lane(scene.shared, k)[place:])
+            shared = one_lane(scene.shared, k)[PER_CORNER * section.above :]
+            _share(*rows_of_lane(scene, k), j, section.above, section.below, shared)
 
 
 @leaf
-def _shared_row(scene, j, those):
-    """Return the row of what the faces of joint j share, up to date in the lanes of the mask `those`."""
-    place = PER_CORNER * index_of(scene.joints.above[j])
-    row, slips = scene.shared[place:], scene.slips
+def _shared_row(scene, j, section, those):
+    """Return the row of what the faces of a section of joint j share, up to date in the lanes of the mask `those`."""
+    row, slips = scene.shared[PER_CORNER * section.above :], scene.slips
     kept = _shared(row, 0)
     moved = (kept.p1 != slips.p1[j]) | (kept.p2 != slips.p2[j]) | (kept.p3 != slips.p3[j])
     stale = those & (moved | (kept.corners == 0.0))
     if any_of(stale):
-        _renew(scene, j, place, stale)
+        _renew(scene, j, section, stale)
     return row
 
 
 @leaf
-def polygon_bed_after_slip(scene, j, slid, count, p, q):
-    """The bed of joint j, whose faces have `count` corners together; slid: whether it has, or which lanes of it."""
-    row = _shared_row(scene, j, slid)
+def polygon_bed_after_slip(scene, j, section, slid, count, p, q):
+    """Return the bed of a section of joint j, whose faces have `count` corners together; slid: which lanes have."""
+    row = _shared_row(scene, j, section, slid)
     kept = _shared(row, 0)
     force = q.at * kept.area + q.along_x * kept.x + q.along_y * kept.y
     first_x = q.at * kept.x + q.along_x * kept.xx + q.along_y * kept.xy
     first_y = q.at * kept.y + q.along_x * kept.xy + q.along_y * kept.yy
     full = Bed(force, first_x, first_y, kept.area, zero_like(force))
-    bed = polygon_bed(row[_SHARED:], 0, count, full, p, q)
+    bed = polygon_bed(row[_SHARED:], count, full, p, q)
     return chosen(kept.area > 0.0, bed, nothing(p))
 
 
 @kernel
-def polygon_edges_of_lower(scene, j, those, count, p, q, way):
-    """Integrate p q n along the edges of the lower face that bound what two polygons share.
+def polygon_edges_of_lower(scene, j, section, those, count, p, q, way):
+    """Integrate p q n along the edges of the lower face that bound what two polygons of a section share.
 
     Where edges of both faces coincide, the edge belongs to the lower face if the upper one moves outwards there:
     way, m, m and rad, is how it moves.
     """
-    row, zero = _shared_row(scene, j, those), zero_like(p.at)
+    row, zero = _shared_row(scene, j, section, those), zero_like(p.at)
     outline, owners = row[_SHARED:], row[_SHARED + 2 * count :]
     along_x, along_y, moment = zero, zero, zero
     x0, y0 = outline[2 * count - 2], outline[2 * count - 1]

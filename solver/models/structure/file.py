@@ -17,7 +17,7 @@ from ..column.file import has_blocks_in_space
 from ..ports import Port, ports_from
 from .bearing_tables import bearings_from
 from .bearing_tables import check_table as check_bearing
-from .blocks.contacts import joints_between, turned_face
+from .blocks.contacts import joints_between, turned_face, with_rim
 from .blocks.faces import Face, FloatArray, polygon_moments
 from .blocks.outlines import MEANING, MOST_CORNERS, outline_of
 from .blocks.parts import BASE, BESIDE_COLUMN, OF_COLUMN, TOLERANCE, Bed, Joint, Solid, Tie
@@ -36,7 +36,7 @@ _OF_SECTION = {
 }
 _KEYS = ("name", "g", "block", "joint", "joints", "bearing", "tie", "port", "neighbours", "solver")
 _BOND = ("tensile_strength", "cohesion")
-_LAW = ("stiffness", "damping", "shear_ratio", "shear_damping", "friction", "dowel", "strength", *_BOND)
+_LAW = ("stiffness", "damping", "shear_ratio", "shear_damping", "friction", "dowel", "strength", "rim", *_BOND)
 _OF_SHAPE = {
     "box": ("width", "depth", "height", "top_width", "top_depth"),
     "drum": ("diameter", "top_diameter", "bore", "height"),
@@ -51,6 +51,7 @@ _TIE = ("between", "from", "to", "stiffness", "damping", "slack", "pretension", 
 _OWN_RANGES = {
     "shear_ratio": ((1e-6, 1e6), "a positive ratio of the modulus along the joint to that across it"),
     "shear_damping": NUMBERS["damping"],
+    "rim": (LENGTH[0], "a positive width in m of the band along the edges in which faces touch"),
 }
 _ANGLE = (-2.0 * math.pi, 2.0 * math.pi), "an angle in rad, at most a full turn either way"
 _OF_TIES = {
@@ -317,6 +318,8 @@ def bed_from(key: str, table: Mapping[str, Any]) -> Bed:
     for word in ("stiffness", "damping"):
         if word not in found:
             raise InputError(f"{key}.{word}: missing, must be {NUMBERS[word][1]}")
+    if "rim" in found and (found.get("tensile_strength") or found.get("cohesion")):
+        raise InputError(f"{key}.rim = {found['rim']:g}: must be left out of a joint that bears tension or cohesion")
     if found.get("dowel") and "friction" not in found:
         raise InputError(f"{key}.dowel = {found['dowel']}: needs friction; a joint without friction never slides")
     if found.get("cohesion") and "friction" not in found:
@@ -345,14 +348,16 @@ def _joints_from(key: str, table: Mapping[str, Any], law: Mapping[str, Any], blo
         bore = _number(key, table, "bore") if section == "ring" else 0.0
         if bore >= diameter:
             raise InputError(f"{key}.bore = {bore}: must be less than the outer diameter = {diameter} m")
-        return [Joint(upper, lower, Face(place, frame, np.zeros((0, 2)), 0.5 * diameter, 0.5 * bore), bed, key)]
+        face = Face(place, frame, np.zeros((0, 2)), 0.5 * diameter, 0.5 * bore)
+        return [with_rim(Joint(upper, lower, face, bed, key))]
     if section == "rectangle":
         outline = rectangle(_number(key, table, "width"), _number(key, table, "depth"))
     else:
         outline = _outline(f"{key}.outline", table)
     area, first, _ = polygon_moments(outline)
     middle = first / area
-    return [Joint(upper, lower, Face(place + frame[:, :2] @ middle, frame, outline - middle), bed, key)]
+    face = Face(place + frame[:, :2] @ middle, frame, outline - middle)
+    return [with_rim(Joint(upper, lower, face, bed, key))]
 
 
 def _frame(key: str, table: Mapping[str, Any]) -> FloatArray:

@@ -15,7 +15,7 @@ from ...ground.motion import Motion
 from ...kernels.numba_ext.lanes import WIDTH
 from ...kernels.structure import in_lanes as at
 from ...kernels.structure.entries import run_structures_in_lanes
-from ...kernels.structure.layout import NO_ROOM, WITH_EVENTS
+from ...kernels.structure.layout import INSIDE, NO_ROOM, WITH_EVENTS
 from ...kernels.structure.stepping import SEEN
 from ..column.lanes import aligned
 from ..column.packing import FloatArray, IntArray
@@ -27,6 +27,7 @@ from .stepper import Stepper
 from .verdict import next_look, well_of, why_it_leans
 
 STAGES = 6  # evaluations of a step
+OF_INSIDE = ("section", "corners", "above", "below")  # what lanes find by that of the first
 NAMES = ("peak_u", "peak_ux", "peak_uy", "peak_uz")
 
 
@@ -39,7 +40,12 @@ def share_of(structure: Structure) -> Hashable:
         for name in ("upper", "lower", "first", "corners", "above", "below", "section", "bond")
     )
     ties = tuple((tie.one, tie.other) for tie in structure.ties)
-    return structure.model.sizes, joints, ties, bool(names.settings.gives_way)
+    insides = tuple(
+        tuple(getattr(INSIDE.see(names.corners[int(place) :]), name) for name in OF_INSIDE)
+        for place in places.inside
+        if place
+    )
+    return structure.model.sizes, joints, insides, ties, bool(names.settings.gives_way)
 
 
 def longest_step_of(structure: Structure) -> float:

@@ -224,7 +224,7 @@ class Structure(Shown):
         ties = all(tie.from_[1] == 0.0 and tie.to[1] == 0.0 for tie in self.ties)
         ports = all(abs(self.blocks[port.body].centroid[1] + port.at[1]) <= 1e-9 for port in self.ports)
         pairs = all(_is_mirrored_pair(pair) for pair in self.neighbours)
-        return blocks and ties and ports and pairs and all(_is_mirrored(joint.face) for joint in self.joints)
+        return blocks and ties and ports and pairs and all(map(_is_mirrored_joint, self.joints))
 
     @property
     def settings(self) -> Settings:
@@ -303,6 +303,13 @@ def _stiffer(joint: Joint, stiffness: float) -> Bearing | None:
     """The bearing of a joint that gets another modulus, N/m3."""
     bearing, factor = joint.bearing, float(stiffness) / joint.bed.stiffness
     return bearing and replace(bearing, spring=factor * bearing.spring, dashpot=factor * bearing.dashpot)
+
+
+def _is_mirrored_joint(joint: Joint) -> bool:
+    """Return True if what bears of a joint is its own mirror image about the plane x, z."""
+    return _is_mirrored(joint.face) and (
+        joint.inside is None or not joint.inside.moments[0] or _is_mirrored(joint.inside)
+    )
 
 
 def _is_mirrored_pair(pair: Pair) -> bool:

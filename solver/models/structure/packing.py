@@ -14,8 +14,8 @@ from ...kernels.structure import layout as at
 from ...kernels.structure.modal_layout import AXES, MODAL_ROOM
 from ..column.packing import IntArray
 from ..ports import Port
-from .blocks.contacts import GROUND
-from .blocks.faces import Face, FloatArray, edge_distance
+from .blocks.contacts import GROUND, inside_of
+from .blocks.faces import Face, FloatArray, edge_distance, polygon_moments
 from .blocks.parts import Bearing, Joint, Pair, Side, Solid, Tie
 
 FLOOR = 1e-3  # of the motion under which the structure settles as it is loaded: the least that errors are measured by
@@ -124,8 +124,9 @@ def _model_of(parts: Parts, g: float) -> Model:
     """The model of a structure, without tolerances."""
     solids, joints, ties, ports, pairs = parts
     outlines = [joint.face.outline.ravel() for joint in joints]
-    faces = [_faces_of(joint) for joint in joints]
-    corners = np.concatenate([np.zeros(0), *outlines, *(part for pair in faces for part in pair)])
+    faces = [_faces_of(joint, joint.above, joint.below) for joint in joints]
+    insides = [_inside_of(joint) for joint in joints]
+    corners = np.concatenate([np.zeros(0), *outlines, *(part for parts in (*faces, *insides) for part in parts)])
     sides = [np.concatenate(_outlines_of(pair)).ravel() for pair in pairs]
     corners = np.concatenate([corners, *sides])
     bearings = sum(joint.bearing is not None for joint in joints)
@@ -147,6 +148,12 @@ def _model_of(parts: Parts, g: float) -> Model:
             table.above[j], table.below[j] = behind, behind + above.size
             table.rim_a[j], table.rim_b[j] = _rim(above), _rim(below)
             behind += above.size + below.size
+    for j, inside in enumerate(insides):
+        if inside:
+            section, above, below = inside
+            table.inside[j], record = behind, at.INSIDE.see(names.corners[behind:])
+            record.above, record.below = behind + section.size, behind + section.size + above.size
+            behind += section.size + above.size + below.size
     for e, j in enumerate(bonds):
         table.bond[j], names.bonds.joint[e] = e + 1.0, j
         names.bonds.strength[e] = joints[j].bed.tensile_strength
@@ -211,14 +218,14 @@ def _fill_joint(table: Any, j: int, joint: Joint, solids: tuple[Solid, ...], pla
     for k in range(3):
         for axis, part in zip("xyz", face.axes[:, k], strict=True):
             getattr(table, f"e{k + 1}{axis}")[j] = part
-    area, ixx, iyy, ixy = joint.face.moments
+    area, ixx, iyy, ixy = joint.moments
     table.area[j], table.ixx[j], table.iyy[j], table.ixy[j] = area, ixx, iyy, ixy
     table.stiffness[j], table.damping[j] = bed.stiffness, bed.damping
     shear = bed.shear_ratio * bed.stiffness
     table.shear[j], table.twist[j] = shear * area, shear * (ixx + iyy)
     table.shear_damping[j] = bed.damping if bed.shear_damping is None else bed.shear_damping
     table.friction[j] = math.inf if bed.friction is None else bed.friction
-    table.dowel[j], table.arm[j] = bed.dowel, joint.face.arm
+    table.dowel[j], table.arm[j] = bed.dowel, joint.arm
     table.section[j] = at.ROUND if face.radius else at.POLYGON
     table.outer[j], table.inner[j] = face.radius, face.bore
     table.first[j], table.corners[j] = place, len(face.outline)
@@ -234,16 +241,31 @@ def _fill_bearing(table: Any, j: int, bearing: Bearing) -> None:
         getattr(table, name)[j] = getattr(bearing, name)
 
 
-def _faces_of(joint: Joint) -> tuple[FloatArray, ...]:
+def _faces_of(joint: Joint, above: Face | None, below: Face | None) -> tuple[FloatArray, ...]:
     """Both faces of a joint that may slide, for the kernels (layout.py, FACE)."""
     if joint.bed.friction is None or joint.bearing is not None:
         return ()
-    return _face_of(joint, joint.above), _face_of(joint, joint.below)
+    return _face_of(joint, above or joint.face), _face_of(joint, below or joint.face)
 
 
-def _face_of(joint: Joint, face: Face | None) -> FloatArray:
+def _inside_of(joint: Joint) -> tuple[FloatArray, ...]:
+    """Return what a rim leaves open of a joint (layout.py, INSIDE), and the insides of its faces; empty without."""
+    inside, rim = joint.inside, joint.bed.rim
+    if inside is None or rim is None:
+        return ()
+    _, first, _ = polygon_moments(inside.outline) if not inside.radius else (0.0, np.zeros(2), 0.0)
+    area, ixx, iyy, ixy = inside.moments
+    record = np.zeros(at.INSIDE.beside)
+    names = at.INSIDE.see(record)
+    names.section, names.corners = at.ROUND if inside.radius else at.POLYGON, len(inside.outline)
+    names.area, names.x, names.y, names.ixx, names.iyy, names.ixy = area, *first, ixx, iyy, ixy
+    names.outer, names.inner = inside.radius, inside.bore
+    faces = (inside_of(part or joint.face, rim) for part in (joint.above, joint.below))
+    return np.concatenate([record, inside.outline.ravel()]), *(_faces_of(joint, *faces) or 2 * (np.zeros(0),))
+
+
+def _face_of(joint: Joint, face: Face) -> FloatArray:
     """A face in the axes of a joint, from its centre."""
-    face = face or joint.face
     if face is GROUND:
         return np.array([0.0, 0.0, 0.0, math.inf, 0.0])
     if face.radius:

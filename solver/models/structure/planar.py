@@ -29,6 +29,8 @@ def column_of(structure: Structure) -> Column | None:
     under = {joint.upper: joint for joint in structure.joints}
     if structure.ties or structure.bearings or structure.neighbours or structure.bonds:
         return None
+    if any(joint.inside is not None for joint in structure.joints):
+        return None
     if not len(under) == len(structure.joints) == structure.n:
         return None
     joints = [under[i] for i in order]

@@ -49,10 +49,11 @@ def known_warnings_in_space(structure: Structure, at_rest: bool = True) -> tuple
         damping=[bed.damping for bed in beds],
         friction=[bed.friction for bed in beds],
         strength=[bed.strength for bed in beds],
-        area=[joint.face.moments[0] for joint in structure.joints],
+        area=[joint.moments[0] for joint in structure.joints],
         upper=[joint.upper for joint in structure.joints],
         carried=[] if rest is None else rest.row[first : first + len(beds)].tolist(),
         damping_ratio=0.0 if rest is None else _first_damping_ratio(structure, rest),
+        most_damped=plausible.MOST_DAMPED_ON_RIMS if any(bed.rim for bed in beds) else plausible.MOST_DAMPED,
     )
     return tuple(plausible.lines_of(facts))
 

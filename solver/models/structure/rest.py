@@ -92,7 +92,7 @@ def _parts_of(structure: Structure, settlement: float) -> list[float]:
 
     A stiff joint between soft ones opens where a block moves by what is little for the others.
     """
-    stiffest = max(joint.bed.stiffness * joint.face.moments[0] for joint in structure.joints)
+    stiffest = max(joint.bed.stiffness * joint.moments[0] for joint in structure.joints)
     ratio = settlement * stiffest / structure.weight
     return [1.0, *(0.01**k for k in range(1, MOST_PARTS) if 10.0 ** (2 * k - 1) < ratio)]
 
@@ -196,7 +196,7 @@ def fastest_decay(structure: Structure) -> float:
     """Return the fastest rate, 1/s, at which a motion dies out by the dampers, with all joints in full contact."""
     table, dashpots = structure.model.names.joints, []
     for j, joint in enumerate(structure.joints):
-        along = table.shear[j] * table.shear_damping[j] / joint.face.moments[0]
+        along = table.shear[j] * table.shear_damping[j] / joint.moments[0]
         beside = joint.bearing.dashpot if joint.bearing is not None else 0.0
         dashpots.append((float(table.stiffness[j] * table.damping[j]), float(along), (beside, 0.0)))
     resisted = _assembled(structure, dashpots, [tie.damping for tie in structure.ties])
@@ -225,7 +225,7 @@ def _assembled(
     n = structure.n
     matrix = np.zeros((6 * (n + 1), 6 * (n + 1)))
     for joint, (across, along, beside) in zip(structure.joints, joints, strict=True):
-        area, ixx, iyy, ixy = joint.face.moments
+        area, ixx, iyy, ixy = joint.moments
         own = np.diag([along * area, along * area, across * area, across * iyy, across * ixx, along * (ixx + iyy)])
         own[3, 4] = own[4, 3] = -across * ixy
         if joint.bearing is not None:  # of a point

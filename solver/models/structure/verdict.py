@@ -236,7 +236,7 @@ class Well:
             lever = min(reach - float(out @ place) for out, reach in _edges(joint, _slip(rest, j), place))
             if joint.bed.friction is not None and joint.below is not GROUND:
                 lever -= left / max(joint.bed.friction * carried, math.ulp(0.0))
-            settled = carried / (joint.bed.stiffness * joint.face.moments[0])
+            settled = carried / (joint.bed.stiffness * joint.moments[0])
             moments[j] = carried * (lever - math.sqrt(8.0 * settled * self._height(j)) / 3.0)
         return moments
 
@@ -256,7 +256,7 @@ class Well:
             assert bearing is not None
             left = max(0.0, bearing.capacity - float(d[j]))
             slides = bed.dowel + (bed.friction or 0.0) * carried
-            along = bed.shear_ratio * bed.stiffness * joint.face.moments[0]
+            along = bed.shear_ratio * bed.stiffness * joint.moments[0]
             takes = slides * max(0.0, left - slides / along) if slides else 0.0
             least = min(least, 0.5 * (carried * bearing.pendulum + bearing.spring) * left**2 + takes)
         return least

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ....common.errors import InputError
-from .faces import Face, FloatArray, shared
+from .faces import NEAR, Face, FloatArray, inset, polygon_moments, shared
 from .parts import BASE, Bed, Joint, Solid
 from .shapes import rectangle
 
@@ -28,7 +29,38 @@ def joints_between(
     if not found:
         names = [*(solid.name for solid in solids), BASE]
         raise InputError(f"{key}: {names[upper]} and {names[lower]} share no face: they must lie on each other")
-    return [Joint(upper, lower, turned_face(face), bed, key, a, b) for face, a, b in found]
+    return [with_rim(Joint(upper, lower, turned_face(face), bed, key, a, b)) for face, a, b in found]
+
+
+def with_rim(joint: Joint) -> Joint:
+    """Return a joint with what its rim leaves open, about the centroid of what bears (theory.md section 21).
+
+    That is what the insides of both faces share: a rim as wide as half of a face leaves nothing open.
+    """
+    rim, face = joint.bed.rim, joint.face
+    if rim is None:
+        return joint
+    above, below = (inside_of(part or face, rim) for part in (joint.above, joint.below))
+    if above is None or below is None:
+        return joint
+    inside = above if above is below or joint.above is joint.below else shared(above, below)
+    if inside is None:  # nothing as built, but perhaps after a slip
+        return replace(joint, inside=replace(face, outline=np.zeros((3, 2)), radius=0.0, bore=0.0))
+    if inside.radius and face.radius:
+        return replace(joint, inside=replace(face, radius=inside.radius, bore=inside.bore))
+    outline = inside.seen_from(face)
+    area, first, _ = polygon_moments(outline)
+    middle = -first / (face.moments[0] - area)
+    if np.hypot(*middle) <= NEAR * face.size:
+        return replace(joint, inside=replace(face, outline=outline, radius=0.0, bore=0.0))
+    centre = face.centre + face.axes[:, :2] @ middle
+    own = replace(face, centre=centre, outline=face.outline - middle)
+    return replace(joint, face=own, inside=replace(own, outline=outline - middle))
+
+
+def inside_of(face: Face, rim: float) -> Face | None:
+    """Return the inside of a face that touches in a rim of this width (m); None if all of it touches."""
+    return face if face is GROUND else inset(face, rim)
 
 
 def facing(above: Sequence[Face], below: Sequence[Face], cosine: float) -> list[tuple[Face, Face]]:

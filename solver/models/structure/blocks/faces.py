@@ -140,6 +140,18 @@ def _half(corners: Sequence[Sequence[float]], depth: Sequence[float]) -> list[Se
     return kept
 
 
+def inset(face: Face, rim: float) -> Face | None:
+    """Return the part of a face farther than `rim` (m) from its edges, about the same centre; None if there is none."""
+    if face.radius:
+        radius, bore = face.radius - rim, face.bore + rim if face.bore else 0.0
+        return replace(face, radius=radius, bore=bore) if radius > bore else None
+    left = face.outline.tolist()
+    for (x0, y0), (x1, y1) in zip(face.outline.tolist(), np.roll(face.outline, -1, axis=0).tolist(), strict=True):
+        length = math.hypot(x1 - x0, y1 - y0)
+        left = _half(left, [((x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)) / length - rim for x, y in left])
+    return replace(face, outline=without_doubles(np.array(left))) if len(left) > 2 else None
+
+
 def beside(corners: FloatArray, outside: FloatArray) -> list[FloatArray]:
     """The parts of a convex polygon where any of some linear functions is positive, as convex polygons.
 

@@ -65,6 +65,7 @@ class Bed:
     strength: float | None = None  # Pa, pressure that the faces bear; compared with by checks, the motion ignores it
     tensile_strength: float = 0.0  # Pa, tension that it bears until it breaks (theory.md section 18)
     cohesion: float = 0.0  # Pa, borne beside friction over what has not broken
+    rim: float | None = None  # m, width of the band along the edges in which faces touch; None: all over
 
     @property
     def is_bonded(self) -> bool:
@@ -103,6 +104,24 @@ class Joint:
     above: Face | None = None  # faces of `upper` and `lower`, which end the contact after a slip; None: alike `face`
     below: Face | None = None
     bearing: Bearing | None = None  # then it bears at the centre of `face`, which has the size of the bearing
+    inside: Face | None = None  # what a rim leaves open of `face`, about the same centre
+
+    @cached_property
+    def moments(self) -> tuple[float, float, float, float]:
+        """The area that bears (m2), and its integrals of x^2, y^2 and x y about the centre (m4)."""
+        found = self.face.moments
+        if self.inside is None:
+            return found
+        a, b = found, self.inside.moments
+        return a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]
+
+    @property
+    def arm(self) -> float:
+        """The mean distance of what bears from the centre (m): the arm of friction against twisting."""
+        if self.inside is None or not self.inside.moments[0]:
+            return self.face.arm
+        inside = self.inside.arm * self.inside.moments[0]
+        return (self.face.arm * self.face.moments[0] - inside) / self.moments[0]
 
 
 @dataclass(frozen=True, eq=False)
