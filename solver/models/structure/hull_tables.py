@@ -14,7 +14,7 @@ from ...common.errors import InputError, InputWarning, check_number, check_whole
 from ...common.ranges import check_choice, check_keys
 from ...common.tables import vector_of
 from .blocks.cuts import convex_parts
-from .blocks.faces import NEAR, FloatArray
+from .blocks.faces import NEAR, FloatArray, polygon_moments
 from .blocks.hulls import Bulk, Hull, block_of_hulls, bulk_of, checked, convex_surface, feet_of, hull_of, middle_of
 from .blocks.meshes import UP, triangles_of
 from .blocks.outlines import MOST_CORNERS, outline_of
@@ -30,6 +30,7 @@ MOST_FEET = 64
 MOST_PARTS = 64
 LEVEL = 1e-3  # of the height of a mesh: points that lie within it of the lowest one bear
 WHOLE = 1e-2  # of its volume: a mesh whose hull holds no more beside it is convex
+HOLLOW = 0.8  # of the area of a foot: a mesh that has less there is hollow, or rough, below
 FACTOR = (1e-6, 1e6), "a positive factor, from 1e-6 to 1e6"
 POINTS = f"a list of 4 to {MOST_POINTS} points [x, y, z] in m"
 FOOT = "a list of corners [x, y] in m of a convex polygon, or a list of such polygons"
@@ -136,9 +137,31 @@ def _mesh_table(key: str, table: Mapping[str, Any]) -> tuple[Mapping[str, Any], 
             InputWarning,
             stacklevel=2,
         )
-    feet = _feet(key, table, points, share * float(np.ptp(points[:, 2])))
+    level = share * float(np.ptp(points[:, 2]))
+    feet = _feet(key, table, points, level)
+    if "foot" not in table:
+        _warn_of_hollow_foot(f"{key}.foot", file, triangles, feet, level)
     rest = {word: value for word, value in table.items() if word not in OF_FILE}
     return {**rest, **_known(hulls, bulk, feet, share)}, triangles
+
+
+def _warn_of_hollow_foot(key: str, file: str, triangles: FloatArray, feet: Sequence[FloatArray], level: float) -> None:
+    """Warn of a foot whose convex outline is far larger than what the mesh has there, as under a ring.
+
+    triangles: (k, 3, 3) m; feet: their outlines, (corners, 2) m; level: m, within which of the lowest point a mesh
+    touches.
+    """
+    lowest = triangles[np.max(triangles[:, :, 2], axis=1) <= np.min(triangles[:, :, 2]) + level]
+    a, b = lowest[:, 1, :2] - lowest[:, 0, :2], lowest[:, 2, :2] - lowest[:, 0, :2]
+    touches = 0.5 * float(np.sum(np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])))
+    taken = sum(polygon_moments(foot)[0] for foot in feet)
+    if 0.0 < touches < HOLLOW * taken:
+        warnings.warn(
+            f"{key}: {file}: is taken as the convex outline of {taken:.3g} m2, the mesh has {touches:.3g} m2 there; "
+            f"give feet or foot, or the joint a rim, if that matters",
+            InputWarning,
+            stacklevel=3,
+        )
 
 
 def _known(hulls: Sequence[Hull], bulk: Bulk, feet: Sequence[FloatArray], level: float) -> dict[str, Any]:
