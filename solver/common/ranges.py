@@ -34,6 +34,7 @@ NUMBERS: dict[str, tuple[tuple[float, float], str]] = {
     "strength": ((1.0, 1e15), "a positive pressure in Pa, from 1 to 1e15"),
     "tensile_strength": ((0.0, 1e12), "a tension in Pa, zero or positive"),
     "cohesion": ((0.0, 1e12), "a shear stress in Pa, zero or positive"),
+    "rim": (LENGTH[0], "a positive length in m, from 1e-6 to 1e6: the band along the edges in which faces touch"),
     "offset": ((-1e6, 1e6), "a length in m, positive to +x, at most 1e6 either way"),
     "inclination": ((-0.5, 0.5), "an angle in rad, clockwise, from -0.5 to 0.5"),
     "tilt": ((-0.5, 0.5), "an angle in rad, clockwise, from -0.5 to 0.5"),

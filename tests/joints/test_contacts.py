@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -60,6 +60,11 @@ class Shape:
                 places += [sign * math.sqrt(max(0.0, radius**2 - half**2)) for sign in (-1.0, 1.0)]
         return places
 
+    def inset(self, rim: float) -> Shape:
+        """Return the points of the face that are farther than the rim, m, from all of its edges."""
+        depth, bore = self.depth - 2.0 * rim if self.depth else 0.0, self.bore + 2.0 * rim if self.bore else 0.0
+        return Shape(self.width - 2.0 * rim, depth, bore)
+
     def block(self, joint: Joint, mass: float) -> Block:
         section = "rectangle" if self.depth or self.strips else "annulus" if self.bore else "circle"
         return Block(0.3, self.width, self.depth or self.width, mass, joint, section=section, bore=self.bore or None)
@@ -73,25 +78,41 @@ def _half_chord(radius: float, x: Array) -> Array:
 class Pair:
     own: Shape
     below: Shape
+    rim: float = 0.0  # m, in which they touch; 0: all over
 
     def column(self, **settings: float) -> Column:
         section = {"section": "strips", "strips": self.own.strips} if self.own.strips else {}
-        joint = Joint(2e9, settings.pop("eta", 0.0), friction=0.2, **section)  # type: ignore[arg-type]
+        eta, rim = settings.pop("eta", 0.0), self.rim or None
+        joint = Joint(2e9, eta, friction=0.2, rim=rim, **section)  # type: ignore[arg-type]
         low = self.below.block(Joint(2e11, joint.damping), 1e5)
         return Column("pair", (self.own.block(joint, 800.0), low), Settings(**settings))  # type: ignore[arg-type]
 
+    @property
+    def inside(self) -> Pair:
+        """What a rim leaves open of either face."""
+        return Pair(self.own.inset(self.rim), self.below.inset(self.rim))
+
     def depth(self, x: Array, slip: float) -> Array:
-        """Of the contact: what both faces share."""
+        """Of the contact: what both faces share, less what both insides share."""
+        open_ = self.inside.depth(x, slip) if self.rim else 0.0
+        return self.outline(x, slip) - open_
+
+    def outline(self, x: Array, slip: float) -> Array:
+        """Depth of what both faces share."""
         outer = np.minimum(self.own.outer(x), self.below.outer(x + slip))
         return 2.0 * np.maximum(0.0, outer - np.maximum(self.own.inner(x), self.below.inner(x + slip)))
+
+    def kinks(self, slip: float) -> set[float]:
+        """Return abscissas at which the depth of the outline, or that of the inside, may have a kink."""
+        edges = {*self.own.kinks(self.below), *(place - slip for place in self.below.kinks(self.own))}
+        for one, other in itertools.product((self.own.width, self.own.bore), (self.below.width, self.below.bore)):
+            edges |= {(other**2 - one**2 - 4.0 * slip**2) / (8.0 * slip)} if slip else set()
+        return edges | self.inside.kinks(slip) if self.rim else edges
 
     def integrals(self, slip: float, opening: float, slope: float) -> Array:
         """Energy J, N and M of the penetration slope * x - opening, by Gauss's rule between all kinks."""
         x, w = np.polynomial.legendre.leggauss(40)
-        edges = {*self.own.kinks(self.below), *(place - slip for place in self.below.kinks(self.own))}
-        edges |= {opening / slope} if slope else set()
-        for one, other in itertools.product((self.own.width, self.own.bore), (self.below.width, self.below.bore)):
-            edges |= {(other**2 - one**2 - 4.0 * slip**2) / (8.0 * slip)} if slip else set()
+        edges = self.kinks(slip) | ({opening / slope} if slope else set())
         found = np.zeros(3)
         for begin, end in itertools.pairwise(sorted(edges)):
             angle = 0.5 * math.pi * x
@@ -119,6 +140,10 @@ PAIRS = {
     "drum on deep beam": Pair(Shape(1.0), Shape(0.6, 1.3)),
     "strips on drum": Pair(Shape(1.25, 1.0, strips=(0.3, 0.9, 0.5, 0.5, 0.9, 0.3)), Shape(1.1, bore=0.4)),
     "strips on narrow": Pair(Shape(1.2, 1.0, strips=(0.3, 0.5, 0.7, 0.5, 0.3)), Shape(0.9, 0.8)),
+}
+RIMS = {"drum on ring": 0.03, "ring on smaller ring": 0.04, "plank on ring": 0.07}  # m, of pairs with thin rings
+PAIRS |= {
+    f"{name}, rim": replace(pair, rim=RIMS.get(name, 0.11)) for name, pair in PAIRS.items() if not pair.own.strips
 }
 SLIPS = (0.0, 1e-9, 0.013, -0.11, 0.3, -0.52)
 

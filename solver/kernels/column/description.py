@@ -14,7 +14,7 @@ from .solids import homogeneous
 # description of a column: settings, then a record for each block; 0 for an optional value that is not given
 GIVEN_SETTINGS = Record("g", "step", "tolerance", "without", "drive", "slope", "bodies")
 GIVEN_BLOCK = ("height", "width", "depth", "mass", "centroid", "inertia", "tilt")
-GIVEN_JOINT = (*LAW, "width", "depth", "friction", "dowel", "offset", "inclination")
+GIVEN_JOINT = (*LAW, "width", "depth", "friction", "dowel", "offset", "inclination", "rim")
 # properties that no parameter of an FMU changes: of the block the code of the section, inner diameter m, sizes of the
 # top face m; of the joint the code of the section, inner diameter m, number of strips and their depths m
 GIVEN_SHAPE = (
@@ -94,7 +94,7 @@ def _describe_block(model, given, i, detail):
         detail[0], detail[1], detail[2] = i + 1.0, fault.kind, fault.strip
         detail[3], detail[4] = fault.value, fault.bound
         return MISFIT
-    lay_out(blocks, i, own, block.strips, depths, below)
+    lay_out(blocks, i, own, block.strips, depths, below, block.joint_rim)
     blocks.friction[i] = block.joint_friction
     blocks.dowel[i] = block.joint_dowel if block.joint_friction > 0.0 else RIGID
     settings.slides = 1.0 if block.joint_friction > 0.0 else settings.slides

@@ -53,8 +53,8 @@ def bonded_part(contact, bond, opening, slope):
 @leaf
 def _side(contact, left, right):
     """A part of a contact."""
-    _, _, _, depth, bore, strips, slip, around, round_bore = contact
-    return Contact(contact.section, left, right, depth, bore, strips, slip, around, round_bore)
+    _, _, _, depth, bore, strips, slip, around, round_bore, rim = contact
+    return Contact(contact.section, left, right, depth, bore, strips, slip, around, round_bore, rim)
 
 
 @leaf

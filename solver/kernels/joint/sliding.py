@@ -12,7 +12,7 @@ from ..numba_ext.lanes import LANES, LanesType, any_of, greater, where
 from ..sections.band import band_push
 from ..sections.faces import LENS, ON_RING
 from ..sections.lens import lens_push
-from ..sections.section import contact_of, depth_at, depth_in_lanes, ends_of, knows_round
+from ..sections.section import INSIDE, contact_of, depth_at, depth_in_lanes, ends_of, inset, inset_bore, knows_round
 from .law import pressed_part
 
 RIGID = 1e300  # N, as the dowel of a joint that never slides
@@ -85,11 +85,12 @@ def rim_force(blocks, i, opening, slope, slip):
 
 
 @leaf
-def _lens_force(blocks, i, left, right, opening, slope, slip):
-    """The force of the rim, N, on a round joint above a round face."""
-    own, bore, bore_below = 0.5 * blocks.own_depth[i], 0.5 * blocks.own_bore[i], 0.5 * blocks.bore_below[i]
+def _lens_force(blocks, i, left, right, opening, slope, slip, rim):
+    """Return the force of the edges, N, on a round joint above a round face, both inset by a rim, m."""
+    own, bore = 0.5 * blocks.own_depth[i] - rim, 0.5 * inset_bore(blocks.own_bore[i], rim)
+    below, bore_below = blocks.rim_right[i] - rim, 0.5 * inset_bore(blocks.bore_below[i], rim)
     lo, hi = pressed_part(left, right, opening, slope)
-    force = lens_push(own, bore, blocks.rim_right[i], bore_below, slip, lo, hi, blocks.stiffness[i], opening, slope)
+    force = lens_push(own, bore, below, bore_below, slip, lo, hi, blocks.stiffness[i], opening, slope)
     return where(lo < hi, force, 0.0)
 
 
@@ -109,29 +110,37 @@ def _rim_force_of_lanes(blocks, i, opening, slope, slip):
     if knows_round(blocks):
         lens = blocks.slipped[i] == LENS
         if any_of(lens & cut):
-            force = where(lens, where(cut, _lens_force(blocks, i, left, right, opening, slope, slip), 0.0), force)
+            force = where(lens, where(cut, _lens_force(blocks, i, left, right, opening, slope, slip, 0.0), 0.0), force)
     return force
 
 
 def _rim_force_of_one(blocks, i, opening, slope, slip):
     if slip == 0.0 and blocks.overhangs[i] == 0.0:
         return 0.0
-    left, right = ends_of(blocks, i, slip)
-    section, force = blocks.slipped[i], 0.0
-    if not left < right:
+    contact = contact_of(blocks, i, slip)
+    force = _force_of_edges(blocks, i, contact, 0.0, opening, slope, slip)
+    if contact.rim > 0.0:  # what lies within them is open
+        force -= _force_of_edges(blocks, i, contact, contact.rim, opening, slope, slip)
+    return force
+
+
+@leaf
+def _force_of_edges(blocks, i, contact, rim, opening, slope, slip):
+    """Return the force, N, of the edges of the lower face of joint i where both faces are inset by a rim, m."""
+    part, section, stiffness, force = inset(contact, rim), blocks.slipped[i], blocks.stiffness[i], 0.0
+    if not part.left < part.right:
         return 0.0
     if section == LENS:
-        return _lens_force(blocks, i, left, right, opening, slope, slip)
+        return _lens_force(blocks, i, part.left, part.right, opening, slope, slip, rim)
     if section == ON_RING:
-        outer, inner, stiffness = blocks.rim_right[i], 0.5 * blocks.bore_below[i], blocks.stiffness[i]
-        lo, hi = pressed_part(left, right, opening, slope)
-        strips = blocks.strips[STRIP_NUMBERS * i :]
+        outer, inner = blocks.rim_right[i] - rim, 0.5 * inset_bore(blocks.bore_below[i], rim)
+        lo, hi = pressed_part(part.left, part.right, opening, slope)
+        strips = blocks.strips[STRIP_NUMBERS * i + (INSIDE if rim > 0.0 else 0) :]
         return band_push(strips, outer, inner, slip, lo, hi, stiffness, opening, slope) if lo < hi else 0.0
-    contact = contact_of(blocks, i, slip)
-    if blocks.rim_right[i] - slip == right != blocks.own_right[i]:
-        force += _push_at(contact, blocks.stiffness[i], right, opening, slope)
-    if blocks.rim_left[i] - slip == left != blocks.own_left[i]:
-        force -= _push_at(contact, blocks.stiffness[i], left, opening, slope)
+    if blocks.rim_right[i] - slip == contact.right != blocks.own_right[i]:
+        force += _push_at(part, stiffness, contact.right - rim, opening, slope)
+    if blocks.rim_left[i] - slip == contact.left != blocks.own_left[i]:
+        force -= _push_at(part, stiffness, contact.left + rim, opening, slope)
     return force
 
 

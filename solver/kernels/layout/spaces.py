@@ -92,6 +92,7 @@ BLOCKS = Table(
     "bore_below",  # m, inner diameter of that face
     "slipped",  # section once there is a slip
     "overhangs",  # 1 where the contact face reaches beyond the face below as built
+    "rim",  # m, width of the band along the edges of the faces in which they touch; 0: all over
     "open_size",  # m, opening with the elastic energy of a joint rotation of 1 rad: radius of gyration of the contact
     "per_open_size",
     "fall_angle",  # rad, rotation of the block or its joint beyond which it cannot come back

@@ -11,6 +11,7 @@ from ..numba_ext.jit import in_both
 # the names that a user writes; the code of a section is its place among them
 SECTIONS = ("rectangle", "circle", "annulus", "strips")
 RECTANGLE, CIRCLE, ANNULUS, STRIPS = range(len(SECTIONS))
+FRAME = -1  # a rectangle of which a rim touches
 # what else two faces may have in common: two round ones of which one has slipped; a straight one, which may be made of
 # strips, over a round one; a round one over a straight one
 LENS, ON_RING, ON_BAND = range(len(SECTIONS), len(SECTIONS) + 3)
@@ -94,6 +95,14 @@ def after_a_slip(own: Face, below: Face, section: float) -> float:
     if is_round(own.section) and (section == ON_BAND or own.depth > below.depth):
         return float(ON_BAND)
     return own.section
+
+
+@in_both
+def has_inside(face: Face, rim: float) -> bool:
+    """Return True if some of a face is farther than the rim, m, from all of its edges."""
+    if is_round(face.section):
+        return face.width - face.bore > (4.0 if face.bore > 0.0 else 2.0) * rim
+    return min(face.width, face.depth) > 2.0 * rim
 
 
 @in_both

@@ -6,6 +6,10 @@ second moment m3, m4 about the middle of the part. Mirror images have mirrored m
 
 The rectangle comes first and is written out: it is the most frequent section. Lanes of columns of rectangles alone are
 compiled without the others, those of columns without strips without these (batch/runs.py).
+
+Faces A and B may touch in a rim along their edges. With A_i and B_i, the points of each that are farther than the rim
+from all of its edges, they touch in (A n B) - (A_i n B_i): in their outline less what the rim leaves open. That is the
+outline inset by the rim, and a section like it. The rim does not change the ends of a contact, and with them regimes.
 """
 
 import math
@@ -20,6 +24,7 @@ from .faces import (
     ALIKE,
     ANNULUS,
     CIRCLE,
+    FRAME,
     LENS,
     ON_BAND,
     ON_RING,
@@ -27,6 +32,7 @@ from .faces import (
     STRIPS,
     after_a_slip,
     common,
+    has_inside,
     is_round,
 )
 from .lens import ends_of_rings, lens_part
@@ -34,13 +40,14 @@ from .strips import COUNT, DEPTHS, PITCH, edge_of, strips_part, strips_part_in_l
 
 ROUND = "round_in_lanes"  # name of an empty field, in the blocks of lanes whose joints may be round (batch/runs.py)
 STRIPPED = "strips_in_lanes"  # and of those whose joints may be made of strips
+INSIDE = DEPTHS + 1  # place in the row of strips: the same three numbers of the inside of a straight face, as one strip
 NEAR = 1e-4  # of the width of a contact: half of the part over which its depth at a place is taken
 
 
 class Contact(NamedTuple):
     """The part in which the faces of a joint can touch; abscissas in m from the middle of the block."""
 
-    section: float  # its code, also LENS, ON_RING or ON_BAND (faces.py)
+    section: float  # its code, also FRAME, LENS, ON_RING or ON_BAND (faces.py)
     left: float  # ends of the contact
     right: float
     depth: float  # m, across the motion; the diameter of a circle or an annulus
@@ -49,6 +56,7 @@ class Contact(NamedTuple):
     slip: float  # m, of a round face that shares a part with the face above: its centre is at -slip
     round: float  # m, diameter of that face
     round_bore: float  # m
+    rim: float  # m, within which of its edges the faces touch; 0: all over
 
 
 @by_width
@@ -126,7 +134,34 @@ def contact_of(blocks, i, slip=0.0):
         below, bore_below = 2.0 * blocks.rim_right[i], blocks.bore_below[i]
         if section == ON_BAND:  # the round face is that above
             slip, below, bore_below = 0.0, depth, bore
-    return Contact(section, left, right, depth, bore, strips, slip, below, bore_below)
+    return Contact(section, left, right, depth, bore, strips, slip, below, bore_below, blocks.rim[i])
+
+
+@leaf
+def inset_bore(bore, rim):
+    """Return the bore, m, of a face inset by a rim; 0 where it has none."""
+    return where(bore > 0.0, bore + 2.0 * rim, 0.0)
+
+
+@leaf
+def inset(contact, rim):
+    """Return a contact of which all touches, inset by a rim, m: what it leaves open; left >= right: nothing."""
+    section, left, right = contact.section, contact.left + rim, contact.right - rim
+    depth, below = contact.depth - 2.0 * rim, contact.round - 2.0 * rim
+    bore, bore_below = inset_bore(contact.bore, rim), inset_bore(contact.round_bore, rim)
+    strips, slip = contact.strips, contact.slip
+    # wider bores may cut it off where they did not the outline, or hold all of the other face
+    if rim > 0.0 and section >= ON_RING:
+        strips = strips[INSIDE:]
+        if bore_below > 0.0:
+            left, right = ends_of_band(strips, 0.5 * bore_below, -slip, left, right)
+    elif rim > 0.0 and section == LENS and max(bore, bore_below) > 0.0:
+        left, right = ends_of_rings(0.5 * depth, 0.5 * bore, 0.5 * below, 0.5 * bore_below, slip, left, right)
+        if max(bore_below - depth, bore - below) >= 2.0 * abs(slip):
+            right = left
+    elif section == ANNULUS and bore >= depth:
+        right = left
+    return Contact(section, left, right, depth, bore, strips, slip, below, bore_below, 0.0)
 
 
 # --- parts of any section but the rectangle
@@ -135,6 +170,23 @@ def contact_of(blocks, i, slip=0.0):
 @kernel
 def _part(contact, lo, hi):
     """Middle of lo and hi, area and moments about it."""
+    about, area, first, second = _part_of_outline(contact, lo, hi)
+    if contact.rim > 0.0:
+        inside = inset(contact, contact.rim)
+        left, right = inside.left, inside.right
+        if left < right:
+            lo, hi = min(max(lo, left), right), min(max(hi, left), right)
+            middle, a, b, c = _part_of_outline(inside, lo, hi)
+            off = middle - about
+            area -= a
+            first -= b + off * a
+            second -= c + off * (2.0 * b + off * a)
+    return about, area, first, second
+
+
+@kernel
+def _part_of_outline(contact, lo, hi):
+    """As `_part`, of a contact of which all touches."""
     if contact.section >= LENS:
         outer, inner = 0.5 * contact.round, 0.5 * contact.round_bore
         if contact.section == LENS:
@@ -144,6 +196,10 @@ def _part(contact, lo, hi):
         return circle_part(0.5 * contact.depth, lo, hi)
     if contact.section == STRIPS:
         return strips_part(contact.strips, lo, hi)
+    if contact.section == FRAME:
+        length = hi - lo
+        area = contact.depth * length
+        return 0.5 * (lo + hi), area, 0.0, area * (length * length) * (1.0 / 12.0)
     return ring_part(0.5 * contact.depth, 0.5 * contact.bore, lo, hi)
 
 
@@ -321,10 +377,11 @@ def is_off_centre(count, depths):
 
 
 @kernel
-def lay_out(blocks, i, own, count, depths, below):
+def lay_out(blocks, i, own, count, depths, below, rim):
     """Fill in the contact of joint i from the contact face of the block above and the face below (faces.py).
 
-    count, depths: of the strips that the upper one may be made of, which lie over its width; a row, in m.
+    count, depths: of the strips that the upper one may be made of, which lie over its width; a row, in m. rim: m, in
+    which the faces touch, 0: all over, as where one of them is no wider than its rim, or made of strips.
     """
     strips = blocks.strips[STRIP_NUMBERS * i :]
     half = 0.5 * below.width
@@ -354,6 +411,14 @@ def lay_out(blocks, i, own, count, depths, below):
     elif slipped >= ON_RING:  # the straight face is one strip
         strips[COUNT] = 1.0
         strips[DEPTHS] = below.depth if slipped == ON_BAND else own.depth
+    if own.section == STRIPS or not (has_inside(own, rim) and has_inside(below, rim)):
+        rim = 0.0
+    if rim > 0.0:
+        strips[INSIDE + COUNT], strips[INSIDE + PITCH] = 1.0, strips[PITCH] - 2.0 * rim
+        strips[INSIDE + DEPTHS] = strips[DEPTHS] - 2.0 * rim
+        section = float(FRAME) if section == RECTANGLE else section
+        slipped = float(FRAME) if slipped == RECTANGLE else slipped
+    blocks.rim[i] = rim
     blocks.own_left[i], blocks.own_right[i] = left, right
     blocks.section[i], blocks.depth[i], blocks.bore[i], blocks.slipped[i] = section, depth, shared.bore, slipped
     left, right = max(left, -half), min(right, half)

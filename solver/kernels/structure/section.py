@@ -1,4 +1,4 @@
-"""The section of a joint, and the inside of it that a rim leaves open (theory.md section 21).
+"""The section of a joint, and the inside of it that a rim leaves open (theory.md section 12).
 
 Two faces that touch in a rim along their edges share (A and B) less (A_i and B_i), the insides being inset by the rim.
 So the bed of such a joint is that of its outline less that of its inside.

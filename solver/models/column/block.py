@@ -46,6 +46,7 @@ class Joint:
     strength: float | None = None  # Pa, pressure that the faces bear; compared with by checks, the motion ignores it
     tensile_strength: float = 0.0  # Pa, tension that mortar bears until it breaks, for good
     cohesion: float = 0.0  # Pa, shear that mortar bears beside friction, until the joint slides
+    rim: float | None = None  # m, width of the band along the edges in which the faces touch; None: all over
 
     def __post_init__(self) -> None:
         if isinstance(self.strips, list):  # as TOML and JSON have it
@@ -232,13 +233,22 @@ def check_block(key: str, block: object) -> None:
             raise InputError(f"{key}.joint.bore: must be an inner diameter in m, less than {width} m")
         _check_bore(f"{key}.joint", block.joint_bore, "annulus", block.joint_width)
     _check_strips(f"{key}.joint.strips", block)
-    _check_given(f"{key}.joint", block.joint, "offset", "inclination")
+    _check_given(f"{key}.joint", block.joint, "offset", "inclination", "rim")
+    if block.joint.rim is not None and (why := no_rim(block)):
+        raise InputError(f"{key}.joint.rim = {shown(block.joint.rim)}: must be {why}")
     _check_given(key, block, "tilt")
     for name in OTHER_LAW:
         value = getattr(block.joint, name)
         if value and not knows_section(name, block):
             known = " or ".join(f'"{section}"' for section in _LAWS[name]["sections"])
             raise InputError(f"{key}.joint.{name} = {shown(value)}: must be left out, or the contact's section {known}")
+
+
+def no_rim(block: Block) -> str:
+    """Return why the joint under a block can have no rim, or ""."""
+    if block.joint_section == STRIPS:
+        return 'left out beside section = "strips", which says where the faces touch'
+    return "left out of a joint that bears tension or cohesion" if block.joint.is_brittle else ""
 
 
 def knows_section(name: str, block: Block) -> bool:

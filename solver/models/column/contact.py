@@ -21,12 +21,13 @@ BASE = Face(float(RECTANGLE), ENDLESS, ENDLESS, 0.0)
 class Contact:
     """The contact under a block without slip, and what of it counts; numbers about the middle of the block."""
 
-    section: int  # code of SECTIONS, or ON_RING or ON_BAND (kernels/sections/faces.py)
+    section: int  # code of SECTIONS, or FRAME, ON_RING or ON_BAND (kernels/sections/faces.py)
     slipped: int  # the same once there is a slip
     left: float  # m, ends along the motion
     right: float  # m
     depth: float  # m, across the motion at most; the diameter of a round one
     bore: float  # m
+    rim: float  # m, in which the faces touch; 0: all over
     area: float  # m2
     first: float  # m3
     second: float  # m4
@@ -71,13 +72,15 @@ def _contact(block: Block, below: Face) -> Contact:
     """From the kernels, but for what is a whole face in closed form."""
     own, strips = block.contact_face, block.joint.strips or ()
     shared = common(own, below)
-    if own.section != STRIPS and shared.section < LENS:
+    rim = block.joint.rim or 0.0
+    if own.section != STRIPS and shared.section < LENS and not rim:
         area, second = face(*shared)
         half, slipped = 0.5 * shared.width, after_a_slip(own, below, shared.section)
-        return Contact(int(shared.section), int(slipped), -half, half, shared.depth, shared.bore, area, 0.0, second)
+        sizes = -half, half, shared.depth, shared.bore
+        return Contact(int(shared.section), int(slipped), *sizes, rim, area, 0.0, second)
     model, found = np.zeros(at.MODEL.size(1)), np.zeros(3)
-    lay_joint(np.array(own), np.array([*strips, 0.0]), float(len(strips)), np.array(below), model, found)
+    lay_joint(np.array(own), np.array([*strips, 0.0]), float(len(strips)), np.array(below), rim, model, found)
     laid = at.MODEL.see(model, 1).blocks
-    names = ("section", "slipped", "left", "right", "depth", "bore")
-    section, slipped, *sizes = (float(getattr(laid, name)[0]) for name in names)
-    return Contact(int(section), int(slipped), *sizes, *found.tolist())
+    names = ("left", "right", "depth", "bore", "rim")
+    section, slipped = int(laid.section[0]), int(laid.slipped[0])
+    return Contact(section, slipped, *(float(getattr(laid, name)[0]) for name in names), *found.tolist())

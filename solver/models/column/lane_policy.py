@@ -31,6 +31,8 @@ def why_not_in_lanes(column: Column) -> str:
         return "tight tolerance"
     if column.has_bands:
         return "a round face on a straight one"
+    if column.has_rims:
+        return "faces that touch in a rim"
     return "stiff joints" if "implicit" not in settings.without and _is_stiff(column) else ""
 
 

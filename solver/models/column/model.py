@@ -129,6 +129,11 @@ class Column(Shown):
         """Whether some contact is the common part of a round face and a straight one, or may become that."""
         return not self._sections.isdisjoint((ON_RING, ON_BAND))
 
+    @cached_property
+    def has_rims(self) -> bool:
+        """Whether the faces of some joint touch in a rim."""
+        return any(contact.rim for contact in self.contacts)
+
     @property
     def _sections(self) -> set[int]:
         """Codes of the sections of the contacts; of columns that have slips also of those that slips lead to."""

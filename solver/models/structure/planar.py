@@ -29,8 +29,6 @@ def column_of(structure: Structure) -> Column | None:
     under = {joint.upper: joint for joint in structure.joints}
     if structure.ties or structure.bearings or structure.neighbours or structure.bonds:
         return None
-    if any(joint.inside is not None for joint in structure.joints):
-        return None
     if not len(under) == len(structure.joints) == structure.n:
         return None
     joints = [under[i] for i in order]
@@ -55,9 +53,8 @@ def _block(solid: Solid, joint: Joint) -> planar.Block:
     section, width, depth, bore = _section(bottom)
     _, top_width, top_depth, _ = _section(top)
     bed, foot = joint.bed, float(bottom.centre[2])
-    law = planar.Joint(
-        bed.stiffness, bed.damping, friction=bed.friction, dowel=bed.dowel or None, strength=bed.strength
-    )
+    dowel, strength = bed.dowel or None, bed.strength
+    law = planar.Joint(bed.stiffness, bed.damping, friction=bed.friction, dowel=dowel, strength=strength, rim=bed.rim)
     contact, *sizes = _section(joint.face)
     own = (width, depth, bore)
     if contact != section or any(abs((a or 0.0) - (b or 0.0)) > CLOSE * width for a, b in zip(sizes, own, strict=True)):

@@ -13,7 +13,7 @@ from ...kernels.sections.faces import STRIPS, is_round
 from ...kernels.sections.faces import Face as PlaneFace
 from ..column.block import Block
 from ..ports import Port
-from .blocks.contacts import GROUND
+from .blocks.contacts import GROUND, with_rim
 from .blocks.faces import Face, shared
 from .blocks.parts import OF_COLUMN, Bed, Joint, Solid
 from .blocks.shapes import box, drum, placed, rectangle
@@ -78,9 +78,11 @@ def _joint(column: Column, i: int, foot: float) -> Joint:
         raise InputError(f"{key}: its face and the one below do not meet")
     law = block.joint
     mortar = {"tensile_strength": law.tensile_strength, "cohesion": law.cohesion}
-    dowel = law.dowel or 0.0
-    bed = Bed(law.stiffness, law.damping, friction=law.friction, dowel=dowel, strength=law.strength, **mortar)
-    return Joint(i, i + 1, face, bed, f"{key}.joint", above, below)
+    bed = Bed(
+        law.stiffness, law.damping, friction=law.friction, dowel=law.dowel or 0.0, strength=law.strength, **mortar
+    )
+    bed = replace(bed, rim=law.rim)
+    return with_rim(Joint(i, i + 1, face, bed, f"{key}.joint", above, below))
 
 
 def _level(face: PlaneFace, height: float, way: float) -> Face:

@@ -33,7 +33,7 @@ def joints_between(
 
 
 def with_rim(joint: Joint) -> Joint:
-    """Return a joint with what its rim leaves open, about the centroid of what bears (theory.md section 21).
+    """Return a joint with what its rim leaves open, about the centroid of what bears (theory.md section 12).
 
     That is what the insides of both faces share: a rim as wide as half of a face leaves nothing open.
     """
