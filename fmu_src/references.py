@@ -168,6 +168,7 @@ FAMILIES = {
     **{f"port.d{name}": 104 + i for i, name in enumerate(COMPONENTS)},
     "joint.tensile_strength": 110,
     "joint.cohesion": 111,
+    "joint.rim": 112,
 }
 assert MAX_BLOCKS <= FAMILY
 

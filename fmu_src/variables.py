@@ -201,8 +201,9 @@ JOINT_PARAMETERS = {
     "dowel": ("N", "Shear that the joint under block {i} bears beside friction", True),
     "offset": ("m", "Offset of block {i} over what is under it, as built, positive to +x", True),
     "inclination": ("rad", "Angle of the joint under block {i} to the base, as built, clockwise", True),
+    "rim": ("m", "Width of the band along the edges in which the faces under block {i} touch; 0: all over", True),
 }
-# of a column with brittle joints
+# of a column with brittle joints, whose rims are as built
 BOND_PARAMETERS = {
     "tensile_strength": ("Pa", "Tension that the mortar of the joint under block {i} bears until it breaks", False),
     "cohesion": ("Pa", "Shear that the mortar of the joint under block {i} bears beside friction", False),
@@ -402,12 +403,16 @@ def _parameters(column: Column) -> list[Variable]:
 
 def joint_parameters(column: Column) -> dict[str, tuple[str, str, bool]]:
     """The parameters of every joint."""
-    return JOINT_PARAMETERS | (BOND_PARAMETERS if column.is_brittle else {})
+    if not column.is_brittle:
+        return JOINT_PARAMETERS
+    return {key: row for key, row in JOINT_PARAMETERS.items() if key != "rim"} | BOND_PARAMETERS
 
 
 def bond_limits(built: Joint, key: str) -> tuple[tuple[float, float], str]:
     """Limits of a parameter of a bond: a joint that is brittle as built stays so. And what it has to be."""
     limits, meaning = NUMBERS[key]
+    if built.rim is not None:
+        return (0.0, 0.0), "left out of a joint that touches in a rim"
     if built.is_brittle and key == built.brittle_key:
         return (LEAST_BOND, limits[1]), "at least 1 Pa and at most 1e12 Pa: the FMU was built with it"
     return limits, meaning

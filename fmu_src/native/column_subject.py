@@ -19,6 +19,7 @@ from solver.models.column.block import (
     MISFITS,
     STRIP_RELATION,
     knows_section,
+    no_rim,
 )
 from solver.models.column.model import Column
 from solver.models.column.outputs import OUTPUTS
@@ -32,7 +33,6 @@ from ..drive import USUAL, Drive
 from ..variables import (
     BOND_PARAMETERS,
     DRIVE,
-    JOINT_PARAMETERS,
     OVERTURN_JOINT,
     RECORD_SCALE,
     SLOPE_OF_BASE,
@@ -40,6 +40,7 @@ from ..variables import (
     Variable,
     bond_limits,
     inputs_of_ports,
+    joint_parameters,
 )
 from .table import OF_BLOCKS, REFUSALS, VERDICTS, Check, Chosen, Subject, peaks_of
 
@@ -137,7 +138,7 @@ def _given(column: Column, drive: Drive) -> list[str | float]:
         names += [f"block[{i}].{name}" for name in description.GIVEN_BLOCK]
         for name in description.GIVEN_JOINT:
             fixed = float(getattr(block.joint, name) or 0.0)
-            names.append(f"joint[{i}].{name}" if name in JOINT_PARAMETERS else fixed)
+            names.append(f"joint[{i}].{name}" if name in joint_parameters(column) else fixed)
         names += shape_of(block)
     return names
 
@@ -150,7 +151,7 @@ def _checks(column: Column) -> list[Check]:
     rows = [Check("g", *NUMBERS["g"])]
     for i, block in enumerate(column.blocks, start=1):
         for rule in BLOCK_RULES:
-            if rule.of_joint and rule.key not in JOINT_PARAMETERS:  # as built
+            if rule.of_joint and rule.key not in joint_parameters(column):  # as built
                 continue
             name = f"joint[{i}].{rule.key}" if rule.of_joint else f"block[{i}].{rule.key}"
             bound = f"block[{i}].{rule.bound}" if rule.bound else ""
@@ -165,7 +166,11 @@ def _checks(column: Column) -> list[Check]:
         for k, depth in enumerate(block.joint.strips or ()):
             name = f"joint[{i}].strips[{k}]"
             rows.append(Check(name, *FIXED_LENGTH, False, f"block[{i}].depth", False, STRIP_RELATION, depth))
-        others = (f"joint[{i}].offset", f"joint[{i}].inclination", f"block[{i}].tilt", f"joint[{i}].friction")
+        rows += [Check(f"joint[{i}].{key}", *NUMBERS[key], True) for key in ("offset", "inclination")]
+        if "rim" in joint_parameters(column):
+            why = no_rim(block)
+            rows.append(Check(f"joint[{i}].rim", *(((0.0, 0.0), why) if why else NUMBERS["rim"]), True))
+        others = (f"block[{i}].tilt", f"joint[{i}].friction")
         rows += [Check(name, *NUMBERS[name.rpartition(".")[2]], True) for name in others]
         needs = f"joint[{i}].friction"
         rows.append(Check(f"joint[{i}].dowel", *NUMBERS["dowel"], True, relation=DOWEL_RELATION, needs=needs))

@@ -290,5 +290,6 @@ def test_a_wrong_column_file_ends_the_build_with_2_and_one_line(
 def test_the_native_fmu_has_the_same_bits(fmus: Fmus, native: Path) -> None:
     """As built, and of a column off its axis that slides; test_native.py compares others."""
     values = [{}, {"joint[1].offset": 0.1, "joint[2].inclination": 0.01, "joint[1].friction": 0.4}]
+    values += [{"joint[1].rim": 0.05, "joint[3].rim": 0.2, "joint[1].friction": 0.3}]
     for same, apart in call(inside.compare, native, fmus.damped, values):
         assert same, apart

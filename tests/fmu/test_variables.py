@@ -70,7 +70,7 @@ def test_limits_are_those_that_the_column_is_checked_by() -> None:
         if variable.causality != "parameter" or variable.kind != "Real" or variable.name == "base.record_scale":
             continue
         least, most = NUMBERS[key][0]
-        of_joint = variable.name.startswith("joint") and key in ("width", "depth", "friction", "dowel")
+        of_joint = variable.name.startswith("joint") and key in ("width", "depth", "friction", "dowel", "rim")
         optional = of_joint or key in ("centroid", "inertia")
         assert (variable.minimum, variable.maximum) == (0.0 if optional else least, most), variable.name
 

@@ -19,6 +19,7 @@ from support.probe import G
 from solver import Block, Column, InitialState, InputError, Joint, Motion, Settings, natural_frequencies, simulate
 from solver.models.column.kinematics import Chain
 from solver.models.column.linearization import StillColumn
+from solver.models.column.numbers import column_with
 from solver.models.column.run import phase_of
 from solver.models.column.stepper import Stepper
 from solver.models.structure.planar import column_of
@@ -185,6 +186,15 @@ def test_a_stack_in_space_has_the_rims_of_its_column_and_back() -> None:
     again = column_of(stack)
     assert again is not None
     assert [block.joint.rim for block in again.blocks] == [0.02, 0.05]
+
+
+def test_studies_vary_rims_by_name_and_with_the_size() -> None:
+    column = Column("two", block(0.02).blocks * 2)
+    varied = column_with(
+        column, {"joint[1].rim": (0.5, True), "joint[2].rim": (0.03, False), "column.size": (2.0, True)}
+    )
+    assert [one.joint.rim for one in varied.blocks] == [0.02, 0.03]
+    assert varied.blocks[0].width == 1.0
 
 
 # --- refusals

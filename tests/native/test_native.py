@@ -48,6 +48,7 @@ def test_three_blocks_give_the_numbers_of_the_pythonfmu(fmus: Fmus, native: Path
         {"block[1].mass": 2e4, "block[2].centroid": 2.0, "block[3].inertia": 1e5, "joint[3].width": 1.2, "g": 9.0},
         {"solver.without": "elastic, dashpots", "joint[1].damping": 0.0},
         {"joint[1].offset": 0.1, "joint[2].inclination": 0.01, "block[1].tilt": -0.01, "joint[1].friction": 0.4},
+        {"joint[1].rim": 0.05, "joint[3].rim": 0.2, "joint[1].friction": 0.4},
         UNDAMPED,
     )
     assert all(same for same, _ in results), results
@@ -134,9 +135,12 @@ def test_round_hollow_and_chipped_joints(tmp_path: Path) -> None:
         {"joint[3].width": 1.3, "block[2].mass": 9e3},
         {"block[1].width": 1.35, "block[1].height": 3.8, "block[3].inertia": 5e4, "block[2].centroid": 1.9},
         {"push": 0.5},
+        {"joint[1].rim": 0.1, "joint[2].rim": 0.2, "joint[2].friction": 0.3},
     )
     assert all(same for same, _ in results), results
     wrong = [
+        ("joint[1].rim", -0.1, "joint[1].rim = -0.1: must be a positive length in m, from 1e-6 to 1e6: the band along"),
+        ("joint[3].rim", 0.1, 'joint[3].rim = 0.1: must be left out beside section = "strips", which says where'),
         ("block[2].width", 0.35, "block[2].bore = 0.4: must be less than the outer diameter = 0.35 m"),
         ("joint[1].width", 0.2, "joint[1].bore = 0.45: must be less than the outer diameter = 0.2 m"),
         ("joint[2].width", 0.4, "joint[2].bore = 0.4: must be less than the outer diameter = 0.4 m"),

@@ -167,26 +167,31 @@ def inset(contact, rim):
 # --- parts of any section but the rectangle
 
 
-@kernel
+@leaf
 def _part(contact, lo, hi):
     """Middle of lo and hi, area and moments about it."""
+    return _part_of_rim(contact, lo, hi) if contact.rim > 0.0 else _part_of_outline(contact, lo, hi)
+
+
+@kernel
+def _part_of_rim(contact, lo, hi):
+    """Return `_part` of a contact that touches in a rim: of its outline less that of its inside."""
     about, area, first, second = _part_of_outline(contact, lo, hi)
-    if contact.rim > 0.0:
-        inside = inset(contact, contact.rim)
-        left, right = inside.left, inside.right
-        if left < right:
-            lo, hi = min(max(lo, left), right), min(max(hi, left), right)
-            middle, a, b, c = _part_of_outline(inside, lo, hi)
-            off = middle - about
-            area -= a
-            first -= b + off * a
-            second -= c + off * (2.0 * b + off * a)
+    inside = inset(contact, contact.rim)
+    left, right = inside.left, inside.right
+    if left < right:
+        lo, hi = min(max(lo, left), right), min(max(hi, left), right)
+        middle, a, b, c = _part_of_outline(inside, lo, hi)
+        off = middle - about
+        area -= a
+        first -= b + off * a
+        second -= c + off * (2.0 * b + off * a)
     return about, area, first, second
 
 
 @kernel
 def _part_of_outline(contact, lo, hi):
-    """As `_part`, of a contact of which all touches."""
+    """Return `_part` of a contact of which all touches."""
     if contact.section >= LENS:
         outer, inner = 0.5 * contact.round, 0.5 * contact.round_bore
         if contact.section == LENS:

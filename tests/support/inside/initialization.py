@@ -32,6 +32,8 @@ def followers(*fmus: str) -> dict[str, list[str]]:
                 continue
             (value,) = column.get(name)
             given = {"centroid": 2.0, "inertia": 1e5, "offset": 0.01, "inclination": 1e-3, "tilt": 1e-3}.get(key)
+            if key == "rim":
+                given = 0.1
             if key == "damping":  # more would make the fixed step of the paper unstable
                 given = value + 1e-4
             column.set({name: given or (1.01 * value if value else 1.0)})
