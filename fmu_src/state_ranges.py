@@ -90,7 +90,7 @@ COLUMN_BASE: Described = {
     **_all(("checked_step", "allowed_step"), DURATION),
 }
 STRUCTURE_STATE: Described = {
-    **_all(("next_step", "elastic_step"), DURATION, "control."),
+    **_all(("next_step", "elastic_step", "stabilized_step"), DURATION, "control."),
     **_all(("previous_error", "largest", "largest_rate", "largest_normal", "largest_shear", "decay"), SIZE, "control."),
     **_all(("fall_time", "reached"), TIME, "control."),
     **_all(space.PHASE.fields, ANY, "phase."),
@@ -105,8 +105,10 @@ STRUCTURE_STATE: Described = {
 POLYGON: Described = {"corners": Range(0.0, space.MOST_BONDED, True)}  # of each of `bonded`, before its corners
 STRUCTURE_COUNTS: Described = {
     **_all(("steps", "rejected", "evaluations", "looks", "fallen", "next_row"), COUNT),
-    **_all(("elastic_steps", "elastic_wait", "in_a_row"), COUNT),
-    **_all(("started", "resting", "probing"), FLAG),
+    **_all(
+        ("elastic_steps", "elastic_wait", "in_a_row", "stabilized_steps", "stabilized_wait", "stabilized_pause"), COUNT
+    ),
+    **_all(("started", "resting", "probing", "stabilizes"), FLAG),
 }
 STRUCTURE_BASE: Described = {
     **_all(("amplitude_x", "amplitude_y", "omega", "phase", "held"), NONE, "motion."),  # as of a column

@@ -138,7 +138,7 @@ def bounce_damping(structure: Structure) -> float:
     """
     beds = np.zeros(structure.n)
     for joint in structure.joints:
-        beds[joint.upper] += joint.bed.stiffness * joint.face.moments[0]
+        beds[joint.upper] += joint.bed.stiffness * joint.moments[0]
     masses = np.array([block.mass for block in structure.blocks])
     return float(f"{np.median(2.0 * np.sqrt(masses[beds > 0.0] / beds[beds > 0.0])):.2g}")
 

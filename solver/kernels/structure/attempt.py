@@ -39,7 +39,7 @@ def evaluate_at(scene, shaking, segment, y, f, t):
 
 
 @kernel
-def _scale_quaternions(n, phase):
+def scale_quaternions(n, phase):
     for i in range(n):
         q0, q1, q2, q3 = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
         per = 1.0 / square_root(q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
@@ -73,7 +73,7 @@ def attempt_5(scene, shaking, segment, t, h):
     evaluate_at(scene, shaking, segment, middle, rate(scene, 5), t + dp.C5 * h)
     for i in range(count):
         end[i] = y[i] + h * (dp.B_0 * f0[i] + dp.B_2 * f2[i] + dp.B_3 * f3[i] + dp.B_4 * f4[i] + dp.B_5 * f5[i])
-    _scale_quaternions(scene.n, _phase(ending, scene.n))
+    scale_quaternions(scene.n, _phase(ending, scene.n))
     evaluate_at(scene, shaking, segment, ending, rate(scene, STAGES - 1), t + h)
     for i in range(count):
         early = dp.ERROR_0 * f0[i] + dp.ERROR_2 * f2[i] + dp.ERROR_3 * f3[i]
@@ -96,7 +96,7 @@ def _step_to(table_row: int) -> Any:
         for i in range(packs(reached, moving(scene))):
             found[i] = y[i] + h * sum_of(scene, i)
         if ends:
-            _scale_quaternions(scene.n, _phase(reached, scene.n))
+            scale_quaternions(scene.n, _phase(reached, scene.n))
         evaluate_at(scene, shaking, segment, reached, rate(scene, slope), t + node * h)
 
     return step_to
@@ -255,7 +255,18 @@ def attempt(scene, shaking, segment, t, h):
     if scene.settings.order == order_8.ORDER:
         _step(scene, shaking, segment, t, h)
         return order_8.error_of(_error_5(scene, h), _error_3(scene, h))
-    error = attempt_5(scene, shaking, segment, t, h)
+    return _with_forces(scene, attempt_5(scene, shaking, segment, t, h))
+
+
+@leaf
+def _with_forces(scene, error):
+    """Return the error of a step in tolerances, with that of the forces where their peaks are watched."""
     if scene.settings.watches != 0.0 and error <= 1.0:
         error = worse(error_of_forces(scene, row(scene, BETWEEN)), error)
     return error
+
+
+@kernel
+def error_of_step(scene, h):
+    """Return the error, in tolerances, of a step of h seconds whose errors are in the row BETWEEN."""
+    return _with_forces(scene, _error_in_tolerances(scene, row(scene, BETWEEN), h))

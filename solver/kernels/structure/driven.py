@@ -39,6 +39,7 @@ from .layout import (
     WITH_EXTRAS,
     scene_of,
     sizes_in,
+    stabilizes,
     step_tolerance,
 )
 from .modal import prepare
@@ -48,7 +49,7 @@ from .watch import RATES, STAGE, Watch, row, seen
 
 # description of a structure: what a caller may choose, the model, then its rest: a state
 GIVEN = Record("tolerance", "without", "damping_scale", "drive", "slope", "bodies", "turns")
-WITHOUT_PEAKS, WITHOUT_ELASTIC = 1, 2  # codes of `without`: peaks but those of displacements, steps by modes
+WITHOUT_PEAKS, WITHOUT_ELASTIC, WITHOUT_STABILIZED = 1, 2, 4  # codes of `without` (models/structure/model.py, SKIPS)
 HEAVIER = 4.0  # an evaluation of a block or joint, over that of a block of a column
 RATE_PART = 1e-4  # of the first step: half the time over which outputs are differenced
 
@@ -74,9 +75,12 @@ def assemble(model, state, counts, base, work, given, from_rest):
     settings, joints = made.settings, made.joints
     settings.tolerance = described.tolerance
     settings.step_tolerance = step_tolerance(settings.order, settings.tolerance)
+    settings.stabilizes = stabilizes(settings.order, settings.tolerance)
     settings.watches = 0.0 if int(described.without) & WITHOUT_PEAKS else 1.0
     if int(described.without) & WITHOUT_ELASTIC:
         settings.has_modes = 0.0
+    if int(described.without) & WITHOUT_STABILIZED:
+        settings.stabilizes = 0.0
     settings.drive, settings.slope, settings.bodies = described.drive, described.slope, described.bodies
     settings.turns = described.turns
     for j in range(sizes.m):

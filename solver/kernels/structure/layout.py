@@ -49,6 +49,7 @@ SETTINGS = Record(
     "watches",  # 1: peaks and errors of forces too, not of displacements alone
     "gives_way",  # 1: joints may slide or ties yield, what they give way by is integrated
     "has_modes",  # 1: steps by modes while all joints are in full contact
+    "stabilizes",  # 1: stabilized steps where joints are stiff and heavily damped
     "relaxation",  # s: least damping along a joint that may slide; what a tie yields by follows its stretch so fast
     *("drive", "slope", "bodies"),  # as of a column (layout/spaces.py)
     "turns",  # 1: inputs and bodies may turn the base too
@@ -160,6 +161,7 @@ CONTROL = Record(
     "fall_time",  # s
     "reached",  # s
     "elastic_step",  # s, proposed for steps by modes
+    "stabilized_step",  # s, proposed for stabilized steps (stabilized.py)
 )
 COUNTS = Record(
     *("steps", "rejected", "evaluations", "looks", "fallen", "started", "next_row", "resting"),
@@ -167,6 +169,10 @@ COUNTS = Record(
     "elastic_wait",  # steps to be made by other methods before modes are tried again
     "in_a_row",  # steps by modes since others were last tried
     "probing",  # 1 while others are tried
+    "stabilized_steps",  # of steps
+    "stabilized_wait",  # steps of order 5 that their stability bounds, to be made before stabilized ones are tried
+    "stabilized_pause",  # such steps, from the first of them on
+    "stabilizes",  # 1 from a stabilized step that was accurate until steps of order 5 go on
 )
 BASE = Record(
     *("amplitude_x", "amplitude_y"),  # m/s2, of the harmonic part
@@ -246,6 +252,15 @@ RINGING_ORDER = 8.0  # of the method then
 def step_tolerance(order: float, tolerance: float) -> float:
     """The tolerance of a step of a method."""
     return max(LEAST_TOLERANCE, RINGING_PART * tolerance) if order == RINGING_ORDER else tolerance
+
+
+LEAST_STABILIZED = 3e-6  # tolerance: below it order 2 needs shorter steps than stability does
+
+
+@in_both
+def stabilizes(order: float, tolerance: float) -> float:
+    """Return 1 if stabilized steps may pay beside a method at a tolerance, else 0."""
+    return 1.0 if order != RINGING_ORDER and tolerance >= LEAST_STABILIZED else 0.0
 
 
 # --- the arrays

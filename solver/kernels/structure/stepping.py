@@ -6,21 +6,25 @@ A step ends at each sample of the record.
 import math
 
 from ..layout.spaces import SLACK
-from ..numba_ext.jit import kernel
+from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import greater, index_of, lesser, square_root, where, zero_like
 from ..numba_ext.views import copy
 from ..stepping.control import (
+    LEAST_ERROR,
+    SAFETY,
+    SHRINK,
     STEPS_PER_PROBE,
     WAIT_OPEN,
     WAIT_SHORT,
     accepts_elastic,
     go_on,
+    growth,
     is_too_short,
     may_be_elastic,
     shared,
     shorten,
 )
-from . import modal
+from . import modal, stabilized
 from .attempt import attempt, evaluate_at, rate, size_of, square_of
 from .base import is_quiet, segment_after
 from .bearing import come_off
@@ -43,6 +47,15 @@ SEEN = 6.0
 POWERS, LEAST_DECAY = 12, 1e-9  # iterations; 1/s
 PROBES = 8  # explicit steps after STEPS_PER_PROBE by modes
 REACH = 33.0  # first steps: the longest explicit one that is stable
+EXPLICIT, BY_MODES, STABILIZED = 0, 1, 2  # how a step is made
+STIFF = 2.5  # reach of steps of order 5, times the fastest rate, from which on their stability bounds them
+LEAST_REACH = 14.0  # of a stabilized step: shorter ones gain nothing over order 5
+FIRST_REACH = 28.0  # of the first one
+SMALL = 0.01  # of the largest rate so far: a motion that dies out is followed by steps of order 5
+LENGTHEN = 1.2  # from one to the next: where their stability ends, errors rise at once
+# steps of order 5 in a row that their stability bounds, before stabilized ones are tried; twice as many after a trial
+# that failed
+WAIT_STABILIZED, MOST_PAUSE = 8, 64
 STILL = 1e-8  # of gravity, and of the rates that errors are measured against: less is rest
 
 
@@ -139,6 +152,7 @@ def _begin(scene, shaking, segment, t, phase):
         clear_gaps(scene)
         control.next_step, control.previous_error = settings.first_step, 1.0
         control.elastic_step = 10.0 * settings.first_step
+        counts.stabilized_wait, counts.stabilized_pause = WAIT_STABILIZED, WAIT_STABILIZED
         control.largest = max(control.largest, settings.motion_floor)
         control.largest_rate = max(control.largest_rate, settings.rate_floor)
         _take_stock(scene, phase)
@@ -189,24 +203,95 @@ def _fastest_decay(scene):
 
 
 @kernel
-def _plan(scene, shaking, segment, left):
-    """The next step, s, of which `left` remain in this piece, and whether it is made by modes."""
+def _plan(scene, shaking, segment, left, quiet):
+    """Return the next step, s, of which `left` remain in this piece, how it is made, and the fastest rate, 1/s.
+
+    quiet: whether nothing moves the base or acts on a block.
+    """
     control, counts, settings = scene.control, scene.counts, scene.settings
     most = 1.0 / shaking.base.omega if shaking.base.omega != 0.0 else math.inf
+    longest = 0.0
     if settings.has_modes != 0.0:
         longest = data_of(scene).limits.longest
         loaded = is_loaded(scene, shaking, segment)  # modes know of no loads
         if not loaded and may_be_elastic(counts, control, longest, left, modal.cost_of(scene)):
             if modal.suits(scene, shaking, segment):
-                return shared(min(control.elastic_step, longest, most), left), True
+                return shared(min(control.elastic_step, longest, most), left), BY_MODES, 0.0
             counts.elastic_wait = WAIT_OPEN
         modal.forget(scene, shaking)
     if control.decay == 0.0:
         control.decay = _fastest_decay(scene)
-    step = min(control.next_step, most, SEEN / control.decay, STABLE * longest_touching(scene))
+    # the longest step of order 5, and the fastest rate that it follows
+    longest = min(SEEN / control.decay, STABLE * longest_touching(scene))
     if settings.gives_way != 0.0:
-        step = min(step, STABLE * relaxing(scene))
-    return shared(step, left), False
+        longest = min(longest, STABLE * relaxing(scene))
+    fastest = SEEN / longest
+    if _is_stiff(scene, fastest, min(most, left)) and not (quiet and _dies_out(scene)):
+        step = min(control.stabilized_step, most, stabilized.LONGEST_REACH / fastest)
+        return shared(step, left), STABILIZED, fastest
+    return shared(min(control.next_step, most, longest), left), EXPLICIT, fastest
+
+
+@kernel
+def _dies_out(scene):
+    """Return True if the rates at the start of a step are small beside the largest so far.
+
+    Slow vibrations of little damping may grow in long stabilized steps as far as errors are allowed, and never rest.
+    """
+    n, phase, least = scene.n, _phase(row(scene, START), scene.n), SMALL * scene.control.largest_rate
+    found = 0.0
+    for i in range(n):
+        size = scene.bodies.size[i]
+        found = max(found, size_of(phase.vx[i], phase.vy[i], phase.vz[i]) / size)
+        found = max(found, size_of(phase.wx[i], phase.wy[i], phase.wz[i]))
+    return found < least
+
+
+@leaf
+def _is_stiff(scene, fastest, most):
+    """Return True if a stabilized step is worth a trial, where steps of order 5 are short for their stability alone.
+
+    fastest: 1/s, the rate that bounds steps of order 5; most: s, of a step.
+    """
+    control, counts = scene.control, scene.counts
+    if scene.settings.stabilizes == 0.0 or counts.stabilized_wait > 0 or most * fastest < LEAST_REACH:
+        return False
+    if control.stabilized_step == 0.0:
+        control.stabilized_step = FIRST_REACH / fastest
+    return True
+
+
+@kernel
+def _makes_stabilized(scene, shaking, segment, t, h, fastest):
+    """Try a stabilized step of h s; return True if it is accurate enough. Set the length of the next one either way.
+
+    A trial that fails leaves the steps of order 5 as they were.
+    """
+    control, counts = scene.control, scene.counts
+    error = stabilized.attempt_stabilized(scene, shaking, segment, t, h, stabilized.stages_of(h * fastest))
+    per_order = 1.0 / (stabilized.ORDER + 1)
+    if error <= 1.0:
+        counts.stabilized_steps += 1
+        counts.stabilized_pause, counts.stabilizes = WAIT_STABILIZED, 1
+        _count_general_step(scene)
+        error = max(error, LEAST_ERROR)
+        factor = min(LENGTHEN, growth(control.previous_error, error, per_order))
+        step, control.previous_error = h * factor, error
+        control.stabilized_step = step if factor < 1.0 else max(step, control.stabilized_step)
+    else:
+        counts.rejected += 1
+        if counts.stabilizes == 0:
+            counts.stabilized_pause = min(MOST_PAUSE, 2 * counts.stabilized_pause)
+            control.stabilized_step, counts.stabilized_wait = 0.0, counts.stabilized_pause
+            return False
+        factor = max(SHRINK, SAFETY * error**-per_order) if math.isfinite(error) else SHRINK
+        control.stabilized_step, control.previous_error = h * factor, 1.0
+    if control.stabilized_step * fastest < LEAST_REACH:
+        # the motion is no longer slow beside the joints: steps of order 5 follow it
+        control.stabilized_step, control.previous_error = 0.0, 1.0
+        counts.stabilized_wait, counts.stabilizes = counts.stabilized_pause, 0
+        control.next_step = min(control.next_step, STIFF / fastest)
+    return error <= 1.0
 
 
 @kernel
@@ -235,10 +320,15 @@ def _count_general_step(scene):
 
 
 @kernel
-def _makes(scene, shaking, segment, t, h, by_modes):
-    """Try a step of h s; returns whether it is accurate enough. Sets the length of the next one either way."""
+def _makes(scene, shaking, segment, t, h, method, fastest):
+    """Try a step of h s; return True if it is accurate enough. Set the length of the next one either way.
+
+    fastest: 1/s, the rate that stabilized steps have to be stable for.
+    """
     control, counts = scene.control, scene.counts
-    if by_modes:
+    if method == STABILIZED:
+        return _makes_stabilized(scene, shaking, segment, t, h, fastest)
+    if method == BY_MODES:
         code, error = modal.attempt(scene, shaking, segment, t, h)
         accepted = accepts_elastic(counts, control, h, code, error, modal.cost_of(scene))
         if accepted:
@@ -250,6 +340,7 @@ def _makes(scene, shaking, segment, t, h, by_modes):
         shorten(control, h, error, per_order)
         return False
     _count_general_step(scene)
+    counts.stabilized_wait = max(0, counts.stabilized_wait - 1) if h * fastest >= STIFF else counts.stabilized_pause
     go_on(control, h, error, per_order)
     return True
 
@@ -282,15 +373,15 @@ def advance(scene, shaking, watch, state, t, stop, most):
         end = stop
         if segment + 1 < shaking.size and shaking.times[segment + 1] < stop:
             end = shaking.times[segment + 1]
-        h, by_modes = _plan(scene, shaking, segment, end - t)
-        if not _makes(scene, shaking, segment, t, h, by_modes):
+        h, method, fastest = _plan(scene, shaking, segment, end - t, quiet)
+        if not _makes(scene, shaking, segment, t, h, method, fastest):
             if is_too_short(control.next_step, scene.settings.first_step, t):
                 code = STEP_TOO_SMALL
                 break
             continue
-        if not by_modes:  # which leave all as it is at rest
+        if method != BY_MODES:  # which leave all as it is at rest
             h = until_closed(scene, shaking, segment, t, h)
-        _finish(scene, shaking, watch, segment, t, h, by_modes)
+        _finish(scene, shaking, watch, segment, t, h, method == BY_MODES)
         t = end if h == end - t else t + h
         begins_anew = meet(scene)
         if t == end and end < stop:

@@ -39,7 +39,11 @@ REASONS = {
     RECORD_BESIDE: IN_PLANE[RECORD_BESIDE],
     INPUT_TOO_LARGE: "an input of the base is, or becomes, larger than 1e6 (m/s2), or its rotation than 3 rad",
 }
-SKIP_CODES = {"peaks": driven.WITHOUT_PEAKS, "elastic": driven.WITHOUT_ELASTIC}
+SKIP_CODES = {
+    "peaks": driven.WITHOUT_PEAKS,
+    "elastic": driven.WITHOUT_ELASTIC,
+    "stabilized": driven.WITHOUT_STABILIZED,
+}
 
 
 class Chosen(NamedTuple):

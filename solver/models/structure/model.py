@@ -30,7 +30,8 @@ from .packing import Model, Parts, centroid_of, model_of
 from .stack import in_three, stacked
 
 LEAST_LENGTH = 1e-6  # m, of a tie
-SKIPS = ("peaks", "elastic")  # what can be left out: peaks but those of displacements, steps by modes
+# what can be left out: peaks but those of displacements, steps by modes, stabilized steps
+SKIPS = ("peaks", "elastic", "stabilized")
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -116,6 +116,7 @@ def model_of(parts: Parts, g: float, tolerance: float) -> Model:
     settings = made.names.settings
     settings.tolerance = tolerance
     settings.step_tolerance = at.step_tolerance(settings.order, tolerance)
+    settings.stabilizes = at.stabilizes(settings.order, tolerance)
     return made
 
 

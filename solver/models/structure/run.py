@@ -28,7 +28,7 @@ from .stepper import Stepper
 from .verdict import RESTING, next_look, well_of, why_it_leans
 
 TWISTS = 6  # in which an initial twist is found: what is left of it falls by its cube over 24 each time
-COUNTED = ("steps", "elastic_steps", "rejected", "evaluations", "looks")
+COUNTED = ("steps", "elastic_steps", "stabilized_steps", "rejected", "evaluations", "looks")
 
 
 class SpatialGlance(NamedTuple):
@@ -127,7 +127,10 @@ def begun(structure: Structure, motion: Motion, initial: SpatialState | Released
         set_initial(stepper, initial)
         flat = flat and is_flat(initial)
     stepper.model.settings.in_plane = float(flat)
-    stepper.model.settings.watches = float("peaks" not in structure.without)
+    settings = stepper.model.settings
+    settings.watches = float("peaks" not in structure.without)
+    if "stabilized" in structure.without:
+        settings.stabilizes = 0.0
     return stepper, modes.why_none
 
 

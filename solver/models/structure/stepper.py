@@ -15,6 +15,7 @@ from ...ground.loads import on_one_grid
 from ...ground.motion import Motion
 from ...kernels.structure import layout as at
 from ...kernels.structure.entries import observe_structure, run_structure, stiffness_of
+from ...kernels.structure.stabilized import LONGEST_REACH, MOST_STAGES
 from ...kernels.structure.stepping import SEEN
 from .blocks.faces import FloatArray
 from .packing import Arrays, arrays_of, with_modes
@@ -121,14 +122,18 @@ class Stepper:
         return int(at.WORK.see(self.arrays.work, self.sizes).room[at.NO_ROOM])
 
     def _check_work(self, left: float, motion: Motion) -> None:
-        """Raise TooMuchWorkError if explicit steps cannot cover what is left, s, with the evaluations of a run.
+        """Raise TooMuchWorkError if no steps can cover what is left, s, with the evaluations of a run.
 
-        Dampers bound the length of all steps, which is known once the first has been made.
+        Dampers bound the length of explicit steps, which is known once the first has been made, and less that of
+        stabilized ones.
         """
         settings = self.model.settings
         if settings.has_modes == 0.0 and self.control.decay > 0.0:
             per_step = at.STAGES - 1 if settings.order == at.RINGING_ORDER else OF_ORDER_5
-            needed = float(self.counts.evaluations + left * self.control.decay / SEEN * per_step)
+            per_second = self.control.decay / SEEN * per_step
+            if settings.stabilizes:
+                per_second = self.control.decay * MOST_STAGES / LONGEST_REACH
+            needed = float(self.counts.evaluations + left * per_second)
             if needed > effort.MOST_IN_SPACE:
                 raise TooMuchWorkError(effort.too_much(needed, effort.MOST_IN_SPACE, self._causes(motion)))
 
@@ -138,7 +143,7 @@ class Stepper:
         masses = [*(block.mass for block in structure.blocks), math.inf]
         for name, joint in zip(structure.joint_names, structure.joints, strict=True):
             bed, mass = joint.bed, min(masses[joint.upper], masses[joint.lower])
-            area = joint.face.moments[0]
+            area = joint.moments[0]
             yield effort.of_joint(f"joint[{name}]", bed.stiffness, area, mass, bed.damping)
             if bed.shear_damping is not None:
                 rate = bed.shear_damping * bed.shear_ratio * bed.stiffness * area / mass

@@ -1,0 +1,76 @@
+"""Steps for joints that are stiff and heavily damped: a Runge-Kutta-Legendre method of order 2.
+
+The rates of such joints are real and negative, and die out long before the blocks have moved. An explicit step of s
+stages is stable over (s^2 + s - 2)/2 of the fastest of them, in place of 3.3 (C. D. Meyer, D. S. Balsara, T. D. Aslam,
+J. Comput. Phys. 257 (2014) 594-626, the method RKL2). No Jacobian is needed: the joints may open, slide and twist in
+any stage. The error is the difference to the trapezoidal rule (B. P. Sommeijer, L. F. Shampine, J. G. Verwer, J.
+Comput. Appl. Math. 88 (1998) 315-326).
+"""
+
+import math
+
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.views import packs, packs_of
+from .attempt import error_of_step, evaluate_at, rate, scale_quaternions
+from .evaluate import moving
+from .layout import PHASE, STAGES
+from .watch import BETWEEN, END, RATES, STAGE, START, row
+
+_phase = PHASE.over
+ORDER = 2
+LEAST_STAGES, MOST_STAGES = 3, 61
+MARGIN = 1.1  # of the fastest rate that a step is stable for
+LONGEST_REACH = 0.5 * (MOST_STAGES * MOST_STAGES + MOST_STAGES - 2) / MARGIN  # of a step, times the fastest rate
+TIGHTER = 16.0  # than steps of order 5, whose errors of the motion are far below what is allowed where joints are stiff
+PLACE, SLOPE = 12.0 / 15.0, 6.0 / 15.0  # of the error: of both states, and of their rates times the step
+
+
+@leaf
+def stages_of(reach):
+    """Return the number of stages, odd, that are stable over a step times the fastest rate."""
+    least = 0.5 * (math.sqrt(9.0 + 8.0 * MARGIN * reach) - 1.0)
+    stages = max(LEAST_STAGES, math.ceil(least))
+    return stages + 1 - stages % 2
+
+
+@leaf
+def _weight(j):
+    """Return b_j of the method."""
+    return 1.0 / 3.0 if j < 2 else 0.5 * (j * j + j - 2.0) / (j * (j + 1.0))
+
+
+@kernel
+def attempt_stabilized(scene, shaking, segment, t, h, stages):
+    """Make one step of h seconds in this number of stages from the row START to END; return its error in tolerances."""
+    begin, count = row(scene, START), packs(row(scene, START), moving(scene))
+    y, f0, f = packs_of(begin), packs_of(rate(scene, 0)), packs_of(rate(scene, 1))
+    per = 4.0 / (stages * stages + stages - 2.0)
+    # three rows hold the last stages in turn
+    older, newer, spare = RATES + 2, RATES + 3, STAGE
+    first = packs_of(row(scene, newer))
+    packs_of_start = packs_of(row(scene, older))
+    for i in range(count):
+        packs_of_start[i] = y[i]
+        first[i] = y[i] + (h * per / 3.0) * f0[i]
+    node = per / 3.0
+    for j in range(2, stages + 1):
+        evaluate_at(scene, shaking, segment, row(scene, newer), rate(scene, 1), t + node * h)
+        # recursion of the shifted Legendre polynomials
+        weight, before, earlier = _weight(j), _weight(j - 1), _weight(j - 2)
+        mu, nu = (2.0 * j - 1.0) / j * weight / before, -(j - 1.0) / j * weight / earlier
+        own, start = h * mu * per, -h * (1.0 - before) * mu * per
+        into = END if j == stages else spare
+        target, last, earliest = packs_of(row(scene, into)), packs_of(row(scene, newer)), packs_of(row(scene, older))
+        for i in range(count):
+            # differences to the start keep the digits of what hardly moves
+            moved = mu * (last[i] - y[i]) + nu * (earliest[i] - y[i])
+            target[i] = y[i] + (moved + (own * f[i] + start * f0[i]))
+        older, newer, spare = newer, into, older
+        node = (j * j + j - 2.0) * 0.25 * per
+    scale_quaternions(scene.n, _phase(row(scene, END), scene.n))
+    evaluate_at(scene, shaking, segment, row(scene, END), rate(scene, STAGES - 1), t + h)
+    # the difference to the trapezoidal rule
+    end, last, error = packs_of(row(scene, END)), packs_of(rate(scene, STAGES - 1)), packs_of(row(scene, BETWEEN))
+    for i in range(count):
+        error[i] = PLACE * (y[i] - end[i]) + SLOPE * h * (f0[i] + last[i])
+    return TIGHTER * error_of_step(scene, h)
