@@ -25,6 +25,7 @@ from . import (
     machine,
     neighbours,
     opensees,
+    peers,
     plots,
     report,
     scaling,
@@ -231,6 +232,14 @@ def measure_engines(wanted: Scenes, quick: bool, results: Results) -> Iterator[N
     return _measured("engines", [engines.against_engines(quick)], results)
 
 
+def measure_peers(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
+    """Rigid blocks by this solver, MuJoCo and LMGC90."""
+    panels: dict[str, peers.Points] = {}
+    for _ in _measured("peers", peers.measure(quick, panels), results):
+        results["peers-points"] = dict(panels)
+        yield
+
+
 # each yields whenever there is something new to be written
 PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "work-precision": measure_work_precision,
@@ -250,6 +259,7 @@ PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "space": measure_space,
     "engines": measure_engines,
     "neighbours": measure_neighbours,
+    "peers": measure_peers,
 }
 
 
@@ -279,6 +289,8 @@ def draw(results: Results, folder: Path) -> None:
             plots.work_precision(shown, folder / "work-precision-two.png")
     if results.get("sliding"):
         plots.work_precision(results["sliding"], folder / "work-precision-sliding.png", "evaluations")
+    if results.get("peers-points"):
+        plots.peers(results["peers-points"], folder / "peers.png")
     if "scaling" in results:
         plots.scaling(results["scaling"]["rows"], folder / "scaling.png")
 

@@ -13,7 +13,17 @@ from typing import Any
 
 from .scenes import ROOT
 
-PACKAGES = ("numpy", "numba", "scipy", "matplotlib", "numbalsoda", "scikit-sundae", "openseespy")
+PACKAGES = (
+    "numpy",
+    "numba",
+    "scipy",
+    "matplotlib",
+    "numbalsoda",
+    "scikit-sundae",
+    "openseespy",
+    "mujoco",
+    "compas_lmgc90",
+)
 
 
 def describe() -> dict[str, Any]:

@@ -30,6 +30,19 @@ STYLES: dict[str, tuple[str, str, str]] = {
     "Radau (scipy)": ("#bbbbbb", "x", ":"),
 }
 OTHER_STYLE = ("#555555", ".", "--")
+PEERS: dict[str, tuple[str, str, str]] = {  # by how a name begins, the longest first
+    "here, plane, whole": ("#e59a90", "s", ":"),
+    "here, plane, strips": ("#c0392b", "s", "-"),
+    "here, plane, rim": ("#7b241c", "D", "-"),
+    "here, space, whole faces of 5e+09": ("#d4ac0d", "s", ":"),
+    "here, space, whole": ("#f0b27a", "o", ":"),
+    "here, space, rim 1 mm, square": ("#e67e22", "v", "--"),
+    "here, space, rim 1 mm, deep": ("#b9770e", "o", "-"),
+    "here, space, two strips": ("#e67e22", "^", "-"),
+    "MuJoCo, contacts of two": ("#1f4e8c", "P", "-"),
+    "MuJoCo, contacts of 20": ("#3a8fb7", "X", "--"),
+    "LMGC90": ("#2e7d4f", "*", "-"),
+}
 COLUMNS = 4  # of pictures in a row
 README_SCENES = ("Phocas, 0.05 g 2 Hz", "Phocas, El Centro")
 LARGEST_ERROR, SMALLEST_ERROR = 0.5, 1e-10  # parts of the peak: range that is drawn
@@ -133,4 +146,30 @@ def scaling(rows: list[dict[str, Any]], path: Path) -> None:
     left.set_title("the compiled kernel, shafts in n blocks", fontsize=10)
     right.set_title("simulate, auto at 1e-5, towers of n drums", fontsize=10)
     figure.savefig(path, dpi=110)
+    plt.close(figure)
+
+
+def peers(panels: dict[str, dict[str, list[tuple[float, float]]]], path: Path) -> None:
+    """Draw error over time of each program, a panel for each task."""
+    figure, axes = plt.subplots(1, len(panels), figsize=(5.0 * len(panels), 5.6), squeeze=False, layout="constrained")
+    handles: dict[str, Any] = {}
+    for axis, (title, points) in zip(axes[0], panels.items(), strict=True):
+        for name, pairs_of in points.items():
+            style = next((style for key, style in PEERS.items() if name.startswith(key)), OTHER_STYLE)
+            colour, marker, line = style
+            (handle,) = axis.loglog(
+                [pace for pace, _ in pairs_of],
+                [error for _, error in pairs_of],
+                color=colour,
+                marker=marker,
+                linestyle=line,
+                markersize=5,
+            )
+            handles.setdefault(name, handle)
+        axis.set_title(title, fontsize=10)
+        axis.set_xlabel("ms of one core for a second of motion")
+        axis.grid(True, color="0.9", linewidth=0.6)
+    axes[0][0].set_ylabel("error, as a ratio")
+    figure.legend(list(handles.values()), list(handles), loc="outside upper center", ncols=3, frameon=False, fontsize=9)
+    figure.savefig(path, dpi=90)
     plt.close(figure)
