@@ -25,7 +25,7 @@ from solver.models.paper.kind import PaperColumns
 from solver.models.protocol import Plan
 
 BATCH_KINDS = LANES_OF_COLUMNS | {"fixed step": PaperColumns.own_lanes}
-KINDS = ("plain", "slipping", "round", "round, slipping", "strips, slipping", "fixed step")
+KINDS = ("plain", "slipping", "round", "round, slipping", "strips, slipping", "rims, slipping", "fixed step")
 each_kind = pytest.mark.parametrize(
     "kind", [KINDS[0], *(pytest.param(kind, marks=pytest.mark.long) for kind in KINDS[1:])]
 )  # each compiles its lanes; the quick tests need those of the first anyway
@@ -46,6 +46,8 @@ def of_kind(kind: str, eta: float = 2e-3, friction: float = 0.5) -> Column:
         column = replace(column, blocks=tuple(replace(block, section="circle") for block in column.blocks))
     elif kind.startswith("strips"):
         column = with_joints(column, section="strips", strips=(1.0, 0.5, 1.0))
+    elif kind.startswith("rims"):
+        column = with_joints(column, rim=0.06)
     return with_joints(column, friction=friction) if BATCH_KINDS[kind].slips else column
 
 
@@ -182,11 +184,14 @@ def recorded(kind: str, n: int, off_axis: bool, records: Path) -> tuple[list[Col
     """Columns of a kind under records that make them rock or slide."""
     if kind == "round":
         return rounds(n, records)
-    seed, count = {"slipping": (1, 8), "round, slipping": (2, 10), "strips, slipping": (3, 9)}[kind]
+    seeds = {"slipping": (1, 8), "round, slipping": (2, 10), "strips, slipping": (3, 9), "rims, slipping": (4, 8)}
+    seed, count = seeds[kind]
     rng, kept = np.random.default_rng([n, off_axis]), []
     for k, (column, motion) in enumerate(zip(*shaken(seed, n, count, off_axis, records), strict=True)):
         if kind.startswith("strips"):
             column = in_strips(column, rng)
+        elif kind.startswith("rims"):
+            column = with_joints(column, rim=float(rng.uniform(0.02, 0.1)))
         elif kind.startswith("round"):
             section, bore = ("annulus", 0.3 * column.blocks[0].width) if k % 2 else ("circle", None)
             drums = (replace(block, section=section, bore=bore, mass=0.75 * block.mass) for block in column.blocks)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Callable
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,14 @@ from support.lanes import accelerate, accelerating, in_lanes
 from support.probe import Array, random_column, random_state, sliding_state
 
 from solver import Column, InputError
-from solver.kernels.batch.runs import ROUND_SLIPPING_SPACE, ROUND_SPACE, SLIPPING_SPACE, SPACE, STRIPPED_SPACE
+from solver.kernels.batch.runs import (
+    RIMMED_SPACE,
+    ROUND_SLIPPING_SPACE,
+    ROUND_SPACE,
+    SLIPPING_SPACE,
+    SPACE,
+    STRIPPED_SPACE,
+)
 from solver.kernels.joint.law import joint_forces_in_lanes, resultants
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python
@@ -185,6 +192,23 @@ def in_strips_where_it_stands(rng: np.random.Generator, n: int) -> Column:
             return column
 
 
+def in_rims_where_it_stands(rng: np.random.Generator, n: int) -> Column:
+    """Rims of drums, rings and rectangles, beside strips and whole faces."""
+    while True:
+        drawn = sliding_column(rng, n)
+        if rng.random() < 0.7:
+            drawn = in_strips(rough(random_drums(rng, n), rng), rng, 0.2)
+        blocks = []
+        for block in drawn.blocks:
+            plain = block.joint.section == "strips" or rng.random() < 0.2
+            rim = None if plain else float(rng.uniform(0.01, 0.2)) * block.joint_width
+            blocks.append(replace(block, joint=replace(block.joint, rim=rim)))
+        with contextlib.suppress(InputError):
+            column = replace(drawn, blocks=tuple(blocks))
+            pack_model(column)
+            return column
+
+
 Draw = Callable[[np.random.Generator, int], Column]
 # of each kind of lanes, and columns that they are drawn from
 KINDS: dict[str, tuple[Space, Draw]] = {
@@ -194,6 +218,7 @@ KINDS: dict[str, tuple[Space, Draw]] = {
     "off axis": (SLIPPING_SPACE, off_axis_column),
     "round, slipping": (ROUND_SLIPPING_SPACE, lambda rng, n: rough(random_drums(rng, n), rng)),
     "strips, slipping": (STRIPPED_SPACE, in_strips_where_it_stands),
+    "rims, slipping": (RIMMED_SPACE, in_rims_where_it_stands),
 }
 EVERY_DAY = ("plain", "round, slipping")  # the others compile as much again
 each_kind = pytest.mark.parametrize(

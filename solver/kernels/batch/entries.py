@@ -3,10 +3,11 @@
 from ..numba_ext.jit import entry, leaf
 from ..numba_ext.views import lanes_of, row_of
 from .follow import batch_over, follow_queue
-from .runs import ROUND_SLIPPING_SPACE, ROUND_SPACE, SLIPPING_SPACE, SPACE, STRIPPED_SPACE, Queue
+from .runs import RIMMED_SPACE, ROUND_SLIPPING_SPACE, ROUND_SPACE, SLIPPING_SPACE, SPACE, STRIPPED_SPACE, Queue
 
 _space, _slipping = SPACE.over, SLIPPING_SPACE.over
 _round, _round_slipping, _stripped = ROUND_SPACE.over, ROUND_SLIPPING_SPACE.over, STRIPPED_SPACE.over
+_rimmed = RIMMED_SPACE.over
 
 
 # Arguments of an entry: number of blocks, buffer of lanes, then those of `queue_of`; all but n and count are arrays.
@@ -47,3 +48,9 @@ def run_round_slipping(n, buffer, *queue):
 def run_stripped(n, buffer, *queue):
     """All runs of columns with strips, with slips or without; a separate entry for the same reason."""
     follow_queue(batch_over(_stripped(lanes_of(buffer), n), buffer, queue_of(*queue)))
+
+
+@entry
+def run_rimmed(n, buffer, *queue):
+    """Follow all runs of columns with rims, with slips or without; a separate entry for the same reason."""
+    follow_queue(batch_over(_rimmed(lanes_of(buffer), n), buffer, queue_of(*queue)))

@@ -7,7 +7,7 @@ from ..joint.sliding import MARK
 from ..layout.spaces import BASE, BLOCKS, MODEL, PHASE, RIGID_FIELDS, STATE, STRIP_NUMBERS, WORK
 from ..numba_ext.jit import leaf
 from ..numba_ext.views import Numbers, Record, Space, Table
-from ..sections.section import ROUND, STRIPPED
+from ..sections.section import RIMMED, ROUND, STRIPPED
 
 # one run, which may be under way: its record is `count` samples from number `first` on
 RUN = Record(
@@ -65,7 +65,8 @@ def _knowing(space: Space, *names: str) -> Space:
 
 
 ROUND_SPACE, ROUND_SLIPPING_SPACE = _knowing(SPACE, ROUND), _knowing(SLIPPING_SPACE, ROUND)
-STRIPPED_SPACE = _knowing(SLIPPING_SPACE, ROUND, STRIPPED)  # of any column
+STRIPPED_SPACE = _knowing(SLIPPING_SPACE, ROUND, STRIPPED)
+RIMMED_SPACE = _knowing(SLIPPING_SPACE, ROUND, STRIPPED, RIMMED)  # of any column
 SLIP_FIELDS = PHASE.per_n - RIGID_FIELDS  # the second part of a phase
 
 

@@ -212,7 +212,7 @@ def _resultants_of_round_lanes(blocks, hold, i, opening, slope, opening_rate, sl
     one, other, mean, gradient = loaded_part_in_lanes(near, far, damping, opening, slope, opening_rate, slope_rate)
     lo, hi = lesser(one, other), greater(one, other)
     length = hi - lo
-    force, moment = forces_over_in_lanes(blocks, i, slip, slope, lo, hi, length, mean, gradient)
+    force, moment = forces_over_in_lanes(blocks, i, slip, slope, (near, far), lo, hi, length, mean, gradient)
     return force, mirrored(moment, slope), length
 
 

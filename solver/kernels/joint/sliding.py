@@ -12,7 +12,19 @@ from ..numba_ext.lanes import LANES, LanesType, any_of, greater, where
 from ..sections.band import band_push
 from ..sections.faces import LENS, ON_RING
 from ..sections.lens import lens_push
-from ..sections.section import INSIDE, contact_of, depth_at, depth_in_lanes, ends_of, inset, inset_bore, knows_round
+from ..sections.section import (
+    INSIDE,
+    RIMMED,
+    contact_of,
+    depth_at,
+    depth_in_lanes,
+    ends_of,
+    inset,
+    inset_bore,
+    inside_depth_in_lanes,
+    inside_in_lanes,
+    knows_round,
+)
 from .law import pressed_part
 
 RIGID = 1e300  # N, as the dowel of a joint that never slides
@@ -111,6 +123,43 @@ def _rim_force_of_lanes(blocks, i, opening, slope, slip):
         lens = blocks.slipped[i] == LENS
         if any_of(lens & cut):
             force = where(lens, where(cut, _lens_force(blocks, i, left, right, opening, slope, slip, 0.0), 0.0), force)
+    return less_insides(blocks, i, left, right, opening, slope, slip, cut, force)
+
+
+@by_width
+def less_insides(blocks, i, left, right, opening, slope, slip, cut, force):
+    """Return the force of edges in lanes, N, less that of the edges of insides, where the contact is cut."""
+    if RIMMED in blocks.names:
+        return _less_insides
+    return lambda blocks, i, left, right, opening, slope, slip, cut, force: force
+
+
+def _less_insides(blocks, i, left, right, opening, slope, slip, cut, force):
+    inside = inside_in_lanes(blocks, i, slip, left, right)
+    open_ = cut & (blocks.rim[i] > 0.0) & (inside[0] < inside[1])
+    if any_of(open_):
+        less = _inside_force_of_lanes(blocks, i, left, right, inside, opening, slope, slip)
+        force = where(open_, force - less, force)
+    return force
+
+
+@leaf
+def _inside_force_of_lanes(blocks, i, left, right, inside, opening, slope, slip):
+    """Return the force, N, of the edges of the inside of the lower face, in lanes in which it cuts the contact."""
+    force, rim, (begin, end) = 0.0 * slope, blocks.rim[i], inside
+    for ahead in (True, False):
+        edge, own, below, place = left, blocks.own_left[i], blocks.rim_left[i], left + rim
+        if ahead:
+            edge, own, below, place = right, blocks.own_right[i], blocks.rim_right[i], right - rim
+        here = (edge != own) & (edge == below - slip)
+        if any_of(here):
+            pressed = greater(slope * place - opening, 0.0)
+            depth = inside_depth_in_lanes(blocks, i, begin, end, place)
+            push = 0.5 * blocks.stiffness[i] * pressed * pressed * depth
+            force += where(here, push if ahead else -push, 0.0)
+    lens = blocks.slipped[i] == LENS
+    if any_of(lens):
+        force = where(lens, _lens_force(blocks, i, begin, end, opening, slope, slip, rim), force)
     return force
 
 

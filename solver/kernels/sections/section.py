@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from ..layout.spaces import MOST_STRIPS, STRIP_NUMBERS
 from ..numba_ext.jit import by_width, in_both, kernel, leaf
-from ..numba_ext.lanes import LANES, LanesType, any_of, greater, lesser, mirrored, where
+from ..numba_ext.lanes import LANES, LanesType, any_of, greater, lesser, magnitude, mirrored, where
 from .band import band_part, ends_of_band
 from .circle import circle_part, ring_part
 from .faces import (
@@ -40,6 +40,7 @@ from .strips import COUNT, DEPTHS, PITCH, edge_of, strips_part, strips_part_in_l
 
 ROUND = "round_in_lanes"  # name of an empty field, in the blocks of lanes whose joints may be round (batch/runs.py)
 STRIPPED = "strips_in_lanes"  # and of those whose joints may be made of strips
+RIMMED = "rims_in_lanes"  # and of those whose faces may touch in a rim
 INSIDE = DEPTHS + 1  # place in the row of strips: the same three numbers of the inside of a straight face, as one strip
 NEAR = 1e-4  # of the width of a contact: half of the part over which its depth at a place is taken
 
@@ -71,6 +72,13 @@ def knows_round(blocks):
 def knows_strips(blocks):
     """Whether the joints of lanes may be made of strips."""
     known = STRIPPED in blocks.names
+    return lambda blocks: known
+
+
+@by_width
+def knows_rims(blocks):
+    """Return True if the faces of lanes may touch in a rim."""
+    known = RIMMED in blocks.names
     return lambda blocks: known
 
 
@@ -202,9 +210,7 @@ def _part_of_outline(contact, lo, hi):
     if contact.section == STRIPS:
         return strips_part(contact.strips, lo, hi)
     if contact.section == FRAME:
-        length = hi - lo
-        area = contact.depth * length
-        return 0.5 * (lo + hi), area, 0.0, area * (length * length) * (1.0 / 12.0)
+        return _frame_part(contact.depth, lo, hi)
     return ring_part(0.5 * contact.depth, 0.5 * contact.bore, lo, hi)
 
 
@@ -269,10 +275,10 @@ def _strips_in_image(blocks, i, slope, lo, hi):
 
 
 @leaf
-def forces_over_in_lanes(blocks, i, slip, slope, lo, hi, length, mean, gradient):
+def forces_over_in_lanes(blocks, i, slip, slope, ends, lo, hi, length, mean, gradient):
     """As `forces_over`, of joint i in lanes, whichever section each has that these lanes know.
 
-    Slip, part and moment are those in the mirror image where the slope falls.
+    Slip, ends of the contact, part and moment are those in the mirror image where the slope falls.
     """
     stiffness, section = blocks.stiffness[i], blocks.section[i]
     flat, force, moment = section == RECTANGLE, 0.0 * mean, 0.0 * mean
@@ -289,7 +295,81 @@ def forces_over_in_lanes(blocks, i, slip, slope, lo, hi, length, mean, gradient)
     if any_of(flat):
         flat_force, flat_moment = rectangle_forces(lo, hi, length, blocks.rigidity[i], mean, gradient)
         force, moment = where(flat, flat_force, force), where(flat, flat_moment, moment)
+    return forces_of_rims(blocks, i, slip, ends, lo, hi, mean, gradient, force, moment)
+
+
+@by_width
+def forces_of_rims(blocks, i, slip, ends, lo, hi, mean, gradient, force, moment):
+    """Return N and M of joint i in lanes: those of rims, and these forces in the other lanes."""
+    if RIMMED in blocks.names:
+        return _forces_of_rims
+    return lambda blocks, i, slip, ends, lo, hi, mean, gradient, force, moment: (force, moment)
+
+
+def _forces_of_rims(blocks, i, slip, ends, lo, hi, mean, gradient, force, moment):
+    narrow = blocks.rim[i] > 0.0
+    if any_of(narrow):
+        part = _part_of_rim_in_lanes(blocks, i, slip, ends, lo, hi)
+        rim = _part_forces(part, blocks.stiffness[i], mean, gradient)
+        force, moment = where(narrow, rim[0], force), where(narrow, rim[1], moment)
     return force, moment
+
+
+@leaf
+def _frame_part(depth, lo, hi):
+    """Middle, area, first and second moment about it, of a part of a rectangle."""
+    length = hi - lo
+    area = depth * length
+    return 0.5 * (lo + hi), area, 0.0 * area, area * (length * length) * (1.0 / 12.0)
+
+
+@leaf
+def inside_in_lanes(blocks, i, slip, left, right):
+    """Return the ends of what rims leave open of joint i in lanes, as `inset` has them, from those of the contact."""
+    rim = blocks.rim[i]
+    left, right = left + rim, right - rim
+    lens = (slip != 0.0) & (blocks.slipped[i] == LENS)
+    bore, bore_below = inset_bore(blocks.own_bore[i], rim), inset_bore(blocks.bore_below[i], rim)
+    hollow = lens & ((bore > 0.0) | (bore_below > 0.0))
+    if any_of(hollow):
+        own, below = blocks.own_depth[i] - 2.0 * rim, 2.0 * (blocks.rim_right[i] - rim)
+        first, last = ends_of_rings(0.5 * own, 0.5 * bore, 0.5 * below, 0.5 * bore_below, slip, left, right)
+        left, right = where(hollow, first, left), where(hollow, last, right)
+        held = hollow & (greater(bore_below - own, bore - below) >= 2.0 * magnitude(slip))
+        right = where(held, left, right)
+    solid = ~lens & (inset_bore(blocks.bore[i], rim) >= blocks.depth[i] - 2.0 * rim)
+    return left, where(solid, left, right)
+
+
+@leaf
+def _part_of_rim_in_lanes(blocks, i, slip, ends, lo, hi):
+    """Return `_part_of_rim` of joint i in lanes; as `_part_of_outline`, but for strips."""
+    rim, frame = blocks.rim[i], blocks.section[i] == FRAME
+    about, area, first, second = part_in_lanes(blocks, i, slip, lo, hi)
+    flat = _frame_part(blocks.depth[i], lo, hi)
+    about, area = where(frame, flat[0], about), where(frame, flat[1], area)
+    first, second = where(frame, flat[2], first), where(frame, flat[3], second)
+    left, right = inside_in_lanes(blocks, i, slip, ends[0], ends[1])
+    some = left < right
+    if any_of(some):
+        lo, hi = lesser(greater(lo, left), right), lesser(greater(hi, left), right)
+        depth, bore = blocks.depth[i] - 2.0 * rim, inset_bore(blocks.bore[i], rim)
+        middle, a, b, c = ring_part(0.5 * depth, 0.5 * bore, lo, hi)
+        lens = (slip != 0.0) & (blocks.slipped[i] == LENS)
+        if any_of(lens):
+            outer, inner = 0.5 * (blocks.own_depth[i] - 2.0 * rim), 0.5 * inset_bore(blocks.own_bore[i], rim)
+            below, bore_below = blocks.rim_right[i] - rim, 0.5 * inset_bore(blocks.bore_below[i], rim)
+            found = lens_part(outer, inner, below, bore_below, slip, lo, hi)
+            middle, a = where(lens, found[0], middle), where(lens, found[1], a)
+            b, c = where(lens, found[2], b), where(lens, found[3], c)
+        flat = _frame_part(depth, lo, hi)
+        middle, a = where(frame, flat[0], middle), where(frame, flat[1], a)
+        b, c = where(frame, flat[2], b), where(frame, flat[3], c)
+        off = middle - about
+        area = where(some, area - a, area)
+        first = where(some, first - (b + off * a), first)
+        second = where(some, second - (c + off * (2.0 * b + off * a)), second)
+    return about, area, first, second
 
 
 @leaf
@@ -323,7 +403,7 @@ def part_stiffness(contact, stiffness, lo, hi):
 @leaf
 def depth_at(contact, place):
     """Depth of a contact at a place, m from the middle of the block."""
-    if contact.section == RECTANGLE:
+    if contact.section == RECTANGLE or (contact.section == FRAME and contact.rim == 0.0):
         return contact.depth
     near = NEAR * (contact.right - contact.left)
     return _part(contact, place - near, place + near)[1] / (2.0 * near)
@@ -333,6 +413,8 @@ def depth_at(contact, place):
 def depth_in_lanes(blocks, i, left, right, place):
     """Depth at a place of joint i in lanes, between these ends, cut off along a straight line if at all."""
     depth, flat = blocks.depth[i], blocks.section[i] == RECTANGLE
+    if knows_rims(blocks):
+        flat = flat | (blocks.section[i] == FRAME)
     if knows_round(blocks) and any_of(blocks.section[i] != RECTANGLE):
         near = NEAR * (right - left)
         found = ring_part(0.5 * depth, 0.5 * blocks.bore[i], place - near, place + near)
@@ -343,6 +425,15 @@ def depth_in_lanes(blocks, i, left, right, place):
                 found = strips_part_in_lanes(blocks.strips[STRIP_NUMBERS * i :], place - near, place + near)
                 depth = where(cut, found[1] / (2.0 * near), depth)
     return depth
+
+
+@leaf
+def inside_depth_in_lanes(blocks, i, left, right, place):
+    """Return the depth, m, at a place of what rims leave open of joint i in lanes, between these ends of that."""
+    rim = blocks.rim[i]
+    depth, near = blocks.depth[i] - 2.0 * rim, NEAR * (right - left)
+    found = ring_part(0.5 * depth, 0.5 * inset_bore(blocks.bore[i], rim), place - near, place + near)
+    return where(blocks.section[i] == FRAME, depth, found[1] / (2.0 * near))
 
 
 @leaf

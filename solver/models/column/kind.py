@@ -170,8 +170,9 @@ class Columns(Kind):
     def in_lanes(self, response: Response, plan: Plan) -> bool:
         """Those of the linear law whose steps are mostly explicit, from rest."""
         column = response.column
-        bands = column.has_bands or column.has_rims
-        fits = not (column.other_law or column.is_brittle or bands) and set(column.settings.without) <= {"peaks"}
+        fits = not (column.other_law or column.is_brittle or column.has_bands) and set(column.settings.without) <= {
+            "peaks"
+        }
         explicit = response.stats["implicit_steps"] <= MOST_DAMPED * response.stats["steps"]
         return fits and explicit and not self.under(column, plan.motion)[0] and plan.initial is None
 

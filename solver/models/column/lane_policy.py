@@ -31,8 +31,6 @@ def why_not_in_lanes(column: Column) -> str:
         return "tight tolerance"
     if column.has_bands:
         return "a round face on a straight one"
-    if column.has_rims:
-        return "faces that touch in a rim"
     return "stiff joints" if "implicit" not in settings.without and _is_stiff(column) else ""
 
 
@@ -54,6 +52,8 @@ def first_step_of(column: Column) -> float:
 
 def kind_of(column: Column) -> str:
     """The kind of lanes that makes the runs of a column, a name of KINDS."""
+    if column.has_rims:
+        return "rims, slipping"
     if column.has_strips:
         return "strips, slipping"
     if column.has_rectangles_only:

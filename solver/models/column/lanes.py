@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ...common.turns import others_turn
 from ...ground.motion import Motion
 from ...kernels.api.entries import run
-from ...kernels.batch.entries import run_lanes, run_round, run_round_slipping, run_slipping, run_stripped
+from ...kernels.batch.entries import run_lanes, run_rimmed, run_round, run_round_slipping, run_slipping, run_stripped
 from ...kernels.batch.runs import OUTCOME, RUN, SLIP_FIELDS, SPACE
 from ...kernels.layout import spaces as at
 from ...kernels.numba_ext.lanes import WIDTH
@@ -55,6 +55,7 @@ KINDS = {
     "slipping": LaneKernels(run_slipping, True),
     "round, slipping": LaneKernels(run_round_slipping, True, "circle"),
     "strips, slipping": LaneKernels(run_stripped, True, "strips"),
+    "rims, slipping": LaneKernels(run_rimmed, True, "rims"),
 }
 KNOW = tuple(KINDS)
 
@@ -290,6 +291,8 @@ def load_kernels(name: str) -> None:
     joint = Joint(1e9, 1e-3, friction=1.0 if kind.slips else None)
     if kind.section == "strips":
         joint = replace(joint, section="strips", strips=(1.0,))
+    if kind.section == "rims":
+        joint = replace(joint, rim=0.1)
     block = Block(1.0, 1.0, 1.0, 1e3, joint, section="circle" if kind.section == "circle" else "rectangle")
     run_shortly(Column("block", (block,)))
 
