@@ -90,8 +90,8 @@ class InSpace(Subject):
         return friction_history(np.hypot(run.Tx, run.Ty), run.N, carried)
 
     def overlap(self, run: SpatialResponse) -> Overlap | None:
-        """Of its blocks; None of a single one."""
-        return run.overlap if self.model.n > 1 else None
+        """Of its blocks; None of a single one that does not pass into the base."""
+        return run.overlap if self.model.n > 1 or run.overlap.between else None
 
     def digest(self) -> bytes:
         """The arrays of the kernels, strengths and names."""

@@ -280,13 +280,12 @@ def _opening(demands: Demands, limits: Limits) -> Row:
 
 
 def _overlap(demands: Demands, limits: Limits) -> list[Row]:
-    """The deepest of blocks that no joint connects, of all motions; none where there are no such blocks."""
+    """The deepest of blocks that do not meet in the model, of all motions; none where it cannot be."""
     overlaps = [found for run in demands.responses if (found := demands.subject.overlap(run)) is not None]
     if not overlaps:
         return []
     deepest = max(overlaps, key=lambda found: found.depth)
-    why = "their sides, paired as built, do not meet there" if deepest.paired else "no joint, no neighbours"
-    note = f"the deepest under any motion; these blocks do not meet in the model: {why}"
+    note = f"the deepest under any motion; these blocks do not meet in the model: {deepest.why}"
     values = tuple(found.depth for found in overlaps)
     where = ", ".join(deepest.between)
     return [Row("overlap of blocks", deepest.depth, limits.overlap, MM, where, note if where else "", values)]

@@ -1,5 +1,6 @@
 """Overlap of blocks that no joint connects: against places known in closed form, linear programs, and a run."""
 
+import itertools
 import math
 import warnings
 from types import SimpleNamespace
@@ -34,7 +35,7 @@ WEDGE = np.array([[-0.3, 0.0], [0.3, 0.0], [0.2, 0.7], [-0.2, 0.7]])
 def overlap_of(solids: list[Solid], u: Any, rotation: Any, joined: tuple[tuple[int, int], ...] = ()) -> Overlap:
     """Of blocks displaced and turned, (rows, blocks, 3); joined: pairs that a joint connects."""
     u, rotation = np.asarray(u, dtype=np.float64), np.asarray(rotation, dtype=np.float64)
-    joints = tuple(SimpleNamespace(upper=i, lower=j) for i, j in joined)
+    joints = tuple(SimpleNamespace(upper=i, lower=j, bearing=True) for i, j in joined)
     names = tuple(solid.name for solid in solids)
     parts = {"blocks": tuple(solids), "joints": joints, "neighbours": ()}
     structure: Any = SimpleNamespace(n=len(solids), names=names, **parts)
@@ -217,10 +218,50 @@ def test_a_block_that_enters_its_neighbour_where_no_sides_are_paired_is_said() -
     state = SpatialState(*(np.zeros((2, 3)) for _ in range(4)))
     state.velocity[0, 0], state.spin[0, 2], state.displacement[:, 2] = 0.7, 2.2, -2.4e-5
     response = simulate(structure, Motion.from_samples(0.1, np.zeros(16)), initial=state, settle=0.0)
-    assert response.overlap.paired
+    assert response.overlap.cause == "paired"
     assert response.overlap.depth > 0.05
     assert "a and b pass into each other" in response.remarks[0]
     state.spin[:] = 0.0
     hits = simulate(structure, Motion.from_samples(0.1, np.zeros(16)), initial=state, settle=0.0)
     assert hits.peaks["hit"][0] > 1e3
     assert hits.overlap == Overlap()
+
+
+def on_strips(friction: float, blocks: int = 1) -> Structure:
+    """A stack of stones 0.5 m wide and 1 m high, each on two strips of 20 mm at its edges."""
+    names = [*(f"stone{k}" for k in range(blocks, 0, -1)), "base"]
+    stones, strips = [], []
+    for k, (name, under) in enumerate(itertools.pairwise(names)):
+        level = float(blocks - 1 - k)
+        place = {"position": [0.0, 0.0, level], "density": 2500.0}
+        stones.append({"name": name, "shape": "box", "width": 0.5, "depth": 0.5, "height": 1.0, **place})
+        for x in (-0.24, 0.24):
+            law = {"stiffness": 5e10, "damping": 1e-3, "friction": friction if under == "base" else 0.6}
+            section = {"section": "rectangle", "width": 0.02, "depth": 0.5}
+            strips.append(
+                {"between": [name, under], "at": [x, 0.0, level], "normal": [0.0, 0.0, 1.0], **section, **law}
+            )
+    return Structure.from_dict({"name": "strips", "block": stones, "joint": strips})
+
+
+@pytest.mark.parametrize("blocks", [1, 2])
+def test_a_block_that_slides_off_its_strips_is_named_with_its_depth(blocks: int) -> None:
+    motion = wavelets.one_sine(0.35 * G, 1.0)
+    with pytest.warns(InputWarning, match=r"stone1 and base pass into each other by [\d.]+ mm at .* slid until"):
+        lost = simulate(on_strips(0.05, blocks), motion, settle=0.0)
+    i = lost.structure.names.index("stone1")
+    sunk = -float(np.nanmin(lost.uz[:, i]))
+    assert sunk > 0.05  # the block is not held by anything
+    assert lost.overlap.depth == pytest.approx(sunk, rel=0.5)
+    assert lost.overlap.depth >= sunk * (1.0 - 1e-6)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", InputWarning)
+        assert simulate(on_strips(0.6, blocks), wavelets.one_sine(0.2 * G, 1.0), settle=0.0).overlap == Overlap()
+
+
+def test_a_block_that_slides_off_its_strips_fails_a_check() -> None:
+    plan = Plan(ensemble=1, margin=False)
+    found = check(on_strips(0.05), {"pulse": wavelets.one_sine(0.35 * G, 1.0)}, plan=plan)
+    (row,) = (row for row in found.rows if row.name == "overlap of blocks")
+    assert (row.passes, row.where) == (False, "stone1, base")
+    assert "slid off its faces" in row.note

@@ -1,23 +1,46 @@
 """Overlaps of blocks in a run: where the model does not let them meet, and of neighbours beyond their contacts.
 
 Neighbours meet by the sides that were paired as built: a block that turns, or that comes round a corner, may enter its
-neighbour where no sides are paired. So every two blocks without a joint are compared by their convex bodies.
+neighbour where no sides are paired. So every two blocks without a joint are compared by their convex bodies. Two bodies
+with joints are compared while a joint of theirs has ended, which it does where its faces no longer share an area: a
+joint placed on a narrow strip ends once it has slid by the width of the strip.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .blocks.faces import FloatArray
-from .convex import TOUCH, distance, hulls_of, near_as_built
+from .blocks.faces import Face, FloatArray
+from .blocks.parts import BASE, Joint
+from .blocks.shapes import turned
+from .convex import TOUCH, Hull, distance, hulls_of, near_as_built
 from .model import Structure
 from .outputs import StructureHistories
 
 ROWS = 1000  # instants at once: memory
 BEYOND = 0.05  # of the depth in which a contact bears: so much more is still taken as that
+UPRIGHT = 1e-6  # of the vertical part of a normal: the base below such a face is a half-space
+UNJOINED, PAIRED, ENDED = "unjoined", "paired", "ended"
+WHY = {  # why two bodies do not meet: for a sentence, and for a row of a check
+    UNJOINED: (
+        "no joint connects them and no [neighbours] lets them meet; move them apart, or",
+        "no joint, no neighbours",
+    ),
+    PAIRED: (
+        "sides of neighbours are paired as built, and none of theirs meets there;",
+        "their sides, paired as built, do not meet there",
+    ),
+    ENDED: (
+        "a joint between them has slid until its faces share no area, and bears nothing; join whole faces (with a rim, "
+        "if they touch along their edges), or",
+        "a joint between them has slid off its faces",
+    ),
+}
 
 
 class Overlap(NamedTuple):
@@ -26,16 +49,18 @@ class Overlap(NamedTuple):
     depth: float = 0.0  # m
     between: tuple[str, ...] = ()  # their names; empty without an overlap
     time: float = float("nan")  # s
-    paired: bool = False  # whether they are neighbours, outside of the range of their contact
+    cause: str = UNJOINED  # a key of WHY
 
     @property
     def sentence(self) -> str:
         """What a user should know of it."""
-        why = "no joint connects them and no [neighbours] lets them meet; move them apart, or"
-        if self.paired:
-            why = "sides of neighbours are paired as built, and none of theirs meets there;"
-        names, depth = " and ".join(self.between), 1e3 * self.depth
+        names, depth, why = " and ".join(self.between), 1e3 * self.depth, WHY[self.cause][0]
         return f"{names} pass into each other by {depth:.3g} mm at {self.time:.4g} s: {why} do not rely on this run"
+
+    @property
+    def why(self) -> str:
+        """Why these two do not meet in the model."""
+        return WHY[self.cause][1]
 
 
 def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHistories) -> Overlap:
@@ -46,13 +71,15 @@ def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHisto
     there = np.isfinite(u).all(axis=(1, 2)) & np.isfinite(rotation).all(axis=(1, 2))
     bears = _depth_of_contacts(structure, rows)
     time, u, rotation = time[there], u[there], rotation[there]
-    if n < 2 or not len(time):
+    if not len(time):
         return Overlap()
     hulls = [hulls_of(block) for block in structure.blocks]
+    found = _deepest_where_joints_ended(structure, hulls, time, u, rotation)
+    if n < 2:
+        return found
     reach = np.array([block.reach for block in structure.blocks])
     turning = reach * np.linalg.norm(rotation, axis=2)
     most = np.max(np.linalg.norm(u, axis=2) + turning, axis=0)
-    found = Overlap()
     for i, j in np.argwhere(near_as_built(structure.blocks, structure.joints, most[:, None] + most[None])):
         between, moved = structure.blocks[j].centroid - structure.blocks[i].centroid, u[:, j] - u[:, i]
         far = np.linalg.norm(moved, axis=1) + turning[:, i] + turning[:, j]
@@ -69,8 +96,123 @@ def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHisto
                 k = int(np.argmax(depth))
                 if depth[k] > max(found.depth, TOUCH):
                     names = structure.names[i], structure.names[j]
-                    found = Overlap(float(depth[k]), names, float(time[at[k]]), known is not None)
+                    found = Overlap(float(depth[k]), names, float(time[at[k]]), UNJOINED if known is None else PAIRED)
     return found
+
+
+def _deepest_where_joints_ended(
+    structure: Structure, hulls: list[list[Hull]], time: FloatArray, u: FloatArray, rotation: FloatArray
+) -> Overlap:
+    """Return the deepest overlap of two bodies while a joint of theirs has ended, beyond the depth in their others."""
+    joints: dict[tuple[int, int], list[Joint]] = {}
+    for joint in structure.joints:
+        joints.setdefault((joint.upper, joint.lower), []).append(joint)
+    names, found = (*structure.names, BASE), Overlap()
+    for (i, j), between in joints.items():
+        if any(joint.bearing is not None for joint in between):
+            continue
+        sides = [_Sides.of(structure, joint, u, rotation) for joint in between]
+        ended = np.zeros(len(time), dtype=np.bool_)
+        for side in sides:
+            ended |= side.ended
+        at = np.flatnonzero(ended)
+        if not len(at):
+            continue
+        # the depth in the joints that have not ended
+        known = np.max([np.where(side.ended[at], 0.0, side.depth(at)) for side in sides], axis=0)
+        for first in range(0, len(at), ROWS):
+            some = at[first : first + ROWS]
+            depth = _depth_of_bodies(structure, hulls, between, u[some], rotation[some])
+            depth -= (1.0 + BEYOND) * known[first : first + ROWS]
+            k = int(np.argmax(depth))
+            if depth[k] > max(found.depth, TOUCH):
+                found = Overlap(float(depth[k]), (names[i], names[j]), float(time[some[k]]), ENDED)
+    return found
+
+
+def _depth_of_bodies(
+    structure: Structure, hulls: list[list[Hull]], joints: list[Joint], u: FloatArray, rotation: FloatArray
+) -> FloatArray:
+    """Return how deep two bodies that joints connect overlap, beyond what they do as built, m (rows,)."""
+    i, j = joints[0].upper, joints[0].lower
+    depth, still = np.zeros(len(u)), np.zeros((1, 3))
+    if j == structure.n:  # the half-space below each upright face
+        for joint in joints:
+            normal = joint.face.normal[None, None]
+            if joint.face.normal[2] >= 1.0 - UPRIGHT:
+                place = structure.blocks[i].centroid - joint.face.centre
+                for hull in hulls[i]:
+                    low, built = (
+                        hull.extent(r, np.broadcast_to(normal, (len(r), 1, 3)))[0][:, 0]
+                        for r in (rotation[:, i], still)
+                    )
+                    height = (place + u[:, i]) @ joint.face.normal + low
+                    depth = np.maximum(depth, min(float(place @ joint.face.normal + built[0]), 0.0) - height)
+        return depth
+    between = structure.blocks[j].centroid - structure.blocks[i].centroid
+    for one, other in product(hulls[i], hulls[j]):
+        built = min(float(distance(one, other, still, still, between[None])[0]), 0.0)
+        apart = distance(one, other, rotation[:, i], rotation[:, j], between + u[:, j] - u[:, i])
+        depth = np.maximum(depth, built - apart)
+    return depth
+
+
+@dataclass(frozen=True)
+class _Sides:
+    """Both faces of a joint in the rows: the corners of the upper one, seen along the axes of the lower one."""
+
+    corners: FloatArray  # (rows, corners, 3) m, from the centre of the joint on its lower body
+    lower: FloatArray  # (corners, 2) m
+    ended: NDArray[np.bool_]  # mask of the rows in which they share no area
+
+    @classmethod
+    def of(cls, structure: Structure, joint: Joint, u: FloatArray, rotation: FloatArray) -> _Sides:
+        """Return those of a joint; a joint that does not slide never ends."""
+        face, none = joint.face, np.zeros(len(u), dtype=np.bool_)
+        upper, lower = (_outline(part or face, face) for part in (joint.above, joint.below))
+        moved, turns = [], []
+        for body in (joint.upper, joint.lower):
+            is_block = body < structure.n
+            turn = rotation[:, body] if is_block else np.zeros_like(u[:, 0])
+            arm = face.centre - structure.blocks[body].centroid if is_block else np.zeros(3)
+            moved.append((u[:, body] if is_block else np.zeros_like(turn)) + turned(turn, arm[None]))
+            turns.append(turn)
+        points = upper @ face.axes[:, :2].T
+        corners = (moved[0] - moved[1])[:, None] + points + turned(turns[0][:, None], points[None])
+        axes = [axis + turned(turns[1], axis[None]) for axis in face.axes.T]
+        seen = np.stack([np.einsum("rck,rk->rc", corners, axis) for axis in axes], axis=-1)
+        if joint.bed.friction is None:
+            return cls(seen, lower, none)
+        return cls(seen, lower, _are_apart(seen[..., :2], lower))
+
+    def depth(self, at: NDArray[np.intp]) -> FloatArray:
+        """Return how deep the upper face is below the plane of the lower one, m."""
+        return np.maximum(0.0, -np.min(self.corners[at, :, 2], axis=1))
+
+
+def _outline(face: Face, joint: Face) -> FloatArray:
+    """The rim of a face along the axes of a joint, m (corners, 2)."""
+    flat: FloatArray = (face.points() - joint.centre) @ joint.axes[:, :2]
+    return flat
+
+
+def _are_apart(moved: FloatArray, still: FloatArray) -> NDArray[np.bool_]:
+    """Return whether convex polygons (rows, corners, 2) share no area with another one (corners, 2)."""
+    apart = np.zeros(len(moved), dtype=np.bool_)
+    # along the normals of the one that is still, then of the one that moves
+    for side in np.roll(still, -1, axis=0) - still:
+        one, other = moved @ _across(side), still @ _across(side)
+        apart |= (np.min(one, axis=1) >= np.max(other)) | (np.max(one, axis=1) <= np.min(other))
+    for normal in np.moveaxis(_across(np.roll(moved, -1, axis=1) - moved), 1, 0):
+        one, other = np.einsum("rck,rk->rc", moved, normal), normal @ still.T
+        apart |= np.min(one, axis=1) >= np.max(other, axis=1)
+        apart |= np.max(one, axis=1) <= np.min(other, axis=1)
+    return apart
+
+
+def _across(side: FloatArray) -> FloatArray:
+    """Return a normal to each side."""
+    return np.stack([side[..., 1], -side[..., 0]], axis=-1)
 
 
 def _depth_of_contacts(structure: Structure, rows: StructureHistories) -> dict[tuple[int, int], FloatArray]:
