@@ -118,7 +118,7 @@ def test_stabilized_steps_follow_a_joint_that_dampers_make_slow() -> None:
     """A damping of 100 s: 2.6e7 evaluations a second by explicit steps, 1e6 by stabilized ones."""
     structure = _damped(joints={"damping": 100.0})
     assert fastest_decay(structure) > 1e7
-    response = simulate(structure, SHAKE, settle=0.0)
+    response = simulate(structure, SHAKE, settle=0.0, tolerance=1e-4)
     assert response.stats["evaluations"] < 0.1 * float(SHAKE.duration) * fastest_decay(structure)
 
 

@@ -254,7 +254,7 @@ def step_tolerance(order: float, tolerance: float) -> float:
     return max(LEAST_TOLERANCE, RINGING_PART * tolerance) if order == RINGING_ORDER else tolerance
 
 
-LEAST_STABILIZED = 3e-6  # tolerance: below it order 2 needs shorter steps than stability does
+LEAST_STABILIZED = 2e-5  # tolerance: below it order 2 needs shorter steps than stability does
 
 
 @in_both
