@@ -142,12 +142,10 @@ def _depth_of_bodies(
             if joint.face.normal[2] >= 1.0 - UPRIGHT:
                 place = structure.blocks[i].centroid - joint.face.centre
                 for hull in hulls[i]:
-                    low, built = (
-                        hull.extent(r, np.broadcast_to(normal, (len(r), 1, 3)))[0][:, 0]
-                        for r in (rotation[:, i], still)
-                    )
+                    axes = np.broadcast_to(normal, (len(u), 1, 3))
+                    low, built = hull.extent(rotation[:, i], axes)[0][:, 0], hull.extent(still, normal)[0][0, 0]
                     height = (place + u[:, i]) @ joint.face.normal + low
-                    depth = np.maximum(depth, min(float(place @ joint.face.normal + built[0]), 0.0) - height)
+                    depth = np.maximum(depth, np.minimum(place @ joint.face.normal + built, 0.0) - height)
         return depth
     between = structure.blocks[j].centroid - structure.blocks[i].centroid
     for one, other in product(hulls[i], hulls[j]):
