@@ -248,7 +248,7 @@ def boundary(falls: Callable[[float], bool], low: float, high: float, above: boo
 
 
 class Found(NamedTuple):
-    """What a program answers at one value of its knob."""
+    """The answers of a program at one value of its knob."""
 
     program: str
     knob: str
@@ -296,6 +296,36 @@ def _points(found: Sequence[Found], errors: Sequence[float]) -> Points:
     return points
 
 
+def _rows(
+    found: Sequence[Found], cells: int, cells_of: Callable[[Found], tuple[list[str], float]]
+) -> tuple[list[list[str]], list[float]]:
+    """Return a row for each answer, and its error; `cells_of` has the cells between setting and pace.
+
+    A row without an answer has as many empty `cells`, and no error.
+    """
+    rows, errors = [], []
+    for one in found:
+        middle, error = cells_of(one) if one.answers else ([""] * cells, math.nan)
+        rows.append([_setting(one), *middle, f"{one.pace:.3g}" if one.answers else ""])
+        errors.append(error)
+    return rows, errors
+
+
+def _peaks_of(
+    make: Callable[[float], Scene], levels: tuple[float, float]
+) -> Callable[[Program, float], tuple[tuple[float, ...], float, Array]]:
+    """Return the question for the peaks (m) of a scene at two levels (g), and its history at the first."""
+
+    def ask(program: Program, value: float) -> tuple[tuple[float, ...], float, Array]:
+        scene = make(levels[0])
+        course = timed(program, scene, value)
+        strong = program.run(make(levels[1]), value)
+        peaks = tuple(float(np.max(np.abs(x))) for x in (course.x, strong.x))
+        return peaks, 1e3 * course.seconds / scene.duration, course.x
+
+    return ask
+
+
 def of_block(quick: bool) -> tuple[Table, Points]:
     """Measure the boundaries of the block."""
     rocker = rigid_blocks.block(*BLOCK)
@@ -322,19 +352,16 @@ def of_block(quick: bool) -> tuple[Table, Points]:
         return tuple(boundary(falls, *bracket) for bracket in asked), 1e3 * course.seconds / 5.0, course.x
 
     found = list(_each(programs(quick, True, (1e9, 1e10, 1e13), (1e9, 1e10)), ask))  # of 1e13 in space: 0.75 s a second
-    rows, errors = [], []
-    for one in found:
-        if not one.answers:
-            rows.append([_setting(one), "", "", "", "", "", ""])
-            errors.append(math.nan)
-            continue
+
+    def cells_of(one: Found) -> tuple[list[str], float]:
         known = in_plane if one.program.startswith(IN_PLANE) else truths
         off = max(abs(answer / truth - 1.0) for answer, truth in zip(one.answers, known, strict=False))
         finest = _finest(found, one).answers
         own = max(abs(answer / best - 1.0) for answer, best in zip(one.answers, finest, strict=True))
-        errors.append(off)
         cells = [f"{answer:.4f}" for answer in one.answers] + [""] * (3 - len(one.answers))
-        rows.append([_setting(one), *cells, f"{off:.1e}", _off(own), f"{one.pace:.3g}"])
+        return [*cells, f"{off:.1e}", _off(own)], off
+
+    rows, errors = _rows(found, 5, cells_of)
     head = ["block 0.4 x 1.6 m, cosine pulse of 1 Hz", "falls from, g", "stands from", "falls from"]
     head += ["largest error", "against its finest", "ms a second"]
     truth = [
@@ -358,24 +385,14 @@ def of_frame(quick: bool) -> tuple[Table, Points]:
         theta = rigid_blocks.follow(rocker, Shaking(level, 1.0, 4.0), rows_at)
         truths.append(rigid_blocks.displacement(rocker, theta))
 
-    def ask(program: Program, value: float) -> tuple[tuple[float, ...], float, Array]:
-        course = timed(program, frame_scene(LEVELS[0]), value)
-        strong = program.run(frame_scene(LEVELS[1]), value)
-        peaks = tuple(float(np.max(np.abs(x))) for x in (course.x, strong.x))
-        return peaks, 1e3 * course.seconds / 4.0, course.x
+    found = list(_each(programs(quick, False, (), (2e9, 5e10, 5e11)), _peaks_of(frame_scene, LEVELS)))
 
-    found = list(_each(programs(quick, False, (), (2e9, 5e10, 5e11)), ask))
-    rows, errors = [], []
-    for one in found:
-        if not one.answers:
-            rows.append([_setting(one), "", "", "", "", "", ""])
-            errors.append(math.nan)
-            continue
+    def cells_of(one: Found) -> tuple[list[str], float]:
         off, own = _history(one.course, truths[0]), _history(one.course, _finest(found, one).course)
-        errors.append(off)
         peak = abs(one.answers[1] / float(np.max(np.abs(truths[1]))) - 1.0)
-        cells = [f"{one.answers[0]:.4f}", f"{one.answers[1]:.4f}", f"{off:.1e}", f"{peak:.1e}", _off(own)]
-        rows.append([_setting(one), *cells, f"{one.pace:.3g}"])
+        return [*(f"{answer:.4f}" for answer in one.answers), f"{off:.1e}", f"{peak:.1e}", _off(own)], off
+
+    rows, errors = _rows(found, 5, cells_of)
     head = ["rocking frame, sine of 1 Hz, 4 s", "peak at 0.3 g, m", "peak at 0.4 g, m", "error of the history, 0.3 g"]
     head += ["error of the peak, 0.4 g", "history against its finest", "ms a second"]
     truth = ["rigid frame of Makris and Vassiliou", *(f"{np.max(np.abs(x)):.4f}" for x in truths), "", "", "", ""]
@@ -384,28 +401,18 @@ def of_frame(quick: bool) -> tuple[Table, Points]:
 
 def of_boxes(quick: bool) -> tuple[Table, Points]:
     """Measure three boxes: each program against its own finest."""
-
-    def ask(program: Program, value: float) -> tuple[tuple[float, ...], float, Array]:
-        course = timed(program, boxes_scene(0.2), value)
-        strong = program.run(boxes_scene(0.4), value)
-        peaks = tuple(float(np.max(np.abs(x))) for x in (course.x, strong.x))
-        return peaks, 1e3 * course.seconds / 4.0, course.x
-
     ways = [way for way in programs(quick, False, (), (5e9, 5e11)) if way.knob != "N/m3"]
     tolerances = (1e-2, 1e-3, 1e-4) if quick else (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
     for modulus in (5e9, 5e11):
         run = partial(here, where="whole", stiffness=modulus)
         ways.insert(0, Program(f"here, space, whole faces of {modulus:.0e} N/m3", "tolerance", tolerances, run))
-    found = list(_each(ways, ask))
-    rows, errors = [], []
-    for one in found:
-        if not one.answers:
-            rows.append([_setting(one), "", "", "", ""])
-            errors.append(math.nan)
-            continue
+    found = list(_each(ways, _peaks_of(boxes_scene, (0.2, 0.4))))
+
+    def cells_of(one: Found) -> tuple[list[str], float]:
         own = _history(one.course, _finest(found, one).course)
-        errors.append(own)
-        rows.append([_setting(one), f"{one.answers[0]:.4f}", f"{one.answers[1]:.4f}", _off(own), f"{one.pace:.3g}"])
+        return [*(f"{answer:.4f}" for answer in one.answers), _off(own)], own
+
+    rows, errors = _rows(found, 3, cells_of)
     head = ["three boxes 1 x 1 x 2 m, sine of 1 Hz, 4 s", "peak at 0.2 g, m", "peak at 0.4 g, m"]
     head += ["history against its finest, 0.2 g", "ms a second"]
     return Table("Peers: three boxes", head, rows), _points(found, errors)

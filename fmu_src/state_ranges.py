@@ -108,7 +108,7 @@ STRUCTURE_COUNTS: Described = {
     **_all(
         ("elastic_steps", "elastic_wait", "in_a_row", "stabilized_steps", "stabilized_wait", "stabilized_pause"), COUNT
     ),
-    **_all(("started", "resting", "probing", "stabilizes"), FLAG),
+    **_all(("started", "resting", "probing"), FLAG),
 }
 STRUCTURE_BASE: Described = {
     **_all(("amplitude_x", "amplitude_y", "omega", "phase", "held"), NONE, "motion."),  # as of a column

@@ -90,7 +90,7 @@ class InSpace(Subject):
         return friction_history(np.hypot(run.Tx, run.Ty), run.N, carried)
 
     def overlap(self, run: SpatialResponse) -> Overlap | None:
-        """Of its blocks; None of a single one that does not pass into the base."""
+        """Return the overlap of its blocks, or None of a single one that does not pass into the base."""
         return run.overlap if self.model.n > 1 or run.overlap.between else None
 
     def digest(self) -> bytes:

@@ -89,11 +89,11 @@ class Pair:
 
     @property
     def inside(self) -> Pair:
-        """What a rim leaves open of either face."""
+        """Return what a rim leaves open of either face."""
         return Pair(self.own.inset(self.rim), self.below.inset(self.rim))
 
     def depth(self, x: Array, slip: float) -> Array:
-        """Of the contact: what both faces share, less what both insides share."""
+        """Return what both faces share, less what both insides share."""
         open_ = self.inside.depth(x, slip) if self.rim else 0.0
         return self.outline(x, slip) - open_
 

@@ -173,10 +173,9 @@ def test_round_faces_against_quadrature(name: str, seed: int) -> None:
     assert np.max(np.abs(found - expected)) <= 1e-12  # measured 2e-14; the scale of the numbers is 1
 
 
-@pytest.mark.parametrize("name", SHAPES)
-def test_beds_in_lanes_are_those_of_each_to_the_last_bit(name: str) -> None:
-    """Slips from 1e-6 to 0.3 m, planes that cut and that do not, and a lane that has not slid."""
-    rng, structure = np.random.default_rng(7), two(*SHAPES[name])
+def check_lanes(structure: Structure) -> None:
+    """Assert that beds in lanes are those of each: slips of 1e-6 to 0.3 m, planes that cut or not, a lane at rest."""
+    rng = np.random.default_rng(7)
     for _ in range(20):
         slips = [10.0 ** rng.uniform(-6.0, -0.5) * rng.normal(size=3) for _ in range(WIDTH)]
         slips[int(rng.integers(WIDTH))][:] = 0.0
@@ -188,10 +187,17 @@ def test_beds_in_lanes_are_those_of_each_to_the_last_bit(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_forces_are_the_slopes_of_the_energy_after_a_slip(name: str) -> None:
-    """At a random place, without damping; friction is so large that nothing slides on."""
+def test_beds_in_lanes_are_those_of_each_to_the_last_bit(name: str) -> None:
+    check_lanes(two(*SHAPES[name]))
+
+
+def check_forces(structure: Structure) -> None:
+    """Assert that forces are the slopes of the energy at a random place after a slip, without damping.
+
+    Friction is so large that nothing slides on.
+    """
     rng = np.random.default_rng(3)
-    structure = with_law(two(*SHAPES[name]), stiffness=1e8, damping=0.0, shear_damping=0.0, friction=1e6)
+    structure = with_law(structure, stiffness=1e8, damping=0.0, shear_damping=0.0, friction=1e6)
     stepper, n = Stepper(structure), structure.n
     at_joint = stepper.slips
     at_joint.p1[:], at_joint.p2[:], at_joint.p3[:] = 0.2 * rng.normal(size=(3, len(structure.joints)))
@@ -206,6 +212,11 @@ def test_forces_are_the_slopes_of_the_energy_after_a_slip(name: str) -> None:
             move(stepper, way * change)
             energies.append(stepper.observe())
         assert -0.5e6 * (energies[0] - energies[1]) == pytest.approx(force[k], abs=1e-7 * float(np.max(np.abs(force))))
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_forces_are_the_slopes_of_the_energy_after_a_slip(name: str) -> None:
+    check_forces(two(*SHAPES[name]))
 
 
 # --- whole runs

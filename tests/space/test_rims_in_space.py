@@ -8,15 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 from space.test_beds import SCALE, exact_bed
-from space.test_overlap import BOX, DRUM, SHAPES, bed, beds, by_quadrature, drawn, moved, two
-from support.structures import with_law
+from space.test_overlap import BOX, DRUM, SHAPES, bed, by_quadrature, check_forces, check_lanes, drawn, moved, two
+from support.structures import law_on_edge, with_law
 
 from multiblock import Motion, SpatialState, Structure, simulate
 from solver.common.errors import InputError
-from solver.kernels.numba_ext.lanes import WIDTH
 from solver.models.structure.blocks.faces import FloatArray, clipped, polygon_moments
-from solver.models.structure.rest import move, residual_of
-from solver.models.structure.stepper import Stepper
 
 RIM = 0.06  # m
 
@@ -75,37 +72,12 @@ def test_round_faces_against_quadrature(name: str, seed: int) -> None:
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_beds_in_lanes_are_those_of_each_to_the_last_bit(name: str) -> None:
-    """Slips from 1e-6 to 0.3 m, planes that cut and that do not, and a lane that has not slid."""
-    rng, structure = np.random.default_rng(7), with_rim(*SHAPES[name], RIM)
-    for _ in range(20):
-        slips = [10.0 ** rng.uniform(-6.0, -0.5) * rng.normal(size=3) for _ in range(WIDTH)]
-        slips[int(rng.integers(WIDTH))][:] = 0.0
-        planes = [drawn(rng, k) for k in range(WIDTH)]
-        above = rng.integers(2, size=WIDTH) * 3.0 * SCALE
-        p, q = ([plane[of] + [lift, 0.0, 0.0] for plane, lift in zip(planes, above, strict=True)] for of in (0, 1))
-        alone = np.array([bed(structure, *one) for one in zip(slips, p, q, strict=True)])
-        assert np.array_equal(beds(structure, slips, p, q), alone)
+    check_lanes(with_rim(*SHAPES[name], RIM))
 
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_forces_are_the_slopes_of_the_energy_after_a_slip(name: str) -> None:
-    """At a random place, without damping; friction is so large that nothing slides on."""
-    rng = np.random.default_rng(3)
-    law = {"stiffness": 1e8, "damping": 0.0, "shear_damping": 0.0, "friction": 1e6}
-    stepper = Stepper(with_law(with_rim(*SHAPES[name], RIM), **law))
-    n, at_joint = stepper.structure.n, stepper.slips
-    at_joint.p1[:], at_joint.p2[:], at_joint.p3[:] = 0.2 * rng.normal(size=(3, len(stepper.structure.joints)))
-    move(stepper, rng.normal(size=6 * n) * np.tile([0.01] * 3 + [0.1] * 3, n) - np.tile([0, 0, 0.1, 0, 0, 0], n))
-    (force, _), phase = residual_of(stepper), stepper.phase.copy()
-    for k in range(6 * n):
-        change = np.zeros(6 * n)
-        change[k] = 1e-6
-        energies = []
-        for way in (1.0, -1.0):
-            stepper.phase[:] = phase
-            move(stepper, way * change)
-            energies.append(stepper.observe())
-        assert -0.5e6 * (energies[0] - energies[1]) == pytest.approx(force[k], abs=1e-7 * float(np.max(np.abs(force))))
+    check_forces(with_rim(*SHAPES[name], RIM))
 
 
 @pytest.mark.parametrize("name", SHAPES)
@@ -190,11 +162,7 @@ def test_a_drum_has_a_ring() -> None:
 def tall(depth: float, rim: float | None, stiffness: float = 1e12) -> Structure:
     """A block of 0.4 x 1.6 m in a plane, critically damped as it stands on its edge."""
     width, height, density = 0.4, 1.6, 2500.0
-    mass = density * width * depth * height
-    half = 0.5 * width
-    effective = 1.0 / (1.0 / mass + half**2 / (mass * (width**2 + height**2) / 12.0))
-    omega = math.sqrt(stiffness * depth * (rim or half) / effective)
-    law = {"stiffness": stiffness, "damping": 2.0 / omega, **({"rim": rim} if rim else {})}
+    law = law_on_edge(stiffness, (width, depth, height), density, rim)
     size = {"width": width, "depth": depth, "height": height, "density": density}
     return Structure.from_dict({"name": "tall", "joints": law, "block": [{"name": "b", "on": "base", **size}]})
 

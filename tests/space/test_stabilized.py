@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.polynomial.legendre import Legendre
+from support.structures import law_on_edge
 
 from multiblock import Motion, Structure, simulate
 from solver.kernels.numba_ext.jit import from_python
@@ -30,15 +31,12 @@ _input, _phase = INPUT_MOTION.over, PHASE.over
 def boxes(count: int, stiffness: float, rim: float | None, tolerance: float, **law: Any) -> Structure:
     """Boxes of 1 x 1 x 2 m on each other, critically damped as they stand on an edge."""
     density, width, height = 2500.0, 1.0, 2.0
-    mass, half = density * width * width * height, 0.5 * width
-    effective = 1.0 / (1.0 / mass + half**2 / (mass * (width**2 + height**2) / 12.0))
-    damping = 2.0 / math.sqrt(stiffness * width * (rim or half) / effective)
     size = {"width": width, "depth": width, "height": height, "density": density}
     names = ["base", *(f"b{i}" for i in range(count))]
     return Structure.from_dict(
         {
             "name": "boxes",
-            "joints": {"stiffness": stiffness, "damping": damping, **({"rim": rim} if rim else {}), **law},
+            "joints": {**law_on_edge(stiffness, (width, width, height), density, rim), **law},
             "block": [{"name": name, "on": on, **size} for on, name in pairwise(names)],
             "solver": {"tolerance": tolerance},
         }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -30,6 +31,20 @@ def stack(
     ]
     law = {"stiffness": MODULUS, "damping": damping, "shear_ratio": ratio}
     return replace(Structure.from_dict({"name": "stack", "joints": law, "block": blocks}), **options)
+
+
+def law_on_edge(
+    stiffness: float, size: tuple[float, float, float], density: float, rim: float | None
+) -> dict[str, float]:
+    """Return the law of a joint that is critically damped as a block stands on its edge.
+
+    size: width, depth and height of the block, m; rim: m, None for the whole face, of which half counts.
+    """
+    width, depth, height = size
+    mass, half = density * width * depth * height, 0.5 * width
+    effective = 1.0 / (1.0 / mass + half**2 / (mass * (width**2 + height**2) / 12.0))
+    damping = 2.0 / math.sqrt(stiffness * depth * (rim or half) / effective)
+    return {"stiffness": stiffness, "damping": damping, **({"rim": rim} if rim else {})}
 
 
 def with_law(structure: Structure, **changes: Any) -> Structure:

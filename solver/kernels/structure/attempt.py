@@ -40,6 +40,7 @@ def evaluate_at(scene, shaking, segment, y, f, t):
 
 @kernel
 def scale_quaternions(n, phase):
+    """Scale the quaternions of n bodies to unit length."""
     for i in range(n):
         q0, q1, q2, q3 = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
         per = 1.0 / square_root(q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)

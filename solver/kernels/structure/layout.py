@@ -161,7 +161,7 @@ CONTROL = Record(
     "fall_time",  # s
     "reached",  # s
     "elastic_step",  # s, proposed for steps by modes
-    "stabilized_step",  # s, proposed for stabilized steps (stabilized.py)
+    "stabilized_step",  # s, proposed for stabilized steps (stabilized.py); 0 while steps of order 5 are made
 )
 COUNTS = Record(
     *("steps", "rejected", "evaluations", "looks", "fallen", "started", "next_row", "resting"),
@@ -172,7 +172,6 @@ COUNTS = Record(
     "stabilized_steps",  # of steps
     "stabilized_wait",  # steps of order 5 that their stability bounds, to be made before stabilized ones are tried
     "stabilized_pause",  # such steps, from the first of them on
-    "stabilizes",  # 1 from a stabilized step that was accurate until steps of order 5 go on
 )
 BASE = Record(
     *("amplitude_x", "amplitude_y"),  # m/s2, of the harmonic part

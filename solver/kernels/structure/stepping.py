@@ -210,7 +210,6 @@ def _plan(scene, shaking, segment, left, quiet):
     """
     control, counts, settings = scene.control, scene.counts, scene.settings
     most = 1.0 / shaking.base.omega if shaking.base.omega != 0.0 else math.inf
-    longest = 0.0
     if settings.has_modes != 0.0:
         longest = data_of(scene).limits.longest
         loaded = is_loaded(scene, shaking, segment)  # modes know of no loads
@@ -227,7 +226,7 @@ def _plan(scene, shaking, segment, left, quiet):
         longest = min(longest, STABLE * relaxing(scene))
     fastest = SEEN / longest
     if _is_stiff(scene, fastest, min(most, left)) and not (quiet and _dies_out(scene)):
-        step = min(control.stabilized_step, most, stabilized.LONGEST_REACH / fastest)
+        step = min(_stabilized_step(scene, fastest), most, stabilized.LONGEST_REACH / fastest)
         return shared(step, left), STABILIZED, fastest
     return shared(min(control.next_step, most, longest), left), EXPLICIT, fastest
 
@@ -253,12 +252,15 @@ def _is_stiff(scene, fastest, most):
 
     fastest: 1/s, the rate that bounds steps of order 5; most: s, of a step.
     """
-    control, counts = scene.control, scene.counts
-    if scene.settings.stabilizes == 0.0 or counts.stabilized_wait > 0 or most * fastest < LEAST_REACH:
-        return False
-    if control.stabilized_step == 0.0:
-        control.stabilized_step = FIRST_REACH / fastest
-    return True
+    waits = scene.settings.stabilizes == 0.0 or scene.counts.stabilized_wait > 0
+    return not waits and most * fastest >= LEAST_REACH
+
+
+@leaf
+def _stabilized_step(scene, fastest):
+    """Return the proposed stabilized step, s, or that of a trial while steps of order 5 are made."""
+    step = scene.control.stabilized_step
+    return step if step > 0.0 else FIRST_REACH / fastest
 
 
 @kernel
@@ -272,24 +274,24 @@ def _makes_stabilized(scene, shaking, segment, t, h, fastest):
     per_order = 1.0 / (stabilized.ORDER + 1)
     if error <= 1.0:
         counts.stabilized_steps += 1
-        counts.stabilized_pause, counts.stabilizes = WAIT_STABILIZED, 1
+        counts.stabilized_pause = WAIT_STABILIZED
         _count_general_step(scene)
         error = max(error, LEAST_ERROR)
         factor = min(LENGTHEN, growth(control.previous_error, error, per_order))
         step, control.previous_error = h * factor, error
-        control.stabilized_step = step if factor < 1.0 else max(step, control.stabilized_step)
+        control.stabilized_step = step if factor < 1.0 else max(step, _stabilized_step(scene, fastest))
     else:
         counts.rejected += 1
-        if counts.stabilizes == 0:
+        if control.stabilized_step == 0.0:
             counts.stabilized_pause = min(MOST_PAUSE, 2 * counts.stabilized_pause)
-            control.stabilized_step, counts.stabilized_wait = 0.0, counts.stabilized_pause
+            counts.stabilized_wait = counts.stabilized_pause
             return False
         factor = max(SHRINK, SAFETY * error**-per_order) if math.isfinite(error) else SHRINK
         control.stabilized_step, control.previous_error = h * factor, 1.0
     if control.stabilized_step * fastest < LEAST_REACH:
         # the motion is no longer slow beside the joints: steps of order 5 follow it
         control.stabilized_step, control.previous_error = 0.0, 1.0
-        counts.stabilized_wait, counts.stabilizes = counts.stabilized_pause, 0
+        counts.stabilized_wait = counts.stabilized_pause
         control.next_step = min(control.next_step, STIFF / fastest)
     return error <= 1.0
 

@@ -131,7 +131,7 @@ class Column(Shown):
 
     @cached_property
     def has_rims(self) -> bool:
-        """Whether the faces of some joint touch in a rim."""
+        """True if the faces of some joint touch in a rim."""
         return any(contact.rim for contact in self.contacts)
 
     @property

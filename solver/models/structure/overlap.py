@@ -59,7 +59,7 @@ class Overlap(NamedTuple):
 
     @property
     def why(self) -> str:
-        """Why these two do not meet in the model."""
+        """The reason why these two do not meet in the model."""
         return WHY[self.cause][1]
 
 
