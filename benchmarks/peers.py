@@ -19,6 +19,7 @@ import numpy as np
 from multiblock import Column, Motion, Structure, arch, push_over, simulate
 from solver.common.errors import InputWarning
 from solver.models.structure.run import SpatialState, begun
+from solver.statics.edges import damping_on_edge
 from validation.limits import largest_push
 
 from . import peer_programs, rigid_blocks
@@ -100,9 +101,7 @@ def arch_scene(level: float) -> Scene:
 def critical(stiffness: float, area: float, solid: tuple[float, float, float]) -> float:
     """Return the damping (s) that is critical as a block of this width, height (m) and mass (kg) lands on its edge."""
     width, height, mass = solid
-    inertia = mass * (width**2 + height**2) / 12.0
-    landing = 1.0 / (1.0 / mass + 0.25 * width**2 / inertia)
-    return 2.0 * math.sqrt(landing / (stiffness * area))
+    return damping_on_edge(stiffness, area, mass, mass * (width**2 + height**2) / 12.0, 0.5 * width)
 
 
 def _law(where: str, stiffness: float, width: float, depth: float, height: float) -> dict[str, float]:

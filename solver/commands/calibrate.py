@@ -1,4 +1,4 @@
-"""The command `calibrate`: modulus and damping from known properties of a column, and their consequences."""
+"""The command `calibrate`: modulus, damping and rim from known properties of a column, and their consequences."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from ..common.digits import percent
-from ..common.errors import InputError, SolverError, reading
+from ..common.errors import InputError, SolverError, check_number, reading
 from ..common.files import check_outputs, whole_file
+from ..models.column.block import no_rim
 from ..models.column.model import Column
 from ..models.column.modes import modes_about_rest
 from ..models.column.rest import check_rest
@@ -20,26 +21,31 @@ from ..statics.calibrate import (
     SPREAD,
     FreeVibration,
     ModulusFit,
+    column_damping_on_edge,
     damping_from_ratio,
     damping_from_restitution,
     fit_moduli,
     free_vibration,
     modulus_from_elasticity,
     read_history,
+    rim_from_restitution,
     with_joints,
+    with_rim,
 )
 from ..statics.rocking import RELEASE, housner_restitution, restitution
 from .command_files import add_force, check_suffix, read_column
 from .progress import compile_kernels
 
 HOUSNER = "housner"
+AUTO = "auto"
+RIMS = (1e-6, 100.0), "a width in m, from 1e-6 to 100"
 _OF_RECORDS = ("channel", "begin", "end")
 
 
 def add_calibrate_command(commands: argparse._SubParsersAction[Any]) -> None:
     """Add `calibrate`."""
     parser = commands.add_parser(
-        "calibrate", help="modulus and damping of the joints from elasticity, frequencies, decay or restitution"
+        "calibrate", help="modulus, damping and rim of the joints from elasticity, frequencies, decay, restitution"
     )
     parser.set_defaults(command=_calibrate)
     parser.add_argument("column", type=Path, metavar="COLUMN.toml", help="its values stay if nothing is asked for")
@@ -53,7 +59,11 @@ def add_calibrate_command(commands: argparse._SubParsersAction[Any]) -> None:
     damping = parser.add_argument_group("damping, one of").add_mutually_exclusive_group()
     damping.add_argument("--restitution", metavar="R", help=f"after over before an impact; {HOUSNER}: by the geometry")
     damping.add_argument("--damping-ratio", type=float, metavar="R", help="of critical, in the first mode that sways")
+    damping.add_argument("--critical", action="store_true", help="critical as what rocks stands on its edge")
     damping.add_argument("--free-vibration", type=Path, metavar="FILE.csv", help="times and values of a decay")
+    parser.add_argument(
+        "--rim", metavar="M", help=f"width in which the faces touch, m; {AUTO}: the one that has --restitution"
+    )
     parser.add_argument(
         "--release", type=float, default=RELEASE, metavar="PART", help=f"of the way to the edge (default: {RELEASE:g})"
     )
@@ -70,10 +80,14 @@ def _calibrate(options: argparse.Namespace) -> None:
         for key in keys:
             if getattr(options, key) is not None and getattr(options, needed) is None:
                 raise InputError(f"--{key.replace('_', '-')}: must be left out, or --{needed.replace('_', '-')} given")
+    given_rim = _given_rim(options)
     check_suffix(options.output, ".json")
     check_outputs((options.output,), (options.column, options.free_vibration), options.force)
     column = read_column(options.column)
     compile_kernels()
+    if given_rim is not None:
+        with reading(options.column):
+            column = with_rim(column, given_rim)
     decay = None if options.free_vibration is None else _decay_of_record(options)
     fit: ModulusFit | None = None
     if options.young is not None:
@@ -82,9 +96,11 @@ def _calibrate(options: argparse.Namespace) -> None:
     elif options.frequencies is not None:
         fit = fit_moduli(column, options.frequencies)
         column = with_joints(column, fit.moduli)
+    why_rim = ""
     if options.restitution is not None:
-        wanted = _number(options.restitution)
-        column = with_joints(column, damping=damping_from_restitution(column, wanted, options.release))
+        column, why_rim = _with_restitution(column, options)
+    elif options.critical:
+        column = with_joints(column, damping=column_damping_on_edge(column))
     elif options.damping_ratio is not None:
         column = with_joints(column, damping=damping_from_ratio(column, options.damping_ratio))
     elif decay is not None:
@@ -93,12 +109,48 @@ def _calibrate(options: argparse.Namespace) -> None:
         check_rest(column)
     found = _found(column, options.release, decay, fit)
     text = json.dumps(found, indent=2, ensure_ascii=False)
-    print(text if options.json else f"{_decay(options, decay)}{_joints(column)}\n{_fit(fit)}{_meaning(found)}")
+    if options.json:
+        print(text)
+    else:
+        print(f"{_decay(options, decay)}{why_rim}{_joints(column)}\n{_fit(fit)}{_meaning(found)}")
     if options.output is not None:
         with reading(options.output), whole_file(options.output) as partial:
             partial.write_text(text + "\n", encoding="utf-8")
         if not options.json:
             print(options.output)
+
+
+def _given_rim(options: argparse.Namespace) -> float | None:
+    """Return the rim (m) of --rim; None where it is left out, or looked for. Raises InputError."""
+    if options.rim is None:
+        return None
+    if options.rim.lower() == AUTO:
+        if options.restitution is None:
+            raise InputError(f"--rim {options.rim}: must be a width in m, or --restitution given")
+        return None
+    try:
+        width = float(options.rim)
+    except ValueError:
+        raise InputError(f"--rim {options.rim}: must be {AUTO}, or a width in m") from None
+    return check_number("--rim", width, *RIMS)
+
+
+def _with_restitution(column: Column, options: argparse.Namespace) -> tuple[Column, str]:
+    """Return the column that has the restitution asked for, and why a rim was looked for, as a line.
+
+    Damping alone gives it if it can, unless --rim asks for another rim.
+    """
+    wanted = _number(options.restitution)
+    why = ""
+    if options.rim is None or options.rim.lower() != AUTO:
+        try:
+            return with_joints(column, damping=damping_from_restitution(column, wanted, options.release)), ""
+        except InputError as refused:
+            if options.rim is not None or any(no_rim(block) for block in column.blocks):
+                raise
+            why = f"damping alone does not have it: {refused.args[0].split(';')[0].split(': ', 1)[-1]}\n"
+    fit = rim_from_restitution(column, wanted, options.release)
+    return with_joints(with_rim(column, fit.rim), damping=fit.damping), why
 
 
 def _number(text: str) -> float | None:
@@ -146,13 +198,14 @@ def _fit(fit: ModulusFit | None) -> str:
 def _joints(column: Column) -> str:
     """The values as a column file has them: once if all joints have the same."""
     joints = [block.joint for block in column.blocks]
-    values = [(joint.stiffness, joint.damping) for joint in joints]
+    values = [(joint.stiffness, joint.damping, joint.rim) for joint in joints]
     if len(set(values)) == 1:
         values = values[:1]
     lines = []
-    for i, (stiffness, damping) in enumerate(values, start=1):
+    for i, (stiffness, damping, rim) in enumerate(values, start=1):
         lines.append("[joint]" if len(values) == 1 else f"[block.joint]              # of block {i}")
         lines += [f"stiffness = {stiffness:.6g}    # N/m3", f"damping = {damping:.6g}    # s"]
+        lines += [f"rim = {rim:.6g}    # m"] if rim is not None else []
     return "\n".join(lines)
 
 
@@ -162,7 +215,9 @@ def _found(column: Column, release: float, decay: FreeVibration | None, fit: Mod
     first = int(np.argmax(modes.sways))
     found: dict[str, Any] = {
         "column": column.name,
-        "joints": [{"stiffness": block.joint.stiffness, "damping": block.joint.damping} for block in column.blocks],
+        "joints": [
+            {name: getattr(block.joint, name) for name in ("stiffness", "damping", "rim")} for block in column.blocks
+        ],
         "frequency": float(modes.frequency[first]),
         "damping_ratio": float(modes.damping_ratio[first]),
         "release": release,

@@ -1,4 +1,4 @@
-"""Modulus and damping of joints from what is known of a column: elasticity, frequencies, decay, restitution.
+"""Modulus, damping and rim of joints from what is known of a column: elasticity, frequencies, decay, restitution.
 
 Every function returns numbers for `with_joints`, and leaves the column as it is.
 """
@@ -9,8 +9,9 @@ import math
 import os
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -33,10 +34,15 @@ from ..common.text_tables import check_times, from_zero, table_of
 from ..models.column.model import Column
 from ..models.column.modes import modes_about_rest
 from ..models.column.packing import FloatArray
-from .rocking import RELEASE, housner_restitution, pulled_aside, restitution_from
+from .edges import column_damping_on_edge as column_damping_on_edge
+from .edges import damping_on_edge as damping_on_edge
+from .rocking import RELEASE, housner_restitution, pulled_aside, restitution, restitution_from, rocking_part
 
 ETAS = np.geomspace(1e-6, 10.0, 15)  # s: among which the one that is looked for is enclosed
 DIGITS = 1e-6  # of eta
+RIMS = 0.5 ** np.arange(1.0, 11.0)  # of half a face: among which the one that is looked for is enclosed
+NEAR_ENOUGH = 5e-3  # of a restitution: the nearest one is taken, with a warning
+SAME_RESTITUTION = 1e-5
 SWING = (0.0, 0.95)  # range of damping ratios that a decay has
 MISSED = 0.05  # of a measured frequency, which is warned of
 SPREAD = 0.01  # of each measured frequency: what the accuracy of the moduli is worked out from
@@ -69,6 +75,15 @@ def with_joints(column: Column, stiffness: ArrayLike | None = None, damping: Arr
     moduli = _each("stiffness", column, stiffness, [block.joint.stiffness for block in column.blocks])
     etas = _each("damping", column, damping, [block.joint.damping for block in column.blocks])
     return column.with_joints(moduli, etas)
+
+
+def with_rim(column: Column, rim: float | None) -> Column:
+    """Return the column with faces that touch in a band of this width (m) at every joint; None: all over.
+
+    Raises InputError where a joint can have no rim.
+    """
+    blocks = tuple(replace(block, joint=replace(block.joint, rim=rim)) for block in column.blocks)
+    return replace(column, blocks=blocks)
 
 
 # --- modulus
@@ -276,8 +291,8 @@ def damping_from_restitution(column: Column, wanted: float | None = None, releas
         raise InputError(
             f"restitution = {wanted:.6g}: no damping reaches it up to the critical one, {most:.3g} s in the first "
             f"mode; the nearest is {nearest:.4g}, of damping = {eta:.3g} s; joints of this stiffness leave {curve}; "
-            "softer joints lose more (--young, --frequencies); or take the damping in contact by --damping-ratio, "
-            "and say so"
+            "softer joints lose more (--young, --frequencies), or a rim (--rim auto); or take the damping in contact "
+            "by --damping-ratio, and say so"
         )
     k = crossed[0]
     if len(crossed) > 1:
@@ -296,8 +311,105 @@ def damping_from_restitution(column: Column, wanted: float | None = None, releas
         if rigid:
             nearest = wanted + above(math.log(most))
             raise InputError(f"{beyond}first mode: the nearest up to it is {nearest:.4g}, of damping = {most:.3g} s")
-        warnings.warn(f"{beyond}first mode: joints that no block has", InputWarning, stacklevel=2)
+        warnings.warn(
+            f"{beyond}first mode: joints that no block has; a rim has it at less (--rim auto)",
+            InputWarning,
+            stacklevel=2,
+        )
     return eta
+
+
+class RimFit(NamedTuple):
+    """Where faces touch, and the damping, that were found for a restitution."""
+
+    rim: float | None  # m, None: the whole face
+    damping: float  # s, eta of all joints
+    restitution: float  # of the column with both
+
+
+def rim_from_restitution(column: Column, wanted: float | None = None, release: float = RELEASE) -> RimFit:
+    """Find the rim of all joints at which the column, pulled aside and let go, has this restitution.
+
+    The damping is critical on the edge (`column_damping_on_edge`). The widest rim is found: the narrower it is, the
+    nearer to the edge an impact acts, and the more it costs. Where whole faces lose as much, they stay, with the
+    damping of `damping_from_restitution`. Rims and damping of `column` do not count.
+
+    Parameters
+    ----------
+    column : Column
+        In which the moduli stay.
+    wanted : float, optional
+        Rotation rate after an impact over that before it; left out, that of Housner's rigid block.
+    release : float
+        As in `rocking.restitution`, on which the restitution depends.
+
+    Returns
+    -------
+    RimFit
+        With the restitution reached. Warns (InputWarning) where that is only near to the one asked for.
+
+    Raises
+    ------
+    InputError
+        If no rim comes near to the restitution, or a joint can have none.
+    SolverError
+        If the column does not stand.
+    """
+    column = with_rim(column, None)
+    wanted = housner_restitution(column) if wanted is None else wanted
+    wanted = check_number("restitution", wanted, (1e-6, 1.0 - 1e-9), "a ratio of rotation rates, between 0 and 1")
+    with needing("calibrate", "scipy"):
+        from scipy.optimize import brentq
+    half = _half_of_face(column)  # m, the rim that is the whole face
+
+    def fit(rim: float | None) -> RimFit:
+        touching = with_rim(column, rim)
+        damping = column_damping_on_edge(touching)
+        return RimFit(rim, damping, restitution(with_joints(touching, damping=damping), release))
+
+    tried = [fit(None)]
+    if tried[0].restitution <= wanted:
+        damping = damping_from_restitution(column, wanted, release)
+        return RimFit(None, damping, restitution(with_joints(column, damping=damping), release))
+    for part in RIMS:
+        try:
+            tried.append(fit(float(part) * half))
+        except (InputError, SolverError):  # so narrow that the column does not stand on it
+            break
+        if tried[-1].restitution <= wanted:
+            wider, narrower = (math.log(one.rim or half) for one in tried[-2:])
+            log = brentq(lambda log: fit(math.exp(log)).restitution - wanted, narrower, wider, xtol=DIGITS)
+            return _damped(column, fit(math.exp(float(log))), wanted, release)
+    nearest = min(tried, key=lambda one: one.restitution - wanted)
+    touching = "whole faces" if nearest.rim is None else f"a rim of {nearest.rim:.3g} m"
+    line = (
+        f"restitution = {wanted:.6g}: no rim down to {(tried[-1].rim or half):.2g} m reaches it; the nearest is "
+        f"{nearest.restitution:.4g}, of {touching} and damping = {nearest.damping:.3g} s, critical on the edge"
+    )
+    if nearest.restitution - wanted > NEAR_ENOUGH * wanted:
+        raise InputError(
+            f"{line}; softer joints lose more, and so do bases long across the motion, or strips at their edges"
+        )
+    warnings.warn(line, InputWarning, stacklevel=2)
+    return nearest
+
+
+def _damped(column: Column, fit: RimFit, wanted: float, release: float) -> RimFit:
+    """Return the fit with another damping where its restitution jumps past the one asked for at this rim."""
+    if abs(fit.restitution - wanted) <= SAME_RESTITUTION:
+        return fit
+    touching = with_rim(column, fit.rim)
+    try:
+        damping = damping_from_restitution(touching, wanted, release)
+    except InputError:
+        return fit
+    return RimFit(fit.rim, damping, restitution(with_joints(touching, damping=damping), release))
+
+
+def _half_of_face(column: Column) -> float:
+    """Return the rim (m) that is the whole face under the part that rocks."""
+    contact = column.contacts[rocking_part(column).joint - 1]
+    return min(0.5 * contact.width - 0.25 * contact.bore, 0.5 * contact.depth)
 
 
 def _curve_text(values: list[float]) -> str:

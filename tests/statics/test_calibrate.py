@@ -234,12 +234,16 @@ def test_restitution_that_is_not_monotone_is_said(capsys: pytest.CaptureFixture[
     with pytest.warns(InputWarning, match=r"damping from .* has it as well, the least is taken; it is not monotone: "):
         damping = damping_from_restitution(phocas(), 0.945)
     assert restitution(with_joints(phocas(), damping=damping)) == pytest.approx(0.945, abs=1e-6)
-    assert main(["calibrate", str(COLUMNS / "phocas-damped.toml"), "--restitution", "0.93"]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    low, high = (float(value) for value in re.findall(r"([\d.]+) at eta", line)[1:])
+    with pytest.raises(InputError, match="softer joints lose more") as refused:
+        damping_from_restitution(phocas(), 0.93)
+    low, high = (float(value) for value in re.findall(r"([\d.]+) at eta", str(refused.value))[1:])
     assert 0.93 < low < high  # falls, and rises again
-    assert "softer joints lose more" in line
-    assert "--damping-ratio" in line
+    assert "--damping-ratio" in str(refused.value)
+    assert main(["calibrate", str(COLUMNS / "phocas-damped.toml"), "--restitution", "0.93"]) == 0
+    found = capsys.readouterr().out
+    assert found.startswith("damping alone does not have it: no damping reaches it up to the critical one")
+    assert "rim = " in found
+    assert "restitution 0.93000" in found
 
 
 def test_what_many_blocks_lose_by_themselves_is_said() -> None:
@@ -298,6 +302,9 @@ def test_command_gives_what_it_found_as_json(tmp_path: Path, capsys: pytest.Capt
         (["--channel", "x"], "--channel: must be left out, or --free-vibration given"),
         (["--free-vibration", "none.csv"], "none.csv: No such file"),
         (["--young", "-1"], "young = -1"),
+        (["--rim", "wide"], "--rim wide: must be auto, or a width in m"),
+        (["--rim", "auto"], "--rim auto: must be a width in m, or --restitution given"),
+        (["--rim", "-1"], "--rim = -1.0: must be a width in m"),
         (["-o", "found.txt"], "found.txt: must end in .json"),
     ],
 )

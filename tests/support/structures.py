@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Any
 
@@ -14,6 +13,7 @@ from solver.models.structure.blocks.parts import Joint
 from solver.models.structure.model import Structure
 from solver.models.structure.response import SpatialResponse
 from solver.models.structure.run import SpatialState, single_run
+from solver.statics.edges import damping_on_edge
 
 MODULUS = 533.0 * 9.80665e6  # N/m3, of the paper's column
 
@@ -41,9 +41,9 @@ def law_on_edge(
     size: width, depth and height of the block, m; rim: m, None for the whole face, of which half counts.
     """
     width, depth, height = size
-    mass, half = density * width * depth * height, 0.5 * width
-    effective = 1.0 / (1.0 / mass + half**2 / (mass * (width**2 + height**2) / 12.0))
-    damping = 2.0 / math.sqrt(stiffness * depth * (rim or half) / effective)
+    mass = density * width * depth * height
+    half, inertia = 0.5 * width, mass * (width**2 + height**2) / 12.0
+    damping = damping_on_edge(stiffness, depth * (rim or half), mass, inertia, half)
     return {"stiffness": stiffness, "damping": damping, **({"rim": rim} if rim else {})}
 
 
