@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
+from matplotlib.ticker import NullFormatter
 from PIL import Image
 
 from multiblock import (
@@ -34,6 +35,7 @@ from solver.plotting.record_plots import plot_records
 from solver.plotting.style import BLUE, INK, RED, STONE, VERDICT_COLOURS, header, tidy
 from solver.plotting.words import setting_of, verdict_of
 from solver.statics.calibrate import with_joints
+from solver.statics.edges import column_damping_on_edge
 from solver.statics.rocking import pulled_aside, restitution_from
 
 HERE = Path(__file__).resolve().parent
@@ -190,6 +192,57 @@ def restitutions() -> None:
         axes.legend(frameon=False, fontsize=8, loc="lower left")
     left.set_ylabel("restitution")
     figure.savefig(HERE / "images" / "restitution.png", dpi=110)
+
+
+def rims() -> None:
+    """restitution-rims.png: a tested block of granite, 0.25 x 1.0 m; rims, moduli and dampings around critical."""
+    width, height, measured = 0.25, 1.0, 0.936  # m; restitution by Pena and others 2007
+    parts = np.geomspace(1.0, 0.004, 25)  # of half of the width
+    figure = Figure(figsize=(9.0, 4.2), layout="constrained")
+    left, right = figure.subplots(1, 2)
+
+    def kept(stiffness: float, part: float, ratios: tuple[float, ...]) -> list[float]:
+        """Restitutions at these ratios of the damping that is critical on the edge."""
+        law = Joint(stiffness, 1e-3, rim=0.5 * part * width)
+        block = Column("granite", (Block(height, width, 0.754, 503.0, law),))
+        start, top = pulled_aside(block)
+        eta = column_damping_on_edge(block)
+        return [restitution_from(with_joints(block, damping=ratio * eta), start, top) for ratio in ratios]
+
+    shades = ("#9ecae1", "#4292c6", "#08519c", "0.25")
+    for name, shade in zip(("1e9", "5e9", "5e10", "1e13"), shades, strict=True):
+        found = [kept(float(name), part, (1.0,))[0] for part in parts]
+        left.plot(0.5 * parts, found, color=shade, label=f"{name} N/m3")
+    square, moved = (width**2 + 4.0 * height**2) / 12.0, 0.25 * width**2
+    for place, name in ((1.0 / 3.0, "impulse at a third"), (1.0, "at the edge: Housner")):
+        value = (square - place * moved) / (square + place * moved)
+        left.axhline(value, color=INK, linestyle="--", linewidth=0.9)
+        left.text(0.002, value - 0.001, name, fontsize=8, ha="left", va="top", color=INK)
+    left.axhline(measured, color=RED, linewidth=1.2)
+    left.text(0.002, measured + 0.001, "measured", fontsize=8, ha="left", va="bottom", color=RED)
+    left.axvline(1.0 / 6.0, color="0.6", linewidth=0.9, linestyle=":")
+    left.set(xscale="log", xlabel="rim over width (0.5: whole face)", ylabel="restitution", ylim=(0.86, 0.98))
+    left.set_title("(a) damping critical on the edge", loc="left", fontsize=10)
+    left.legend(frameon=False, fontsize=8, loc="lower right")
+    ratios = tuple(float(value) for value in np.geomspace(0.02, 10.0, 20))
+    map_parts = np.geomspace(1.0, 0.02, 16)
+    found_map = np.array([kept(5e9, part, ratios) for part in map_parts])
+    levels = np.arange(0.84, 1.0, 0.02)
+    filled = right.contourf(0.5 * map_parts, ratios, found_map.T, levels=np.arange(0.82, 1.001, 0.01), cmap="Blues_r")
+    right.contour(0.5 * map_parts, ratios, found_map.T, levels=levels, colors="0.4", linewidths=0.5)
+    right.contour(0.5 * map_parts, ratios, found_map.T, levels=[measured], colors=[RED], linewidths=1.6)
+    rigid = housner_restitution(Column("granite", (Block(height, width, 0.754, 503.0, Joint(5e9, 0.0)),)))
+    right.contour(0.5 * map_parts, ratios, found_map.T, levels=[rigid], colors=[INK], linestyles="--", linewidths=1.2)
+    right.axhline(1.0, color="0.3", linewidth=0.9, linestyle=":")
+    right.set(xscale="log", yscale="log", xlabel="rim over width", ylabel="damping over critical on the edge")
+    right.xaxis.set_minor_formatter(NullFormatter())
+    right.set_title("(b) 5e9 N/m3; red: measured, dashed: Housner", loc="left", fontsize=10)
+    figure.colorbar(filled, ax=right, label="restitution")
+    for axes in (left, right):
+        axes.spines[["top", "right"]].set_visible(False)
+    left.grid(color="0.9", linewidth=0.6)
+    figure.savefig(HERE / "images" / "restitution-rims.png", dpi=110)
+    shrink("restitution-rims.png")
 
 
 def columns() -> None:
@@ -384,6 +437,7 @@ if __name__ == "__main__":
     records()
     statics()
     restitutions()
+    rims()
     columns()
     off_axis()
     square_and_round()

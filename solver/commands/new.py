@@ -18,8 +18,10 @@ from ..models.column.model import Column
 from ..models.column.rest import check_rest
 from ..models.structure.blocks.meshes import UP
 from ..models.structure.model import Structure
+from ..statics.edges import column_damping_on_edge
 from ..statics.rocking import critical_damping, restitution_sentence
 from .command_files import add_force, check_suffix
+from .new_contacts import EVERYWHERE, Touching, asked_contact, rim_lines, strips_of
 from .new_mesh import new_from_mesh
 from .new_structures import BUILT, Built, bounce_damping, origin_of_stiffness, sliding_lines, structure_text
 from .questions import HEIGHT, SIZE, Limits, Question, answer_to, choice, number, parsed
@@ -175,14 +177,16 @@ def _new(options: argparse.Namespace) -> None:
         asked[key] = number(question, asked)
     if shape not in BUILT:
         blocks = blocks or SHAPES[shape].blocks(asked)
-    built = structure_text(name, BUILT[shape], asked, material, DAMPING) if shape in BUILT else ""
-    damping = _asked_damping(blocks, material, built)
+    width = BUILT[shape].face(asked) if shape in BUILT else min(_least_size(block) for block in blocks)
+    touching = asked_contact(width, MATERIALS[material].has_joints, stands_alone=shape == "statue")
+    built = structure_text(name, BUILT[shape], asked, material, DAMPING, touching) if shape in BUILT else ""
+    damping = _asked_damping(blocks, material, touching, built)
     friction = choice("joints may slide", {"yes": "by friction", "no": "they never slide"}, "no") == "yes"
     dowel = 0.0
     if friction:
         force = ((0.0, 1e9), "a force in kN, zero or positive")
         dowel = number(Question("shear that dowels bear in each joint (kN), 0 without", 0.0, force, 1e3))
-    law = material, damping, friction, dowel
+    law = material, damping, touching, friction, dowel
     if shape in BUILT:
         text = structure_text(name, BUILT[shape], asked, *law)
     else:
@@ -194,7 +198,13 @@ def _new(options: argparse.Namespace) -> None:
     print(*said, sep="\n")
 
 
-def _asked_damping(blocks: Sequence[dict[str, float]], material: str, built: str) -> float:
+def _least_size(block: dict[str, float]) -> float:
+    """Return the least width of the faces of a block (m)."""
+    names = ("width", "depth", "diameter", "top_width", "top_depth", "top_diameter")
+    return min(block[name] for name in names if name in block)
+
+
+def _asked_damping(blocks: Sequence[dict[str, float]], material: str, touching: Touching, built: str) -> float:
     """Ask for the damping; proposed is the critical one of what rocks, as follows from its joint.
 
     blocks: of a column, none of a structure; built: text of a structure with another damping.
@@ -203,9 +213,14 @@ def _asked_damping(blocks: Sequence[dict[str, float]], material: str, built: str
         proposed = bounce_damping(Structure.from_dict(tomllib.loads(built)))
         words = "damping eta of the joints (s); proposed: 2 sqrt(m / (k A)) of the blocks, no measured value"
     else:
-        column = Column.from_dict(tomllib.loads(column_text("column", "column", blocks, material, DAMPING)))
-        proposed = float(f"{min(critical_damping(column), DAMPINGS[0][1]):.2g}")
-        words = "damping eta of the joints (s); proposed: 2 sqrt(m / (k A)) of the part that rocks, no measured value"
+        text = column_text("column", "column", blocks, material, DAMPING, touching)
+        column = Column.from_dict(tomllib.loads(text))
+        critical = critical_damping(column) if touching.everywhere else column_damping_on_edge(column)
+        proposed = float(f"{min(critical, DAMPINGS[0][1]):.2g}")
+        what = (
+            "2 sqrt(m / (k A)) of the part that rocks" if touching.everywhere else "critical as it stands on its edge"
+        )
+        words = f"damping eta of the joints (s); proposed: {what}, no measured value"
     return number(Question(words, proposed, DAMPINGS))
 
 
@@ -242,6 +257,7 @@ def column_text(
     blocks: Sequence[dict[str, float]],
     material: str,
     damping: float,
+    touching: Touching = EVERYWHERE,
     friction: bool = False,
     dowel: float = 0.0,
 ) -> str:
@@ -261,9 +277,9 @@ def column_text(
         f"damping = {damping!r}            # s, eta: a mode of frequency f has the damping ratio pi f eta; a guess",
         f"# strength = {found.strength!r}  # Pa, of the material: pressure at the edge is compared with it",
     ]
-    lines += sliding_lines(found, friction, dowel)
+    lines += rim_lines(touching) + sliding_lines(found, friction, dowel)
     why = origin_of_stiffness(found)
-    for block in blocks:
+    for place, block in enumerate(blocks):
         lines += ["", "[[block]]"]
         if "diameter" in block:
             lines.append('section = "circle"')
@@ -273,6 +289,7 @@ def column_text(
         if "mass" not in block:
             lines.append(f"# density = {found.density:.10g}         # kg/m3, of the material")
         lines.append(f"# joint.stiffness = {found.modulus(block['height']):.4g}  # N/m3, of the material: {why}")
+        lines += strips_of(touching, block) if place == 0 else []
     return "\n".join(lines) + "\n"
 
 

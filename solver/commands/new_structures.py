@@ -12,6 +12,7 @@ import numpy as np
 from ..models.column.materials import MATERIALS, Material
 from ..models.structure.builders import arch
 from ..models.structure.model import Structure
+from .new_contacts import EVERYWHERE, Touching, rim_lines
 from .questions import Limits, Question
 
 Asked = Mapping[str, float]
@@ -23,13 +24,15 @@ SEVERAL: Limits = ((2.0, 100.0), "a whole number from 2 to 100")
 class Built(NamedTuple):
     """A structure to choose: words, the questions, and what follows from the answers.
 
-    parts: the tables [[block]] and [[joint]], with a density. high: m, what the modulus of a joint is of.
+    parts: the tables [[block]] and [[joint]], with a density. high: m, what the modulus of a joint is of. face: m,
+    the width of the smallest face.
     """
 
     text: str
     questions: dict[str, Question]
     parts: Callable[[Asked], dict[str, Any]]
     high: Callable[[Asked], float]
+    face: Callable[[Asked], float]
 
 
 def _colonnade(asked: Asked) -> dict[str, Any]:
@@ -87,6 +90,7 @@ BUILT = {
         },
         _colonnade,
         lambda asked: asked["height"] / asked["drums"],
+        lambda asked: min(asked["bottom"], asked["top"]),
     ),
     "arch": Built(
         "an arch of equal voussoirs on the ground",
@@ -99,6 +103,7 @@ BUILT = {
         },
         _arch,
         lambda asked: 2.0 * asked["rise"] / asked["voussoirs"],
+        lambda asked: min(asked["thickness"], asked["depth"]),
     ),
     "stacks": Built(
         "equal stacks of blocks side by side, that do not touch",
@@ -112,6 +117,7 @@ BUILT = {
         },
         _stacks,
         lambda asked: asked["height"],
+        lambda asked: min(asked["width"], asked["depth"]),
     ),
 }
 
@@ -144,7 +150,14 @@ def bounce_damping(structure: Structure) -> float:
 
 
 def structure_text(
-    name: str, built: Built, asked: Asked, material: str, damping: float, friction: bool = False, dowel: float = 0.0
+    name: str,
+    built: Built,
+    asked: Asked,
+    material: str,
+    damping: float,
+    touching: Touching = EVERYWHERE,
+    friction: bool = False,
+    dowel: float = 0.0,
 ) -> str:
     """The text of the file of a structure, with comments. dowel: N, of each joint. Raises InputError."""
     found = MATERIALS[material]
@@ -160,7 +173,7 @@ def structure_text(
         f"damping = {damping!r}            # s, eta: a mode of frequency f has the damping ratio pi f eta",
         f"strength = {found.strength!r}      # Pa, with which `multiblock check` compares the pressure",
     ]
-    lines += sliding_lines(found, friction, dowel)
+    lines += rim_lines(touching) + sliding_lines(found, friction, dowel)
     for table, parts in built.parts(asked).items():
         for part in parts:
             lines += ["", f"[[{table}]]", *(f"{key} = {_value(value)}" for key, value in part.items())]

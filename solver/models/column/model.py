@@ -135,6 +135,11 @@ class Column(Shown):
         return any(contact.rim for contact in self.contacts)
 
     @property
+    def stands_on_edges(self) -> bool:
+        """True if the faces of some joint touch in a rim, or on strips that leave their middle open."""
+        return self.has_rims or any(0.0 in (block.joint.strips or ())[1:-1] for block in self.blocks)
+
+    @property
     def _sections(self) -> set[int]:
         """Codes of the sections of the contacts; of columns that have slips also of those that slips lead to."""
         found = {contact.section for contact in self.contacts}

@@ -73,7 +73,7 @@ def warnings_of(column: Column) -> list[str]:
             upper=range(column.n),
             carried=carried_weights(column).tolist(),
             damping_ratio=first_damping_ratio(column) if _may_be_damped_much(column) else 0.0,
-            most_damped=plausible.MOST_DAMPED_ON_RIMS if column.has_rims else plausible.MOST_DAMPED,
+            most_damped=plausible.MOST_DAMPED_ON_RIMS if column.stands_on_edges else plausible.MOST_DAMPED,
         )
     )
 
