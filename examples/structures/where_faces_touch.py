@@ -26,7 +26,7 @@ from multiblock import (
 )
 
 G = 9.80665
-WIDTH, RIM, STRIPS = 0.5, 0.083, 6  # m, of the statue; a foot is the outer one of so many strips
+WIDTH, RIM, STRIPS = 0.5, 0.083, 6  # m, of the statue; number of strips, of which the outer two are feet
 STATUE = {"height": 1.8, "width": WIDTH, "depth": WIDTH, "mass": 486.0}
 PEDESTAL = {"height": 1.0, "width": 0.7, "depth": 0.7, "density": 2700.0}
 MODULI = (4.286e9, 4.576e9)  # N/m3, of the statue and of the pedestal
