@@ -14,11 +14,8 @@ from __future__ import annotations
 import argparse
 import hashlib
 import importlib
-import json
-import os
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 import uuid
@@ -28,13 +25,11 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-import numba
-
 import fmu_src
 import solver
-from fmu_src.body import Body, Carried, body_for, read_body
+from fmu_src.body import Body, body_for, read_body
 from fmu_src.drive import USUAL, Drive, drive_of
-from fmu_src.host import MACHINE_CODE, content_hash
+from fmu_src.host import content_hash
 from fmu_src.native import guard
 from fmu_src.native.library import has_tools
 from fmu_src.native.platforms import PLATFORMS, USUAL_FORM, Form
@@ -48,7 +43,8 @@ from solver.common.errors import needing, shown
 from solver.common.files import check_outputs, identifier_of, whole_file
 from solver.ground.motion import Motion
 from solver.kernels.layout.spaces import DRIVES, SLOPES
-from solver.kernels.numba_ext.numba_parts import LINKING, missing_for_linking
+from solver.kernels.machine.packaging import libraries
+from solver.kernels.machine.zig import has_linker
 
 COLUMNS_PACKAGE = "multiblock_columns"  # name of examples/columns/ in an installed project
 BUILDER_PACKAGES = ("pythonfmu", "matplotlib")
@@ -73,20 +69,13 @@ LEFT_AT_HOME = {
     "wavelets.py",
     "__main__.py",
 }  # an FMU does not need them
-# compiles what the slave of a column or structure calls, and prints the folders of the machine code, if any
-COMPILE = """
-import json
-from pathlib import Path
-from solver.%s import make_kernels
-from solver.kernels.%s import entries
-make_kernels(entries)
-used = [getattr(entries, name) for name in %s]
-made = [(e, Path(e.py_func.__code__.co_filename)) for e in used]
-print(json.dumps({e.py_func.__qualname__: [e.stats.cache_path, file.parent.name] for e, file in made}))
-"""
-
-
-NEEDS = "The machine that runs it needs Python 3.11 or newer with numpy and numba 0.59 or newer."
+NEEDS = "The machine that runs it needs Python 3.11 or newer with numpy."
+NEEDS_OBJECTS = (
+    "The machine that runs it needs Python 3.11 or newer with numpy and llvmlite, and the builder's system and kind of "
+    "processor: it was built without ziglang."
+)
+# an FMU runs on these
+CARRIED_PLATFORMS = ("manylinux_2_17_x86_64", "win_amd64", "macosx_11_0_x86_64", "macosx_11_0_arm64")
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # the same input gives the same bytes
 
 SCRIPT = '''"""Entry of the FMU: brings in the solver and offers the slave."""
@@ -102,8 +91,7 @@ try:
     import_solver("{solver}", RESOURCES)
     from {fmu_src}.slave import BlocksSlave{others}
 except ImportError as error:
-    print(f"{name}: needs Python 3.11 or newer with numpy and numba 0.59 or newer "
-          f"(pip install 'numba>=0.59,<1'): {{error}}", file=sys.stderr)
+    print(f"{name}: needs Python 3.11 or newer with numpy: {{error}}", file=sys.stderr)
     raise
 
 
@@ -214,9 +202,6 @@ def build_native_fmu(
     moves (fmu_src/drive.py). plain_names: as of `without_brackets`. reference: with what `replay` compares.
     Raises InputError, OSError.
     """
-    if not LINKING:
-        lacks = ", ".join(missing_for_linking()) or "MULTIBLOCK_LINKING=0"
-        raise InputError(f"--native: needs kernels that are linked, and numba {numba.__version__} does not ({lacks})")
     with needing("native", *BUILDER_PACKAGES):
         from fmu_src.native.package import native_files, needs_report
     body, output = _body_and_output(column_file, output, record, space, drive)
@@ -295,7 +280,7 @@ def build_fmu(
     with tempfile.TemporaryDirectory(prefix="build_fmu_") as folder:
         stage = Path(folder)
         kernels = body.kernels
-        carried_solver = _carry_package(solver, stage, {}, kernels.folder)
+        carried_solver = _carry_package(solver, stage, {}, kernels.name)
         carried_fmu_src = _carry_package(fmu_src, stage, {"solver": carried_solver})
         carried = [carried_solver, carried_fmu_src]
         package, _, module = type(body).__module__.partition(".")
@@ -314,10 +299,10 @@ def build_fmu(
         script_file.write_text(script, encoding="utf-8")
         (stage / BODY_FILE).write_text(body.text, encoding="utf-8")
         (stage / GUID_FILE).write_text(f"{{{uuid.uuid5(uuid.NAMESPACE_OID, identity)}}}", encoding="utf-8")
-        machine_code = _machine_code(kernels)
-        for name, code in machine_code.items():  # where the import of the script finds it, for this user
-            (stage / MACHINE_CODE / name).parent.mkdir(parents=True, exist_ok=True)
-            (stage / MACHINE_CODE / name).write_bytes(code)
+        code_folder = stage / carried_solver / "kernels" / "machine" / "code"
+        code_folder.mkdir()
+        for name, code in libraries(kernels.groups, CARRIED_PLATFORMS).items():
+            (code_folder / name).write_bytes(code)
         sys.path.insert(0, str(stage))
         importlib.invalidate_caches()
         try:
@@ -330,45 +315,17 @@ def build_fmu(
         finally:
             sys.path[:] = [entry for entry in sys.path if not entry.startswith(str(stage))]
         output.parent.mkdir(parents=True, exist_ok=True)
-        needs = NEEDS if has_tools() else f"{NEEDS} {guard.WITHOUT}"
+        needs = NEEDS if has_linker() or not kernels.groups else NEEDS_OBJECTS
+        needs = needs if has_tools() else f"{needs} {guard.WITHOUT}"
         table = body.table(record_name)
         table = with_real_outputs(table) if real_outputs else table
         pages = documentation.pages(body, table, needs) | legal_files(needs, "pythonfmu")
         extra = {"model.png": pages["documentation/model.png"]} | pages
         extra["resources/requirements.txt"] = REQUIRED.encode()
-        extra |= {f"resources/{MACHINE_CODE}/{name}": code for name, code in machine_code.items()}
         if reference:
             extra |= reference_files(body, motion)
         repack(built, output, extra, plain_names)
     return output
-
-
-def _machine_code(kernels: Carried) -> dict[str, bytes]:
-    """The machine code that numba compiles from the kernels on this machine: path within the package -> content.
-
-    Python uses the same code, in numba's cache. numba identifies it by the content of the sources, so that it is valid
-    for the copy in the FMU too, and is made once for both. Code by numba's own pipeline belongs to this very package.
-    """
-    if not kernels.folder:
-        return {"none.txt": b"this model has no kernels\n"}
-    if not LINKING:
-        return {"none.txt": b"compiled without linking (solver/kernels/numba_ext/numba_parts.py)\n"}
-    left_out = {key for key in os.environ if key.startswith(("NUMBA_", "PYTHON"))} - {"NUMBA_CACHE_DIR"}
-    environment = {key: value for key, value in os.environ.items() if key not in left_out}
-    environment["PYTHONPATH"] = str(Path(solver.__path__[0]).parent)
-    with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
-        for instead in ({}, {"MULTIBLOCK_CACHE_DIR": temporary}):  # there if no other folder can keep it
-            command = [sys.executable, "-c", COMPILE % kernels[:3]]
-            there = environment | instead
-            listed = subprocess.run(command, env=there, check=True, stdout=subprocess.PIPE, text=True)
-            folders = json.loads(listed.stdout)
-            if all(place for place, _ in folders.values()):
-                break
-        return {
-            f"kernels/{package}/{file.name}": file.read_bytes()
-            for name, (place, package) in folders.items()
-            for file in sorted(Path(place).glob(f"*.{name}-*.nb?"))
-        }
 
 
 def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str], kernels: str = "") -> str:

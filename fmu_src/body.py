@@ -5,7 +5,6 @@ Recognized by its content: the keys of the TOML file, or of the text that the FM
 
 from __future__ import annotations
 
-import importlib
 import json
 import re
 from collections.abc import Callable, Mapping
@@ -23,7 +22,6 @@ from solver.kernels.layout import spaces as at
 from solver.kernels.layout.spaces import DRIVES, SLOPES
 from solver.kernels.structure.layout import BASE as BASE_OF_STRUCTURE
 from solver.models.column import stepper as in_plane
-from solver.models.column.first_run import is_made
 from solver.models.column.model import Column
 from solver.models.column.rest import check_rest
 from solver.models.outputs import BASE, BOND
@@ -42,21 +40,14 @@ Value = Callable[[str], Any]  # looks a variable up by its name
 
 
 class Carried(NamedTuple):
-    """Kernels whose machine code an FMU carries; none without a folder."""
+    """The kernels whose machine code an FMU carries; none without groups."""
 
-    maker: str = ""  # module of the solver with make_kernels
-    folder: str = ""  # of their entries
-    used: tuple[str, ...] = ()  # entries that the slave calls, first the three that take long to compile
-    minutes: str = ""  # that it takes to compile them
+    groups: tuple[str, ...] = ()  # solver/kernels/machine/groups.py
 
     @property
-    def are_made(self) -> bool:
-        """Whether their machine code is there for this processor, Python and numba; of small ones it is not asked."""
-        if not self.folder:
-            return True
-        solver = Column.__module__.partition(".")[0]  # which in an FMU has another name
-        entries = importlib.import_module(f"{solver}.kernels.{self.folder}.entries")
-        return all(is_made(getattr(entries, name)) for name in self.used[:3])
+    def name(self) -> str:
+        """What is put into the name of the package: FMUs with other kernels have their own copy in one process."""
+        return self.groups[0] if self.groups else ""
 
 
 class Body:
@@ -158,10 +149,7 @@ class ColumnBody(Body, word="column"):
         self.about = f"Column of {column.n} rigid {blocks} with no-tension elastic joints under base acceleration"
         more = at.SPOTS.size(len(column.ports)) + column.sizes[BOND]
         self.sizes = at.ROW.size(column.n) + more, drive.split_of_column, at.PEAKS.size(column.n) + more
-        folder, beside = ("paper", ()) if column.kind.fixed else ("api", ("arrive_base", "couple_base", "examine_base"))
-        folder = "bonds" if column.is_brittle else "ports" if column.ports else folder
-        used = ("assemble_column", "run", "observe_state", *beside)
-        self.kernels = Carried("models.column.first_run", folder, used, "0.5 to 2 minutes")
+        self.kernels = Carried((column.kind.entries.run.group, "statics"))
         self.why_not_native = "has solver.formulation = paper, must be exact" if column.kind.fixed else ""
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
@@ -206,12 +194,7 @@ class StructureBody(Body, word="structure"):
     """A structure in space. Its rest is found when the FMU is built, and carried with it."""
 
     first_parameter = structure_variables.DAMPING_SCALE
-    kernels = Carried(
-        "models.structure.driven",
-        "structure",
-        ("assemble_structure", "follow_structure", "look_structure"),
-        "1 to 7 minutes",
-    )
+    kernels = Carried(("structure_driven",))
     base = BASE_OF_STRUCTURE.fields
     why_not_native = ""
 

@@ -13,7 +13,7 @@ from solver.common.errors import InputError
 
 FOLDER = "documentation/licenses"
 OWN = "multiblock-fmu"
-REQUIRED = "numpy>=1.26,<3\nnumba>=0.59,<1\n"  # of the FMU that runs in Python, as pip takes it: `pythonfmu deploy`
+REQUIRED = "numpy>=1.26,<3\n"  # of the FMU that runs in Python, as pip takes it: `pythonfmu deploy`
 
 
 def legal_files(needs: str, *inside: str) -> dict[str, bytes]:

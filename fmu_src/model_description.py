@@ -9,7 +9,7 @@ from .variables import Variable
 
 FMI_2 = Standard("2.0", "guid", ("SimpleType", "Enumeration"), {"numberOfEventIndicators": "0"})
 FLAGS = {
-    "needsExecutionTool": False,  # some masters refuse true; Python with numpy and numba is needed all the same
+    "needsExecutionTool": False,  # some masters refuse true; Python with numpy is needed all the same
     "canHandleVariableCommunicationStepSize": True,
     "canInterpolateInputs": False,
     "canRunAsynchronuously": False,

@@ -11,14 +11,12 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import math
-import platform
 import sys
 from functools import partialmethod
 from pathlib import Path
 from typing import Any, NoReturn
 from xml.etree.ElementTree import Element
 
-import numba
 import numpy as np
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
@@ -57,10 +55,6 @@ BODY_FILE = "body.json"
 GUID_FILE = "guid.txt"
 RECORD_FOLDER = "record"  # holds the record inside the FMU, if there is one
 STEPPING = Mode.STEPPING
-COMPILES = (
-    "the solver is compiled next, for this processor, Python %s and numba %s, which takes about %s; later starts of "
-    "this account use what is compiled"
-)
 ARRAYS = ("state", "counts", "base")  # of the stepper: all that differs from one moment to another
 # what the calls of FMI 2.0 get and set -> kinds of variables
 ACCESS = {"Real": ("Real",), "Integer": ("Integer", "Enumeration"), "Boolean": ("Boolean",), "String": ("String",)}
@@ -174,10 +168,6 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
     def enter_initialization_mode(self) -> None:
         """From here on outputs can be read: they follow from inputs and parameters as they stand."""
         self._check_mode(rules.WHEN_ENTERED, Mode.INSTANTIATED)
-        kernels = self._body.kernels
-        if not kernels.are_made:  # said now: what the next call logs reaches the master when it is over
-            said = platform.python_version(), numba.__version__, kernels.minutes
-            self._say(Fmi2Status.warning, COMPILES % said)
         self._mode = Mode.INITIALIZATION
 
     def exit_initialization_mode(self) -> None:

@@ -1,7 +1,6 @@
 """Seismic response of columns and structures of rigid blocks with no-tension elastic joints."""
 
 from .common.errors import InputError, InputWarning, SolverError
-from .common.waiting import announce
 from .ground.motion import Motion
 from .models.column.block import Block, Joint
 from .models.column.model import Column
@@ -15,8 +14,6 @@ from .runs.simulate import simulate
 from .runs.table import Table
 
 __version__ = "1.0.0"
-
-announce()
 
 __all__ = [
     "Block",

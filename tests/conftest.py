@@ -1,18 +1,24 @@
 """Fixtures shared by the tests."""
 
+import os
 import signal
 import sys
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
+
+os.environ["MULTIBLOCK_COMPILES"] = "1"  # of this process, whose tests compile kernels: numba_ext/jit.py takes it out
+
 from support.fmus import DAMPED, LINUX, PHOCAS, ROOT, Fmus, built_once, run
 from support.kernels import make_all
 
 
-def pytest_configure() -> None:
+def pytest_configure(config: pytest.Config) -> None:
     """Whatever started the tests: a shell's background job hands on SIGINT as ignored, and a child would ignore it."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    # many columns of the tests are drawn at random, or odd on purpose; pytest would import the solver too early for it
+    config.addinivalue_line("filterwarnings", "ignore::solver.common.errors.InputWarning")
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:

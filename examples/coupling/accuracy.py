@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import tempfile
 from collections.abc import Callable
 from dataclasses import replace
@@ -17,6 +18,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+os.environ["MULTIBLOCK_COMPILES"] = "1"  # reference.py has kernels of its own: before the solver is imported
+
 from build import build_all
 from master import Fmu, Run, couple
 from master import by_state as wires

@@ -8,9 +8,12 @@ steps tell how far the result is to be trusted.
 from __future__ import annotations
 
 import math
+import os
 from typing import Any
 
 import numpy as np
+
+os.environ["MULTIBLOCK_COMPILES"] = "1"  # kernels of its own: before the solver is imported
 
 from multiblock import Column
 from solver.kernels.api.engine import column_over
@@ -20,7 +23,7 @@ from solver.kernels.formulations.exact import Motion
 from solver.kernels.formulations.feedthrough import split_reaction
 from solver.kernels.formulations.outputs import observe
 from solver.kernels.layout import spaces as at
-from solver.kernels.numba_ext.jit import entry, kernel
+from solver.kernels.numba_ext.jit import from_python, kernel
 from solver.kernels.numba_ext.views import row_of
 from solver.models.column.packing import arrays_of
 
@@ -90,7 +93,7 @@ def all_rates(column, kind, p, y, ground, row, split, rates):
     return row.joints.ux[0]
 
 
-@entry
+@from_python
 def integrate(n, arrays, kind, p, y, dt, samples, h, per, seen, parts, k, stage, out):
     """Steps of h s under samples every dt s, linear in between; after every `per` of them a row of (ux, unknowns)."""
     model, state, counts, base, work = arrays

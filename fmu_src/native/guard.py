@@ -7,7 +7,7 @@ import importlib.metadata
 import tempfile
 from pathlib import Path
 
-from solver.kernels.numba_ext.cache import keep, kept
+from solver.kernels.machine.folders import keep, kept
 
 from .library import OPTIONS, compile_c, has_tools
 from .platforms import PLATFORMS

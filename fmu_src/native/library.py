@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import subprocess
 import sys
 import tempfile
 import time
@@ -13,10 +12,11 @@ from pathlib import Path
 
 from solver.common.errors import InputError
 from solver.common.executors import cores
+from solver.kernels.machine.zig import Target, compile_file, link
 
 from . import symbols
 from .machine_code import COLUMN, Kernels, object_code
-from .platforms import PLATFORMS, WINDOWS, Target
+from .platforms import PLATFORMS
 
 FACES = {2: "fmi2.c", 3: "fmi3.c"}  # version of FMI -> the face around the core
 OWN_HEADERS = tuple(Path(__file__).with_name(name) for name in ("core.h", "face.h", "status.h"))
@@ -24,13 +24,6 @@ OPTIONS = (
     *("-std=c11", "-O2", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off"),
     *("-Wall", "-Wextra", "-Werror"),
 )
-# exports of the system's C library that a library for Windows uses; a missing one fails to link
-OF_WINDOWS = (
-    *("atan2", "expm1", "hypot", "pow", "asin", "log"),
-    *("calloc", "malloc", "free", "strtod", "atoi", "__stdio_common_vsprintf"),
-    *("memchr", "memcmp", "memcpy", "memset", "strchr", "strcmp", "strcpy", "strlen"),
-)
-BESIDE_WINDOWS = Path(__file__).with_name("windows.c")
 
 
 def sources(fmi: int) -> tuple[Path, ...]:
@@ -68,33 +61,13 @@ def compile_c(
 
     It is linked with the system's own C library only: zig would have to build its other default libraries first.
     """
-    folder, compiler = output.parent, ("cc", "-target", target.linker)
     searched = [f"-I{place}" for place in (headers(), *includes)]
-    beside = [BESIDE_WINDOWS] if target == WINDOWS else []
-    linked = []
-    for source in (*sources, *beside):
-        linked.append(folder / f"{source.stem}.o" if source.suffix == ".c" else source)
+    objects = []
+    for source in sources:
+        objects.append(output.parent / f"{source.stem}.o" if source.suffix == ".c" else source)
         if source.suffix == ".c":
-            _zig(*compiler, *OPTIONS, *searched, "-c", source, "-o", linked[-1])
-    if target == WINDOWS:
-        linked.append(_imports(folder))
-    _zig(*compiler, "-shared", "-s", "-nostdlib", *linked, *target.system, *options, "-o", output)
-
-
-def _imports(folder: Path) -> Path:
-    """The import library for the C library of Windows."""
-    definition, made = folder / "imports.def", folder / "imports.lib"
-    definition.write_text("\n".join(("LIBRARY ucrtbase.dll", "EXPORTS", *OF_WINDOWS)), encoding="utf-8")
-    _zig("dlltool", "-m", "i386:x86-64", "-d", definition, "-l", made)
-    return made
-
-
-def _zig(*arguments: Path | str) -> None:
-    """Run the compiler, or a tool that comes with it. Raises OSError."""
-    command = [sys.executable, "-m", "ziglang", *map(str, arguments)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise OSError(f"{' '.join(command[3:])}: failed\n{done.stderr}")
+            compile_file(target, source, objects[-1], [*OPTIONS, *searched])
+    link(target, objects, output, options)
 
 
 def libraries(

@@ -10,25 +10,23 @@ from __future__ import annotations
 
 import hashlib
 import importlib
-import multiprocessing
 import os
 import subprocess
 import sys
 import tempfile
-import time
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
-import llvmlite
-import numba
 from llvmlite import binding as llvm
 
-from solver.common.executors import cores
-from solver.kernels.numba_ext.cache import keep, kept
-from solver.kernels.numba_ext.jit import SOURCES, as_written
-
-from .platforms import LINUX, Target
+from solver.kernels.machine.emitting import emit_all, initialize, optimize, tell
+from solver.kernels.machine.folders import keep, kept
+from solver.kernels.machine.kinds import Int, Ints, Real, Reals
+from solver.kernels.machine.sources import SOURCES
+from solver.kernels.machine.zig import LINUX, Target
+from solver.kernels.numba_ext.jit import as_written
 
 BASELINE = "x86-64-v2"
 PREFIX = "kernel_"  # of the entries in the object code
@@ -56,7 +54,7 @@ STRUCTURE = Kernels("solver.kernels.api.pointers_of_structures:ENTRIES")
 def made_with(kernels: Kernels) -> str:
     """Everything that the object code depends on beside the target."""
     content = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:16]
-    versions = f"numba {numba.__version__}, llvmlite {llvmlite.__version__}, kernels {SOURCES}, {content}"
+    versions = f"numba {version('numba')}, llvmlite {version('llvmlite')}, kernels {SOURCES}, {content}"
     return versions if kernels == COLUMN else f"{versions}, {kernels.entries} {kernels.beside}"
 
 
@@ -70,7 +68,12 @@ def object_code(targets: list[Target], kernels: Kernels, suffix: str = ".o") -> 
         with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
             folder = Path(temporary)
             environment = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
-            settings = {"NUMBA_CPU_NAME": BASELINE, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
+            settings = {
+                "NUMBA_CPU_NAME": BASELINE,
+                "NUMBA_CPU_FEATURES": "",
+                "PYTHONHASHSEED": "0",
+                "MULTIBLOCK_COMPILES": "1",
+            }
             if optimized := kept("native", f"{key}-{OPTIMIZED}"):  # for other targets
                 (folder / OPTIMIZED).write_bytes(optimized)
             wanted = [f"{target.triple}={target.cpu}={suffix}" for target in missing]
@@ -89,10 +92,15 @@ def _file(target: Target, suffix: str) -> str:
 
 def module(entries: str) -> llvm.ModuleRef:
     """The entries and all functions that they call, each once, as written."""
+    from numba import types
+
+    pointer: Any = types.CPointer
+    passed: dict[Any, Any] = {Int: types.int64, Real: types.float64}
+    passed |= {Reals: pointer(types.float64), Ints: pointer(types.int64)}
     place, _, attribute = entries.partition(":")
     whole, names = llvm.parse_assembly(""), {}
-    for function, arguments in getattr(importlib.import_module(place), attribute).items():
-        part, name = as_written(function, arguments)
+    for function, kinds in getattr(importlib.import_module(place), attribute).items():
+        part, name = as_written(function, tuple(passed[kind] for kind in kinds))
         whole.link_in(part)
         names[name] = PREFIX + function.__name__
         tell(f"kernels typed: {function.__name__}")
@@ -104,51 +112,12 @@ def module(entries: str) -> llvm.ModuleRef:
     return whole
 
 
-def optimize(whole: llvm.ModuleRef) -> None:
-    """Optimize for all targets at once, without functions that are never called."""
-    machine = _machine_for(whole, LINUX.triple, BASELINE)
-    for level in (0, 3):  # small functions into their callers first, as numba does
-        builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=level))
-        passes = builder.getModulePassManager()
-        if not level:
-            passes.add_loop_rotate_pass()
-            passes.add_instruction_combine_pass()
-            passes.add_jump_threading_pass()
-        passes.run(whole, builder)
-
-
-def emit(bitcode: bytes, triple: str, cpu: str, suffix: str) -> bytes:
-    """Object code (.o) or assembly (.s) of the optimized module for one target."""
-    _initialize()
-    whole = llvm.parse_bitcode(bitcode)
-    machine = _machine_for(whole, triple, cpu)
-    code: bytes = machine.emit_object(whole) if suffix == ".o" else machine.emit_assembly(whole).encode()
-    return code
-
-
-def _initialize() -> None:
-    llvm.initialize_all_targets()
-    llvm.initialize_all_asmprinters()
-
-
-def _machine_for(whole: llvm.ModuleRef, triple: str, cpu: str) -> llvm.TargetMachine:
-    """The target machine; the module is set to its triple and layout."""
-    machine = llvm.Target.from_triple(triple).create_target_machine(cpu=cpu, opt=3, reloc="pic", codemodel="default")
-    whole.triple, whole.data_layout = triple, str(machine.target_data)
-    return machine
-
-
-def tell(text: str) -> None:
-    """Print a line of progress, with the processor time that this process has taken so far."""
-    print(f"{text} ({time.process_time():.0f} s)", file=sys.stderr, flush=True)
-
-
 def _optimized(file: Path, entries: str) -> bytes:
     """The bitcode in this file; made, if it is not there."""
     if not file.is_file():
-        _initialize()
+        initialize()
         whole = module(entries)
-        optimize(whole)
+        optimize(whole, LINUX.triple, BASELINE)
         tell("kernels optimized")
         file.write_bytes(whole.as_bitcode())
     return file.read_bytes()
@@ -158,12 +127,8 @@ def main(arguments: list[str]) -> int:
     """FOLDER ENTRIES TRIPLE=CPU=SUFFIX ...: write the code of each target, and its optimized module, to the folder."""
     folder, entries, *words = arguments
     bitcode = _optimized(Path(folder) / OPTIMIZED, entries)
-    with ProcessPoolExecutor(cores(), multiprocessing.get_context("spawn")) as workers:
-        begun = {workers.submit(emit, bitcode, *word.split("=")): word.split("=") for word in words}
-        for done in as_completed(begun):
-            triple, cpu, suffix = begun[done]
-            (Path(folder) / f"{triple}-{cpu}{suffix}").write_bytes(done.result())
-            tell(f"machine code: {triple}")
+    targets = [tuple(word.split("=")) for word in words]
+    emit_all(bitcode, [(triple, cpu, f"{folder}/{triple}-{cpu}{suffix}") for triple, cpu, suffix in targets])
     return 0
 
 

@@ -12,6 +12,7 @@ from xml.etree.ElementTree import Element, tostring
 from solver import __version__
 from solver.common.files import identifier_of
 from solver.ground.motion import Motion
+from solver.kernels.machine.zig import BESIDE_WINDOWS
 from solver.models.column.model import Column
 
 from .. import documentation
@@ -23,7 +24,7 @@ from ..model_description3 import model_description3, terminals
 from ..record import usual_experiment
 from ..variables import with_real_outputs
 from .column_subject import column_subject
-from .library import BESIDE_WINDOWS, OWN_HEADERS, libraries, sources
+from .library import OWN_HEADERS, libraries, sources
 from .machine_code import BRITTLE_COLUMN, COLUMN, COLUMN_WITH_PORTS, STRUCTURE, Kernels, made_with
 from .platforms import PLATFORMS, USUAL_FORM, Form
 from .source import describe_sources, source_files

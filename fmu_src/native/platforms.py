@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from solver.kernels.machine.zig import LINUX, LINUX_ARM, MACOS, MACOS_ARM, WINDOWS, Target
+
 
 @dataclass(frozen=True)
 class Form:
@@ -20,16 +22,6 @@ USUAL_FORM = Form()
 
 
 @dataclass(frozen=True)
-class Target:
-    """One machine as the compiler of the kernels and the linker know it."""
-
-    triple: str  # LLVM's
-    cpu: str  # the oldest that the code runs on
-    linker: str  # zig's name of it, with the oldest system
-    system: tuple[str, ...]  # options that link the system's C library
-
-
-@dataclass(frozen=True)
 class Platform:
     """One folder under binaries/: a library, of several parts where its system knows such ones."""
 
@@ -37,14 +29,6 @@ class Platform:
     targets: tuple[Target, ...]
 
 
-# x86-64-v2: every x86-64 processor of the last twelve years (SSE4.2, POPCNT), those without AVX2 included; of ARM the
-# first of 64 bits.
-_GLIBC, _UCRT, _APPLE = ("-Wl,-z,defs", "-lc", "-lm"), ("-lcompiler_rt",), ("-lSystem",)
-LINUX = Target("x86_64-pc-linux-gnu", "x86-64-v2", "x86_64-linux-gnu.2.17", _GLIBC)
-LINUX_ARM = Target("aarch64-unknown-linux-gnu", "cortex-a53", "aarch64-linux-gnu.2.17", _GLIBC)
-WINDOWS = Target("x86_64-w64-windows-gnu", "x86-64-v2", "x86_64-windows-gnu", _UCRT)
-MACOS = Target("x86_64-apple-macosx11", "x86-64-v2", "x86_64-macos.11.0", _APPLE)
-MACOS_ARM = Target("arm64-apple-macosx11", "apple-m1", "aarch64-macos.11.0", _APPLE)
 # version of FMI -> folder -> what is in it. For processors that FMI 2.0 has no name for it refers to those of 3.0.
 PLATFORMS = {
     2: {

@@ -12,9 +12,10 @@ import re
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, tostring
 
+from solver.kernels.machine.zig import LINUX, LINUX_ARM, MACOS, MACOS_ARM, WINDOWS, Target
+
 from .library import FACES, OWN_HEADERS, headers, sources
 from .machine_code import PREFIX, Kernels, object_code
-from .platforms import LINUX, LINUX_ARM, MACOS, MACOS_ARM, WINDOWS, Target
 
 # what the compiler calls each target
 CONDITIONS: dict[Target, str] = {

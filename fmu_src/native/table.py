@@ -19,6 +19,7 @@ from solver.ground.motion import LARGEST, Motion
 from solver.kernels.api import pointers
 from solver.kernels.column.description import DETAILS
 from solver.kernels.layout.spaces import DRIVES
+from solver.kernels.machine.kinds import Int, Ints, Real, Reals
 from solver.models.outputs import Output, places_of
 
 from .. import alternation, rules, state_ranges
@@ -32,7 +33,7 @@ from .machine_code import PREFIX
 TEXT = 256  # bytes of a String, its end included
 STATE_FORMAT = "multiblock-fmu native state 5"
 READ_ONLY = ("given", "inputs", "times", "ax", "ay", "az", "seeds")  # arguments behind which kernels write nothing
-C_TYPES = {"float64": "double ", "int64": "int64_t ", "float64*": "double *", "int64*": "int64_t *"}
+C_TYPES = {Real: "double ", Int: "int64_t ", Reals: "double *", Ints: "int64_t *"}
 STORED = {"Real": "REAL", "Integer": "INTEGER", "Enumeration": "INTEGER", "Boolean": "BOOLEAN", "String": "STRING"}
 # what the core asks for by name: sizes that depend on what is inside; places and codes that some bodies alone have
 SIZES = ("N", "MODEL", "STATE", "COUNTS", "BASE", "WORK", "ROW", "SPLIT", "ROOM")
@@ -199,7 +200,7 @@ def _kernel(function: Any, kinds: tuple[Any, ...]) -> list[str]:
     A kernel leaves its result behind the first pointer; the second is for exceptions, which kernels do not have.
     """
     names = list(inspect.signature(function).parameters)
-    kept = dict(zip(names, map(str, kinds), strict=True))
+    kept = dict(zip(names, kinds, strict=True))
     fields = [f"{'const ' * (name in READ_ONLY)}{C_TYPES[kind]}{name}" for name, kind in kept.items()]
     name = function.__name__
     own = name.title()  # look -> Look

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-from ..models.column.first_run import make_kernels
 from ..models.column.model import Column
 from ..models.column.modes import natural_frequencies
 from ..models.column.packing import carried_weights
@@ -41,7 +40,6 @@ class InPlane(Subject):
     )
 
     def __post_init__(self) -> None:
-        make_kernels(self.model.kind.entries)
         check_rest(self.model, from_rest=True)
 
     @property

@@ -34,7 +34,6 @@ from ..statics.calibrate import (
 )
 from ..statics.rocking import RELEASE, housner_restitution, restitution
 from .command_files import add_force, check_suffix, read_column
-from .progress import compile_kernels
 
 HOUSNER = "housner"
 AUTO = "auto"
@@ -84,7 +83,6 @@ def _calibrate(options: argparse.Namespace) -> None:
     check_suffix(options.output, ".json")
     check_outputs((options.output,), (options.column, options.free_vibration), options.force)
     column = read_column(options.column)
-    compile_kernels()
     if given_rim is not None:
         with reading(options.column):
             column = with_rim(column, given_rim)

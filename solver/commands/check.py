@@ -28,8 +28,7 @@ from .check_report import action_lines, check_lines, variants_lines
 from .code_spectra import add_code_options, add_spectrum, target_of
 from .command_files import add_force, add_space, check_suffix, read_subject, write_outputs
 from .motion_options import FORMATS, add_file_options, check_file_options, file_line, read_with_options
-from .progress import PlainLine, RunsLine, compile_kernels
-from .structure import compile_for_space
+from .progress import PlainLine, RunsLine
 
 
 def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
@@ -233,7 +232,6 @@ def _across(path: Path, model: Any) -> Any:
 
 def _subject(path: Path, model: Column | Structure, plan: Plan) -> Subject:
     with reading(path):
-        compile_for_space() if model.kind.across else compile_kernels()
         model.kind.check(model, from_rest=True)
         found = subject_of(model, plan.confidence_factor)
         column = read_subject(path) if model.kind.across else None

@@ -18,6 +18,7 @@ from ..common.digits import percent
 from ..common.errors import InputError, InputWarning, SolverError, reading
 from ..common.files import check_outputs, printable, with_point
 from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..kernels.machine import library
 from ..models.column.response import Response
 from ..models.column.settings import FORMULATIONS, INTEGRATORS
 from ..models.outputs import DIGITS, check_digits
@@ -50,7 +51,7 @@ from .motion_options import (
     read_with_options,
 )
 from .new import add_new_command
-from .progress import Line, ProgressLine, compile_kernels
+from .progress import Line, ProgressLine
 from .reports import column_report, motion_report
 from .static import add_static_commands
 from .study import add_command as add_study
@@ -96,6 +97,7 @@ def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None
         with warnings.catch_warnings():
             warnings.simplefilter("always", InputWarning)
             warnings.showwarning = _warnings_shower()
+            library.announce = partial(print, flush=True)
             options = _parsed(parser, arguments)
             options.command(options)
             sys.stdout.flush()
@@ -230,8 +232,6 @@ def _simulate(options: argparse.Namespace) -> None:
     if options.plane == "auto":
         subject = subject.kind.simplest(subject, motion)
     in_space = subject.kind.across
-    if not in_space:
-        compile_kernels(subject.kind.entries)  # the report needs them too
     report_of, summary_of = (structure.report, structure.summary) if in_space else (column_report, _summary)
     print(*lines, report_of(subject, motion), sep="\n", flush=True)
     names = ("formulation", "integrator", "step", "tolerance", "output_step", "settle", "ensemble")

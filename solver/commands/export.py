@@ -10,10 +10,9 @@ from typing import Any
 from ..common.errors import InputError
 from ..common.files import check_outputs
 from ..runs.simulate import simulate
-from . import structure
 from .command_files import add_force, add_space, read_subject, write_outputs
 from .motion_options import add_motion_options, motion_of
-from .progress import ProgressLine, compile_kernels
+from .progress import ProgressLine
 
 KINDS = {".glb": "to_gltf", ".html": "view", ".csv": "to_csv", "": "to_vtk"}  # by suffix; none: a folder
 
@@ -43,10 +42,6 @@ def _export(options: argparse.Namespace) -> None:
         raise InputError(f"{options.output}: is there already, --force overwrites files in it")
     subject: Any = read_subject(options.column, options.space)
     motion, lines = motion_of(options)
-    if subject.kind.across:
-        structure.compile_for_space()
-    else:
-        compile_kernels(subject.kind.entries)
     if lines:
         print(*lines, sep="\n", flush=True)
     duration = options.duration

@@ -1,4 +1,4 @@
-"""Progress of a long run on a terminal, and a notice that kernels are being compiled."""
+"""Progress of a long run on a terminal."""
 
 from __future__ import annotations
 
@@ -8,13 +8,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from ..common.digits import percent
-from ..common.waiting import notice
-from ..kernels.api import entries as exact
-from ..kernels.numba_ext.numba_parts import LINKING
-from ..models.column.first_run import are_kept, make_kernels
-from ..runs.ensemble import interruptible
 
-PLAIN_TAKES = "; by numba's own pipeline two minutes and more"
 PATIENCE = 2.0  # s, for which nothing is shown
 FIRST_LINE, LONGER = 10.0, 1.5  # s until a first line in a pipe; later each interval is this part of the time so far
 
@@ -94,23 +88,3 @@ class PlainLine(Line):
             file=sys.stderr,
             flush=True,
         )
-
-
-def compile_kernels(entries: Any = exact) -> None:
-    """Load or compile the kernels that every run needs; print a line if they must be compiled.
-
-    entries: their module (`Columns.entries`).
-
-    They are made in another thread: an interruption acts at once.
-    """
-    if not are_kept(entries.run):
-        say_that_it_compiles(entries.run)
-        interruptible(lambda: make_kernels(entries))
-
-
-def say_that_it_compiles(entry: Any) -> None:
-    """Print that the kernels of this entry must be compiled, and how long it takes; nothing where they are cached."""
-    if not are_kept(entry):
-        line = notice(entry.py_func.__module__, entry.__name__)
-        if line:
-            print(line + ("" if LINKING else PLAIN_TAKES), flush=True)

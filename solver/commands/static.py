@@ -10,7 +10,6 @@ from typing import Any
 from ..common.errors import InputError, reading
 from ..common.files import check_outputs
 from ..common.plausible import warn_of
-from ..kernels.structure.entries import stiffness_of
 from ..models.column.modes import Modes, natural_modes
 from ..models.column.rest import check_stable
 from ..models.structure.model import Structure
@@ -28,10 +27,8 @@ from .command_files import (
     read_subject,
     write_outputs,
 )
-from .progress import compile_kernels
 from .reports import modes_report, statics_report
 from .static_reports import modes_in_space_report, push_line, push_over_report, rest_in_space_report
-from .structure import compile_for_space
 
 EVERY = 45  # degrees, between two directions in which a structure is pushed
 
@@ -65,13 +62,11 @@ def _modes(options: argparse.Namespace) -> None:
     subject: Any = read_subject(options.column, options.space)
     modes: Modes | SpatialModes
     if subject.kind.across:
-        compile_for_space(stiffness_of)
         with reading(options.column):
             modes = modes_in_space(subject)
         warn_of(known_warnings_in_space(subject))
         print(modes_in_space_report(modes))
     else:
-        compile_kernels(subject.kind.entries)
         with reading(options.column):
             check_stable(subject)
             modes = natural_modes(subject)
@@ -91,7 +86,6 @@ def _statics(options: argparse.Namespace) -> None:
                 raise InputError(
                     f"--{key}: is for structures in space, a column is pushed in its plane; --space pushes it in space"
                 )
-        compile_kernels(subject.kind.entries)
         with reading(options.column):
             curve = capacity_curve(subject, pattern=_pattern(options))
             rest = rest_of(subject)
@@ -105,7 +99,6 @@ def _pushed(structure: Structure, options: argparse.Namespace) -> PushOver:
     pattern = _pattern(options)
     if pattern is not None:
         degrees = (0.0,)
-    compile_for_space(stiffness_of)
     found = []
     with reading(options.column):
         for angle in degrees:

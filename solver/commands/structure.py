@@ -3,34 +3,25 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
 
 import numpy as np
 
 from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
-from ..kernels.structure.entries import run_structure
 from ..models.structure.model import Structure
 from ..models.structure.modes import frequencies_apart
 from ..models.structure.response import SpatialResponse
 from .cracks import cracks
-from .progress import say_that_it_compiles
 
 MOST_LINES = 20  # of a table
 MOST_BLOCKS = 60  # with more, natural frequencies take too long for a report
 
 
 def prepare(options: argparse.Namespace) -> None:
-    """Refuse options that structures do not have; a notice if the kernels must be compiled. Raises InputError."""
+    """Refuse options that structures do not have. Raises InputError."""
     for name in ("formulation", "integrator", "step"):
         if getattr(options, name) is not None:
             raise InputError(f"--{name}: must be left out, structures in space have none")
-    compile_for_space()
-
-
-def compile_for_space(entry: Any = run_structure) -> None:
-    """A notice if the kernels of structures must be compiled; entry: the one of them that will be called."""
-    say_that_it_compiles(entry)
 
 
 def report(structure: Structure, motion: Motion) -> str:

@@ -26,7 +26,7 @@ from ..studies.journal import SUFFIX
 from ..studies.results import Results, results_of
 from ..studies.statistics import failures_of, fit_fragility, ida_curves, influences, said_undecided
 from .command_files import add_force, check_picture, write_outputs
-from .progress import PlainLine, RunsLine, compile_kernels
+from .progress import PlainLine, RunsLine
 
 # s: after Ctrl-C; a worker that ends in the middle of a result leaves the pool to wait for the rest of it for ever
 LEAVES_AFTER = 2.0
@@ -80,8 +80,6 @@ def _run(options: argparse.Namespace) -> None:
     folder: Path = options.output_folder
     with reading(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    if options.dask is None:
-        compile_kernels()
     with _executor(options) as executor, RunsLine() if sys.stderr.isatty() else PlainLine() as line:
         results = run_study(
             study, folder, executor=executor, threads=options.threads, callback=line, chunk_seconds=options.chunk

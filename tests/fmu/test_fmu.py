@@ -257,11 +257,11 @@ def test_the_same_input_builds_the_same_bytes_with_the_date_that_is_given(fmus: 
     assert read_model_description(str(one)).generationDateAndTime == "2023-11-14T22:13:20Z"
 
 
-def test_without_a_writable_cache_it_is_slower_but_works(fmus: Fmus, tmp_path: Path) -> None:
+def test_without_a_writable_cache_it_works(fmus: Fmus, tmp_path: Path) -> None:
     blocked = tmp_path / "blocked"
     blocked.write_text("a file where a folder should be")
     output = tmp_path / "result.npy"
-    elsewhere = {"XDG_CACHE_HOME": str(blocked), "NUMBA_CACHE_DIR": str(blocked)}
+    elsewhere = {"XDG_CACHE_HOME": str(blocked)}
     run(*command(runs.simulate, fmus.damped, 0.1, 1e-2, 0.05, 2.0, output, {}), **elsewhere)
     assert np.load(output)["time"][-1] == pytest.approx(0.1)
 

@@ -25,7 +25,6 @@ from fmpy import simulate_fmu  # noqa: E402
 from build_fmu import build_fmu  # noqa: E402
 from multiblock import Column, Motion, simulate, simulate_many  # noqa: E402
 from solver.ground.motion import STANDARD_GRAVITY  # noqa: E402
-from solver.kernels.numba_ext.numba_parts import LINKING  # noqa: E402
 
 COLUMN = ROOT / "examples" / "columns" / "phocas-damped.toml"
 RUNS = 16
@@ -39,7 +38,7 @@ def main() -> None:
     parser.add_argument("--only-fmu", action="store_true")
     parser.add_argument("--without-fmu", action="store_true")
     options = parser.parse_args()
-    print(f"numba {numba.__version__}, numpy {np.__version__}, linking {LINKING}", file=sys.stderr)
+    print(f"numba {numba.__version__}, numpy {np.__version__}", file=sys.stderr)
     if not options.only_fmu:
         run_and_lanes()
     if not options.without_fmu:

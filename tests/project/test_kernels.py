@@ -6,17 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numba import typeof
-from support.probe import phocas
-from support.structures import stack
 
 from solver.kernels.api import entries
 from solver.kernels.layout import spaces as at
+from solver.kernels.machine.entry import Entry
 from solver.kernels.numba_ext.jit import as_written, from_python
+from solver.kernels.numba_ext.make import NUMBAS
 from solver.kernels.numba_ext.views import Table, row_of
-from solver.kernels.structure.entries import observe_structure, run_structure, stiffness_of
-from solver.models.column.stepper import SILENCE, Stepper
-from solver.models.structure.stepper import Stepper as SpatialStepper
+from solver.kernels.structure.entries import PLAIN
 
 NOTHING = np.zeros(0)
 RECORD = (NOTHING,) * 4  # times, s, and accelerations, m/s2
@@ -24,33 +21,18 @@ _phase = at.PHASE.over
 
 
 @pytest.mark.parametrize(
-    ("entry", "further"),
+    "entry",
     [
-        (entries.observe_state, (*SILENCE.arguments, NOTHING, 0.0, NOTHING, NOTHING)),
-        pytest.param(
-            entries.run, (*SILENCE.arguments, NOTHING, 0.0, 1e-3, NOTHING, NOTHING, True), marks=pytest.mark.long
-        ),
+        entries.observe_state,
+        pytest.param(entries.run, marks=pytest.mark.long),
+        pytest.param(PLAIN.observe, marks=pytest.mark.long),
+        PLAIN.stiffness,
+        pytest.param(PLAIN.run, marks=pytest.mark.long),
     ],
+    ids=lambda entry: entry.__name__,
 )
-def test_nothing_of_numbas_runtime_is_called(entry: Any, further: tuple[Any, ...]) -> None:
-    arguments = (3, *Stepper(phocas()).arrays, *further)
-    module, name = as_written(entry.py_func, tuple(map(typeof, arguments)))
-    assert not module.get_function(name).is_declaration
-    assert "NRT_" not in str(module)
-
-
-@pytest.mark.parametrize(
-    ("entry", "further"),
-    [
-        pytest.param(observe_structure, (NOTHING, 0.0, 0.0, 0.0, NOTHING, True), marks=pytest.mark.long),
-        (stiffness_of, (NOTHING,) * 4),
-        pytest.param(run_structure, ((*RECORD, NOTHING), *(NOTHING,) * 2, 0.0, 1e-3, 100), marks=pytest.mark.long),
-    ],
-)
-def test_nothing_of_numbas_runtime_is_called_in_space(entry: Any, further: tuple[Any, ...]) -> None:
-    stepper = SpatialStepper(stack())
-    arguments = (stepper.arrays, *further)
-    module, name = as_written(entry.py_func, tuple(map(typeof, arguments)))
+def test_nothing_of_numbas_runtime_is_called(entry: Entry) -> None:
+    module, name = as_written(entry.function, tuple(NUMBAS[kind] for kind in entry.kinds.values()))
     assert not module.get_function(name).is_declaration
     assert "NRT_" not in str(module)
 

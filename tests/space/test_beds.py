@@ -7,11 +7,11 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from support.scenes import seen
 from support.structures import stack
 
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.structure.bed import Plane
-from solver.kernels.structure.entries import see
 from solver.kernels.structure.joint import bed_of_joint
 from solver.models.structure.blocks.faces import FloatArray
 from solver.models.structure.model import Structure
@@ -23,7 +23,7 @@ SCALE = 1e-4  # m, of penetrations
 @from_python
 def bed_of(arrays, p, q, found):
     """The bed of joint 0 for two planes, and the integral of p squared."""
-    scene, _ = see(arrays)
+    scene, _ = seen(arrays)
     first, second = Plane(p[0], p[1], p[2]), Plane(q[0], q[1], q[2])
     bed, square = bed_of_joint(scene, 0, first, second), bed_of_joint(scene, 0, first, first)
     found[5] = p[0] * square.force + p[1] * square.first_x + p[2] * square.first_y

@@ -245,8 +245,8 @@ def test_what_has_broken_through_is_a_dry_joint() -> None:
 
 def test_no_strength_is_the_joint_without_bits_changed() -> None:
     plain, none = pier(tensile_strength=0.0, damping=1e-3), pier(tensile_strength=0.0, cohesion=0.0, friction=0.5)
-    assert plain.model.extras is None
-    assert none.model.extras is None
+    assert not plain.model.has_extras
+    assert not none.model.has_extras
 
 
 def test_a_strength_that_is_never_reached_gives_a_linear_motion() -> None:

@@ -11,6 +11,7 @@ import pytest
 from scipy.integrate import quad
 from space.test_beds import SCALE, exact_bed
 from support.probe import G
+from support.scenes import seen
 from support.structures import with_law
 
 from multiblock import Block, Column, Joint, Motion, SpatialResponse, SpatialState, Structure, simulate
@@ -18,7 +19,6 @@ from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.lanes import WIDTH
 from solver.kernels.numba_ext.views import lanes_of, row_of
 from solver.kernels.structure.bed import Plane
-from solver.kernels.structure.entries import see
 from solver.kernels.structure.in_lanes import ALL, Queue, batch_over
 from solver.kernels.structure.joint import bed_of_joint
 from solver.kernels.structure.layout import sizes_in
@@ -34,7 +34,7 @@ DRUM = {"shape": "drum", "height": 0.5, "mass": 1000.0}
 @from_python
 def bed_after(arrays, slips, p, q, found):
     """The bed of joint 0 after slips and a twist."""
-    scene, _ = see(arrays)
+    scene, _ = seen(arrays)
     scene.slips.p1[0], scene.slips.p2[0], scene.slips.p3[0] = slips[0], slips[1], slips[2]
     bed = bed_of_joint(scene, 0, Plane(p[0], p[1], p[2]), Plane(q[0], q[1], q[2]))
     found[0], found[1], found[2], found[3], found[4] = bed.force, bed.first_x, bed.first_y, bed.area, bed.largest

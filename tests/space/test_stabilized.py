@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.polynomial.legendre import Legendre
+from support.scenes import seen
 from support.structures import law_on_edge
 
 from multiblock import Motion, Structure, simulate
@@ -16,7 +17,6 @@ from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import copy, row_of
 from solver.kernels.structure.attempt import evaluate_at, rate
 from solver.kernels.structure.base import Shaking, segment_after
-from solver.kernels.structure.entries import see
 from solver.kernels.structure.evaluate import moving
 from solver.kernels.structure.layout import INPUT_MOTION, PHASE, sizes_in
 from solver.kernels.structure.stabilized import LONGEST_REACH, MOST_STAGES, attempt_stabilized, stages_of
@@ -65,7 +65,7 @@ def test_steps_are_stable_over_their_reach_for_every_number_of_stages() -> None:
 @from_python
 def one_step(arrays, h, stages, found):
     """Make one stabilized step on a still base from the state of the arrays; find uz and vz of the first block."""
-    scene, state = see(arrays)
+    scene, state = seen(arrays)
     inputs, none = _input(row_of(arrays[3]), sizes_in(row_of(arrays[0]))), row_of(found)
     shaking = Shaking(0, 0, none, none, none, none, inputs.motion, 0, none, inputs.loads.row)
     segment = segment_after(shaking, 0.0)

@@ -11,7 +11,6 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import numba
 import numpy as np
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
@@ -92,7 +91,6 @@ def _content(checks: Sequence[Check]) -> dict[str, Any]:
             "multiblock-fmu": __version__,
             "Python": platform.python_version(),
             "numpy": np.__version__,
-            "numba": numba.__version__,
         },
     }
 

@@ -8,10 +8,9 @@ without one.
 from collections.abc import Callable
 from typing import Any
 
-from numba import types
-
 from ..formulations.base_motion import Samples
 from ..layout.spaces import ROW, SPLIT
+from ..machine.kinds import Int, Ints, Real, Reals
 from ..numba_ext.jit import leaf
 from ..numba_ext.views import row_at
 from ..output.watch import Watch
@@ -28,7 +27,7 @@ def _samples(n, model, count, times, ax, az, scale):
 def entries_of(
     column_over: Any = engine.column_over, samples_of: Any = _samples, assembled: Any = engine.assemble
 ) -> dict[Callable[..., Any], tuple[Any, ...]]:
-    """Entry -> types of its arguments; all return a code.
+    """Return entry -> kinds of its arguments; all return a code.
 
     column_over: a leaf, the column over its rows (engine.py, `column_in`). samples_of: a leaf, what is followed beside
     the base: of the record, and of what lies behind the model. assembled: as `engine.assemble`.
@@ -89,8 +88,7 @@ def entries_of(
     }
 
 
-_numbers, _counters = types.CPointer(types.double), types.CPointer(types.int64)
-_number, _whole = types.double, types.int64
+_numbers, _counters, _number, _whole = Reals, Ints, Real, Int
 _arguments = (_whole, _numbers, _numbers, _counters, _numbers, _numbers)  # n, model, state, counts, base, work
 _record = (_whole, _numbers, _numbers, _numbers, _number)  # count, times, ax, az, scale
 _outputs = (_numbers, _numbers)  # row, split

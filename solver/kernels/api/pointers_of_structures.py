@@ -62,7 +62,7 @@ def feedthrough(n, model, state, counts, base, work, inputs, seeds, elapsed, t, 
 
 
 def _with_ay(of_column):
-    """Types of the arguments of a column's entry, with ay between ax and az."""
+    """Return the kinds of the arguments of a column's entry, with ay between ax and az."""
     names = of_column.__code__.co_varnames[: of_column.__code__.co_argcount]
     kinds = list(pointers.ENTRIES[of_column])
     if "az" in names:
@@ -71,7 +71,7 @@ def _with_ay(of_column):
 
 
 _of_column = {function.__name__: function for function in pointers.ENTRIES}
-# entry -> types of its arguments; all return a code
+# entry -> kinds of its arguments; all return a code
 ENTRIES = {
     function: _with_ay(_of_column[function.__name__]) for function in (assemble, follow, look, rates, feedthrough)
 }

@@ -12,4 +12,4 @@ from . import memory  # noqa: F401  versions of kernels
 from .layout import MODEL, STATE, WORK
 
 column_over = column_in(MODEL, STATE, WORK)
-assemble_column, run, observe_state, observe_snapshots = entries_of(__name__, column_over)
+assemble_column, run, observe_state, observe_snapshots = entries_of("bonds", __name__, column_over)

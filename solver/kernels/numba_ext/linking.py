@@ -5,8 +5,7 @@ and once more in the next: with entries of hundreds of kernels, ten levels deep,
 kernel waits unoptimized; the entry links each one that it needs with internal linkage, so that the optimizer knows
 every caller, and optimizes the whole a single time.
 
-All private parts of numba that this uses are listed in numba_parts.py. jit.py imports this module only if none is
-missing; otherwise it uses numba's own pipeline.
+All private parts of numba that this uses are listed in numba_parts.py, which refuses a numba that lacks one.
 """
 
 import gc
@@ -18,8 +17,6 @@ from llvmlite import binding as llvm
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, DefaultPassBuilder
 from numba.core.compiler_machinery import LoweringPass, register_pass
-from numba.core.environment import Environment
-from numba.core.funcdesc import _dynamic_modname
 from numba.core.typed_passes import NativeLowering
 
 # What numba looks for and kernels do not have: closures, `with`, `raise` of what is only known as it runs,
@@ -95,7 +92,7 @@ def _module_of(library: Any) -> llvm.ModuleRef:
 
 
 class WholeLibrary(JITCodeLibrary):  # type: ignore[misc]
-    """An entry with all that it calls, optimized once."""
+    """A function with all that it calls, optimized once."""
 
     def finalize(self) -> None:
         self._raise_if_finalized()
@@ -111,36 +108,6 @@ class WholeLibrary(JITCodeLibrary):  # type: ignore[misc]
         self._optimize_final_module()
         self._final_module.verify()
         self._finalize_final_module()
-
-
-def _library(state: Any, kind: Any) -> Any:
-    library = kind(state.targetctx.codegen(), state.func_id.func_qualname)
-    library.enable_object_caching()
-    return library
-
-
-@register_pass(mutates_CFG=False, analysis_only=True)
-class _Anonymous(LoweringPass):  # type: ignore[misc]
-    """Cached machine code names neither this process, as a listing would, nor the module it was written in.
-
-    So another copy of the solver may load it.
-    """
-
-    _name = "anonymous"
-
-    def __init__(self) -> None:
-        LoweringPass.__init__(self)
-
-    def run_pass(self, state: Any) -> bool:
-        written_in = state.cr.env
-        nowhere = Environment({"__name__": "math"})  # some module is required; kernels never look at it
-        nowhere.env_name = written_in.env_name
-        nowhere.consts[:] = written_in.consts
-        Environment._memo[nowhere.env_name] = nowhere
-        state.cr = state.cr._replace(env=nowhere)
-        state.cr.fndesc.modname = _dynamic_modname
-        state.type_annotation = ""
-        return True
 
 
 @register_pass(mutates_CFG=False, analysis_only=True)
@@ -159,28 +126,29 @@ class _StandIn(LoweringPass):  # type: ignore[misc]
         return True
 
 
-def _passes(state: Any, own: Any) -> list[Any]:
-    """Numba's pipeline with a pass of our own after the code is written, without those that find nothing in kernels."""
+def _passes(state: Any, own: Any = None) -> list[Any]:
+    """Return numba's pipeline without the passes that find nothing in kernels; own: one after the code is written."""
     passes = DefaultPassBuilder.define_nopython_pipeline(state)
     passes.passes = [each for each in passes.passes if each[0].__name__ not in _NEEDLESS]
-    passes.add_pass_after(own, NativeLowering)
+    if own is not None:
+        passes.add_pass_after(own, NativeLowering)
     passes.finalize()
     return [passes]
 
 
 class KernelCompiler(Compiler):  # type: ignore[misc]
-    """Compiles a kernel as far as it is typed; only other kernels and entries can call it."""
+    """Compiles a kernel as far as it is typed; only other kernels can call it."""
 
     def define_pipelines(self) -> list[Any]:
-        """Numba's own, without machine code at the end."""
+        """Return numba's own, without machine code at the end."""
         flags = self.state.flags
         flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
-        self.state.library = _library(self.state, WaitingLibrary)
+        self.state.library = WaitingLibrary(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
         return _passes(self.state, _StandIn)
 
 
 @contextmanager
-def _collecting_seldom() -> Iterator[None]:
+def collecting_seldom() -> Iterator[None]:
     """Let Python collect garbage less often: its scans of the compiler's objects take a sixth of the time."""
     usual = gc.get_threshold()
     gc.set_threshold(100_000, 20, 100)
@@ -190,17 +158,17 @@ def _collecting_seldom() -> Iterator[None]:
         gc.set_threshold(*usual)
 
 
-class EntryCompiler(Compiler):  # type: ignore[misc]
-    """Compiles an entry with all kernels below it."""
+class WholeCompiler(Compiler):  # type: ignore[misc]
+    """Compiles a function that Python, or another program, calls, with all kernels below it."""
 
     def compile_extra(self, func: Any) -> Any:
-        """As numba does."""
-        with _collecting_seldom():
+        """Compile as numba does."""
+        with collecting_seldom():
             return super().compile_extra(func)
 
     def define_pipelines(self) -> list[Any]:
-        """Numba's own, without parts specific to this process or to this copy of the sources."""
+        """Return numba's own."""
         flags = self.state.flags
         flags.no_cfunc_wrapper = not flags.no_cpython_wrapper  # either Python calls it or another program
-        self.state.library = _library(self.state, WholeLibrary)
-        return _passes(self.state, _Anonymous)
+        self.state.library = WholeLibrary(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
+        return _passes(self.state)

@@ -1,21 +1,17 @@
 """The parts of numba and llvmlite that are not public. No other module of the solver imports one, but linking.py.
 
-lanes.py and views.py define types of their own, jit.py a cache; they need the names imported here, the same ones since
-numba 0.59.
-linking.py needs the parts listed in `_LINKING`; they shorten compilation and change no result. If one of them is
-missing, or with MULTIBLOCK_LINKING=0 in the environment, jit.py uses numba's own pipeline: equal bits, a longer first
-run. tests/project/test_numba_parts.py names what a new version of numba lacks.
+lane_types.py and rows.py define types of their own; they need the names imported here, the same ones since numba 0.61.
+linking.py needs the parts listed in `_LINKING`. tests/project/test_numba_parts.py names what a new numba lacks.
 """
 
-import os
 import re
 from importlib import import_module
 from typing import Any
 
 import numba
 
-OLDEST = (0, 59)
-NEEDED = "numba 0.59 or newer: pip install 'numba>=0.59,<1'"
+OLDEST = (0, 61)
+NEEDED = "numba 0.61 or newer: pip install 'numba>=0.61,<1'"
 
 if tuple(int(part) for part in re.findall(r"\d+", numba.__version__)[:2]) < OLDEST:
     raise ImportError(f"numba {numba.__version__} is too old, needs {NEEDED}")
@@ -23,7 +19,6 @@ if tuple(int(part) for part in re.findall(r"\d+", numba.__version__)[:2]) < OLDE
 try:
     from llvmlite import ir
     from numba.core import cgutils
-    from numba.core.caching import FunctionCache
     from numba.core.errors import TypingError
     from numba.core.imputils import lower_builtin, lower_cast, lower_getattr_generic, lower_setattr_generic
     from numba.core.typeconv.castgraph import Conversion
@@ -41,7 +36,6 @@ __all__ = [
     "AbstractTemplate",
     "AttributeTemplate",
     "Conversion",
-    "FunctionCache",
     "TypingError",
     "cgutils",
     "infer_getattr",
@@ -59,7 +53,7 @@ _LINKING: tuple[tuple[str, str, str], ...] = (
     (
         "numba.core.codegen",
         "JITCodeLibrary",
-        "finalize enable_object_caching _optimize_functions _optimize_final_module _finalize_final_module "
+        "finalize _optimize_functions _optimize_final_module _finalize_final_module "
         "_get_module_for_linking _raise_if_finalized _finalized _final_module _shared_module _linking_libraries "
         "_codegen",
     ),
@@ -70,8 +64,6 @@ _LINKING: tuple[tuple[str, str, str], ...] = (
     ("numba.core.compiler_machinery", "PassManager", "add_pass_after finalize passes"),
     ("numba.core.compiler_machinery", "register_pass", ""),
     ("numba.core.cpu", "CPUContext", "codegen insert_user_function"),
-    ("numba.core.environment", "Environment", "_memo consts env_name"),
-    ("numba.core.funcdesc", "_dynamic_modname", ""),
     ("numba.core.typed_passes", "NativeLowering", ""),
     ("llvmlite.binding", "Linkage", "external internal linkonce_odr"),
     ("llvmlite.binding", "ModuleRef", "clone functions global_variables link_in verify"),
@@ -102,5 +94,5 @@ def _names(found: Any) -> set[str]:
     return known
 
 
-# whether entries are compiled by linking.py
-LINKING = os.environ.get("MULTIBLOCK_LINKING") != "0" and not missing_for_linking()
+if missing := missing_for_linking():
+    raise ImportError(f"numba {numba.__version__} lacks {', '.join(missing)}, needs {NEEDED}")

@@ -5,18 +5,14 @@ from ..api.entries import arrive_base as arrive_base
 from ..api.entries import couple_base as couple_base
 from ..api.entries import entries_of
 from ..api.entries import examine_base as examine_base
-from ..batch.entries import queue_of
-from ..batch.follow import batch_over
+from ..batch.entries import lanes_entry
 from ..column.assembly import carries
 from ..column.description import NO_REST, describe
 from ..layout.spaces import OK, STATE, WORK
-from ..numba_ext.jit import entry, kernel
-from ..numba_ext.views import lanes_of
+from ..numba_ext.jit import kernel
 from . import outputs, stepping  # noqa: F401  versions of kernels
 from .equations import MODEL, factorize_mass, settle
 from .lanes import SPACE, follow_fixed_steps
-
-_space = SPACE.over
 
 
 @kernel
@@ -32,11 +28,6 @@ def _assemble(column, given, from_rest, scratch, detail):
 
 
 assemble_column, run, observe_state, observe_snapshots = entries_of(
-    __name__, column_in(MODEL, STATE, WORK), assemble=_assemble
+    "paper", __name__, column_in(MODEL, STATE, WORK), assemble=_assemble
 )
-
-
-@entry
-def run_fixed_steps(n, buffer, *queue):
-    """All runs, eight at a time, without snapshots."""
-    follow_fixed_steps(batch_over(_space(lanes_of(buffer), n), buffer, queue_of(*queue)))
+run_fixed_steps = lanes_entry("run_fixed_steps", "paper_lanes", __name__, SPACE, follow_fixed_steps)

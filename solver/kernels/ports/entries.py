@@ -12,7 +12,6 @@ from ..api.entries import entries_of
 from ..api.entries import examine_base as examine_base
 from ..layout.spaces import PORTS
 from ..numba_ext.jit import leaf
-from ..numba_ext.views import row_of
 from .loads import Loaded
 
 _PORT = len(PORTS.fields)
@@ -21,8 +20,8 @@ _PORT = len(PORTS.fields)
 @leaf
 def _samples(times, ax, az, scale, held, loads, ports, at):
     lasting = 1 if loads.size > 0 else 0
-    begin = times.size, row_of(times), row_of(ax), row_of(az), scale, held, ax.size
-    return Loaded(*begin, ports.size // _PORT, row_of(ports), lasting, row_of(loads), row_of(at))
+    begin = times.size, times.row, ax.row, az, scale, held, ax.size
+    return Loaded(*begin, ports.size // _PORT, ports.row, lasting, loads.row, at)
 
 
-_, run, observe_state, observe_snapshots = entries_of(__name__, samples_of=_samples)
+_, run, observe_state, observe_snapshots = entries_of("ports", __name__, samples_of=_samples)

@@ -1,110 +1,40 @@
-"""Entries called from Python: a structure over flat arrays."""
+"""Entries called from Python: a structure over flat buffers.
 
-from ..numba_ext.jit import entry, kernel
-from ..numba_ext.views import lanes_of, row_of
+Those of structures with and without extras (extras.py) are made by `entries_of` and `lanes_entry`.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from ..machine.entry import entry
+from ..machine.kinds import Int, Ints, Real, Reals, SizedReals
+from ..numba_ext.jit import kernel
+from ..numba_ext.views import lanes_of
 from . import driven
 from .base import Shaking
 from .cracking import settle_bonds
 from .evaluate import energy, evaluate, recall, settle_memory, show
 from .in_lanes import Queue, batch_over, follow_queue
-from .layout import INPUT_MOTION, PHASE, STATE, scene_of, sizes_in
+from .layout import INPUT_MOTION, PHASE, STATE, WITH_EVENTS, WITH_EXTRAS, scene_of, sizes_in
 from .stepping import advance
 from .watch import Watch
 
 _phase, _input, _state = PHASE.over, INPUT_MOTION.over, STATE.over
 
-# arrays: model, state, counts, base, work; behind them, but for the entries of driven.py, extras: WITH_EXTRAS, or None
-# if the structure has none
+
+class StructureEntries(NamedTuple):
+    """The entries of structures without extras, or with."""
+
+    run: Callable[..., Any]
+    observe: Callable[..., Any]
+    stiffness: Callable[..., Any]
 
 
 @kernel
-def _rows(arrays):
-    return row_of(arrays[0]), row_of(arrays[1]), row_of(arrays[2]), row_of(arrays[3]), row_of(arrays[4])
-
-
-@kernel
-def see(arrays):
-    """The scene of a structure, and its state as a row."""
-    model, state, counts, _, work = _rows(arrays)
-    scene = scene_of(model, state, counts, work, arrays[5])
+def see(model, state, counts, work, extras):
+    """Return the scene of a structure, and its state as a row; extras: WITH_EXTRAS, or None if it has none."""
+    scene = scene_of(model, state, counts, work, extras)
     return scene, _state(state, sizes_in(model)).phase.row
-
-
-@kernel
-def _input_of(arrays):
-    return _input(row_of(arrays[3]), sizes_in(row_of(arrays[0])))
-
-
-@entry
-def run_structure(arrays, record, at, rows, t, stop, most):
-    """`stepping.advance` over a record (times, ax, ay, az, loads: base.py), with an output row at each time of `at`.
-
-    rows: with room for a state behind each, that is filled in too, as far as it moves.
-    """
-    scene, state = see(arrays)
-    times, ax, ay, az, loads = record
-    samples, inputs = (row_of(times), row_of(ax), row_of(ay), row_of(az)), _input_of(arrays)
-    of_loads = 1 if loads.size > 0 else 0, row_of(loads), inputs.loads.row
-    shaking = Shaking(times.size, ax.size, *samples, inputs.motion, *of_loads)
-    watch = Watch(at.size, row_of(at), row_of(rows), rows.size // max(1, at.size))
-    return advance(scene, shaking, watch, state, t, stop, most)
-
-
-@entry
-def observe_structure(arrays, rates, ax, ay, az, row, keep):
-    """Evaluate the state under an acceleration of the base, m/s2, and the loads in WORK: its rates and output row.
-
-    Returns its energy, J.
-    keep: whether joints and ties remember this state, as after a long rest.
-    """
-    scene, state = see(arrays)
-    seen = _phase(state, scene.n)
-    recall(scene, state)
-    evaluate(scene, seen, _phase(row_of(rates), scene.n), ax, ay, az)
-    if keep:
-        settle_memory(scene, state)
-        if settle_bonds(scene, state):
-            evaluate(scene, seen, _phase(row_of(rates), scene.n), ax, ay, az)
-    show(scene, seen, row_of(row))
-    return energy(scene, seen)
-
-
-@entry
-def stiffness_of(arrays, scratch, rates, delta, matrix):
-    """Tangent stiffness about the state, which has no rates: matrix (6 n x 6 n) by rows, N and N m per m and rad.
-
-    Forces on the centroids by displacements and rotations about the axes of the base, by central differences of `delta`
-    (a number for each coordinate, m or rad). Joints and ties remember what the state says.
-    """
-    scene, from_ = see(arrays)
-    n = scene.n
-    size = 6 * n
-    to, found = row_of(scratch), row_of(matrix)
-    turned, poses = _phase(to, n), scene.poses
-    recall(scene, from_)
-    for column in range(size):
-        i, axis = column // 6, column % 6
-        for way in range(2):
-            for place in range(13 * n):
-                to[place] = from_[place]
-            step = delta[column] if way == 0 else -delta[column]
-            if axis < 3:
-                to[axis * n + i] += step
-            else:
-                _turn(turned, i, axis - 3, step)
-            evaluate(scene, turned, _phase(row_of(rates), n), 0.0, 0.0, 0.0)
-            per = -0.5 / step
-            for other in range(n):
-                place = 6 * other * size + column
-                for part in range(6):
-                    if way == 0:
-                        found[place + part * size] = 0.0
-                found[place] += per * poses.fx[other]
-                found[place + size] += per * poses.fy[other]
-                found[place + 2 * size] += per * poses.fz[other]
-                found[place + 3 * size] += per * poses.mx[other]
-                found[place + 4 * size] += per * poses.my[other]
-                found[place + 5 * size] += per * poses.mz[other]
 
 
 @kernel
@@ -120,33 +50,139 @@ def _turn(phase, i, axis, angle):
     phase.q3[i] = scalar * q3 + z * q0 + x * q2 - y * q1
 
 
-@entry
-def run_structures_in_lanes(buffer, size, models, states, runs, outcomes, peaks, record, flag, extras):
-    """`in_lanes.follow_queue` over arrays; buffer: eight numbers for each of a lane; extras: as above."""
-    given = row_of(models), row_of(states), row_of(runs), row_of(outcomes), row_of(peaks)
-    times, ax, ay, az = record
-    queue = Queue(size, *given, row_of(times), row_of(ax), row_of(ay), row_of(az), row_of(flag), extras)
-    follow_queue(batch_over(sizes_in(row_of(models)), lanes_of(buffer), queue))
+@kernel
+def _find_stiffness(scene, from_, scratch, rates, delta, matrix):
+    """Compute the tangent stiffness by central differences of `delta`, N and N m per m and rad, by rows."""
+    n = scene.n
+    size = 6 * n
+    turned, poses = _phase(scratch, n), scene.poses
+    recall(scene, from_)
+    for column in range(size):
+        i, axis = column // 6, column % 6
+        for way in range(2):
+            # the state with one coordinate moved
+            for place in range(13 * n):
+                scratch[place] = from_[place]
+            step = delta[column] if way == 0 else -delta[column]
+            if axis < 3:
+                scratch[axis * n + i] += step
+            else:
+                _turn(turned, i, axis - 3, step)
+            evaluate(scene, turned, _phase(rates, n), 0.0, 0.0, 0.0)
+            # half of the difference of the forces on all bodies
+            per = -0.5 / step
+            for other in range(n):
+                place = 6 * other * size + column
+                for part in range(6):
+                    if way == 0:
+                        matrix[place + part * size] = 0.0
+                matrix[place] += per * poses.fx[other]
+                matrix[place + size] += per * poses.fy[other]
+                matrix[place + 2 * size] += per * poses.fz[other]
+                matrix[place + 3 * size] += per * poses.mx[other]
+                matrix[place + 4 * size] += per * poses.my[other]
+                matrix[place + 5 * size] += per * poses.mz[other]
 
 
-# --- a structure under inputs: driven.py over arrays
+def entries_of(group, extras):
+    """Return `run_structure`, `observe_structure` and `stiffness_of` of structures that have `extras`."""
+
+    def run_structure(
+        model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, times: SizedReals, ax: SizedReals,
+        ay: Reals, az: Reals, loads: SizedReals, at: SizedReals, rows: SizedReals, t: Real, stop: Real, most: Int,
+    ) -> Int:  # fmt: skip
+        """Run `stepping.advance` over a record (base.py), with an output row at each time of `at`.
+
+        rows: with room for a state behind each, that is filled in too, as far as it moves.
+        """
+        scene, phase = see(model, state, counts, work, extras)
+        inputs = _input(base, sizes_in(model))
+        of_loads = 1 if loads.size > 0 else 0, loads.row, inputs.loads.row
+        shaking = Shaking(times.size, ax.size, times.row, ax.row, ay, az, inputs.motion, *of_loads)
+        watch = Watch(at.size, at.row, rows.row, rows.size // max(1, at.size))
+        return advance(scene, shaking, watch, phase, t, stop, most)
+
+    def observe_structure(
+        model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, rates: Reals, ax: Real, ay: Real, az: Real,
+        row: Reals, keep: Int,
+    ) -> Real:  # fmt: skip
+        """Evaluate the state under an acceleration of the base, m/s2, and the loads in WORK: its rates and output row.
+
+        Returns its energy, J. keep: 1 if joints and ties remember this state, as after a long rest.
+        """
+        scene, phase = see(model, state, counts, work, extras)
+        seen = _phase(phase, scene.n)
+        recall(scene, phase)
+        evaluate(scene, seen, _phase(rates, scene.n), ax, ay, az)
+        if keep:
+            settle_memory(scene, phase)
+            if settle_bonds(scene, phase):
+                evaluate(scene, seen, _phase(rates, scene.n), ax, ay, az)
+        show(scene, seen, row)
+        return energy(scene, seen)
+
+    def stiffness_of(
+        model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, scratch: Reals, rates: Reals, delta: Reals,
+        matrix: Reals,
+    ):  # fmt: skip
+        """Compute the tangent stiffness about the state, which has no rates: matrix (6 n x 6 n) by rows.
+
+        Forces on the centroids by displacements and rotations about the axes of the base. delta: a difference, m or
+        rad, for each coordinate. Joints and ties remember what the state says.
+        """
+        scene, phase = see(model, state, counts, work, extras)
+        _find_stiffness(scene, phase, scratch, rates, delta, matrix)
+
+    return [entry(group, __name__)(made) for made in (run_structure, observe_structure, stiffness_of)]
 
 
-@entry
-def assemble_structure(arrays, given, from_rest):
-    """`driven.assemble`."""
-    return driven.assemble(*_rows(arrays), row_of(given), from_rest)
+def lanes_entry(group, extras):
+    """Return `run_structures_in_lanes` of structures that have `extras`."""
+
+    def run_structures_in_lanes(
+        buffer: Reals, size: Int, models: Reals, states: Reals, runs: Reals, outcomes: Reals, peaks: Reals,
+        times: Reals, ax: Reals, ay: Reals, az: Reals, flag: Reals,
+    ):  # fmt: skip
+        """Run `in_lanes.follow_queue`; buffer: eight numbers for each of a lane."""
+        queue = Queue(size, models, states, runs, outcomes, peaks, times, ax, ay, az, flag, extras)
+        follow_queue(batch_over(sizes_in(models), lanes_of(buffer), queue))
+
+    return entry(group, __name__)(run_structures_in_lanes)
 
 
-@entry
-def follow_structure(arrays, inputs, t, h, times, ax, ay, az, row):
-    """`driven.follow`."""
-    record = times.size, row_of(times), row_of(ax), row_of(ay), row_of(az), 1.0
-    return driven.follow(*_rows(arrays), row_of(inputs), t, h, *record, row_of(row))
+PLAIN = StructureEntries(*entries_of("structure", None))
+EXTRAS = StructureEntries(*entries_of("structure_extras", WITH_EXTRAS))
+lanes_plain = lanes_entry("structure_lanes", None)
+lanes_extras = lanes_entry("structure_lanes_extras", WITH_EXTRAS)
+lanes_events = lanes_entry("structure_lanes_events", WITH_EVENTS)
 
 
-@entry
-def look_structure(arrays, inputs, new_inputs, elapsed, t, times, ax, ay, az, row, driven_row):
-    """`driven.look`."""
-    record = times.size, row_of(times), row_of(ax), row_of(ay), row_of(az), 1.0
-    return driven.look(*_rows(arrays), row_of(inputs), new_inputs, elapsed, t, *record, row_of(row), row_of(driven_row))
+# --- a structure under inputs: driven.py over buffers
+
+
+@entry("structure_driven")
+def assemble_structure(
+    model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, given: Reals, from_rest: Int
+) -> Int:
+    """Run `driven.assemble`."""
+    return driven.assemble(model, state, counts, base, work, given, from_rest)
+
+
+@entry("structure_driven")
+def follow_structure(
+    model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, inputs: Reals, t: Real, h: Real,
+    times: SizedReals, ax: Reals, ay: Reals, az: Reals, row: Reals,
+) -> Int:  # fmt: skip
+    """Run `driven.follow`."""
+    record = times.size, times.row, ax, ay, az, 1.0
+    return driven.follow(model, state, counts, base, work, inputs, t, h, *record, row)
+
+
+@entry("structure_driven")
+def look_structure(
+    model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, inputs: Reals, new_inputs: Int, elapsed: Real,
+    t: Real, times: SizedReals, ax: Reals, ay: Reals, az: Reals, row: Reals, driven_row: Reals,
+) -> Int:  # fmt: skip
+    """Run `driven.look`."""
+    record = times.size, times.row, ax, ay, az, 1.0
+    return driven.look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, *record, row, driven_row)

@@ -10,11 +10,12 @@ sizes stand at the head of its model.
 
 from typing import Any, NamedTuple
 
-from numba import types
-
-from ..numba_ext.jit import in_both, leaf, varied_leaf
+from ..numba_ext.jit import COMPILES, in_both, leaf, varied_leaf
 from ..numba_ext.lanes import LANES
 from ..numba_ext.views import Numbers, Record, Space, Table
+
+if COMPILES:
+    from numba import types
 
 
 class Sizes(NamedTuple):
@@ -349,7 +350,7 @@ def remembered(sizes: Any) -> int:
     return found
 
 
-# what callers give as `extras` where there are some, by its type; else None
+# what entries pass as `extras` where there are some, whose type chooses the kernels; else None
 WITH_EXTRAS = 1
 WITH_EVENTS = 1.0  # in lanes, where neighbours or bonds are among them, which end steps
 

@@ -18,10 +18,10 @@ from ...kernels.api import entries
 from ...kernels.bonds import entries as with_bonds
 from ...kernels.bonds import layout as of_bonds
 from ...kernels.layout import spaces
+from ...kernels.machine.library import load
 from ...kernels.ports import entries as with_ports
 from ..protocol import LANES, LOADED, OVERTURNED, Kind, Lanes, Plan, Run, Work, code_of
 from ..uncertainty import Varied
-from .first_run import make_kernels
 from .kept import KEPT, WATCHED
 from .kinematics import Chain, chain_of
 from .lane_policy import HELD, first_step_of, kind_of, why_not_in_lanes
@@ -81,7 +81,7 @@ class Columns(Kind):
 
     def single_run(self, model: Column, plan: Plan) -> tuple[Response, FloatArray]:
         """A response, and ux of the tops."""
-        make_kernels(self.entries)
+        load(self.entries.run.group)  # before the clock starts
         response, phases = single_run(model, plan)
         return response, chain_of(model).top_displacements(phases)
 

@@ -265,7 +265,7 @@ class Chain:
         """`joint_energy` of any joint from its slope (rad, signed) and the weight on it (N), not relative to rest."""
         models = np.atleast_2d(self.model)
         found = np.zeros((len(models), slope.size // len(models)))
-        slopes, weights = (np.array(values, dtype=np.float64).reshape(found.shape) for values in (slope, weight))
+        slopes, weights = (np.array(values, np.float64, order="C").reshape(found.shape) for values in (slope, weight))
         for row in zip(models, slopes, weights, found, strict=True):
             model, *others = row
             joint_energies(self.n, model, i, slip, *others)

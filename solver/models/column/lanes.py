@@ -7,12 +7,10 @@ the runs beside it, nor on their order.
 
 from __future__ import annotations
 
-import gc
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
-from multiprocessing import parent_process
 from typing import NamedTuple
 
 import numpy as np
@@ -24,8 +22,9 @@ from ...kernels.api.entries import run
 from ...kernels.batch.entries import run_lanes, run_rimmed, run_round, run_round_slipping, run_slipping, run_stripped
 from ...kernels.batch.runs import OUTCOME, RUN, SLIP_FIELDS, SPACE
 from ...kernels.layout import spaces as at
+from ...kernels.machine.entry import Entry
+from ...kernels.machine.library import load
 from ...kernels.numba_ext.lanes import WIDTH
-from .block import Block, Joint
 from .lane_policy import enters_at_once, kind_of
 from .model import Column
 from .packing import Arrays, FloatArray, arrays_at, coordinates_of, copied
@@ -42,7 +41,7 @@ LINE = 64  # bytes that the processor reads at once: lanes that lie across two o
 class LaneKernels(NamedTuple):
     """A kind of lanes; each is compiled separately."""
 
-    follow: Callable[..., None]  # entry
+    follow: Entry
     slips: bool = False  # whether the columns have slips
     section: str = "rectangle"  # beside rectangles, that of some joint
     stages: int = 6  # evaluations of a step
@@ -283,23 +282,5 @@ def aligned(size: int) -> FloatArray:
 
 @lru_cache(maxsize=len(KINDS))
 def load_kernels(name: str) -> None:
-    """Load the kernels of a kind of lanes into this process, which takes as long as thousands of runs.
-
-    Called before the clock starts, so compile time is not counted.
-    """
-    kind = KINDS[name]
-    joint = Joint(1e9, 1e-3, friction=1.0 if kind.slips else None)
-    if kind.section == "strips":
-        joint = replace(joint, section="strips", strips=(1.0,))
-    if kind.section == "rims":
-        joint = replace(joint, rim=0.1)
-    block = Block(1.0, 1.0, 1.0, 1e3, joint, section="circle" if kind.section == "circle" else "rectangle")
-    run_shortly(Column("block", (block,)))
-
-
-def run_shortly(column: Column) -> None:
-    """Make two short runs, which load the kernels."""
-    gentle, strong = (Motion.harmonic(amplitude, 1.0, 1e-3) for amplitude in (1e-3, 100.0))
-    follow_in_lanes([column, column], [gentle, strong], [1e-3, 1e-3])
-    if parent_process() is not None:  # a worker of ours, not a user's process
-        gc.freeze()  # compiled code stays: repeated garbage collection of it took 4 % of the time
+    """Load the kernels of a kind of lanes into this process, before the clock starts."""
+    load(KINDS[name].follow.group)

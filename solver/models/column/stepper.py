@@ -14,9 +14,11 @@ from ...common import effort
 from ...common.errors import SolverError, TooMuchWorkError
 from ...ground.loads import COMPONENTS, IN_PLANE, on_one_grid
 from ...ground.motion import Motion
+from ...kernels.api import entries
 from ...kernels.api.engine import BASE_INPUTS
 from ...kernels.formulations.coupled_base import BODY
 from ...kernels.layout import spaces as at
+from ...kernels.machine.entry import Call, offset
 from ...kernels.stepping.control import most_work
 from ..outputs import BOND, peaks_by_name, visible_peaks
 from .model import Column
@@ -49,12 +51,14 @@ ROWS_AT_ONCE = 10_000
 _NONE = np.empty(0)
 _TURN = 8 * at.BASE.fields.index("theta")  # bytes
 _MOVED, _TURNED = struct.Struct("5d"), struct.Struct("3d")  # numpy takes thrice as long for a few numbers
+_T, _T_H = struct.Struct("=d"), struct.Struct("=2d")  # in the buffers of calls, t and h side by side
+_T_OF_RUN, _T_OF_LOOK = offset(entries.run, "t"), offset(entries.observe_state, "t")  # the same of all kinds of columns
 _OF_PLANE = [name in IN_PLANE for name in COMPONENTS]
 
 
 def _plain(row: ArrayLike) -> FloatArray:
-    """The row as the type of array that the kernels are compiled for: contiguous and, for numba, not read-only."""
-    return np.require(row, dtype=np.float64, requirements=["C", "W"])
+    """Return the row as kernels read it: contiguous."""
+    return np.require(row, dtype=np.float64, requirements=["C"])
 
 
 class Record:
@@ -103,12 +107,12 @@ class Stepper:
         self.lacks_mass = False  # whether these have forces, and no mass
         self._base = self.arrays.base.data
         self._ports = ports_of(column)
-        self.record = SILENCE
         row = at.ROW.size(self.n) + at.SPOTS.size(len(column.ports)) + column.sizes[BOND]
         self._whole = np.zeros(row + at.SPLIT.beside + at.DRIVEN.beside)
         self._row, self._split = self._whole[:row], self._whole[row:]
         self.seen = self._whole[: row + at.SPLIT.beside]
         """The output row last observed and its split; then the motion of the base where bodies may drive it."""
+        self.record = SILENCE
 
     @property
     def record(self) -> Record:
@@ -117,7 +121,10 @@ class Stepper:
 
     @record.setter
     def record(self, record: Record) -> None:
-        self._record, self._given = record, (self.n, *self.arrays, *self._arguments(record))
+        self._record = record
+        given = self.n, *self.arrays, *self._arguments(record)
+        self._advance = Call(self._entries.run, (*given, 0.0, 0.0, _NONE, _NONE, True))
+        self._observe = Call(self._entries.observe_state, (*given, 0.0, self._row, self._split))
 
     def drive(
         self,
@@ -184,13 +191,15 @@ class Stepper:
             self._check(at.BODY_LACKING, t)
         if self._is_driven:
             self._entries.examine_base(self.n, self.arrays.model, self.arrays.base, float(h))
-        code = self._entries.run(*self._given, float(t), float(h), _NONE, _NONE, True)
+        _T_H.pack_into(self._advance.buffer, _T_OF_RUN, t, h)
+        code = self._advance()
         if code < at.OK:
             self._check(code, t)
 
     def observe(self, t: float) -> FloatArray:
         """The output row at time t (layout/spaces.py, ROW); overwritten by the next call. Raises SolverError."""
-        code = self._entries.observe_state(*self._given, float(t), self._row, self._split)
+        _T.pack_into(self._observe.buffer, _T_OF_LOOK, t)
+        code = self._observe()
         if code < at.OK:
             self._check(code, t)
         return self._row
@@ -306,15 +315,16 @@ class Stepper:
 
         Raises SolverError.
         """
-        rows = np.zeros((len(snapshots), len(self._row)))
+        rows, done = np.zeros((len(snapshots), len(self._row))), np.zeros(1, dtype=np.int64)
         arrays = self.arrays._replace(counts=self.arrays.counts.copy(), base=self.arrays.base.copy())
         given, times = (self.n, *arrays, *self._arguments(self.followed)), _plain(times)
         for first in range(0, len(snapshots), ROWS_AT_ONCE):
             at_once = slice(first, first + ROWS_AT_ONCE)
             part, filled = snapshots[at_once].reshape(-1), rows[at_once].reshape(-1)
-            code, count = self._entries.observe_snapshots(*given, times[at_once], part, filled, len(rows[at_once]))
+            size = len(rows[at_once])
+            code = self._entries.observe_snapshots(*given, times[at_once], part, filled, size, done)
             if code != at.OK:
-                raise SolverError(f"output row {first + count}: {REASONS[code]}")
+                raise SolverError(f"output row {first + int(done[0])}: {REASONS[code]}")
         return rows
 
     def retune(self, column: Column) -> None:
@@ -377,9 +387,9 @@ class Stepper:
         return np.concatenate([peaks[:of_row], more, peaks[of_row:]])
 
     def _run(self, t: float, h: float, record: Record, times: FloatArray, snapshots: FloatArray, peaks: bool) -> int:
-        """Call the kernel with float64, whatever numbers the caller has, so that it is compiled once."""
         given = self._arguments(record)
-        return self._entries.run(self.n, *self.arrays, *given, float(t), float(h), times, snapshots, peaks)
+        code: int = self._entries.run(self.n, *self.arrays, *given, t, h, times, snapshots, peaks)
+        return code
 
     def _arguments(self, record: Record) -> tuple[Any, ...]:
         """A record as the entries take it."""

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from functools import lru_cache
 
+from ...kernels.machine.library import load
 from ...kernels.paper import entries
-from ..column.block import Block, Joint
 from ..column.kind import Columns
 from ..column.lane_policy import why_no_lanes
-from ..column.lanes import LaneKernels, run_shortly
+from ..column.lanes import LaneKernels
 from ..column.model import Column
 from ..column.response import Response
-from ..column.settings import Settings
 from ..protocol import Lanes, Plan, Work
 from .kinematics import PaperChain
 from .stability import check_step
@@ -56,7 +54,6 @@ class PaperColumns(Columns):
 KIND = PaperColumns()
 
 
-@lru_cache(maxsize=1)
 def load_lanes() -> None:
     """Load the kernels of lanes into this process."""
-    run_shortly(Column("block", (Block(1.0, 1.0, 1.0, 1e3, Joint(1e9, 1e-3)),), Settings("paper")))
+    load(entries.run_fixed_steps.group)

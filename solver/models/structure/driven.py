@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from typing import NamedTuple
 
 import numpy as np
@@ -17,10 +18,11 @@ from ...kernels.layout.spaces import (
     SLOPE_PARABOLA,
     TOO_MUCH_WORK,
 )
+from ...kernels.machine.entry import Call, offset
+from ...kernels.machine.library import load
 from ...kernels.structure import coupled, driven
 from ...kernels.structure import layout as at
 from ...kernels.structure.entries import assemble_structure, follow_structure, look_structure
-from ..column.first_run import compile_for
 from ..column.stepper import REASONS as IN_PLANE
 from ..outputs import visible_peaks
 from .blocks.faces import FloatArray
@@ -44,6 +46,10 @@ SKIP_CODES = {
     "elastic": driven.WITHOUT_ELASTIC,
     "stabilized": driven.WITHOUT_STABILIZED,
 }
+
+
+_T_H, _LOOK = struct.Struct("=2d"), struct.Struct("=q2d")  # in the buffers of calls
+_T_OF_FOLLOW, _NEW_OF_LOOK = offset(follow_structure, "t"), offset(look_structure, "new_inputs")
 
 
 class Chosen(NamedTuple):
@@ -99,18 +105,14 @@ def driven_size(bodies: int, turns: int) -> int:
 
 
 def make_kernels(_: object = None) -> None:
-    """Compile the entries that an FMU calls, unless they are cached."""
-    row = np.empty(0)
-    arrays = row, row, np.empty(0, dtype=np.int64), row, row
-    compile_for(assemble_structure, arrays, row, 1)
-    compile_for(follow_structure, arrays, row, 0.0, 0.0, *record_of(None), row)
-    compile_for(look_structure, arrays, row, 1, 0.0, 0.0, *record_of(None), row, row)
+    """Load the machine code that an FMU calls; made, unless there is some."""
+    load(follow_structure.group)
 
 
 class DrivenStructure:
     """A structure between two calls; the caller owns the time. Its whole state is in `arrays`: copying them saves it.
 
-    packed: see `packed`. record: followed beside the inputs.
+    packed: see `packed`.
     """
 
     def __init__(self, structure: Structure, model: FloatArray, given: Chosen) -> None:
@@ -118,9 +120,6 @@ class DrivenStructure:
         self.sizes = sizes_in(model)
         self.packed = model
         self.arrays = arrays_of(Model(self.sizes, model[: at.MODEL.size(self.sizes)]))
-        # machine code is kept by types, and in an FMU the class of the arrays has another name
-        self._arrays = tuple(self.arrays[:-1])
-        self.record = record_of(None)
         of_ports = at.INPUT_LOADS.size(self.sizes.ports)
         turns, bodies = int(given.turns), int(given.bodies)
         of_bodies = bodies * (coupled.BODY.beside + turns * coupled.TURNING_BODY.beside)
@@ -130,12 +129,24 @@ class DrivenStructure:
         self._row, self._driven = self.seen[: self.sizes.visible], self.seen[self.sizes.visible :]
         self._room = np.zeros(self.sizes.visible)
         self._elapsed, self._new = 0.0, False
+        self.record = record_of(None)
         self.counts, self._state = at.COUNTS.see(self.arrays.counts), at.STATE.see(self.arrays.state, self.sizes)
         self._assemble(given, True)
 
+    @property
+    def record(self) -> Record:
+        """What is followed beside the inputs."""
+        return self._record
+
+    @record.setter
+    def record(self, record: Record) -> None:
+        self._record, passed = record, (*self.arrays, self._inputs)
+        self._follow = Call(follow_structure, (*passed, 0.0, 0.0, *record, self._room))
+        self._look = Call(look_structure, (*passed, 0, 0.0, 0.0, *record, self._row, self._driven))
+
     def _assemble(self, given: Chosen, from_rest: bool) -> None:
         described = np.concatenate([np.array(given, dtype=np.float64), self.packed])
-        assemble_structure(self._arrays, described, int(from_rest))
+        assemble_structure(*self.arrays, described, from_rest)
 
     def retune(self, given: Chosen) -> None:
         """Go on with other choices, but of the base."""
@@ -152,7 +163,8 @@ class DrivenStructure:
         self._elapsed, self._new = 0.0 if since is None else t - since, True
 
     def advance(self, t: float, h: float) -> None:
-        code = follow_structure(self._arrays, self._inputs, float(t), float(h), *self.record, self._room)
+        _T_H.pack_into(self._follow.buffer, _T_OF_FOLLOW, t, h)
+        code = self._follow()
         self._new = False
         if code < at.OK:
             kind = TooMuchWorkError if code == TOO_MUCH_WORK else SolverError
@@ -160,8 +172,8 @@ class DrivenStructure:
 
     def observe(self, t: float) -> FloatArray:
         """The output row (kernels/structure/layout.py); overwritten by the next call."""
-        new = int(self._new)
-        look_structure(self._arrays, self._inputs, new, self._elapsed, float(t), *self.record, self._row, self._driven)
+        _LOOK.pack_into(self._look.buffer, _NEW_OF_LOOK, self._new, self._elapsed, t)
+        self._look()
         return self._row
 
     def stand_on_base(self) -> None:

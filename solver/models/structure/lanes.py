@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Sequence
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -12,17 +11,18 @@ import numpy as np
 from ...common import effort
 from ...common.turns import others_turn
 from ...ground.motion import Motion
+from ...kernels.machine.library import load
 from ...kernels.numba_ext.lanes import WIDTH
 from ...kernels.structure import in_lanes as at
-from ...kernels.structure.entries import run_structures_in_lanes
-from ...kernels.structure.layout import INSIDE, NO_ROOM, WITH_EVENTS
+from ...kernels.structure.entries import lanes_events, lanes_extras, lanes_plain
+from ...kernels.structure.layout import INSIDE, NO_ROOM
 from ...kernels.structure.stepping import SEEN
 from ..column.lanes import aligned
 from ..column.packing import FloatArray, IntArray
 from ..protocol import LANES, OVERTURNED, STANDING, UNDECIDED, Run
 from .model import Structure
 from .packing import shares_left
-from .rest import Rest, fastest_decay, rest_of
+from .rest import Rest, fastest_decay
 from .stepper import Stepper
 from .verdict import next_look, well_of, why_it_leans
 
@@ -58,9 +58,11 @@ def longest_step_of(structure: Structure) -> float:
     return float(min(structure.model.names.settings.first_step, per_evaluation / decay if decay else math.inf))
 
 
-def extras_of(structure: Structure) -> float | None:
-    """What the kernels are given as `extras`, whose type they are compiled by (kernels/structure/layout.py)."""
-    return WITH_EVENTS if structure.neighbours or structure.bonds else structure.model.extras
+def entry_for(structure: Structure) -> Any:
+    """Return the entry that follows such structures in lanes."""
+    if structure.neighbours or structure.bonds:
+        return lanes_events
+    return lanes_extras if structure.model.has_extras else lanes_plain
 
 
 def is_flat_run(structure: Structure, motion: Motion) -> bool:
@@ -180,7 +182,7 @@ class _Lanes:
         lanes.reshape(-1, WIDTH)[: models.shape[1]] = models[0][:, None]  # so that lanes without a run have numbers
         found = models.ravel(), states.ravel(), rows.ravel(), outcomes.ravel(), peaks.ravel()
         with others_turn():
-            run_structures_in_lanes(lanes, len(which), *found, self._record, flag, extras_of(self._runs[0].model))
+            entry_for(self._runs[0].model)(lanes, len(which), *found, *self._record, flag)
         if at.ALL.see(lanes.reshape(-1, WIDTH).sum(axis=1), self._sizes).work.room[NO_ROOM] != 0.0:
             outcomes[:, at.OUTCOME.places["ends"]] = at.STEP_TOO_SMALL  # followed alone, which says why
         self._states[which], self.outcomes[which], self.peaks[which] = states, outcomes, peaks
@@ -188,19 +190,4 @@ class _Lanes:
 
 def load_lanes(structure: Structure) -> None:
     """Load the kernels for such structures into this process, which takes as long as many runs if it compiles them."""
-    extras = extras_of(structure)
-    _load(extras is not None, isinstance(extras, float))
-
-
-@lru_cache(maxsize=3)
-def _load(some: bool, events: bool) -> None:
-    block = {"name": "block", "width": 1.0, "depth": 1.0, "height": 1.0, "mass": 1e3, "on": "base"}
-    data: dict[str, Any] = {"name": "block", "joints": {"stiffness": 1e9, "damping": 1e-3}, "block": [block]}
-    if some:
-        data["port"] = [{"name": "port", "block": "block"}]
-    if events:
-        wall = {"at": [1.0, 0.0, 0.0], "normal": [-1.0, 0.0], "width": 1.0, "height": 1.0}
-        data["neighbours"] = {"reach": 1.0, "stiffness": 1e9, "damping": 0.0, "friction": 0.0, "wall": [wall]}
-    structure = Structure.from_dict(data)
-    run = Run(structure, Motion.harmonic(1e-3, 1.0, 1e-3), 1e-3)
-    follow_in_lanes([run], [rest_of(structure)], 0.0)
+    load(entry_for(structure).group)

@@ -33,7 +33,6 @@ class Arrays(NamedTuple):
     counts: IntArray
     base: FloatArray
     work: FloatArray
-    extras: int | None  # by whose type kernels are compiled (kernels/structure/extras.py)
 
 
 class Model(NamedTuple):
@@ -48,10 +47,10 @@ class Model(NamedTuple):
         return at.MODEL.see(self.numbers, self.sizes)
 
     @property
-    def extras(self) -> int | None:
-        """WITH_EXTRAS if it has bearings, ports, neighbours or bonds, else None: it takes other kernels (extras.py)."""
+    def has_extras(self) -> bool:
+        """True if it has bearings, ports, neighbours or bonds, which need kernels with extras (extras.py)."""
         sizes = self.sizes
-        return at.WITH_EXTRAS if sizes.b or sizes.ports or sizes.pairs or sizes.bonds else None
+        return bool(sizes.b or sizes.ports or sizes.pairs or sizes.bonds)
 
 
 def arrays_of(model: Model) -> Arrays:
@@ -64,7 +63,6 @@ def arrays_of(model: Model) -> Arrays:
         np.zeros(at.COUNTS.beside, dtype=np.int64),
         np.zeros(at.INPUT_MOTION.size(model.sizes)),
         np.zeros(at.WORK.size(model.sizes)),
-        model.extras,
     )
 
 

@@ -153,17 +153,9 @@ def outputs_of_initialization(fmu: str) -> list[float]:
     return heard + column.get("base.Fz")
 
 
-def without_numba(fmu: str) -> None:
-    """An instance where numba is not installed."""
-    sys.modules["numba"] = None  # type: ignore[assignment]
-    Instance(fmu)
-
-
-def under_numba(fmu: str, version: str) -> None:
-    """An instance under a numba of that version."""
-    import numba
-
-    numba.__version__ = version
+def without_numpy(fmu: str) -> None:
+    """An instance where numpy is not installed."""
+    sys.modules["numpy"] = None  # type: ignore[assignment]
     Instance(fmu)
 
 

@@ -13,12 +13,12 @@ def loaded_with(module: str, others: list[str]) -> list[str]:
 
 
 def with_numba(version: str) -> str:
-    """The message of the import of the solver under a numba of that version."""
+    """The message of the import of what compiles kernels, under a numba of that version."""
     import numba
 
     numba.__version__ = version
     try:
-        importlib.import_module("solver")
+        importlib.import_module("solver.kernels.numba_ext.lane_types")
     except ImportError as error:
         return str(error)
     return ""

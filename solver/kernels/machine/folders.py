@@ -1,8 +1,4 @@
-"""Where machine code stays: beside its sources in a checkout, in the user's cache folder if they are installed.
-
-A package manager removes what it has installed, and nothing else: machine code in `site-packages` would outlast the
-project there. This module needs nothing outside the standard library; FMUs run it before they import the solver.
-"""
+"""The folder of the user, and of no other, for what can be made again, machine code among it."""
 
 import hashlib
 import os
@@ -11,11 +7,8 @@ import sys
 from contextlib import suppress
 from pathlib import Path
 
-CODE_FOLDER = "code"  # of numba's machine code, in the folder of the user
-NUMBAS_FOLDER = "multiblock-fmu"  # of the same, in NUMBA_CACHE_DIR
 OF_OTHERS = stat.S_IWGRP | stat.S_IWOTH
 DIGEST = 32  # bytes of a checksum, before what is kept
-INSTALLED = {"site-packages", "dist-packages"}  # folders that a package manager looks after
 
 
 def user_folder() -> Path:
@@ -97,26 +90,3 @@ def kept(kind: str, name: str) -> bytes | None:
         return None
     content = data[DIGEST:]
     return content if hashlib.sha256(content).digest() == data[:DIGEST] else None
-
-
-def code_folder(source: Path, package: str, numbas: str) -> str:
-    """Return the folder for the machine code of a source file; "" for `__pycache__` beside it.
-
-    package: name of the package that the kernels belong to; in an FMU it is a copy, which brings its machine code.
-    numbas: NUMBA_CACHE_DIR, in which the code has a private folder. "" if there is no folder to write to: numba looks
-    elsewhere. Raises NotPrivateError.
-    """
-    writable, chosen = os.access(source.parent, os.W_OK), os.environ.get("MULTIBLOCK_CACHE_DIR")
-    if package.partition(".")[0] == "solver":
-        beside = writable and not (chosen or numbas or INSTALLED.intersection(source.parts))
-    else:
-        chosen, beside = "", writable or not numbas
-    if beside:
-        return ""
-    try:
-        in_numbas = numbas and not chosen
-        return str(private_folder(NUMBAS_FOLDER, Path(numbas).absolute()) if in_numbas else private_folder(CODE_FOLDER))
-    except NotPrivateError:
-        raise
-    except (OSError, RuntimeError):
-        return ""

@@ -1,0 +1,63 @@
+"""From a module of LLVM as written to the code of any target: optimized once for all, then emitted for each."""
+
+import multiprocessing
+import os
+import sys
+import time
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+
+from llvmlite import binding as llvm
+
+
+def optimize(whole: llvm.ModuleRef, triple: str, cpu: str) -> None:
+    """Optimize, without functions that are never called."""
+    machine = machine_for(whole, triple, cpu)
+    for level in (0, 3):  # small functions into their callers first, as numba does
+        builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=level))
+        passes = builder.getModulePassManager()
+        if not level:
+            passes.add_loop_rotate_pass()
+            passes.add_instruction_combine_pass()
+            passes.add_jump_threading_pass()
+        passes.run(whole, builder)
+
+
+def machine_for(whole: llvm.ModuleRef, triple: str, cpu: str) -> llvm.TargetMachine:
+    """Return the target machine; the module is set to its triple and layout."""
+    machine = llvm.Target.from_triple(triple).create_target_machine(cpu=cpu, opt=3, reloc="pic", codemodel="default")
+    whole.triple, whole.data_layout = triple, str(machine.target_data)
+    return machine
+
+
+def emit(bitcode: bytes, triple: str, cpu: str, file: str) -> None:
+    """Write the object code, or assembly (.s), of an optimized module for one target."""
+    initialize()
+    whole = llvm.parse_bitcode(bitcode)
+    machine = machine_for(whole, triple, cpu)
+    code = machine.emit_assembly(whole).encode() if file.endswith(".s") else machine.emit_object(whole)
+    Path(file).write_bytes(code)
+
+
+def emit_all(bitcode: bytes, targets: Sequence[tuple[str, str, str]]) -> None:
+    """Write the code of an optimized module for (triple, processor, file) each, on all cores."""
+    if len(targets) == 1:
+        emit(bitcode, *targets[0])
+        return
+    with ProcessPoolExecutor(min(len(targets), os.cpu_count() or 1), multiprocessing.get_context("spawn")) as workers:
+        begun = {workers.submit(emit, bitcode, *target): target for target in targets}
+        for done in as_completed(begun):
+            done.result()
+            tell(f"machine code: {'/'.join(begun[done][:2])}")
+
+
+def initialize() -> None:
+    """Have LLVM's code for all targets."""
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+
+
+def tell(text: str) -> None:
+    """Print a line of progress, with the processor time that this process has taken so far."""
+    print(f"{text} ({time.process_time():.0f} s)", file=sys.stderr, flush=True)

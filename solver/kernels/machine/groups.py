@@ -1,0 +1,33 @@
+"""The groups of entries: each is typed, optimized and kept as one piece of machine code."""
+
+from typing import NamedTuple
+
+
+class Group(NamedTuple):
+    """A group of entries."""
+
+    module: str  # that defines them, below solver/kernels/
+    purpose: str
+    seconds: int  # that it takes to make, measured on one core
+
+
+GROUPS = {
+    "column": Group("api.entries", "columns", 33),
+    "statics": Group("api.entries", "joints", 6),
+    "ports": Group("ports.entries", "columns with ports", 35),
+    "bonds": Group("bonds.entries", "columns with brittle joints", 44),
+    "paper": Group("paper.entries", "the paper's columns", 15),
+    "paper_lanes": Group("paper.entries", "the paper's columns in lanes", 8),
+    "lanes": Group("batch.entries", "columns in lanes", 12),
+    "lanes_round": Group("batch.entries", "round columns in lanes", 12),
+    "lanes_slipping": Group("batch.entries", "sliding columns in lanes", 14),
+    "lanes_round_slipping": Group("batch.entries", "round sliding columns in lanes", 15),
+    "lanes_strips": Group("batch.entries", "columns on strips in lanes", 18),
+    "lanes_rims": Group("batch.entries", "columns with rims in lanes", 20),
+    "structure": Group("structure.entries", "structures", 35),
+    "structure_extras": Group("structure.entries", "structures with bearings, ports, neighbours or bonds", 45),
+    "structure_driven": Group("structure.entries", "structures that FMUs drive", 40),
+    "structure_lanes": Group("structure.entries", "structures in lanes", 20),
+    "structure_lanes_extras": Group("structure.entries", "structures with bearings in lanes", 25),
+    "structure_lanes_events": Group("structure.entries", "structures with neighbours or bonds in lanes", 30),
+}

@@ -1,0 +1,50 @@
+"""Levels of processors: machine code is made for each, and the highest that this one has is run."""
+
+import platform
+import re
+import sys
+from functools import lru_cache
+from pathlib import Path
+
+# from the highest to the one that every supported processor has, as LLVM names them
+X86 = ("x86-64-v4", "x86-64-v3", "x86-64-v2")
+ARM = ("arm64",)
+# what the two higher levels need beside the lower ones, as Linux names it
+_NEEDED = {
+    "x86-64-v3": ("avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe"),
+    "x86-64-v4": ("avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"),
+}
+_AVX2, _AVX512 = 40, 41  # of Windows' IsProcessorFeaturePresent
+
+
+def is_arm() -> bool:
+    """Return True on a processor of 64 bits of ARM."""
+    return platform.machine().lower() in ("arm64", "aarch64")
+
+
+@lru_cache(maxsize=1)
+def levels() -> tuple[str, ...]:
+    """Return the levels that this processor runs, the highest first."""
+    if is_arm():
+        return ARM
+    first = len(X86) - 1
+    for level in reversed(X86[:-1]):
+        if not _has(level):
+            break
+        first -= 1
+    return X86[first:]
+
+
+def _has(level: str) -> bool:
+    if sys.platform == "linux":
+        try:
+            found = re.search(r"^flags\s*:(.*)$", Path("/proc/cpuinfo").read_text(encoding="ascii"), re.MULTILINE)
+        except (OSError, UnicodeDecodeError):
+            return False
+        return found is not None and set(_NEEDED[level]) <= set(found[1].split())
+    if sys.platform == "win32":
+        import ctypes
+
+        feature = _AVX2 if level == "x86-64-v3" else _AVX512
+        return bool(ctypes.windll.kernel32.IsProcessorFeaturePresent(feature)) and level == "x86-64-v3"
+    return False  # macOS: only processors of ARM are new

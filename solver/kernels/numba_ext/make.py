@@ -1,0 +1,125 @@
+"""Machine code of groups of entries: `python -m solver.kernels.numba_ext.make GROUP BITCODE TARGET... [-- GROUP ...]`.
+
+The entries are typed by numba, linked and optimized once, and emitted for each target. BITCODE is the file of the
+optimized module, written if it is not there. TARGET is LEVEL=FILE, or TRIPLE/CPU=FILE for another machine; the suffix
+of the file says what is written: object code, or assembly (.s). Groups in one process share the kernels that are typed.
+"""
+
+import importlib
+import sys
+from pathlib import Path
+from typing import Any
+
+from llvmlite import binding as llvm
+from llvmlite import ir
+from numba import types
+
+from ..machine.emitting import emit_all, initialize, optimize, tell
+from ..machine.entry import Entry, entries_of
+from ..machine.groups import GROUPS
+from ..machine.kinds import Int, Ints, Real, Reals, SizedReals
+from ..machine.level import ARM, X86, is_arm
+from .jit import as_written
+from .linking import collecting_seldom
+from .rows import RowType, SizedType
+
+_I32, _I64, _DOUBLE = ir.IntType(32), ir.IntType(64), ir.DoubleType()
+_BYTES = ir.IntType(8).as_pointer()
+# kind -> its type for numba, and those of its slots
+NUMBAS = {
+    Int: types.int64,
+    Real: types.float64,
+    Reals: RowType(types.float64),
+    Ints: RowType(types.int64),
+    SizedReals: SizedType(),
+}
+_SLOTS: dict[Any, tuple[ir.Type, ...]] = {
+    Int: (_I64,),
+    Real: (_DOUBLE,),
+    Reals: (_DOUBLE.as_pointer(),),
+    Ints: (_I64.as_pointer(),),
+    SizedReals: (_DOUBLE.as_pointer(), _I64),
+}
+BASELINE = X86[-1]
+
+
+def module_of(group: str) -> llvm.ModuleRef:
+    """Return the entries of a group and all functions that they call, each once, as written."""
+    kernels = __package__.rpartition(".")[0]
+    importlib.import_module(f"{kernels}.{GROUPS[group].module}")
+    whole, offered = llvm.parse_assembly(""), set()
+    for entry in entries_of(group):
+        part, inside = as_written(entry.function, tuple(NUMBAS[kind] for kind in entry.kinds.values()))
+        whole.link_in(part)
+        whole.link_in(llvm.parse_assembly(str(bridge(entry, inside))))
+        offered.add(entry.__name__)
+        tell(f"kernels typed: {entry.__name__}")
+    for item in [*whole.functions, *whole.global_variables]:
+        if not item.is_declaration:
+            item.linkage = "external" if item.name in offered else "internal"
+    return whole
+
+
+def bridge(entry: Entry, inside: str) -> ir.Module:
+    """Return a function by the name of an entry that takes the address of a buffer, and calls numba's function.
+
+    Numba's returns 0, and takes the addresses of its result and of an exception before the arguments.
+    """
+    module = ir.Module(name=f"bridge_{entry.__name__}")
+    slots = [slot for kind in entry.kinds.values() for slot in _SLOTS[kind]]
+    result = _DOUBLE if entry.result is Real else _I64
+    called = ir.FunctionType(_I32, [result.as_pointer(), _BYTES.as_pointer(), *slots])
+    numbas = ir.Function(module, called, name=inside)
+    function = ir.Function(module, ir.FunctionType(_I64, [_I64.as_pointer()]), name=entry.__name__)
+    builder = ir.IRBuilder(function.append_basic_block())
+    found, raised = builder.alloca(result), builder.alloca(_BYTES)
+    passed = []
+    for k, slot in enumerate(slots):
+        place = builder.gep(function.args[0], [_I64(k)])
+        passed.append(builder.load(builder.bitcast(place, slot.as_pointer())))
+    builder.call(numbas, [found, raised, *passed])
+    if entry.result is None:
+        builder.ret(_I64(0))
+    else:
+        builder.ret(builder.bitcast(builder.load(found), _I64))
+    return module
+
+
+def local_triple() -> str:
+    """Return the triple of object code that llvmlite loads in this process."""
+    triple: str = llvm.get_process_triple()
+    return f"{triple}-elf" if sys.platform == "win32" else triple
+
+
+def target_of(word: str) -> tuple[str, str]:
+    """Return triple and processor of LEVEL or TRIPLE/CPU."""
+    if "/" in word:
+        triple, _, cpu = word.partition("/")
+        return triple, cpu
+    return local_triple(), "generic" if word in ARM else word
+
+
+def make(group: str, bitcode: Path, targets: list[tuple[str, str, str]]) -> None:
+    """Write the code of a group for (triple, processor, file) each, and its optimized module."""
+    if not bitcode.is_file():
+        with collecting_seldom():
+            whole = module_of(group)
+        optimize(whole, local_triple(), target_of(ARM[0] if is_arm() else BASELINE)[1])
+        tell(f"kernels optimized: {group}")
+        bitcode.write_bytes(whole.as_bitcode())
+    emit_all(bitcode.read_bytes(), targets)
+
+
+def main(arguments: list[str]) -> int:
+    """GROUP BITCODE TARGET=FILE ... [-- GROUP ...]: write the code of each target of each group."""
+    initialize()
+    while arguments:
+        end = arguments.index("--") if "--" in arguments else len(arguments)
+        (group, bitcode, *words), arguments = arguments[:end], arguments[end + 1 :]
+        pairs = (word.partition("=") for word in words)
+        make(group, Path(bitcode), [(*target_of(target), file) for target, _, file in pairs])
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(sys.argv[1:]))

@@ -1,0 +1,260 @@
+"""Machine code of the kernels: made for the sources as they are, kept where the user alone can write, checked."""
+
+from __future__ import annotations
+
+import importlib
+import io
+import os
+import pickle
+import shutil
+import struct
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support.child import command, returned
+from support.fmus import DAMPED, ROOT, finish_in
+from support.inside import loads
+
+from solver.kernels.api import entries
+from solver.kernels.machine import entry as machine_entry
+from solver.kernels.machine import folders, level, library
+from solver.kernels.machine.entry import ENTRIES, Entry
+from solver.kernels.machine.groups import GROUPS
+from solver.kernels.machine.kinds import Int, Reals
+from solver.kernels.machine.library import MachineCodeError
+
+
+def loaded_kernel_says(project: Path) -> float:
+    """Normal force of the top joint at rest, from a process of its own that keeps its code in the project."""
+    places = {"PYTHONPATH": str(project), "MULTIBLOCK_CACHE_DIR": str(project / "cache")}
+    done = finish_in(project, *command(loads.normal_force, "phocas.toml"), **places)
+    assert done.returncode == 0, done.stderr
+    return float(returned(done.stdout))
+
+
+@pytest.mark.long  # compiles the kernels twice
+def test_a_change_in_any_kernel_file_is_compiled_again(tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "solver", tmp_path / "solver", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(DAMPED, tmp_path / "phocas.toml")
+    first = loaded_kernel_says(tmp_path)
+    assert loaded_kernel_says(tmp_path) == first
+    outputs = tmp_path / "solver" / "kernels" / "formulations" / "outputs.py"
+    text = outputs.read_text()
+    changed = text.replace("joints.N[i] = normal", "joints.N[i] = 2.0 * normal")
+    assert changed != text
+    outputs.write_text(changed)
+    assert loaded_kernel_says(tmp_path) == 2.0 * first
+
+
+# --- entries
+
+
+def test_every_entry_belongs_to_a_group_whose_module_defines_it() -> None:
+    for of in GROUPS.values():
+        importlib.import_module(f"solver.kernels.{of.module}")
+    assert {group for group, _ in ENTRIES} == set(GROUPS)
+    for group, name in ENTRIES:
+        module = f"solver.kernels.{GROUPS[group].module}"
+        assert ENTRIES[group, name].__module__ == module, (group, name)
+
+
+def test_an_entry_is_pickled_by_its_name() -> None:
+    assert pickle.loads(pickle.dumps(entries.run)) is entries.run
+
+
+ROW = np.zeros(4)
+
+
+@pytest.mark.parametrize(
+    ("edges", "what"),
+    [
+        (np.zeros(8)[::2], r"an array of shape \(4,\) with gaps: must be contiguous"),
+        (np.zeros(4, dtype=np.float32), "an array of float32: must be of float64"),
+        (np.zeros(4, dtype=np.int64), "an array of int64: must be of float64"),
+    ],
+)
+def test_an_array_of_another_kind_is_refused(edges: Any, what: str) -> None:
+    with pytest.raises(TypeError, match=what):
+        entries.rings_beyond(ROW, ROW, edges, ROW, ROW)
+
+
+def test_other_arguments_are_refused() -> None:
+    with pytest.raises(TypeError, match="rings_beyond: takes 5 arguments, got 4"):
+        entries.rings_beyond(ROW, ROW, ROW, ROW)
+    with pytest.raises(TypeError, match="joint_energies: required argument is not an integer"):
+        entries.joint_energies(1, ROW, 0.5, 0.0, ROW, ROW, ROW)
+
+
+def test_an_argument_without_a_kind_is_refused() -> None:
+    def sum_of(n: Int, numbers) -> Int:
+        return n
+
+    with pytest.raises(TypeError, match="sum_of: each argument needs a kind, the result Int, Real or None"):
+        Entry(sum_of, "statics", __name__)
+
+
+def test_the_numbers_of_a_call_can_be_replaced() -> None:
+    first, second = np.zeros(1), np.zeros(1)
+    call = machine_entry.Call(entries.rings_beyond, (np.ones(1), np.zeros(1), np.array([-1.0]), first, second))
+    call()
+    assert first[0] / np.pi == pytest.approx(1.0, rel=1e-12)  # a circle beyond an edge that touches it
+    twice = np.full(1, 2.0)
+    struct.pack_into("=q", call.buffer, machine_entry.offset(entries.rings_beyond, "outer"), twice.ctypes.data)
+    call()
+    assert first[0] > np.pi
+
+
+def test_a_function_that_is_not_in_the_code_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    def no_such_function(numbers):
+        return
+
+    no_such_function.__annotations__ = {"numbers": Reals}
+    monkeypatch.setitem(ENTRIES, ("statics", "no_such_function"), Entry(no_such_function, "statics", __name__))
+    monkeypatch.delitem(library._loaded, "statics", raising=False)
+    with pytest.raises((MachineCodeError, AttributeError), match="no_such_function"):
+        library.load("statics")
+
+
+# --- where it is kept
+
+
+HOME = Path("/home/ada")
+
+
+@pytest.mark.parametrize(
+    ("platform", "variables", "folder"),
+    [
+        ("linux", {}, HOME / ".cache" / "multiblock-fmu"),
+        ("linux", {"XDG_CACHE_HOME": "/cache"}, Path("/cache/multiblock-fmu")),
+        ("darwin", {}, HOME / "Library" / "Caches" / "multiblock-fmu"),
+        ("win32", {}, HOME / "AppData" / "Local" / "multiblock-fmu"),
+        ("win32", {"LOCALAPPDATA": "/local"}, Path("/local/multiblock-fmu")),
+        ("linux", {"MULTIBLOCK_CACHE_DIR": "/chosen", "XDG_CACHE_HOME": "/cache"}, Path("/chosen")),
+    ],
+)
+def test_the_folder_of_the_user_follows_the_platform(
+    monkeypatch: pytest.MonkeyPatch, platform: str, variables: dict[str, str], folder: Path
+) -> None:
+    place(monkeypatch, HOME=str(HOME), USERPROFILE=str(HOME), **variables)
+    monkeypatch.setattr(sys, "platform", platform)
+    assert folders.user_folder() == folder
+
+
+def replaced(file: Path, put: Callable[[Path], object]) -> None:
+    file.unlink()
+    put(file)
+
+
+DAMAGES: dict[str, Callable[[Path], object]] = {
+    "empty": lambda file: file.write_bytes(b""),
+    "truncated": lambda file: file.write_bytes(file.read_bytes()[: file.stat().st_size // 2]),
+    "garbage": lambda file: file.write_bytes(bytes(range(256)) * 40),
+    "unreadable": lambda file: replaced(file, lambda it: it.symlink_to(it)),  # for root, too
+    "a folder": lambda file: replaced(file, Path.mkdir),
+}
+
+
+def test_what_is_kept_is_whole_or_not_there(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    place(monkeypatch, MULTIBLOCK_CACHE_DIR=str(tmp_path / "cache"))
+    for damage in DAMAGES.values():
+        assert folders.kept("guard", "name") is None
+        folders.keep("guard", "name", b"content")
+        assert folders.kept("guard", "name") == b"content"
+        damage(tmp_path / "cache" / "guard" / "name")
+    assert folders.kept("guard", "name") is None
+    folders.keep("guard", "name", b"content")  # not into a folder, and without a word
+    assert [file.name for file in (tmp_path / "cache" / "guard").iterdir()] == ["name"]
+
+
+def opened(folder: Path) -> None:
+    folder.chmod(0o770)
+
+
+def given_away(folder: Path) -> None:
+    if os.getuid() != 0:
+        pytest.skip("only root can give a folder away")
+    os.chown(folder, 12345, -1)
+
+
+def made_now(monkeypatch: pytest.MonkeyPatch) -> bytes:
+    """What `library` makes of a group, by a compiler that is quick."""
+
+    def quick(wanted: dict[str, dict[str, Path]]) -> None:
+        for files in wanted.values():
+            for file in files.values():
+                file.write_bytes(b"made")
+
+    monkeypatch.setattr(library, "run_make", quick)
+    return library._made(["statics"])[0]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="folders of a user on Windows are his own")
+@pytest.mark.parametrize("harm", [opened, given_away])
+@pytest.mark.parametrize("inside", ["", "code"])
+def test_machine_code_that_others_may_have_planted_is_not_read(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, harm: Callable[[Path], None], inside: str
+) -> None:
+    place(monkeypatch, MULTIBLOCK_CACHE_DIR=str(tmp_path / "cache"))
+    assert made_now(monkeypatch) == b"made"
+    assert folders.kept(library.KEPT, library._key("statics")) == b"made"
+    for folder in (tmp_path / "cache", tmp_path / "cache" / "code"):
+        if folder.name == "cache" or inside:
+            harm(folder)
+    if harm is opened and not inside:  # it is closed again; nothing could get into the private folder
+        assert folders.kept(library.KEPT, library._key("statics")) == b"made"
+        assert (tmp_path / "cache").stat().st_mode & 0o022 == 0
+        return
+    assert folders.kept(library.KEPT, library._key("statics")) is None
+    with pytest.warns(RuntimeWarning, match="machine code is not kept, and made in every process: .*: others c"):
+        made_now(monkeypatch)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="folders of a user on Windows are his own")
+def test_a_folder_that_all_may_add_to_stays_so(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """As /tmp, whose owner would close it to all others."""
+    shared = tmp_path / "shared"
+    shared.mkdir()
+    shared.chmod(0o1777)
+    place(monkeypatch)
+    assert folders.private_folder("multiblock-fmu", shared) == shared / "multiblock-fmu"
+    assert shared.stat().st_mode & 0o7777 == 0o1777
+    assert (shared / "multiblock-fmu").stat().st_mode & 0o7777 == 0o700
+
+
+# --- which, and what is said
+
+
+def test_the_level_is_one_that_this_processor_has() -> None:
+    assert level.levels()[-1] in ("x86-64-v2", "arm64")
+    assert set(level.levels()) <= {*level.X86, *level.ARM}
+
+
+def test_what_cannot_be_made_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(library, "_python", lambda: sys.executable)
+    with pytest.raises(MachineCodeError, match=r"^the kernels of joints cannot be compiled: LLVM ERROR: .*"):
+        library.run_make({"statics": {"no such": Path("/nonexistent/x.o")}})
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_a_terminal_says_what_is_compiled_and_a_pipe_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    for shown, said in ((Terminal(), "compiling the kernels of joints, once: about 6 s\n"), (io.StringIO(), "")):
+        monkeypatch.setattr(sys, "stderr", shown)
+        monkeypatch.setattr(library, "keep", lambda *_: None)
+        made_now(monkeypatch)
+        assert shown.getvalue() == said
+
+
+def place(monkeypatch: pytest.MonkeyPatch, **variables: str) -> None:
+    """Let the environment name these folders and no others."""
+    for name in ("MULTIBLOCK_CACHE_DIR", "XDG_CACHE_HOME", "LOCALAPPDATA"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
