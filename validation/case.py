@@ -27,7 +27,8 @@ class Outcome:
 class Case:
     """compute: the answer, given the folder of data (None: there is none). Raises AbsentError, InputError for bad data.
 
-    fitted, predicted: what the model was given of the truth, and what it says without being given it.
+    fitted, predicted: what the model was given of the truth, and what it says without being given it. takes_rims:
+    whether `compute` takes widths of rims over those of their faces too, to answer for these beside whole faces.
     """
 
     name: str
@@ -36,7 +37,12 @@ class Case:
     model: str
     fitted: str
     predicted: str
-    compute: Callable[[Path | None], Outcome] = field(repr=False)
+    compute: Callable[..., Outcome] = field(repr=False)
+    takes_rims: bool = False
+
+    def answer(self, data: Path | None, rims: Sequence[float] = ()) -> Outcome:
+        """Return the answer, with rims if any are given and the case takes them."""
+        return self.compute(data, rims) if self.takes_rims else self.compute(data)
 
 
 def data_folder(data: Path | None, name: str, advice: str) -> Path:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 import time as clock
 import warnings
@@ -18,6 +19,7 @@ from multiblock import InputError, InputWarning
 from .case import AbsentError, Case, Outcome
 from .cases import CASES
 from .pictures import save
+from .rims import WHOLE
 
 FOLDER = Path(__file__).parent / "results"
 
@@ -36,7 +38,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     wanted = [case for case in CASES if not options.only or case.name in options.only]
     for case in wanted:
         try:
-            run(case, options.data, options.output_folder)
+            if options.rim and not case.takes_rims:
+                print(f"--- {case.name}: skipped: has no faces that could touch in a rim", flush=True)
+                continue
+            run(case, options.data, options.output_folder, options.rim)
         except AbsentError as absent:
             print(f"--- {case.name}: skipped: {absent}", flush=True)
         except InputError as wrong:
@@ -45,13 +50,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def run(case: Case, data: Path | None, folder: Path) -> None:
+def run(case: Case, data: Path | None, folder: Path, rims: Sequence[float] = ()) -> None:
     """One case: its lines printed, its numbers and its picture written to the folder."""
     print(f"--- {case.name}: {case.title}", flush=True)
     begin, begin_cpu = clock.perf_counter(), clock.process_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", InputWarning)  # models of tests have odd masses and dampings on purpose
-        outcome = case.compute(data)
+        outcome = case.answer(data, rims)
     seconds, cpu = clock.perf_counter() - begin, clock.process_time() - begin_cpu
     lines = [*outcome.lines, f"fitted: {case.fitted}", f"{seconds:.0f} s of the clock, {cpu:.0f} s of the processor"]
     print("\n".join(lines), flush=True)
@@ -88,6 +93,16 @@ def plain(value: Any) -> Any:
     return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
+def _share(text: str) -> float:
+    try:
+        share = float(text)
+    except ValueError:
+        share = math.nan
+    if not 1e-3 <= share <= WHOLE:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be a part of the width, 0.001 to {WHOLE}")
+    return share
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m validation", description=__doc__)
     parser.add_argument("--list", action="store_true", help="name the cases")
@@ -95,5 +110,14 @@ def _parser() -> argparse.ArgumentParser:
         "--only", action="append", choices=[case.name for case in CASES], help="a case; may be repeated"
     )
     parser.add_argument("--data", type=Path, help="folder of data that you have fetched; without it cases are skipped")
+    parser.add_argument(
+        "--rim",
+        action="append",
+        type=_share,
+        default=[],
+        metavar="SHARE",
+        help="also faces that touch in a rim of this part of their width, 0.001 to 0.5 (all of it), damped critically "
+        "at the edge; may be repeated; of " + ", ".join(case.name for case in CASES if case.takes_rims),
+    )
     parser.add_argument("--output-folder", type=Path, default=FOLDER, help="default: %(default)s")
     return parser

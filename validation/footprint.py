@@ -10,8 +10,10 @@ import numpy as np
 
 from multiblock import InputError, Structure
 from solver.models.structure.hull_tables import with_hulls
+from solver.statics.edges import damping_on_edge
 
 from .rigid_block import FloatArray
+from .rims import WHOLE
 
 MILLIMETRES = 10.0  # a scan that is higher than this, m, is in mm
 
@@ -22,12 +24,33 @@ class Rock:
 
     table: dict[str, Any]
 
-    def structure(self, scale: float, stiffness: float, damping: float, friction: float) -> Structure:
-        """The rock on the base, its foot larger by `scale` about the point below the centroid."""
+    def structure(
+        self, scale: float, stiffness: float, damping: float, friction: float, rim: float | None = None
+    ) -> Structure:
+        """The rock on the base, its foot larger by `scale` about the point below the centroid.
+
+        rim: width over that of the foot of a rim in which it touches, as stiff in all as the whole foot and critically
+        damped. The width of the foot is that of the square which has its area over its perimeter.
+        """
         below = np.array(self.table["centroid"][:2])
         foot = below + scale * (self.foot - below)
         law = {"stiffness": stiffness, "damping": damping, "friction": friction}
-        return Structure.from_dict({"name": "rock", "joints": law, "block": [{**self.table, "foot": foot.tolist()}]})
+        table = {"name": "rock", "joints": law, "block": [{**self.table, "foot": foot.tolist()}]}
+        whole = Structure.from_dict(table)
+        if rim is None:
+            return whole
+        area = whole.joints[0].face.moments[0]
+        sides = np.roll(foot, -1, axis=0) - foot
+        width = 4.0 * area / float(np.sum(np.hypot(*sides.T)))
+        table["joints"] = law | {"rim": min(rim, WHOLE) * width}
+        inside = Structure.from_dict(table).joints[0].inside
+        law["stiffness"] = stiffness * area / (area - inside.moments[0]) if inside is not None else stiffness
+        block = whole.blocks[0]
+        inertia = 0.5 * float(np.trace(block.inertia[:2, :2]))
+        edge = min(rim, WHOLE) * width**2
+        law["damping"] = damping_on_edge(law["stiffness"], edge, block.mass, inertia, 0.5 * width)
+        table["joints"] = law | ({"rim": rim * width} if rim < WHOLE else {})
+        return Structure.from_dict(table)
 
     @property
     def foot(self) -> FloatArray:

@@ -131,7 +131,8 @@ def test_measured_columns_are_placed_in_an_ensemble(tmp_path: Path) -> None:
     (folder / "tests.csv").write_text(
         "column,motion,scale,fell,peak,residual\ncolumn.toml,pulse.csv,0.2,0,100.0,\ncolumn.toml,pulse.csv,9,1,,\n"
     )
-    small, large = drums.compute(tmp_path).numbers.values()
+    small, on_rims, large, _ = drums.compute(tmp_path, (0.1,)).numbers.values()
+    assert (on_rims["share"], on_rims["peak"]) == (0.0, 1.0)
     assert small["share"] == 0.0
     assert small["peak"] == 1.0  # all of the ensemble move by less than 100 m
     assert np.isnan(small["residual"])  # not measured

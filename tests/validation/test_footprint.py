@@ -52,6 +52,19 @@ def test_a_box(tmp_path: Path, with_faces: bool, unit: float) -> None:
     assert structure.blocks[0].drop > 0.1  # m: it counts as fallen when it has, not before
 
 
+@NEEDS
+def test_a_box_on_a_rim_is_as_stiff_in_all(tmp_path: Path) -> None:
+    write_box(tmp_path / "box.obj", True, 1.0)
+    rock = rock_from(tmp_path / "box.obj", 500.0, 1e-3)
+    structure = rock.structure(1.0, 1e9, 3e-3, 0.7, 0.1)
+    rim = 0.1 * 4.0 * 0.4 * 0.6 / 2.0  # m: of the square of its area over its perimeter
+    joint = structure.joints[0]
+    bears = 0.4 * 0.6 - (0.4 - 2.0 * rim) * (0.6 - 2.0 * rim)
+    assert joint.bed.rim == pytest.approx(rim, rel=1e-9)
+    assert joint.moments[0] == pytest.approx(bears, rel=1e-9)
+    assert joint.bed.stiffness * bears == pytest.approx(1e9 * 0.4 * 0.6, rel=1e-9)
+
+
 def test_no_scan(tmp_path: Path) -> None:
     (tmp_path / "empty.obj").write_text("v 0 0 0\n", encoding="utf-8")
     with pytest.raises(InputError, match="at least four lines"):
@@ -61,7 +74,8 @@ def test_no_scan(tmp_path: Path) -> None:
 
 
 @NEEDS
-def test_a_larger_foot_falls_later(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("rim", "middle"), [(None, 0.6), (0.1, 0.45)])  # g: on a rim smaller feet are tried
+def test_a_larger_foot_falls_later(tmp_path: Path, rim: float | None, middle: float) -> None:
     """Along x, the narrow way, under pulses of 2 Hz that grow; West's limit is b / h g times a factor."""
     write_box(tmp_path / "box.obj", True, 1.0)
     rock = rock_from(tmp_path / "box.obj", 500.0, 1e-3)
@@ -71,9 +85,9 @@ def test_a_larger_foot_falls_later(tmp_path: Path) -> None:
         ax: FloatArray = amplitude * G * np.sin(4.0 * np.pi * time) * (time < 0.5)
         return rocks_in_space.shortened(Motion.from_samples(rocks_in_space.SAMPLE, ax))
 
-    motions = [pulse(amplitude) for amplitude in (0.1, 0.6, 3.0)]
+    motions = [pulse(amplitude) for amplitude in (0.1, middle, 3.0)]
     assert motions[0].time[1] == pytest.approx(5e-3)
-    found = rocks_in_space.verdicts(rock, motions, 0.0)
+    found = rocks_in_space.verdicts(rock, motions, 0.0, rim)
     assert found.shape == (len(rocks_in_space.SCALES), 3)
     assert np.all(np.diff(found, axis=0) <= 0.0)  # a larger foot does not fall where a smaller one stands
     assert np.array_equal(found[:, 0], np.zeros(len(found)))  # below g b / h even of the least foot

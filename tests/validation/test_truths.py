@@ -16,7 +16,7 @@ from solver.statics.rocking import restitution
 sys.path.insert(0, str(ROOT))  # the cases are not installed
 
 from validation.cases.closed_forms import COLUMNS, similar
-from validation.cases.free_rocking import block, housner
+from validation.cases.free_rocking import EDGES, FULL, block, housner
 from validation.cases.housner import decay, peaks_of, quarter_period
 from validation.cases.overturning import around, edges
 from validation.cases.reference_study import FRICTION, round_and_sliding
@@ -73,7 +73,7 @@ def test_a_similar_column_has_the_same_material() -> None:
 def test_a_face_that_bears_at_its_edges_loses_as_much_as_housner() -> None:
     width, height = 0.365, 1.0  # m: alpha 0.35
     rigid = housner(math.atan(width / height))
-    everywhere, edges_alone = (restitution(block(width, height, 1e11, 0.1, edges)) for edges in (False, True))
+    everywhere, edges_alone = (restitution(block(width, height, 1e11, 0.1, face)) for face in (FULL, EDGES))
     assert edges_alone == pytest.approx(rigid, rel=0.04)  # 0.02 to 0.03 above
     assert everywhere > 1.07 * rigid  # 0.09 above: the contact rolls from edge to edge
 

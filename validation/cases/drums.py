@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import csv
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +16,7 @@ from multiblock import Column, InputError, Motion, calibrate, simulate_many
 from ..case import Case, Outcome, data_folder
 from ..pictures import BLUE, RED, label, panels
 from ..rigid_block import FloatArray
+from ..rims import label_of, on_rims
 
 FOLDER = "multidrum"
 ADVICE = (
@@ -81,15 +84,19 @@ def place_in(sample: FloatArray, measured: float) -> float:
     return math.nan if math.isnan(measured) or not len(known) else float(np.mean(known < measured))
 
 
-def ensemble_of(test: Test) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Peaks and residual displacements of the top, m, and whether it fell: (RUNS,) each, with SPREAD about the test."""
+def ensemble_of(test: Test, share: float | None = None) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Peaks and residual displacements of the top, m, and whether it fell: (RUNS,) each, with SPREAD about the test.
+
+    share: width over that of the face of the rims in which the drums touch, critically damped; None: as in the file.
+    """
     rng = np.random.default_rng(0)
-    joints = test.column.blocks
+    middle = test.column if share is None else on_rims(test.column, share)
+    joints = middle.blocks
     columns, motions = [], []
     for _ in range(RUNS):
         k, eta, factor = (math.exp(deviation * rng.standard_normal()) for deviation in SPREAD.values())
         stiffness = [k * block.joint.stiffness for block in joints]
-        columns.append(calibrate.with_joints(test.column, stiffness, [eta * block.joint.damping for block in joints]))
+        columns.append(calibrate.with_joints(middle, stiffness, [eta * block.joint.damping for block in joints]))
         motions.append(test.motion.scaled(factor))
     table = simulate_many(columns, motions, tolerance=1e-4, keep=("peak_ux", "residual_ux", "verdict"))
     fell = (table["verdict"] == "overturned").astype(np.float64)
@@ -97,28 +104,29 @@ def ensemble_of(test: Test) -> tuple[FloatArray, FloatArray, FloatArray]:
     return peak, np.abs(table["residual_ux"][:, 0]), fell
 
 
-def compute(data: Path | None) -> Outcome:
+def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:
     """An ensemble of the column under each motion; places of the measured values in it."""
     tests = read(data_folder(data, FOLDER, ADVICE))
     lines, numbers = [], {}
     figure, axes = panels(1, width=8.4)
     axis = axes[0, 0]
-    for k, test in enumerate(tests):
-        peak, residual, fell = ensemble_of(test)
+    faces = {"": None} | {f", {label_of(share)}": share for share in rims}
+    for k, (test, (face, share)) in enumerate(product(tests, faces.items())):
+        peak, residual, fell = ensemble_of(test, share)
         row = {
             "fell": test.fell,
             "share": float(np.mean(fell)),
             "peak": place_in(peak, test.peak),
             "residual": place_in(residual, test.residual),
         }
-        numbers[test.name] = row
+        numbers[test.name + face] = row
         lines.append(
-            f"{test.name}: fell {test.fell:d}, share of the ensemble {row['share']:.2f}; of the ensemble, "
+            f"{test.name}{face}: fell {test.fell:d}, share of the ensemble {row['share']:.2f}; of the ensemble, "
             f"{row['peak']:.2f} have less than the measured peak, {row['residual']:.2f} less than the residual"
         )
         axis.plot(np.full(RUNS, k), peak, ".", color=BLUE, alpha=0.4)
         axis.plot(k, test.peak, "*", color=RED)
-    axis.set_xticks(range(len(tests)), [test.name for test in tests], fontsize=6, rotation=20)
+    axis.set_xticks(range(len(numbers)), list(numbers), fontsize=6, rotation=20)
     label(axis, "", "peak of the top, m", "ensemble (dots), measured (stars)")
     return Outcome(lines, numbers, figure)
 
@@ -131,4 +139,5 @@ CASE = Case(
     fitted="nothing",
     predicted="share that falls; where measured peaks and offsets lie in the ensemble",
     compute=compute,
+    takes_rims=True,
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,8 @@ from multiblock import Column, simulate_many
 from ..case import Case, Outcome
 from ..pictures import BLUE, GREEN, GREY, INK, RED, label, panels
 from ..rigid_block import FloatArray
-from .codes import column, on_its_edges, pulse
+from ..rims import label_of
+from .codes import column, on_its_edges, on_planar_rims, pulse
 
 SOURCE = (
     "github.com/thlgrs/HybriDFEM at 2f6dc19, "
@@ -33,12 +35,14 @@ TOLERANCE = 1e-4
 AFTER = 3.0  # s that are followed after the pulse, before the verdict is sought
 
 
-def columns() -> dict[str, Column]:
+def columns(rims: Sequence[float] = ()) -> dict[str, Column]:
     """Models here, by name."""
+    rimmed = {label_of(share): on_planar_rims(column(STIFFNESS, 0.0), share) for share in rims}
     return {
         "rectangles, eta = 1 ms": column(STIFFNESS, 1e-3),
         "edges alone, eta = 1 ms": on_its_edges(column(STIFFNESS, 1e-3)),
         "edges alone, eta = 0.1 ms": on_its_edges(column(STIFFNESS, 1e-4)),
+        **rimmed,
     }
 
 
@@ -60,9 +64,9 @@ def limits(whole: Column, length: float) -> tuple[float, float]:
     return min(fallen, default=math.nan), max(standing, default=math.nan)
 
 
-def compute(data: Path | None) -> Outcome:
+def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:
     """All models at all lengths, beside the others."""
-    found = {name: [limits(whole, length) for length in LENGTHS] for name, whole in columns().items()}
+    found = {name: [limits(whole, length) for length in LENGTHS] for name, whole in columns(rims).items()}
     lines = ["least amplitude that overturns, g; in brackets the largest that stands, where it is larger:"]
     lines.append(f"  {'length, s':26s} " + " ".join(f"{length:12g}" for length in LENGTHS))
     for name, values in OTHERS.items():
@@ -80,7 +84,7 @@ def draw(found: dict[str, list[tuple[float, float]]]) -> Figure:
     axis = axes[0, 0]
     for (name, values), marker in zip(OTHERS.items(), "^xs", strict=True):
         axis.plot(LENGTHS, values, marker, color=GREY, markerfacecolor="none", label=name)
-    for (name, pairs), colour in zip(found.items(), (BLUE, GREEN, RED), strict=True):
+    for (name, pairs), colour in zip(found.items(), (BLUE, GREEN, RED), strict=False):
         axis.plot(LENGTHS, [low for low, _ in pairs], ".-", color=colour, linewidth=1.2, label=f"here, {name}")
     axis.axhline(LIMIT, color=INK, linestyle=":", linewidth=1.0, label="limit analysis")
     axis.set_yscale("log")
@@ -99,4 +103,5 @@ CASE = Case(
     fitted="nothing",
     predicted="the least amplitude of a pulse that overturns, by its length",
     compute=compute,
+    takes_rims=True,
 )

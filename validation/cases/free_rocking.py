@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,40 +12,56 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from multiblock import Block, Column, InputError, Joint, SolverError, calibrate
-from solver.statics.rocking import pulled_aside, restitution_from
+from solver.statics.rocking import pulled_aside, restitution, restitution_from
 
 from ..case import Case, Outcome
 from ..pictures import BLUE, INK, RED, label, panels
 from ..rigid_block import FloatArray
+from ..rims import WHOLE, label_of, on_rims
 from .housner import IMPACTS, decay, let_go, peaks_of, quarter_period
 
 G = 9.80665  # m/s2
 DENSITY, DEPTH, HEIGHT = 2700.0, 0.5, 1.0  # kg/m3, m, m: of blocks of which the sources give the slenderness alone
 RELEASE = 0.5  # of the way to the edge
 STRIPS = 16  # of a face; at its edges alone, the first and the last bear
-FACES = {"full face": False, "edges alone": True}
 ALPHAS = (0.05, 0.1, 0.15, 0.2, 0.25, 0.35, 0.45)  # rad
 STIFFNESSES = (1e8, 1e9, 1e10, 1e11)  # N/m3
 ETAS = (3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0, 3.0)  # s
 RUBBER = 1e7  # N/m3
 
-# name: width m, height m, restitution measured, moduli tried. Granite: Peña, Prieto, Lourenço, Campos Costa and Lemos
-# (2007), as quoted by others. Concrete, rubber: ElGawady, Ma, Butterworth and Ingham, 0.95, 0.97 and 0.67 of Housner's.
-MEASURED: dict[str, tuple[float, float, float, tuple[float, ...]]] = {
-    "granite 0.25 m": (0.25, 1.0, 0.936, STIFFNESSES),
-    "granite 0.17 m": (0.17, 1.0, 0.973, STIFFNESSES),
-    "granite 0.12 m": (0.12, 1.0, 0.978, STIFFNESSES),
-    "concrete, aspect 5": (0.2, 1.0, 0.95 * (1.0 - 1.5 / 26.0), STIFFNESSES),
-    "concrete, aspect 3": (1.0 / 3.0, 1.0, 0.97 * (1.0 - 1.5 / 10.0), STIFFNESSES),
-    "rubber, aspect 5": (0.2, 1.0, 0.67 * (1.0 - 1.5 / 26.0), (RUBBER, *STIFFNESSES)),
+# name: width, depth, height m, restitution measured, moduli tried. Granite: Peña, Prieto, Lourenço, Campos Costa and
+# Lemos (2007), as quoted by others. Concrete, rubber: ElGawady, Ma, Butterworth and Ingham, 0.95, 0.97 and 0.67 of
+# Housner's.
+MEASURED: dict[str, tuple[float, float, float, float, tuple[float, ...]]] = {
+    "granite 0.25 m": (0.25, 0.754, 1.0, 0.936, STIFFNESSES),
+    "granite 0.17 m": (0.17, 0.502, 1.0, 0.973, STIFFNESSES),
+    "granite 0.12 m": (0.12, 0.375, 1.0, 0.978, STIFFNESSES),
+    "concrete, aspect 5": (0.2, DEPTH, 1.0, 0.95 * (1.0 - 1.5 / 26.0), STIFFNESSES),
+    "concrete, aspect 3": (1.0 / 3.0, DEPTH, 1.0, 0.97 * (1.0 - 1.5 / 10.0), STIFFNESSES),
+    "rubber, aspect 5": (0.2, DEPTH, 1.0, 0.67 * (1.0 - 1.5 / 26.0), (RUBBER, *STIFFNESSES)),
 }
 
 
-def block(width: float, height: float, stiffness: float, damping: float, edges_alone: bool) -> Column:
-    """A block whose face bears everywhere, or at its two edges."""
-    strips = (DEPTH,) + (0.0,) * (STRIPS - 2) + (DEPTH,) if edges_alone else None
-    joint = Joint(stiffness, damping, section="strips" if edges_alone else None, strips=strips)
-    return Column("block", (Block(height, width, DEPTH, DENSITY * width * height * DEPTH, joint),))
+@dataclass(frozen=True)
+class Face:
+    """Where a face bears: everywhere, at its two edges, or in a rim of this width over its own."""
+
+    edges_alone: bool = False
+    rim: float | None = None
+
+
+FULL, EDGES = Face(), Face(edges_alone=True)
+FACES = {"full face": FULL, "edges alone": EDGES}
+
+
+def block(
+    width: float, height: float, stiffness: float, damping: float, face: Face = FULL, depth: float = DEPTH
+) -> Column:
+    """Return a block on a face; in a rim it is as stiff in all as on the full face, and damped critically."""
+    strips = (depth,) + (0.0,) * (STRIPS - 2) + (depth,) if face.edges_alone else None
+    joint = Joint(stiffness, damping, section="strips" if face.edges_alone else None, strips=strips)
+    made = Column("block", (Block(height, width, depth, DENSITY * width * height * depth, joint),))
+    return made if face.rim is None else on_rims(made, face.rim)
 
 
 def housner(alpha: float) -> float:
@@ -51,9 +69,9 @@ def housner(alpha: float) -> float:
     return 1.0 - 1.5 * math.sin(alpha) ** 2
 
 
-def least_restitution(alpha: float, stiffness: float, edges_alone: bool) -> float:
+def least_restitution(alpha: float, stiffness: float, face: Face) -> float:
     """The least of ETAS, released half way; NaN if the block does not stand or sways only."""
-    column = block(HEIGHT * math.tan(alpha), HEIGHT, stiffness, 1e-3, edges_alone)
+    column = block(HEIGHT * math.tan(alpha), HEIGHT, stiffness, 1e-3, face)
     found = []
     try:
         place = pulled_aside(column, RELEASE)
@@ -67,12 +85,21 @@ def least_restitution(alpha: float, stiffness: float, edges_alone: bool) -> floa
     return min(found, default=math.nan)
 
 
-def compare(name: str, stiffness: float, edges_alone: bool) -> dict[str, Any]:
+def predicted_restitution(name: str, stiffness: float, share: float) -> float:
+    """Return that of a measured block on a rim, critically damped, nothing fitted; NaN if it does not stand or rock."""
+    width, depth, height, _, _ = MEASURED[name]
+    try:
+        return restitution(block(width, height, stiffness, 1e-3, Face(rim=share), depth), RELEASE)
+    except (SolverError, InputError):
+        return math.nan
+
+
+def compare(name: str, stiffness: float, kind: str, face: Face) -> dict[str, Any]:
     """Damping that has the measured restitution; peaks and times of impacts over those of a rigid block with it."""
-    width, height, wanted, _ = MEASURED[name]
+    width, depth, height, wanted, _ = MEASURED[name]
     alpha, p = math.atan(width / height), math.sqrt(0.75 * G / (0.5 * math.hypot(width, height)))
-    column = block(width, height, stiffness, 1e-3, edges_alone)
-    row: dict[str, Any] = {"k": stiffness, "face": "edges alone" if edges_alone else "full face"}
+    column = block(width, height, stiffness, 1e-3, face, depth)
+    row: dict[str, Any] = {"k": stiffness, "face": kind}
     try:
         eta = calibrate.damping_from_restitution(column, wanted, RELEASE)
     except (InputError, SolverError):
@@ -91,11 +118,12 @@ def deviation(row: dict[str, Any]) -> float:
     return math.inf if row["eta"] is None else float(np.max(np.abs(np.array(row["peaks"] + row["times"]) - 1.0)))
 
 
-def compute(data: Path | None) -> Outcome:
+def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:
     """The map of the least restitution, and the measured blocks."""
+    faces = FACES | {label_of(share): Face(rim=share) for share in rims if share < WHOLE}
     least = {
-        face: np.array([[least_restitution(alpha, k, edges) for alpha in ALPHAS] for k in STIFFNESSES])
-        for face, edges in FACES.items()
+        kind: np.array([[least_restitution(alpha, k, face) for alpha in ALPHAS] for k in STIFFNESSES])
+        for kind, face in FACES.items()
     }
     lines = ["least restitution of any damping, over 1 - 1.5 sin^2(alpha):"]
     rigid = np.array([housner(alpha) for alpha in ALPHAS])
@@ -103,12 +131,30 @@ def compute(data: Path | None) -> Outcome:
     for face, found in least.items():
         for k, row in zip(STIFFNESSES, found / rigid, strict=True):
             lines.append(f"  {face:11s} k = {k:5.0e}  " + " ".join(f"{value:6.3f}" for value in row))
-    rows = {name: [compare(name, k, edges) for edges in FACES.values() for k in MEASURED[name][3]] for name in MEASURED}
-    for name, (width, height, wanted, _) in MEASURED.items():
+    rows = {
+        name: [compare(name, k, kind, face) for kind, face in faces.items() for k in MEASURED[name][-1]]
+        for name in MEASURED
+    }
+    for name, (width, _, height, wanted, _) in MEASURED.items():
         alpha = math.atan(width / height)
         lines.append(f"{name}: restitution {wanted:.3f} measured, {housner(alpha):.3f} Housner's; reached by")
         lines += _lines_of(rows[name])
+    unfitted = {
+        name: {label_of(share): [predicted_restitution(name, k, share) for k in STIFFNESSES] for share in rims}
+        for name in MEASURED
+    }
+    if rims:
+        lines.append(
+            f"restitution with critical damping, nothing fitted; k = {STIFFNESSES[0]:.0e} to {STIFFNESSES[-1]:.0e}:"
+        )
+    for name, found_by_rim in unfitted.items():
+        for kind, values in found_by_rim.items():
+            lines.append(
+                f"  {name:18s} {MEASURED[name][3]:.3f} measured; {kind:20s} "
+                + " ".join(f"{value:6.3f}" for value in values)
+            )
     numbers = {"alpha": ALPHAS, "k": STIFFNESSES, "least": least, "housner": rigid, "measured": rows}
+    numbers |= {"unfitted": unfitted}
     return Outcome(lines, numbers, draw(least, rigid, rows))
 
 
@@ -117,7 +163,7 @@ def _lines_of(rows: list[dict[str, Any]]) -> list[str]:
     if not reached:
         return ["  no joint that was tried"]
     return [
-        f"  {row['face']:11s} k = {row['k']:5.0e} N/m3, eta = {row['eta']:.1e} s: peaks within "
+        f"  {row['face']:20s} k = {row['k']:5.0e} N/m3, eta = {row['eta']:.1e} s: peaks within "
         f"{100 * np.max(np.abs(np.array(row['peaks']) - 1.0)):.1f} %, times within "
         f"{100 * np.max(np.abs(np.array(row['times']) - 1.0)):.1f} %"
         for row in reached
@@ -133,7 +179,7 @@ def draw(least: dict[str, FloatArray], rigid: FloatArray, rows: dict[str, Any]) 
         for k, colour in ((1, BLUE), (3, RED)):
             name = f"{face}, k = {STIFFNESSES[k]:.0e} N/m3"
             left.plot(ALPHAS, found[k] / rigid, marker, color=colour, markersize=3, linewidth=0.9, label=name)
-    for (name, (width, height, wanted, _)), above in zip(MEASURED.items(), (6, 6, -9, -9, -9, 6), strict=True):
+    for (name, (width, _, height, wanted, _)), above in zip(MEASURED.items(), (6, 6, -9, -9, -9, 6), strict=True):
         alpha = math.atan(width / height)
         place = (alpha, wanted / housner(alpha))
         left.plot(*place, "*", color=INK, markersize=7)
@@ -164,4 +210,5 @@ CASE = Case(
     fitted="the damping, to the measured restitution of the first impact; modulus and kind of face are tried",
     predicted="peaks and times of four impacts; which restitutions no damping reaches",
     compute=compute,
+    takes_rims=True,
 )

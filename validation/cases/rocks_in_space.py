@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from .. import scores
 from ..case import Case, Outcome
 from ..footprint import Rock, rock_from
 from ..rigid_block import FloatArray
+from ..rims import WHOLE, label_of
 from ..rocks import SAMPLE, Tests, read, scan_of
 from .shaken_rocks import SPLITS, Judged, draw, ensembles, judge, judge_lognormal
 
@@ -28,7 +29,9 @@ STIFFNESS, DAMPING = 1e9, 3e-3  # N/m3, s
 DIRECTIONS = tuple(range(0, 360, 30))  # degrees, of the table along x of the scan: not published
 SCALES = np.array([0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.12, 1.25])  # of the foot
 MEDIANS = np.geomspace(0.55, 1.2, 20)
+SMALLER = 0.8  # both, of feet that touch in a rim
 TOLERANCE, SETTLE = 1e-3, 10.0  # s
+KNOWN = ("lognormal in PGV",)  # does not depend on the foot
 AVERAGED = 4  # samples that become one: steps of 5 ms, to 100 Hz
 QUIET, BEYOND = 0.15, 100  # m/s2 and samples: what the table does before and after is left out
 
@@ -42,11 +45,16 @@ def shortened(motion: Motion) -> Motion:
     return Motion.from_samples(AVERAGED * SAMPLE, ax[first:last])
 
 
-def verdicts(rock: Rock, motions: Iterable[Motion], direction: float) -> FloatArray:
+def scales_of(rim: float | None) -> FloatArray:
+    """Return the sizes of the foot that are tried: less on a rim, which bears farther out."""
+    return SCALES if rim is None or rim >= WHOLE else SMALLER * SCALES
+
+
+def verdicts(rock: Rock, motions: Iterable[Motion], direction: float, rim: float | None = None) -> FloatArray:
     """1 where the rock on a foot of a scale falls in a test, (scales, tests); one that cannot stand has fallen."""
     structures = [
-        rock.structure(float(scale), STIFFNESS, DAMPING, FRICTION).with_settings(tolerance=TOLERANCE)
-        for scale in SCALES
+        rock.structure(float(scale), STIFFNESS, DAMPING, FRICTION, rim).with_settings(tolerance=TOLERANCE)
+        for scale in scales_of(rim)
     ]
     rows = []
     for motion in motions:
@@ -65,14 +73,14 @@ def _falls(run: Run) -> float:
     return float(made["verdict"] == "overturned")
 
 
-def bank(rock: Rock, motions: list[Motion]) -> dict[str, FloatArray]:
+def bank(rock: Rock, motions: list[Motion], rim: float | None = None) -> dict[str, FloatArray]:
     """`verdicts` for each direction, in processes."""
     with get_context("spawn").Pool(cores()) as pool:
-        found = pool.starmap(verdicts, [(rock, motions, direction) for direction in DIRECTIONS], chunksize=1)
+        found = pool.starmap(verdicts, [(rock, motions, direction, rim) for direction in DIRECTIONS], chunksize=1)
     return {f"{direction} degrees": part for direction, part in zip(DIRECTIONS, found, strict=True)}
 
 
-def compute(data: Path | None) -> Outcome:
+def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:
     """All verdicts once; the rest is choosing among them."""
     tests = read(data)
     motions = [shortened(motion) for motion in tests.motions]
@@ -80,13 +88,16 @@ def compute(data: Path | None) -> Outcome:
     numbers: dict[str, dict[str, Any]] = {}
     best: dict[str, Judged] = {}
     for specimen, fallen in tests.fallen.items():
-        found = bank(rock_from(scan_of(data, specimen), MASS, LEVEL), motions)
-        results = judged(tests, found, specimen)
+        rock = rock_from(scan_of(data, specimen), MASS, LEVEL)
+        results = judged(tests, bank(rock, motions), specimen)
         best[specimen] = results["best of all directions"]
+        for share in rims:
+            on_rim = judged(tests, bank(rock, motions, share), specimen, share)
+            results |= {f"{name}, {label_of(share)}": result for name, result in on_rim.items() if name not in KNOWN}
         numbers[specimen] = {name: [result.agreement, result.log_score] for name, result in results.items()}
         lines.append(f"{specimen}, {len(fallen)} tests; halves not fitted, {SPLITS} splits:")
         lines += [
-            f"  {name:22s} agreement {result.agreement:.3f}, logarithmic score {result.log_score:.3f}"
+            f"  {name:44s} agreement {result.agreement:.3f}, logarithmic score {result.log_score:.3f}"
             for name, result in results.items()
         ]
         chosen = best[specimen].chosen
@@ -95,11 +106,12 @@ def compute(data: Path | None) -> Outcome:
     return Outcome(lines, numbers, draw(tests, best))
 
 
-def judged(tests: Tests, found: dict[str, FloatArray], specimen: str) -> dict[str, Judged]:
+def judged(tests: Tests, found: dict[str, FloatArray], specimen: str, rim: float | None = None) -> dict[str, Judged]:
     """Each direction alone, the best on the same half, the foot as scanned, and the curve in PGV."""
     fallen, weights = tests.fallen[specimen], ensembles(SCALES, MEDIANS)
     shares = {name: scores.with_lapse(weights @ part) for name, part in found.items()}
-    scanned = np.array([scores.with_lapse(part[np.flatnonzero(SCALES == 1.0)[0]]) for part in found.values()])
+    as_scanned = int(np.argmin(np.abs(scales_of(rim) - 1.0)))
+    scanned = np.array([scores.with_lapse(part[as_scanned]) for part in found.values()])
     return {
         "lognormal in PGV": judge_lognormal(tests.pgv, fallen),
         "foot as scanned": judge(scanned, list(found), fallen),
@@ -121,4 +133,5 @@ CASE = Case(
     fitted="on one half of the tests, for each rock: one of 12 directions, median and deviation of the foot's size",
     predicted="which tests of the other half fall, and with what share; mean of 20 splits",
     compute=compute,
+    takes_rims=True,
 )

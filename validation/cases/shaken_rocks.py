@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +18,13 @@ from .. import scores
 from ..case import Case, Outcome
 from ..pictures import BLUE, GREY, RED, label, panels
 from ..rigid_block import Flags, FloatArray
+from ..rims import WHOLE, label_of, on_rims
 from ..rocks import Tests, read
 
 MASS, DEPTH = 353.0, 0.6  # kg, m
 RATIOS = np.geomspace(0.07, 0.26, 14)  # width over height
 MEDIANS = np.geomspace(0.09, 0.24, 25)  # of the ratio in the ensemble
+NARROWER = 0.75  # both, of rocks that touch in a rim
 DEVIATIONS = np.array([0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4])
 TOLERANCE = 1e-3
 SPLITS, SEED = 20, 1
@@ -39,6 +42,13 @@ class Model:
     damping: float = 3e-3
     lean: float = 0.0
     edges_only: bool = False
+    rim: float | None = None  # width of the rim in which it touches, over its own; the damping is then critical
+    part: float = 1.0  # of the critical damping
+
+    @property
+    def ratios(self) -> FloatArray:
+        """Return the widths over height that are tried: less on a rim, which bears farther out."""
+        return RATIOS if self.rim is None or self.rim >= WHOLE else NARROWER * RATIOS
 
     def column(self, ratio: float) -> Column:
         """The block of this width over height."""
@@ -50,7 +60,8 @@ class Model:
             strips=strips,
             inclination=self.lean * math.atan(ratio) or None,
         )
-        return Column("rock", (Block(self.height, ratio * self.height, DEPTH, MASS, joint),))
+        whole = Column("rock", (Block(self.height, ratio * self.height, DEPTH, MASS, joint),))
+        return whole if self.rim is None else on_rims(whole, self.rim, self.part)
 
 
 MODELS = {
@@ -66,13 +77,20 @@ MODELS = {
     "low, leans -": Model(height=0.6, lean=-0.25),
     "edges only": Model(edges_only=True),
 }
+RIMMED = {
+    "upright": Model(),
+    "upright, a fifth of it": Model(part=0.2),
+    "leans +": Model(lean=0.25),
+    "leans -": Model(lean=-0.25),
+    "leans more": Model(lean=0.4),
+}
 
 
 def bank(models: dict[str, Model], motions: list[Motion]) -> dict[str, FloatArray]:
     """1 where a block of a ratio falls in a test: (ratios, tests) of each model. Undecided counts as standing."""
     found = {}
     for name, model in models.items():
-        columns = [model.column(float(ratio)) for ratio in RATIOS]
+        columns = [model.column(float(ratio)) for ratio in model.ratios]
         tables = (simulate_many(column, motions, tolerance=TOLERANCE, keep=("verdict",)) for column in columns)
         found[name] = np.array([table["verdict"] == "overturned" for table in tables], dtype=np.float64)
     return found
@@ -123,16 +141,23 @@ def judge_lognormal(measure: FloatArray, fallen: Flags) -> Judged:
     return Judged(float(np.mean(agreements)), float(np.mean(log_scores)), total / np.maximum(count, 1), [])
 
 
-def compute(data: Path | None) -> Outcome:
+def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:
     """Verdicts of all models in all tests, once; the rest is choosing among them."""
     tests = read(data)
     verdicts = bank(MODELS, tests.motions)
+    rimmed = {
+        label_of(share): bank(
+            {f"{name}, {label_of(share)}": replace(m, rim=share) for name, m in RIMMED.items()}, tests.motions
+        )
+        for share in rims
+    }
     weights = ensembles()
     lines: list[str] = []
     numbers: dict[str, dict[str, Any]] = {}
     best: dict[str, Judged] = {}
     for specimen, fallen in tests.fallen.items():
         results, best[specimen] = _judged(tests, verdicts, weights, specimen)
+        results |= judged_on_rims(rimmed, verdicts, weights, fallen)
         numbers[specimen] = {name: [result.agreement, result.log_score] for name, result in results.items()}
         chosen = {name: best[specimen].chosen.count(name) for name in sorted(set(best[specimen].chosen))}
         numbers[specimen]["chosen"] = chosen
@@ -140,7 +165,7 @@ def compute(data: Path | None) -> Outcome:
             f"{specimen}, {len(fallen)} tests, {np.mean(fallen):.3f} fell; halves not fitted, {SPLITS} splits:"
         )
         lines += [
-            f"  {name:22s} agreement {result.agreement:.3f}, logarithmic score {result.log_score:.3f}"
+            f"  {name:42s} agreement {result.agreement:.3f}, logarithmic score {result.log_score:.3f}"
             for name, result in results.items()
         ]
         lines.append(f"  chosen: {', '.join(f'{name} {times} times' for name, times in chosen.items())}")
@@ -166,6 +191,29 @@ def _judged(
         "best of all ensembles": best,
     }
     return results, best
+
+
+def judged_on_rims(
+    rimmed: dict[str, dict[str, FloatArray]], whole: dict[str, FloatArray], weights: FloatArray, fallen: Flags
+) -> dict[str, Judged]:
+    """Judge each model on a rim, the best of each rim, and of whole faces and rims the one chosen on the same half."""
+    results: dict[str, Judged] = {}
+    every = [(name, scores.with_lapse(weights @ found)) for name, found in whole.items()]
+    for rim, bank_of_rim in rimmed.items():
+        shares = {name: scores.with_lapse(weights @ found) for name, found in bank_of_rim.items()}
+        single = scores.with_lapse(next(iter(bank_of_rim.values())))
+        results[f"one block, one ratio, {rim}"] = judge(single, [""] * len(single), fallen)
+        results |= {f"ensemble, {name}": judge(found, [name] * len(found), fallen) for name, found in shares.items()}
+        results[f"best of all, {rim}"] = _best(list(shares.items()), fallen)
+        every += shares.items()
+    if rimmed:
+        results["best of whole faces and rims"] = _best(every, fallen)
+    return results
+
+
+def _best(shares: list[tuple[str, FloatArray]], fallen: Flags) -> Judged:
+    names = [name for name, found in shares for _ in found]
+    return judge(np.concatenate([found for _, found in shares]), names, fallen)
 
 
 def draw(tests: Tests, best: dict[str, Judged]) -> Figure:
@@ -211,4 +259,5 @@ CASE = Case(
     fitted="on one half of the tests, for each rock: one of 11 models, median and deviation of width over height",
     predicted="which tests of the other half fall, and with what share; mean of 20 splits",
     compute=compute,
+    takes_rims=True,
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +12,17 @@ from matplotlib.figure import Figure
 
 from multiblock import InputError, Motion, SpatialState, Structure, arch, push_over, simulate
 from solver.models.structure.rest import rest_of
+from solver.statics.edges import damping_on_edge
 
 from ..case import Case, Outcome
 from ..limits import largest_push
 from ..pictures import BLUE, GREEN, INK, RED, label, panels
+from ..rigid_block import FloatArray
+from ..rims import WHOLE, label_of
 from .housner import quarter_period
 
 G = 9.80665  # m/s2
+LONG = 40.0  # m, depth of frames on rims, whose bands along the motion hardly bear then
 GAMMAS = (0.0, 1.0, 3.0)  # mass of the beam over that of both columns
 HEIGHT, WIDTH, RELEASE = 6.0, 1.0, 0.5  # m, m, of the slenderness angle
 FRAME_MODULI = (1e9, 1e10, 1e11)  # N/m3
@@ -29,14 +33,37 @@ SEMICIRCLE, THICKNESS_MODULI = 30, (2e9, 2e10, 2e11, 2e12)  # voussoirs; N/m3
 MILANKOVITCH = 0.1075  # least thickness over radius of a semicircle of many voussoirs
 
 
-def frame(gamma: float, modulus: float) -> float:
-    """Quarter period, s, of two columns, and a beam if gamma > 0, released from rest on the edges of the columns."""
-    size = {"width": WIDTH, "depth": 1.0, "height": HEIGHT, "density": 1000.0}
+def rimmed(law: dict[str, float], share: float | None, width: float, depth: float) -> dict[str, float]:
+    """Return the law of a joint that touches in a rim, as stiff in all as its whole face; None: the whole face."""
+    if share is None or share >= WHOLE:
+        return law
+    rim = share * width
+    bears = 1.0 - (1.0 - 2.0 * share) * max(0.0, 1.0 - 2.0 * rim / depth)
+    return law | {"stiffness": law["stiffness"] / bears, "rim": rim}
+
+
+def released(gamma: float, modulus: float, share: float | None = None, length: float = 1.4) -> tuple[FloatArray, ...]:
+    """Return times, s, and rotations of two columns, and a beam if gamma > 0, released from rest on their edges.
+
+    share: of the width, the rims in which they touch, critically damped as a column lands; None: whole faces, undamped.
+    """
+    depth = 1.0 if share is None else LONG  # rigid frames are planar
+    size = {"width": WIDTH, "depth": depth, "height": HEIGHT, "density": 1000.0}
     blocks: list[dict[str, Any]] = [{"name": f"c{k}", "on": "base", "at": [5.0 * k, 0.0], **size} for k in range(2)]
     if gamma:
-        beam = {"name": "beam", "width": 6.0, "depth": 1.0, "height": 0.5, "mass": 2.0 * gamma * 1000.0 * HEIGHT}
+        beam = {
+            "name": "beam",
+            "width": 6.0,
+            "depth": depth,
+            "height": 0.5,
+            "mass": 2.0 * gamma * 1000.0 * HEIGHT * depth,
+        }
         blocks.append({**beam, "on": ["c0", "c1"], "at": [2.5, 0.0]})
-    law = {"stiffness": modulus, "damping": 0.0, "shear_ratio": 1.0}
+    law = rimmed({"stiffness": modulus, "damping": 0.0, "shear_ratio": 1.0}, share, WIDTH, depth)
+    if share is not None:
+        mass = 1000.0 * WIDTH * HEIGHT * depth
+        inertia = mass * (WIDTH**2 + HEIGHT**2) / 12.0
+        law["damping"] = damping_on_edge(law["stiffness"], share * WIDTH * depth, mass, inertia, 0.5 * WIDTH)
     structure = Structure.from_dict({"name": "frame", "joints": law, "block": blocks, "solver": {"tolerance": 1e-7}})
     slope, radius = math.atan2(WIDTH, HEIGHT), 0.5 * math.hypot(WIDTH, HEIGHT)
     turn = RELEASE * slope
@@ -47,11 +74,31 @@ def frame(gamma: float, modulus: float) -> float:
     at[2:] = 2.0 * at[0]
     still = np.zeros_like(at)
     initial = SpatialState(at, rotation, still, still)
-    silence = Motion.from_samples(1.4, [0.0, 0.0])
+    silence = Motion.from_samples(length, [0.0, 0.0])
     response = simulate(structure, silence, initial=initial, output_step=0.005, settle=0.0)
-    angle = response.rotation[:, 0, 1]
+    return response.time, response.rotation[:, 0, 1]
+
+
+def frame(gamma: float, modulus: float) -> float:
+    """Return the quarter period, s, of a frame on whole faces."""
+    time, angle = released(gamma, modulus)
     k = int(np.argmax(angle <= 0.0))
-    return float(np.interp(0.0, [-angle[k - 1], -angle[k]], [response.time[k - 1], response.time[k]]))
+    return float(np.interp(0.0, [-angle[k - 1], -angle[k]], [time[k - 1], time[k]]))
+
+
+def frame_restitution(gamma: float, modulus: float, share: float) -> float:
+    """Return the root of the part of its energy that a frame keeps from the release to the turn on the other side."""
+    _, angle = released(gamma, modulus, share, 3.0)
+    slope = math.atan2(WIDTH, HEIGHT)
+    start, turn = (math.cos(slope - abs(x)) - math.cos(slope) for x in (float(angle[0]), float(np.min(angle))))
+    return math.sqrt(turn / start)
+
+
+def rigid_restitution(gamma: float) -> float:
+    """Return the same of rigid blocks that touch at their edges: Makris and Vassiliou (2013)."""
+    slope = math.atan2(WIDTH, HEIGHT)
+    own = 1.0 - 1.5 * math.sin(slope) ** 2
+    return (own + 3.0 * gamma * math.cos(2.0 * slope)) / (1.0 + 3.0 * gamma)
 
 
 def rigid_frame(gamma: float) -> float:
@@ -90,10 +137,10 @@ def least(holds: Callable[[float], bool], low: float, high: float, halvings: int
     return high
 
 
-def pushed(modulus: float) -> Structure:
+def pushed(modulus: float, share: float | None = None) -> Structure:
     """The arch of seven voussoirs."""
     count, thickness, angle = PUSHED
-    law = {"stiffness": modulus, "damping": DAMPING}
+    law = rimmed({"stiffness": modulus, "damping": DAMPING}, share, thickness * RADIUS, 1.0)
     return arch(count, RADIUS, thickness * RADIUS, 1.0, law, angle=angle)
 
 
@@ -102,9 +149,9 @@ def semicircle(thickness: float, modulus: float) -> Structure:
     return arch(SEMICIRCLE, RADIUS, thickness * RADIUS, 1.0, {"stiffness": modulus, "damping": DAMPING})
 
 
-def largest_steady_push(modulus: float) -> float:
+def largest_steady_push(modulus: float, share: float | None = None) -> float:
     """The largest steady push, g, that the arch of seven voussoirs balances."""
-    return push_over(pushed(modulus)).largest_acceleration / G
+    return push_over(pushed(modulus, share)).largest_acceleration / G
 
 
 def least_thickness(modulus: float) -> float:
@@ -112,7 +159,7 @@ def least_thickness(modulus: float) -> float:
     return least(lambda thickness: stands(semicircle(thickness, modulus)), 0.1, 0.14)
 
 
-def compute(data: Path | None) -> Outcome:
+def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:
     """Each over the modulus, beside what rigid blocks do."""
     lines = ["quarter period of a rocking frame, over that of rigid blocks, extrapolated in 1 / sqrt(k):"]
     frames = {}
@@ -132,8 +179,33 @@ def compute(data: Path | None) -> Outcome:
     lines.append(f"least thickness of a semicircle over its radius; limit analysis {thin_limit:.4f}:")
     lines += [f"  k = {k:.0e} N/m3: {value:.4f}" for k, value in zip(THICKNESS_MODULI, thin, strict=True)]
     lines.append(f"  extrapolated by the ratio of differences {by_ratio(thin):.4f}, Milankovitch {MILANKOVITCH}")
-    numbers = {"frames": frames, "push": pushes, "push_limit": push_limit, "thickness": thin, "thin_limit": thin_limit}
+    numbers: dict[str, Any] = {
+        "frames": frames,
+        "push": pushes,
+        "push_limit": push_limit,
+        "thickness": thin,
+        "thin_limit": thin_limit,
+    }
+    if rims:
+        numbers["rims"], said = on_rims(rims)
+        lines += said
     return Outcome(lines, numbers, draw(frames, pushes, push_limit))
+
+
+def on_rims(rims: Sequence[float]) -> tuple[dict[str, Any], list[str]]:
+    """Return what frames lose at an impact and the push on the arch, on rims, and the lines that say it."""
+    numbers: dict[str, Any] = {}
+    lines = [f"restitution of frames over that of rigid blocks; k = {FRAME_MODULI[0]:.0e} to {FRAME_MODULI[-1]:.0e}:"]
+    for share in rims:
+        lost = {gamma: [frame_restitution(gamma, k, share) for k in FRAME_MODULI] for gamma in GAMMAS}
+        pushes = [largest_steady_push(k, share) for k in PUSH_MODULI]
+        numbers[label_of(share)] = {"restitution": lost, "push": pushes}
+        for gamma, values in lost.items():
+            row = ", ".join(f"{value / rigid_restitution(gamma):.4f}" for value in values)
+            lines.append(f"  {label_of(share)}, gamma = {gamma:g}, rigid {rigid_restitution(gamma):.4f}: {row}")
+    lines.append(f"push on the arch, g; k = {PUSH_MODULI[0]:.0e} to {PUSH_MODULI[-1]:.0e} N/m3:")
+    lines += [f"  {name}: " + ", ".join(f"{push:.4f}" for push in row["push"]) for name, row in numbers.items()]
+    return numbers, lines
 
 
 def draw(frames: dict[float, list[float]], pushes: list[float], limit: float) -> Figure:
@@ -159,4 +231,5 @@ CASE = Case(
     fitted="nothing",
     predicted="quarter periods; the largest push on an arch, and the thickness from which one rests",
     compute=compute,
+    takes_rims=True,
 )
