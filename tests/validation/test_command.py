@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -64,6 +65,13 @@ def test_every_case_says_what_is_fitted(capsys: pytest.CaptureFixture[str]) -> N
     assert all(case.name in text and case.fitted in text and case.predicted in text for case in CASES)
     assert len({case.name for case in CASES}) == len(CASES)
     assert all(case.source and case.model for case in CASES)
+
+
+def test_the_command_starts_in_a_process_of_its_own() -> None:
+    run = [sys.executable, "-m", "validation", "--list"]
+    said = subprocess.run(run, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert (said.returncode, said.stderr) == (0, "")
+    assert "free-rocking" in said.stdout
 
 
 def test_without_its_data_a_case_is_skipped_and_says_where_they_are(
