@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import pytest
 from support.fmus import ROOT
 
 import multiblock
@@ -66,43 +65,51 @@ def test_every_section_of_the_theory_that_is_cited_exists() -> None:
     assert {"2", "3", "4", "5", "7"} <= set(cited)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
-def test_lines_are_wrapped(page: Path) -> None:
-    long = [number for number, line in prose(page.read_text(encoding="utf-8")) if len(line) > WIDTH]
+def test_lines_are_wrapped() -> None:
+    long = [
+        f"{name_of(page)}:{number}"
+        for page in PAGES
+        for number, line in prose(page.read_text(encoding="utf-8"))
+        if len(line) > WIDTH
+    ]
     assert long == []
 
 
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
-def test_no_line_begins_as_a_comment(page: Path) -> None:
+def test_no_line_begins_as_a_comment() -> None:
     """The site leaves out lines that begin with a per cent sign."""
-    lines = prose(page.read_text(encoding="utf-8"))
-    assert [number for number, line in lines if line.lstrip().startswith("%")] == []
+    lines = [(name_of(page), line) for page in PAGES for _, line in prose(page.read_text(encoding="utf-8"))]
+    assert [page for page, line in lines if line.lstrip().startswith("%")] == []
 
 
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
-def test_what_a_page_refers_to_exists(page: Path) -> None:
-    text = page.read_text(encoding="utf-8")
-    for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text):  # relative to the page
-        assert (page.parent / target).is_file(), target
-    named = re.findall(r"`((?:docs|examples|solver|fmu_src|tests|stress|benchmarks)/[\w./-]+|[\w-]+\.cff)`", text)
-    for name in named:
-        assert (ROOT / name).exists(), name
-    for name in re.findall(r"`(test_\w+\.py)`", text):
-        assert any((ROOT / "tests").rglob(name)), name
+def test_what_a_page_refers_to_exists() -> None:
+    tests = {file.name for file in (ROOT / "tests").rglob("test_*.py")}
+    absent = []
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        targets = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text)  # relative to the page
+        absent += [f"{name_of(page)}: {target}" for target in targets if not (page.parent / target).is_file()]
+        named = re.findall(r"`((?:docs|examples|solver|fmu_src|tests|stress|benchmarks)/[\w./-]+|[\w-]+\.cff)`", text)
+        absent += [f"{name_of(page)}: {name}" for name in named if not (ROOT / name).exists()]
+        absent += [f"{name_of(page)}: {name}" for name in re.findall(r"`(test_\w+\.py)`", text) if name not in tests]
+    assert absent == []
 
 
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
-def test_sections_that_a_page_links_to_exist(page: Path) -> None:
-    for target, fragment in re.findall(r"\]\(([^)#:]*)#([^)]*)\)", page.read_text(encoding="utf-8")):
-        assert fragment in anchors(page.parent / target if target else page), f"{target}#{fragment}"
+def test_sections_that_a_page_links_to_exist() -> None:
+    absent = []
+    for page in PAGES:
+        for target, fragment in re.findall(r"\]\(([^)#:]*)#([^)]*)\)", page.read_text(encoding="utf-8")):
+            if fragment not in anchors(page.parent / target if target else page):
+                absent.append(f"{name_of(page)}: {target}#{fragment}")
+    assert absent == []
 
 
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
-def test_programs_import_the_public_interface(page: Path) -> None:
-    programs = re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
-    for module, names in re.findall(r"^from (solver\S*|multiblock\S*) import (.*)$", "\n".join(programs), re.MULTILINE):
-        assert module == "multiblock"
-        assert set(names.split(", ")) <= set(multiblock.__all__)
+def test_programs_import_the_public_interface() -> None:
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        programs = "\n".join(re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL))
+        for module, names in re.findall(r"^from (solver\S*|multiblock\S*) import (.*)$", programs, re.MULTILINE):
+            assert module == "multiblock", name_of(page)
+            assert set(names.split(", ")) <= set(multiblock.__all__), name_of(page)
 
 
 def test_files_of_python_that_code_names_exist() -> None:
@@ -126,10 +133,12 @@ def test_the_index_of_the_notes_has_each_of_them_once() -> None:
     assert sorted(listed) == [note.name for note in NOTES if note.name != "README.md"]
 
 
-@pytest.mark.parametrize("note", [note for note in NOTES if note.name != "README.md"], ids=name_of)
-def test_tables_of_a_note_are_dated(note: Path) -> None:
-    sections = re.split(r"^## ", note.read_text(encoding="utf-8"), flags=re.MULTILINE)
-    assert [part.splitlines()[0] for part in sections if "\n|---" in part and not DATED.search(part)] == []
+def test_tables_of_notes_are_dated() -> None:
+    undated = []
+    for note in (note for note in NOTES if note.name != "README.md"):
+        sections = re.split(r"^## ", note.read_text(encoding="utf-8"), flags=re.MULTILINE)
+        undated += [part.splitlines()[0] for part in sections if "\n|---" in part and not DATED.search(part)]
+    assert undated == []
 
 
 def test_every_example_has_its_picture() -> None:
