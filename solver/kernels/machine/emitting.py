@@ -45,7 +45,9 @@ def emit_all(bitcode: bytes, targets: Sequence[tuple[str, str, str]]) -> None:
     if len(targets) == 1:
         emit(bitcode, *targets[0])
         return
-    with ProcessPoolExecutor(min(len(targets), os.cpu_count() or 1), multiprocessing.get_context("spawn")) as workers:
+    # a new interpreter would import the compiler once more, for some seconds each
+    context = multiprocessing.get_context("fork" if sys.platform == "linux" else "spawn")
+    with ProcessPoolExecutor(min(len(targets), os.cpu_count() or 1), context) as workers:
         begun = {workers.submit(emit, bitcode, *target): target for target in targets}
         for done in as_completed(begun):
             done.result()

@@ -9,6 +9,7 @@ import ctypes
 import hashlib
 import multiprocessing
 import os
+import platform
 import subprocess
 import sys
 import tempfile
@@ -62,11 +63,17 @@ def load(group: str) -> dict[str, Function]:
 
 
 def open_packaged() -> None:
-    """Open all machine code in the package, whose folder may not outlast this process."""
+    """Open all machine code in the package, whose folder may not outlast this process.
+
+    Raises MachineCodeError if a group is there for other systems or processors only.
+    """
+    carried = {file.name.partition(".")[0] for file in PACKAGED.glob(f"*.{SOURCES}.*")}
     with _lock:
-        for group in GROUPS:
-            if _packaged(group) is not None:
-                _address_of(group)
+        for group in sorted(carried):
+            if _packaged(group) is None:
+                here = f"{platform.system()} on {platform.machine()}"
+                raise MachineCodeError(f"there is no machine code of {GROUPS[group].purpose} for {here}")
+            _address_of(group)
 
 
 def _address_of(group: str) -> Callable[[str], int]:

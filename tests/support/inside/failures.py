@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from support.inside.lives import INF, NAN, WrongCall, answers, fresh, started, terminated
-from support.instance import Instance
+from support.instance import Instance, unpacked
 
 # how the instance was made, the call, what is said
 Case = tuple[Callable[[str, bool], Instance], Callable[[Instance], object], str]
@@ -153,10 +153,12 @@ def outputs_of_initialization(fmu: str) -> list[float]:
     return heard + column.get("base.Fz")
 
 
-def without_numpy(fmu: str) -> None:
-    """An instance where numpy is not installed."""
-    sys.modules["numpy"] = None  # type: ignore[assignment]
-    Instance(fmu)
+def on_another_system(fmu: str) -> None:
+    """An instance of an FMU that carries no machine code for this system."""
+    folder = Path(unpacked(fmu))
+    for library in (folder / "resources").rglob("*.so"):
+        library.unlink()
+    Instance(fmu, folder=str(folder))
 
 
 def rings(fmu: str, dampings: list[tuple[float, float]]) -> list[float]:
