@@ -6,6 +6,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 
 import tables
+from sphinx.ext.napoleon import Config, NumpyDocstring
 
 import multiblock
 
@@ -23,6 +24,7 @@ extensions = [
 ]
 exclude_patterns = ["images", "notes", "**/.ipynb_checkpoints"]  # notes are read in the repository
 nitpicky = True
+nitpick_ignore = [("py:class", "optional")]  # of parameters
 smartquotes = False  # primes stay primes
 
 myst_heading_anchors = 4
@@ -46,8 +48,15 @@ html_css_files = ["site.css"]
 html_show_copyright = False
 
 
+def _with_sections(app, what, name, obj, options, lines):
+    """Read the sections of numpydoc, which napoleon would look for in descriptions of attributes too."""
+    if what in ("class", "function", "method"):
+        lines[:] = NumpyDocstring(lines, Config(napoleon_use_rtype=False), app, what, name, obj, options).lines()
+
+
 def setup(app):
     """What this project adds to Sphinx."""
     app.connect("source-read", tables.fill_in)
+    app.connect("autodoc-process-docstring", _with_sections)
     app.connect("autodoc-process-docstring", tables.as_restructured_text)
     app.connect("builder-inited", tables.copy_notebooks)
