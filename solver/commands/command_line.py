@@ -97,11 +97,11 @@ def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None
         with warnings.catch_warnings():
             warnings.simplefilter("always", InputWarning)
             warnings.showwarning = _warnings_shower()
-            library.announce = partial(print, flush=True)
             options = _parsed(parser, arguments)
-            options.command(options)
+            with library.announcing(partial(print, flush=True)):
+                options.command(options)
             sys.stdout.flush()
-    except (InputError, SolverError, OSError) as error:
+    except (InputError, SolverError, library.MachineCodeError, OSError) as error:
         if _is_closed_pipe(error):  # `| head` has read enough
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return CLOSED_PIPE

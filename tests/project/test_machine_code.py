@@ -252,6 +252,17 @@ def test_a_terminal_says_what_is_compiled_and_a_pipe_does_not(monkeypatch: pytes
         assert shown.getvalue() == said
 
 
+def test_a_command_says_it_in_a_pipe_too_and_nothing_stays(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(library, "keep", lambda *_: None)
+    with library.announcing(print):
+        made_now(monkeypatch)
+    assert capsys.readouterr().out == "compiling the kernels of joints, once: about 6 s\n"
+    made_now(monkeypatch)
+    assert capsys.readouterr() == ("", "")
+
+
 def place(monkeypatch: pytest.MonkeyPatch, **variables: str) -> None:
     """Let the environment name these folders and no others."""
     for name in ("MULTIBLOCK_CACHE_DIR", "XDG_CACHE_HOME", "LOCALAPPDATA"):

@@ -15,8 +15,9 @@ import sys
 import tempfile
 import threading
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, TypeVar
@@ -100,6 +101,17 @@ def on_terminal(line: str) -> None:
 
 
 announce: Callable[[str], None] = on_terminal  # is called before a group is made, with what and how long
+
+
+@contextmanager
+def announcing(say: Callable[[str], None]) -> Iterator[None]:
+    """Let another function announce what is made, within this context."""
+    global announce
+    usual, announce = announce, say
+    try:
+        yield
+    finally:
+        announce = usual
 
 
 def make(groups: Iterable[str]) -> None:
@@ -237,6 +249,8 @@ def run_make(wanted: Mapping[str, Mapping[str, Path]]) -> None:
         for group, files in wanted.items():
             if done.returncode or not all(file.is_file() for file in files.values()):
                 last = (done.stderr.strip().splitlines() or ["it was ended"])[-1]
+                if "No module named 'numba'" in last or "No module named 'llvmlite'" in last:
+                    last = "numba is not installed: pip install 'numba>=0.61,<1'"
                 raise MachineCodeError(f"the kernels of {GROUPS[group].purpose} cannot be compiled: {last}")
 
 
