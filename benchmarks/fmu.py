@@ -165,17 +165,17 @@ def cold(folder: Path, options: argparse.Namespace) -> str:
     home = Path(tempfile.mkdtemp(dir=folder))
     warm = min(_command_line(fmu, home) for _ in range(options.rounds + 1))
     bare = min(_command_line(None, home) for _ in range(options.rounds))
-    return f"fresh account {fresh:.2f} s, afterwards {warm:.2f} s; Python with fmpy, numpy and numba alone {bare:.2f} s"
+    return f"fresh account {fresh:.2f} s, afterwards {warm:.2f} s; Python with fmpy and numpy alone {bare:.2f} s"
 
 
 def _command_line(fmu: Path | None, home: Path) -> float:
     """Seconds of a process at home in a folder; without an FMU, of one that only imports."""
-    command = [sys.executable, "-c", "import fmpy, numba"]
+    command = [sys.executable, "-c", "import fmpy, numpy"]
     if fmu is not None:
         options = ["--stop-time", "20", "--output-interval", "0.02", "--start-values", "base.ax", "0.3"]
         command = [str(FMPY), "simulate", str(fmu), *options]
         command += ["--output-file", str(home / "out.csv")]
-    kept = {key: value for key, value in os.environ.items() if key not in ("XDG_CACHE_HOME", "NUMBA_CACHE_DIR")}
+    kept = {key: value for key, value in os.environ.items() if key not in ("XDG_CACHE_HOME", "MULTIBLOCK_CACHE_DIR")}
     begin = time.perf_counter()
     subprocess.run(command, check=True, capture_output=True, env=kept | {"HOME": str(home)})
     return time.perf_counter() - begin

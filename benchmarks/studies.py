@@ -297,7 +297,7 @@ def memory(count: int, compiling: bool) -> dict[str, Any]:
     With `compiling` also that of a process that compiles them for a few runs, as a user's first one does.
     """
     with tempfile.TemporaryDirectory() as cache:
-        environment = os.environ | ({"NUMBA_CACHE_DIR": cache} if compiling else {})
+        environment = os.environ | ({"MULTIBLOCK_CACHE_DIR": cache} if compiling else {})
         first, later = (_filled(runs, environment) for runs in (8, count))
     return {"runs": count, "megabytes": later} | ({"compiling": first} if compiling else {})
 

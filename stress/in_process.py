@@ -58,11 +58,11 @@ def scene_rows() -> list[Any]:
     return list(scene_rows())
 
 
-def sweep(tolerance: float | None) -> list[dict[str, Any]]:
+def sweep() -> list[dict[str, Any]]:
     """Of scheme.py."""
     from .scheme import sweep
 
-    return sweep(tolerance)
+    return sweep()
 
 
 def limit_files(size: int) -> None:

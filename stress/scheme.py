@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -103,7 +105,7 @@ def stability_map(
 def sweep_costs() -> list[dict[str, Any]]:
     """Error of the top displacement against the tolerance of the sweeps.
 
-    That tolerance is a constant of the kernels: each one is compiled in a process of its own.
+    That tolerance is a constant of the kernels: each one is compiled in a copy of the solver.
     """
     exact, *others = (_swept(tolerance) for tolerance in (None, *TOLERANCES))
     rows = []
@@ -118,11 +120,19 @@ def sweep_costs() -> list[dict[str, Any]]:
 
 def _swept(tolerance: float | None) -> list[dict[str, Any]]:
     """The result of `sweep` in a process of its own."""
-    with tempfile.TemporaryDirectory(prefix="stress_") as cache:
+    with tempfile.TemporaryDirectory(prefix="stress_") as folder:
+        for name in ("solver", "stress"):
+            shutil.copytree(ROOT / name, Path(folder) / name, ignore=shutil.ignore_patterns("__pycache__"))
+        equations = Path(folder) / "solver" / "kernels" / "paper" / "equations.py"
+        text = equations.read_text(encoding="utf-8")
+        own = re.search(r"^SWEEP_TOLERANCE = (\S+)", text, re.MULTILINE)
+        assert own is not None
+        if tolerance is not None:
+            equations.write_text(text.replace(own[0], f"SWEEP_TOLERANCE = {tolerance!r}"), encoding="utf-8")
         done = subprocess.run(
-            [sys.executable, "-W", "ignore", "-m", "stress.in_process", "sweep", json.dumps([tolerance])],
-            cwd=ROOT,
-            env=os.environ | {"NUMBA_CACHE_DIR": cache},
+            [sys.executable, "-W", "ignore", "-m", "stress.in_process", "sweep"],
+            cwd=folder,
+            env=os.environ | {"MULTIBLOCK_CACHE_DIR": str(Path(folder) / "cache")},
             capture_output=True,
             text=True,
             check=True,
@@ -131,15 +141,10 @@ def _swept(tolerance: float | None) -> list[dict[str, Any]]:
     return scenes
 
 
-def sweep(tolerance: float | None) -> list[dict[str, Any]]:
-    """Top displacement and sweeps an evaluation of every scene; None is the solver's own tolerance of the sweeps.
-
-    No kernel may have been compiled before.
-    """
+def sweep() -> list[dict[str, Any]]:
+    """Top displacement and sweeps an evaluation of every scene, with the tolerance that the kernels have."""
     from solver.kernels.paper import equations as paper
 
-    if tolerance is not None:
-        paper.SWEEP_TOLERANCE = tolerance
     found = []
     for amplitude, frequency, duration in SCENES:
         stepper = Stepper(shaft(3, STIFFNESS, 0.0))

@@ -233,6 +233,20 @@ def test_the_level_is_one_that_this_processor_has() -> None:
     assert set(level.levels()) <= {*level.X86, *level.ARM}
 
 
+def test_a_lower_level_can_be_chosen_and_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    lowest = level.levels()[-1]
+    for name, found in ((lowest, (lowest,)), ("x86-64-v9", None)):
+        monkeypatch.setenv("MULTIBLOCK_LEVEL", name)
+        level.levels.cache_clear()
+        if found:
+            assert level.levels() == found
+        else:
+            with pytest.raises(ValueError, match="MULTIBLOCK_LEVEL=x86-64-v9: must be of "):
+                level.levels()
+    monkeypatch.undo()
+    level.levels.cache_clear()
+
+
 def test_what_cannot_be_made_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(library, "_python", lambda: sys.executable)
     with pytest.raises(MachineCodeError, match=r"^the kernels of joints cannot be compiled: LLVM ERROR: .*"):

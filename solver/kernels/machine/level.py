@@ -1,5 +1,6 @@
 """Levels of processors: machine code is made for each, and the highest that this one has is run."""
 
+import os
 import platform
 import re
 import sys
@@ -24,9 +25,18 @@ def is_arm() -> bool:
 
 @lru_cache(maxsize=1)
 def levels() -> tuple[str, ...]:
-    """Return the levels that this processor runs, the highest first."""
-    if is_arm():
-        return ARM
+    """Return the levels that this processor runs, the highest first; MULTIBLOCK_LEVEL names a lower one to begin with.
+
+    Raises ValueError for a level that it does not run.
+    """
+    found = ARM if is_arm() else _of_x86()
+    highest = os.environ.get("MULTIBLOCK_LEVEL", found[0])
+    if highest not in found:
+        raise ValueError(f"MULTIBLOCK_LEVEL={highest}: must be of {', '.join(found)}")
+    return found[found.index(highest) :]
+
+
+def _of_x86() -> tuple[str, ...]:
     first = len(X86) - 1
     for level in reversed(X86[:-1]):
         if not _has(level):
