@@ -280,7 +280,7 @@ def build_fmu(
     with tempfile.TemporaryDirectory(prefix="build_fmu_") as folder:
         stage = Path(folder)
         kernels = body.kernels
-        carried_solver = _carry_package(solver, stage, {}, kernels.name)
+        carried_solver = _carry_package(solver, stage, {}, *kernels[:1])
         carried_fmu_src = _carry_package(fmu_src, stage, {"solver": carried_solver})
         carried = [carried_solver, carried_fmu_src]
         package, _, module = type(body).__module__.partition(".")
@@ -301,7 +301,7 @@ def build_fmu(
         (stage / GUID_FILE).write_text(f"{{{uuid.uuid5(uuid.NAMESPACE_OID, identity)}}}", encoding="utf-8")
         code_folder = stage / carried_solver / "kernels" / "machine" / "code"
         code_folder.mkdir()
-        for name, code in libraries(kernels.groups, CARRIED_PLATFORMS).items():
+        for name, code in libraries(kernels, CARRIED_PLATFORMS).items():
             (code_folder / name).write_bytes(code)
         sys.path.insert(0, str(stage))
         importlib.invalidate_caches()
@@ -315,7 +315,7 @@ def build_fmu(
         finally:
             sys.path[:] = [entry for entry in sys.path if not entry.startswith(str(stage))]
         output.parent.mkdir(parents=True, exist_ok=True)
-        needs = NEEDS if has_linker() or not kernels.groups else NEEDS_OBJECTS
+        needs = NEEDS if has_linker() or not kernels else NEEDS_OBJECTS
         needs = needs if has_tools() else f"{needs} {guard.WITHOUT}"
         table = body.table(record_name)
         table = with_real_outputs(table) if real_outputs else table

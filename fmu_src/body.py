@@ -39,17 +39,6 @@ from .state_ranges import Ranges
 Value = Callable[[str], Any]  # looks a variable up by its name
 
 
-class Carried(NamedTuple):
-    """The kernels whose machine code an FMU carries; none without groups."""
-
-    groups: tuple[str, ...] = ()  # solver/kernels/machine/groups.py
-
-    @property
-    def name(self) -> str:
-        """What is put into the name of the package: FMUs with other kernels have their own copy in one process."""
-        return self.groups[0] if self.groups else ""
-
-
 class Body:
     """What is inside an FMU: its text, its variables, and what follows it from call to call.
 
@@ -64,7 +53,7 @@ class Body:
     first_parameter = variables.TOLERANCE
     segment: int | None = None  # place in the array `base` of a number of a sample
     base: tuple[str, ...] = ("", "ax", "jx")  # what stands in that array, inputs by their names
-    kernels = Carried()
+    kernels: tuple[str, ...] = ()  # groups whose machine code an FMU carries (solver/kernels/machine/groups.py)
     why_not_native = "is followed in Python, must have kernels"  # "": its FMU can do without Python
 
     def __init_subclass__(cls, word: str) -> None:
@@ -149,7 +138,7 @@ class ColumnBody(Body, word="column"):
         self.about = f"Column of {column.n} rigid {blocks} with no-tension elastic joints under base acceleration"
         more = at.SPOTS.size(len(column.ports)) + column.sizes[BOND]
         self.sizes = at.ROW.size(column.n) + more, drive.split_of_column, at.PEAKS.size(column.n) + more
-        self.kernels = Carried((column.kind.entries.run.group, "statics"))
+        self.kernels = (column.kind.entries.run.group, "statics")
         self.why_not_native = "has solver.formulation = paper, must be exact" if column.kind.fixed else ""
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
@@ -194,7 +183,7 @@ class StructureBody(Body, word="structure"):
     """A structure in space. Its rest is found when the FMU is built, and carried with it."""
 
     first_parameter = structure_variables.DAMPING_SCALE
-    kernels = Carried(("structure_driven",))
+    kernels = ("structure_driven",)
     base = BASE_OF_STRUCTURE.fields
     why_not_native = ""
 

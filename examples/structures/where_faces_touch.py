@@ -69,7 +69,7 @@ def structure(where: str) -> Structure:
 
 
 def cells(found: Check) -> list[str]:
-    """How many varied statues fall, and the factor on the shaking at which the first one falls."""
+    """Return how many varied statues fall, and the factor on the shaking at which the first one falls."""
     margin = f"{found.margin.falls:.2f}" if found.margin is not None else ""
     return [f"{found.verdicts.fallen} of {len(found.verdicts.varied)}", margin]
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import hashlib
 import importlib
-import os
 import subprocess
 import sys
 import tempfile
@@ -24,6 +23,7 @@ from llvmlite import binding as llvm
 from solver.kernels.machine.emitting import emit_all, initialize, optimize, tell
 from solver.kernels.machine.folders import keep, kept
 from solver.kernels.machine.kinds import Int, Ints, Real, Reals
+from solver.kernels.machine.making import environment
 from solver.kernels.machine.sources import SOURCES
 from solver.kernels.machine.zig import LINUX, Target
 from solver.kernels.numba_ext.jit import as_written
@@ -67,19 +67,12 @@ def object_code(targets: list[Target], kernels: Kernels, suffix: str = ".o") -> 
     if missing:
         with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
             folder = Path(temporary)
-            environment = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
-            settings = {
-                "NUMBA_CPU_NAME": BASELINE,
-                "NUMBA_CPU_FEATURES": "",
-                "PYTHONHASHSEED": "0",
-                "MULTIBLOCK_COMPILES": "1",
-            }
+            oldest = {"NUMBA_CPU_NAME": BASELINE, "NUMBA_CPU_FEATURES": ""}
             if optimized := kept("native", f"{key}-{OPTIMIZED}"):  # for other targets
                 (folder / OPTIMIZED).write_bytes(optimized)
             wanted = [f"{target.triple}={target.cpu}={suffix}" for target in missing]
             command = [sys.executable, "-m", __spec__.name, str(folder), kernels.entries, *wanted]
-            path = os.pathsep.join(entry for entry in sys.path if entry)
-            subprocess.run(command, check=True, env=environment | settings | {"PYTHONPATH": path})
+            subprocess.run(command, check=True, env=environment() | oldest)
             for file in folder.iterdir():
                 made[file.name] = file.read_bytes()
                 keep("native", f"{key}-{file.name}", file.read_bytes())

@@ -18,7 +18,7 @@ from ..common.digits import percent
 from ..common.errors import InputError, InputWarning, SolverError, reading
 from ..common.files import check_outputs, printable, with_point
 from ..ground.motion import STANDARD_GRAVITY, Motion
-from ..kernels.machine import library
+from ..kernels.machine.messages import MachineCodeError, announcing
 from ..models.column.response import Response
 from ..models.column.settings import FORMULATIONS, INTEGRATORS
 from ..models.outputs import DIGITS, check_digits
@@ -98,10 +98,10 @@ def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None
             warnings.simplefilter("always", InputWarning)
             warnings.showwarning = _warnings_shower()
             options = _parsed(parser, arguments)
-            with library.announcing(partial(print, flush=True)):
+            with announcing(partial(print, flush=True)):
                 options.command(options)
             sys.stdout.flush()
-    except (InputError, SolverError, library.MachineCodeError, OSError) as error:
+    except (InputError, SolverError, MachineCodeError, OSError) as error:
         if _is_closed_pipe(error):  # `| head` has read enough
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return CLOSED_PIPE

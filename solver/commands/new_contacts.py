@@ -18,7 +18,7 @@ MEANINGS = {
 
 
 class Touching(NamedTuple):
-    """Where faces touch: all over, or in a rim or on feet of this width."""
+    """The part of faces that touches: all of it, or a rim or feet of this width."""
 
     rim: float = 0.0  # m
     foot: float = 0.0  # m, of the top block

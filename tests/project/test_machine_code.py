@@ -21,11 +21,11 @@ from support.inside import loads
 
 from solver.kernels.api import entries
 from solver.kernels.machine import entry as machine_entry
-from solver.kernels.machine import folders, level, library
+from solver.kernels.machine import folders, level, library, making
 from solver.kernels.machine.entry import ENTRIES, Entry
 from solver.kernels.machine.groups import GROUPS
 from solver.kernels.machine.kinds import Int, Reals
-from solver.kernels.machine.library import MachineCodeError
+from solver.kernels.machine.messages import MachineCodeError, announcing
 
 
 def loaded_kernel_says(project: Path) -> float:
@@ -181,15 +181,15 @@ def given_away(folder: Path) -> None:
 
 
 def made_now(monkeypatch: pytest.MonkeyPatch) -> bytes:
-    """What `library` makes of a group, by a compiler that is quick."""
+    """What `making` makes of a group, by a compiler that is quick."""
 
     def quick(wanted: dict[str, dict[str, Path]]) -> None:
         for files in wanted.values():
             for file in files.values():
                 file.write_bytes(b"made")
 
-    monkeypatch.setattr(library, "run_make", quick)
-    return library._made(["statics"])[0]
+    monkeypatch.setattr(making, "run_make", quick)
+    return making.made(["statics"])[0]
 
 
 @pytest.mark.skipif(os.name == "nt", reason="folders of a user on Windows are his own")
@@ -200,15 +200,15 @@ def test_machine_code_that_others_may_have_planted_is_not_read(
 ) -> None:
     place(monkeypatch, MULTIBLOCK_CACHE_DIR=str(tmp_path / "cache"))
     assert made_now(monkeypatch) == b"made"
-    assert folders.kept(library.KEPT, library._key("statics")) == b"made"
+    assert folders.kept(making.KEPT, making._key("statics")) == b"made"
     for folder in (tmp_path / "cache", tmp_path / "cache" / "code"):
         if folder.name == "cache" or inside:
             harm(folder)
     if harm is opened and not inside:  # it is closed again; nothing could get into the private folder
-        assert folders.kept(library.KEPT, library._key("statics")) == b"made"
+        assert folders.kept(making.KEPT, making._key("statics")) == b"made"
         assert (tmp_path / "cache").stat().st_mode & 0o022 == 0
         return
-    assert folders.kept(library.KEPT, library._key("statics")) is None
+    assert folders.kept(making.KEPT, making._key("statics")) is None
     with pytest.warns(RuntimeWarning, match="machine code is not kept, and made in every process: .*: others c"):
         made_now(monkeypatch)
 
@@ -248,9 +248,9 @@ def test_a_lower_level_can_be_chosen_and_no_other(monkeypatch: pytest.MonkeyPatc
 
 
 def test_what_cannot_be_made_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(library, "_python", lambda: sys.executable)
+    monkeypatch.setattr(making, "_python", lambda: sys.executable)
     with pytest.raises(MachineCodeError, match=r"^the kernels of joints cannot be compiled: LLVM ERROR: .*"):
-        library.run_make({"statics": {"no such": Path("/nonexistent/x.o")}})
+        making.run_make({"statics": {"no such": Path("/nonexistent/x.o")}})
 
 
 class Terminal(io.StringIO):
@@ -261,7 +261,7 @@ class Terminal(io.StringIO):
 def test_a_terminal_says_what_is_compiled_and_a_pipe_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
     for shown, said in ((Terminal(), "compiling the kernels of joints, once: about 6 s\n"), (io.StringIO(), "")):
         monkeypatch.setattr(sys, "stderr", shown)
-        monkeypatch.setattr(library, "keep", lambda *_: None)
+        monkeypatch.setattr(making, "keep", lambda *_: None)
         made_now(monkeypatch)
         assert shown.getvalue() == said
 
@@ -269,8 +269,8 @@ def test_a_terminal_says_what_is_compiled_and_a_pipe_does_not(monkeypatch: pytes
 def test_a_command_says_it_in_a_pipe_too_and_nothing_stays(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(library, "keep", lambda *_: None)
-    with library.announcing(print):
+    monkeypatch.setattr(making, "keep", lambda *_: None)
+    with announcing(print):
         made_now(monkeypatch)
     assert capsys.readouterr().out == "compiling the kernels of joints, once: about 6 s\n"
     made_now(monkeypatch)

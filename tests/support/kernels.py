@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from solver.kernels.machine.groups import GROUPS
-from solver.kernels.machine.library import make
+from solver.kernels.machine.making import make
 
 
 def make_all() -> None:

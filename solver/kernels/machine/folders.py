@@ -70,16 +70,20 @@ def private_folder(name: str, parent: Path | None = None) -> Path:
     return folder
 
 
+def write_whole(file: Path, content: bytes) -> None:
+    """Write a file, completely or not at all, whoever else writes it. Raises OSError."""
+    partial = file.with_name(f"{file.name}.{os.getpid()}")
+    try:
+        partial.write_bytes(content)
+        partial.replace(file)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
 def keep(kind: str, name: str, content: bytes) -> None:
     """Leave what can be made again in the private folder `kind`. Without room nothing is kept."""
     with suppress(OSError, RuntimeError):
-        file = private_folder(kind) / name
-        partial = file.with_name(f"{name}.{os.getpid()}")
-        try:
-            partial.write_bytes(hashlib.sha256(content).digest() + content)
-            partial.replace(file)
-        finally:
-            partial.unlink(missing_ok=True)
+        write_whole(private_folder(kind) / name, hashlib.sha256(content).digest() + content)
 
 
 def kept(kind: str, name: str) -> bytes | None:

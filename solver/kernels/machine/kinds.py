@@ -13,7 +13,7 @@ _first_byte, _address = ctypes.c_char.from_buffer, ctypes.addressof
 
 
 class Kind:
-    """How an argument is passed: its letters for `struct`, and their values."""
+    """A way to pass an argument: its letters for `struct`, and their values."""
 
     letters: ClassVar[str]
 

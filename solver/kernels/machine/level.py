@@ -15,7 +15,7 @@ _NEEDED = {
     "x86-64-v3": ("avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe"),
     "x86-64-v4": ("avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"),
 }
-_AVX2, _AVX512 = 40, 41  # of Windows' IsProcessorFeaturePresent
+_AVX2 = 40  # of Windows' IsProcessorFeaturePresent
 
 
 def is_arm() -> bool:
@@ -52,9 +52,8 @@ def _has(level: str) -> bool:
         except (OSError, UnicodeDecodeError):
             return False
         return found is not None and set(_NEEDED[level]) <= set(found[1].split())
-    if sys.platform == "win32":
+    if sys.platform == "win32" and level == "x86-64-v3":
         import ctypes
 
-        feature = _AVX2 if level == "x86-64-v3" else _AVX512
-        return bool(ctypes.windll.kernel32.IsProcessorFeaturePresent(feature)) and level == "x86-64-v3"
-    return False  # macOS: only processors of ARM are new
+        return bool(ctypes.windll.kernel32.IsProcessorFeaturePresent(_AVX2))
+    return False  # Windows has a word for AVX2 alone; macOS: only processors of ARM are new

@@ -3,7 +3,7 @@
 import hashlib
 import tempfile
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
@@ -13,7 +13,8 @@ from typing import NamedTuple
 from .folders import keep, kept
 from .groups import GROUPS
 from .level import ARM, X86, is_arm
-from .library import COMPILERS, file_name, on_all_cores, run_make
+from .library import file_name
+from .making import compilers, on_all_cores, run_make
 from .sources import SOURCES
 from .zig import LINUX, LINUX_ARM, MACOS, MACOS_ARM, WINDOWS, Target, has_linker, link
 
@@ -28,79 +29,78 @@ PLATFORMS: Mapping[str, tuple[str, Mapping[str, Target]]] = {
 }
 
 
+class _Part(NamedTuple):
+    """The code of a group for one target.
+
+    word: for the target (numba_ext/make.py). target: what it is linked for, None: it stays object code. key: under what
+    it is kept. file: its name in a package.
+    """
+
+    group: str
+    word: str
+    target: Target | None
+    key: str
+    file: str
+
+
 def libraries(groups: Iterable[str] = GROUPS, platforms: Iterable[str] = PLATFORMS) -> dict[str, bytes]:
     """Return the files of groups for platforms, name -> content; made on all cores, and kept.
 
     Without zig they are object code for the levels of this machine's processor: what runs it needs llvmlite.
     Raises MachineCodeError, OSError.
     """
-    make = partial(_linked, platforms=tuple(platforms)) if has_linker() else _objects
-    return {name: content for part in on_all_cores(make, groups) for name, content in part.items()}
+    parts_of = partial(_linked_parts, platforms=tuple(platforms)) if has_linker() else _object_parts
+    made = on_all_cores(lambda some: _contents([part for group in some for part in parts_of(group)]), groups)
+    return {name: content for part in made for name, content in part.items()}
 
 
-def _made_with(linker: str) -> str:
-    versions = [f"{name} {version(name)}" for name in (*COMPILERS, *filter(None, [linker]))]
-    source = Path(__file__).with_name("zig.py").read_bytes()
-    return hashlib.sha256(" ".join([SOURCES, *versions]).encode() + source).hexdigest()[:16]
-
-
-class _Part(NamedTuple):
-    """The code of a group for one target: under what it is kept, the name of its file in a package."""
-
-    group: str
-    level: str
-    target: Target
-    key: str
-    file: str
-
-
-def _linked(groups: list[str], platforms: tuple[str, ...]) -> dict[str, bytes]:
-    """Return the libraries of groups."""
+def _linked_parts(group: str, platforms: tuple[str, ...]) -> Iterator[_Part]:
+    """Return the parts of a group that are linked, for all levels of platforms."""
     identity = _made_with("ziglang")
-    parts = [
-        _Part(group, level, target, f"{identity}-{group}-{name}-{level}", file_name(group, level, PLATFORMS[name][0]))
-        for group in groups
-        for name in platforms
-        for level, target in PLATFORMS[name][1].items()
-    ]
+    for name in platforms:
+        suffix, targets = PLATFORMS[name]
+        for level, target in targets.items():
+            key, file = f"{identity}-{group}-{name}-{level}", file_name(group, level, suffix)
+            yield _Part(group, f"{target.triple}/{target.cpu}", target, key, file)
+
+
+def _object_parts(group: str) -> Iterator[_Part]:
+    """Return the parts of a group as object code for the processors of this machine's kind."""
+    identity = _made_with()
+    for level in ARM if is_arm() else X86:
+        yield _Part(group, level, None, f"{identity}-{group}-{level}.o", file_name(group, level, ".o"))
+
+
+def _made_with(*linker: str) -> str:
+    """Return an identifier of all that the files depend on beside group and target."""
+    versions = [SOURCES, compilers(), *(f"{name} {version(name)}" for name in linker)]
+    source = Path(__file__).with_name("zig.py").read_bytes()
+    return hashlib.sha256(" ".join(versions).encode() + source).hexdigest()[:16]
+
+
+def _contents(parts: list[_Part]) -> dict[str, bytes]:
+    """Return the files of parts by name: kept, or made now."""
     found = {part.file: content for part in parts if (content := kept(KEPT, part.key)) is not None}
     missing = [part for part in parts if part.file not in found]
     with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
-        objects = _made({part: f"{part.target.triple}/{part.target.cpu}" for part in missing}, Path(temporary))
+        objects: dict[_Part, Path] = {}
+        wanted: dict[str, dict[str, Path]] = defaultdict(dict)
+        for number, part in enumerate(missing):
+            folder = Path(temporary) / str(number)
+            folder.mkdir()
+            objects[part] = wanted[part.group][part.word] = folder / "kernels.o"
+        if wanted:
+            run_make(wanted)
         for part, file in objects.items():
-            own = ["-Wl,-install_name,@rpath/" + part.file] if part.file.endswith(".dylib") else []
-            output = file.with_name(part.file)
-            link(part.target, [file], output, own)
-            found[part.file] = output.read_bytes()
-            keep(KEPT, part.key, found[part.file])
+            content = file.read_bytes() if part.target is None else _linked(part, part.target, file)
+            found[part.file] = content
+            keep(KEPT, part.key, content)
     return found
 
 
-def _objects(groups: list[str]) -> dict[str, bytes]:
-    """Return the object code of groups for the processors of this machine's kind."""
-    identity, target = _made_with(""), LINUX  # which is not used
-    levels = ARM if is_arm() else X86
-    parts = [
-        _Part(group, level, target, f"{identity}-{group}-{level}.o", file_name(group, level, ".o"))
-        for group in groups
-        for level in levels
-    ]
-    found = {part.file: content for part in parts if (content := kept(KEPT, part.key)) is not None}
-    missing = [part for part in parts if part.file not in found]
-    with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
-        for part, file in _made({part: part.level for part in missing}, Path(temporary)).items():
-            found[part.file] = file.read_bytes()
-            keep(KEPT, part.key, found[part.file])
-    return found
-
-
-def _made(words: Mapping[_Part, str], folder: Path) -> dict[_Part, Path]:
-    """Make the objects of parts, by the words for targets of make.py, each in a folder of its own."""
-    files: dict[_Part, Path] = {}
-    wanted: dict[str, dict[str, Path]] = defaultdict(dict)
-    for number, (part, word) in enumerate(words.items()):
-        (folder / str(number)).mkdir()
-        files[part] = wanted[part.group][word] = folder / str(number) / "kernels.o"
-    if wanted:
-        run_make(wanted)
-    return files
+def _linked(part: _Part, target: Target, file: Path) -> bytes:
+    """Return the shared library of an object."""
+    output = file.with_name(part.file)
+    own = ["-Wl,-install_name,@rpath/" + part.file] if part.file.endswith(".dylib") else []
+    link(target, [file], output, own)
+    return output.read_bytes()

@@ -216,7 +216,7 @@ def where(condition, a, b):
 
 @by_width
 def any_of(condition):
-    """Whether the condition holds in any lane."""
+    """Return True if the condition holds in any lane."""
     return (lambda condition: bits(condition) != 0) if _are_lanes(condition) else lambda condition: condition
 
 
@@ -252,7 +252,7 @@ def with_sign(x, by):
 
 @by_width
 def opposite(condition):
-    """Where the condition does not hold."""
+    """Return the opposite of a condition, or of each of a mask."""
     return (lambda condition: ~condition) if _are_lanes(condition) else lambda condition: not condition
 
 

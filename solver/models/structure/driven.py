@@ -19,7 +19,6 @@ from ...kernels.layout.spaces import (
     TOO_MUCH_WORK,
 )
 from ...kernels.machine.entry import Call, offset
-from ...kernels.machine.library import load
 from ...kernels.structure import coupled, driven
 from ...kernels.structure import layout as at
 from ...kernels.structure.entries import assemble_structure, follow_structure, look_structure
@@ -102,11 +101,6 @@ def sizes_in(packed: FloatArray) -> at.Sizes:
 def driven_size(bodies: int, turns: int) -> int:
     """Return how many numbers the motion of a base has that bodies may drive: none without bodies."""
     return at.DRIVEN.beside + turns * at.DRIVEN_TURN.beside if bodies else 0
-
-
-def make_kernels(_: object = None) -> None:
-    """Load the machine code that an FMU calls; made, unless there is some."""
-    load(follow_structure.group)
 
 
 class DrivenStructure:

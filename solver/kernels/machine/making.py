@@ -1,0 +1,120 @@
+"""Machine code made at need, by a process of its own (numba_ext/make.py), and kept in the private folder of the user.
+
+It is kept under an identifier of sources, level of the processor and compiler.
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TypeVar
+
+from .folders import keep, kept, private_folder
+from .groups import GROUPS
+from .level import levels
+from .messages import MachineCodeError, announce
+from .sources import SOURCES
+
+KEPT = "code"  # folder, in that of the user
+MAKE = f"{__package__.rpartition('.')[0]}.numba_ext.make"  # the program that compiles
+COMPILERS = ("numba", "llvmlite")
+Found = TypeVar("Found")
+
+
+def kept_code(group: str) -> bytes | None:
+    """Return the object code of a group that is kept for this processor; None if there is none."""
+    return kept(KEPT, _key(group))
+
+
+def make(groups: Iterable[str]) -> None:
+    """Make what is not kept of groups, on all cores. Raises MachineCodeError."""
+    on_all_cores(made, [group for group in groups if kept_code(group) is None])
+
+
+def on_all_cores(make: Callable[[list[str]], Found], groups: Iterable[str]) -> list[Found]:
+    """Call `make` with lists of groups that share kernels, side by side, and return what it returns."""
+    families: dict[str, list[str]] = {}
+    for group in groups:
+        in_space = GROUPS[group].module.startswith("structure.")
+        families.setdefault("space" if in_space else "plane", []).append(group)
+    with ThreadPoolExecutor(os.cpu_count() or 1) as threads:
+        return list(threads.map(make, families.values()))
+
+
+def compilers() -> str:
+    """Return the versions of what compiles, "none" where something is not installed."""
+    versions = []
+    for name in COMPILERS:
+        try:
+            versions.append(version(name))
+        except PackageNotFoundError:
+            versions.append("none")
+    return "-".join(versions)
+
+
+def _key(group: str) -> str:
+    """Return the name under which machine code is kept that is made on this machine."""
+    return f"{group}.{levels()[0]}.{SOURCES}.{compilers()}.o"
+
+
+def made(groups: list[str]) -> list[bytes]:
+    """Return the object code of groups for this processor, made by another process, and keep it."""
+    for group in groups:
+        announce(f"compiling the kernels of {GROUPS[group].purpose}, once: about {GROUPS[group].seconds} s")
+    with tempfile.TemporaryDirectory(prefix="machine_code_") as folder:
+        files = {group: Path(folder) / f"{group}.o" for group in groups}
+        run_make({group: {levels()[0]: file} for group, file in files.items()})
+        codes = {group: file.read_bytes() for group, file in files.items()}
+    try:
+        private_folder(KEPT)
+    except (OSError, RuntimeError) as error:
+        warnings.warn(f"machine code is not kept, and made in every process: {error}", RuntimeWarning, stacklevel=2)
+    for group, code in codes.items():
+        keep(KEPT, _key(group), code)
+    return list(codes.values())
+
+
+def run_make(wanted: Mapping[str, Mapping[str, Path]]) -> None:
+    """Let another process make machine code: group -> word for a target (make.py) -> file. Raises MachineCodeError."""
+    with tempfile.TemporaryDirectory(prefix="bitcode_") as folder:
+        words, optimized_now = [], {}
+        for group, files in wanted.items():
+            bitcode, key = Path(folder) / f"{group}.bc", f"{group}.{SOURCES}.{compilers()}.bc"
+            if (optimized := kept(KEPT, key)) is not None:  # for another target
+                bitcode.write_bytes(optimized)
+            else:
+                optimized_now[key] = bitcode
+            words += ["--", group, str(bitcode), *(f"{word}={file}" for word, file in files.items())]
+        command = [_python(), "-P", "-m", MAKE, *words[1:]]
+        done = subprocess.run(command, env=environment(), stdin=subprocess.DEVNULL, capture_output=True, text=True)
+        for key, bitcode in optimized_now.items():
+            if bitcode.is_file():
+                keep(KEPT, key, bitcode.read_bytes())
+        for group, files in wanted.items():
+            if done.returncode or not all(file.is_file() for file in files.values()):
+                last = (done.stderr.strip().splitlines() or ["it was ended"])[-1]
+                if "No module named 'numba'" in last or "No module named 'llvmlite'" in last:
+                    last = "numba is not installed: pip install 'numba>=0.61,<1'"
+                raise MachineCodeError(f"the kernels of {GROUPS[group].purpose} cannot be compiled: {last}")
+
+
+def environment() -> dict[str, str]:
+    """Return the environment of a process that compiles: of this one, without numba's settings."""
+    top = sys.modules[__package__.partition(".")[0]]
+    paths = [str(Path(top.__path__[0]).parent), *filter(None, sys.path)]
+    others = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
+    return others | {"MULTIBLOCK_COMPILES": "1", "PYTHONPATH": os.pathsep.join(paths), "PYTHONHASHSEED": "0"}
+
+
+def _python() -> str:
+    """Return the interpreter of this process, which may be embedded in another program."""
+    executable = Path(sys.executable or "")
+    if executable.stem.lower().startswith("python"):
+        return str(executable)
+    beside = Path(sys.base_exec_prefix) / ("python.exe" if sys.platform == "win32" else "bin/python3")
+    return str(beside)
