@@ -104,7 +104,8 @@ def test_a_wheel_for_a_platform_needs_numpy_alone_and_keeps_nothing(tmp_path: Pa
     python = tmp_path / "venv" / "bin" / "python"
     subprocess.run([sys.executable, "-m", "venv", tmp_path / "venv"], check=True)
     install: list[str | Path] = [python, "-m", "pip", "install", "-q", "--disable-pip-version-check"]
-    subprocess.run([*install, wheel], check=True, capture_output=True)
+    alone = os.environ | {"PYTHONPATH": ""}  # pip takes a checkout on the path for the project installed
+    subprocess.run([*install, wheel], check=True, capture_output=True, env=alone)
     absent = {"HOME": "/nonexistent", "XDG_CACHE_HOME": "", "MULTIBLOCK_CACHE_DIR": "", "PYTHONPATH": ""}
     before = files_below(tmp_path / "venv")
     done = finish_in(tmp_path, python, "-B", "-c", RUN_ALL, ROOT / "examples", **absent)
@@ -114,7 +115,7 @@ def test_a_wheel_for_a_platform_needs_numpy_alone_and_keeps_nothing(tmp_path: Pa
     assert files_below(tmp_path / "venv") == before
     fmu = tmp_path / "phocas_damped.fmu"
     subprocess.run([sys.executable, ROOT / "build_fmu.py", build_fmu.DEFAULT_COLUMN, "-o", fmu], check=True)
-    subprocess.run([*install, "fmpy"], check=True, capture_output=True)
+    subprocess.run([*install, "fmpy"], check=True, capture_output=True, env=alone)
     rows = tmp_path / "rows.csv"
     fmpy = ["-m", "fmpy", "simulate", fmu, "--stop-time", "0.1", "--start-values", "base.jx", "1.0"]
     done = finish_in(tmp_path, python, *fmpy, "--output-file", rows, **absent)

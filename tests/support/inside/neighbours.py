@@ -57,7 +57,11 @@ def together(fmus: list[str]) -> dict[str, Any]:
 
 
 def beside(ours: str, theirs: str, ours_first: bool) -> tuple[list[Any], list[float]]:
-    """Our outputs beside an FMU of another tool, and its own."""
+    """Return our outputs beside an FMU of another tool, and its own.
+
+    The other instance is freed: PythonFMU's library frees its Python state twice at the end of a process otherwise, and
+    aborts it now and then. Ours drops that state itself (host.finalize_at_exit).
+    """
     if ours_first:
         column, other = Instance(ours), Instance(theirs)
     else:
@@ -65,7 +69,9 @@ def beside(ours: str, theirs: str, ours_first: bool) -> tuple[list[Any], list[fl
     outputs = steps(column)
     other.step(0.0, 1.0)
     other.step(1.0, 1.0)
-    return outputs, other.get("y")
+    y = other.get("y")
+    other.close()
+    return outputs, y
 
 
 def steps_during_a_long_one(fmu: str) -> int:
