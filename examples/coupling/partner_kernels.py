@@ -1,11 +1,9 @@
-"""The partners for callers that have pointers: what their FMUs without Python are linked with.
+"""The kernels of partners: what their FMUs without Python are linked with, a group of entries for each.
 
-Each takes the place that the kernels have in solver/kernels/api/pointers.py, with arguments of the same names; the
-functions are those of isolator.py and soil.py as they stand, compiled. A partner's model is its parameters, its state
-what moves, the steps before and the work. The state of the ground is the length of the last step.
+They are called as those of a column (solver/kernels/api/driven_entries.py), and take what they need of the same
+arguments; the functions are those of isolator.py and soil.py as they stand, compiled. A partner's model is its
+parameters, its state what moves, the steps before and the work. The state of the ground is the length of the last step.
 """
-
-from __future__ import annotations
 
 import hashlib
 import importlib
@@ -16,18 +14,18 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from solver.kernels.api import pointers
 from solver.kernels.formulations.base_motion import SAMPLE_SLACK, Samples, record_line, segment_at
+from solver.kernels.machine.entry import entry
+from solver.kernels.machine.groups import GROUPS, Group
+from solver.kernels.machine.kinds import Int, Real, Reals, SizedReals
 from solver.kernels.numba_ext.jit import kernel
-from solver.kernels.numba_ext.views import Record, row_at
+from solver.kernels.numba_ext.views import Record
 
 HERE = Path(__file__).resolve().parent
+PARTNERS = ("isolator", "soil")  # that carry a column
 PLAIN, COMPILED = "laws", "compiled_laws"  # the folder as packages: as it stands, and with all functions compiled
 NO_NUMBER, NO_DERIVATIVES = -101, -102
 REASONS = {NO_NUMBER: "the acceleration is no finite number", NO_DERIVATIVES: "derivatives are not offered"}
-Entries = dict[Callable[..., Any], Any]
-_column: Any = pointers.ENTRIES
-_types = {function.__name__: kinds for function, kinds in _column.items()}
 
 
 def law_of(name: str, package: str = PLAIN) -> ModuleType:
@@ -39,50 +37,60 @@ def law_of(name: str, package: str = PLAIN) -> ModuleType:
     return importlib.import_module(f"{package}.{name}")
 
 
-def sources(name: str) -> str:
+def _sources(name: str) -> str:
     """What identifies the partner's own sources."""
     content = b"".join((HERE / f"{part}.py").read_bytes() for part in ("law", name, "partner_kernels"))
     return hashlib.sha256(content).hexdigest()[:16]
 
 
-def _compiled(name: str) -> tuple[ModuleType, ModuleType]:
-    """What partners share and the partner, every function compiled: they find each other in their modules."""
-    law, own = law_of("law", COMPILED), law_of(name, COMPILED)
-    for module in (law, own):
+def _compiled() -> tuple[ModuleType, ...]:
+    """What partners share and the partners, every function compiled: they find each other in their modules."""
+    modules = tuple(law_of(name, COMPILED) for name in ("law", *PARTNERS))
+    for module in modules:
         for key, item in list(vars(module).items()):
             if inspect.isfunction(item):
                 setattr(module, key, kernel(item))
-    return law, own
+    return modules
 
 
-def _entries(begin: Callable[..., Any], step: Callable[..., Any], see: Callable[..., Any]) -> Entries:
-    """The entries around what is a partner's own: all that such a thing has no use for is left out.
+def _entries(group: str, begin: Callable[..., Any], step: Callable[..., Any], see: Callable[..., Any]) -> None:
+    """Make the entries around what is a partner's own.
 
     begin(given, from_rest, model, state), step(inputs, model, state, work, h) -> reason or 0,
     see(inputs, model, state, work, t, samples, row).
     """
 
-    def assemble(n, given, from_rest, model, state, counts, base, work, scratch, detail):
-        begin(row_at(given), from_rest, row_at(model), row_at(state))
+    made = entry(group, __name__)
+
+    @made
+    def assemble(model: Reals, state: Reals, given: Reals, from_rest: Int) -> Int:
+        begin(given, from_rest, model, state)
         return 0
 
-    def follow(n, model, state, counts, base, work, inputs, start, h, count, times, ax, az, scale, row, split):
-        return step(row_at(inputs), row_at(model), row_at(state), row_at(work), h)
+    @made
+    def follow(model: Reals, state: Reals, work: Reals, inputs: Reals, h: Real) -> Int:
+        return step(inputs, model, state, work, h)
 
-    # fmt: off
-    def look(n, model, state, counts, base, work, inputs, new_inputs, upright, elapsed, t, count, times, ax, az, scale,
-             row, split):
-        # fmt: on
-        samples = Samples(count, row_at(times), row_at(ax), row_at(az), scale, False)
-        see(row_at(inputs), row_at(model), row_at(state), row_at(work), t, samples, row_at(row))
+    @made
+    def look(
+        model: Reals, state: Reals, work: Reals, inputs: Reals, t: Real, times: SizedReals, ax: Reals, az: Reals,
+        scale: Real, row: Reals,
+    ) -> Int:  # fmt: skip
+        samples = Samples(times.size, times.row, ax, az, scale, False)
+        see(inputs, model, state, work, t, samples, row)
         return 0
 
-    return {function: _types[function.__name__] for function in (assemble, follow, look, rates, feedthrough)}
+    @made
+    def rates() -> Int:
+        return NO_DERIVATIVES
+
+    @made
+    def feedthrough() -> Int:
+        return NO_DERIVATIVES
 
 
-def partner_entries(name: str) -> Entries:
-    """Of a body that carries a column."""
-    law, own = _compiled(name)
+def _partner_entries(name: str, own: ModuleType, law: ModuleType) -> None:
+    """Make those of a body that carries a column."""
     value_of = Record(*own.Given._fields).over
     inputs_count = sum(port.causality == "input" for port in own.PORTS)
     count, steps = len(own.Given._fields), own.MOTION
@@ -134,11 +142,11 @@ def partner_entries(name: str) -> Entries:
             row[k] = found[k]
         row[len(found)] = motion[work_place]
 
-    return _entries(begin, step, see)
+    _entries(name, begin, step, see)
 
 
-def ground_entries() -> Entries:
-    """Of the record inside."""
+def _ground_entries(name: str) -> None:
+    """Make those of the record inside."""
 
     @kernel
     def at(samples, t):
@@ -174,24 +182,11 @@ def ground_entries() -> Entries:
             jx, jz = (then_x - now_x) / step, (then_z - now_z) / step
         row[0], row[1], row[2], row[3] = now_x, now_z, jx, jz
 
-    return _entries(begin, step, see)
+    _entries(name, begin, step, see)
 
 
-def rates(n, model, state, counts, base, work, t, count, times, ax, az, scale, row, split, other, other_split):
-    return NO_DERIVATIVES
-
-
-# fmt: off
-def feedthrough(n, model, state, counts, base, work, inputs, seeds, elapsed, t, count, times, ax, az, scale, row, split,
-                other, other_split):
-    # fmt: on
-    return NO_DERIVATIVES
-
-
-def __getattr__(name: str) -> Entries:
-    """`partner_kernels:isolator` and its like, made when asked for."""
-    if name == "ground":
-        return ground_entries()
-    if name in ("isolator", "soil"):
-        return partner_entries(name)
-    raise AttributeError(name)
+_ground_entries("ground")
+_law, *_own = _compiled()
+for _name, _module in zip(PARTNERS, _own, strict=True):
+    _partner_entries(_name, _module, _law)
+GROUPS |= {name: Group(__name__, name, 4, _sources(name)) for name in ("ground", *PARTNERS)}

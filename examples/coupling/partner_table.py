@@ -10,11 +10,10 @@ from pathlib import Path
 from types import ModuleType
 from xml.etree.ElementTree import Element
 
-from partner_kernels import REASONS, law_of, sources
+from partner_kernels import REASONS, law_of
 
 from fmu_src.description_parts import About, Experiment
 from fmu_src.model_description import FLAGS, model_description
-from fmu_src.native.machine_code import Kernels
 from fmu_src.native.package import compiled, identified
 from fmu_src.native.table import Check, Chosen, Contents, Subject
 from fmu_src.record import usual_experiment
@@ -66,8 +65,8 @@ def description(
     return model_description(about, table)
 
 
-def subject(law: ModuleType) -> Subject:
-    """Description of a partner for the C core."""
+def subject(law: ModuleType, group: str) -> Subject:
+    """Description of a partner for the C core; group: of its kernels."""
     ports = law.PORTS
     names = {kind: [port.name for port in ports if port.causality == kind] for kind in ("input", "output", "parameter")}
     has_record = "record" in names["parameter"]
@@ -96,6 +95,7 @@ def subject(law: ModuleType) -> Subject:
             if port.causality == "parameter" and port.name in numbers
         ],
         reasons=REASONS,
+        group=group,
     )
 
 
@@ -105,8 +105,7 @@ def native_partner(
     """The files of a partner's FMU without Python, and its GUID. Raises InputError, OSError."""
     law = law_of(name)
     motion = None if record is None else Motion.from_file(record)
-    kernels = Kernels(f"partner_kernels:{name}", sources(name))
     table = variables(law, record.name if record else "")
-    contents = identified(Contents(subject(law), table, "", record.name if record else "", motion), kernels, 2)
+    contents = identified(Contents(subject(law, name), table, "", record.name if record else "", motion), 2)
     root = description(law, contents.guid, table, usual_experiment(None, motion), NATIVE_FLAGS, "build.py --native")
-    return compiled(law.TITLE, contents, kernels, platforms, root)[0], contents.guid
+    return compiled(law.TITLE, contents, platforms, root)[0], contents.guid

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from solver.common.ranges import LENGTH, NUMBERS
-from solver.kernels.api import engine, pointers
+from solver.kernels.api import engine
 from solver.kernels.bonds import layout as bonds
-from solver.kernels.bonds import pointers as pointers_of_bonds
 from solver.kernels.column import description
 from solver.kernels.layout import spaces as at
-from solver.kernels.ports import pointers as pointers_of_ports
 from solver.models.column.block import (
     BLOCK_RULES,
     BORE_RELATION,
@@ -96,14 +93,8 @@ def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
         segment=at.BASE.fields.index("segment"),
         ranges=state_ranges.of_column(n, spots, len(of_ports), column.is_brittle, drive.is_chosen),
         base=at.BASE.fields,
-        entries=_entries(column),
+        group=column.kind.entries.run.group,
     )
-
-
-def _entries(column: Column) -> Mapping[Any, tuple[Any, ...]]:
-    if column.is_brittle:
-        return pointers_of_bonds.ENTRIES
-    return pointers_of_ports.ENTRIES if column.ports else pointers.ENTRIES
 
 
 def slopes_of(loads: Sequence[Variable]) -> dict[str, str]:

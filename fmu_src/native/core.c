@@ -98,13 +98,13 @@ struct Instance {
 
 struct Saved { const char *owner; Moment moment; };
 
-/* Arguments of the kernels by name: the arrays of a body, and the record. */
+/* Arguments of the kernels by name: the arrays of a body, and the record. Those that a kernel does not take are unused. */
 #define COLUMN(i)                                                                                                      \
     .n = N, .model = (i)->now.model, .state = (i)->now.state, .counts = (i)->now.counts,                               \
     .base = (i)->now.base, .work = (i)->work
 #define RECORD(i)                                                                                                      \
-    .count = (i)->now.has_record ? SAMPLES : 0, .times = record_time, SAMPLED,                                         \
-    .scale = (i)->now.scale
+    .times = record_time, .times_size = (i)->now.has_record ? SAMPLES : 0, .ax = record_ax, .ay = record_ay,           \
+    .az = record_az, .scale = (i)->now.scale
 
 static const char *mode_name(int64_t mode) {
     switch (mode) {
@@ -281,8 +281,8 @@ static int build(Instance *instance, int from_rest, char *reason) {
     double *scratch = malloc(sizeof(double) * ROOM);
     if (!scratch) return snprintf(reason, MESSAGE, "out of memory"), 0;
     memcpy(instance->before.model, now->model, sizeof now->model);
-    int64_t made = assemble((Assemble){COLUMN(instance), .given = described, .from_rest = from_rest, .scratch = scratch,
-                                       .detail = instance->detail});
+    int64_t made = assemble((Assemble){COLUMN(instance), .given = described, .given_size = GIVEN, .from_rest = from_rest,
+                                       .scratch = scratch, .detail = instance->detail});
     free(scratch);
     if (made != 0) {
         memcpy(now->model, instance->before.model, sizeof now->model);

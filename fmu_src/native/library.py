@@ -12,10 +12,10 @@ from pathlib import Path
 
 from solver.common.errors import InputError
 from solver.common.executors import cores
+from solver.kernels.machine.packaging import object_code
 from solver.kernels.machine.zig import Target, compile_file, link
 
 from . import symbols
-from .machine_code import COLUMN, Kernels, object_code
 from .platforms import PLATFORMS
 
 FACES = {2: "fmi2.c", 3: "fmi3.c"}  # version of FMI -> the face around the core
@@ -71,17 +71,17 @@ def compile_c(
 
 
 def libraries(
-    name: str, platforms: list[str], generated: dict[str, str], kernels: Kernels = COLUMN, fmi: int = 2
+    name: str, platforms: list[str], generated: dict[str, str], group: str, fmi: int = 2
 ) -> dict[str, tuple[bytes, list[symbols.Symbols]]]:
     """Platform -> library of that name, and the symbols each of its parts needs. Raises InputError for Python's.
 
-    platforms: of PLATFORMS[fmi].
+    platforms: of PLATFORMS[fmi]. group: of the kernels.
     generated: header files that the sources are compiled with, name -> text.
     """
     check_tools()
     known = PLATFORMS[fmi]
     targets = list(dict.fromkeys(target for platform in platforms for target in known[platform].targets))
-    codes = dict(zip(targets, object_code(targets, kernels), strict=True))
+    codes = dict(zip(targets, object_code(group, targets), strict=True))
     with tempfile.TemporaryDirectory(prefix="native_") as temporary:
         folder = Path(temporary)
         for file, text in generated.items():

@@ -6,14 +6,14 @@ import hashlib
 import uuid
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 from xml.etree.ElementTree import Element, tostring
 
 from solver import __version__
 from solver.common.files import identifier_of
 from solver.ground.motion import Motion
+from solver.kernels.machine.making import compilers, sources_of
 from solver.kernels.machine.zig import BESIDE_WINDOWS
-from solver.models.column.model import Column
 
 from .. import documentation
 from ..body import Body, ColumnBody, StructureBody
@@ -25,7 +25,6 @@ from ..record import usual_experiment
 from ..variables import with_real_outputs
 from .column_subject import column_subject
 from .library import OWN_HEADERS, libraries, sources
-from .machine_code import BRITTLE_COLUMN, COLUMN, COLUMN_WITH_PORTS, STRUCTURE, Kernels, made_with
 from .platforms import PLATFORMS, USUAL_FORM, Form
 from .source import describe_sources, source_files
 from .structure_subject import structure_subject
@@ -56,24 +55,10 @@ FLAGS_3 = {
 }
 
 
-class Core(NamedTuple):
-    """What the C core has to know of a body, and the kernels that it calls."""
-
-    subject: Callable[[Any], Subject]
-    kernels: Callable[[Any], Kernels]
-
-
-def kernels_of_column(column: Column) -> Kernels:
-    """With ports, with brittle joints, or without either."""
-    return BRITTLE_COLUMN if column.is_brittle else COLUMN_WITH_PORTS if column.ports else COLUMN
-
-
-CORES: dict[type[Body], Core] = {
-    ColumnBody: Core(
-        lambda body: column_subject(body.column, body.drive),
-        lambda body: kernels_of_column(body.column),
-    ),
-    StructureBody: Core(structure_subject, lambda _: STRUCTURE),
+# what the C core has to know of a body
+SUBJECTS: dict[type[Body], Callable[[Any], Subject]] = {
+    ColumnBody: lambda body: column_subject(body.column, body.drive),
+    StructureBody: structure_subject,
 }
 XML = b'<?xml version="1.0" encoding="UTF-8"?>\n'
 
@@ -81,19 +66,19 @@ XML = b'<?xml version="1.0" encoding="UTF-8"?>\n'
 def contents_of(body: Body, record: Motion | None = None, record_name: str = "", form: Form = USUAL_FORM) -> Contents:
     """The content of the FMU of a body, under a GUID that follows from everything its libraries are made of."""
     table = body.table(record_name, reads_files=False)
-    contents = Contents(CORES[type(body)].subject(body), table, "", record_name, record, form.scalars)
-    return identified(contents, kernels_of(body), form.fmi, body.text, "real outputs" if form.real_outputs else "")
+    contents = Contents(SUBJECTS[type(body)](body), table, "", record_name, record, form.scalars)
+    return identified(contents, form.fmi, body.text, "real outputs" if form.real_outputs else "")
 
 
-def kernels_of(body: Body) -> Kernels:
-    """The kernels that the FMU of a body is linked with."""
-    return CORES[type(body)].kernels(body)
+def made_with(group: str) -> str:
+    """All that the machine code of kernels depends on beside the target."""
+    return f"{compilers()}, kernels {sources_of(group)}, {group}"
 
 
-def identified(contents: Contents, kernels: Kernels, fmi: int, *texts: str) -> Contents:
+def identified(contents: Contents, fmi: int, *texts: str) -> Contents:
     """The content under a GUID that follows from everything its libraries are made of."""
     files = (*sources(fmi), *OWN_HEADERS, BESIDE_WINDOWS)
-    parts = [*texts, made_with(kernels), *headers(contents).values()]
+    parts = [*texts, made_with(contents.subject.group), *headers(contents).values()]
     identity = "".join([*parts, *(file.read_text(encoding="utf-8") for file in files)])
     guid = uuid.uuid5(uuid.NAMESPACE_OID, hashlib.sha256(identity.encode()).hexdigest())
     return replace(contents, guid=f"{{{guid}}}")
@@ -103,7 +88,7 @@ def native_files(
     body: Body, platforms: list[str], record: Motion | None = None, record_name: str = "", form: Form = USUAL_FORM
 ) -> tuple[dict[str, bytes], dict[str, list[Symbols]]]:
     """The files of the FMU by their names, and the symbols that the libraries need. Raises InputError, OSError."""
-    fmi, contents, kernels = form.fmi, contents_of(body, record, record_name, form), kernels_of(body)
+    fmi, contents = form.fmi, contents_of(body, record, record_name, form)
     table = with_real_outputs(contents.table) if form.real_outputs else contents.table
     experiment = usual_experiment(body.tolerance, record)
     name = identifier_of(body.name)
@@ -120,30 +105,31 @@ def native_files(
             terminals(table, fmi == 3, body.drive, form.scalars or fmi == 2)
         )
     if form.source:
-        pages |= source_files(name, headers(contents), kernels, fmi)
+        pages |= source_files(name, headers(contents), contents.subject.group, fmi)
         pages |= describe_sources(description, name, fmi)
-    files, needs = compiled(name, contents, kernels, platforms, description, fmi)
+    files, needs = compiled(name, contents, platforms, description, fmi)
     return files | pages, needs
 
 
 def compiled(
-    name: str, contents: Contents, kernels: Kernels, platforms: list[str], description: Element, fmi: int = 2
+    name: str, contents: Contents, platforms: list[str], description: Element, fmi: int = 2
 ) -> tuple[dict[str, bytes], dict[str, list[Symbols]]]:
     """Model description, libraries and their account; and the symbols they need. Raises InputError, OSError."""
-    made = libraries(name, platforms, headers(contents), kernels, fmi)
+    group = contents.subject.group
+    made = libraries(name, platforms, headers(contents), group, fmi)
     needs = {platform: needed for platform, (_, needed) in made.items()}
     files = {
         "modelDescription.xml": XML + tostring(description),
-        "documentation/binaries.txt": _account(needs, kernels, fmi).encode(),
+        "documentation/binaries.txt": _account(needs, group, fmi).encode(),
     }
     for platform, (content, _) in made.items():
         files[f"binaries/{platform}/{name}{PLATFORMS[fmi][platform].suffix}"] = content
     return files, needs
 
 
-def _account(needs: dict[str, list[Symbols]], kernels: Kernels, fmi: int) -> str:
+def _account(needs: dict[str, list[Symbols]], group: str, fmi: int) -> str:
     """How the libraries were made and which symbols they need from outside."""
-    lines = [f"multiblock-fmu {__version__}; {made_with(kernels)}"]
+    lines = [f"multiblock-fmu {__version__}; {made_with(group)}"]
     for platform, parts in needs.items():
         for part, target in zip(parts, PLATFORMS[fmi][platform].targets, strict=True):
             lines.append(f"{platform}: {part.format} for {target.linker}, {target.cpu} and newer")

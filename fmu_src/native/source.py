@@ -12,10 +12,10 @@ import re
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, tostring
 
+from solver.kernels.machine.packaging import PREFIX, object_code
 from solver.kernels.machine.zig import LINUX, LINUX_ARM, MACOS, MACOS_ARM, WINDOWS, Target
 
 from .library import FACES, OWN_HEADERS, headers, sources
-from .machine_code import PREFIX, Kernels, object_code
 
 # what the compiler calls each target
 CONDITIONS: dict[Target, str] = {
@@ -46,8 +46,8 @@ def compiled_files(name: str) -> list[str]:
     return [f"{name}_core.c", f"{name}_fmi.c", f"{name}_kernels.c"]
 
 
-def source_files(name: str, generated: dict[str, str], kernels: Kernels, fmi: int) -> dict[str, bytes]:
-    """The files of sources/ by their paths in the FMU; generated: contract.h and table.h. Raises OSError."""
+def source_files(name: str, generated: dict[str, str], group: str, fmi: int) -> dict[str, bytes]:
+    """The files of sources/ by their paths in the FMU; generated: contract.h and table.h. group: of the kernels."""
     own = f"{name}_{PREFIX}"
     core, face = sources(fmi)
     texts = {path.name: path.read_text(encoding="utf-8") for path in (core, face, *OWN_HEADERS)}
@@ -61,7 +61,7 @@ def source_files(name: str, generated: dict[str, str], kernels: Kernels, fmi: in
     texts[core_unit] = f'#include "names.h"\n#include "{core.name}"\n'
     prefix = f"#ifndef FMI{fmi}_OVERRIDE_FUNCTION_PREFIX\n#define FMI{fmi}_FUNCTION_PREFIX {name}_\n#endif\n"
     texts[face_unit] = f'#include "names.h"\n{prefix}#include "{FACES[fmi]}"\n'
-    codes = object_code(list(CONDITIONS), kernels, ".s")
+    codes = object_code(group, CONDITIONS, ".s")
     texts[kernels_unit] = kernels_text(dict(zip(CONDITIONS, (code.decode() for code in codes), strict=True)), own)
     return {f"sources/{file}": text.encode() for file, text in texts.items()}
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from solver.common.ranges import NUMBERS
-from solver.kernels.api import pointers_of_structures as pointers_in_space
 from solver.kernels.layout import spaces
-from solver.kernels.structure import driven
+from solver.kernels.structure import driven, entries
 from solver.kernels.structure import layout as at
 from solver.models.structure.driven import REASONS, SKIP_CODES, sizes_in
 from solver.models.structure.outputs import OUTPUTS
@@ -61,5 +60,5 @@ def structure_subject(body: StructureBody) -> Subject:
         peaks=peaks_of(OUTPUTS, body.structure.sizes, lengths["STATE"]),
         ranges=body.state_ranges(),
         base=at.BASE.fields,
-        entries=pointers_in_space.ENTRIES,
+        group=entries.follow.group,
     )

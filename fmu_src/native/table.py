@@ -6,20 +6,21 @@ table.h     what differs from one FMU to another: variables, start values, check
 
 from __future__ import annotations
 
-import inspect
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from solver.common.ranges import NUMBERS
 from solver.ground.motion import LARGEST, Motion
-from solver.kernels.api import pointers
+from solver.kernels.api import entries as of_columns
 from solver.kernels.column.description import DETAILS
 from solver.kernels.layout.spaces import DRIVES
-from solver.kernels.machine.kinds import Int, Ints, Real, Reals
+from solver.kernels.machine.entry import ENTRIES, Entry
+from solver.kernels.machine.kinds import Int, Ints, Real, Reals, SizedReals
+from solver.kernels.machine.packaging import PREFIX
 from solver.models.outputs import Output, places_of
 
 from .. import alternation, rules, state_ranges
@@ -28,12 +29,12 @@ from ..record import Record
 from ..references import FAMILY, array_of
 from ..state_ranges import Ranges, Run
 from ..variables import ACCELERATIONS, DRIVE, STEP_SIZE, VERDICT, Variable
-from .machine_code import PREFIX
 
 TEXT = 256  # bytes of a String, its end included
 STATE_FORMAT = "multiblock-fmu native state 5"
+CALLED = ("assemble", "follow", "look", "rates", "feedthrough")  # the entries of a group that the core calls
 READ_ONLY = ("given", "inputs", "times", "ax", "ay", "az", "seeds")  # arguments behind which kernels write nothing
-C_TYPES = {Real: "double ", Int: "int64_t ", Reals: "double *", Ints: "int64_t *"}
+C_TYPES = {Real: "double ", Int: "int64_t ", Reals: "double *", Ints: "int64_t *", SizedReals: "double *"}
 STORED = {"Real": "REAL", "Integer": "INTEGER", "Enumeration": "INTEGER", "Boolean": "BOOLEAN", "String": "STRING"}
 # what the core asks for by name: sizes that depend on what is inside; places and codes that some bodies alone have
 SIZES = ("N", "MODEL", "STATE", "COUNTS", "BASE", "WORK", "ROW", "SPLIT", "ROOM")
@@ -76,7 +77,7 @@ class Subject:
 
     falls: whether it has a verdict, and peaks, in the order of the variables: a partner of a column has none, nor their
     codes and places. segment: place in `base` of a number of a sample, -1: there is none. ranges: of the numbers of its
-    state, None: all are finite. entries: the kernels.
+    state, None: all are finite. group: of its kernels (solver/kernels/machine/groups.py).
     """
 
     falls: bool
@@ -95,7 +96,7 @@ class Subject:
     segment: int = -1
     ranges: Ranges | None = None
     base: tuple[str, ...] = ()  # what stands in `base`, accelerations by the names of their inputs
-    entries: Mapping[Any, tuple[Any, ...]] = field(default_factory=lambda: pointers.ENTRIES)
+    group: str = of_columns.run.group
 
     @property
     def lines(self) -> dict[str, str]:
@@ -174,6 +175,7 @@ def contract(subject: Subject) -> str:
     codes["BASE_ALLOWED"] = subject.base.index("allowed_step") if "allowed_step" in subject.base else -1
     codes |= {name: subject.codes.get(name, 0) for name in CODES}
     lines = ["#include <stdint.h>", *_enum(sizes), *_enum(codes)]
+    lines.append('_Static_assert(sizeof(double) == 8 && sizeof(void *) == 8, "slots of kernels");')
     lines.append(f"#define TIME_SLACK {rules.TIME_SLACK!r}")
     lines.append(f"#define STEP_SLACK {rules.STEP_SLACK!r}")
     lines.append(f"#define STILL {rules.STILL!r}")
@@ -182,11 +184,8 @@ def contract(subject: Subject) -> str:
     lines.append(f"#define MUST_INERTIA {_quoted('must be ' + NUMBERS['inertia'][1])}")
     messages = {name: text for name, text in vars(rules).items() if name.isupper() and isinstance(text, str)}
     lines += [f"#define SAY_{name} {_quoted(text)}" for name, text in messages.items()]
-    record = {name for function in subject.entries for name in inspect.signature(function).parameters} & {"ay"}
-    sampled = [f".{name} = record_{name}" for name in ("ax", *record, "az")]
-    lines.append(f"#define SAMPLED {', '.join(sampled)}")
-    for function, kinds in subject.entries.items():
-        lines += _kernel(function, kinds)
+    for name in CALLED:
+        lines += _kernel(ENTRIES[subject.group, name])
     return "\n".join(lines) + "\n"
 
 
@@ -194,25 +193,32 @@ def _enum(values: dict[str, int]) -> list[str]:
     return ["enum {", *(f"    {name} = {value}," for name, value in values.items()), "};"]
 
 
-def _kernel(function: Any, kinds: tuple[Any, ...]) -> list[str]:
-    """A kernel as numba compiles it, and around it a function whose arguments are named.
+def arguments(entry: Entry) -> dict[str, str]:
+    """Return the declarations of all slots of an entry's buffer, in their order, by name."""
+    found = {}
+    for name, kind in entry.kinds.items():
+        found[name] = f"{'const ' * (name in READ_ONLY)}{C_TYPES[kind]}{name}"
+        if kind is SizedReals:
+            found[f"{name}_size"] = f"int64_t {name}_size"
+    return found
 
-    A kernel leaves its result behind the first pointer; the second is for exceptions, which kernels do not have.
-    """
-    names = list(inspect.signature(function).parameters)
-    kept = dict(zip(names, kinds, strict=True))
-    fields = [f"{'const ' * (name in READ_ONLY)}{C_TYPES[kind]}{name}" for name, kind in kept.items()]
-    name = function.__name__
-    own = name.title()  # look -> Look
+
+def given_to(name: str) -> dict[str, str]:
+    """Return all that the core gives to the kernel of a name: the arguments of columns, and ay of a record."""
+    known = arguments(ENTRIES[of_columns.run.group, name])
+    return known | ({"ay": "const double *ay"} if "ax" in known else {})
+
+
+def _kernel(entry: Entry) -> list[str]:
+    """A kernel, and around it a function whose arguments are named: they lie as in its buffer, unused ones behind."""
+    name, own, known = entry.__name__, arguments(entry), given_to(entry.__name__)
+    if not own.keys() <= known.keys():
+        raise ValueError(f"{entry.group}, {name}: core.c does not give {', '.join(own.keys() - known.keys())}")
+    fields = "; ".join((own | {more: text for more, text in known.items() if more not in own}).values())
     return [
-        f"int {PREFIX}{name}(int64_t *, void **, {', '.join(fields)});",
-        f"typedef struct {{ {'; '.join(fields)}; }} {own};",
-        f"static inline int64_t {name}({own} of) {{",
-        "    int64_t result;",
-        "    void *exception;",
-        f"    {PREFIX}{name}(&result, &exception, {', '.join(f'of.{name}' for name in names)});",
-        "    return result;",
-        "}",
+        f"int64_t {PREFIX}{name}(const void *);",
+        f"typedef struct {{ {fields}; }} {name.title()};",  # look -> Look
+        f"static inline int64_t {name}({name.title()} of) {{ return {PREFIX}{name}(&of); }}",
     ]
 
 

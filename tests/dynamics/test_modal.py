@@ -25,7 +25,7 @@ from solver import (
     simulate,
 )
 from solver.kernels.api.engine import scratch_room
-from solver.kernels.api.entries import assemble_column
+from solver.kernels.api.entries import assemble
 from solver.kernels.integrators.modal_responses import HALF, respond
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python
@@ -191,7 +191,7 @@ def test_a_column_that_becomes_another_one_on_its_way_has_the_modes_of_that() ->
     stepper = Stepper(upright)
     stepper.advance(0.0, 0.1)
     before = coordinates(stepper).copy()
-    assert assemble_column(3, *stepper.arrays, described(other), 0, np.zeros(scratch_room(3)), np.zeros(1)) == 0
+    assert assemble(3, *stepper.arrays, described(other), 0, np.zeros(scratch_room(3)), np.zeros(1)) == 0
     assert np.array_equal(stepper.arrays.model, pack_model(other))
     assert np.array_equal(coordinates(stepper), before)
 

@@ -27,10 +27,10 @@ sys.path.insert(0, str(ROOT))
 from build_fmu import DEFAULT_COLUMN, build_native_fmu  # noqa: E402
 from fmu_src.body import read_body  # noqa: E402
 from fmu_src.native import library  # noqa: E402
-from fmu_src.native.machine_code import object_code  # noqa: E402
-from fmu_src.native.package import contents_of, kernels_of  # noqa: E402
+from fmu_src.native.package import contents_of  # noqa: E402
 from fmu_src.native.platforms import PLATFORMS  # noqa: E402
 from fmu_src.native.table import headers  # noqa: E402
+from solver.kernels.machine.packaging import object_code  # noqa: E402
 
 CALLS = 20000  # of a sequence
 PATIENCE = 900.0  # s
@@ -56,10 +56,11 @@ def _sanitized(column: Path, fmu: Path, folder: Path, sequences: int) -> int:
     if not shutil.which("gcc"):
         print(f"{'sanitizers':10} skipped: gcc is not installed")
         return 0
-    body = read_body(column)
-    for name, text in headers(contents_of(body)).items():
+    contents = contents_of(read_body(column))
+    for name, text in headers(contents).items():
         (folder / name).write_text(text, encoding="utf-8")
-    (folder / "kernels.o").write_bytes(object_code(list(PLATFORMS[2]["linux64"].targets), kernels_of(body))[0])
+    (code,) = object_code(contents.subject.group, PLATFORMS[2]["linux64"].targets)
+    (folder / "kernels.o").write_bytes(code)
     output = folder / "sanitized.so"
     command = ["gcc", "-std=c11", "-g", "-O1", "-shared", "-fPIC", *SANITIZERS, f"-I{folder}", f"-I{library.headers()}"]
     subprocess.run(

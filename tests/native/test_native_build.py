@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import importlib.util
-import inspect
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
 import zipfile
-from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
-from typing import cast
 
 import pytest
 from fmpy import extract, read_model_description
@@ -25,7 +23,7 @@ from fmu_src import rules
 from fmu_src.body import read_body
 from fmu_src.native import column_subject, library, symbols, table
 from fmu_src.native.package import contents_of
-from solver.kernels.api import pointers
+from solver.kernels.machine.entry import ENTRIES
 from solver.models.column.settings import SKIP_CODES, SKIPS
 
 pytestmark = pytest.mark.long  # builds native FMUs
@@ -158,19 +156,14 @@ def test_every_kernel_is_given_all_its_arguments_by_name() -> None:
         name: re.findall(r"\.(\w+) = ", text)
         for name, text in re.findall(r"#define (COLUMN|RECORD)\(i\)((?:.*\\\n)+.*\n)", core)
     }
-    contract = table.contract(contents_of(read_body(DAMPED)).subject)
-    (sampled,) = re.findall(r"#define SAMPLED (.*)", contract)
-    components = re.findall(r"\.(\w+) = ", sampled)
-    for entry in pointers.ENTRIES:
-        calls = re.findall(rf"\b{entry.__name__}\(\({entry.__name__.title()}\){{(.*?)}}\)", core, re.DOTALL)
-        assert calls, entry.__name__
+    for entry in table.CALLED:
+        calls = re.findall(rf"\b{entry}\(\({entry.title()}\){{(.*?)}}\)", core, re.DOTALL)
+        assert calls, entry
         for text in calls:
             named = re.findall(r"\.(\w+) = ", text)
             for group, names in groups.items():
                 named += names if f"{group}(" in text else []
-            named += components if "RECORD(" in text else []
-            parameters = inspect.signature(cast(Callable[..., object], entry)).parameters
-            assert sorted(named) == sorted(parameters), entry.__name__
+            assert sorted(named) == sorted(table.given_to(entry)), entry
 
 
 def test_a_kernel_that_takes_another_argument_does_not_compile(tmp_path: Path) -> None:
@@ -179,6 +172,27 @@ def test_a_kernel_that_takes_another_argument_does_not_compile(tmp_path: Path) -
     contract = (folder / "contract.h").read_text(encoding="utf-8")
     (folder / "contract.h").write_text(contract.replace("upright", "plumb"), encoding="utf-8")
     assert "upright" in compile_core(folder)
+
+
+@pytest.mark.parametrize("group", ["column", "structure_driven"])
+def test_arguments_lie_as_the_entry_reads_them(tmp_path: Path, group: str) -> None:
+    subject = replace(contents_of(read_body(DAMPED)).subject, group=group)
+    (tmp_path / "contract.h").write_text(table.contract(subject), encoding="utf-8")
+    lines = ["#include <stddef.h>", '#include "contract.h"']
+    for name in table.CALLED:
+        for k, slot in enumerate(table.arguments(ENTRIES[group, name])):
+            lines.append(f'_Static_assert(offsetof({name.title()}, {slot}) == 8 * {k}, "{name}, {slot}");')
+    (tmp_path / "slots.c").write_text("\n".join(lines), encoding="utf-8")
+    options = ("-std=c11", "-c", tmp_path / "slots.c", "-o", tmp_path / "slots.o")
+    assert finish(sys.executable, "-m", "ziglang", "cc", *options).stderr == ""
+
+
+def test_a_kernel_that_is_not_in_the_machine_code_does_not_link() -> None:
+    contents = contents_of(read_body(DAMPED))
+    generated = table.headers(contents)
+    generated["contract.h"] = generated["contract.h"].replace("kernel_look", "kernel_lock")
+    with pytest.raises(OSError, match="undefined symbol: kernel_lock"):
+        library.libraries("column", ["linux64"], generated, contents.subject.group)
 
 
 def test_one_more_short_cut_is_one_more_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,9 +8,11 @@ import os
 import pickle
 import shutil
 import struct
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -19,13 +21,17 @@ from support.child import command, returned
 from support.fmus import DAMPED, ROOT, finish_in
 from support.inside import loads
 
+from fmu_src.native import table
 from solver.kernels.api import entries
+from solver.kernels.bonds import entries as of_bonds
 from solver.kernels.machine import entry as machine_entry
 from solver.kernels.machine import folders, level, library, making
 from solver.kernels.machine.entry import ENTRIES, Entry
 from solver.kernels.machine.groups import GROUPS
 from solver.kernels.machine.kinds import Int, Reals
 from solver.kernels.machine.messages import MachineCodeError, announcing
+from solver.kernels.paper import entries as of_paper
+from solver.kernels.ports import entries as of_ports
 
 
 def loaded_kernel_says(project: Path) -> float:
@@ -55,11 +61,25 @@ def test_a_change_in_any_kernel_file_is_compiled_again(tmp_path: Path) -> None:
 
 def test_every_entry_belongs_to_a_group_whose_module_defines_it() -> None:
     for of in GROUPS.values():
-        importlib.import_module(f"solver.kernels.{of.module}")
+        importlib.import_module(of.whole_module)
     assert {group for group, _ in ENTRIES} == set(GROUPS)
     for group, name in ENTRIES:
-        module = f"solver.kernels.{GROUPS[group].module}"
-        assert ENTRIES[group, name].__module__ == module, (group, name)
+        assert ENTRIES[group, name].__module__ == GROUPS[group].whole_module, (group, name)
+
+
+@pytest.mark.parametrize("module", [entries, of_ports, of_bonds, of_paper])
+def test_a_column_needs_no_group_but_its_own(module: ModuleType) -> None:
+    """An FMU carries that group, and the one of joints."""
+    used = {item.group for item in vars(module).values() if isinstance(item, Entry)}
+    assert used - {"statics"} == {module.run.group, *(group for group in used if "lanes" in group)}
+
+
+@pytest.mark.parametrize("group", ["column", "ports", "bonds", "structure_driven"])
+def test_a_native_fmu_names_all_slots_of_a_call(group: str) -> None:
+    for name in table.CALLED:
+        entry = ENTRIES[group, name]
+        assert 8 * len(table.arguments(entry)) == entry.slots.size
+        assert table.arguments(entry).keys() <= table.given_to(name).keys()
 
 
 def test_an_entry_is_pickled_by_its_name() -> None:
@@ -183,12 +203,14 @@ def given_away(folder: Path) -> None:
 def made_now(monkeypatch: pytest.MonkeyPatch) -> bytes:
     """What `making` makes of a group, by a compiler that is quick."""
 
-    def quick(wanted: dict[str, dict[str, Path]]) -> None:
-        for files in wanted.values():
-            for file in files.values():
-                file.write_bytes(b"made")
+    def quick(command: list[str], **_: Any) -> subprocess.CompletedProcess[str]:
+        for word in command:
+            if "=" in word:
+                Path(word.partition("=")[2]).write_bytes(b"made")
+        return subprocess.CompletedProcess(command, 0, "", "")
 
-    monkeypatch.setattr(making, "run_make", quick)
+    monkeypatch.setattr(subprocess, "run", quick)
+    monkeypatch.setattr(making, "kept", lambda *_: None)
     return making.made(["statics"])[0]
 
 

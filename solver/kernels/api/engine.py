@@ -1,7 +1,7 @@
 """Operations on a column, from its parameters to its motion: the one engine behind every caller.
 
 `Stepper`, both FMUs and programs without Python call these functions, with those of observing.py and slopes.py, through
-arrays (entries.py) or through pointers (pointers.py). A column is the bundle of the spaces in layout/spaces.py.
+entries (entries.py, driven_entries.py). A column is the bundle of the spaces in layout/spaces.py.
 """
 
 import math

@@ -1,4 +1,6 @@
-"""Entries called from Python: the engine over flat buffers. Those of every kind of column are made by `entries_of`.
+"""Entries: the engine over flat buffers. Those of every kind of column are made by `entries_of`.
+
+Native FMUs call `assemble` and the entries of driven_entries.py, Python the others.
 
 A column is (n, model, state, counts, base, work); what it follows (times, ax, az, scale, held, loads, ports): samples
 of the base, and behind them what a column with ports has (ports/entries.py); of others both are empty.
@@ -12,13 +14,15 @@ from ..joint.law import joint_potential, law_of
 from ..layout.spaces import BASE, MODEL, ROW, SPLIT
 from ..machine.entry import entry
 from ..machine.kinds import Int, Ints, Real, Reals, SizedReals
-from ..numba_ext.jit import leaf
+from ..numba_ext.jit import kernel, leaf
 from ..output.watch import Watch
 from ..sections.circle import ring_part
 from ..sections.faces import Face
 from ..sections.section import contact_of, lay_out, part_stiffness
 from ..stepping.advance import advance
-from .engine import BASE_INPUTS, assemble, column_over
+from . import engine
+from .driven_entries import driven_entries_of
+from .engine import BASE_INPUTS
 from .observing import base_of, observe_all, see
 
 _model = MODEL.over
@@ -30,8 +34,13 @@ def _samples(times, ax, az, scale, held, loads, ports, at):
     return Samples(times.size, times.row, ax.row, az, scale, held)
 
 
-def entries_of(group, module, column_over=column_over, samples_of=_samples, assemble=assemble):
-    """Return `assemble_column`, `run`, `observe_state` and `observe_snapshots` of a kind of column.
+@kernel
+def _assemble(column, given, from_rest, scratch, detail):
+    return engine.assemble(column, given.row, from_rest, scratch, detail)
+
+
+def entries_of(group, module, column_over=engine.column_over, samples_of=_samples, assembled=_assemble):
+    """Return `assemble`, `run`, `observe_state`, `observe_snapshots`, and three of a base that bodies drive.
 
     Parameters
     ----------
@@ -41,18 +50,18 @@ def entries_of(group, module, column_over=column_over, samples_of=_samples, asse
         A leaf, the column over its rows (engine.py, `column_in`).
     samples_of : callable
         A leaf, what is followed, with the row of the times of snapshots, s.
-    assemble : callable
-        As `engine.assemble`.
+    assembled : callable
+        As `engine.assemble`, but that it knows the size of what it is given.
     """
 
-    def assemble_column(
+    def assemble(
         n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, given: SizedReals, from_rest: Int,
         scratch: Reals, detail: Reals,
     ) -> Int:  # fmt: skip
         """Run `engine.assemble`."""
         samples = samples_of(given, given, given.row, 1.0, 0, given, given, given.row)
         column = column_over(n, model, state, counts, base, samples, work)
-        return assemble(column, given.row, from_rest, scratch, detail)
+        return assembled(column, given, from_rest, scratch, detail)
 
     def run(
         n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, times: SizedReals, ax: SizedReals,
@@ -90,29 +99,25 @@ def entries_of(group, module, column_over=column_over, samples_of=_samples, asse
         code, done[0] = observe_all(column, snapshots, rows, count)
         return code
 
-    return [entry(group, module)(made) for made in (assemble_column, run, observe_state, observe_snapshots)]
+    def arrive_base(n: Int, model: Reals, base: Reals, inputs: Reals, t: Real):
+        """Run `coupled_base.arrive`."""
+        arrive(_base(base, 0), _model(model, n).settings, _base_inputs(inputs, 0), t)
+
+    def couple_base(n: Int, model: Reals, base: Reals, inputs: Reals, split: Reals) -> Int:
+        """Run `coupled_base.couple` by inputs without those of ports."""
+        settings, given = _model(model, n).settings, _base_inputs(inputs, 0)
+        return couple(_base(base, 0), settings, given, inputs, _INPUTS, _split(split, 0))
+
+    def examine_base(n: Int, model: Reals, base: Reals, h: Real):
+        """Run `allowed_step.examine_step`."""
+        examine_step(_model(model, n), _base(base, 0), h)
+
+    every = assemble, run, observe_state, observe_snapshots, arrive_base, couple_base, examine_base
+    return [entry(group, module)(made) for made in every]
 
 
-assemble_column, run, observe_state, observe_snapshots = entries_of("column", __name__)
-
-
-@entry("column")
-def arrive_base(n: Int, model: Reals, base: Reals, inputs: Reals, t: Real):
-    """Run `coupled_base.arrive`."""
-    arrive(_base(base, 0), _model(model, n).settings, _base_inputs(inputs, 0), t)
-
-
-@entry("column")
-def couple_base(n: Int, model: Reals, base: Reals, inputs: Reals, split: Reals) -> Int:
-    """Run `coupled_base.couple` by inputs without those of ports."""
-    settings, given = _model(model, n).settings, _base_inputs(inputs, 0)
-    return couple(_base(base, 0), settings, given, inputs, _INPUTS, _split(split, 0))
-
-
-@entry("column")
-def examine_base(n: Int, model: Reals, base: Reals, h: Real):
-    """Run `allowed_step.examine_step`."""
-    examine_step(_model(model, n), _base(base, 0), h)
+assemble, run, observe_state, observe_snapshots, arrive_base, couple_base, examine_base = entries_of("column", __name__)
+driven_entries_of("column", __name__)
 
 
 # --- joints, for Python code without a closed form of its own

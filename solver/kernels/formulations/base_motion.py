@@ -20,7 +20,7 @@ class Samples(NamedTuple):
     ax: object
     az: object
     scale: float
-    held: bool
+    held: int  # 1: each sample until the next
 
 
 SOON = 0.1  # rad of the harmonic part: the polynomials are exact to rounding

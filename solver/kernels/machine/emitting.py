@@ -31,17 +31,23 @@ def machine_for(whole: llvm.ModuleRef, triple: str, cpu: str) -> llvm.TargetMach
     return machine
 
 
-def emit(bitcode: bytes, triple: str, cpu: str, file: str) -> None:
-    """Write the object code, or assembly (.s), of an optimized module for one target."""
+def emit(bitcode: bytes, triple: str, cpu: str, prefix: str, file: str) -> None:
+    """Write the object code, or assembly (.s), of an optimized module for one target.
+
+    prefix: of the names that it offers, hidden from all but what is linked with it; "": they are as they are.
+    """
     initialize()
     whole = llvm.parse_bitcode(bitcode)
+    for function in whole.functions if prefix else ():
+        if not function.is_declaration and function.linkage == llvm.Linkage.external:
+            function.name, function.visibility = prefix + function.name, "hidden"
     machine = machine_for(whole, triple, cpu)
     code = machine.emit_assembly(whole).encode() if file.endswith(".s") else machine.emit_object(whole)
     Path(file).write_bytes(code)
 
 
-def emit_all(bitcode: bytes, targets: Sequence[tuple[str, str, str]]) -> None:
-    """Write the code of an optimized module for (triple, processor, file) each, on all cores."""
+def emit_all(bitcode: bytes, targets: Sequence[tuple[str, str, str, str]]) -> None:
+    """Write the code of an optimized module for (triple, processor, prefix, file) each, on all cores."""
     if len(targets) == 1:
         emit(bitcode, *targets[0])
         return

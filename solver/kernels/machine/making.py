@@ -46,26 +46,29 @@ def on_all_cores(make: Callable[[list[str]], Found], groups: Iterable[str]) -> l
         return list(threads.map(make, families.values()))
 
 
+def sources_of(group: str) -> str:
+    """Return the identifier of all sources of a group."""
+    return "-".join(filter(None, (SOURCES, GROUPS[group].beside)))
+
+
 def compilers() -> str:
-    """Return the versions of what compiles, "none" where something is not installed."""
+    """Return names and versions of what compiles, "none" where something is not installed."""
     versions = []
     for name in COMPILERS:
         try:
-            versions.append(version(name))
+            versions.append(f"{name} {version(name)}")
         except PackageNotFoundError:
-            versions.append("none")
-    return "-".join(versions)
+            versions.append(f"{name} none")
+    return ", ".join(versions)
 
 
 def _key(group: str) -> str:
     """Return the name under which machine code is kept that is made on this machine."""
-    return f"{group}.{levels()[0]}.{SOURCES}.{compilers()}.o"
+    return f"{group}.{levels()[0]}.{sources_of(group)}.{compilers()}.o"
 
 
 def made(groups: list[str]) -> list[bytes]:
     """Return the object code of groups for this processor, made by another process, and keep it."""
-    for group in groups:
-        announce(f"compiling the kernels of {GROUPS[group].purpose}, once: about {GROUPS[group].seconds} s")
     with tempfile.TemporaryDirectory(prefix="machine_code_") as folder:
         files = {group: Path(folder) / f"{group}.o" for group in groups}
         run_make({group: {levels()[0]: file} for group, file in files.items()})
@@ -84,12 +87,14 @@ def run_make(wanted: Mapping[str, Mapping[str, Path]]) -> None:
     with tempfile.TemporaryDirectory(prefix="bitcode_") as folder:
         words, optimized_now = [], {}
         for group, files in wanted.items():
-            bitcode, key = Path(folder) / f"{group}.bc", f"{group}.{SOURCES}.{compilers()}.bc"
+            bitcode, key = Path(folder) / f"{group}.bc", f"{group}.{sources_of(group)}.{compilers()}.bc"
             if (optimized := kept(KEPT, key)) is not None:  # for another target
                 bitcode.write_bytes(optimized)
             else:
                 optimized_now[key] = bitcode
-            words += ["--", group, str(bitcode), *(f"{word}={file}" for word, file in files.items())]
+                announce(f"compiling the kernels of {GROUPS[group].purpose}, once: about {GROUPS[group].seconds} s")
+            name = f"{GROUPS[group].whole_module}:{group}"
+            words += ["--", name, str(bitcode), *(f"{word}={file}" for word, file in files.items())]
         command = [_python(), "-P", "-m", MAKE, *words[1:]]
         done = subprocess.run(command, env=environment(), stdin=subprocess.DEVNULL, capture_output=True, text=True)
         for key, bitcode in optimized_now.items():

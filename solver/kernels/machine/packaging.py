@@ -1,4 +1,7 @@
-"""Machine code of groups as files of a package: shared libraries for every platform, or object code for this one."""
+"""Machine code of groups that others carry: libraries of packages for every platform, else object code for this one.
+
+And object code, or assembly, that native FMUs are linked with.
+"""
 
 import hashlib
 import tempfile
@@ -14,11 +17,12 @@ from .folders import keep, kept
 from .groups import GROUPS
 from .level import ARM, X86, is_arm
 from .library import file_name
-from .making import compilers, on_all_cores, run_make
+from .making import compilers, on_all_cores, run_make, sources_of
 from .sources import SOURCES
 from .zig import LINUX, LINUX_ARM, MACOS, MACOS_ARM, WINDOWS, Target, has_linker, link
 
 KEPT = "libraries"  # folder of the user
+PREFIX = "kernel_"  # of the entries in the code of native FMUs
 # operating system, by its name in platform tags of wheels -> level -> target; the suffix of its libraries
 PLATFORMS: Mapping[str, tuple[str, Mapping[str, Target]]] = {
     "manylinux_2_17_x86_64": (".so", {level: replace(LINUX, cpu=level) for level in X86}),
@@ -54,14 +58,25 @@ def libraries(groups: Iterable[str] = GROUPS, platforms: Iterable[str] = PLATFOR
     return {name: content for part in made for name, content in part.items()}
 
 
+def object_code(group: str, targets: Iterable[Target], suffix: str = ".o") -> list[bytes]:
+    """Return object code, or assembly (.s), to be linked into native FMUs for targets. Raises MachineCodeError."""
+    identity, parts = _made_with(sources_of(group)), []
+    for target in targets:
+        word = f"{target.triple}/{target.cpu}/{PREFIX}"
+        file = f"{word.replace('/', '-')}{suffix}"
+        parts.append(_Part(group, word, None, f"{identity}-{group}-{file}", file))
+    found = _contents(parts)
+    return [found[part.file] for part in parts]
+
+
 def _linked_parts(group: str, platforms: tuple[str, ...]) -> Iterator[_Part]:
     """Return the parts of a group that are linked, for all levels of platforms."""
-    identity = _made_with("ziglang")
+    identity = _made_with(f"ziglang {version('ziglang')}")
     for name in platforms:
         suffix, targets = PLATFORMS[name]
         for level, target in targets.items():
             key, file = f"{identity}-{group}-{name}-{level}", file_name(group, level, suffix)
-            yield _Part(group, f"{target.triple}/{target.cpu}", target, key, file)
+            yield _Part(group, f"{target.triple}/{target.cpu}/", target, key, file)
 
 
 def _object_parts(group: str) -> Iterator[_Part]:
@@ -71,11 +86,10 @@ def _object_parts(group: str) -> Iterator[_Part]:
         yield _Part(group, level, None, f"{identity}-{group}-{level}.o", file_name(group, level, ".o"))
 
 
-def _made_with(*linker: str) -> str:
+def _made_with(*beside: str) -> str:
     """Return an identifier of all that the files depend on beside group and target."""
-    versions = [SOURCES, compilers(), *(f"{name} {version(name)}" for name in linker)]
     source = Path(__file__).with_name("zig.py").read_bytes()
-    return hashlib.sha256(" ".join(versions).encode() + source).hexdigest()[:16]
+    return hashlib.sha256(" ".join((SOURCES, compilers(), *beside)).encode() + source).hexdigest()[:16]
 
 
 def _contents(parts: list[_Part]) -> dict[str, bytes]:
@@ -88,7 +102,8 @@ def _contents(parts: list[_Part]) -> dict[str, bytes]:
         for number, part in enumerate(missing):
             folder = Path(temporary) / str(number)
             folder.mkdir()
-            objects[part] = wanted[part.group][part.word] = folder / "kernels.o"
+            suffix = ".o" if part.target is not None else Path(part.file).suffix
+            objects[part] = wanted[part.group][part.word] = folder / f"kernels{suffix}"
         if wanted:
             run_make(wanted)
         for part, file in objects.items():

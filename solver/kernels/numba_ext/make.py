@@ -1,8 +1,9 @@
 """Machine code of groups of entries: `python -m solver.kernels.numba_ext.make GROUP BITCODE TARGET... [-- GROUP ...]`.
 
-The entries are typed by numba, linked and optimized once, and emitted for each target. BITCODE is the file of the
-optimized module, written if it is not there. TARGET is LEVEL=FILE, or TRIPLE/CPU=FILE for another machine; the suffix
-of the file says what is written: object code, or assembly (.s). Groups in one process share the kernels that are typed.
+The entries are typed by numba, linked and optimized once, and emitted for each target. GROUP is MODULE:NAME. BITCODE is
+the file of the optimized module, written if it is not there. TARGET is LEVEL=FILE, or TRIPLE/CPU/PREFIX=FILE for
+another machine or under other names (emitting.py); the suffix of the file says what is written: object code, or
+assembly (.s). Groups in one process share the kernels that are typed.
 """
 
 import importlib
@@ -16,7 +17,6 @@ from numba import types
 
 from ..machine.emitting import emit_all, initialize, optimize, tell
 from ..machine.entry import Entry, entries_of
-from ..machine.groups import GROUPS
 from ..machine.kinds import Int, Ints, Real, Reals, SizedReals
 from ..machine.level import ARM, X86, is_arm
 from .jit import as_written
@@ -45,10 +45,10 @@ BASELINE = X86[-1]
 
 def module_of(group: str) -> llvm.ModuleRef:
     """Return the entries of a group and all functions that they call, each once, as written."""
-    kernels = __package__.rpartition(".")[0]
-    importlib.import_module(f"{kernels}.{GROUPS[group].module}")
+    module, _, name = group.partition(":")
+    importlib.import_module(module)
     whole, offered = llvm.parse_assembly(""), set()
-    for entry in entries_of(group):
+    for entry in entries_of(name):
         part, inside = as_written(entry.function, tuple(NUMBAS[kind] for kind in entry.kinds.values()))
         whole.link_in(part)
         whole.link_in(llvm.parse_assembly(str(bridge(entry, inside))))
@@ -91,16 +91,16 @@ def local_triple() -> str:
     return f"{triple}-elf" if sys.platform == "win32" else triple
 
 
-def target_of(word: str) -> tuple[str, str]:
-    """Return triple and processor of LEVEL or TRIPLE/CPU."""
+def target_of(word: str) -> tuple[str, str, str]:
+    """Return triple, processor and prefix of LEVEL or TRIPLE/CPU/PREFIX."""
     if "/" in word:
-        triple, _, cpu = word.partition("/")
-        return triple, cpu
-    return local_triple(), "generic" if word in ARM else word
+        triple, cpu, prefix = word.split("/")
+        return triple, cpu, prefix
+    return local_triple(), "generic" if word in ARM else word, ""
 
 
-def make(group: str, bitcode: Path, targets: list[tuple[str, str, str]]) -> None:
-    """Write the code of a group for (triple, processor, file) each, and its optimized module."""
+def make(group: str, bitcode: Path, targets: list[tuple[str, str, str, str]]) -> None:
+    """Write the code of a group for (triple, processor, prefix, file) each, and its optimized module."""
     if not bitcode.is_file():
         with collecting_seldom():
             whole = module_of(group)

@@ -34,12 +34,12 @@ _snapshot = SNAPSHOT.over
 
 
 class Watch(NamedTuple):
-    """Rows of `size` times, s, and of as many snapshots; and whether peaks are kept."""
+    """Rows of `size` times, s, and of as many snapshots."""
 
     size: int
     times: object
     snapshots: object
-    peaks: bool
+    peaks: int  # 1: they are kept
 
 
 @leaf

@@ -1,10 +1,7 @@
 """Entries called from Python, with the arguments of those of the same names in api/entries.py and batch/entries.py."""
 
 from ..api.engine import column_in, reset
-from ..api.entries import arrive_base as arrive_base
-from ..api.entries import couple_base as couple_base
 from ..api.entries import entries_of
-from ..api.entries import examine_base as examine_base
 from ..batch.entries import lanes_entry
 from ..column.assembly import carries
 from ..column.description import NO_REST, describe
@@ -18,7 +15,7 @@ from .lanes import SPACE, follow_fixed_steps
 @kernel
 def _assemble(column, given, from_rest, scratch, detail):
     """The column at rest; from_rest and scratch are not used."""
-    code = describe(column, given, detail)
+    code = describe(column, given.row, detail)
     if code != OK:
         return code
     factorize_mass(column.model)
@@ -27,7 +24,7 @@ def _assemble(column, given, from_rest, scratch, detail):
     return OK if carries(column.model) else NO_REST
 
 
-assemble_column, run, observe_state, observe_snapshots = entries_of(
-    "paper", __name__, column_in(MODEL, STATE, WORK), assemble=_assemble
+assemble, run, observe_state, observe_snapshots, arrive_base, couple_base, examine_base = entries_of(
+    "paper", __name__, column_in(MODEL, STATE, WORK), assembled=_assemble
 )
 run_fixed_steps = lanes_entry("run_fixed_steps", "paper_lanes", __name__, SPACE, follow_fixed_steps)

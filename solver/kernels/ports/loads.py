@@ -44,7 +44,7 @@ class Loaded(NamedTuple):
     ax: object
     az: object
     scale: float
-    held: bool
+    held: int
     shaken: int
     spotted: int
     ports: object

@@ -1,4 +1,4 @@
-"""Entries called from Python: a structure over flat buffers.
+"""Entries: a structure over flat buffers.
 
 Those of structures with and without extras (extras.py) are made by `entries_of` and `lanes_entry`.
 """
@@ -157,32 +157,51 @@ lanes_extras = lanes_entry("structure_lanes_extras", WITH_EXTRAS)
 lanes_events = lanes_entry("structure_lanes_events", WITH_EVENTS)
 
 
-# --- a structure under inputs: driven.py over buffers
+# --- a structure under inputs, for both FMUs: driven.py over buffers. A record is as in api/driven_entries.py, with ay
 
 
 @entry("structure_driven")
-def assemble_structure(
+def assemble(
     model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, given: Reals, from_rest: Int
-) -> Int:
+) -> Int:  # fmt: skip
     """Run `driven.assemble`."""
     return driven.assemble(model, state, counts, base, work, given, from_rest)
 
 
 @entry("structure_driven")
-def follow_structure(
-    model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, inputs: Reals, t: Real, h: Real,
-    times: SizedReals, ax: Reals, ay: Reals, az: Reals, row: Reals,
+def follow(
+    model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, inputs: Reals, start: Real, h: Real,
+    times: SizedReals, ax: Reals, ay: Reals, az: Reals, scale: Real, row: Reals,
 ) -> Int:  # fmt: skip
     """Run `driven.follow`."""
-    record = times.size, times.row, ax, ay, az, 1.0
-    return driven.follow(model, state, counts, base, work, inputs, t, h, *record, row)
+    record = times.size, times.row, ax, ay, az, scale
+    return driven.follow(model, state, counts, base, work, inputs, start, h, *record, row)
 
 
 @entry("structure_driven")
-def look_structure(
+def look(
     model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, inputs: Reals, new_inputs: Int, elapsed: Real,
-    t: Real, times: SizedReals, ax: Reals, ay: Reals, az: Reals, row: Reals, driven_row: Reals,
+    t: Real, times: SizedReals, ax: Reals, ay: Reals, az: Reals, scale: Real, row: Reals, split: Reals,
 ) -> Int:  # fmt: skip
     """Run `driven.look`."""
-    record = times.size, times.row, ax, ay, az, 1.0
-    return driven.look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, *record, row, driven_row)
+    record = times.size, times.row, ax, ay, az, scale
+    return driven.look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, *record, row, split)
+
+
+@entry("structure_driven")
+def rates(
+    model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, t: Real, times: SizedReals, ax: Reals,
+    ay: Reals, az: Reals, scale: Real, row: Reals, split: Reals,
+) -> Int:  # fmt: skip
+    """Run `driven.rates`."""
+    record = times.size, times.row, ax, ay, az, scale
+    return driven.rates(model, state, counts, base, work, t, *record, row, split)
+
+
+@entry("structure_driven")
+def feedthrough(
+    model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, seeds: Reals, elapsed: Real, t: Real,
+    row: Reals, split: Reals,
+) -> Int:  # fmt: skip
+    """Run `driven.feedthrough`."""
+    return driven.feedthrough(model, state, counts, base, work, seeds, elapsed, t, row, split)

@@ -125,7 +125,7 @@ def _assemble(column: Column, given: FloatArray) -> Arrays:
     n = column.n
     made = unwritten(n, len(column.ports), column.kind.spaces)
     detail = np.zeros(DETAILS)
-    code = column.kind.entries.assemble_column(n, *made, given, 1, np.zeros(scratch_room(n)), detail)
+    code = column.kind.entries.assemble(n, *made, given, 1, np.zeros(scratch_room(n)), detail)
     if code == NO_REST:
         as_they_are = "its blocks, offset or inclined as they are, have no stable rest under their weight"
         if column.other_law:

@@ -19,9 +19,8 @@ from ...kernels.layout.spaces import (
     TOO_MUCH_WORK,
 )
 from ...kernels.machine.entry import Call, offset
-from ...kernels.structure import coupled, driven
+from ...kernels.structure import coupled, driven, entries
 from ...kernels.structure import layout as at
-from ...kernels.structure.entries import assemble_structure, follow_structure, look_structure
 from ..column.stepper import REASONS as IN_PLANE
 from ..outputs import visible_peaks
 from .blocks.faces import FloatArray
@@ -48,7 +47,7 @@ SKIP_CODES = {
 
 
 _T_H, _LOOK = struct.Struct("=2d"), struct.Struct("=q2d")  # in the buffers of calls
-_T_OF_FOLLOW, _NEW_OF_LOOK = offset(follow_structure, "t"), offset(look_structure, "new_inputs")
+_T_OF_FOLLOW, _NEW_OF_LOOK = offset(entries.follow, "start"), offset(entries.look, "new_inputs")
 
 
 class Chosen(NamedTuple):
@@ -135,12 +134,12 @@ class DrivenStructure:
     @record.setter
     def record(self, record: Record) -> None:
         self._record, passed = record, (*self.arrays, self._inputs)
-        self._follow = Call(follow_structure, (*passed, 0.0, 0.0, *record, self._room))
-        self._look = Call(look_structure, (*passed, 0, 0.0, 0.0, *record, self._row, self._driven))
+        self._follow = Call(entries.follow, (*passed, 0.0, 0.0, *record, 1.0, self._room))
+        self._look = Call(entries.look, (*passed, 0, 0.0, 0.0, *record, 1.0, self._row, self._driven))
 
     def _assemble(self, given: Chosen, from_rest: bool) -> None:
         described = np.concatenate([np.array(given, dtype=np.float64), self.packed])
-        assemble_structure(*self.arrays, described, from_rest)
+        entries.assemble(*self.arrays, described, from_rest)
 
     def retune(self, given: Chosen) -> None:
         """Go on with other choices, but of the base."""
