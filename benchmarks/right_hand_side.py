@@ -7,6 +7,7 @@ divided by their typical sizes, because some integrators have only one absolute 
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -85,13 +86,16 @@ def rates(t, y, dydt, data):
     evaluate(t, row_of(y), row_of(dydt), row_of(data))
 
 
-_POINTER = types.CPointer(types.double)
+@cache
+def rates_in_c() -> Any:
+    """Compile the right-hand side as called from C: void f(double t, double *y, double *dydt, double *data)."""
+    pointer = types.CPointer(types.double)
 
+    @native(types.void(types.double, pointer, pointer, pointer))
+    def rates_at(t, y, dydt, data):
+        evaluate(t, row_at(y), row_at(dydt), row_at(data))
 
-@native(types.void(types.double, _POINTER, _POINTER, _POINTER))
-def rates_in_c(t, y, dydt, data):
-    """The right-hand side as called from C: void f(double t, double *y, double *dydt, double *data)."""
-    evaluate(t, row_at(y), row_at(dydt), row_at(data))
+    return rates_at
 
 
 class Problem:
@@ -152,4 +156,4 @@ class Problem:
 
 def address() -> Any:
     """Address of the right-hand side for integrators written in C or Fortran."""
-    return rates_in_c.address
+    return rates_in_c().address

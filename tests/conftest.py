@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+# before numpy is imported: each worker has one core, and threads of BLAS that wait by spinning take three times as long
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ["MULTIBLOCK_COMPILES"] = "1"  # of this process, whose tests compile kernels: numba_ext/jit.py takes it out
 
 from support.fmus import DAMPED, LINUX, PHOCAS, ROOT, Fmus, built_once, run

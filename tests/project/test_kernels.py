@@ -2,39 +2,31 @@
 
 from __future__ import annotations
 
+import re
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 import pytest
 
-from solver.kernels.api import entries
 from solver.kernels.layout import spaces as at
-from solver.kernels.machine.entry import Entry
-from solver.kernels.numba_ext.jit import as_written, from_python
-from solver.kernels.numba_ext.make import NUMBAS
+from solver.kernels.machine.entry import entries_of
+from solver.kernels.machine.groups import GROUPS
+from solver.kernels.machine.making import kept_code, made
+from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import Table, row_of
-from solver.kernels.structure.entries import PLAIN
 
-NOTHING = np.zeros(0)
-RECORD = (NOTHING,) * 4  # times, s, and accelerations, m/s2
 _phase = at.PHASE.over
 
 
-@pytest.mark.parametrize(
-    "entry",
-    [
-        entries.observe_state,
-        pytest.param(entries.run, marks=pytest.mark.long),
-        pytest.param(PLAIN.observe, marks=pytest.mark.long),
-        PLAIN.stiffness,
-        pytest.param(PLAIN.run, marks=pytest.mark.long),
-    ],
-    ids=lambda entry: entry.__name__,
-)
-def test_nothing_of_numbas_runtime_is_called(entry: Entry) -> None:
-    module, name = as_written(entry.function, tuple(NUMBAS[kind] for kind in entry.kinds.values()))
-    assert not module.get_function(name).is_declaration
-    assert "NRT_" not in str(module)
+@pytest.mark.parametrize("group", GROUPS)
+def test_machine_code_calls_nothing_of_numbas_runtime(group: str) -> None:
+    import_module(f"solver.kernels.{GROUPS[group].module}")
+    names = [entry.__name__.encode() for entry in entries_of(group)]
+    code = kept_code(group) or made([group])[0]
+    assert names
+    assert all(name in code for name in names)  # so that others would be found
+    assert not re.search(rb"NRT_|numba_|Py[A-Z]\w*_", code)
 
 
 @from_python
