@@ -25,11 +25,12 @@ from fmu_src.native import table
 from solver.kernels.api import entries
 from solver.kernels.bonds import entries as of_bonds
 from solver.kernels.machine import entry as machine_entry
-from solver.kernels.machine import folders, level, library, making
+from solver.kernels.machine import folders, level, library, making, packaging
 from solver.kernels.machine.entry import ENTRIES, Entry
 from solver.kernels.machine.groups import GROUPS
 from solver.kernels.machine.kinds import Int, Reals
 from solver.kernels.machine.messages import MachineCodeError, announcing
+from solver.kernels.machine.zig import LINUX
 from solver.kernels.paper import entries as of_paper
 from solver.kernels.ports import entries as of_ports
 
@@ -233,6 +234,21 @@ def test_machine_code_that_others_may_have_planted_is_not_read(
     assert folders.kept(making.KEPT, making._key("statics")) is None
     with pytest.warns(RuntimeWarning, match="machine code is not kept, and made in every process: .*: others c"):
         made_now(monkeypatch)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="folders of a user on Windows are his own")
+def test_no_native_fmu_is_linked_with_planted_code(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    place(monkeypatch, MULTIBLOCK_CACHE_DIR=str(tmp_path / "cache"))
+    for content, found in ((b"first", b"first"), (b"second", b"first"), (b"third", b"third")):
+
+        def quick(wanted: dict[str, dict[str, Path]], content: bytes = content) -> None:
+            for file in wanted["column"].values():
+                file.write_bytes(content)
+
+        monkeypatch.setattr(packaging, "run_make", quick)
+        if content == b"third":
+            opened(tmp_path / "cache" / packaging.KEPT)
+        assert packaging.object_code("column", [LINUX]) == [found]
 
 
 @pytest.mark.skipif(os.name == "nt", reason="folders of a user on Windows are his own")
