@@ -245,8 +245,7 @@ def test_what_has_broken_through_is_a_dry_joint() -> None:
 
 def test_no_strength_is_the_joint_without_bits_changed() -> None:
     plain, none = pier(tensile_strength=0.0, damping=1e-3), pier(tensile_strength=0.0, cohesion=0.0, friction=0.5)
-    assert not plain.model.has_extras
-    assert not none.model.has_extras
+    assert plain.model.sizes.bonds == none.model.sizes.bonds == 0
 
 
 def test_a_strength_that_is_never_reached_gives_a_linear_motion() -> None:
@@ -422,7 +421,7 @@ def test_a_column_of_mortar_and_its_stack_agree_as_the_bed_stiffens_along() -> N
 
 @from_python
 def _corners_put(model: FloatArray, state: FloatArray, counts: NDArray[np.int64], work: FloatArray) -> float:
-    scene = at.scene_of(row_of(model), row_of(state), row_of(counts), row_of(work), at.WITH_EXTRAS)
+    scene = at.scene_of(row_of(model), row_of(state), row_of(counts), row_of(work))
     return float(put_bond(scene, 0))
 
 

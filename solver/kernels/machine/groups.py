@@ -32,10 +32,7 @@ GROUPS = {
     "lanes_round_slipping": Group("batch.entries", "round sliding columns in lanes", 15),
     "lanes_strips": Group("batch.entries", "columns on strips in lanes", 18),
     "lanes_rims": Group("batch.entries", "columns with rims in lanes", 20),
-    "structure": Group("structure.entries", "structures", 35),
-    "structure_extras": Group("structure.entries", "structures with bearings, ports, neighbours or bonds", 45),
+    "structure": Group("structure.entries", "structures", 45),
     "structure_driven": Group("structure.entries", "structures that FMUs drive", 40),
-    "structure_lanes": Group("structure.entries", "structures in lanes", 20),
-    "structure_lanes_extras": Group("structure.entries", "structures with bearings in lanes", 25),
-    "structure_lanes_events": Group("structure.entries", "structures with neighbours or bonds in lanes", 30),
+    "structure_lanes": Group("structure.entries", "structures in lanes", 30),
 }

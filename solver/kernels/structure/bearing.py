@@ -1,12 +1,12 @@
 """What a bearing adds to the joint: it bears at a point, and beside its slider (theory.md section 13).
 
-All of it belongs to scenes with extras: without, each function leaves what it is given as it is.
+Each function leaves what it is given as it is where there is no bearing.
 """
 
-from ..numba_ext.jit import leaf, varied, varied_leaf
+from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, greater, index_of, square_root, where, zero_like
 from .bed import Bed, Plane
-from .layout import POINT, has_extras
+from .layout import POINT
 
 TINY = 1e-300  # m
 
@@ -19,17 +19,12 @@ def bed_of_point(joints, j, p, q):
     return Bed(area * pressed, zero, zero, area, pressed)
 
 
-@varied_leaf
+@leaf
 def lifted(scene, j, p, gap, by):
     """The penetration p of joint j, m, or its rate, raised by the pendulum times the scalar product of two vectors.
 
     A pendulum rises by u^2 / 2R as it moves, so that its force is conservative: gap times half of it, or its rate.
     """
-    return p
-
-
-@lifted.version(has_extras)
-def _lifted(scene, j, p, gap, by):
     if any_of(scene.joints.section[j] == POINT):
         rises = gap[0] * by[0] + gap[1] * by[1]
         p = Plane(p.at + scene.joints.pendulum[j] * rises, p.along_x, p.along_y)
@@ -59,28 +54,18 @@ def _restoring(joints, j, motion, normal):
     return t1, t2
 
 
-@varied_leaf
+@leaf
 def beside_slider(scene, j, motion, normal, t1, t2):
     """The forces along joint j, N, of its slider, with what it bears beside that."""
-    return t1, t2
-
-
-@beside_slider.version(has_extras)
-def _beside_slider(scene, j, motion, normal, t1, t2):
     if any_of(scene.joints.section[j] == POINT):
         beside = _restoring(scene.joints, j, motion, normal)
         t1, t2 = t1 + beside[0], t2 + beside[1]
     return t1, t2
 
 
-@varied_leaf
+@leaf
 def with_bearing(scene, j, doubled):
     """Twice the elastic energy of joint j, J, with that of spring and ring; a pendulum's is that of the penetration."""
-    return doubled
-
-
-@with_bearing.version(has_extras)
-def _with_bearing(scene, j, doubled):
     joints, found = scene.joints, scene.resultants
     if any_of(joints.section[j] == POINT):
         s1, s2 = found.s1[j], found.s2[j]
@@ -89,40 +74,25 @@ def _with_bearing(scene, j, doubled):
     return doubled
 
 
-@varied_leaf
+@leaf
 def stiffness_along(scene, j, normal):
     """Stiffness along joint j while it sticks, N/m."""
-    return scene.joints.shear[j]
-
-
-@stiffness_along.version(has_extras)
-def _stiffness_along(scene, j, normal):
     joints = scene.joints
     return joints.shear[j] + joints.spring[j] + joints.pendulum[j] * normal
 
 
-@varied
+@kernel
 def come_off(scene, found):
     """Number, from 1, of a block that has come off a bearing, by the place evaluated last; else `found`."""
-    return found
-
-
-@come_off.version(has_extras)
-def _come_off(scene, found):
     for j in range(scene.m - scene.extras.b, scene.m):
         x, y, capacity = scene.resultants.s1[j], scene.resultants.s2[j], scene.joints.capacity[j]
         found = where(x * x + y * y > capacity * capacity, index_of(scene.joints.upper[j]) + 1.0, found)
     return found
 
 
-@varied
+@kernel
 def raise_displacements(scene, peaks, lanes):
     """Raise the largest displacement of each bearing, m, of the lanes in a mask by the place evaluated last."""
-    return
-
-
-@raise_displacements.version(has_extras)
-def _raise_displacements(scene, peaks, lanes):
     first = scene.m - scene.extras.b
     for i in range(scene.extras.b):
         x, y = scene.resultants.s1[first + i], scene.resultants.s2[first + i]

@@ -11,7 +11,7 @@ ends where the bond begins to break (cracking.py). Else the evaluation cuts it b
 
 import math
 
-from ..numba_ext.jit import by_width, kernel, leaf, varied, varied_leaf
+from ..numba_ext.jit import by_width, kernel, leaf
 from ..numba_ext.lanes import (
     WIDTH,
     MaskType,
@@ -31,7 +31,7 @@ from ..numba_ext.lanes import (
 from ..numba_ext.views import copy, one_lane
 from .bed import Bed, Plane, chosen, nothing, plane_of_lane, triangle, value, whole
 from .clipping import cut
-from .layout import BONDED, MOST_BONDED, OF_POLYGON, has_extras, may_break
+from .layout import BONDED, MOST_BONDED, OF_POLYGON
 from .polygon import polygon_bed
 from .section import bearing_area
 
@@ -176,14 +176,9 @@ def with_bond(scene, e, p, q, bed):
     return chosen(there, mortar, bed)
 
 
-@varied_leaf
+@leaf
 def raised_by_bond(scene, j, normal, limit, couple):
     """The limits of friction of joint j, N and N m, with what its bond bears beside."""
-    return limit, couple
-
-
-@raised_by_bond.version(may_break)
-def _raised_by_bond(scene, j, normal, limit, couple):
     joints, e = scene.joints, index_of(scene.joints.bond[j]) - 1
     if e < 0:
         return limit, couple
@@ -193,14 +188,9 @@ def _raised_by_bond(scene, j, normal, limit, couple):
     return where(there, bears, limit), where(there, bears * joints.arm[j], couple)
 
 
-@varied_leaf
+@leaf
 def with_strength(scene, j, pressure):
     """The least pressure on joint j in full contact, Pa, over that at which it opens or its whole bond breaks."""
-    return pressure
-
-
-@with_strength.version(may_break)
-def _with_strength(scene, j, pressure):
     if scene.joints.bond[j] != 0.0:
         e = int(scene.joints.bond[j]) - 1
         if scene.extras.sound.area[e] == scene.joints.area[j]:
@@ -208,18 +198,13 @@ def _with_strength(scene, j, pressure):
     return pressure
 
 
-@varied_leaf
+@leaf
 def limits_with_bond(scene, j, normal, limit, couple, stretch, twist):
     """The limits of friction of joint j, N and N m; a bond lets nothing slide before it breaks.
 
-    stretch, twist: m and rad, what the joint is displaced and twisted by.
+    stretch, twist: m and rad, what the joint is displaced and twisted by. How far the bond is from breaking along the
+    joint is kept.
     """
-    return limit, couple
-
-
-@limits_with_bond.version(may_break)
-def _limits_with_bond(scene, j, normal, limit, couple, stretch, twist):
-    """How far the bond is from breaking along the joint is kept."""
     joints, sound, e = scene.joints, scene.extras.sound, index_of(scene.joints.bond[j]) - 1
     if e < 0:
         return limit, couple
@@ -230,36 +215,21 @@ def _limits_with_bond(scene, j, normal, limit, couple, stretch, twist):
     return where(there, math.inf, limit), where(there, math.inf, couple)
 
 
-@varied
+@kernel
 def show_bonds(scene, shown):
     """Fill in what an output row has of bonds."""
-    return
-
-
-@show_bonds.version(has_extras)
-def _show_bonds(scene, shown):
     for e in range(scene.extras.glued):
         shown[e] = scene.extras.sound.area[e] / scene.joints.area[int(scene.extras.bonds.joint[e])]
 
 
-@varied
+@kernel
 def let_bonds_go(scene):
     """Hold no bond as it was: each ends where its strength does."""
-    return
-
-
-@let_bonds_go.version(has_extras)
-def _let_bonds_go(scene):
     for e in range(scene.extras.glued):
         scene.extras.sound.held[e] = 0.0
 
 
-@varied
+@kernel
 def copy_bonds(scene, behind):
     """Copy what is left of bonds to where a state has it, behind what moves or is remembered."""
-    return
-
-
-@copy_bonds.version(has_extras)
-def _copy_bonds(scene, behind):
     copy(behind, scene.extras.bonded, _EACH * scene.extras.glued)

@@ -6,7 +6,7 @@ or of eight in lanes, of which a mask says which are meant.
 
 import math
 
-from ..numba_ext.jit import kernel, leaf, varied
+from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import (
     any_of,
     greater,
@@ -27,7 +27,7 @@ from .bond import bond_left, cut_bond, joint_of, let_bonds_go, put_bond, store_b
 from .evaluate import recall
 from .joint import load_joint, penetration, penetration_rate
 from .kinematics import pose_two, relative_motion
-from .layout import MEMORY, MOST_BONDED, PHASE, has_extras, may_break
+from .layout import MEMORY, MOST_BONDED, PHASE
 from .watch import END, load_joint_between, pose_between, row
 
 _phase, _PER_BODY, _PER_JOINT = PHASE.over, PHASE.per_n, MEMORY.per_n
@@ -111,15 +111,12 @@ def _spare_between(scene, h, s, e):
     return _spare(scene, load_joint_between(scene, h, s, joint_of(scene, e)), e)
 
 
-@varied
+@kernel
 def until_broken(scene, h, those):
-    """The part of a step of h s, just made, after which no bond has begun to break."""
-    return zero_like(h) + 1.0
+    """The part of a step of h s, just made, after which no bond has begun to break.
 
-
-@until_broken.version(may_break)
-def _until_broken(scene, h, those):
-    """Resultants and the force on the base are left as they are at the end of the step."""
+    Resultants and the force on the base are left as they are at the end of the step.
+    """
     extras, part = scene.extras, zero_like(h) + 1.0
     if extras.glued == 0:
         return part
@@ -203,14 +200,9 @@ def _tip_between(scene, h, s, e):
     return tip_of(scene, e, penetration(scene, j, relative_motion(scene, phase, j)))
 
 
-@varied
+@kernel
 def crack_within(scene, h, those):
     """Let bonds break by what a front that turns has passed within a step of h s; where one has."""
-    return _none(those)
-
-
-@crack_within.version(may_break)
-def _crack_within(scene, h, those):
     passed, allowed = _none(those), TURN * square_root(scene.settings.tolerance)
     for e in range(scene.extras.glued):
         growing = those & (bond_left(scene, e)[0].corners != 0.0) & (scene.extras.sound.held[e] == 0.0)
@@ -237,14 +229,9 @@ def _cut_along(scene, h, e, growing, allowed):
     return passed
 
 
-@varied
+@kernel
 def crack(scene, state, those):
     """Let bonds break as a state says, and hold those that no crack grows in; where one broke whole."""
-    return _none(those)
-
-
-@crack.version(may_break)
-def _crack(scene, state, those):
     broke, phase = _none(those), _phase(state, scene.n)
     for e in range(scene.extras.glued):
         there = those & (bond_left(scene, e)[0].corners != 0.0)
@@ -286,14 +273,9 @@ def _crack_bond(scene, phase, e, there):
     return broke
 
 
-@varied
+@kernel
 def settle_bonds(scene, state):
     """Let bonds break as the state says that has just been evaluated; whether it has to be evaluated again."""
-    return False
-
-
-@settle_bonds.version(has_extras)
-def _settle_bonds(scene, state):
     recall(scene, state)
     crack(scene, state, True)
     let_bonds_go(scene)

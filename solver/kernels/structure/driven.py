@@ -2,7 +2,6 @@
 
 All that it is lies in the flat rows of layout.py. The joints are elastic along themselves, so that everything seen of a
 structure follows from its state, and nothing from the acceleration of the same instant; but the accelerations of ports.
-Whatever it has, it is compiled with extras (extras.py): one machine code serves all FMUs.
 """
 
 import math
@@ -36,7 +35,6 @@ from .layout import (
     PHASE,
     STAGES,
     STATE,
-    WITH_EXTRAS,
     scene_of,
     sizes_in,
     stabilizes,
@@ -58,11 +56,6 @@ _model, _state = MODEL.over, STATE.over
 _INPUTS = INPUTS.beside
 _GIVEN, _COUNTS, _REACTION, _LOAD = GIVEN.beside, COUNTS.beside, len(OF_BASE), len(LOAD)
 _DRIVEN, _DRIVEN_TURN = DRIVEN.beside, DRIVEN_TURN.beside
-
-
-@leaf
-def _scene(model, state, counts, work):
-    return scene_of(model, state, counts, work, WITH_EXTRAS)
 
 
 @kernel
@@ -94,7 +87,7 @@ def assemble(model, state, counts, base, work, given, from_rest):
     for p in range(sizes.pairs):
         made.pairs.damping[p] *= described.damping_scale
         made.pairs.decay[p] /= described.damping_scale
-    scene = _scene(model, state, counts, work)
+    scene = scene_of(model, state, counts, work)
     if from_rest != 0:
         lasting = _state(state, sizes)
         clear(state, lasting.total)
@@ -207,7 +200,7 @@ def follow(model, state, counts, base, work, inputs, start, h, count, times, ax,
     A structure that is its own mirror image in the plane x, z stays in it exactly as long as nothing moves it across.
     """
     sizes = sizes_in(model)
-    scene, shaking = _scene(model, state, counts, work), _shaking(base, sizes, count, times, ax, ay, az, scale)
+    scene, shaking = scene_of(model, state, counts, work), _shaking(base, sizes, count, times, ax, ay, az, scale)
     phase, stop = _state(state, sizes).phase, start + h
     is_plane = _head(model, 0).is_plane != 0.0
     if scene.settings.drive == ACCELERATION:
@@ -246,7 +239,7 @@ def look(
     With `new_inputs` base and ports follow, from time t on, the inputs set `elapsed` s before. driven: filled with the
     motion of the base where bodies may drive it, as the last step has left it.
     """
-    sizes, scene = sizes_in(model), _scene(model, state, counts, work)
+    sizes, scene = sizes_in(model), scene_of(model, state, counts, work)
     phase = _state(state, sizes).phase
     show_driven(scene.settings, _input(base, sizes).motion, t, 0, driven)
     if new_inputs != 0 and scene.settings.drive == ACCELERATION:  # else no output depends on them
@@ -268,7 +261,7 @@ def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, 
     Central differences along the rates of the state, over a fraction of the first step.
     """
     sizes = sizes_in(model)
-    scene, shaking = _scene(model, state, counts, work), _shaking(base, sizes, count, times, ax, ay, az, scale)
+    scene, shaking = scene_of(model, state, counts, work), _shaking(base, sizes, count, times, ax, ay, az, scale)
     size, here, between = scene.visible, _state(state, sizes).phase.row, row(scene, STAGE)
     clear(visible, size)
     show_driven(scene.settings, shaking.base, t, 1, driven)
@@ -307,7 +300,7 @@ def feedthrough(model, state, counts, base, work, seeds, elapsed, t, visible, dr
     Only accelerations of ports depend on these, by straight lines; the motion of the base (driven) does not. elapsed:
     s, since the inputs were set.
     """
-    sizes, scene = sizes_in(model), _scene(model, state, counts, work)
+    sizes, scene = sizes_in(model), scene_of(model, state, counts, work)
     clear(visible, sizes.visible)
     clear(driven, _driven_size(scene.settings))
     if scene.extras.spotted == 0 or scene.counts.fallen > 0:

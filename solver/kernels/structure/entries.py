@@ -1,10 +1,4 @@
-"""Entries: a structure over flat buffers.
-
-Those of structures with and without extras (extras.py) are made by `entries_of` and `lanes_entry`.
-"""
-
-from collections.abc import Callable
-from typing import Any, NamedTuple
+"""Entries: a structure over flat buffers."""
 
 from ..machine.entry import entry
 from ..machine.kinds import Int, Ints, Real, Reals, SizedReals
@@ -15,25 +9,17 @@ from .base import Shaking
 from .cracking import settle_bonds
 from .evaluate import energy, evaluate, recall, settle_memory, show
 from .in_lanes import Queue, batch_over, follow_queue
-from .layout import INPUT_MOTION, PHASE, STATE, WITH_EVENTS, WITH_EXTRAS, scene_of, sizes_in
+from .layout import INPUT_MOTION, PHASE, STATE, scene_of, sizes_in
 from .stepping import advance
 from .watch import Watch
 
 _phase, _input, _state = PHASE.over, INPUT_MOTION.over, STATE.over
 
 
-class StructureEntries(NamedTuple):
-    """The entries of structures without extras, or with."""
-
-    run: Callable[..., Any]
-    observe: Callable[..., Any]
-    stiffness: Callable[..., Any]
-
-
 @kernel
-def see(model, state, counts, work, extras):
-    """Return the scene of a structure, and its state as a row; extras: WITH_EXTRAS, or None if it has none."""
-    scene = scene_of(model, state, counts, work, extras)
+def see(model, state, counts, work):
+    """Return the scene of a structure, and its state as a row."""
+    scene = scene_of(model, state, counts, work)
     return scene, _state(state, sizes_in(model)).phase.row
 
 
@@ -84,77 +70,66 @@ def _find_stiffness(scene, from_, scratch, rates, delta, matrix):
                 matrix[place + 5 * size] += per * poses.mz[other]
 
 
-def entries_of(group, extras):
-    """Return `run_structure`, `observe_structure` and `stiffness_of` of structures that have `extras`."""
+@entry("structure")
+def run_structure(
+    model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, times: SizedReals, ax: SizedReals,
+    ay: Reals, az: Reals, loads: SizedReals, at: SizedReals, rows: SizedReals, t: Real, stop: Real, most: Int,
+) -> Int:  # fmt: skip
+    """Run `stepping.advance` over a record (base.py), with an output row at each time of `at`.
 
-    def run_structure(
-        model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, times: SizedReals, ax: SizedReals,
-        ay: Reals, az: Reals, loads: SizedReals, at: SizedReals, rows: SizedReals, t: Real, stop: Real, most: Int,
-    ) -> Int:  # fmt: skip
-        """Run `stepping.advance` over a record (base.py), with an output row at each time of `at`.
-
-        rows: with room for a state behind each, that is filled in too, as far as it moves.
-        """
-        scene, phase = see(model, state, counts, work, extras)
-        inputs = _input(base, sizes_in(model))
-        of_loads = 1 if loads.size > 0 else 0, loads.row, inputs.loads.row
-        shaking = Shaking(times.size, ax.size, times.row, ax.row, ay, az, inputs.motion, *of_loads)
-        watch = Watch(at.size, at.row, rows.row, rows.size // max(1, at.size))
-        return advance(scene, shaking, watch, phase, t, stop, most)
-
-    def observe_structure(
-        model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, rates: Reals, ax: Real, ay: Real, az: Real,
-        row: Reals, keep: Int,
-    ) -> Real:  # fmt: skip
-        """Evaluate the state under an acceleration of the base, m/s2, and the loads in WORK: its rates and output row.
-
-        Returns its energy, J. keep: 1 if joints and ties remember this state, as after a long rest.
-        """
-        scene, phase = see(model, state, counts, work, extras)
-        seen = _phase(phase, scene.n)
-        recall(scene, phase)
-        evaluate(scene, seen, _phase(rates, scene.n), ax, ay, az)
-        if keep:
-            settle_memory(scene, phase)
-            if settle_bonds(scene, phase):
-                evaluate(scene, seen, _phase(rates, scene.n), ax, ay, az)
-        show(scene, seen, row)
-        return energy(scene, seen)
-
-    def stiffness_of(
-        model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, scratch: Reals, rates: Reals, delta: Reals,
-        matrix: Reals,
-    ):  # fmt: skip
-        """Compute the tangent stiffness about the state, which has no rates: matrix (6 n x 6 n) by rows.
-
-        Forces on the centroids by displacements and rotations about the axes of the base. delta: a difference, m or
-        rad, for each coordinate. Joints and ties remember what the state says.
-        """
-        scene, phase = see(model, state, counts, work, extras)
-        _find_stiffness(scene, phase, scratch, rates, delta, matrix)
-
-    return [entry(group, __name__)(made) for made in (run_structure, observe_structure, stiffness_of)]
+    rows: with room for a state behind each, that is filled in too, as far as it moves.
+    """
+    scene, phase = see(model, state, counts, work)
+    inputs = _input(base, sizes_in(model))
+    of_loads = 1 if loads.size > 0 else 0, loads.row, inputs.loads.row
+    shaking = Shaking(times.size, ax.size, times.row, ax.row, ay, az, inputs.motion, *of_loads)
+    watch = Watch(at.size, at.row, rows.row, rows.size // max(1, at.size))
+    return advance(scene, shaking, watch, phase, t, stop, most)
 
 
-def lanes_entry(group, extras):
-    """Return `run_structures_in_lanes` of structures that have `extras`."""
+@entry("structure")
+def observe_structure(
+    model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, rates: Reals, ax: Real, ay: Real, az: Real,
+    row: Reals, keep: Int,
+) -> Real:  # fmt: skip
+    """Evaluate the state under an acceleration of the base, m/s2, and the loads in WORK: its rates and output row.
 
-    def run_structures_in_lanes(
-        buffer: Reals, size: Int, models: Reals, states: Reals, runs: Reals, outcomes: Reals, peaks: Reals,
-        times: Reals, ax: Reals, ay: Reals, az: Reals, flag: Reals,
-    ):  # fmt: skip
-        """Run `in_lanes.follow_queue`; buffer: eight numbers for each of a lane."""
-        queue = Queue(size, models, states, runs, outcomes, peaks, times, ax, ay, az, flag, extras)
-        follow_queue(batch_over(sizes_in(models), lanes_of(buffer), queue))
+    Returns its energy, J. keep: 1 if joints and ties remember this state, as after a long rest.
+    """
+    scene, phase = see(model, state, counts, work)
+    seen = _phase(phase, scene.n)
+    recall(scene, phase)
+    evaluate(scene, seen, _phase(rates, scene.n), ax, ay, az)
+    if keep:
+        settle_memory(scene, phase)
+        if settle_bonds(scene, phase):
+            evaluate(scene, seen, _phase(rates, scene.n), ax, ay, az)
+    show(scene, seen, row)
+    return energy(scene, seen)
 
-    return entry(group, __name__)(run_structures_in_lanes)
+
+@entry("structure")
+def stiffness_of(
+    model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, scratch: Reals, rates: Reals, delta: Reals,
+    matrix: Reals,
+):  # fmt: skip
+    """Compute the tangent stiffness about the state, which has no rates: matrix (6 n x 6 n) by rows.
+
+    Forces on the centroids by displacements and rotations about the axes of the base. delta: a difference, m or
+    rad, for each coordinate. Joints and ties remember what the state says.
+    """
+    scene, phase = see(model, state, counts, work)
+    _find_stiffness(scene, phase, scratch, rates, delta, matrix)
 
 
-PLAIN = StructureEntries(*entries_of("structure", None))
-EXTRAS = StructureEntries(*entries_of("structure_extras", WITH_EXTRAS))
-lanes_plain = lanes_entry("structure_lanes", None)
-lanes_extras = lanes_entry("structure_lanes_extras", WITH_EXTRAS)
-lanes_events = lanes_entry("structure_lanes_events", WITH_EVENTS)
+@entry("structure_lanes")
+def run_structures_in_lanes(
+    buffer: Reals, size: Int, models: Reals, states: Reals, runs: Reals, outcomes: Reals, peaks: Reals,
+    times: Reals, ax: Reals, ay: Reals, az: Reals, flag: Reals,
+):  # fmt: skip
+    """Run `in_lanes.follow_queue`; buffer: eight numbers for each of a lane."""
+    queue = Queue(size, models, states, runs, outcomes, peaks, times, ax, ay, az, flag)
+    follow_queue(batch_over(sizes_in(models), lanes_of(buffer), queue))
 
 
 # --- a structure under inputs, for both FMUs: driven.py over buffers. A record is as in api/driven_entries.py, with ay

@@ -1,21 +1,18 @@
 """What only some structures have: bearings, ports with loads, neighbours that meet, bonds that break, a turning base.
 
-One gate, by type. The scene of a structure without any has no `extras` (layout.py, Extras), and what it compiles is the
-first of each pair of functions here and in bearing.py: nothing. All others compile the second, with everything in it,
-whichever of the extras they have; lanes that of bearings, and where there are neighbours theirs. What another extra
-needs is added to `Extras` and to the second functions.
+Their numbers are zero in all others (layout.py, Extras). In lanes ports are not loaded and the base does not turn:
+functions whose first version does less are those of lanes.
 """
 
 import math
 
-from ..numba_ext.jit import varied
-from ..numba_ext.lanes import zero_like
+from ..numba_ext.jit import kernel, varied
 from ..numba_ext.views import copy
 from .base import acceleration
 from .bond import let_bonds_go, show_bonds
 from .contact import error_of_pairs, gap_of, load_pairs, pairs_energy
 from .contact_in_lanes import load_pairs_in_lanes
-from .layout import OF_BEARING, OF_BOND, OF_PAIR, OF_PORT, acts_alone, has_events_in_lanes, has_extras
+from .layout import OF_BEARING, OF_BOND, OF_PAIR, OF_PORT, acts_alone
 from .port import is_pushed, let_ports_go, load_ports, push_ports, see_ports
 from .turning import is_turned, load_turned, show_turned, stop_turning, turn_base
 
@@ -34,34 +31,24 @@ def _take(scene, shaking, k, t):
     return pushed
 
 
-@varied
+@kernel
 def let_go(scene):
     """Leave nothing that acts on the structure."""
-    return
-
-
-@let_go.version(has_extras)
-def _let_go(scene):
     let_bonds_go(scene)
     let_ports_go(scene)
     stop_turning(scene)
 
 
-@varied
+@kernel
 def is_loaded(scene, shaking, k):
     """Whether something acts on the structure on segment k, beside the acceleration of the base."""
-    return False
-
-
-@is_loaded.version(has_extras)
-def _is_loaded(scene, shaking, k):
     return is_pushed(scene, shaking, k) or is_turned(shaking.base)
 
 
 @varied
 def load_extras(scene, phase):
     """Add the forces of extras to those on the bodies; joints and ties have been loaded."""
-    return
+    load_pairs_in_lanes(scene, phase)
 
 
 @load_extras.version(acts_alone)
@@ -71,30 +58,15 @@ def _load(scene, phase):
     load_turned(scene, phase)
 
 
-@load_extras.version(has_events_in_lanes)
-def _load_in_lanes(scene, phase):
-    load_pairs_in_lanes(scene, phase)
-
-
-@varied
+@kernel
 def error_of_extras(scene, errors):
     """Largest error, m, of what extras remember, of those of all that joints and the rest remember."""
-    return zero_like(scene.settings.tolerance)
-
-
-@error_of_extras.version(lambda scene, *_: acts_alone(scene) or has_events_in_lanes(scene))
-def _error(scene, errors):
     return error_of_pairs(scene, errors)
 
 
-@varied
+@kernel
 def extras_energy(scene):
     """Elastic energy of extras, J, of the last evaluation, but that of bearings, which are joints."""
-    return 0.0
-
-
-@extras_energy.version(has_extras)
-def _energy(scene):
     return pairs_energy(scene)
 
 
@@ -109,14 +81,9 @@ def _see(scene, phase, rates):
     see_ports(scene, phase, rates)
 
 
-@varied
+@kernel
 def show_extras(scene, phase, shown):
     """Fill in what an output row has of extras: between ties and base, from `shown` on."""
-    return
-
-
-@show_extras.version(has_extras)
-def _show(scene, phase, shown):
     m, b = scene.m, scene.extras.b
     for i in range(b):
         x, y = scene.resultants.s1[m - b + i], scene.resultants.s2[m - b + i]

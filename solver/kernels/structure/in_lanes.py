@@ -94,7 +94,6 @@ class Queue(NamedTuple):
     ay: object
     az: object
     flag: object
-    extras: object  # None if the structures have none
 
 
 class Batch(NamedTuple):
@@ -114,7 +113,7 @@ def batch_over(sizes, buffer, queue):
     """The batch over a row of lanes, or of one of them."""
     seen = _all(buffer, sizes)
     peaks, bonded = seen.peaks.row, seen.work.states[place_of_bonds(sizes) :]  # of the row START
-    scene = scene_over(sizes, seen.model, seen.control, seen.counts, peaks, bonded, seen.work, queue.extras)
+    scene = scene_over(sizes, seen.model, seen.control, seen.counts, peaks, bonded, seen.work)
     shaking = Shaking(0, 0, queue.times, queue.ax, queue.ay, queue.az, seen.base, 0, queue.times, queue.times)
     return Batch(scene, shaking, seen.lane, seen.gaps, buffer, sizes, queue)
 

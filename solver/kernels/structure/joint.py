@@ -2,7 +2,7 @@
 
 import math
 
-from ..numba_ext.jit import kernel, leaf, varied_leaf
+from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import (
     any_of,
     greater,
@@ -20,7 +20,7 @@ from .bed import Plane, chosen, less, nothing, whole
 from .bond import limits_with_bond, with_bond
 from .disc import round_bed
 from .kinematics import cross, dot, out_of, plus, push, relative_motion
-from .layout import POINT, has_extras, may_break
+from .layout import POINT
 from .overlap import bed_after_slip, goes_by_faces
 from .polygon import polygon_bed
 from .pressure_shear import bound_of_pressure_shear, pressure_shear
@@ -50,30 +50,17 @@ def middle_of(scene, j):
     return part * p1, part * p2
 
 
-@varied_leaf
+@leaf
 def bed_of_joint(scene, j, p, q):
     """The bed of joint j: of the section as built until it has slid, then of what both faces share."""
-    return _bed_of_faces(scene, j, p, q)
-
-
-@bed_of_joint.version(may_break)
-def _bed_with_bond(scene, j, p, q):
-    bed, bond = _bed_of_any(scene, j, p, q), index_of(scene.joints.bond[j])
+    bond = index_of(scene.joints.bond[j])
+    if any_of(scene.joints.section[j] == POINT):
+        bed = bed_of_point(scene.joints, j, p, q)
+    else:
+        bed = _bed_of_faces(scene, j, p, q)
     if bond > 0:
         bed = with_bond(scene, bond - 1, p, q, bed)
     return bed
-
-
-@leaf
-def _bed_of_any(scene, j, p, q):
-    if any_of(scene.joints.section[j] == POINT):
-        return bed_of_point(scene.joints, j, p, q)
-    return _bed_of_faces(scene, j, p, q)
-
-
-@bed_of_joint.version(has_extras)
-def _bed_in_lanes(scene, j, p, q):
-    return _bed_of_any(scene, j, p, q)
 
 
 @leaf

@@ -10,12 +10,9 @@ sizes stand at the head of its model.
 
 from typing import Any, NamedTuple
 
-from ..numba_ext.jit import COMPILES, in_both, leaf, varied_leaf
+from ..numba_ext.jit import in_both, leaf
 from ..numba_ext.lanes import LANES
 from ..numba_ext.views import Numbers, Record, Space, Table
-
-if COMPILES:
-    from numba import types
 
 
 class Sizes(NamedTuple):
@@ -350,13 +347,8 @@ def remembered(sizes: Any) -> int:
     return found
 
 
-# what entries pass as `extras` where there are some, whose type chooses the kernels; else None
-WITH_EXTRAS = 1
-WITH_EVENTS = 1.0  # in lanes, where neighbours or bonds are among them, which end steps
-
-
 class Extras(NamedTuple):
-    """What only some structures have; kernels of others are compiled without (extras.py)."""
+    """What only some structures have (extras.py)."""
 
     b: int  # bearings, the last joints
     spotted: int  # ports
@@ -373,7 +365,6 @@ class Extras(NamedTuple):
     bonded: object  # row, what is left of them
     sound: object  # of the evaluation
     turn: object  # of the base
-    given: object  # WITH_EXTRAS or WITH_EVENTS
 
 
 class Scene(NamedTuple):
@@ -408,30 +399,13 @@ class Scene(NamedTuple):
     states: object  # and rates of a step
     outputs: object  # output rows of a step
     modal_room: object  # row, for modes; not there in lanes
-    extras: object  # Extras, or nothing
-
-
-def has_extras(scene: Any, *_: Any) -> bool:
-    """Whether the type of a scene is one with extras: for versions of kernels (`varied`)."""
-    return not isinstance(scene.types[scene.fields.index("extras")], types.NoneType)
+    extras: object  # Extras
 
 
 def acts_alone(scene: Any, *_: Any) -> bool:
-    """Whether it has extras and is no scene of lanes, in which nothing acts beside the base."""
-    return has_extras(scene) and scene.types[scene.fields.index("memory")].kind is not LANES
-
-
-def has_events_in_lanes(scene: Any, *_: Any) -> bool:
-    """Whether it is a scene of lanes whose neighbours meet or whose bonds break, or of one of the lanes."""
-    if not has_extras(scene):
-        return False
-    extras = scene.types[scene.fields.index("extras")]
-    return isinstance(extras.types[extras.fields.index("given")], types.Float)
-
-
-def may_break(scene: Any, *_: Any) -> bool:
-    """Whether the type of a scene is one with bonds."""
-    return acts_alone(scene) or has_events_in_lanes(scene)
+    """Whether it is no scene of lanes, in which nothing acts beside the base: for versions of kernels (`varied`)."""
+    acts: bool = scene.types[scene.fields.index("memory")].kind is not LANES
+    return acts
 
 
 _head, _model, _state, _counts, _work = HEAD.over, MODEL.over, STATE.over, COUNTS.over, WORK.over
@@ -447,17 +421,17 @@ def sizes_in(model):
 
 
 @leaf
-def scene_of(model, state, counts, work, extras):
-    """The structure whose arrays these rows are; extras: WITH_EXTRAS, or None if it has none."""
+def scene_of(model, state, counts, work):
+    """The structure whose arrays these rows are."""
     sizes = sizes_in(model)
     lasting, counted, seen = _state(state, sizes), _counts(counts, 0), _work(work, sizes)
-    described = _model(model, sizes)
-    return scene_over(sizes, described, lasting.control, counted, lasting.peaks, lasting.bonded, seen, extras)
+    return scene_over(sizes, _model(model, sizes), lasting.control, counted, lasting.peaks, lasting.bonded, seen)
 
 
-@varied_leaf
-def _extras_over(extras, sizes, model, bonded, work):
-    return Extras(
+@leaf
+def scene_over(sizes, model, control, counts, peaks, bonded, work):
+    """The scene of MODEL and WORK; bonded: what is left of bonds."""
+    extras = Extras(
         sizes.b,
         sizes.ports,
         model.ports,
@@ -473,18 +447,7 @@ def _extras_over(extras, sizes, model, bonded, work):
         bonded,
         work.sound,
         work.turn,
-        extras,
     )
-
-
-@_extras_over.version(lambda extras, *_: isinstance(extras, types.NoneType))
-def _no_extras(extras, sizes, model, bonded, work):
-    return None
-
-
-@leaf
-def scene_over(sizes, model, control, counts, peaks, bonded, work, extras):
-    """The scene of MODEL and WORK; bonded: what is left of bonds."""
     return Scene(
         sizes.n,
         sizes.m,
@@ -515,5 +478,5 @@ def scene_over(sizes, model, control, counts, peaks, bonded, work, extras):
         work.states,
         work.outputs,
         work.modal_room,
-        _extras_over(extras, sizes, model, bonded, work),
+        extras,
     )

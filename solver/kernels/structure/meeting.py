@@ -2,13 +2,13 @@
 
 import math
 
-from ..numba_ext.jit import kernel, leaf, varied
+from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import lesser, where, zero_like
 from .attempt import attempt
 from .contact import gap_of, is_near, stretches_in
 from .cracking import crack, until_broken
 from .kinematics import pose_two
-from .layout import PHASE, has_extras
+from .layout import PHASE
 from .sides import SLACK
 from .watch import END, START, gaps_in_row, pose_between, row
 
@@ -31,14 +31,9 @@ def gap_in(scene, k, p):
     return gap_of(scene, phase, scene.extras.pairs, p)
 
 
-@varied
+@kernel
 def meet(scene):
     """Let pairs touch or let go, and bonds break, as row START of a step says; whether forces have changed by it."""
-    return False
-
-
-@meet.version(has_extras)
-def _meet(scene):
     broke = crack(scene, row(scene, START), True)
     return meet_pairs(scene) or broke
 
@@ -62,17 +57,12 @@ def meet_pairs(scene):
     return changed
 
 
-@varied
+@kernel
 def until_closed(scene, shaking, segment, t, h):
     """The length, s, of the step of h that has just been made.
 
     A shorter one replaces it where a gap closes in it or a bond begins to break.
     """
-    return h
-
-
-@until_closed.version(has_extras)
-def _until_closed(scene, shaking, segment, t, h):
     kept, phase, part = kept_in(scene, START), _phase(row(scene, END), scene.n), 1.0
     for p in range(scene.extras.met):
         if kept.touches[p] == 0.0 and is_near(scene, phase, scene.extras.pairs, p):
@@ -115,14 +105,9 @@ def closing(scene, h, p, below):
     return high
 
 
-@varied
+@kernel
 def longest_touching(scene):
     """The longest step, in time constants of what neighbours bear that touch, s."""
-    return math.inf
-
-
-@longest_touching.version(has_extras)
-def _longest_touching(scene):
     return longest_by(scene, scene.extras.hits.slides)
 
 

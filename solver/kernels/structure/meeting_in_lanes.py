@@ -7,28 +7,23 @@ of each pair at the end of a step stands where an output row has it.
 
 import math
 
-from ..numba_ext.jit import kernel, leaf, varied
+from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import WIDTH, any_of, bits, lane, lesser, splat, where, with_lane
 from ..numba_ext.views import one_lane
 from .attempt import attempt_5
 from .contact import gap_of
 from .contact_in_lanes import alone
 from .cracking import until_broken
-from .layout import PHASE, has_events_in_lanes
+from .layout import PHASE
 from .meeting import changes, closing, gap_at, gap_in, kept_in, longest_by, meet_pairs
 from .watch import END, START, gaps_in_row, row, seen
 
 _phase = PHASE.over
 
 
-@varied
+@kernel
 def limited(scene, step, constants):
     """A step of each lane, s, at most this number of time constants of what neighbours bear that touch."""
-    return step
-
-
-@limited.version(has_events_in_lanes)
-def _limited(scene, step, constants):
     return lesser(step, constants * longest_by(scene, _of_pairs(scene, 0)))
 
 
@@ -44,14 +39,9 @@ def _gaps(scene, k):
     return one_lane(_of_pairs(scene, 2), k)
 
 
-@varied
+@kernel
 def keep_slides(scene, lanes):
     """Keep which pairs slide by the last evaluation, of the lanes in a mask: other lanes may ask for more of them."""
-    return
-
-
-@keep_slides.version(has_events_in_lanes)
-def _keep_slides(scene, lanes):
     kept, slides = _of_pairs(scene, 0), scene.extras.hits.slides
     for p in range(scene.extras.met):
         kept[p] = where(lanes, slides[p], kept[p])
@@ -70,17 +60,12 @@ def _closing_in(scene, k, h):
     return part
 
 
-@varied
+@kernel
 def until_closed(scene, shaking, t, step, good):
     """The steps, s, of the lanes in the mask `good` that have just been made.
 
     Shortened where a gap closes or a bond begins to break.
     """
-    return step
-
-
-@until_closed.version(has_events_in_lanes)
-def _until_closed(scene, shaking, t, step, good):
     made, parts = bits(good), splat(1.0)
     for k in range(WIDTH):
         if (made >> k) & 1:
@@ -97,29 +82,19 @@ def _until_closed(scene, shaking, t, step, good):
     return step
 
 
-@varied
+@kernel
 def forget_gaps(scene, least):
     """The least gaps of a run that begins in one lane."""
-    return
-
-
-@forget_gaps.version(has_events_in_lanes)
-def _forget_gaps(scene, least):
     for p in range(scene.extras.met):
         least[p] = math.inf
 
 
-@varied
+@kernel
 def watch_gaps(scene, least, step, good):
     """Lower the least gaps by a step of the lanes in a mask; the bits of lanes in which a pair touches or lets go then.
 
     least: as many as there are pairs, m.
     """
-    return 0
-
-
-@watch_gaps.version(has_events_in_lanes)
-def _watch_gaps(scene, least, step, good):
     made, changed = bits(good), 0
     for k in range(WIDTH):
         if (made >> k) & 1:
@@ -144,14 +119,9 @@ def _watch_lane(scene, least, k, h):
     return changed
 
 
-@varied
+@kernel
 def meet(scene, least, fresh):
     """Let pairs touch or let go at the start of the steps of the lanes in a mask."""
-    return
-
-
-@meet.version(has_events_in_lanes)
-def _meet(scene, least, fresh):
     begins = bits(fresh)
     for k in range(WIDTH):
         if (begins >> k) & 1:

@@ -21,7 +21,7 @@ from ..integrators.modal_steps import (
 )
 from ..layout.modal import mode_at
 from ..layout.spaces import INTERPOLATION_PART, OK
-from ..numba_ext.jit import kernel, leaf, varied
+from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import index_of
 from ..numba_ext.views import clear, copy
 from .attempt import evaluate_at, rate
@@ -30,7 +30,7 @@ from .bond import raised_by_bond, with_strength
 from .evaluate import evaluate_state, moving, show
 from .joint import friction_limits, middle_of
 from .kinematics import spin_of
-from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, POLYGON, RINGING_ORDER, STAGES, has_extras
+from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, POLYGON, RINGING_ORDER, STAGES
 from .modal_layout import AXES, THREE, body_of, data_of, room_of
 from .watch import BETWEEN_RATES, END, STAGE, START, quaternion_curve, row, seen
 
@@ -202,28 +202,18 @@ def _to_ring(scene, k, i):
     return scene.joints.ring[scene.m - b + i] - _ties_in(scene, k)[scene.k + 2 * b + i]
 
 
-@varied
+@kernel
 def _is_within_rings(scene, k):
     """Whether no bearing touches its ring, by row k of a step."""
-    return True
-
-
-@_is_within_rings.version(has_extras)
-def _are_within(scene, k):
     touching = 0
     for i in range(scene.extras.b):
         touching += 0 if _to_ring(scene, k, i) > 0.0 else 1
     return touching == 0
 
 
-@varied
+@kernel
 def _may_touch_ring(scene):
     """Whether a bearing may touch its ring between the start, the middle and the end of a step."""
-    return False
-
-
-@_may_touch_ring.version(has_extras)
-def _may_touch(scene):
     for i in range(scene.extras.b):
         begins, halfway, ends = _to_ring(scene, 0, i), _to_ring(scene, 1, i), _to_ring(scene, 2, i)
         if ends != math.inf and _dips(begins, halfway, ends):

@@ -1,7 +1,7 @@
 """Ports: points of blocks at which loads act, and whose motion is an output (theory.md section 15).
 
 A load is a force and a couple along the axes of the base: samples that lines join, with jumps between them where there
-are any, and the inputs of an FMU beside them. Only scenes with extras that are not lanes get here (extras.py).
+are any, and the inputs of an FMU beside them. Only scenes that are not lanes get here (extras.py).
 """
 
 from ..numba_ext.jit import kernel, leaf

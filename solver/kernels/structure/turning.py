@@ -3,7 +3,7 @@
 The equations stay those relative to the base, whose axes turn with it: bodies bear the forces of inertia of such axes.
 The rotation is a vector of two components, rad, which omega and alpha are the rates of: of a turn about one axis its
 angular velocity and acceleration, of others up to the square of the angle. It is about the origin of the structure, the
-point that the base acceleration is of. Only scenes with extras that are no lanes get here (extras.py).
+point that the base acceleration is of. Only scenes that are no lanes get here (extras.py).
 """
 
 import math

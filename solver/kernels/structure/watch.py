@@ -7,14 +7,14 @@ the step; it is evaluated where they do.
 from typing import NamedTuple
 
 from ..integrators.interpolation import quintic_through, value_of
-from ..numba_ext.jit import kernel, leaf, varied, varied_leaf
+from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, index_of, square_root
 from ..output.peaks import MARGIN, MOST_TRIALS, NEAR, apart, nearer, vertex
 from .evaluate import evaluate_state, moving, show, show_block, show_joint
 from .extras import taken_at
 from .joint import load_joint
 from .kinematics import pose_body, spin_of
-from .layout import MEMORY, OF_BASE, OF_BEARING, OF_BLOCK, OF_JOINT, OF_PAIR, OF_PORT, PHASE, STAGES, has_extras
+from .layout import MEMORY, OF_BASE, OF_BEARING, OF_BLOCK, OF_JOINT, OF_PAIR, OF_PORT, PHASE, STAGES
 
 _phase = PHASE.over
 _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
@@ -125,35 +125,19 @@ def look(scene, shaking, segment, t, h, s, into):
     show(scene, _phase(row(scene, BETWEEN), scene.n), into)
 
 
-@varied_leaf
+@leaf
 def gaps_in_row(scene):
-    """Place of the first gap of neighbours in an output row, and the place after the last: there are none."""
-    return 0, 0
-
-
-@gaps_in_row.version(has_extras)
-def _gaps_in_row(scene):
+    """Place of the first gap of neighbours in an output row, and the place after the last."""
     met = scene.extras.met
     first = scene.visible - len(OF_BASE) - len(OF_PORT) * scene.extras.spotted - len(OF_PAIR) * met
     return first, first + met
-
-
-@varied_leaf
-def _bonds(scene):
-    """How many bonds an output row has, before the gaps of neighbours."""
-    return 0
-
-
-@_bonds.version(has_extras)
-def _some_bonds(scene):
-    return scene.extras.glued
 
 
 @leaf
 def _by_least(scene, j):
     """Whether the least value of quantity j of an output row counts: of contacts, bonds and gaps."""
     first, (gap, end) = _BLOCKS * scene.n + _CONTACT * scene.m, gaps_in_row(scene)
-    return first <= j < first + scene.m or gap - _bonds(scene) <= j < end
+    return first <= j < first + scene.m or gap - scene.extras.glued <= j < end
 
 
 @leaf
@@ -211,14 +195,9 @@ def _allow(scene, allowed):
         _allow_field(scene, allowed, first + 3 * half, 3)
 
 
-@varied
+@kernel
 def _allow_extras(scene, allowed, first):
     """The same of extras, from `first` on; of ports, places, velocities, accelerations."""
-    return
-
-
-@_allow_extras.version(has_extras)
-def _allow_those(scene, allowed, first):
     b, spotted = scene.extras.b, scene.extras.spotted
     _allow_field(scene, allowed, first, len(OF_BEARING) * b)
     first += len(OF_BEARING) * b

@@ -86,7 +86,7 @@ class Structures(Kind):
     def load(self, model: Structure, keep: Collection[str]) -> None:
         """The kernels of lanes, where they may be used."""
         if not _why_not_in_lanes(model, keep):
-            load_lanes(model)
+            load_lanes()
 
     def follow(
         self, runs: Sequence[Run], keep: Collection[str], settle: float, flag: FloatArray

@@ -14,7 +14,7 @@ from ...ground.motion import Motion
 from ...kernels.machine.library import load
 from ...kernels.numba_ext.lanes import WIDTH
 from ...kernels.structure import in_lanes as at
-from ...kernels.structure.entries import lanes_events, lanes_extras, lanes_plain
+from ...kernels.structure.entries import run_structures_in_lanes
 from ...kernels.structure.layout import INSIDE, NO_ROOM
 from ...kernels.structure.stepping import SEEN
 from ..column.lanes import aligned
@@ -56,13 +56,6 @@ def longest_step_of(structure: Structure) -> float:
     per_evaluation = effort.MOST_IN_SPACE / effort.MOST_FIRST_STEPS * SEEN / STAGES
     decay = fastest_decay(structure)
     return float(min(structure.model.names.settings.first_step, per_evaluation / decay if decay else math.inf))
-
-
-def entry_for(structure: Structure) -> Any:
-    """Return the entry that follows such structures in lanes."""
-    if structure.neighbours or structure.bonds:
-        return lanes_events
-    return lanes_extras if structure.model.has_extras else lanes_plain
 
 
 def is_flat_run(structure: Structure, motion: Motion) -> bool:
@@ -182,12 +175,12 @@ class _Lanes:
         lanes.reshape(-1, WIDTH)[: models.shape[1]] = models[0][:, None]  # so that lanes without a run have numbers
         found = models.ravel(), states.ravel(), rows.ravel(), outcomes.ravel(), peaks.ravel()
         with others_turn():
-            entry_for(self._runs[0].model)(lanes, len(which), *found, *self._record, flag)
+            run_structures_in_lanes(lanes, len(which), *found, *self._record, flag)
         if at.ALL.see(lanes.reshape(-1, WIDTH).sum(axis=1), self._sizes).work.room[NO_ROOM] != 0.0:
             outcomes[:, at.OUTCOME.places["ends"]] = at.STEP_TOO_SMALL  # followed alone, which says why
         self._states[which], self.outcomes[which], self.peaks[which] = states, outcomes, peaks
 
 
-def load_lanes(structure: Structure) -> None:
-    """Load the kernels for such structures into this process, which takes as long as many runs if it compiles them."""
-    load(entry_for(structure).group)
+def load_lanes() -> None:
+    """Load the kernels of lanes into this process, which takes as long as many runs if it compiles them."""
+    load(run_structures_in_lanes.group)

@@ -46,12 +46,6 @@ class Model(NamedTuple):
         """The numbers by name: settings, bodies, joints, ties, corners, modal."""
         return at.MODEL.see(self.numbers, self.sizes)
 
-    @property
-    def has_extras(self) -> bool:
-        """True if it has bearings, ports, neighbours or bonds, which need kernels with extras (extras.py)."""
-        sizes = self.sizes
-        return bool(sizes.b or sizes.ports or sizes.pairs or sizes.bonds)
-
 
 def arrays_of(model: Model) -> Arrays:
     """The arrays of a structure, zero but for its own model and its bonds as built."""

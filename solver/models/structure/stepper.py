@@ -14,7 +14,7 @@ from ...common.errors import SolverError, TooMuchWorkError
 from ...ground.loads import on_one_grid
 from ...ground.motion import Motion
 from ...kernels.structure import layout as at
-from ...kernels.structure.entries import EXTRAS, PLAIN
+from ...kernels.structure.entries import observe_structure, run_structure, stiffness_of
 from ...kernels.structure.stabilized import LONGEST_REACH, MOST_STAGES
 from ...kernels.structure.stepping import SEEN
 from .blocks.faces import FloatArray
@@ -41,7 +41,6 @@ class Stepper:
         self.structure = structure
         model = with_modes(structure.model, modal) if modal.size else structure.model
         self.sizes = model.sizes
-        self._entries = EXTRAS if model.has_extras else PLAIN
         self._take(arrays_of(model))
         self.see.q0[:] = 1.0
         self.rates, self.row = np.zeros(self.sizes.state), np.zeros(self.sizes.visible)
@@ -67,13 +66,13 @@ class Stepper:
 
         keep: whether joints that slide, and ties that yield, remember this state, as after a long rest.
         """
-        energy: float = self._entries.observe(*self.arrays, self.rates, ax, ay, az, self.row, keep)
+        energy: float = observe_structure(*self.arrays, self.rates, ax, ay, az, self.row, keep)
         return energy
 
     def stiffness(self, delta: FloatArray) -> FloatArray:
         """The tangent stiffness about the phase, (6 n, 6 n): see entries.py."""
         matrix = np.zeros(36 * self.structure.n**2)
-        self._entries.stiffness(*self.arrays, np.zeros_like(self.phase), self.rates, delta, matrix)
+        stiffness_of(*self.arrays, np.zeros_like(self.phase), self.rates, delta, matrix)
         return matrix.reshape(6 * self.structure.n, -1)
 
     def run(
@@ -96,7 +95,7 @@ class Stepper:
         whole = stop - t
         most = max(100, int(AT_ONCE / (7 * max(1, self.sizes.m))))
         while True:
-            code = self._entries.run(*self.arrays, *record, times, rows.ravel(), t, stop, most)
+            code = run_structure(*self.arrays, *record, times, rows.ravel(), t, stop, most)
             t = float(self.control.reached)
             if after_chunk is not None:
                 after_chunk(t)
