@@ -7,5 +7,5 @@ from solver.kernels.structure.entries import see
 
 @kernel
 def seen(arrays):
-    """Return the scene of a structure without extras, and its state as a row, over its arrays."""
-    return see(row_of(arrays[0]), row_of(arrays[1]), row_of(arrays[2]), row_of(arrays[4]), None)
+    """Return the scene of a structure, and its state as a row, over its arrays."""
+    return see(row_of(arrays[0]), row_of(arrays[1]), row_of(arrays[2]), row_of(arrays[4]))
