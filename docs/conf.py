@@ -17,6 +17,7 @@ release = version = multiblock.__version__
 extensions = [
     "myst_nb",
     "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
     "sphinx_argparse_cli",
     "sphinxcontrib.mermaid",
     "sphinx_copybutton",
@@ -36,6 +37,8 @@ nb_execution_mode = "off"  # notebooks are kept with their results, which a test
 autodoc_default_options = {"members": True, "member-order": "bysource"}
 autodoc_typehints = "none"  # docstrings say units and shapes, which types do not
 autodoc_class_signature = "mixed"
+napoleon_google_docstring = False
+napoleon_use_param = napoleon_use_rtype = False  # types of arguments are prose: shapes, alternatives
 add_module_names = False
 default_role = "code"
 
