@@ -1,4 +1,4 @@
-"""Tables of bearings: what the keys of each kind make of the law of a joint that bears at a point."""
+"""Tables of bearings: the law of a joint at a point from the keys of each kind."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _SLIDER = "initial_stiffness", "initial_damping"
 _OF_RIM = ("rim", "rim_stiffness", "rim_damping")
 _PLACE = ("kind", "between", "at", "normal")
 _NEEDED = ("diameter", "vertical_stiffness", "vertical_damping", "capacity")
-# by kind: what a table must have beside _PLACE and _NEEDED, and what it may have beside _OF_RIM and strength
+# by kind: keys required in addition to _PLACE and _NEEDED, and optional ones in addition to _OF_RIM and strength
 KINDS = {
     "pendulum": (("radius", "friction"), (*_SLIDER, "damping")),
     "double_concave": (("radius", "height", "friction"), (*_SLIDER, "damping")),
@@ -48,7 +48,7 @@ KINDS = {
 
 
 def check_table(key: str, table: Mapping[str, Any]) -> str:
-    """The kind of a table, whose keys are those of it. Raises InputError."""
+    """Return the kind of a table of bearings, after checking its keys. Raises InputError."""
     kind = table.get("kind")
     check_choice(f"{key}.kind", kind, tuple(KINDS))
     needed, other = KINDS[str(kind)]
@@ -63,7 +63,26 @@ def check_table(key: str, table: Mapping[str, Any]) -> str:
 def bearings_from(
     key: str, table: Mapping[str, Any], bodies: tuple[int, int], axes: FloatArray, places: Sequence[FloatArray]
 ) -> list[Joint]:
-    """The bearings of a table between two bodies, equal ones at these places, m. Raises InputError."""
+    """Return the bearings of a table between two bodies: equal ones at several positions.
+
+    Parameters
+    ----------
+    key : str
+        Name of the table, for messages.
+    table : mapping
+        Table of the file.
+    bodies : tuple of int
+        Indices of the upper and the lower body.
+    axes : array (3, 3)
+        Axes of the bearings by columns, the normal last.
+    places : sequence of array (3,)
+        Positions, m.
+
+    Raises
+    ------
+    InputError
+        If a key or a value is wrong.
+    """
     kind = check_table(key, table)
     given = {
         word: check_number(f"{key}.{word}", table[word], *_RANGES[word]) for word in _RANGES if _is_number(word, table)
@@ -89,13 +108,15 @@ def _is_number(word: str, table: Mapping[str, Any]) -> bool:
 
 def _laws(key: str, kind: str, table: Mapping[str, Any], given: Mapping[str, float]) -> tuple[Bearing, Bed]:
     friction: float | None = given.get("friction")
+    # sliders
     if kind in ("pendulum", "double_concave", "rolling"):
         if friction and "initial_stiffness" not in given:
             raise InputError(f"{key}.initial_stiffness: missing, must be {_RANGES['initial_stiffness'][1]}")
         for word in _SLIDER:
             if not friction and word in given:
                 raise InputError(f"{key}.{word}: must be left out where friction = 0, nothing slides")
-    friction = 0.0 if kind == "lead_rubber" else friction or None  # lead bears as much under any weight
+    friction = 0.0 if kind == "lead_rubber" else friction or None  # lead yields at any weight
+    # the ring
     if "rim" in given:
         for word in _OF_RIM:
             if word not in given:
@@ -107,6 +128,7 @@ def _laws(key: str, kind: str, table: Mapping[str, Any], given: Mapping[str, flo
     holds = table.get("tension", False)
     if not isinstance(holds, bool):
         raise InputError(f"{key}.tension = {shown(holds)}: must be true or false")
+    # bed of the joint: vertical stiffness and friction
     radius = _double(key, table, given) if kind == "double_concave" else given.get("radius", math.inf)
     across = given["vertical_stiffness"]
     area = 0.25 * math.pi * given["diameter"] ** 2
@@ -125,7 +147,7 @@ def _laws(key: str, kind: str, table: Mapping[str, Any], given: Mapping[str, flo
 
 
 def _double(key: str, table: Mapping[str, Any], given: Mapping[str, float]) -> float:
-    """Effective radius of two concave surfaces, m."""
+    """Return the effective radius of two concave surfaces (m): the sum of both radii less the height between them."""
     pair = table["radius"]
     if not isinstance(pair, (list, tuple)) or len(pair) != 2:
         raise InputError(f"{key}.radius = {shown(pair)}: must be the radii of curvature of both surfaces, in m")

@@ -54,11 +54,33 @@ def colonnade(
     tie: Law | None = None,
     name: str = "colonnade",
 ) -> Structure:
-    """Columns of drums in a row along x, with an architrave from the middle of each to the middle of the next.
+    """Build a row of columns of drums along x, with an architrave from each column to the next.
 
-    spacing: m, of the axes; diameter, top_diameter: m, of the shafts, of this height in m; architrave: its height and
-    depth, m; joint: the law of every joint; tie: keys of a tie (stiffness, yield, ...) that clamps the tops of
-    neighbouring architraves, if any. Raises InputError.
+    Parameters
+    ----------
+    columns, drums : int
+        Number of columns, and of drums in each.
+    spacing : float
+        Distance of the axes of the columns, m.
+    diameter, top_diameter : float
+        Diameters of the shafts at the bottom and at the top, m; top_diameter None: as at the bottom.
+    height : float
+        Height of the shafts, m.
+    joint : mapping
+        Law of every joint.
+    architrave : tuple of float
+        Height and depth of the architraves, m.
+    density : float
+        Density, kg/m3.
+    tie : mapping or None
+        Keys of a tie (stiffness, yield, ...) between the tops of neighbouring architraves; None: no ties.
+    name : str
+        Name of the structure.
+
+    Raises
+    ------
+    InputError
+        If a value is wrong.
     """
     columns, drums = _count("columns", columns, 1), _count("drums", drums, 1)
     _check_count(columns * (drums + 1) - 1)
@@ -66,6 +88,7 @@ def colonnade(
     top = diameter if top_diameter is None else _length("top_diameter", top_diameter)
     high, deep = _lengths("architrave", architrave, ("height", "depth"))
     joint, density = _law("joint", joint), check("density", density)
+    # drums, column by column
     blocks: list[dict[str, Any]] = []
     for c in range(columns):
         for k in range(drums):
@@ -74,6 +97,7 @@ def colonnade(
             block |= {"diameter": wide, "top_diameter": narrow}
             block |= {"on": f"drum{c + 1}.{k}"} if k else {"on": "base", "at": [c * spacing, 0.0]}
             blocks.append(block)
+    # architraves, and ties between them
     beams = columns - 1
     for c in range(beams):
         supports = [f"drum{c + 1}.{drums}", f"drum{c + 2}.{drums}"]
@@ -100,10 +124,29 @@ def arch(
     density: float = 2000.0,
     name: str = "arch",
 ) -> Structure:
-    """A circular arch in the plane x, z about the origin, that stands on the base at both ends.
+    """Build a circular arch in the plane x, z about the origin, with both ends on the base.
 
-    radius: m, of its middle line; thickness along the radius and depth along y, m; angle: rad, from end to end; joint:
-    the law of every joint. Raises InputError.
+    Parameters
+    ----------
+    voussoirs : int
+        Number of voussoirs.
+    radius : float
+        Radius of the middle line, m.
+    thickness, depth : float
+        Thickness along the radius and depth along y, m.
+    joint : mapping
+        Law of every joint.
+    angle : float
+        Angle from end to end, rad.
+    density : float
+        Density, kg/m3.
+    name : str
+        Name of the structure.
+
+    Raises
+    ------
+    InputError
+        If a value is wrong.
     """
     count = _count("voussoirs", voussoirs, 1)
     radius, thickness, depth = _length("radius", radius), _length("thickness", thickness), _length("depth", depth)
@@ -113,6 +156,7 @@ def arch(
         raise InputError(f"voussoirs = {count}: must be more, each turns by less than pi of the angle = {angle} rad")
     if not thickness < 2.0 * radius:
         raise InputError(f"thickness = {thickness}: must be less than twice the radius = {radius} m")
+    # voussoirs between rays
     places = 0.5 * math.pi + angle * (0.5 - np.arange(count + 1) / count)  # from -x to +x would run the other way
     places = places[::-1]
     ways = np.column_stack([np.cos(places), np.sin(places)])
@@ -129,6 +173,7 @@ def arch(
         for k in range(count)
     ]
     joints = []
+    # a joint at each ray
     for k, way in enumerate(ways):
         upper = f"voussoir{k + 1}" if k < count else f"voussoir{count}"
         lower = f"voussoir{k}" if 0 < k < count else "base"
@@ -155,15 +200,33 @@ def wall(
     density: float = 2000.0,
     name: str = "wall",
 ) -> Structure:
-    """A wall along x of courses of equal blocks in half bond, with half blocks at the ends of every second course.
+    """Build a wall along x of courses of equal blocks in half bond.
 
-    courses, length: number of courses, and of blocks in the first one; block: its width, depth and height, m; joint:
-    the law of every joint, of beds and of ends. Raises InputError.
+    Every second course has half blocks at its ends.
+
+    Parameters
+    ----------
+    courses, length : int
+        Number of courses, and of blocks in the first one.
+    block : tuple of float
+        Width, depth and height of a block, m.
+    joint : mapping
+        Law of every joint, both bed and head joints.
+    density : float
+        Density, kg/m3.
+    name : str
+        Name of the structure.
+
+    Raises
+    ------
+    InputError
+        If a value is wrong.
     """
     courses, length = _count("courses", courses, 1), _count("length", length, 2)
     _check_count(courses * length + courses // 2)
     width, depth, height = _lengths("block", block, ("width", "depth", "height"))
     joint, density = _law("joint", joint), check("density", density)
+    # edges of the blocks in each course
     rows: list[list[tuple[str, float, float]]] = []  # name, begin and end along x
     for c in range(courses):
         edges = [k * width for k in range(length + 1)]
@@ -171,6 +234,7 @@ def wall(
             edges = [0.0, *((k + 0.5) * width for k in range(length)), length * width]
         spans = pairwise(edges)
         rows.append([(f"stone{c + 1}.{k}", *span) for k, span in enumerate(spans, start=1)])
+    # each block stands on those below that it overlaps
     blocks, joints = [], []
     for c, row in enumerate(rows):
         for stone, begin, end in row:

@@ -1,10 +1,10 @@
-"""Distance and overlap of convex blocks; blocks that are not convex are compared part by part.
+"""Distance and overlap of convex blocks; non-convex blocks are compared part by part.
 
-Two convex blocks are apart where some axis separates them. Of boxes and prisms the axes are the normals of faces and
-the cross products of edges, which are all that are needed. Of drums they are those in which two of them, or a drum and
-a corner, face each other; where these do not separate drums or hulls of many edges, the nearest point of their
-difference decides (E. Gilbert, SIAM J. Control 4, 1966, p. 61). Along an axis the extent of a block is that of its
-corners and rims.
+Two convex blocks are apart if some axis separates them. For boxes and prisms it is sufficient to test the normals of
+faces and the cross products of edges. For drums the axes are those along which two drums, or a drum and a corner, face
+each other; where these do not separate drums or hulls of many edges, the nearest point of the Minkowski difference
+decides (E. Gilbert, SIAM J. Control 4, 1966, p. 61). The extent of a block along an axis is that of its corners and
+rims.
 """
 
 from __future__ import annotations
@@ -23,26 +23,26 @@ from .blocks.parts import Joint, Solid
 from .blocks.shapes import turned
 
 PARALLEL = 1e-6  # sine of the angle between two edges; of the size of a block: corners closer than this are one
-PAIRS = 2000  # of edges; where two hulls have more, their many normals have to do: depths seem larger, never less
+PAIRS = 2000  # of edges; for hulls with more pairs only normals are tested: depths may seem larger, never less
 TOUCH, TOUCH_PART = 1e-4, 1e-4  # m, and of the size of a block: blocks that overlap by less as built touch
 NEAREST = 200  # iterations
 
 
 @dataclass(frozen=True, eq=False)
 class Hull:
-    """Corners, rims and axes of a convex block or part, from the centroid of the block, along the axes of the base."""
+    """The corners, rims and axes of a convex block or part, from the centroid of the block, along the base's axes."""
 
     block: Solid
     part: tuple[Face, ...] = ()
 
     @property
     def faces(self) -> tuple[Face, ...]:
-        """Of the part, or of all of the block."""
+        """The faces of the part, or of the whole block."""
         return self.part or self.block.faces
 
     @cached_property
     def corners(self) -> FloatArray:
-        """(corners, 3) m, of its polygons."""
+        """The corners of the polygonal faces, each once, (corners, 3) m."""
         found = [face.points() - self.block.centroid for face in self.faces if not face.radius]
         if not found:
             return np.empty((0, 3))
@@ -52,13 +52,13 @@ class Hull:
 
     @cached_property
     def rims(self) -> list[tuple[FloatArray, FloatArray, float]]:
-        """Centre, normal and radius of its round faces."""
+        """The centre (m), normal and radius (m) of each round face."""
         faces = [face for face in self.faces if face.radius]
         return [(face.centre - self.block.centroid, face.normal, face.radius) for face in faces]
 
     @cached_property
     def edges(self) -> FloatArray:
-        """Directions of its edges, of a drum that of its axis (edges, 3)."""
+        """The directions of the edges, (edges, 3); of a drum that of its axis."""
         if self.rims:
             return self.rims[0][1][None]
         outlines = [face.points() for face in self.faces]
@@ -67,7 +67,7 @@ class Hull:
 
     @cached_property
     def normals(self) -> FloatArray:
-        """Normals of its faces, (normals, 3)."""
+        """The normals of the faces, (normals, 3)."""
         found = [face.normal[None] for face in self.faces]
         if len(self._sides):  # of a box that tapers: each contains an edge of the bottom and one to the top
             bottom = self.faces[0].points()
@@ -77,7 +77,7 @@ class Hull:
 
     @cached_property
     def _sides(self) -> FloatArray:
-        """Edges from the bottom to the top of a box that tapers, whose other faces are not among its faces."""
+        """The edges from the bottom to the top of a tapering box, whose lateral faces are not among its faces."""
         if self.rims or len(self.faces) != 2:
             return np.empty((0, 3))
         bottom, top = (face.points() for face in self.faces)
@@ -85,7 +85,10 @@ class Hull:
         return top[nearest] - bottom
 
     def extent(self, rotation: FloatArray, axes: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Least and largest place along axes (rows, axes, 3) from the centroid, m (rows, axes)."""
+        """Return the least and the largest coordinate along axes (rows, axes, 3) from the centroid, m (rows, axes).
+
+        rotation: (rows, 3), rad, since built.
+        """
         own = axes + turned(-rotation[:, None], axes)  # the axes, along those of the block
         low, high = np.full(own.shape[:2], np.inf), np.full(own.shape[:2], -np.inf)
         for corner in self.corners:
@@ -97,7 +100,10 @@ class Hull:
         return low, high
 
     def farthest(self, rotation: FloatArray, along: FloatArray) -> FloatArray:
-        """Return the point that lies farthest along a direction, from the centroid, m (rows, 3)."""
+        """Return the farthest point along a direction from the centroid, m (rows, 3): the support point.
+
+        rotation: (rows, 3), rad, since built; along: (rows, 3).
+        """
         own = along + turned(-rotation, along)
         found, most = np.zeros_like(own), np.full(len(own), -np.inf)
         for corner in self.corners:
@@ -112,7 +118,17 @@ class Hull:
         return found + turned(rotation, found)
 
     def facing(self, rotation: FloatArray, other: Hull, turn: FloatArray, between: FloatArray) -> FloatArray:
-        """Axes in which a drum faces another block, whose centroid is `between` away (rows, axes, 3)."""
+        """Return the axes along which a drum faces another block, (rows, axes, 3).
+
+        Parameters
+        ----------
+        rotation, turn : array (rows, 3)
+            Rotations of the drum and of the other block since built, rad.
+        other : Hull
+            The other block.
+        between : array (rows, 3)
+            From the centroid of the drum to that of the other block, m.
+        """
         if not self.rims:
             return np.empty((len(between), 0, 3))
         upright = self.rims[0][1] + turned(rotation, self.rims[0][1])
@@ -122,7 +138,7 @@ class Hull:
 
 
 def _directions(vectors: FloatArray) -> FloatArray:
-    """Unit vectors, each direction once, whichever way it points."""
+    """Return unit vectors of the distinct directions, regardless of sign."""
     units = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
     kept: list[FloatArray] = []
     for unit in units:
@@ -132,13 +148,21 @@ def _directions(vectors: FloatArray) -> FloatArray:
 
 
 def along_axes(one: Hull, other: Hull, r1: FloatArray, r2: FloatArray, between: FloatArray) -> FloatArray:
-    """Return the distance along the axis that separates best, below 0 by the overlap, m (rows,).
+    """Return the signed distance along the axis that separates best, negative by the overlap, m (rows,).
 
-    Of drums the axes are not all: an overlap may seem deeper than it is (`distance`).
+    For drums the axes are not complete: an overlap may seem deeper than it is (see `distance`).
 
-    r1, r2: rotations since built, rad (rows, 3); between: from the centroid of the one to that of the other, m.
+    Parameters
+    ----------
+    one, other : Hull
+        The bodies.
+    r1, r2 : array (rows, 3)
+        Rotations since built, rad.
+    between : array (rows, 3)
+        From the centroid of `one` to that of `other`, m.
     """
     mine, yours = ((hull, rotation[:, None]) for hull, rotation in ((one, r1), (other, r2)))
+    # candidate axes: normals, cross products of edges, axes of drums, line of centroids
     normals = [hull.normals + turned(rotation, hull.normals[None]) for hull, rotation in (mine, yours)]
     across = np.empty((len(between), 0, 3))
     if len(one.edges) * len(other.edges) <= PAIRS:
@@ -146,9 +170,11 @@ def along_axes(one: Hull, other: Hull, r1: FloatArray, r2: FloatArray, between: 
         across = np.cross(edges[0][:, :, None], edges[1][:, None]).reshape(len(between), -1, 3)
     facing = one.facing(r1, other, r2, between), other.facing(r2, one, r1, -between)
     axes = np.concatenate([*normals, across, *facing, between[:, None]], axis=1)
+    # unit vectors; vanishing ones are masked
     length = np.linalg.norm(axes, axis=2)
     none = length < PARALLEL
     axes = axes / np.where(none, 1.0, length)[:, :, None]
+    # gap along each axis
     low1, high1 = one.extent(r1, axes)
     low2, high2 = other.extent(r2, axes)
     away = np.einsum("rak,rk->ra", axes, between)
@@ -157,7 +183,7 @@ def along_axes(one: Hull, other: Hull, r1: FloatArray, r2: FloatArray, between: 
 
 
 def _nearest(one: Hull, other: Hull, r1: FloatArray, r2: FloatArray, between: FloatArray) -> FloatArray:
-    """Return a lower bound of the distance of two convex bodies, m (rows,), that is exact where they are apart."""
+    """Return a lower bound of the distance of two convex bodies, m (rows,), exact where they are apart (Gilbert)."""
     point, bound = between.copy(), np.full(len(between), -np.inf)
     for _ in range(NEAREST):
         length = np.linalg.norm(point, axis=1)
@@ -172,14 +198,16 @@ def _nearest(one: Hull, other: Hull, r1: FloatArray, r2: FloatArray, between: Fl
 
 
 def distance(one: Hull, other: Hull, r1: FloatArray, r2: FloatArray, between: FloatArray) -> FloatArray:
-    """Return the distance of two convex bodies, m (rows,), below 0 by their overlap.
+    """Return the signed distance of two convex bodies, m (rows,), negative by their overlap.
 
     Parameters
     ----------
+    one, other : Hull
+        The bodies.
     r1, r2 : array (rows, 3)
         Rotations since built, rad.
     between : array (rows, 3)
-        From the centroid of the one to that of the other, m.
+        From the centroid of `one` to that of `other`, m.
     """
     found = along_axes(one, other, r1, r2, between)
     unclear = np.flatnonzero(found < 0.0)
@@ -190,12 +218,12 @@ def distance(one: Hull, other: Hull, r1: FloatArray, r2: FloatArray, between: Fl
 
 
 def hulls_of(block: Solid) -> list[Hull]:
-    """Return the convex body of a block, or its convex parts."""
+    """Return the convex body of a block, or those of its convex parts."""
     return [Hull(block, part) for part in block.parts or ((),)]
 
 
 class BuiltOverlap(NamedTuple):
-    """Two blocks that share some of their volume as built."""
+    """Two blocks that overlap as built."""
 
     one: int  # numbers of the blocks
     other: int
@@ -203,16 +231,17 @@ class BuiltOverlap(NamedTuple):
 
 
 def touching(*blocks: Solid) -> float:
-    """Return the overlap up to which blocks touch as built, m: surveys are rounded."""
+    """Return the largest overlap as built that counts as touching (m), since surveyed lengths are rounded."""
     return max(TOUCH, TOUCH_PART * min(block.reach for block in blocks))
 
 
 def near_as_built(blocks: Sequence[Solid], joints: Iterable[Joint], within: FloatArray) -> NDArray[np.bool_]:
-    """Return which pairs (i, j), i < j, that no joint connects, are nearer than `within`, m (n, n).
+    """Return the mask of pairs (i, j), i < j, without a joint that are nearer than `within` (m), (n, n).
 
-    The distance is not below that of the spheres about both, nor below that of the boxes along the axes of the base.
+    The distance is bounded from below by those of the bounding spheres and of the boxes along the axes of the base.
     """
     n = len(blocks)
+    # bounding spheres and boxes
     centre = np.array([block.centroid for block in blocks])
     reach = np.array([block.reach for block in blocks])
     low = np.array([np.min(block.corners, axis=0) for block in blocks])
@@ -224,6 +253,7 @@ def near_as_built(blocks: Sequence[Solid], joints: Iterable[Joint], within: Floa
         gap = low[None, :, axis] - high[:, None, axis]
         apart = np.maximum(apart, np.maximum(gap, gap.T))
     found: NDArray[np.bool_] = apart <= within
+    # each pair once, without joined ones
     found &= np.triu(np.ones((n, n), dtype=np.bool_), 1)
     for joint in joints:
         if joint.lower < n:
@@ -232,7 +262,7 @@ def near_as_built(blocks: Sequence[Solid], joints: Iterable[Joint], within: Floa
 
 
 def built_overlaps(blocks: Sequence[Solid], joints: Iterable[Joint]) -> list[BuiltOverlap]:
-    """Return the pairs of blocks without a joint that overlap as built by more than they touch, the deepest first."""
+    """Return the pairs of blocks without a joint whose overlap as built is more than touching, the deepest first."""
     found = []
     for i, j in np.argwhere(near_as_built(blocks, joints, np.array(-TOUCH))):
         one, other = blocks[i], blocks[j]

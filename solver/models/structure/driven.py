@@ -1,4 +1,4 @@
-"""A structure under inputs that a caller sets from call to call, as its FMUs follow it."""
+"""A structure under inputs that a caller sets from call to call, as in its FMUs."""
 
 from __future__ import annotations
 
@@ -46,12 +46,12 @@ SKIP_CODES = {
 }
 
 
-_T_H, _LOOK = struct.Struct("=2d"), struct.Struct("=q2d")  # in the buffers of calls
+_T_H, _LOOK = struct.Struct("=2d"), struct.Struct("=q2d")  # layout of the buffers of calls
 _T_OF_FOLLOW, _NEW_OF_LOOK = offset(entries.follow, "start"), offset(entries.look, "new_inputs")
 
 
 class Chosen(NamedTuple):
-    """What a caller may choose, in the order of the kernels (driven.py, GIVEN)."""
+    """The options of a caller, in the order of the kernels (driven.py, GIVEN)."""
 
     tolerance: float
     without: float = 0.0  # sum of SKIP_CODES
@@ -63,7 +63,7 @@ class Chosen(NamedTuple):
 
 
 class Record(NamedTuple):
-    """Samples of the base acceleration: times s, accelerations m/s2."""
+    """The samples of the base acceleration: times (s), accelerations (m/s2)."""
 
     time: FloatArray
     ax: FloatArray
@@ -72,7 +72,7 @@ class Record(NamedTuple):
 
 
 def record_of(motion: Motion | None) -> Record:
-    """The samples of a motion; none without one."""
+    """Return the samples of a motion; empty arrays for None."""
     if motion is None:
         return Record(*(np.zeros(0) for _ in Record._fields))
     samples = motion.time, motion.ax, motion.ay, motion.az
@@ -80,12 +80,15 @@ def record_of(motion: Motion | None) -> Record:
 
 
 def packed(structure: Structure) -> FloatArray:
-    """The model of a structure and its rest, as `assemble` is given them. Raises InputError if it does not stand."""
+    """Return the model of a structure followed by its phase at rest, as `assemble` takes them.
+
+    Raises InputError if the structure has no rest.
+    """
     rest = rest_of(structure)
     model = with_modes(structure.model, modal_data_of(structure.with_settings(without=())).numbers)
     model.names.head.is_plane = float(structure.is_plane)
     phase = rest.phase.copy()
-    if structure.is_plane:  # what is zero by symmetry, but for rounding
+    if structure.is_plane:  # set to zero what is zero by symmetry
         seen = at.PHASE.see(phase, structure.n)
         for name in ("uy", "q1", "q3"):
             getattr(seen, name)[:] = 0.0
@@ -93,19 +96,26 @@ def packed(structure: Structure) -> FloatArray:
 
 
 def sizes_in(packed: FloatArray) -> at.Sizes:
-    """The sizes of the structure that `packed` has."""
+    """Return the sizes of the structure in an array from `packed`."""
     return at.Sizes(*packed[: len(at.Sizes._fields)].astype(int).tolist())
 
 
 def driven_size(bodies: int, turns: int) -> int:
-    """Return how many numbers the motion of a base has that bodies may drive: none without bodies."""
+    """Return the number of values of the motion of a base driven by bodies; 0 without bodies."""
     return at.DRIVEN.beside + turns * at.DRIVEN_TURN.beside if bodies else 0
 
 
 class DrivenStructure:
-    """A structure between two calls; the caller owns the time. Its whole state is in `arrays`: copying them saves it.
+    """A structure between two calls; the caller keeps the time. Copying `arrays` saves its whole state.
 
-    packed: see `packed`.
+    Parameters
+    ----------
+    structure : Structure
+        The structure.
+    model : array
+        Its model and its rest, from `packed`.
+    given : Chosen
+        Options.
     """
 
     def __init__(self, structure: Structure, model: FloatArray, given: Chosen) -> None:
@@ -113,6 +123,7 @@ class DrivenStructure:
         self.sizes = sizes_in(model)
         self.packed = model
         self.arrays = arrays_of(Model(self.sizes, model[: at.MODEL.size(self.sizes)]))
+        # inputs: base, loads on ports, rotation, bodies
         of_ports = at.INPUT_LOADS.size(self.sizes.ports)
         turns, bodies = int(given.turns), int(given.bodies)
         of_bodies = bodies * (coupled.BODY.beside + turns * coupled.TURNING_BODY.beside)
@@ -128,7 +139,7 @@ class DrivenStructure:
 
     @property
     def record(self) -> Record:
-        """What is followed beside the inputs."""
+        """The record that is added to the inputs."""
         return self._record
 
     @record.setter
@@ -142,15 +153,22 @@ class DrivenStructure:
         entries.assemble(*self.arrays, described, from_rest)
 
     def retune(self, given: Chosen) -> None:
-        """Go on with other choices, but of the base."""
+        """Apply other options, except those of the base, without a restart."""
         self._assemble(given, False)
 
     def drive(self, t: float, *inputs: float, since: float | None = None) -> None:
-        """Set accelerations of the base, m/s2, and their slopes, m/s3, from time t on.
+        """Set the inputs from time t on.
 
-        Behind them the loads on ports with their slopes (layout.py, INPUT_LOADS), the rotation of the base where it may
-        turn, then what bodies that drive the base say (kernels/structure/coupled.py, ROTATION, BODY, TURNING_BODY).
-        since: s, the time that all are given for; None: t.
+        Parameters
+        ----------
+        t : float
+            Time, s.
+        *inputs : float
+            Accelerations of the base, m/s2, and their slopes, m/s3; then loads on ports with their slopes (layout.py,
+            INPUT_LOADS); then the rotation of the base, where it may turn; then the inputs of the bodies that drive the
+            base (kernels/structure/coupled.py, ROTATION, BODY, TURNING_BODY).
+        since : float or None
+            Time at which all inputs hold, s; None: t.
         """
         self._inputs[: len(inputs)] = inputs
         self._elapsed, self._new = 0.0 if since is None else t - since, True
@@ -164,17 +182,17 @@ class DrivenStructure:
             raise kind(f"at t = {t:.6g} s: {REASONS[code]}")
 
     def observe(self, t: float) -> FloatArray:
-        """The output row (kernels/structure/layout.py); overwritten by the next call."""
+        """Return the output row (kernels/structure/layout.py) at time t; the next call overwrites it."""
         _LOOK.pack_into(self._look.buffer, _NEW_OF_LOOK, self._new, self._elapsed, t)
         self._look()
         return self._row
 
     def stand_on_base(self) -> None:
-        """It does already: until the first step it turns with its base."""
+        """Do nothing: until the first step the structure turns with its base."""
 
     @property
     def visible_peaks(self) -> FloatArray:
-        """Largest absolute values so far in the order of a row, of contacts the least."""
+        """The largest absolute values so far, in the order of an output row; the least for contacts."""
         return visible_peaks(OUTPUTS, self.structure.sizes, self._state.peaks)
 
     @property

@@ -1,4 +1,4 @@
-"""A structure as its TOML file describes it."""
+"""A structure from its TOML file."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _OF_SHAPE = {
     "mesh": OF_MESH,
 }
 _BLOCK = ("name", "shape", "on", "at", "position", "rotation", "mass", "density", "joint", "repeat")
-_PATCH = ("normal", "section", "width", "depth", "diameter", "bore", "outline")  # of a joint at a place of its own
+_PATCH = ("normal", "section", "width", "depth", "diameter", "bore", "outline")  # of a joint with its own position
 _JOINT = ("between", "at", *_PATCH, *_LAW)
 _TIE = ("between", "from", "to", "stiffness", "damping", "slack", "pretension", "tension_only", "yield")
 _OWN_RANGES = {
@@ -64,13 +64,26 @@ _OF_TIES = {
 
 
 def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> dict[str, Any]:
-    """The fields of the structure in `data` (docs/structures.md), in which hulls stand for meshes (hull_tables.py).
+    """Return the fields of a structure from its file (docs/structures.md), with hulls in place of meshes.
 
-    surfaces: triangles (k, 3, 3) m to draw the blocks of a table by, by its number from 1. Raises InputError.
+    The hulls are those of hull_tables.py.
+
+    Parameters
+    ----------
+    data : mapping
+        The file.
+    surfaces : mapping
+        Triangles (k, 3, 3), m, to draw the blocks of a table by, keyed by the number of the table from 1.
+
+    Raises
+    ------
+    InputError
+        If a key or a value is wrong.
     """
     check_table("", data, _KEYS)
     if "name" not in data:
         raise InputError('name: missing, must be a file name: letters, digits, "_", "-", "." and space')
+    # blocks, in the order of the tables
     law, explicit = _joint_tables(data)
     solids = _Solids()
     joints: list[Joint] = []
@@ -83,6 +96,7 @@ def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> d
             solids.add(f"block[{number}]", part, surfaces.get(number))
     blocks = tuple(solids.found)
     check_places([key for key, _ in solids.standing], blocks)
+    # joints between a block and its supports, listed joints, bearings
     for upper, (key, supports) in enumerate(solids.standing):
         own = solids.laws[upper]
         for lower in supports:
@@ -93,6 +107,7 @@ def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> d
     for number, table in enumerate(tables_in("bearing", data, 0), start=1):
         joints += _bearings_from(f"bearing[{number}]", table, blocks)
     check_joints(blocks, joints)
+    # ties, ports, settings
     ties = tuple(_tie_from(f"tie[{e}]", table, blocks) for e, table in enumerate(tables_in("tie", data, 0), start=1))
     ports = ports_of(data, blocks)
     solver = data.get("solver", {})
@@ -114,7 +129,7 @@ def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> d
 
 
 def _say_overlaps(blocks: tuple[Solid, ...], joints: Sequence[Joint]) -> None:
-    """Warn of blocks that overlap as built and that do not meet."""
+    """Warn of blocks without a joint that overlap as built."""
     overlaps = built_overlaps(blocks, joints)
     if overlaps:
         one, other, depth = overlaps[0]
@@ -128,14 +143,14 @@ def _say_overlaps(blocks: tuple[Solid, ...], joints: Sequence[Joint]) -> None:
 
 
 def names_from(key: str, value: object) -> tuple[Any, ...]:
-    """A list as a tuple. Raises InputError for what is none."""
+    """Convert a list to a tuple. Raises InputError for anything else."""
     if not isinstance(value, (list, tuple)):
         raise InputError(f"{key} = {shown(value)}: must be a list of names")
     return tuple(value)
 
 
 def written_out(data: Mapping[str, Any]) -> dict[str, Any]:
-    """The same file with one table for each block, as plain lists and dicts, so that each number has its own place."""
+    """Expand the file to one table for each block, as plain lists and dicts, so that each number can be set."""
     tables = [part for k, table in enumerate(data["block"], start=1) for part in _repeated(f"block[{k}]", table)]
     return _plain({**data, "block": tables})
 
@@ -149,7 +164,10 @@ def _plain(value: Any) -> Any:
 
 
 def _repeated(key: str, table: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """The blocks of a table, each on the one before: name.1, name.2, ...; drums taper over all of them together."""
+    """Return the tables of repeated blocks, each standing on the previous one: name.1, name.2, ...
+
+    Drums taper over all of them together.
+    """
     if "repeat" not in table:
         return [table]
     count = _times(key, table)
@@ -174,18 +192,18 @@ def _repeated(key: str, table: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 
 
 def _times(key: str, table: Mapping[str, Any]) -> int:
-    """How many blocks a table describes."""
+    """Return the number of blocks that a table describes."""
     meaning = f"a whole number from 1 to {MAX_BLOCKS}"
     return check_whole(f"{key}.repeat", table.get("repeat", 1), 1, MAX_BLOCKS, meaning)
 
 
 def describes_structure(data: Mapping[str, Any]) -> bool:
-    """Whether a file describes a structure rather than a column: its blocks say what they stand on, or where."""
+    """Return True if a file describes a structure, not a column: its blocks have supports or positions."""
     return bool({"tie", "joints", OF_COLUMN} & data.keys()) or has_blocks_in_space(data)
 
 
 def in_space(data: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The mapping of a structure: what a file holds, or around it if that is a column."""
+    """Return the mapping of a structure; that of a column is wrapped."""
     if describes_structure(data):
         return data
     column = {key: value for key, value in data.items() if key not in BESIDE_COLUMN}
@@ -193,16 +211,16 @@ def in_space(data: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 class _Solids:
-    """Blocks as they are read: what each stands on, and the law of the joints under it."""
+    """The blocks read so far, with their supports and the laws of the joints below them."""
 
     def __init__(self) -> None:
         self.found: list[Solid] = []
-        self.numbers = {BASE: -1}  # by name; of the base until the number of blocks is known
+        self.numbers = {BASE: -1}  # by name; -1 stands for the base until the number of blocks is known
         self.standing: list[tuple[str, list[int]]] = []  # key of the table
         self.laws: list[Mapping[str, Any]] = []
 
     def add(self, key: str, table: Mapping[str, Any], surface: FloatArray | None) -> None:
-        """Read one table; surface: as of `solid_from_hull`."""
+        """Read one table; surface: triangles to draw it by (see `solid_from_hull`)."""
         shape = table.get("shape", "box")
         check_choice(f"{key}.shape", shape, SHAPES)
         check_table(f"{key}.", table, (*_BLOCK, *_OF_SHAPE[shape]))
@@ -221,7 +239,7 @@ class _Solids:
         self.standing.append((key, supports))
 
     def _named(self, key: str, table: Mapping[str, Any]) -> list[int]:
-        """Numbers of what a block stands on; -1 for the base."""
+        """Return the indices of the supports of a block; -1 for the base."""
         on = table.get("on", [])
         if not isinstance(on, (str, list, tuple)):
             raise InputError(
@@ -236,7 +254,7 @@ class _Solids:
         return [self.numbers[name] for name in given]
 
     def _place(self, key: str, table: Mapping[str, Any], supports: list[int]) -> FloatArray:
-        """The middle of the bottom face of a block, or the origin of a prism's outline or a hull's points, m."""
+        """Return the position of a block: the centre of its bottom face, or the origin of its outline or points (m)."""
         if "position" in table:
             if "at" in table:
                 raise InputError(f"{key}.at: must be left out beside position")
@@ -288,7 +306,7 @@ def _solid_from(
 
 
 def _outline(key: str, table: Mapping[str, Any]) -> FloatArray:
-    """A convex polygon, anticlockwise."""
+    """Return the outline of a table as a convex polygon, anticlockwise, (corners, 2) m."""
     points = table.get("outline")
     if not isinstance(points, (list, tuple, np.ndarray)):
         raise InputError(f"{key} = {shown(points)}: must be {MEANING}")
@@ -298,7 +316,7 @@ def _outline(key: str, table: Mapping[str, Any]) -> FloatArray:
 
 
 def _joint_tables(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[Mapping[str, Any]]]:
-    """The law of every joint that has none of its own, and the joints that are listed."""
+    """Return the default law of joints, and the tables of the listed joints."""
     given, defaults = data.get("joint", []), data.get("joints", {})
     if isinstance(given, Mapping):
         if "joints" in data:
@@ -309,7 +327,7 @@ def _joint_tables(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[Mapp
 
 
 def bed_from(key: str, table: Mapping[str, Any]) -> Bed:
-    """The law of a joint from its keys. Raises InputError."""
+    """Return the law of a joint from its keys. Raises InputError."""
     found: dict[str, Any] = {}
     for word in _LAW:
         if word in table:
@@ -336,6 +354,7 @@ def _joints_from(key: str, table: Mapping[str, Any], law: Mapping[str, Any], blo
             if word in table:
                 raise InputError(f"{key}.{word}: must be left out, or at given with it: the faces that touch are taken")
         return joints_between(blocks, upper, lower, bed, key, sides=True)
+    # a joint with its own position and section
     place, frame = vector_of(f"{key}.at", table["at"], 3), _frame(key, table)
     section = table.get("section", "rectangle")
     check_choice(f"{key}.section", section, tuple(_OF_SECTION))
@@ -361,7 +380,7 @@ def _joints_from(key: str, table: Mapping[str, Any], law: Mapping[str, Any], blo
 
 
 def _frame(key: str, table: Mapping[str, Any]) -> FloatArray:
-    """Axes of a joint by its normal, (3, 3)."""
+    """Return the axes of a joint from its normal, (3, 3)."""
     normal = vector_of(f"{key}.normal", table.get("normal", [0.0, 0.0, 1.0]), 3)
     size = float(np.linalg.norm(normal))
     if not size > 0.0:
@@ -371,7 +390,7 @@ def _frame(key: str, table: Mapping[str, Any]) -> FloatArray:
 
 
 def _bearings_from(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> list[Joint]:
-    """The bearings of a table: one, or equal ones at several places."""
+    """Return the bearings of a table: one, or equal ones at several positions."""
     check_bearing(key, table)
     bodies, at = _upper_first(key, table, blocks), table.get("at")
     if not isinstance(at, (list, tuple)) or not at:
@@ -409,7 +428,7 @@ def _tie_from(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> 
 
 
 def ports_of(data: Mapping[str, Any], blocks: tuple[Solid, ...]) -> tuple[Port, ...]:
-    """The ports of a structure with these blocks. Raises InputError."""
+    """Return the ports of a structure with these blocks. Raises InputError."""
 
     def point(key: str, value: object, body: int) -> list[float]:
         along: list[float] = (blocks[body].axes @ vector_of(key, [0.0] * 3 if value is None else value, 3)).tolist()
@@ -419,7 +438,7 @@ def ports_of(data: Mapping[str, Any], blocks: tuple[Solid, ...]) -> tuple[Port, 
 
 
 def _upper_first(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> tuple[int, int]:
-    """As `_pair`; the first body is a block."""
+    """Return the indices of the two bodies of a table; the first must be a block."""
     upper, lower = _pair(key, table, blocks)
     if upper == len(blocks):
         raise InputError(f'{key}.between: must name the block first, then "{BASE}"')
@@ -427,7 +446,7 @@ def _upper_first(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) 
 
 
 def _pair(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> tuple[int, int]:
-    """Numbers of the two bodies of a table."""
+    """Return the indices of the two bodies of a table; the base is `len(blocks)`."""
     names = (*(block.name for block in blocks), BASE)
     pair = table.get("between")
     if not isinstance(pair, Sequence) or isinstance(pair, str) or len(pair) != 2:

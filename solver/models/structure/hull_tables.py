@@ -1,4 +1,4 @@
-"""Tables of blocks of any convex shape: points, or a mesh, which becomes points with the numbers of its bulk."""
+"""Tables of blocks from points or meshes; a mesh becomes points with its volume, centroid and inertia."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from .blocks.shapes import placed
 OF_HULL = ("points", "foot", "feet", "level", "scale", "faces", "parts", "volume", "centroid", "inertia")
 OF_MESH = ("file", "unit", "up", "foot", "feet", "level", "scale", "parts", "repair")
 FIXED = frozenset(OF_HULL + OF_MESH) - {"scale"}  # no study varies them
-OF_FILE = ("file", "unit", "up", "feet", "parts", "repair")  # keys of a mesh that a hull has no longer
+OF_FILE = ("file", "unit", "up", "feet", "parts", "repair")  # keys of a mesh that its hull does not have
 MOST_POINTS = 100_000
 MOST_FEET = 64
 MOST_PARTS = 64
-LEVEL = 1e-3  # of the height of a mesh: points that lie within it of the lowest one bear
-WHOLE = 1e-2  # of its volume: a mesh whose hull holds no more beside it is convex
-HOLLOW = 0.8  # of the area of a foot: a mesh that has less there is hollow, or rough, below
+LEVEL = 1e-3  # of the height of a mesh: points this close to the lowest one bear
+WHOLE = 1e-2  # of its volume: a mesh whose hull exceeds it by less is convex
+HOLLOW = 0.8  # of the area of a foot: a mesh with less area there is hollow or rough below
 FACTOR = (1e-6, 1e6), "a positive factor, from 1e-6 to 1e6"
 POINTS = f"a list of 4 to {MOST_POINTS} points [x, y, z] in m"
 FOOT = "a list of corners [x, y] in m of a convex polygon, or a list of such polygons"
@@ -41,7 +41,7 @@ _SIX = [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]  # xx, yy, zz, xy, xz, yz
 
 
 def in_folder(data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
-    """The mapping of a file, the files of its meshes named from the folder that it lies in."""
+    """Return the mapping of a file with the paths of its meshes relative to the folder of the file."""
 
     def placed_in(table: Any) -> Any:
         file = table.get("file") if _shape(table) == "mesh" else None
@@ -51,9 +51,19 @@ def in_folder(data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
 
 
 def with_hulls(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], dict[int, FloatArray]]:
-    """The mapping with numbers in place of meshes, and with the faces of hulls, so that it needs no file and no scipy.
+    """Replace meshes by numbers, and add the faces of hulls, so that the mapping needs neither files nor scipy.
 
-    Also the triangles of meshes (k, 3, 3) m, by the number of the table, from 1. Raises InputError.
+    Returns
+    -------
+    mapping
+        The file with tables of hulls.
+    dict
+        Triangles of meshes (k, 3, 3), m, by the number of their table from 1.
+
+    Raises
+    ------
+    InputError
+        If a table is wrong.
     """
     surfaces, number = {}, 0
 
@@ -72,9 +82,25 @@ def with_hulls(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], dict[int, Fl
 def solid_from_hull(
     key: str, name: str, table: Mapping[str, Any], density: float, surface: FloatArray | None, stands: bool
 ) -> Solid:
-    """The block of a table of points, as `with_hulls` writes it. Raises InputError.
+    """Return the block of a table of points, as `with_hulls` writes it.
 
-    surface: triangles to draw it by, (k, 3, 3) m; stands: the middle of its foot lies at the origin.
+    Parameters
+    ----------
+    key, name : str
+        Name of the table, for messages, and of the block.
+    table : mapping
+        The table.
+    density : float
+        Density, kg/m3.
+    surface : array (k, 3, 3) or None
+        Triangles to draw it by, m.
+    stands : bool
+        Shift the block so that the centroid of its feet is the origin.
+
+    Raises
+    ------
+    InputError
+        If a value is wrong, or if the block should stand and has no foot.
     """
     points = _points(key, table)
     hulls = _hulls(key, table, points)
@@ -120,6 +146,7 @@ def _mesh_table(key: str, table: Mapping[str, Any]) -> tuple[Mapping[str, Any], 
     repair = table.get("repair", False)
     if not isinstance(repair, bool):
         raise InputError(f"{key}.repair = {shown(repair)}: must be true or false")
+    # surface, points and convex parts
     triangles = _within(f"{key}.file", triangles_of, Path(file), unit, table.get("up"), repair)
     points = np.unique(triangles.reshape(-1, 3), axis=0)
     if "parts" in table:
@@ -137,6 +164,7 @@ def _mesh_table(key: str, table: Mapping[str, Any]) -> tuple[Mapping[str, Any], 
             InputWarning,
             stacklevel=2,
         )
+    # feet
     level = share * float(np.ptp(points[:, 2]))
     feet = _feet(key, table, points, level)
     if "foot" not in table:
@@ -146,10 +174,10 @@ def _mesh_table(key: str, table: Mapping[str, Any]) -> tuple[Mapping[str, Any], 
 
 
 def _warn_of_hollow_foot(key: str, file: str, triangles: FloatArray, feet: Sequence[FloatArray], level: float) -> None:
-    """Warn of a foot whose convex outline is far larger than what the mesh has there, as under a ring.
+    """Warn if the convex outline of a foot is far larger than the area of the mesh there, as under a ring.
 
-    triangles: (k, 3, 3) m; feet: their outlines, (corners, 2) m; level: m, within which of the lowest point a mesh
-    touches.
+    triangles: (k, 3, 3) m; feet: outlines, (corners, 2) m; level: height above the lowest point within which the mesh
+    touches, m.
     """
     lowest = triangles[np.max(triangles[:, :, 2], axis=1) <= np.min(triangles[:, :, 2]) + level]
     a, b = lowest[:, 1, :2] - lowest[:, 0, :2], lowest[:, 2, :2] - lowest[:, 0, :2]
@@ -165,7 +193,7 @@ def _warn_of_hollow_foot(key: str, file: str, triangles: FloatArray, feet: Seque
 
 
 def _known(hulls: Sequence[Hull], bulk: Bulk, feet: Sequence[FloatArray], level: float) -> dict[str, Any]:
-    """The keys of a hull, or of the hulls of parts, of which nothing is left to find."""
+    """Return the keys of a complete table of a hull, or of the hulls of parts."""
     polygons = [foot.tolist() for foot in feet]
     before = np.cumsum([0, *(len(hull.points) for hull in hulls)]).tolist()
     return {
@@ -182,7 +210,7 @@ def _known(hulls: Sequence[Hull], bulk: Bulk, feet: Sequence[FloatArray], level:
 
 
 def _hulls(key: str, table: Mapping[str, Any], points: FloatArray) -> list[Hull]:
-    """The hull whose faces the table has, or those of its parts. Raises InputError."""
+    """Return the hull with the faces in the table, or those of its parts. Raises InputError."""
     faces = _numbers(f"{key}.faces", table.get("faces"), len(points))
     if "parts" not in table:
         return [_within(key, checked, points, faces)]
@@ -201,7 +229,7 @@ def _hulls(key: str, table: Mapping[str, Any], points: FloatArray) -> list[Hull]
 
 
 def _feet(key: str, table: Mapping[str, Any], points: FloatArray, level: float) -> tuple[FloatArray, ...]:
-    """The corners of each foot, (corners, 2) m, anticlockwise; none: it has none."""
+    """Return the corners of each foot, (corners, 2) m, anticlockwise; empty if there is none."""
     if "foot" not in table:
         count = check_whole(f"{key}.feet", table.get("feet", 1), 1, MOST_FEET, f"a whole number, 1 to {MOST_FEET}")
         found = feet_of(points, level, count)
@@ -224,7 +252,7 @@ def _feet(key: str, table: Mapping[str, Any], points: FloatArray, level: float) 
 
 
 def _is_polygon(value: object) -> bool:
-    """Whether something is a list of lists, as a polygon is, and not a corner."""
+    """Return True if a value is a list of lists, as a polygon is and a corner is not."""
     return isinstance(value, (list, tuple)) and bool(value) and isinstance(value[0], (list, tuple))
 
 
@@ -233,7 +261,10 @@ def _points(key: str, table: Mapping[str, Any]) -> FloatArray:
 
 
 def _bulk(key: str, table: Mapping[str, Any]) -> Bulk | None:
-    """Volume, centroid and inertia of a block that is not its hull, or not all of one material; None: not given."""
+    """Return volume, centroid and inertia from the table, or None if they are to be those of the hull.
+
+    They are given for a block that differs from its hull or is not of uniform density.
+    """
     known = [word for word in ("volume", "centroid", "inertia") if word in table]
     if not known:
         return None
@@ -253,7 +284,10 @@ def _shape(table: Any) -> Any:
 
 
 def _with_tables(data: Mapping[str, Any], changed: Callable[[Any], Any]) -> Mapping[str, Any]:
-    """The mapping with its tables of blocks changed; what is no list of tables is left to the reader."""
+    """Apply a function to the tables of blocks if any is of a hull or mesh.
+
+    Anything but a list of tables is returned as it is, for the reader to refuse.
+    """
     tables = data.get("block")
     if not isinstance(tables, list) or not {"hull", "mesh"} & {str(_shape(table)) for table in tables}:
         return data
@@ -261,7 +295,7 @@ def _with_tables(data: Mapping[str, Any], changed: Callable[[Any], Any]) -> Mapp
 
 
 def _within(key: str, function: Any, *arguments: Any) -> Any:
-    """What the function gives; its InputError begins with the key."""
+    """Call a function, prefixing the message of its InputError by the key."""
     try:
         return function(*arguments)
     except InputError as error:
@@ -283,7 +317,7 @@ def _rows(key: str, value: object, width: int, counts: tuple[int, int], meaning:
 
 
 def _numbers(key: str, value: object, count: int) -> Sequence[Sequence[int]]:
-    """Corners of faces by number."""
+    """Return the corners of faces by index, checked."""
     good = isinstance(value, (list, tuple)) and all(isinstance(face, (list, tuple)) for face in value)
     faces: Iterable[Any] = value if good else ()  # type: ignore[assignment]
     if good and all(type(k) is int and 0 <= k < count for k in chain(*faces)):

@@ -1,4 +1,4 @@
-"""Results that can be kept of each of many runs of structures, by name."""
+"""The results that can be kept of each of many runs of structures, by name."""
 
 from __future__ import annotations
 

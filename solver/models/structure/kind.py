@@ -31,11 +31,11 @@ from .response import SpatialResponse
 from .rest import rest_of
 from .run import single_run
 
-WORK = 50.0  # of a block for a second alone, over that of a column in lanes
+WORK = 50.0  # cost of a block for a second in a run alone, relative to a column in lanes
 
 
 class Structures(Kind):
-    """Structures in space."""
+    """Structures in space as a kind of model."""
 
     word = "structure"
     across = True
@@ -45,32 +45,35 @@ class Structures(Kind):
     kept = KEPT
 
     def warnings(self, model: Structure, at_rest: bool = True) -> Sequence[str]:
-        """As of plausible.py."""
+        """Return warnings of implausible values (plausible.py)."""
         return known_warnings_in_space(model, at_rest)
 
     def check(self, model: Structure, from_rest: bool) -> None:
-        """It has a rest."""
+        """Raise InputError, if the run starts from rest, for a structure without a stable rest."""
         if from_rest:
             rest_of(model)
 
     def simplest(self, model: Structure, motion: Motion) -> Structure | Column:
-        """The column that it is, shaken in its plane, without loads on ports."""
+        """Return the equivalent column if the motion stays in its plane and loads no ports; else the structure."""
         return model if motion.has_ay or motion.loads else column_of(model) or model
 
     def single_run(self, model: Structure, plan: Plan) -> tuple[SpatialResponse, FloatArray]:
-        """A response, and ux, uy, uz of the centroids."""
+        """Return the response, and ux, uy, uz of the centroids, (rows, 3 n) m."""
         response = single_run(model, plan)
         return response, response.rows[:, : 3 * model.n]
 
     def largest_of(self, response: SpatialResponse, places: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Horizontal displacements, whichever way."""
+        """Return the peaks and the histories of the horizontal displacement, in any direction (m)."""
         n = response.structure.n
         return response.peaks["u"], np.hypot(places[:, :n], places[:, n : 2 * n])
 
     # --- many
 
     def lanes(self, model: Structure, keep: Collection[str]) -> Lanes:
-        """Lanes watch displacements and gaps alone, and lack the steps of order 8 of lightly damped structures."""
+        """Describe how runs of the structure use lanes.
+
+        Lanes record displacements and gaps only, and lack the steps of order 8 of lightly damped structures.
+        """
         why = _why_not_in_lanes(model, keep)
         if not why:
             try:
@@ -80,18 +83,18 @@ class Structures(Kind):
         return Lanes(why, share_of(model), longest_step_of(model))
 
     def under(self, model: Structure, motion: Motion) -> tuple[str, Hashable]:
-        """Runs that stay in a plane share lanes; those with loads go alone."""
+        """Return the group of a motion: runs that stay in a plane share lanes; those with loads run alone."""
         return LOADED if motion.loads else "", is_flat_run(model, motion)
 
     def load(self, model: Structure, keep: Collection[str]) -> None:
-        """The kernels of lanes, where they may be used."""
+        """Load the kernels of lanes, if they may be used."""
         if not _why_not_in_lanes(model, keep):
             load_lanes()
 
     def follow(
         self, runs: Sequence[Run], keep: Collection[str], settle: float, flag: FloatArray
     ) -> tuple[dict[str, NDArray[Any]], NDArray[np.bool_]]:
-        """Runs of structures that differ in numbers only."""
+        """Follow runs of structures that differ in numbers only; return results by name and the mask of those done."""
         made = follow_in_lanes(runs, [rest_of(run.model) for run in runs], settle, flag)
         finished = np.array([bool(one) for one in made])
         some = next((one for one in made if one), None)
@@ -100,7 +103,7 @@ class Structures(Kind):
         return {name: np.array([table_entry(name, (one or some)[name]) for one in made]) for name in keep}, finished
 
     def alone(self, run: Run, keep: Collection[str], settle: float, look: Callable[..., object]) -> dict[str, Any]:
-        """Without peaks that are not kept."""
+        """Follow one run without recording peaks that are not kept; return its results by name."""
         watches = any(name not in (*OF_RUN, "peak_u") for name in keep)
         structure = run.model.with_settings(without=None if watches else ("peaks",))
         times = output_times(run.motion, run.duration)
@@ -108,11 +111,11 @@ class Structures(Kind):
         return {name: found.kept(name) for name in keep}
 
     def work(self, model: Structure, keep: Collection[str]) -> Work:
-        """Followed to its verdict."""
+        """Return the estimated cost of a run up to its verdict."""
         second = WORK * model.n
         return Work(second * SETTLE, second)
 
-    # --- numbers by name: those of a stack are its column's, but for the laws of joints and neighbours
+    # --- numbers by name: a stack has those of its column, and the laws of joints and neighbours in space
 
     def has_number(self, model: Structure, name: str) -> bool:
         return is_of_structure(name) if not model.is_stack else is_of_column(name) or _is_of_space(name)
@@ -137,12 +140,12 @@ STRUCTURES = Structures()
 
 
 def _why_not_in_lanes(structure: Structure, keep: Collection[str]) -> str:
-    """Why runs of a structure that rests are not made in lanes; "" if they are."""
+    """Return the reason why runs of a structure at rest cannot use lanes, or ""."""
     if not FROM_LANES.issuperset(keep):
         return "peaks of more than displacements and gaps"
     return "" if structure.model.names.settings.order == 5.0 else "steps of order 8"
 
 
 def _is_of_space(name: str) -> bool:
-    """Whether a name of a stack is of a joint's law, as structures have it, or of neighbours; else of its column."""
+    """Return True if a name of a stack belongs to the law of a joint in space or to neighbours, not to its column."""
     return is_of_neighbours(name) or (name.startswith("joint") and is_of_structure(name))

@@ -30,15 +30,40 @@ from .packing import Model, Parts, centroid_of, model_of
 from .stack import in_three, stacked
 
 LEAST_LENGTH = 1e-6  # m, of a tie
-# what can be left out: peaks but those of displacements, steps by modes, stabilized steps
+# what can be left out: peaks other than those of displacements, steps by modes, stabilized steps
 SKIPS = ("peaks", "elastic", "stabilized")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Structure(Shown):
-    """Rigid blocks in space, joints between two faces, ties. x, y horizontal, z up; the base is the plane z = 0.
+    """Rigid blocks in space with joints between their faces, and ties.
 
-    Raises InputError for a block that touches nothing, and for names that occur twice.
+    x and y are horizontal, z points up; the base is the plane z = 0. InputError is raised for a block without
+    connection to the base, and for names that occur twice.
+
+    Attributes
+    ----------
+    name : str
+        Name, usable as a file name.
+    blocks : tuple of Solid
+        The blocks.
+    joints : tuple of Joint
+        The joints; bearings come last.
+    ties : tuple of Tie
+        The ties.
+    g : float
+        Gravity, m/s2.
+    tolerance : float
+        Error tolerance relative to the largest motion.
+    without : tuple of str
+        What is left out of a run: "peaks" (other than those of displacements), "elastic" (steps by modes), "stabilized"
+        (stabilized steps).
+    described : mapping or None
+        The file, with one table for each block; None if made otherwise.
+    ports : tuple of Port
+        The ports.
+    neighbours : tuple of Pair
+        The pairs of sides that may meet.
     """
 
     name: str
@@ -60,6 +85,7 @@ class Structure(Shown):
             raise InputError(f"block: {len(self.blocks)} blocks, must be 1 to {ranges.MAX_BLOCKS}")
         for name in self.without:
             ranges.check_choice("solver.without", name, SKIPS)
+        # names, lengths of ties
         taken = {BASE}
         for i, name in enumerate(self.names):
             if name in taken:
@@ -69,6 +95,7 @@ class Structure(Shown):
             apart = centroid_of(self.blocks, tie.other) + tie.to - centroid_of(self.blocks, tie.one) - tie.from_
             if np.linalg.norm(apart) < LEAST_LENGTH:
                 raise InputError(f"tie[{e}].to: is the same place as from, must be {LEAST_LENGTH} m apart at least")
+        # limits of the kernels on the corners of faces
         for joint in self.joints:
             count = len(joint.face.outline)
             if joint.bed.is_bonded and joint.bearing is None and not 0 < count <= MOST_CUT:
@@ -84,7 +111,7 @@ class Structure(Shown):
         self._check_held()
 
     def _check_held(self) -> None:
-        """Every block is connected with the base by joints and ties."""
+        """Raise InputError unless joints and ties connect every block with the base."""
         beside: dict[int, list[int]] = defaultdict(list)
         links = [(joint.upper, joint.lower) for joint in self.joints] + [(tie.one, tie.other) for tie in self.ties]
         for one, other in links:
@@ -112,17 +139,17 @@ class Structure(Shown):
     def _picture(self) -> str:
         return outlines(face.points()[:, [0, 2]] for block in self.blocks for face in block.faces)
 
-    rolls_in_space: ClassVar[bool] = False  # it is there: as a Column answers, nothing is left to another run
+    rolls_in_space: ClassVar[bool] = False  # cf. Column: no run of it is left to another model
     is_alike_across: ClassVar[bool] = True
 
     @property
     def n(self) -> int:
-        """Number of blocks."""
+        """The number of blocks."""
         return len(self.blocks)
 
     @property
     def sizes(self) -> dict[str, int]:
-        """Numbers of blocks, joints (bearings and bonds too), ties, neighbours, ports, components of the base."""
+        """The numbers of blocks, joints (with bearings, bonds), ties, neighbours, ports, components of the base."""
         return {
             "block": self.n,
             "joint": len(self.joints),
@@ -136,24 +163,24 @@ class Structure(Shown):
 
     @property
     def laws(self) -> tuple[Bed, ...]:
-        """Of the joints."""
+        """The laws of the joints."""
         return tuple(joint.bed for joint in self.joints)
 
     @property
     def kind(self) -> Any:
-        """What structures have in common (models/protocol.py)."""
+        """The kind of model (models/protocol.py)."""
         from .kind import STRUCTURES
 
         return STRUCTURES
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the blocks."""
+        """The names of the blocks."""
         return tuple(block.name for block in self.blocks)
 
     @cached_property
     def joint_names(self) -> tuple[str, ...]:
-        """Upper and lower body of each joint; with a number where two bodies share several."""
+        """The names of the joints: upper and lower body, with a number where two bodies have several joints."""
         names = (*self.names, BASE)
         plain = [f"{names[joint.upper]}-{names[joint.lower]}" for joint in self.joints]
         several, so_far, found = Counter(plain), Counter[str](), []
@@ -169,22 +196,22 @@ class Structure(Shown):
 
     @cached_property
     def bonds(self) -> tuple[int, ...]:
-        """Numbers, from 0, of the joints that bear tension or cohesion until they break."""
+        """The indices of the joints that bear tension or cohesion until they break."""
         return tuple(j for j, joint in enumerate(self.joints) if joint.bed.is_bonded)
 
     @property
     def bond_names(self) -> tuple[str, ...]:
-        """Names of these joints."""
+        """The names of the joints that bear tension or cohesion."""
         return tuple(self.joint_names[j] for j in self.bonds)
 
     @property
     def bearing_names(self) -> tuple[str, ...]:
-        """Names of the bearings: those of their joints."""
+        """The names of the bearings: those of their joints."""
         return self.joint_names[len(self.joints) - len(self.bearings) :]
 
     @cached_property
     def contact_names(self) -> tuple[str, ...]:
-        """Names of the pairs of neighbours."""
+        """The names of the pairs of neighbours."""
         return tuple(
             f"{self.names[pair.one]}-{self.names[pair.other] if not pair.wall else f'wall {pair.wall}'}"
             for pair in self.neighbours
@@ -192,11 +219,11 @@ class Structure(Shown):
 
     @property
     def is_stack(self) -> bool:
-        """Whether its numbers are those of a column's file."""
+        """True if the structure is described by the file of a column."""
         return self.described is not None and OF_COLUMN in self.described
 
     def number(self, block: str | int) -> int:
-        """Number of a block from its name; numbers, from 0, stay. Raises InputError for an unknown one."""
+        """Return the index of a block from its name or index. Raises InputError if there is no such block."""
         if isinstance(block, str):
             ranges.check_choice("block", block, self.names)
             return self.names.index(block)
@@ -212,12 +239,12 @@ class Structure(Shown):
 
     @property
     def weight(self) -> float:
-        """Weight of all blocks, N."""
+        """The weight of all blocks (N)."""
         return self.g * sum(block.mass for block in self.blocks)
 
     @cached_property
     def is_plane(self) -> bool:
-        """Whether blocks and joints are their own mirror images about the plane x, z."""
+        """True if blocks, joints, ties, ports and neighbours are symmetric about the plane x, z."""
         blocks = all(
             abs(block.centroid[1]) <= 1e-9 * block.size and not np.any(block.inertia[[0, 1], [1, 2]])
             for block in self.blocks
@@ -229,11 +256,11 @@ class Structure(Shown):
 
     @property
     def settings(self) -> Settings:
-        """Its tolerance and what is left out, as a column has them."""
+        """The tolerance and the omissions, as settings of a column."""
         return Settings(tolerance=self.tolerance, without=self.without)
 
     def with_settings(self, *, tolerance: float | None = None, without: Sequence[str] | None = None) -> Structure:
-        """A copy with other settings; None keeps the present one. Raises InputError."""
+        """Return a copy with other settings; None keeps the present one. Raises InputError."""
         if tolerance is None and without is None:
             return self
         tolerance = self.tolerance if tolerance is None else tolerance
@@ -242,9 +269,16 @@ class Structure(Shown):
         return replace(self, tolerance=tolerance, without=without, described=described)
 
     def with_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Structure:
-        """A copy whose joints have these moduli, N/m3, and dampings, s, a number for each joint.
+        """Return a copy with other laws of its joints.
 
-        The rubber of a bearing becomes as many times as stiff as its modulus.
+        The rubber of a bearing is scaled by the same factor as its modulus.
+
+        Parameters
+        ----------
+        stiffness : sequence of float
+            Modulus of each joint, N/m3.
+        damping : sequence of float
+            Damping of each joint, s.
         """
         joints = tuple(
             replace(joint, bed=replace(joint.bed, stiffness=float(k), damping=float(eta)), bearing=_stiffer(joint, k))
@@ -253,7 +287,7 @@ class Structure(Shown):
         return replace(self, joints=joints, described=None)
 
     def to_dict(self) -> dict[str, Any]:
-        """The mapping from which `from_dict` makes this structure. Raises InputError if it was not made from one."""
+        """Return the mapping from which `from_dict` builds this structure. Raises InputError if there was none."""
         if self.described is None:
             raise InputError(
                 f"{self.name}: must be from a structure file, from_dict or a builder, to be written as one"
@@ -262,15 +296,15 @@ class Structure(Shown):
 
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str]) -> Structure:
-        """Read a structure from a TOML file, or the stack of the column that it describes. Raises InputError."""
+        """Read a structure from a TOML file, or the stack of the column in the file. Raises InputError."""
         with reading(path):
             return cls.from_dict(in_folder(in_space(toml_of(path)), Path(path).parent))
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Structure:
-        """Build a structure from the mapping that the TOML file holds (docs/structures.md), or {"column": a column's}.
+        """Build a structure from the mapping of its TOML file (docs/structures.md), or from {"column": a column's}.
 
-        Ports and neighbours of the latter stand beside it. Raises InputError.
+        Next to "column" there may be ports and neighbours. Raises InputError.
         """
         if OF_COLUMN in data:
             ranges.check_keys("", data, (OF_COLUMN, *BESIDE_COLUMN))
@@ -289,7 +323,10 @@ class Structure(Shown):
 
     @classmethod
     def stack(cls, column: Column) -> Structure:
-        """The blocks of a column in space, the top one first. Raises InputError for what has no such form."""
+        """Build the structure of a column in space, the top block first.
+
+        Raises InputError if the column has no such form.
+        """
         return cls(**stacked(column))
 
 
@@ -301,20 +338,20 @@ def _with_solver(described: Mapping[str, Any], solver: Mapping[str, Any]) -> Map
 
 
 def _stiffer(joint: Joint, stiffness: float) -> Bearing | None:
-    """The bearing of a joint that gets another modulus, N/m3."""
+    """Return the bearing of a joint, scaled to another modulus (N/m3)."""
     bearing, factor = joint.bearing, float(stiffness) / joint.bed.stiffness
     return bearing and replace(bearing, spring=factor * bearing.spring, dashpot=factor * bearing.dashpot)
 
 
 def _is_mirrored_joint(joint: Joint) -> bool:
-    """Return True if what bears of a joint is its own mirror image about the plane x, z."""
+    """Return True if the bearing area of a joint is symmetric about the plane x, z."""
     return _is_mirrored(joint.face) and (
         joint.inside is None or not joint.inside.moments[0] or _is_mirrored(joint.inside)
     )
 
 
 def _is_mirrored_pair(pair: Pair) -> bool:
-    """Whether both sides of a pair are their own mirror images about the plane x, z."""
+    """Return True if both sides of a pair are symmetric about the plane x, z."""
     for side in (pair.side, pair.beside):
         if not isinstance(side, Side):
             if not _is_mirrored(side):
@@ -326,7 +363,7 @@ def _is_mirrored_pair(pair: Pair) -> bool:
 
 @lru_cache(maxsize=1024)
 def _is_mirrored(face: Face) -> bool:
-    """Whether a face is its own mirror image about the plane x, z, with axes in it or across it."""
+    """Return True if a face is symmetric about the plane x, z, with each axis in that plane or normal to it."""
     across = np.abs(face.axes[1, :])
     in_plane = bool(np.all((across < 1e-9) | (across > 1.0 - 1e-9))) and across[2] < 1e-9
     if not in_plane or abs(face.centre[1]) > 1e-9 * face.size:

@@ -20,7 +20,26 @@ GROUND = Face(np.zeros(3), np.eye(3), rectangle(ENDLESS, ENDLESS))
 def joints_between(
     solids: tuple[Solid, ...], upper: int, lower: int, bed: Bed, key: str, sides: bool = False
 ) -> list[Joint]:
-    """The joints of all faces that two bodies share. Raises InputError if they share none."""
+    """Return the joints of all pairs of faces that two bodies share.
+
+    Parameters
+    ----------
+    solids : tuple of Solid
+        All blocks.
+    upper, lower : int
+        Indices of the bodies; `len(solids)` is the base.
+    bed : Bed
+        Law of the joints.
+    key : str
+        Table of the joints, for messages.
+    sides : bool
+        Include faces that are not on top of the lower body; otherwise they count only if there is no other.
+
+    Raises
+    ------
+    InputError
+        If the bodies share no face.
+    """
     below = (GROUND,) if lower == len(solids) else solids[lower].faces
     above = solids[upper].faces
     found = [(face, a, b) for a, b in facing(above, below, FACING) if (face := shared(a, b)) is not None]
@@ -33,9 +52,10 @@ def joints_between(
 
 
 def with_rim(joint: Joint) -> Joint:
-    """Return a joint with what its rim leaves open, about the centroid of what bears (theory.md section 12).
+    """Return the joint with the open inside of its rim, about the centroid of the bearing area (theory.md section 12).
 
-    That is what the insides of both faces share: a rim as wide as half of a face leaves nothing open.
+    The open inside is the intersection of the insides of both faces. If the rim is half as wide as a face or wider,
+    nothing is open.
     """
     rim, face = joint.bed.rim, joint.face
     if rim is None:
@@ -64,13 +84,20 @@ def inside_of(face: Face, rim: float) -> Face | None:
 
 
 def facing(above: Sequence[Face], below: Sequence[Face], cosine: float) -> list[tuple[Face, Face]]:
-    """Pairs of faces the cosine of whose normals is less: most do not look at each other, and a prism has many."""
+    """Return the pairs of faces whose normals have a cosine below `cosine`.
+
+    This is a fast filter: most faces do not look at each other, and a prism has many.
+    """
     ways = np.array([face.normal for face in above]) @ np.array([face.normal for face in below]).T
     return [(above[i], below[k]) for i, k in np.argwhere(ways < cosine).tolist()]
 
 
 def axis_of(normal: FloatArray) -> FloatArray:
-    """The first axis of a face: in the plane x, z, so that the second one is y where the normal lies in that plane."""
+    """Return the first axis of a face with this normal.
+
+    It lies in the plane x, z unless the normal is nearly along y. So the second axis is y where the normal lies in that
+    plane.
+    """
     along = np.array([normal[2], 0.0, -normal[0]])
     if np.linalg.norm(along) < 0.1:  # the normal is along y
         along = np.array([1.0, 0.0, 0.0]) - normal[0] * normal
@@ -78,7 +105,7 @@ def axis_of(normal: FloatArray) -> FloatArray:
 
 
 def turned_face(face: Face) -> Face:
-    """The face with its axes as `axis_of` has them."""
+    """Return the same face with its axes as `axis_of` defines them."""
     along = axis_of(face.normal)
     axes = np.column_stack([along, np.cross(face.normal, along), face.normal])
     axes[np.abs(axes) < 1e-15] = 0.0

@@ -1,4 +1,4 @@
-"""A mesh that is not convex cut by planes into parts, whose hulls hold little more than the mesh does."""
+"""Decomposition of a non-convex mesh by planes into parts whose convex hulls have little more volume than the mesh."""
 
 from __future__ import annotations
 
@@ -11,20 +11,36 @@ from .faces import NEAR, FloatArray
 from .hulls import THINNEST_HULL
 from .shells import EXTRA
 
-FINE = 1e-4  # of the volume: a part whose hull holds no more than that beside it is not cut again
-BENT = 12  # planes of triangles beside edges that go inwards, which are tried for a cut
+FINE = 1e-4  # of the volume: a part whose hull exceeds it by less is not cut again
+BENT = 12  # planes of triangles at reentrant edges that are tried for a cut
 LEVELS = 6  # planes across each axis that are tried
 ALIKE = 1e-3  # of normals and of places, over the extent: planes closer than this are one
 OUT = 1e-9  # of the extent: planes lie so far above their triangles that no cut leaves a skin of these
-SURE = 1e-9  # of the volume: a cut is better than another one by more than this, so that rounding chooses none
+SURE = 1e-9  # of the volume: the least improvement of a better cut, so that rounding does not choose
 
 
 def convex_parts(triangles: FloatArray, most: int) -> list[FloatArray]:
-    """Points (n, 3) m of each part of a closed surface (k, 3, 3) m, of which there are `most` or fewer.
+    """Return the points of the convex hulls of the parts of a closed surface.
 
-    Each cut is the plane after which the hulls hold least, of the part whose hull holds most beside it; where none
-    helps, the first of two that do. Raises
-    InputError for a surface that is none of solids, and for one of more solids than parts.
+    The part whose hull exceeds it most in volume is cut first, by the plane that leaves the least volume of hulls.
+    Where no single cut reduces it, the first of two cuts that do is made.
+
+    Parameters
+    ----------
+    triangles : array (k, 3, 3)
+        Closed surface, m.
+    most : int
+        Largest number of parts.
+
+    Returns
+    -------
+    list of array (n, 3)
+        Corners of the hull of each part, m.
+
+    Raises
+    ------
+    InputError
+        If the surface bounds no solid, or more separate solids than `most`.
     """
     with needing(EXTRA, "manifold3d"):
         from manifold3d import Error, Manifold, Mesh64
@@ -34,7 +50,7 @@ def convex_parts(triangles: FloatArray, most: int) -> list[FloatArray]:
     whole = Manifold(mesh)
     if whole.status() != Error.NoError:
         raise InputError(f"cannot be split: {whole.status().name}, must be a mesh whose surface bounds a solid")
-    left = [(solid, solid.hull().volume()) for solid in whole.decompose() if solid.volume() > 0.0]  # none of a void
+    left = [(solid, solid.hull().volume()) for solid in whole.decompose() if solid.volume() > 0.0]  # voids have no part
     if len(left) > most:
         raise InputError(f"is {len(left)} solids that do not touch, must be as many parts at least")
     volume = sum(solid.volume() for solid, _ in left)
@@ -52,7 +68,11 @@ def convex_parts(triangles: FloatArray, most: int) -> list[FloatArray]:
 
 
 def _cut(solid: Any, most: int, sure: float) -> list[tuple[Any, float]]:
-    """The pieces of a solid, `most` or fewer, without skins, and the volumes of their hulls, m3; none: no cut helps."""
+    """Return the pieces of the best cut of a solid, without skins, and the volumes of their hulls (m3).
+
+    The best cut leaves the least volume of hulls, in at most `most` pieces. The list is empty if no cut reduces the
+    volume by more than `sure`, m3.
+    """
     best, least = [], solid.hull().volume() - sure
     for plane in np.concatenate([_bent(solid), _levels(solid)]):
         pieces = _pieces(solid, plane)
@@ -64,9 +84,9 @@ def _cut(solid: Any, most: int, sure: float) -> list[tuple[Any, float]]:
 
 
 def _halves(solid: Any, most: int, sure: float) -> list[tuple[Any, float]]:
-    """Return the pieces of a cut near the middle after which one more cut makes the hulls hold least, as `_cut`.
+    """Return the pieces of the cut near the middle that leaves the least volume of hulls after one more cut; as `_cut`.
 
-    Of a ring no single cut helps: each half holds half of the hollow. Empty if two cuts do not help either.
+    A single cut of a ring does not help: each half contains half of the hollow. Empty if two cuts do not help either.
     """
     best, least = [], solid.hull().volume() - sure
     for plane in _levels(solid)[3 * (LEVELS // 2 - 1) : 3 * (LEVELS // 2 + 1)]:
@@ -91,18 +111,20 @@ def _is_skin(piece: Any) -> bool:
 
 
 def _bent(solid: Any) -> FloatArray:
-    """Planes, normal and distance from the origin, of triangles beside edges that go inwards, the most bent first."""
+    """Return the planes of the triangles at reentrant edges, the most bent first, (planes, 4): normal, distance (m)."""
     mesh = solid.to_mesh64()
     corners, faces = _corners(solid), np.asarray(mesh.tri_verts).astype(np.int64)
     places = corners[faces]
     normals = np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    # reentrant edges, weighted by their length times the sine of their angle
     ends = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
     order = np.lexsort((ends.min(axis=1), ends.max(axis=1))).reshape(-1, 2)  # both triangles of an edge
     one, other = (order % len(faces)).T
     edge = corners[ends[order[:, 0], 1]] - corners[ends[order[:, 0], 0]]
     bend = -np.sum(np.cross(normals[one], normals[other]) * edge, axis=1)  # length times the sine of the angle
     inwards = bend > ALIKE**2 * _extent(solid)
+    # planes of their triangles; coinciding planes are merged and their weights added
     triangle, weight = np.concatenate([one[inwards], other[inwards]]), np.tile(bend[inwards], 2)
     planes = np.column_stack([normals[triangle], np.sum(normals[triangle] * places[triangle, 0], axis=1)])
     steepest = np.argmax(np.abs(planes[:, :3]), axis=1)
@@ -111,14 +133,15 @@ def _bent(solid: Any) -> FloatArray:
     _, first, group = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
     heaviest = np.argsort(-np.bincount(group.ravel(), weight, len(first)), kind="stable")[:BENT]
     found: FloatArray = planes[first[heaviest]]
+    # shift each plane just above all corners in it
     above = corners @ found[:, :3].T - found[:, 3]
-    above[np.abs(above) > NEAR * _extent(solid)] = 0.0  # what is in the plane but for rounding lies below the cut
+    above[np.abs(above) > NEAR * _extent(solid)] = 0.0  # only corners in the plane but for rounding
     found[:, 3] += np.max(above, axis=0, initial=0.0) + OUT * _extent(solid)
     return found
 
 
 def _levels(solid: Any) -> FloatArray:
-    """Planes across the axes, at equal distances."""
+    """Return LEVELS equally spaced planes across each axis, (3 LEVELS, 4): normal, distance (m)."""
     box = np.reshape(solid.bounding_box(), (2, 3))
     places = np.linspace(box[0], box[1], LEVELS + 2)[1:-1]
     return np.column_stack([np.tile(np.eye(3), (LEVELS, 1)), places.ravel()])

@@ -1,4 +1,4 @@
-"""Plane faces of blocks, and the part that two of them share."""
+"""Plane faces of blocks, and the intersection of two of them."""
 
 from __future__ import annotations
 
@@ -13,15 +13,23 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 
 NEAR = 1e-6  # of the size of a face: planes and edges closer than this are the same
-SIDES = 60  # of the polygon, of equal area, in place of a round face that another one cuts
+SIDES = 60  # of the polygon of equal area that replaces a round face where another face cuts it
 
 
 @dataclass(frozen=True, eq=False)
 class Face:
     """A plane face: a polygon, or a disc or ring about its centre.
 
-    outline: (corners, 2) m, anticlockwise seen against the normal, along the first two of the axes from the centre;
-    empty where the face is round.
+    Attributes
+    ----------
+    centre : array (3,)
+        Centre, m.
+    axes : array (3, 3)
+        Columns e1, e2 and the normal away from the block.
+    outline : array (corners, 2)
+        Corners along e1 and e2 from the centre, m, anticlockwise seen against the normal; empty for a round face.
+    radius, bore : float
+        Outer radius of a round face and radius of its hole, m.
     """
 
     centre: FloatArray  # (3,) m
@@ -32,17 +40,17 @@ class Face:
 
     @property
     def normal(self) -> FloatArray:
-        """The normal away from the block."""
+        """The unit normal away from the block, (3,)."""
         return self.axes[:, 2]
 
     @cached_property
     def size(self) -> float:
-        """Distance of the farthest point from the centre, m."""
+        """The largest distance of a point from the centre (m)."""
         return self.radius or float(np.max(np.hypot(*self.outline.T)))
 
     @property
     def width(self) -> float:
-        """Least distance between two parallel lines that hold it between them, m."""
+        """The least distance between two parallel lines that enclose the face (m)."""
         if self.radius:
             return 2.0 * self.radius
         side = np.roll(self.outline, -1, axis=0) - self.outline
@@ -51,7 +59,7 @@ class Face:
 
     @cached_property
     def moments(self) -> tuple[float, float, float, float]:
-        """Area m2, and integrals of x^2, y^2 and x y, m4, about the centre, which is the centroid."""
+        """The area (m2), and the integrals of x^2, y^2 and x y (m4) about the centre, which is the centroid."""
         if self.radius:
             second = 0.25 * math.pi * (self.radius**4 - self.bore**4)
             return math.pi * (self.radius**2 - self.bore**2), second, second, 0.0
@@ -60,14 +68,14 @@ class Face:
 
     @cached_property
     def arm(self) -> float:
-        """Mean distance of its points from the centre, m: the arm of friction against twisting."""
+        """The mean distance of the points from the centre (m): the arm of friction against twisting."""
         if self.radius:
             return 2.0 / 3.0 * (self.radius**3 - self.bore**3) / (self.radius**2 - self.bore**2)
         corners = zip(self.outline, np.roll(self.outline, -1, axis=0), strict=True)
         return sum(_first_polar(a, b) for a, b in corners) / self.moments[0]
 
     def points(self, sides: int = 24) -> FloatArray:
-        """Points of the rim in space, (points, 3) m."""
+        """Return the points of the rim in space, (points, 3) m; a round rim has `sides` points."""
         return self.centre + self._rim(sides) @ self.axes[:, :2].T
 
     def _rim(self, sides: int) -> FloatArray:
@@ -77,7 +85,10 @@ class Face:
         return self.radius * np.column_stack([np.cos(angle), np.sin(angle)])
 
     def seen_from(self, other: Face) -> FloatArray:
-        """The rim along the axes of another face, anticlockwise there; a round face as a polygon of equal area."""
+        """Project the rim to the axes of another face, (corners, 2) m, anticlockwise there.
+
+        A round face becomes a polygon of equal area.
+        """
         rim = self._rim(SIDES)
         if self.radius:
             rim = rim * math.sqrt(2.0 * math.pi / (SIDES * math.sin(2.0 * math.pi / SIDES)))
@@ -87,9 +98,9 @@ class Face:
 
 
 def _first_polar(a: FloatArray, b: FloatArray) -> float:
-    """The integral of the distance from the origin over the triangle of the origin, a and b, m3.
+    """Integrate the distance from the origin over the triangle of the origin, a and b (m3).
 
-    With the distance d of the side from the origin it is d^3 / 3 times the integral of 1 / cos^3 over the angle.
+    With the distance d of the side a b from the origin, it is d^3 / 3 times the integral of 1 / cos^3 over the angle.
     """
     side = b - a
     length = float(np.hypot(*side))
@@ -102,7 +113,7 @@ def _first_polar(a: FloatArray, b: FloatArray) -> float:
 
 
 def polygon_moments(corners: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-    """Area m2, first moments (2,) m3 and second ones (2, 2) m4 of a polygon, by Green's formulas."""
+    """Return area (m2), first moments (2,) (m3) and second moments (2, 2) (m4) of a polygon, by Green's formulas."""
     a, b = corners, np.roll(corners, -1, axis=0)
     doubled = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
     area = 0.5 * float(np.sum(doubled))
@@ -114,13 +125,13 @@ def polygon_moments(corners: FloatArray) -> tuple[float, FloatArray, FloatArray]
 
 
 def edge_distance(outline: FloatArray) -> float:
-    """Distance of the nearest edge of a convex polygon from the origin, m; below 0 if that lies outside."""
+    """Return the distance of the nearest edge of a convex polygon from the origin (m); negative if it lies outside."""
     sides = np.roll(outline, -1, axis=0) - outline
     return float(np.min((outline[:, 0] * sides[:, 1] - outline[:, 1] * sides[:, 0]) / np.hypot(*sides.T)))
 
 
 def clipped(corners: FloatArray, by: FloatArray) -> FloatArray:
-    """The part of a convex polygon within another one, both anticlockwise; empty if there is none."""
+    """Clip a convex polygon to another one, both anticlockwise; empty if they do not overlap."""
     left = corners.tolist()
     for (x0, y0), (x1, y1) in zip(by.tolist(), np.roll(by, -1, axis=0).tolist(), strict=True):
         left = _half(left, [(x1 - x0) * (y - y0) - (y1 - y0) * (x - x0) for x, y in left])
@@ -128,7 +139,10 @@ def clipped(corners: FloatArray, by: FloatArray) -> FloatArray:
 
 
 def _half(corners: Sequence[Sequence[float]], depth: Sequence[float]) -> list[Sequence[float]]:
-    """The part of a convex polygon in which a linear function is positive, by its values at the corners."""
+    """Clip a convex polygon to the half-plane in which a linear function is positive.
+
+    depth: values of the function at the corners.
+    """
     kept: list[Sequence[float]] = []
     for k, (point, d) in enumerate(zip(corners, depth, strict=True)):
         before, b = corners[k - 1], depth[k - 1]
@@ -141,7 +155,7 @@ def _half(corners: Sequence[Sequence[float]], depth: Sequence[float]) -> list[Se
 
 
 def inset(face: Face, rim: float) -> Face | None:
-    """Return the part of a face farther than `rim` (m) from its edges, about the same centre; None if there is none."""
+    """Return the part of a face farther than `rim` (m) from its edges, about the same centre; None if it is empty."""
     if face.radius:
         radius, bore = face.radius - rim, face.bore + rim if face.bore else 0.0
         return replace(face, radius=radius, bore=bore) if radius > bore else None
@@ -153,9 +167,9 @@ def inset(face: Face, rim: float) -> Face | None:
 
 
 def beside(corners: FloatArray, outside: FloatArray) -> list[FloatArray]:
-    """The parts of a convex polygon where any of some linear functions is positive, as convex polygons.
+    """Return the parts of a convex polygon where any of some linear functions is positive, as convex polygons.
 
-    outside: (functions, 3), of each its value at the origin and its slopes along x and y.
+    outside: (functions, 3), the value of each at the origin and its slopes along x and y.
     """
     values = outside[:, :1] + outside[:, 1:] @ corners.T
     if np.any(np.all(values >= 0.0, axis=1)):
@@ -171,24 +185,28 @@ def beside(corners: FloatArray, outside: FloatArray) -> list[FloatArray]:
 
 
 def shared(upper: Face, lower: Face) -> Face | None:
-    """The part that two faces share, with the axes of the lower one; None if they do not touch.
+    """Return the intersection of two faces, with the axes of the lower one; None if they do not touch.
 
-    They touch where their planes coincide and their normals are opposite. The centre is the centroid of that part.
+    Faces touch if their planes coincide and their normals are opposite. The centre is the centroid of the intersection.
     """
+    # planes must coincide
     size = min(upper.size, lower.size)
     between = upper.centre - lower.centre
     if float(upper.normal @ lower.normal) > -1.0 + NEAR or abs(float(between @ lower.normal)) > NEAR * size:
         return None
     off = float(np.linalg.norm(between - (between @ lower.normal) * lower.normal))
+    # concentric round faces
     if upper.radius and lower.radius and off <= NEAR * size:
         outer, inner = min(upper.radius, lower.radius), max(upper.bore, lower.bore)
         return replace(lower, radius=outer, bore=inner) if outer > inner else None
+    # a round face within the other face
     for inside, outside in ((upper, lower), (lower, upper)):
         if inside.radius and _holds(outside, inside):
             centre = inside.centre - ((inside.centre - lower.centre) @ lower.normal) * lower.normal
             return Face(centre, lower.axes, np.empty((0, 2)), inside.radius, inside.bore)
     if upper.bore or lower.bore:
         return None
+    # polygons
     outline = clipped(upper.seen_from(lower), lower.seen_from(lower))
     if not len(outline):
         return None
@@ -200,7 +218,7 @@ def shared(upper: Face, lower: Face) -> Face | None:
 
 
 def _holds(outside: Face, inside: Face) -> bool:
-    """Whether a round face lies within another one."""
+    """Return True if a round face lies within another face."""
     centre = (inside.centre - outside.centre) @ outside.axes[:, :2]
     if outside.radius:
         return not outside.bore and float(np.hypot(*centre)) + inside.radius <= outside.radius * (1.0 + NEAR)
@@ -211,6 +229,6 @@ def _holds(outside: Face, inside: Face) -> bool:
 
 
 def without_doubles(outline: FloatArray) -> FloatArray:
-    """A polygon without corners that coincide."""
+    """Remove corners of a polygon that coincide with the one before."""
     apart = np.hypot(*(outline - np.roll(outline, 1, axis=0)).T) > NEAR * float(np.max(np.abs(outline)))
     return outline[apart]

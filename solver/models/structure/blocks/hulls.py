@@ -1,4 +1,4 @@
-"""Convex blocks from points, and blocks from closed meshes: mass properties, faces of the hull, the foot."""
+"""Convex blocks from points, and blocks from closed meshes: mass properties, faces of the hull, feet."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ from .parts import Solid
 from .shells import EXTRA
 
 THIN = 1e-12  # of the cube of its extent: the least volume
-FEW = 100  # corners of a hull that is kept as it is; of others the farthest points in DIRECTIONS, and their hull
+FEW = 100  # corners of a hull that is kept as it is; larger ones become the hull of the farthest in DIRECTIONS
 DIRECTIONS = 300
 THINNEST_HULL = 1e-5  # of the cube of its extent: the least volume of a hull, whose faces must differ
 COARSE = 1e-4  # of the extent: how far corners of a noisy flat side may lie off its plane
 MERGED = 1e-5  # of the height of a triangle: corners nearer to its plane are of its face
-STRAIGHT = 1e-9  # of the area of a face: a corner that takes away less is none
-BLUNT = 1e-4  # the same of a foot that is found among the points of a mesh
-SLIVER = 1e-2  # of the area of a face: a part of it that no other part covers and is smaller is none
+STRAIGHT = 1e-9  # of the area of a face: a corner that takes away less is dropped
+BLUNT = 1e-4  # the same for a foot found among the points of a mesh
+SLIVER = 1e-2  # of the area of a face: smaller uncovered parts of it are dropped
 ZERO = 1e-14  # of the trace: products of inertia below this are 0, so that what is symmetric stays in its plane
 
 
 class Bulk(NamedTuple):
-    """What a closed surface contains."""
+    """The volume, centroid and inertia of a solid bounded by a closed surface."""
 
     volume: float  # m3
     centroid: FloatArray  # (3,) m
@@ -41,10 +41,12 @@ class Bulk(NamedTuple):
 
 
 def bulk_of(triangles: FloatArray) -> Bulk:
-    """Of a closed surface of triangles (k, 3, 3) m, outside anticlockwise or all clockwise, by Green's theorem.
+    """Return the volume, centroid and inertia within a closed surface, by Green's theorem.
 
-    Each triangle makes a tetrahedron with a point amid them; volumes and moments of these are closed forms, which add
-    up with their signs. Raises InputError for one without volume.
+    Each triangle makes a tetrahedron with a point amid the triangles. The volumes and moments of these tetrahedra have
+    closed forms and are added with their signs.
+
+    triangles: (k, 3, 3) m, all anticlockwise from outside or all clockwise. Raises InputError if there is no volume.
     """
     middle = np.mean(triangles, axis=(0, 1))
     a, b, c = np.moveaxis(triangles - middle, 1, 0)
@@ -63,23 +65,23 @@ def bulk_of(triangles: FloatArray) -> Bulk:
 
 
 class Hull(NamedTuple):
-    """A convex polyhedron: corners (n, 3) m, and those of each face by number, anticlockwise from outside."""
+    """A convex polyhedron: corners (n, 3) m, and the indices of those of each face, anticlockwise from outside."""
 
     points: FloatArray
     faces: tuple[tuple[int, ...], ...]
 
     @property
     def triangles(self) -> FloatArray:
-        """Of its surface, (k, 3, 3) m."""
+        """The triangles of the surface, (k, 3, 3) m."""
         fans = [(face[0], one, other) for face in self.faces for one, other in pairwise(face[1:])]
         found: FloatArray = self.points[np.array(fans)]
         return found
 
 
 def convex_surface(points: FloatArray) -> FloatArray:
-    """Triangles (k, 3, 3) m of the convex hull of points (n, 3) m, outside anticlockwise.
+    """Return the triangles (k, 3, 3) m of the convex hull of points (n, 3) m, anticlockwise from outside.
 
-    Raises InputError if they have no volume, or hardly any.
+    Raises InputError if the hull has no volume, or hardly any.
     """
     with needing(EXTRA, "scipy"):
         from scipy.spatial import ConvexHull, QhullError
@@ -98,11 +100,11 @@ def convex_surface(points: FloatArray) -> FloatArray:
 
 
 def hull_of(surface: FloatArray) -> Hull:
-    """Return the hull that `convex_surface` has found, triangles in a plane merged.
+    """Return the hull of a surface from `convex_surface`, with coplanar triangles merged into faces.
 
-    Of more than FEW corners the farthest in directions all around make the hull. Where the merged faces do not close,
-    as of flat sides with noise, corners that stand out by less than a coarser tolerance are left out, and faces merged
-    within it; where that does not help either, the faces are the triangles.
+    If there are more than FEW corners, the hull of the farthest points in DIRECTIONS directions is taken. If the merged
+    faces do not close, as with noisy flat sides, corners that protrude by less than a coarser tolerance are left out
+    and faces are merged within it. If that does not close either, the faces are the triangles.
     """
     points = np.unique(surface.reshape(-1, 3), axis=0)
     if len(points) > FEW:
@@ -130,9 +132,9 @@ def _closes(hull: Hull) -> bool:
 
 
 def _outermost(points: FloatArray, within: float) -> FloatArray:
-    """Return those of the points (n, 3) whose hull leaves none of them outside by more than `within`, m.
+    """Return a subset of the points (n, 3) whose hull contains all points to within `within`, m.
 
-    The farthest points along axes and diagonals begin; the one that is farthest outside is added until none is.
+    It starts with the farthest points along axes and diagonals and adds the point farthest outside until none is.
     """
     with needing(EXTRA, "scipy"):
         from scipy.spatial import ConvexHull, QhullError
@@ -152,13 +154,15 @@ def _outermost(points: FloatArray, within: float) -> FloatArray:
 
 
 def _merged(points: FloatArray, surface: FloatArray, most: float, share: float) -> Hull:
-    """Return the hull whose faces are the triangles of a surface, merged where they lie in a plane.
+    """Return the hull whose faces are the triangles of a surface, merged where they are coplanar.
 
-    The largest triangles make the planes; all corners near a plane are of its face, and triangles between them are
-    used up. Near is closer than `most`, m, and than `share` of the height of the triangle; share 0: none is merged.
+    Planes are taken from the largest triangles first. All corners near a plane belong to its face, and triangles
+    between them are removed. Near means closer than `most`, m, and than `share` times the height of the triangle; share
+    0 merges none.
     """
     local = points - points[0]
     extent = float(np.max(np.ptp(points, axis=0)))
+    # triangles by the indices of their corners; their normals and heights
     number = {tuple(point): k for k, point in enumerate(points.tolist())}
     triangles = np.array([[number[tuple(point)] for point in triangle] for triangle in surface.tolist()])
     sides = np.roll(local[triangles], -1, axis=1) - local[triangles]
@@ -178,13 +182,14 @@ def _merged(points: FloatArray, surface: FloatArray, most: float, share: float) 
             order = np.array(_around(flat))
             kept = order[thinned(flat[order], STRAIGHT)]
             faces.append(tuple(corners[kept].tolist()))
+    # keep used corners only, and renumber them
     used = np.unique([corner for face in faces for corner in face])
     place = {int(corner): k for k, corner in enumerate(used)}
     return Hull(points[used], tuple(tuple(place[corner] for corner in face) for face in faces))
 
 
 def _around(flat: FloatArray) -> list[int]:
-    """Numbers of the corners of the convex hull of points (n, 2), anticlockwise (Andrew's chain)."""
+    """Return the indices of the corners of the convex hull of points (n, 2), anticlockwise (Andrew's chain)."""
     order = np.lexsort((flat[:, 1], flat[:, 0])).tolist()
     points = flat.tolist()
     found: list[int] = []
@@ -202,7 +207,7 @@ def _around(flat: FloatArray) -> list[int]:
 
 
 def _farthest(points: FloatArray) -> FloatArray:
-    """The points that lie farthest in directions all around."""
+    """Return the points that are farthest in DIRECTIONS directions and along the axes."""
     k = np.arange(DIRECTIONS) + 0.5
     upwards, angle = 1.0 - 2.0 * k / DIRECTIONS, np.pi * (1.0 + np.sqrt(5.0)) * k  # a spiral of equal areas
     level = np.sqrt(1.0 - upwards**2)
@@ -213,10 +218,22 @@ def _farthest(points: FloatArray) -> FloatArray:
 
 
 def feet_of(points: FloatArray, level: float, count: int = 1) -> tuple[FloatArray, ...]:
-    """Convex polygons (corners, 2) m, anticlockwise, of the points that lie within `level`, m, of the lowest.
+    """Return the convex polygons around the lowest points.
 
-    count: groups that these points fall apart into; points that are nearer to each other than groups are of one (single
-    linkage). Empty where a group has no area.
+    Parameters
+    ----------
+    points : array (n, 3)
+        Points of the block, m.
+    level : float
+        Height above the lowest point within which points belong to a foot, m.
+    count : int
+        Number of groups into which these points are divided, by single linkage: points nearer to each other than the
+        groups are belong to one group.
+
+    Returns
+    -------
+    tuple of array (corners, 2)
+        Polygons, m, anticlockwise; empty where a group has no area.
     """
     low = np.unique(points[points[:, 2] <= np.min(points[:, 2]) + level, :2], axis=0)
     extent = float(np.max(np.ptp(points, axis=0)))
@@ -225,7 +242,10 @@ def feet_of(points: FloatArray, level: float, count: int = 1) -> tuple[FloatArra
 
 
 def _apart(points: FloatArray, count: int) -> list[FloatArray]:
-    """Points (n, 2) in groups: without the longest edges of their shortest tree, whose edges are Delaunay's."""
+    """Divide points (n, 2) into `count` groups by single linkage.
+
+    The longest edges of their minimum spanning tree are removed; its edges are among those of the Delaunay triangles.
+    """
     if count == 1 or len(points) < 3 * count:
         return [points]
     with needing(EXTRA, "scipy"):
@@ -248,7 +268,7 @@ def _apart(points: FloatArray, count: int) -> list[FloatArray]:
 
 
 def _polygon_around(points: FloatArray, extent: float) -> FloatArray:
-    """The convex hull of points (n, 2), few corners of it (corners, 2); empty without area."""
+    """Return the convex hull of points (n, 2), thinned to few corners, (corners, 2); empty if it has no area."""
     if len(points) < 3:
         return np.empty((0, 2))
     with needing(EXTRA, "scipy"):
@@ -263,7 +283,7 @@ def _polygon_around(points: FloatArray, extent: float) -> FloatArray:
 
 
 def middle_of(feet: Sequence[Face]) -> FloatArray:
-    """The centroid of the area of faces, (3,) m."""
+    """Return the centroid of the area of faces, (3,) m."""
     if len(feet) == 1:
         return feet[0].centre
     areas = np.array([face.moments[0] for face in feet])
@@ -272,9 +292,10 @@ def middle_of(feet: Sequence[Face]) -> FloatArray:
 
 
 def thinned(outline: FloatArray, least: float, most: int = 10**9) -> NDArray[np.intp]:
-    """Numbers of the corners of a convex polygon that stay.
+    """Return the indices of the corners of a convex polygon that are kept.
 
-    The one that takes away the least area goes first, while that is below `least` of all or more than `most` are left.
+    The corner that takes away the least area is removed first, while that area is below `least` times the whole or more
+    than `most` corners are left.
     """
     kept = np.arange(len(outline))
     whole = polygon_moments(outline - outline[0])[0]
@@ -298,13 +319,30 @@ def block_of_hulls(
     level: float,
     surface: FloatArray,
 ) -> Solid:
-    """A block whose contacts are the faces of a hull, or of the hulls of its parts as far as no other part covers them.
+    """Return a block that touches others by the faces of a hull, or of the hulls of its parts.
 
-    Its feet come first, then faces from the most upward one down. feet: (corners, 2) m each, in place of the faces that
-    lie within `level`, m, of the lowest point; none: they stay. surface: triangles (k, 3, 3) m to draw it by; none: its
-    faces.
+    The faces of a part count where no other part covers them. The feet come first, then the faces from the most upward
+    one down.
+
+    Parameters
+    ----------
+    name : str
+        Name of the block.
+    hulls : sequence of Hull
+        The hull, or those of the parts.
+    bulk : Bulk
+        Volume, centroid and inertia.
+    density : float
+        Density, kg/m3.
+    feet : sequence of array (corners, 2)
+        Feet, m, in place of the faces within `level` of the lowest point; empty keeps these faces.
+    level : float
+        Height above the lowest point, m.
+    surface : array (k, 3, 3)
+        Triangles to draw it by, m; empty: its faces.
     """
     bottom = float(np.min([np.min(hull.points[:, 2]) for hull in hulls]))
+    # faces, without those that the feet replace
     parts = [tuple(_face(hull.points[list(face)]) for face in hull.faces) for hull in hulls]
     stays = [[not feet or np.max(hull.points[list(face), 2]) > bottom + level for face in hull.faces] for hull in hulls]
     upper = [list(compress(part, stay)) for part, stay in zip(parts, stays, strict=True)]
@@ -317,7 +355,7 @@ def block_of_hulls(
 
 
 def _outer(upper: Sequence[Sequence[Face]], parts: Sequence[Sequence[Face]]) -> list[Face]:
-    """What no other part covers of faces of each part."""
+    """Return the parts of the faces of each hull that no other hull covers."""
     extent = float(np.max(np.ptp([corner for part in parts for face in part for corner in face.points()], axis=0)))
     bounds = [
         (np.array([face.normal for face in part]), np.array([face.normal @ face.centre for face in part]))
@@ -327,6 +365,7 @@ def _outer(upper: Sequence[Sequence[Face]], parts: Sequence[Sequence[Face]]) -> 
     for k, own in enumerate(upper):
         for face in own:
             place, left = face.centre + NEAR * extent * face.normal, [face.outline]
+            # cut away what lies inside of each other part
             for normals, off in bounds[:k] + bounds[k + 1 :]:
                 outside = np.column_stack([normals @ place - off, normals @ face.axes[:, :2]])
                 left = [part for outline in left for part in beside(outline, outside)]
@@ -335,7 +374,7 @@ def _outer(upper: Sequence[Sequence[Face]], parts: Sequence[Sequence[Face]]) -> 
 
 
 def _pieces(face: Face, outlines: Sequence[FloatArray]) -> Iterator[Face]:
-    """Parts of a face, without slivers."""
+    """Yield the parts of a face with these outlines, without slivers."""
     for outline in outlines:
         area, first, _ = polygon_moments(outline)
         if area > SLIVER * face.moments[0]:
@@ -344,7 +383,7 @@ def _pieces(face: Face, outlines: Sequence[FloatArray]) -> Iterator[Face]:
 
 
 def _face(corners: FloatArray) -> Face:
-    """A face of corners (k, 3) m in a plane, anticlockwise from outside, its centre at its centroid."""
+    """Return the face with corners (k, 3) m in a plane, anticlockwise from outside, its centre at the centroid."""
     sides = corners - corners[0]
     axes = _axes(np.sum(np.cross(sides[1:-1], sides[2:]), axis=0))
     outline = sides @ axes[:, :2]
@@ -360,21 +399,23 @@ def _axes(normal: FloatArray) -> FloatArray:
 
 
 def checked(points: FloatArray, faces: Sequence[Sequence[int]]) -> Hull:
-    """Return the hull whose faces are given, those that are not convex without corners on a line of others.
+    """Return the hull with these faces, without corners on a straight line of faces that are not convex.
 
-    Raises InputError if they are not those of a convex polyhedron.
+    Raises InputError if the faces are not those of a convex polyhedron.
     """
     extent = float(np.max(np.ptp(points, axis=0)))
     closing, kept = np.zeros(3), []
     for k, numbers in enumerate(faces):
         corners = points[list(numbers)]
         sides = corners - corners[0]
+        # plane, with all points behind it
         area = np.sum(np.cross(sides[1:-1], sides[2:]), axis=0)
         closing += area
         size = float(np.linalg.norm(area))
         if not size > 0.0 or np.max((points - corners[0]) @ area) > 10.0 * MERGED * extent * size:
             raise InputError(f"faces[{k}]: must be plane, anticlockwise from outside, with all points behind it")
         flat = sides @ _axes(area)[:, :2]
+        # convex, once straight corners are dropped
         bent = np.arange(len(numbers)) if is_convex(flat) else bent_corners(flat)
         if not is_convex(flat[bent]):
             raise InputError(f"faces[{k}]: must be a convex polygon, its corners one after the other")

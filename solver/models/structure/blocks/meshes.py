@@ -26,11 +26,30 @@ TURNS = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}  # which of its axes be
 
 
 def triangles_of(path: Path, unit: float, up: str | None, repair: bool = False) -> FloatArray:
-    """Return the triangles of a closed mesh, (k, 3, 3) m, outside anticlockwise.
+    """Return the triangles of a closed mesh, anticlockwise from outside.
 
-    unit: m of a unit of the file; up: the axis of the file that points up; None: y of glTF, which says so, z of others;
-    repair: turn triangles that look inwards. Warns of solids that do not touch, of a height beyond `TALL` and of what
-    was repaired. Raises InputError, beginning with the path, for a file that is none or bounds no solid.
+    Warns of solids that do not touch, of a height beyond `TALL` and of triangles that were repaired.
+
+    Parameters
+    ----------
+    path : Path
+        File of the mesh.
+    unit : float
+        Length of a unit of the file, m.
+    up : str or None
+        Axis of the file that points up; None: y of glTF, which defines it, z of others.
+    repair : bool
+        Turn triangles that look inwards.
+
+    Returns
+    -------
+    array (k, 3, 3)
+        Corners, m.
+
+    Raises
+    ------
+    InputError
+        If the file is no mesh or bounds no solid; the message begins with the path.
     """
     kind = path.suffix.lower()
     if kind not in KINDS:
@@ -51,7 +70,7 @@ def triangles_of(path: Path, unit: float, up: str | None, repair: bool = False) 
         except Exception as error:  # parsers of many formats raise anything
             raise InputError(f"cannot be read as a mesh: {type(error).__name__}: {shortened(error)}") from None
         corners, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64)
-        faces = faces[np.all(faces != np.roll(faces, 1, axis=1), axis=1)]  # corners that are one since they were merged
+        faces = faces[np.all(faces != np.roll(faces, 1, axis=1), axis=1)]  # drop triangles with merged corners
         if not len(faces) or not np.isfinite(corners).all():
             raise InputError("has no triangles, must be a closed mesh" if not len(faces) else "has no finite places")
         if repair:
@@ -59,6 +78,7 @@ def triangles_of(path: Path, unit: float, up: str | None, repair: bool = False) 
             if turned:
                 _warn(path, f"{turned} of {len(faces)} triangles turned")
         check_closed(faces)
+        # turn the axes, so that z points up, and the triangles, so that the volume is positive
         order = TURNS[up or ("y" if kind in (".gltf", ".glb") else "z")]
         found: FloatArray = unit * corners[faces][:, :, order]
         corners = unit * corners[:, order]
@@ -81,7 +101,7 @@ def _warn(path: Path, text: str) -> None:
 
 
 def _buffer_reader(folder: Path, most: int) -> Callable[[str], bytes]:
-    """Return a function that reads a file that a mesh names: an ordinary one in its folder, `most` bytes in all."""
+    """Return a function that reads a file named by a mesh: an ordinary file in its folder, `most` bytes in all."""
     inside, left = Path(os.path.realpath(folder)), most
 
     def read(name: str) -> bytes:
@@ -101,7 +121,7 @@ def _buffer_reader(folder: Path, most: int) -> Callable[[str], bytes]:
 
 
 def _resolver(read: Callable[[str], bytes]) -> Any:
-    """Return what trimesh asks for the files that a mesh names."""
+    """Return the resolver that trimesh calls for the files named by a mesh."""
     from trimesh.resolvers import Resolver
 
     class Buffers(Resolver):

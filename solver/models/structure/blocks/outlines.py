@@ -1,4 +1,4 @@
-"""The outline of a prism or of a joint, as a user gives it."""
+"""The outline of a prism or of a joint, as given in a file."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .faces import FloatArray, polygon_moments
 
 MOST_CORNERS = 100
 THINNEST = 1e-9  # of the square of its extent: the least area
-STRAIGHT = 1e-9  # of its extent: a corner that lies closer to the line between its neighbours is none
+STRAIGHT = 1e-9  # of its extent: a corner closer to the line between its neighbours is dropped
 FARTHEST = 1e3  # times its extent: distance from its origin; beyond it the moments lose their digits
 TINY = 1e-300  # m
 MEANING = f"a list of 3 to {MOST_CORNERS} pairs of lengths in m, the corners of a convex polygon one after the other"
@@ -22,7 +22,7 @@ MEANING = f"a list of 3 to {MOST_CORNERS} pairs of lengths in m, the corners of 
 def outline_of(key: str, pairs: Sequence[FloatArray]) -> FloatArray:
     """Return a convex polygon, anticlockwise, (corners, 2) m, without corners on the straight line of their neighbours.
 
-    A last corner that repeats the first is left out. Raises InputError for what is no such polygon.
+    A last corner that repeats the first is left out. Raises InputError if the pairs are no convex polygon.
     """
     found = np.array(pairs[:-1] if len(pairs) > 1 and np.array_equal(pairs[0], pairs[-1]) else pairs)
     if len(found) < 3:
@@ -47,7 +47,7 @@ def outline_of(key: str, pairs: Sequence[FloatArray]) -> FloatArray:
 def bent_corners(outline: FloatArray) -> NDArray[np.intp]:
     """Return the indices of the corners of a polygon (corners, 2) that lie off the line between their neighbours.
 
-    The straightest one goes first. What is left of a convex polygon crosses a line twice, whatever the rounding.
+    The straightest corner is removed first. Any line crosses the rest of a convex polygon twice, whatever the rounding.
     """
     kept = np.arange(len(outline))
     least = STRAIGHT * float(np.max(np.ptp(outline, axis=0)))

@@ -1,4 +1,4 @@
-"""The parts of a structure in space: blocks, joints between two faces, ties. All lengths and places are as built."""
+"""The parts of a structure in space: blocks, joints between two faces, ties. All lengths and positions are as built."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import numpy as np
 from ....common.errors import InputError
 from .faces import Face, FloatArray
 
-TOLERANCE = 1e-5  # of a structure that has none of its own
+TOLERANCE = 1e-5  # default
 BASE = "base"  # name of the body that everything stands on
-OF_COLUMN = "column"  # key of a structure that is a column's stack: the mapping of the column's own file
-BESIDE_COLUMN = ("port", "neighbours")  # the other ones that it may have
+OF_COLUMN = "column"  # key of the mapping of a column's file, of a structure that is a stack of a column
+BESIDE_COLUMN = ("port", "neighbours")  # the other keys that such a structure may have
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,22 +33,22 @@ class Solid:
 
     @property
     def size(self) -> float:
-        """Radius of gyration, m: by it rotations become displacements."""
+        """The radius of gyration (m): it converts rotations to displacements."""
         return math.sqrt(float(np.trace(self.inertia)) / (2.0 * self.mass))
 
     @property
     def corners(self) -> FloatArray:
-        """Corners of all faces, (points, 3) m."""
+        """The corners of all faces, (points, 3) m."""
         return np.concatenate([face.points() for face in self.faces])
 
     @cached_property
     def reach(self) -> float:
-        """Distance of the farthest corner from the centroid, m."""
+        """The distance of the farthest corner from the centroid (m)."""
         return float(np.max(np.linalg.norm(self.corners - self.centroid, axis=1)))
 
     @property
     def drop(self) -> float:
-        """Half of the least extent, m: a block that lies lower by that has fallen."""
+        """Half of the least extent (m): a block that is lower than built by this has fallen."""
         return 0.5 * float(np.min(np.ptp(self.corners, axis=0)))
 
 
@@ -61,34 +61,35 @@ class Bed:
     shear_ratio: float = 0.4  # of the modulus along the joint
     shear_damping: float | None = None  # s; None: as damping
     friction: float | None = None  # Coulomb's coefficient; None: the joint never slides
-    dowel: float = 0.0  # N, borne beside friction
-    strength: float | None = None  # Pa, pressure that the faces bear; compared with by checks, the motion ignores it
+    dowel: float = 0.0  # N, borne in addition to friction
+    strength: float | None = None  # Pa, compressive strength of the faces; used by checks only, not by the motion
     tensile_strength: float = 0.0  # Pa, tension that it bears until it breaks (theory.md section 18)
-    cohesion: float = 0.0  # Pa, borne beside friction over what has not broken
+    cohesion: float = 0.0  # Pa, borne in addition to friction by the unbroken area
     rim: float | None = None  # m, width of the band along the edges in which faces touch; None: all over
 
     @property
     def is_bonded(self) -> bool:
-        """Whether it bears more than a dry joint, until it breaks."""
+        """True if the joint bears tension or cohesion until it breaks."""
         return self.tensile_strength > 0.0 or self.cohesion > 0.0
 
 
 @dataclass(frozen=True)
 class Bearing:
-    """What a bearing bears by its displacement u, beside a joint that bears at a point (theory.md section 13).
+    """The law of a bearing by its displacement u, added to that of a joint at a point (theory.md section 13).
 
-    Its horizontal force is N u times `pendulum`, `spring` u, `dashpot` u' and that of the ring; its bed has the rest:
-    `stiffness` times the area across, `shear_ratio` of it along until friction or the dowel gives way.
+    The horizontal force is the sum of N u `pendulum`, `spring` u, `dashpot` u' and the force of the ring. The bed of
+    the joint adds the rest: `stiffness` times the area across, and `shear_ratio` of it along until friction or the
+    dowel yields.
     """
 
     kind: str
     pendulum: float = 0.0  # 1/m, over the radius of curvature
     spring: float = 0.0  # N/m
     dashpot: float = 0.0  # N s/m
-    ring: float = math.inf  # m, the displacement from which on a stiff ring pushes back
+    ring: float = math.inf  # m, displacement at which a stiff ring begins to push back
     ring_stiffness: float = 0.0  # N/m
     ring_damping: float = 0.0  # s
-    capacity: float = math.inf  # m, the displacement beyond which what it bears has come off
+    capacity: float = math.inf  # m, displacement beyond which the block above has come off
     holds: bool = False  # bears tension
 
 
@@ -101,14 +102,14 @@ class Joint:
     face: Face  # centred at its centroid
     bed: Bed
     key: str = ""  # of the table it is from, for messages
-    above: Face | None = None  # faces of `upper` and `lower`, which end the contact after a slip; None: alike `face`
+    above: Face | None = None  # faces of `upper` and `lower`, which bound the contact after a slip; None: `face`
     below: Face | None = None
-    bearing: Bearing | None = None  # then it bears at the centre of `face`, which has the size of the bearing
-    inside: Face | None = None  # what a rim leaves open of `face`, about the same centre
+    bearing: Bearing | None = None  # acts at the centre of `face`, which has the size of the bearing
+    inside: Face | None = None  # area of `face` that a rim leaves open, about the same centre
 
     @cached_property
     def moments(self) -> tuple[float, float, float, float]:
-        """The area that bears (m2), and its integrals of x^2, y^2 and x y about the centre (m4)."""
+        """The bearing area (m2), and its integrals of x^2, y^2 and x y about the centre (m4)."""
         found = self.face.moments
         if self.inside is None:
             return found
@@ -117,7 +118,7 @@ class Joint:
 
     @property
     def arm(self) -> float:
-        """The mean distance of what bears from the centre (m): the arm of friction against twisting."""
+        """The mean distance of the bearing area from the centre (m): the arm of friction against twisting."""
         if self.inside is None or not self.inside.moments[0]:
             return self.face.arm
         inside = self.inside.arm * self.inside.moments[0]
@@ -126,7 +127,7 @@ class Joint:
 
 @dataclass(frozen=True, eq=False)
 class Side:
-    """The round side of a drum."""
+    """The cylindrical side of a drum."""
 
     middle: FloatArray  # (3,) m, of its axis
     axis: FloatArray  # (3,) unit vector
@@ -136,7 +137,7 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """Two sides of blocks that no joint connects, and what they bear where they meet (theory.md section 17)."""
+    """Two sides of blocks without a joint, and the law of their contact (theory.md section 17)."""
 
     one: int  # number of the block, from 0
     other: int  # of another one, or of the base
@@ -144,7 +145,7 @@ class Pair:
     beside: Side | Face  # of the other one
     gap: float  # m, between both as built
     size: float  # m, or m2 of two faces, over which they face each other as built
-    farther: float = 0.0  # m, by which they are taken to be farther apart than the blocks are
+    farther: float = 0.0  # m, added to the distance of the blocks
     stiffness: float = 0.0  # N/m2, or N/m3 of two faces
     damping: float = 0.0  # s
     friction: float = 0.0

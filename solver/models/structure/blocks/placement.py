@@ -1,4 +1,4 @@
-"""Mistakes in how blocks and joints lie: two blocks in one place, a contact that counts twice, a joint far away."""
+"""Checks of positions: blocks in the same place, contacts counted twice, joints far from their blocks."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ BEYOND = 0.1  # of the diagonal of a block: the farthest that the middle of a jo
 
 
 def check_places(keys: Sequence[str], blocks: Sequence[Solid]) -> None:
-    """Raise InputError for two blocks that fill the same place; keys: of their tables."""
+    """Raise InputError for two blocks that fill the same space; keys: names of their tables."""
     taken: dict[tuple[int, ...], str] = {}
     for key, block in zip(keys, blocks, strict=True):
         low, high = _box(block)
@@ -27,7 +27,7 @@ def check_places(keys: Sequence[str], blocks: Sequence[Solid]) -> None:
 
 
 def check_joints(blocks: Sequence[Solid], joints: Sequence[Joint]) -> None:
-    """Raise InputError for a joint that is not at its blocks, and for two that bear over the same area of a pair."""
+    """Raise InputError for a joint away from its blocks, and for two joints of a pair that share an area."""
     pairs: dict[tuple[int, int], list[Joint]] = defaultdict(list)
     for joint in joints:
         for body in (joint.upper, joint.lower):
@@ -57,7 +57,7 @@ def _check_near(joint: Joint, block: Solid) -> None:
 
 
 def _overlap(one: Face, other: Face) -> bool:
-    """Whether two faces in a plane share an area, whichever way they look."""
+    """Return True if two coplanar faces share an area, whichever way their normals point."""
     if float(one.normal @ other.normal) > 0.0:
         across = np.diag([1.0, -1.0, -1.0])
         one = Face(one.centre, one.axes @ across, one.outline * [1.0, -1.0], one.radius, one.bore)

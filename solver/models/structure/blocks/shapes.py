@@ -1,4 +1,4 @@
-"""Blocks from their shapes: boxes, drums and prisms of one material, with mass, inertia and plane faces."""
+"""Blocks from their shapes: boxes, drums and prisms of uniform density, with mass, inertia and plane faces."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)  # exact for all moments of
 
 
 def rotation_matrix(vector: FloatArray) -> FloatArray:
-    """The rotation about an axis by an angle in rad: axis times angle, (3, 3)."""
+    """Return the rotation matrix (3, 3) of a rotation vector, axis times angle in rad."""
     angle = float(np.linalg.norm(vector))
     x, y, z = vector
     across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
@@ -23,7 +23,7 @@ def rotation_matrix(vector: FloatArray) -> FloatArray:
 
 
 def turned(rotation: FloatArray, arm: FloatArray) -> FloatArray:
-    """By how much rotations (rows, 3), rad, displace the end of an arm (3,) or (rows, 3), m."""
+    """Return the displacement (m) of the end of an arm (3,) or (rows, 3), m, by rotation vectors (rows, 3), rad."""
     angle = np.linalg.norm(rotation, axis=-1, keepdims=True)
     first = np.sinc(angle / np.pi)  # sine over angle
     second = 0.5 * np.sinc(0.5 * angle / np.pi) ** 2
@@ -32,13 +32,25 @@ def turned(rotation: FloatArray, arm: FloatArray) -> FloatArray:
 
 
 def rectangle(width: float, depth: float) -> FloatArray:
-    """Its corners about its middle, anticlockwise, (4, 2) m."""
+    """Return the corners of a rectangle about its centre, anticlockwise, (4, 2) m."""
     w, d = 0.5 * width, 0.5 * depth
     return np.array([[-w, -d], [w, -d], [w, d], [-w, d]])
 
 
 def box(name: str, bottom: tuple[float, float], top: tuple[float, float], height: float, density: float) -> Solid:
-    """A box on the origin whose bottom and top faces, width and depth in m, may differ."""
+    """Return a box standing on the origin, whose bottom and top faces may differ.
+
+    Parameters
+    ----------
+    name : str
+        Name of the block.
+    bottom, top : tuple of float
+        Width and depth of the faces, m.
+    height : float
+        Height, m.
+    density : float
+        Density, kg/m3.
+    """
 
     def section(part: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         width, depth = (b + (t - b) * part for b, t in zip(bottom, top, strict=True))
@@ -58,7 +70,10 @@ def box(name: str, bottom: tuple[float, float], top: tuple[float, float], height
 
 
 def drum(name: str, diameter: float, top_diameter: float, bore: float, height: float, density: float) -> Solid:
-    """A drum on the origin, conical where its diameters differ, with a cylindrical bore or none."""
+    """Return a drum standing on the origin, conical if its diameters differ, with a cylindrical bore or none.
+
+    Lengths are in m, the density in kg/m3.
+    """
 
     def section(part: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         outer, inner = 0.5 * (diameter + (top_diameter - diameter) * part), 0.5 * bore
@@ -73,7 +88,8 @@ def drum(name: str, diameter: float, top_diameter: float, bore: float, height: f
 
 
 def prism(name: str, outline: FloatArray, depth: float, density: float) -> Solid:
-    """A convex outline in x and z, (corners, 2) m, over a depth along y: a voussoir."""
+    """Return the prism of a convex outline in x and z, (corners, 2) m, over a depth along y (m): a voussoir."""
+    # mass properties
     area, first, second = polygon_moments(outline)
     if area < 0.0:
         return prism(name, outline[::-1], depth, density)
@@ -82,6 +98,7 @@ def prism(name: str, outline: FloatArray, depth: float, density: float) -> Solid
     x, z, xz = mass * own[0, 0], mass * own[1, 1], mass * own[0, 1]
     y = mass * depth**2 / 12.0
     inertia = np.array([[y + z, 0.0, -xz], [0.0, x + z, 0.0], [-xz, 0.0, x + y]])
+    # rectangular faces along the outline
     faces = []
     for a, b in zip(outline, np.roll(outline, -1, axis=0), strict=True):
         side = (b - a) / np.linalg.norm(b - a)
@@ -90,6 +107,7 @@ def prism(name: str, outline: FloatArray, depth: float, density: float) -> Solid
         axes = np.column_stack([first_axis, np.cross(third, first_axis), third])
         centre = 0.5 * (a + b)
         faces.append(Face(np.array([centre[0], 0.0, centre[1]]), axes, rectangle(float(np.linalg.norm(b - a)), depth)))
+    # both ends
     for way in (1.0, -1.0):
         third = np.array([0.0, way, 0.0])
         axes = np.column_stack([np.array([-way, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]), third])
@@ -100,13 +118,16 @@ def prism(name: str, outline: FloatArray, depth: float, density: float) -> Solid
 
 
 def _level(outline: FloatArray, height: float, way: float, radius: float = 0.0, bore: float = 0.0) -> Face:
-    """A horizontal face, seen from outside; way: 1 of a top face, -1 of a bottom one."""
+    """Return a horizontal face, seen from outside; way: 1 for a top face, -1 for a bottom face."""
     axes = np.diag([1.0, way, way])
     return Face(np.array([0.0, 0.0, height]), axes, outline, radius, bore)
 
 
 def _upright(name: str, section: object, height: float, density: float, faces: list[Face]) -> Solid:
-    """A block from its sections: area, and second moments about x and about y, at parts of the height."""
+    """Return a block from its sections, by Gauss quadrature over the height.
+
+    section: returns the area and the second moments about x and y at relative heights.
+    """
     part = 0.5 * (POINTS + 1.0)
     area, about_x, about_y = section(part)  # type: ignore[operator]
     weight = 0.5 * height * WEIGHTS * density
@@ -120,7 +141,7 @@ def _upright(name: str, section: object, height: float, density: float, faces: l
 
 
 def placed(solid: Solid, place: FloatArray, turn: FloatArray) -> Solid:
-    """A block turned about the origin, (3, 3), and then moved from there to a place, m."""
+    """Return the block rotated about the origin by `turn`, (3, 3), and then shifted by `place`, m."""
     faces, *parts = (tuple(_placed_face(face, place, turn) for face in part) for part in (solid.faces, *solid.parts))
     inertia = turn @ solid.inertia @ turn.T
     inertia = 0.5 * (inertia + inertia.T)

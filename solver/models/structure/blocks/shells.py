@@ -1,4 +1,4 @@
-"""Closed shells of a mesh: whether together they bound a solid once, and how many solids lie apart."""
+"""Checks of the shells of a closed mesh: whether they bound a solid once, and how many solids are separate."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ IntArray = NDArray[np.int64]
 
 
 def check_closed(faces: IntArray) -> None:
-    """Raise InputError unless each edge is passed as often one way as the other: then Green's theorem holds."""
+    """Raise InputError unless each edge is passed equally often in both directions, as Green's theorem requires."""
     ends, edge = _edges(faces)
     passed = np.bincount(edge)
     single = int(np.sum(passed % 2))
@@ -33,10 +33,10 @@ def check_closed(faces: IntArray) -> None:
 
 
 def check_shells(corners: FloatArray, faces: IntArray) -> None:
-    """Raise InputError if a point of space lies in the mesh more than once, or less than not at all.
+    """Raise InputError if some point is enclosed by the mesh more than once, or a negative number of times.
 
-    The winding number must be 0 or 1 on both sides of sampled points of the surface. One shell without edges of
-    several sheets is not sampled.
+    The winding number must be 0 or 1 on both sides of sampled points of the surface. A single shell whose edges all
+    have two triangles is not sampled.
     """
     _, edge = _edges(faces)
     if np.max(np.bincount(edge)) == 2 and np.max(_components(edge.reshape(3, -1).T)) == 0:
@@ -53,7 +53,7 @@ def check_shells(corners: FloatArray, faces: IntArray) -> None:
 
 
 def solids_apart(corners: FloatArray, faces: IntArray) -> int:
-    """Return the number of solids that do not touch each other; one in the void of another is not counted."""
+    """Return the number of solids that do not touch each other; a void is not counted."""
     shell = _components(faces)
     count = int(np.max(shell)) + 1
     if count == 1:
@@ -71,7 +71,7 @@ def solids_apart(corners: FloatArray, faces: IntArray) -> int:
 
 
 def repaired(corners: FloatArray, faces: IntArray) -> tuple[IntArray, int]:
-    """Return the triangles, turned so that shells look outwards, and inwards around voids, and how many were turned."""
+    """Return the triangles turned so that shells look outwards and voids inwards, and how many were turned."""
     _, edge = _edges(faces)
     turned = _orientation(faces, edge.reshape(3, -1).T)
     made = np.where(turned[:, None], faces[:, ::-1], faces)
@@ -81,7 +81,7 @@ def repaired(corners: FloatArray, faces: IntArray) -> tuple[IntArray, int]:
             made[shell == k] = made[shell == k][:, ::-1]
             turned[shell == k] ^= True
     outwards = made.copy()
-    for k in range(int(np.max(shell)) + 1):  # a shell within an odd number of others bounds a void
+    for k in range(int(np.max(shell)) + 1):  # a shell enclosed by an odd number of others bounds a void
         own, others = corners[outwards[shell == k]], corners[outwards[shell != k]]
         if len(others) and np.median(np.rint(_windings(_beside_surface(own), others))) % 2.0 == 1.0:
             made[shell == k] = made[shell == k][:, ::-1]
@@ -90,14 +90,17 @@ def repaired(corners: FloatArray, faces: IntArray) -> tuple[IntArray, int]:
 
 
 def _edges(faces: IntArray) -> tuple[IntArray, IntArray]:
-    """Return both ends of the edges of triangles, (3 k, 2), all first edges first, and the number of each edge."""
+    """Return the ends of the edges of triangles, (3 k, 2), first edges of all first, and the index of each edge."""
     ends = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
     _, edge = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
     return ends, edge.ravel()
 
 
 def _components(cells: IntArray) -> IntArray:
-    """Return the component of each triangle; two are connected that share a corner, or an edge, of `cells` (k, 3)."""
+    """Return the connected component of each triangle; triangles that share an entry of `cells` (k, 3) are connected.
+
+    cells: corners or edges of each triangle.
+    """
     with needing(EXTRA, "scipy"):
         from scipy.sparse import coo_array
         from scipy.sparse.csgraph import connected_components
@@ -109,14 +112,15 @@ def _components(cells: IntArray) -> IntArray:
 
 
 def _orientation(faces: IntArray, edges: IntArray) -> NDArray[np.bool_]:
-    """Return which triangles to turn so that those beside each other pass their edge in opposite directions.
+    """Return the mask of triangles to turn so that neighbours pass their common edge in opposite directions.
 
-    edges: (k, 3). Triangles are followed over edges of two triangles, breadth first.
+    edges: (k, 3). Triangles are visited breadth first, over edges that have two triangles.
     """
     with needing(EXTRA, "scipy"):
         from scipy.sparse import coo_array
         from scipy.sparse.csgraph import breadth_first_order, connected_components
     k = len(faces)
+    # pairs of triangles at each edge that has two, and whether both pass it in the same direction
     order = np.argsort(edges.T.ravel(), kind="stable")
     shared = edges.T.ravel()[order]
     first = np.flatnonzero((shared[1:] == shared[:-1]) & (np.bincount(shared)[shared[:-1]] == 2))
@@ -125,6 +129,7 @@ def _orientation(faces: IntArray, edges: IntArray) -> NDArray[np.bool_]:
     same = ends[order[first], 0] == ends[order[first + 1], 0]
     graph = coo_array((np.where(same, 2, 1), (one, other)), shape=(k, k)).tocsr()
     graph = graph.maximum(graph.T).tocsr()
+    # propagate the orientation from one triangle of each component
     turned = np.zeros(k, dtype=bool)
     for component in np.unique(connected_components(graph, directed=False)[1], return_index=True)[1]:
         reached, before = breadth_first_order(graph, component, directed=False)
@@ -134,13 +139,13 @@ def _orientation(faces: IntArray, edges: IntArray) -> NDArray[np.bool_]:
 
 
 def _volume(triangles: FloatArray) -> float:
-    """Return the volume that triangles (k, 3, 3) bound, m3; negative if they look inwards."""
+    """Return the signed volume bounded by triangles (k, 3, 3), m3; negative if they look inwards."""
     a, b, c = np.moveaxis(triangles - np.mean(triangles, axis=(0, 1)), 1, 0)
     return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0
 
 
 def _beside_surface(triangles: FloatArray) -> FloatArray:
-    """Return points close to both sides of a surface (k, 3, 3), (points, 3), spread by its area; the same each time."""
+    """Return points close to both sides of a surface (k, 3, 3), (points, 3), spread by area; deterministic."""
     count = int(np.clip(ANGLES // (2 * len(triangles)), 20, SAMPLES))
     draw = np.random.default_rng(0)
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
@@ -155,7 +160,7 @@ def _beside_surface(triangles: FloatArray) -> FloatArray:
 def _windings(points: FloatArray, triangles: FloatArray) -> FloatArray:
     """Return the winding number of a closed surface (k, 3, 3) about points: its solid angle over 4 pi.
 
-    Of a triangle by A. van Oosterom and J. Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125.
+    Solid angle of a triangle: A. van Oosterom and J. Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125.
     """
     rows = max(1, CHUNK // len(triangles))
     total = np.empty(len(points))
@@ -169,7 +174,7 @@ def _windings(points: FloatArray, triangles: FloatArray) -> FloatArray:
 
 
 def _gap(corners: FloatArray, one: IntArray, other: IntArray, most: float) -> float:
-    """Return the distance of two shells, m, up to `most`; 0 of shells that are no manifolds."""
+    """Return the distance of two shells, m, up to `most`; 0 if a shell is no manifold."""
     with needing(EXTRA, "manifold3d"):
         from manifold3d import Error, Manifold, Mesh64
     shells = []
