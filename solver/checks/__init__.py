@@ -1,1 +1,1 @@
-"""Checks of a column against a seismic action: motions scaled to it, demands beside limits, margin, methods by hand."""
+"""The check of a column against a seismic action: scaled motions, demands and limits, margin, hand methods."""

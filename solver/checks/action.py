@@ -1,4 +1,4 @@
-"""The action of a check: motions as given, scaled, or made, and the spectrum that they stand for."""
+"""The action of a check: the motions, as given, scaled or artificial, and the spectrum that they represent."""
 
 from __future__ import annotations
 
@@ -19,37 +19,37 @@ from .scaling import Fit, MotionSpectra, ScaledMotion
 from .spectra import Spectral, TargetSpectrum
 from .subject import Subject
 
-ARTIFICIAL = 7  # motions made where no record is given: as many as have their mean count
-SHORTEST_PART, LONGEST_PART = 0.2, 2.0  # of the first period: EN 1998-1, 3.2.3.1.2(4)
-LONGEST_PERIOD = 4.0  # s, at which the spectra of codes end
+ARTIFICIAL = 7  # number of artificial motions: the least for which the mean counts
+SHORTEST_PART, LONGEST_PART = 0.2, 2.0  # range over the first period: EN 1998-1, 3.2.3.1.2(4)
+LONGEST_PERIOD = 4.0  # s, the end of the spectra of codes
 
 Motions = Mapping[str, Motion] | Iterable[Motion | str | os.PathLike[str]]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Action:
-    """The action on a subject: motions as they are applied, and the spectrum that they stand for."""
+    """The action on a subject: the motions as applied, and the spectrum that they represent."""
 
     motions: tuple[ScaledMotion, ...]
-    how: str  # they were scaled, in words
+    how: str  # how they were scaled, in words
     target: TargetSpectrum | None = None
-    periods: tuple[float, float] | None = None  # s, range in which their spectra follow the target
+    periods: tuple[float, float] | None = None  # s, range in which the spectra of the motions follow the target
 
     @cached_property
     def spectrum(self) -> Spectral:
-        """The target, or what the motions themselves have."""
+        """The target spectrum, or that of the motions if there is no target."""
         return self.target or MotionSpectra(tuple(scaled.motion for scaled in self.motions))
 
     @cached_property
     def fit(self) -> tuple[float, float] | None:
-        """Least and largest ratio of the mean spectrum to the target over `periods`; None without a target."""
+        """The least and the largest ratio of the mean spectrum to the target over `periods`; None without a target."""
         if self.target is None or self.periods is None:
             return None
         mean = Fit({scaled.name: scaled.motion for scaled in self.motions}, self.target, self.periods).mean()
         return float(np.min(mean)), float(np.max(mean))
 
     def turned(self) -> Action:
-        """The same with all motions turned by a quarter, from x to y."""
+        """Return the action with all motions rotated by a quarter turn about the vertical, from x to y."""
         made = []
         for scaled in self.motions:
             motion = replace(scaled.motion, ax=-scaled.motion.ay, ay=scaled.motion.ax)
@@ -58,9 +58,12 @@ class Action:
         return replace(self, motions=tuple(made), how=f"{self.how}, turned by a quarter")
 
     def cautions(self, longest: float = 0.0) -> list[str]:
-        """Return a line for each use of the target beyond its table, and one of factors that are too large.
+        """Return a line for each use of the target beyond its table, and one for factors that are too large.
 
-        longest: period, s, up to which the methods by hand read the target.
+        Parameters
+        ----------
+        longest : float
+            Longest period (s) at which the methods by hand read the target.
         """
         lines = scaling.factor_lines(self.motions)
         if self.target is None or self.periods is None:
@@ -70,7 +73,7 @@ class Action:
 
     @property
     def statistic(self) -> str:
-        """Which of the values of several motions counts, in words."""
+        """The statistic that counts over several motions (mean or largest), in words."""
         count = len(self.motions)
         if count >= scaling.MEAN_FROM:
             return f"mean of {count} motions"
@@ -80,18 +83,24 @@ class Action:
 
 @dataclass(frozen=True)
 class Level:
-    """The level to which motions are brought: at most one of target, pga and sa. Raises InputError as `check` does."""
+    """The level to which motions are scaled: at most one of target, pga and sa.
+
+    Raises
+    ------
+    InputError
+        As `check` does.
+    """
 
     target: TargetSpectrum | None
     pga: float | None  # m/s2
     vertical_pga: float | None  # m/s2
     sa: float | None  # m/s2, at the first period
     periods: tuple[float, float] | None  # s
-    least: float  # part of the target below which the mean spectrum must not be
-    artificial: int  # motions made where none is given
-    vertical: bool  # these have vertical components
+    least: float  # least ratio of the mean spectrum to the target
+    artificial: int  # number of artificial motions if none is given
+    vertical: bool  # whether the artificial motions have vertical components
     seed: int
-    force_scale: bool = False  # factors on records beyond what they bear
+    force_scale: bool = False  # whether factors beyond 0.01 to 100 are allowed
 
     def __post_init__(self) -> None:
         if sum(value is not None for value in (self.target, self.pga, self.sa)) > 1:
@@ -103,9 +112,28 @@ class Level:
 
 
 def action_on(subject: Subject, motions: Motions, level: Level, variants: Sequence[Subject] = ()) -> Action:
-    """The motions brought to a level; where none is given, artificial ones. Raises InputError as `check` does.
+    """Scale the motions to a level, or make artificial ones if none is given.
 
-    variants: which the same motions shake. They follow a target up to the periods of their bearings, too.
+    Parameters
+    ----------
+    subject : Subject
+        The model under check.
+    motions : Motions
+        Motions by name, or a sequence of motions or paths of records.
+    level : Level
+        The level to which the motions are scaled.
+    variants : sequence of Subject
+        Further models under the same motions, which then follow a target up to the periods of their bearings too.
+
+    Returns
+    -------
+    Action
+        The motions as applied, with the target.
+
+    Raises
+    ------
+    InputError
+        As `check` does.
     """
     given, own = _named(motions), subject.period
     if not subject.model.kind.across:
@@ -132,8 +160,12 @@ def action_on(subject: Subject, motions: Motions, level: Level, variants: Sequen
 def _following(
     target: TargetSpectrum, given: Mapping[str, Motion], level: Level, subject: Subject, longest: float
 ) -> Action:
-    """Motions whose spectra follow the target: those given, scaled, or artificial ones."""
+    """Return an action whose spectra follow the target: the given motions scaled, or artificial ones.
+
+    `longest` (s) extends the default range of periods, up to the end of the spectra of codes.
+    """
     own = subject.period
+    # range of periods that the motions must follow
     usual = (SHORTEST_PART * own, max(LONGEST_PART * own, min(longest, LONGEST_PERIOD)))
     low, high = usual if level.periods is None else level.periods
     if high > target.longest:
@@ -146,6 +178,7 @@ def _following(
         scaling.check_factors(scaled, level.force_scale)
         how = f"each to a mean of 1 over the target from {low:.3g} to {high:.3g} s, all so that their mean is no "
         return Action(tuple(scaled), f"{how}less than {level.least:g} of it", target, (low, high))
+    # no records: artificial motions, with the components that the model and the level need
     made = artificial_motions(target, level.artificial, level.seed)
     if subject.model.kind.across:
         made = with_across(made, target, level.seed)

@@ -1,4 +1,4 @@
-"""The answer of a check in plain sentences, made from its rows and verdicts alone."""
+"""The answer of a check in plain sentences, composed from its rows and verdicts only."""
 
 from __future__ import annotations
 
@@ -14,18 +14,21 @@ from .table import Row
 from .verdicts import Verdicts
 
 PASSES, FAILS, UNDECIDED = "PASSES", "FAILS", "UNDECIDED"
-MOST_NAMED = 3  # motions that are named
+MOST_NAMED = 3  # largest number of motions listed by name
 
 
 def outcome_of(rows: Sequence[Row]) -> str:
-    """PASSES, FAILS or UNDECIDED: one row that fails is enough; then one that is undecided."""
+    """Return PASSES, FAILS or UNDECIDED: FAILS if any row fails, else UNDECIDED if any row is undecided."""
     if any(row.passes is False for row in rows):
         return FAILS
     return UNDECIDED if any(row.undecided for row in rows) else PASSES
 
 
 def answer(rows: Sequence[Row]) -> str:
-    """Return whether it passes, and by which rows it does not; demands that a fall leaves unknown are not named."""
+    """Return the sentence that says whether the check passes, and which rows fail.
+
+    Rows whose demand is unknown because of a fall are named only if no other row fails.
+    """
     outcome = outcome_of(rows)
     if outcome == PASSES:
         return f"{PASSES}: no row of the table fails."
@@ -37,7 +40,15 @@ def answer(rows: Sequence[Row]) -> str:
 
 
 def cracked_sentence(names: Sequence[str], runs: Sequence[Any]) -> str:
-    """Return which joints of mortar break through under some motion, "" without any; names: of these joints."""
+    """Return the sentence on the mortar joints that break through under some motion, or "" if there are none.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of the mortar joints.
+    runs : sequence
+        Responses of the model as given, one per motion; `peaks["bond"]` is (joints,).
+    """
     if not names:
         return ""
     broken = np.array([np.asarray(run.peaks["bond"]) <= 0.0 for run in runs])
@@ -52,7 +63,10 @@ def cracked_sentence(names: Sequence[str], runs: Sequence[Any]) -> str:
 
 
 def components_sentence(action: Action, across: bool) -> str:
-    """Return how many components of motion act; across: the model can move along both horizontal directions."""
+    """Return the sentence on the number of components of motion that act.
+
+    `across` is True if the model can move along both horizontal directions.
+    """
     two = sum(scaled.motion.has_ay for scaled in action.motions)
     upright = any(np.any(scaled.motion.az) for scaled in action.motions)
     other = " and a vertical one" if upright else ""
@@ -66,7 +80,10 @@ def components_sentence(action: Action, across: bool) -> str:
 
 
 def verdict_sentence(word: str, found: Verdicts) -> str:
-    """What the model as given does, and the share of varied ones that falls; word: column or structure."""
+    """Return the sentences on the model as given, and on the share of the varied models that falls.
+
+    `word` names the model: column or structure.
+    """
     return f"{_own(word, found)} {_varied(word, found)}"
 
 
@@ -100,7 +117,10 @@ def _varied(word: str, found: Verdicts) -> str:
 
 
 def margin_sentence(margin: Margin | None, any_undecided: bool) -> str:
-    """How far it is from falling, as given and varied."""
+    """Return the sentence on the margin to overturning, of the model as given and varied.
+
+    `any_undecided` is True if some run is undecided; a caution is then added.
+    """
     if margin is None:
         return "How much more shaking it bears was not looked for."
     least = margin.stands

@@ -1,8 +1,8 @@
-"""Motions made to fit a spectrum, where there are no records: noise in an envelope, corrected step by step.
+"""Artificial motions that fit a spectrum: noise in an envelope, corrected iteratively.
 
-As EN 1998-1, 3.2.3.1.2 describes artificial accelerograms. Each iteration multiplies the Fourier coefficients of the
-motion by target over response at the same period, without a change of phase (Gasparini and Vanmarcke 1976 do so with
-the amplitudes before the envelope), then keeps what is inside the envelope and takes the drift of the base away.
+They are the artificial accelerograms of EN 1998-1, 3.2.3.1.2. Each iteration multiplies the Fourier coefficients of the
+motion by target over response at the same period and keeps their phase (Gasparini and Vanmarcke 1976 correct the
+amplitudes before the envelope is applied), then truncates the motion to the envelope and removes the drift of the base.
 """
 
 from __future__ import annotations
@@ -18,19 +18,40 @@ from .spectra import DAMPING, FloatArray, Spectral
 
 DT = 0.01  # s
 LENGTH = 25.0  # s; with LEVEL below the strong part lasts more than the 10 s of EN 1998-1, 3.2.3.1.2(3)
-RISE, LEVEL = 0.1, 0.6  # parts of the length: the envelope rises until the first and falls from the second on
-LEFT_AT_END = 0.02
+RISE, LEVEL = 0.1, 0.6  # over the length: end of the rise of the envelope, begin of its fall
+LEFT_AT_END = 0.02  # envelope at the end
 ITERATIONS = 20
-FINER = 2  # times as many instants, at which peaks of oscillators are looked for
-LOWEST = 0.1  # Hz: slower parts move no column and are not asked for
+FINER = 2  # oversampling for the peaks of the oscillators
+LOWEST = 0.1  # Hz: lower frequencies do not move a column and are filtered
 SHORTEST = 0.04  # s: four samples
-PERIODS = np.geomspace(SHORTEST, 5.0, 80)  # s, at which the spectrum is corrected
+PERIODS = np.geomspace(SHORTEST, 5.0, 80)  # s, at which the spectrum is compared
 
 
 def artificial_motions(target: Spectral, count: int, seed: int = 0, length: float = LENGTH) -> dict[str, Motion]:
-    """`count` motions of `length` s whose spectra of 5 % damping follow a target; seeds `seed`, `seed` + 1 and so on.
+    """Return artificial motions whose spectra of 5 % damping follow a target.
 
-    Between 0.05 and 4 s a spectrum stays within about 10 % of the target (tests/checks). Raises InputError.
+    Between 0.05 and 4 s a spectrum stays within about 10 % of the target (tests/checks).
+
+    Parameters
+    ----------
+    target : Spectral
+        The target spectrum.
+    count : int
+        Number of motions, 1 to 1000.
+    seed : int
+        Seed of the first motion; the next ones have `seed` + 1 and so on.
+    length : float
+        Duration of each motion (s), 10 to 600.
+
+    Returns
+    -------
+    dict
+        The motions by name, "artificial SEED".
+
+    Raises
+    ------
+    InputError
+        If an argument is out of range.
     """
     count = check_whole("artificial", count, 1, 1000, "a number of motions from 1 to 1000")
     seed = check_whole("seed", seed, 0, 2**32 - count, "a whole number, zero or positive, below 2**32")
@@ -39,22 +60,26 @@ def artificial_motions(target: Spectral, count: int, seed: int = 0, length: floa
 
 
 def with_vertical(motions: dict[str, Motion], target: Spectral, seed: int) -> dict[str, Motion]:
-    """The motions with vertical components that follow a target of their own, and are independent of the horizontal."""
+    """Return the motions with vertical components that follow the vertical `target`.
+
+    The vertical components are independent of the horizontal ones (other seeds, from `seed`).
+    """
     beside = _beside(motions, target, seed + 2**31)
     return {name: motion.with_vertical(beside[name]) for name, motion in motions.items()}
 
 
 def with_across(motions: dict[str, Motion], target: Spectral, seed: int) -> dict[str, Motion]:
-    """The motions with second horizontal components that follow the target, and are independent of the first.
+    """Return the motions with second horizontal components that follow the target.
 
-    EN 1998-1, 3.2.3.1.1(2): not the same accelerogram along both directions.
+    The second components are independent of the first ones (other seeds, from `seed`). EN 1998-1, 3.2.3.1.1(2): not the
+    same accelerogram along both directions.
     """
     beside = _beside(motions, target, seed + 2**30)
     return {name: motion.with_across(beside[name]) for name, motion in motions.items()}
 
 
 def _beside(motions: dict[str, Motion], target: Spectral, seed: int) -> dict[str, Motion]:
-    """Another motion for each, as long."""
+    """Return one further motion of the same duration for each motion, by name."""
     return {
         name: fitted_motion(target, (seed + k) % 2**32, motion.duration)
         for k, (name, motion) in enumerate(motions.items())
@@ -62,9 +87,13 @@ def _beside(motions: dict[str, Motion], target: Spectral, seed: int) -> dict[str
 
 
 def fitted_motion(target: Spectral, seed: int, length: float = LENGTH) -> Motion:
-    """One motion whose spectrum follows the target, the best of the iterations."""
+    """Return one motion whose spectrum follows the target: the best iterate of `ITERATIONS`.
+
+    `length` is its duration (s).
+    """
     count = round(length / DT)
     envelope = _envelope(count)
+    # noise in the envelope as first iterate
     # RandomState: equal numbers in all versions of numpy
     samples = envelope * np.random.RandomState(seed).standard_normal(count + 1)
     wanted, padded = np.log(target.psa(PERIODS)), 2 * (count + 1)
@@ -73,18 +102,23 @@ def fitted_motion(target: Spectral, seed: int, length: float = LENGTH) -> Motion
     places = np.log(np.maximum(frequency, 1e-6))
     best, least = samples, np.inf
     for _ in range(ITERATIONS):
+        # keep the iterate with the least error of the spectrum (logarithm)
         coefficients = np.fft.rfft(samples, padded)
         apart = wanted - np.log(_psa(coefficients, frequency, padded))
         worst = float(np.max(np.abs(apart)))
         if worst < least:
             best, least = samples, worst
+        # correct the amplitudes, then restore the envelope and the rest at the end
         change = np.exp(np.interp(places, -np.log(PERIODS[::-1]), apart[::-1])) * passed
         samples = _without_drift(np.fft.irfft(coefficients * change)[: count + 1], envelope)
     return Motion.from_samples(DT, best)
 
 
 def _psa(coefficients: NDArray[np.complex128], frequency: NDArray[Any], padded: int) -> FloatArray:
-    """Pseudo-acceleration at PERIODS from the Fourier coefficients: faster than step by step, and near enough here."""
+    """Return the pseudo-acceleration (m/s2) at PERIODS from the Fourier coefficients.
+
+    This is faster than integration in time, and accurate enough here.
+    """
     omega, found = 2.0 * np.pi * frequency, np.empty(len(PERIODS))
     for k, own in enumerate(2.0 * np.pi / PERIODS):
         answer = coefficients * own**2 / (own**2 - omega**2 + 2j * DAMPING * own * omega)
@@ -99,10 +133,13 @@ def _envelope(count: int) -> FloatArray:
 
 
 def _without_drift(samples: FloatArray, envelope: FloatArray) -> FloatArray:
-    """Samples that leave neither velocity nor displacement at the end: parts of the envelope are subtracted."""
+    """Return the samples with neither velocity nor displacement at the end.
+
+    Subtracts two shapes, the envelope and the envelope times time, weighted to cancel both.
+    """
     samples = samples * np.where(envelope > LEFT_AT_END, 1.0, envelope / LEFT_AT_END)
     part = np.linspace(0.0, 1.0, len(samples))
     shapes = np.stack([envelope, envelope * part])
-    moments = np.stack([np.ones(len(part)), 1.0 - part])  # of the velocity and the displacement at the end
+    moments = np.stack([np.ones(len(part)), 1.0 - part])  # velocity and displacement at the end
     weights: FloatArray = np.linalg.solve(moments @ shapes.T, moments @ samples)
     return samples - weights @ shapes

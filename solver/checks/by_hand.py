@@ -1,4 +1,4 @@
-"""The checks that codes make by hand, as rows beside those of the time histories, and where the two disagree."""
+"""The checks that codes make by hand, as rows that are compared with those of the time histories."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ G = Unit("g", 1.0 / 9.80665)
 
 @dataclass(frozen=True, eq=False)
 class ByHand:
-    """Both methods and what they ask for under an action."""
+    """The two methods by hand, and their rows under an action."""
 
     mechanism: Mechanism
     body: RigidBody
@@ -40,9 +40,29 @@ def by_hand(
     motions: tuple[ScaledMotion, ...],
     limits: Limits,
 ) -> ByHand:
-    """Kinematic verification and approximate method of ASCE 43 under the spectrum of an action.
+    """Apply the kinematic verification and the approximate method of ASCE 43 under the spectrum of an action.
 
-    smooth: it is a spectrum of a code. own_period: of the first mode, s.
+    Parameters
+    ----------
+    column : Column
+        The column.
+    found : Mechanism
+        Its overturning mechanism.
+    action : Spectral
+        The spectrum of the action.
+    smooth : bool
+        Whether it is a spectrum of a code, else one of motions.
+    own_period : float
+        Period of the first mode (s).
+    motions : tuple of ScaledMotion
+        The motions, whose vertical peak reduces the friction.
+    limits : Limits
+        The limits of displacement, slip and friction.
+
+    Returns
+    -------
+    ByHand
+        The mechanism, the rigid body, and the rows of both methods.
     """
     rows = [
         Row(
@@ -63,6 +83,7 @@ def by_hand(
             f"{found.period():.3g} s",
         ),
     ]
+    # rocking of the rigid body, ASCE 43, A.2
     body = governing_body(column)
     angle = body.rotation(action, column.g) if body.restitution > 0.0 else math.nan
     note = (
@@ -79,7 +100,7 @@ def by_hand(
 
 
 def _sliding(column: Column, action: Spectral, motions: tuple[ScaledMotion, ...], limits: Limits) -> list[Row]:
-    """Of the joint with the least friction; none if no friction is known."""
+    """Return the row of the joint with the least friction, or no row if no friction is known."""
     known = {
         i: float(given)
         for i, block in enumerate(column.blocks)
@@ -88,6 +109,7 @@ def _sliding(column: Column, action: Spectral, motions: tuple[ScaledMotion, ...]
     if not known:
         return []
     i = min(known, key=lambda place: known[place])
+    # slip of the joint under the spectrum and the largest vertical acceleration
     vertical = max(float(np.max(np.abs(scaled.motion.az))) for scaled in motions)
     slip = sliding_distance(known[i], vertical, action, column.g)
     note = f"ASCE 43, A.1: mu {known[i]:g}, vertical {vertical / 9.80665:.3g} g; spectrum of 10 %"

@@ -41,11 +41,32 @@ HISTORIES_GOVERN = (
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Check:
-    """A checked column or structure: rows of demand and capacity, margin, methods by hand, every run behind them.
+    """A checked column or structure: rows of demand and capacity, margin, methods by hand, and all runs.
 
-    responses: of itself, one for each motion. runs: table of the varied ones, `plan.ensemble` for each motion, one
-    motion after the other. by_hand: None of a structure in space. others: outcomes with other moduli and dampings of
-    the joints. both: the other direction is checked beside it.
+    Attributes
+    ----------
+    subject
+        The model under check.
+    action
+        The motions as applied, and their target.
+    plan
+        The limits and options.
+    rows
+        The rows of demand and capacity.
+    by_hand
+        The methods by hand; None for a structure in space.
+    margin
+        The factors at which overturning begins; None if they were not computed.
+    responses
+        The responses of the model as given, one for each motion.
+    runs
+        The table of the varied runs: `plan.ensemble` for each motion, grouped by motion.
+    verdicts
+        The verdicts of both.
+    others
+        The outcomes with other moduli and dampings of the joints.
+    both
+        Whether the other direction is checked as well, in another `Check`.
     """
 
     subject: Subject
@@ -65,42 +86,45 @@ class Check:
 
     @property
     def name(self) -> str:
-        """Name of the column or structure."""
+        """The name of the column or structure."""
         return str(self.subject.model.name)
 
     @property
     def period(self) -> float:
-        """Of the first mode about rest, s."""
+        """The period of the first mode about rest (s)."""
         return self.subject.period
 
     @property
     def all_rows(self) -> tuple[Row, ...]:
-        """The rows, and those of the methods by hand."""
+        """The rows, followed by those of the methods by hand."""
         return (*self.rows, *(self.by_hand.rows if self.by_hand else ()))
 
     @property
     def passes(self) -> bool:
-        """Whether no row that is compared fails, and none is undecided."""
+        """Whether no compared row fails and none is undecided."""
         return outcome_of(self.rows) == PASSES
 
     @property
     def answer(self) -> str:
-        """Whether it passes, fails or is undecided, by which rows, and which joints of mortar break through."""
+        """The sentences that say whether it passes, which rows fail, and which mortar joints break through."""
         return answer(self.rows) + cracked_sentence(self.subject.bonds, self.responses)
 
     @property
     def fallen(self) -> tuple[int, int, int]:
-        """How many of the varied runs fall, how many are undecided, and how many there are."""
+        """The numbers of varied runs that fall, that are undecided, and of all varied runs."""
         return self.verdicts.fallen, self.verdicts.undecided, len(self.verdicts.varied)
 
     @property
     def governing(self) -> int:
-        """Place of the motion that is worst: it falls first, or has the least margin, or moves the top most."""
+        """The index of the governing motion.
+
+        It is the one under which the model falls first, or has the least margin, or moves most.
+        """
         return self._governing[0]
 
     @property
     def governing_sentence(self) -> str:
-        """Which run that is, and why it is not the demand of the table."""
+        """The sentence that names the governing run, and says why its displacement is not the demand of the table."""
         place, why = self._governing
         word, name = self.subject.model.kind.word, self.action.motions[place].name
         row = next(row for row in self.rows if row.name.startswith("displacement"))
@@ -122,31 +146,31 @@ class Check:
 
     @property
     def verdict(self) -> str:
-        """What it does as given, and the share of varied ones that falls, in plain sentences."""
+        """The sentences on the model as given, and on the share of the varied models that falls."""
         return verdict_sentence(self.subject.model.kind.word, self.verdicts)
 
     @property
     def margin_sentence(self) -> str:
-        """How far it is from falling, in one plain sentence."""
+        """The sentence on the margin to overturning."""
         return margin_sentence(self.margin, bool(self.verdicts.undecided or self.verdicts.own_undecided))
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Sentences on the components that act, cautions about the action, and what is left to another check."""
+        """The sentences on the components that act, cautions about the action, and points left to another check."""
         longest = self.by_hand.mechanism.period() if self.by_hand else 0.0
         components = components_sentence(self.action, self.subject.model.kind.across)
         return (components, *self.action.cautions(longest), *self.subject.left_to_others(self.both))
 
     @cached_property
     def of_joints(self) -> tuple[str, ...]:
-        """Whether the answer hangs on modulus or damping, and the restitution of the model, in sentences."""
+        """The sentences on the sensitivity to modulus and damping, and on the restitution of the model."""
         column = self.subject.planar
         said = (joints_sentence(self.rows, self.others),) if self.subject.joints.names else ()
         return (*said, restitution_sentence(column)) if column is not None else said
 
     @property
     def agreement(self) -> tuple[str, ...]:
-        """Agreement of the methods by hand with the time histories, a line for each."""
+        """The lines that compare each method by hand with the time histories."""
         stands = not self.verdicts.any_falls
         lines = []
         for row in self.by_hand.rows if self.by_hand else ():
@@ -169,7 +193,7 @@ class Check:
 
     @cached_property
     def fingerprint(self) -> str:
-        """SHA-256 of the column or structure, the motions as applied, and the plan."""
+        """The SHA-256 of the column or structure, the motions as applied, and the plan."""
         digest = hashlib.sha256(self.subject.digest())
         digest.update(json.dumps(asdict(self.plan), sort_keys=True).encode())
         for scaled in self.action.motions:
@@ -182,7 +206,7 @@ class Check:
         return digest.hexdigest()
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a line for each row of the table and of the methods by hand, in SI. Raises OSError."""
+        """Write one line for each row of the table and of the methods by hand, in SI units. Raises OSError."""
         names = [scaled.name for scaled in self.action.motions]
         rows = [
             (
@@ -201,8 +225,31 @@ def _passes(row: Row) -> str:
 
 
 def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | None = None) -> Check:
-    """The check of a subject under motions that are already scaled, as for variants. Raises as `check` does."""
+    """Check a subject under motions that are already scaled, as for variants.
+
+    Parameters
+    ----------
+    subject : Subject
+        The model under check.
+    action : Action
+        The motions as applied.
+    plan : Plan
+        The limits and options.
+    callback : Callback, optional
+        As in `simulate_many`, for each set of runs.
+
+    Returns
+    -------
+    Check
+        The rows, the verdicts and the runs.
+
+    Raises
+    ------
+    InputError, SolverError
+        As `check` does.
+    """
     responses, ensembles, runs, verdicts = _made(subject, action, plan, callback)
+    # margin: the runs at factor 1 are known, the others are made by bisection
     margin = None
     if plan.margin:
         all_of = [[as_given(subject, run), *ensemble] for run, ensemble in zip(responses, ensembles, strict=True)]
@@ -217,6 +264,7 @@ def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | N
             return outcome_of(rows_of(changed, found, table, plan.limits, None, fell)), note
 
         others = other_joints(subject.model, plan.confidence_factor, outcome_and_note)
+    # methods by hand
     hand = subject.by_hand(action, plan.limits)
     return Check(subject, action, plan, rows, hand, margin, responses, runs, verdicts, others)
 
@@ -224,7 +272,10 @@ def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | N
 def _made(
     subject: Subject, action: Action, plan: Plan, callback: Callback | None
 ) -> tuple[tuple[Any, ...], list[list[Pair]], Table, Verdicts]:
-    """Return the runs of the subject, the varied pairs of each motion, their table, and the verdicts of both."""
+    """Simulate the subject and its varied models.
+
+    Returns the responses as given, the varied pairs of each motion, their table, and the verdicts of both.
+    """
     responses = own_runs(subject, [scaled.motion for scaled in action.motions])
     ensembles = [
         varied(subject, run, scaled, plan, place)
@@ -253,21 +304,56 @@ def check(
     plan: Plan | None = None,
     callback: Callback | None = None,
 ) -> Check:
-    """Check a column, or a structure in space, against an action: does it stand, by how much, what else is asked of it.
+    """Check a column, or a structure in space, against a seismic action.
 
-    motions: by name, or in a row, or paths of records; without any, `artificial` ones that follow the target, with
-    `vertical` its vertical spectrum too, and of a structure along both horizontal directions. Of two horizontal
-    components the geometric mean is scaled (scaling.py).
-    target (checks/spectra.py), pga (m/s2, and vertical_pga of the vertical components), sa (m/s2, of 5 % damping at the
-    first period): at most one, to which the motions are scaled; without any they are taken as given.
-    periods: range in s in which spectra follow the target; None: from 0.2 of the first period to the period at 0.4 of
-    the displacement on the edge (C8.7.1.10; of a structure that of a rigid block as high), at most 4 s and at least
-    twice the first period. least: part of the target below which the mean spectrum must not be. plan: limits,
-    ensembles, margin (limits.py); None: its defaults.
-    force_scale: apply factors on records beyond 0.01 to 100 too.
-    callback: as in `simulate_many`, for each set of runs.
+    The answer says whether it stands, by which margin, and which other demands exceed their limits.
 
-    Raises InputError for a wrong value, SolverError if the column does not stand at rest or a run cannot be finished.
+    Parameters
+    ----------
+    column : Column or Structure
+        The model.
+    motions : mapping, or iterable of Motion or paths
+        The motions by name, motions, or paths of records. If there are none, `artificial` motions that follow `target`.
+        Of two horizontal components the geometric mean is scaled (scaling.py).
+    target : TargetSpectrum, optional
+        The spectrum to which the motions are scaled (checks/spectra.py). At most one of `target`, `pga` and `sa` is
+        allowed; without any, the motions are applied as given.
+    pga : float, optional
+        Largest horizontal acceleration (m/s2) to which each motion is scaled.
+    vertical_pga : float, optional
+        Largest vertical acceleration (m/s2), with `pga`.
+    sa : float, optional
+        Spectral acceleration (m/s2) of 5 % damping at the first period to which each motion is scaled.
+    periods : sequence of float, optional
+        Range (s) in which the spectra follow the target. By default from 0.2 of the first period to the period at 0.4
+        of the displacement on the edge (C8.7.1.10; for a structure that of a rigid block whose centroid is as high),
+        at most 4 s and at least twice the first period.
+    least : float
+        Least ratio of the mean spectrum to the target.
+    artificial : int
+        Number of artificial motions. For a structure they have both horizontal components.
+    vertical : bool
+        Whether the artificial motions also follow the vertical spectrum of the target.
+    seed : int
+        Seed of the first artificial motion.
+    force_scale : bool
+        Whether factors on records beyond 0.01 to 100 are applied too.
+    plan : Plan, optional
+        Limits, ensembles and margin (limits.py).
+    callback : Callback, optional
+        As in `simulate_many`, for each set of runs.
+
+    Returns
+    -------
+    Check
+        The answer, the rows, the margin and all runs.
+
+    Raises
+    ------
+    InputError
+        If a value is wrong.
+    SolverError
+        If the column does not stand at rest or a run cannot be finished.
     """
     span = None if periods is None else (float(periods[0]), float(periods[1]))
     level = Level(target, pga, vertical_pga, sa, span, least, artificial, vertical, seed, force_scale)

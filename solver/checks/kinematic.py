@@ -1,8 +1,8 @@
 """The kinematic verification of a local mechanism: Circolare 21/01/2019 n. 7 to NTC 2018, C8.7.1.2.1.
 
-The curve of pushes is that of `statics.capacity`: finite rotations, elastic joints, so that it has an elastic branch as
-C8.7.1.2.1.3 asks for elements that are free to vibrate. The mechanism is the one in which the curve ends: all above one
-joint turns about an edge of it.
+The push curve is that of `statics.capacity`, with finite rotations and elastic joints. It therefore has an elastic
+branch, as C8.7.1.2.1.3 requires for elements that are free to vibrate. The mechanism is the one at the end of the
+curve: everything above one joint rotates about an edge of it.
 """
 
 from __future__ import annotations
@@ -23,25 +23,28 @@ BEHAVIOUR_FACTOR = 2.0  # q, C8.7.1.2.1.7
 LIFE_SAFETY, COLLAPSE = 0.4, 0.6  # parts of d0 at SLV and SLC, C8.7.1.2.1.6
 _PERIOD = {LIFE_SAFETY: 1.68 * math.pi, COLLAPSE: 1.56 * math.pi}  # (C8.7.1.10), (C8.7.1.11)
 _DAMPING = {LIFE_SAFETY: 0.08, COLLAPSE: 0.10}  # C8.7.1.2.1.8
-PERIODS_LOOKED_AT = 60
+PERIODS_LOOKED_AT = 60  # number of periods at which a spectrum of motions is read
 
 
 @dataclass(frozen=True, eq=False)
 class Mechanism:
-    """The oscillator that stands for a column on its way to the edge."""
+    """The equivalent oscillator of a column along its push curve, from rest to the edge."""
 
     curve: CapacityCurve
     confidence_factor: float
 
     @cached_property
     def joint(self) -> int:
-        """Place of the joint about whose edge it turns where the curve ends, from the top."""
+        """The index, from the top, of the joint about whose edge the column rotates at the end of the curve."""
         below = np.append(self.curve.theta[-1, 1:], 0.0)
         return int(np.argmax(np.abs(self.curve.theta[-1] - below)))
 
     @cached_property
     def shape(self) -> FloatArray:
-        """Virtual horizontal displacements of the centroids (n,), and last of the top: heights above the joint, m."""
+        """The virtual horizontal displacements of the centroids (n,) and, last, of the top.
+
+        They are the heights above the joint (m), 0 for blocks below it.
+        """
         found, foot = np.zeros(self.curve.column.n + 1), 0.0
         for i in range(self.joint, -1, -1):
             block = self.curve.column.blocks[i]
@@ -52,56 +55,65 @@ class Mechanism:
 
     @cached_property
     def _sums(self) -> tuple[float, float, float]:
-        moving = slice(self.joint + 1)  # what stands still below generates no force on the mechanism
+        moving = slice(self.joint + 1)  # blocks below the joint do not move and add no force
         mass = np.array([block.mass for block in self.curve.column.blocks[moving]])
         centroids = self.shape[:-1][moving]
         return float(np.sum(mass)), float(mass @ centroids), float(mass @ centroids**2)
 
     @property
     def alpha0(self) -> float:
-        """Largest push over weight: multiplier that sets the mechanism in motion."""
+        """The multiplier that starts the mechanism: largest push over weight."""
         return self.curve.largest_acceleration / self.curve.column.g
 
     @property
     def mass_part(self) -> float:
-        """e*, the part of the mass of the blocks that turn that takes part (C8.7.1.5)."""
+        """The participating mass ratio e* of the rotating blocks (C8.7.1.5)."""
         whole, first, second = self._sums
         return first**2 / (whole * second)
 
     @cached_property
     def displacement(self) -> FloatArray:
-        """Spectral displacements along the curve, m (C8.7.1.4), of the top as the point of control."""
+        """The spectral displacements along the curve (m; C8.7.1.4), with the top as control point."""
         _, first, second = self._sums
         top = self.curve.direction * self.curve.ux[:, 0]
         return top * second / (self.shape[-1] * first)
 
     @cached_property
     def acceleration(self) -> FloatArray:
-        """Spectral accelerations along the curve, m/s2 (C8.7.1.3)."""
+        """The spectral accelerations along the curve (m/s2; C8.7.1.3)."""
         return self.curve.acceleration / (self.mass_part * self.confidence_factor)
 
     @property
     def a0(self) -> float:
-        """Spectral acceleration that sets the mechanism in motion, m/s2."""
+        """The spectral acceleration that starts the mechanism (m/s2)."""
         return float(self.acceleration[self.curve.strongest])
 
     @property
     def d0(self) -> float:
-        """Spectral displacement at which it balances without a push, m."""
+        """The spectral displacement at which the column balances without a push (m)."""
         return float(self.displacement[-1])
 
     def period(self, part: float = LIFE_SAFETY) -> float:
-        """Period, s, at `part` of d0: (C8.7.1.10) at SLV, (C8.7.1.11) at SLC."""
+        """Return the period (s) at `part` of d0: (C8.7.1.10) at SLV, (C8.7.1.11) at SLC."""
         k, d = self.curve.strongest, part * self.d0
         order = np.argsort(self.displacement[k:], kind="stable")
         acceleration = np.interp(d, self.displacement[k:][order], self.acceleration[k:][order])
         return _PERIOD[part] * math.sqrt(d / float(acceleration))
 
     def demand(self, action: Spectral, own_period: float, smooth: bool, part: float = LIFE_SAFETY) -> float:
-        """Spectral displacement, m, that an action asks for at SLV or SLC (C8.7.1.2.1.8).
+        """Return the spectral displacement demand (m) of an action at SLV or SLC (C8.7.1.2.1.8).
 
-        smooth: of a code, taken at the period itself; of motions it is the largest from the period of the column at
-        rest, s, on.
+        Parameters
+        ----------
+        action : Spectral
+            The spectrum of the action.
+        own_period : float
+            Period of the column at rest (s).
+        smooth : bool
+            Whether it is a spectrum of a code, which is read at the period of the mechanism. Of a spectrum of motions
+            the largest displacement from `own_period` to that period counts.
+        part : float
+            Displacement over d0: LIFE_SAFETY or COLLAPSE.
         """
         longest = self.period(part)
         periods = np.array([longest])
@@ -110,22 +122,39 @@ class Mechanism:
         return float(np.max(action.psa(periods, _DAMPING[part]) * (periods / (2.0 * math.pi)) ** 2))
 
     def capacity(self, part: float = LIFE_SAFETY) -> float:
-        """Spectral displacement allowed, m (C8.7.1.2.1.6)."""
+        """Return the allowed spectral displacement (m), `part` of d0 (C8.7.1.2.1.6)."""
         return part * self.d0
 
 
 def rocking_period(height: float, g: float, confidence_factor: float, part: float = LIFE_SAFETY) -> float:
-    """Period (C8.7.1.10) of a rigid block with its centroid at a height, m: the width is in d0 and in a0, and drops."""
+    """Return the period (s; C8.7.1.10) of a rigid block whose centroid has this height (m).
+
+    The width enters d0 and a0 alike and cancels.
+
+    Parameters
+    ----------
+    height : float
+        Height of the centroid (m).
+    g : float
+        Acceleration of gravity (m/s2).
+    confidence_factor : float
+        FC.
+    part : float
+        Displacement over d0: LIFE_SAFETY or COLLAPSE.
+    """
     return _PERIOD[part] * math.sqrt(part * confidence_factor * height / ((1.0 - part) * g))
 
 
 def check_confidence_factor(value: object) -> float:
-    """The factor FC as a float. Raises InputError."""
+    """Return the factor FC as a float. Raises InputError."""
     return check_number("confidence_factor", value, (1.0, 3.0), "a confidence factor from 1 to 3")
 
 
 def mechanism(column: Column, confidence_factor: float = CONFIDENCE_FACTOR) -> Mechanism:
-    """The mechanism of a column, of the weaker of its two directions. Raises as `capacity_curve` does."""
+    """Return the overturning mechanism of a column, in the weaker of its two directions.
+
+    Raises InputError and SolverError as `capacity_curve` does.
+    """
     factor = check_confidence_factor(confidence_factor)
     curves = [capacity_curve(column, direction) for direction in ((1, -1) if column.off_axis else (1,))]
     return Mechanism(min(curves, key=lambda curve: curve.largest_acceleration), factor)

@@ -1,4 +1,4 @@
-"""Limits that demands are compared with, and the options of a check; each has a stated default."""
+"""The limits that demands are compared with, and the options of a check; each has a stated default."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from .kinematic import CONFIDENCE_FACTOR, LIFE_SAFETY, check_confidence_factor
 
 MOST_RUNS = 10_000
 
-# of varied runs: peaks of eight drums under El Centro differ in the fourth digit from those at 1e-4, and the spread of
-# the data moves them by a fifth
+# error tolerance of the varied runs: peaks of eight drums under El Centro differ in the fourth digit from those at
+# 1e-4; the spread of the data changes them by a fifth
 TOLERANCE = 1e-3
-# what is not known of a real column, as standard deviations of logarithms: docs/check.md
+# uncertainty of a real column, as standard deviations of logarithms: docs/check.md
 UNCERTAIN = Spread(stiffness=0.2, damping=0.5, motion=0.01)
 
 
 def _limit(default: float | None, meaning: str, least: float = 0.0, most: float = POSITIVE[1]) -> Any:
-    """A limit, its meaning for messages, options and reports, and its range; None: not limited."""
+    """Return a dataclass field: a limit with its meaning (for messages, options, reports) and range; None: no limit."""
     return field(default=default, metadata={"meaning": meaning, "range": (least, most)})
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Capacities of the table of checks. Raises InputError for one out of range."""
+    """The capacities of the table of checks. Raises InputError for a value out of range."""
 
     share: float = _limit(0.0, "share of the runs that may fall", 0.0, 1.0)
     displacement: float = _limit(
@@ -50,12 +50,12 @@ class Limits:
 
 @dataclass(frozen=True)
 class Plan:
-    """How a column is checked. Raises InputError."""
+    """The options of a check: limits, ensemble, margin. Raises InputError for a value out of range."""
 
     limits: Limits = field(default_factory=Limits)
-    ensemble: int = 8  # runs of each motion with varied data
+    ensemble: int = 8  # number of runs with varied data, per motion
     spread: Spread = UNCERTAIN
-    margin: bool = True  # whether to look for the factor at which it begins to fall
+    margin: bool = True  # whether to compute the factor at which overturning begins
     confidence_factor: float = CONFIDENCE_FACTOR
     joints: bool = True  # whether to repeat all runs with other moduli and dampings (other_joints.py)
 

@@ -1,7 +1,7 @@
-"""The margin: the factor on the motions at which the column begins to fall, by bisection on the runs of a check.
+"""The margin: the factor on the motions at which overturning begins, by bisection on the runs of a check.
 
-A larger motion does not always overturn more columns. So the factor goes up step by step from 1 to the first run that
-falls, and only between the last two steps it is bisected; a fall between two smaller steps may be passed over.
+A larger motion does not always overturn more columns. The factor is therefore raised stepwise from 1 to the first run
+that falls, and bisected only between the last two steps; a fall between two smaller steps may be missed.
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ from .subject import Pair, Subject
 from .verdicts import falls, verdicts_of
 
 STEP = 1.4  # factor between two steps
-MOST, LEAST = 4.0, 0.05  # factors looked at
+MOST, LEAST = 4.0, 0.05  # largest and least factor tried
 NARROW = 1.04  # ratio of the two bounds at which the bisection ends
 
 
 @dataclass(frozen=True)
 class Margin:
-    """Factors on all motions: no run falls at `stands`, some run falls at `falls`; 0 or inf where none was found."""
+    """The factors on all motions: no run falls at `stands`, some run falls at `falls`; 0 or inf where there is none."""
 
     stands: float
     falls: float
-    place: int  # of the motion under which it falls first, -1 if it does not
-    runs: int  # made to find them
+    place: int  # index of the motion under which a run falls first, -1 if none falls
+    runs: int  # number of simulations that the search took
 
     @property
     def is_open(self) -> bool:
-        """Whether no run falls at the largest factor looked at."""
+        """Whether no run falls at the largest factor tried."""
         return math.isinf(self.falls)
 
 
@@ -45,10 +45,31 @@ def margin_of(
     at_one: NDArray[np.bool_],
     callback: Callback | None = None,
 ) -> Margin:
-    """The margin from models and motions, an ensemble for each motion, and which of them have falls at 1.
+    """Compute the margin by simulating the same models at every factor on their motions.
 
-    The same models are used at every factor. Runs that cannot be finished count as falls, undecided ones do not. Only
-    motions under which runs fell are looked at further. Raises as `simulate_many` does.
+    Runs that cannot be finished count as falls, undecided ones do not. Once runs fell, only the motions under which
+    they fell are bisected.
+
+    Parameters
+    ----------
+    subject : Subject
+        The model under check.
+    ensembles : sequence of sequences of Pair
+        The models and their motions, one ensemble for each motion.
+    at_one : (motions,) bool
+        Whether some run falls at factor 1.
+    callback : Callback, optional
+        As in `simulate_many`, for each set of runs.
+
+    Returns
+    -------
+    Margin
+        The bounds of the factor, and the motion under which the first run falls.
+
+    Raises
+    ------
+    InputError, SolverError
+        As `simulate_many` does.
     """
     made = 0
 
@@ -59,6 +80,7 @@ def margin_of(
         fallen = falls(verdicts_of(run_all(subject, pairs, False, callback)))
         return places[np.any(fallen.reshape(len(places), -1), axis=1)]
 
+    # bracket: step down while runs fall, or up until one falls
     everything = np.arange(len(ensembles))
     fell = everything[at_one]
     if fell.size:
@@ -73,6 +95,7 @@ def margin_of(
             low, high = high, high * STEP
             if high > MOST:
                 return Margin(low, math.inf, -1, made)
+    # bisect in the logarithm of the factor
     while high > NARROW * low:
         middle = math.sqrt(low * high)
         if (still := falling(fell, middle)).size:

@@ -20,8 +20,9 @@ from .limits import Limits
 from .spectra import FloatArray
 from .subject import Joints, Subject, subject_of
 
-# of the explicit steps of its own run: with less a column goes through lanes, however stiff its dampers. Measured
-# (Phocas, doric, statue; eta 5e-4 to 2e-2 s; 0.04 to 0.6 g): 1.1 to 3.3 times as fast as alone, 0.2 to 1.4 with more
+# largest ratio of implicit to explicit steps of the run as given at which varied runs share lanes, however stiff the
+# dampers. Measured (Phocas, doric, statue; eta 5e-4 to 2e-2 s; 0.04 to 0.6 g): 1.1 to 3.3 times as fast as one by one
+# below this ratio, 0.2 to 1.4 times above it
 MOST_IMPLICIT = 0.05
 
 OF_EDGE = "The displacement at which it balances on its edge, and the methods by hand, are"
@@ -58,7 +59,7 @@ class InPlane(Subject):
 
     @cached_property
     def mechanism(self) -> Mechanism:
-        """By which it overturns under a slow push. Raises as `capacity_curve` does."""
+        """The overturning mechanism under a slow push. Raises as `capacity_curve` does."""
         return mechanism(self.model, self.confidence_factor)
 
     @property
@@ -71,7 +72,7 @@ class InPlane(Subject):
 
     @property
     def longest(self) -> float:
-        """Period at 0.4 of the displacement on the edge, s (C8.7.1.10)."""
+        """The period at 0.4 of the displacement on the edge (s; C8.7.1.10)."""
         return self.mechanism.period()
 
     @property
@@ -79,7 +80,10 @@ class InPlane(Subject):
         return self.mechanism.curve.overturning_displacement
 
     def left_to_others(self, both: bool) -> Iterator[str]:
-        """The other direction unless both are alike or checked; space if it rolls there."""
+        """Yield a sentence for each point that this check leaves to another.
+
+        The other direction, unless the column is alike across or `both` are checked; mortar; rolling on round contacts.
+        """
         if not both and not self.model.is_alike_across:
             yield "It is shaken along its width alone: check the other direction too (--both)."
         if self.model.is_brittle:
@@ -94,7 +98,10 @@ class InPlane(Subject):
         return friction_history(run.T, run.N, carried_weights(run.column))
 
     def to_vary(self, run: Response) -> Column:
-        """The column; without implicit steps if its own run took hardly any, so that it goes through lanes."""
+        """Return the column for the varied runs.
+
+        Implicit steps are switched off if the run took hardly any, so that the varied runs can share lanes.
+        """
         column = self.model
         steps, implicit, elastic = (int(run.stats[name]) for name in ("steps", "implicit_steps", "elastic_steps"))
         if implicit > MOST_IMPLICIT * (steps - implicit - elastic):
@@ -105,6 +112,6 @@ class InPlane(Subject):
         return table["peak_ux"][:, 0]
 
     def by_hand(self, action: Action, limits: Limits) -> ByHand:
-        """Kinematic verification and ASCE 43."""
+        """Apply the kinematic verification and ASCE 43 under the action."""
         smooth = action.target is not None
         return by_hand(self.model, self.mechanism, action.spectrum, smooth, self.period, action.motions, limits)

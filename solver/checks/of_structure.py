@@ -20,7 +20,7 @@ from .kinematic import rocking_period
 from .spectra import FloatArray
 from .subject import Joints, Subject, subject_of
 
-CARRIES = 1e-3  # of all weight: what a joint counts as carrying, at least
+CARRIES = 1e-3  # least carried load of a joint over the whole weight
 
 
 @subject_of.register(Structure)
@@ -29,7 +29,7 @@ class InSpace(Subject):
     """A structure as subject of a check. Raises InputError if it has no stable rest."""
 
     model: Structure
-    two_ways = True  # turned by half a turn
+    two_ways = True  # a motion and the same turned by half a turn differ
     of_model = (
         "The blocks move in space. Contacts move as faces slide. Blocks meet over joints and as neighbours alone.",
         f"A run that still rocks {SETTLE:g} s after the motion is undecided: rocking in space decays slowly.",
@@ -43,9 +43,9 @@ class InSpace(Subject):
 
     @cached_property
     def joints(self) -> Joints:
-        """The joints by the names of the blocks that they connect."""
+        """The joints, named after the blocks that they connect."""
         found = Joints.of(self.model.joint_names, [joint.face.width for joint in self.model.joints], self.model.laws)
-        if self.model.bearings:  # they are meant to slide: their displacement is compared, not their slip
+        if self.model.bearings:  # bearings are meant to slide: their displacement is compared, not their slip
             first = len(self.model.joints) - len(self.model.bearings)
             found.width[first:], found.friction[first:] = math.nan, 0.0
         return found
@@ -73,7 +73,7 @@ class InSpace(Subject):
 
     @property
     def longest(self) -> float:
-        """Period of a rigid block whose centroid is as high, s: it does not depend on the width."""
+        """The period (s) of a rigid block with its centroid at the same height; it does not depend on the width."""
         blocks = self.model.blocks
         height = sum(block.mass * float(block.centroid[2]) for block in blocks) / sum(block.mass for block in blocks)
         return rocking_period(height, self.model.g, self.confidence_factor)
@@ -90,10 +90,10 @@ class InSpace(Subject):
         return friction_history(np.hypot(run.Tx, run.Ty), run.N, carried)
 
     def overlap(self, run: SpatialResponse) -> Overlap | None:
-        """Return the overlap of its blocks, or None of a single one that does not pass into the base."""
+        """Return the overlap of its blocks, or None for a single block that does not pass into the base."""
         return run.overlap if self.model.n > 1 or run.overlap.between else None
 
     def digest(self) -> bytes:
-        """The arrays of the kernels, strengths and names."""
+        """Return the bytes of the kernel arrays, strengths and names."""
         parts = [array.tobytes() for array in (self.model.model.numbers, self.joints.strength, self.yields)]
         return b"".join([*parts, repr((self.model.name, self.model.names)).encode()])

@@ -1,4 +1,4 @@
-"""A check repeated with other moduli and dampings of its joints: whether its answer hangs on them."""
+"""A check repeated with other moduli and dampings of the joints, to see whether the answer depends on them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ CHANGES = (("modulus", 0.5), ("modulus", 2.0), ("damping", 0.25), ("damping", 4.
 
 @dataclass(frozen=True)
 class OtherJoints:
-    """The outcome of a check whose joints have another modulus or damping."""
+    """The outcome of a check with another modulus or damping of all joints."""
 
     key: str  # modulus or damping
     factor: float
@@ -25,28 +25,37 @@ class OtherJoints:
 
     @property
     def text(self) -> str:
-        """The change, its outcome and the note."""
+        """The outcome, the change and the note."""
         return f"{self.outcome} with {self.factor:g} times the {self.key} ({self.note})"
 
 
 def changed(model: Any, key: str, factor: float) -> Any:
-    """Return the model with this factor on the modulus or the damping of every joint. Raises InputError."""
+    """Return the model with this factor on the modulus or the damping (`key`) of every joint. Raises InputError."""
     stiffness, damping = (factor, 1.0) if key == "modulus" else (1.0, factor)
     laws = model.laws
     return model.with_joints([stiffness * law.stiffness for law in laws], [damping * law.damping for law in laws])
 
 
 def other_joints(model: Any, confidence_factor: float, outcome_and_note: Any) -> tuple[OtherJoints, ...]:
-    """Return the outcome with each of `CHANGES`, none of a model without joints.
+    """Return the outcome of the check with each of `CHANGES`; empty for a model without joints.
 
-    outcome_and_note: a function of the changed subject.
+    Damping is changed only if some joint has it. A model that cannot be built or solved counts as FAILS.
+
+    Parameters
+    ----------
+    model : Column or Structure
+        The model as given.
+    confidence_factor : float
+        FC of the kinematic verification.
+    outcome_and_note : callable
+        Function of the changed subject that returns its outcome and a note.
     """
     found = []
     for key, factor in CHANGES if model.laws else ():
         if key == "damping" and not any(law.damping for law in model.laws):
             continue
         try:
-            with warnings.catch_warnings():  # on values that the user has not given
+            with warnings.catch_warnings():  # warnings would concern values that the user has not given
                 warnings.simplefilter("ignore", InputWarning)
                 outcome, note = outcome_and_note(subject_of(changed(model, key, factor), confidence_factor))
         except (InputError, SolverError) as why:
@@ -56,7 +65,7 @@ def other_joints(model: Any, confidence_factor: float, outcome_and_note: Any) ->
 
 
 def joints_sentence(rows: Sequence[Any], others: Sequence[OtherJoints]) -> str:
-    """Return whether the answer of the rows changes with other joints, and what to measure then."""
+    """Return the sentence on whether the answer of the rows changes with other joints, and what to measure then."""
     if not others:
         return "Whether the answer hangs on the modulus or the damping of the joints was not tried."
     own = outcome_of(without_margin(rows))
@@ -70,5 +79,5 @@ def joints_sentence(rows: Sequence[Any], others: Sequence[OtherJoints]) -> str:
 
 
 def without_margin(rows: Sequence[Any]) -> list[Any]:
-    """Return the rows but that of the margin, which is not looked for with other joints."""
+    """Return the rows without that of the margin, which is not computed with other joints."""
     return [row for row in rows if row.name != "overturning, margin"]

@@ -1,9 +1,9 @@
 """The approximate method for an unanchored rigid body: ASCE/SEI 43-05, appendix A.
 
-The part of the column above one joint as a single rigid body, of half width b and with its centroid at a height h.
-Rocking (A.2): an oscillator of the same energy as the body turned by theta, damped as by Housner's impacts, two to a
-cycle. Sliding (A.1): an oscillator that takes twice the force of friction. The corrections of A.2 for vertical motion
-(FV) and of A.1 for the second horizontal component (FH) are left out: the model is planar.
+The part of the column above one joint is a single rigid body, of half width b and with its centroid at a height h.
+Rocking (A.2): an oscillator with the energy of the body rotated by theta, damped by Housner's impacts, two per cycle.
+Sliding (A.1): an oscillator whose strength is twice the friction force. The corrections of A.2 for vertical motion (FV)
+and of A.1 for the second horizontal component (FH) are left out: the model is planar.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from ..models.column.model import Column
 from ..statics.rocking import parts_above
 from .spectra import FloatArray, Spectral
 
-ANGLES = 400  # among which the rotation is looked for; and frequencies for sliding
+ANGLES = 400  # number of rotations tried, and of frequencies for sliding
 SLIDING_DAMPING = 0.10
-SLOWEST, FASTEST = 0.05, 33.0  # Hz: frequencies looked at for sliding
+SLOWEST, FASTEST = 0.05, 33.0  # Hz, range of frequencies for sliding
 
 
 @dataclass(frozen=True)
 class RigidBody:
-    """The part of a column above a joint, as one body."""
+    """The part of a column above a joint, as one rigid body."""
 
     joint: int  # from the top, 1 is the highest
     mass: float  # kg
@@ -35,45 +35,48 @@ class RigidBody:
 
     @property
     def slenderness(self) -> float:
-        """a = b / h."""
+        """The ratio a = b / h."""
         return self.half_width / self.centroid
 
     @property
     def edge_angle(self) -> float:
-        """Rotation, rad, at which it balances on its edge."""
+        """The rotation at which the body balances on its edge (rad)."""
         return math.atan(self.slenderness)
 
     @property
     def restitution(self) -> float:
-        """C_R = 1 - 2 a^2 / C_I, C_I = I / (M h^2): Housner's, of the rates before and after an impact."""
+        """Housner's coefficient C_R = 1 - 2 a^2 / C_I, with C_I = I / (M h^2).
+
+        It is the ratio of the rotation rates after and before an impact.
+        """
         return 1.0 - 2.0 * self.mass * self.half_width**2 / self.inertia
 
     @property
     def damping(self) -> float:
-        """beta_e, of critical, with gamma = -2 ln C_R."""
+        """The damping ratio beta_e, with gamma = -2 ln C_R. Raises InputError if C_R is not positive."""
         if self.restitution <= 0.0:
             raise InputError(f"joint {self.joint}: the part above is too stocky to rock as ASCE 43 assumes")
         gamma = -2.0 * math.log(self.restitution)
         return gamma / math.hypot(2.0 * math.pi, gamma)
 
     def frequency(self, theta: float, g: float) -> float:
-        """f_e, Hz, of the oscillator of a rotation theta, rad."""
+        """Return the frequency f_e (Hz) of the oscillator for a rotation theta (rad)."""
         return math.sqrt(2.0 * self.mass * g * self.centroid * self._rise(theta) / self.inertia) / (
             2.0 * math.pi * theta
         )
 
     def capacity(self, theta: float, g: float) -> float:
-        """Spectral acceleration, m/s2, that turns the body by theta, rad."""
+        """Return the spectral acceleration (m/s2) that rotates the body by theta (rad)."""
         return 2.0 * g * self._rise(theta) / theta
 
     def _rise(self, theta: float) -> float:
-        """f1 - 1 = cos theta + a sin theta - 1: rise of the centroid over h."""
+        """Return the rise of the centroid over h: f1 - 1 = cos theta + a sin theta - 1."""
         return math.cos(theta) + self.slenderness * math.sin(theta) - 1.0
 
     def rotation(self, action: Spectral, g: float) -> float:
-        """Largest rotation, rad, under an action; inf where it falls, 0 where it does not begin to rock.
+        """Return the largest rotation (rad) under an action: inf if it falls, 0 if it does not begin to rock.
 
-        The least rotation from which on the capacity exceeds the demand, up to the edge.
+        It is the least rotation from which on the capacity exceeds the demand, up to the edge.
         """
         if float(action.psa(0.0)) <= g * self.slenderness:
             return 0.0
@@ -89,20 +92,31 @@ class RigidBody:
 
 
 def rigid_bodies(column: Column) -> list[RigidBody]:
-    """The parts above each joint, the top joint first, each standing straight."""
+    """Return the straight parts above each joint, the top joint first."""
     return [RigidBody(*part) for part in parts_above(column)]
 
 
 def governing_body(column: Column) -> RigidBody:
-    """The part that the least push sets in motion."""
+    """Return the part that the least push sets in motion."""
     return min(rigid_bodies(column), key=lambda body: body.slenderness)
 
 
 def sliding_distance(friction: float, vertical: float, action: Spectral, g: float) -> float:
-    """Largest slip, m (A-1) to (A-3): mu (1 - 0.4 A_v / g), c_s = 2 mu_e g, delta = c_s / (2 pi f_es)^2.
+    """Return the largest slip (m), 0 if the spectrum does not reach the strength; (A-1) to (A-3).
 
-    friction: coefficient; vertical: largest vertical acceleration A_v, m/s2; f_es is the lowest frequency at which the
-    spectrum of 10 % damping reaches c_s; 0 where it does not.
+    mu_e = mu (1 - 0.4 A_v / g), c_s = 2 mu_e g, delta = c_s / (2 pi f_es)^2; f_es is the lowest frequency at which the
+    spectrum of 10 % damping reaches c_s.
+
+    Parameters
+    ----------
+    friction : float
+        Coefficient of friction mu.
+    vertical : float
+        Largest vertical acceleration A_v (m/s2).
+    action : Spectral
+        The spectrum of the action.
+    g : float
+        Acceleration of gravity (m/s2).
     """
     strength = 2.0 * friction * (1.0 - 0.4 * vertical / g) * g
     if strength <= 0.0:
@@ -118,5 +132,5 @@ def sliding_distance(friction: float, vertical: float, action: Spectral, g: floa
 
 
 def _crossing(x: FloatArray, y: FloatArray, k: int) -> float:
-    """Zero of y between places k and k + 1, by a straight line."""
+    """Return the zero of y between indices k and k + 1, by linear interpolation."""
     return float(x[k] - y[k] * (x[k + 1] - x[k]) / (y[k + 1] - y[k]))

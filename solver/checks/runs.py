@@ -1,4 +1,4 @@
-"""The runs of a check: of the subject itself, of varied ones around it, and of many at once."""
+"""The runs of a check: of the subject as given, of its varied models, and of many at once."""
 
 from __future__ import annotations
 
@@ -21,11 +21,14 @@ from .limits import TOLERANCE, Plan
 from .scaling import ScaledMotion
 from .subject import OF_BEARINGS, Pair, Subject
 
-WORSE = (STANDING, UNDECIDED, OVERTURNED)  # from the best
+WORSE = (STANDING, UNDECIDED, OVERTURNED)  # from best to worst
 
 
 def own_runs(subject: Subject, motions: Sequence[Motion]) -> tuple[Any, ...]:
-    """A run under each motion; where the sign of a motion counts, the worse of both."""
+    """Simulate the subject under each motion, and return the responses (motions,).
+
+    If the sign of a motion counts, the worse of the two signs is returned.
+    """
     ways = [way for motion in motions for way in ((motion, motion.mirrored()) if subject.two_ways else (motion,))]
     with ThreadPoolExecutor(cores(), thread_name_prefix="runs") as pool, warnings.catch_warnings():
         warnings.filterwarnings("ignore", ".* pass into each other", InputWarning)  # the table has a row for it
@@ -38,14 +41,27 @@ def own_runs(subject: Subject, motions: Sequence[Motion]) -> tuple[Any, ...]:
 
 
 def as_given(subject: Subject, run: Any) -> Pair:
-    """The model and the motion of a run of the subject, at the tolerance and on the way of the varied ones."""
+    """Return the model and the motion of a run as given, with the settings of the varied runs."""
     return subject.to_vary(run), run.motion
 
 
 def varied(subject: Subject, run: Any, scaled: ScaledMotion, plan: Plan, place: int) -> list[Pair]:
-    """Models and motions around a run of the subject; the same for the same seed and place.
+    """Return varied models and motions of a run of the subject; the same for the same seed and `place`.
 
-    The sign of a record is by chance: where it counts, every second motion is mirrored.
+    The sign of a record is arbitrary: where it counts, every second motion is mirrored.
+
+    Parameters
+    ----------
+    subject : Subject
+        The model under check.
+    run : Response or SpatialResponse
+        Its response to the motion.
+    scaled : ScaledMotion
+        The motion.
+    plan : Plan
+        The size of the ensemble and the spread.
+    place : int
+        Index of the motion, part of the seed.
     """
     rng = np.random.default_rng([plan.spread.seed, place])
     model = subject.to_vary(run)
@@ -56,7 +72,10 @@ def varied(subject: Subject, run: Any, scaled: ScaledMotion, plan: Plan, place: 
 
 
 def run_all(subject: Subject, pairs: Sequence[Pair], peaks: bool, callback: Callback | None) -> Table:
-    """The runs of varied models, a row for each; peaks: with the largest displacements, of bearings too, and gaps."""
+    """Simulate pairs of models and motions, and return the table of the runs, one row for each.
+
+    With `peaks` the table has the largest displacements, also those of bearings, the overturning times and least gaps.
+    """
     keep = ("verdict",)
     if peaks:
         gaps = ("least_gap",) if subject.neighbours else ()

@@ -20,37 +20,40 @@ from ..ground.intensity import Component, components, peak, spectrum
 from ..ground.motion import Motion
 from .spectra import DAMPING, FloatArray, Spectral, TargetSpectrum
 
-FEWEST, MEAN_FROM = 3, 7  # motions: EN 1998-1, 4.3.3.4.3(3)
-LEAST_PART = 0.9  # of the target, that the mean spectrum keeps: EN 1998-1, 3.2.3.1.2(4)
-MOST_RAISED = 1.15  # factor on artificial motions; those of the spectra of codes need 1.07, one alone
+FEWEST, MEAN_FROM = 3, 7  # least numbers of motions, and of those whose mean counts: EN 1998-1, 4.3.3.4.3(3)
+LEAST_PART = 0.9  # least ratio of the mean spectrum to the target: EN 1998-1, 3.2.3.1.2(4)
+MOST_RAISED = 1.15  # largest factor on artificial motions; for spectra of codes a single motion needs 1.07
 PERIODS_OF_FIT = 40
 USUAL_FACTOR, MOST_FACTOR = (
     10.0,
     100.0,
-)  # on records, and their inverses: the first is said, the other refused
-VERTICAL_RANGE = (0.05, 1.0)  # s, of the fit of vertical components: plateau and next branch of the codes
+)  # on records, and their inverses: beyond the first a caution, beyond the second an error
+VERTICAL_RANGE = (0.05, 1.0)  # s, range of the fit of vertical components: plateau and next branch of the codes
 
 
 def horizontal_psa(motion: Motion, periods: FloatArray, damping: float = DAMPING) -> FloatArray:
-    """Pseudo-acceleration, m/s2, at periods, s (p,), of a motion that is not zero: of two components their mean."""
+    """Return the horizontal pseudo-acceleration (m/s2) at periods (s), (p,), of a motion that is not zero.
+
+    Of two components it is the geometric mean. `damping` is the damping ratio.
+    """
     found = [spectrum(motion, periods, damping, component).psa for component in _horizontal(motion)]
     return np.sqrt(found[0] * found[1]) if len(found) > 1 else found[0]
 
 
 def horizontal_pga(motion: Motion) -> float:
-    """Largest horizontal acceleration, m/s2; of two components the geometric mean of both."""
+    """Return the largest horizontal acceleration (m/s2); of two components the geometric mean."""
     found = [peak(motion, component) for component in _horizontal(motion)]
     return math.sqrt(found[0] * found[1]) if len(found) > 1 else found[0]
 
 
 def _horizontal(motion: Motion) -> list[Component]:
-    """Horizontal components that are not zero throughout; without any ax."""
+    """Return the horizontal components that are not zero throughout; ["ax"] if there are none."""
     there = components(motion) if motion.has_ay else []
     return [component for component in there if component != "az"] or ["ax"]
 
 
 class ScaledMotion(NamedTuple):
-    """A motion as it is applied, and the factors that it was scaled by."""
+    """A motion as applied, and the factors by which it was scaled."""
 
     name: str
     motion: Motion
@@ -60,12 +63,12 @@ class ScaledMotion(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MotionSpectra:
-    """The spectrum of several motions taken as one: the mean of seven and more, the largest of fewer."""
+    """The joint spectrum of several motions: the mean of seven and more, the largest of fewer."""
 
     motions: tuple[Motion, ...]
 
     def psa(self, period: ArrayLike, damping: float = DAMPING) -> FloatArray:
-        """Horizontal pseudo-acceleration, m/s2, at periods, s, of any shape; that of the ground at 0."""
+        """Return the horizontal pseudo-acceleration (m/s2) at periods (s) of any shape; the peak of the ground at 0."""
         period = np.asarray(period, dtype=np.float64)
         each = np.repeat([[horizontal_pga(motion)] for motion in self.motions], period.size, axis=1)
         moving = period.ravel() > 0.0
@@ -75,7 +78,7 @@ class MotionSpectra:
 
 
 def statistic(values: ArrayLike) -> FloatArray:
-    """The value that counts of several motions, along the first axis: the mean of seven and more, else the largest.
+    """Return the statistic over several motions, along the first axis: mean of seven and more, else largest.
 
     EN 1998-1, 4.3.3.4.3(3). An infinite value, of a column that falls, makes a mean infinite.
     """
@@ -84,7 +87,7 @@ def statistic(values: ArrayLike) -> FloatArray:
 
 
 def check_factors(scaled: Sequence[ScaledMotion], force: bool) -> None:
-    """Raise InputError for a factor that no record bears, unless `force`: its noise would decide."""
+    """Raise InputError for a factor beyond 0.01 to 100, at which noise decides, unless `force`."""
     for one in scaled:
         factor = _farthest(one)
         if not force and not 1.0 / MOST_FACTOR <= abs(factor) <= MOST_FACTOR:
@@ -95,7 +98,7 @@ def check_factors(scaled: Sequence[ScaledMotion], force: bool) -> None:
 
 
 def factor_lines(scaled: Sequence[ScaledMotion]) -> list[str]:
-    """Return a line that names the motions whose factors are beyond those that guides accept; mostly none."""
+    """Return a line that names the motions with factors beyond 0.1 to 10; empty if there are none."""
     far = [one for one in scaled if not 1.0 / USUAL_FACTOR <= abs(_farthest(one)) <= USUAL_FACTOR]
     if not far:
         return []
@@ -113,7 +116,19 @@ def _farthest(scaled: ScaledMotion) -> float:
 
 
 def applied(name: str, motion: Motion, factor: float, vertical_factor: float | None = None) -> ScaledMotion:
-    """The motion with its components times factors; None: the vertical one goes along."""
+    """Scale the components of a motion.
+
+    Parameters
+    ----------
+    name : str
+        Name of the motion.
+    motion : Motion
+        The motion.
+    factor : float
+        Factor on the horizontal components.
+    vertical_factor : float, optional
+        Factor on the vertical component, by default `factor`.
+    """
     vertical = factor if vertical_factor is None else vertical_factor
     scaled = motion.scaled(factor)
     if vertical != factor:
@@ -122,9 +137,21 @@ def applied(name: str, motion: Motion, factor: float, vertical_factor: float | N
 
 
 def scaled_to_pga(motions: Mapping[str, Motion], pga: float, vertical_pga: float | None = None) -> list[ScaledMotion]:
-    """Each motion to the same largest horizontal acceleration, m/s2; the vertical goes along, or has its own.
+    """Scale each motion to the same largest horizontal acceleration.
 
-    Raises InputError for a motion that is zero.
+    Parameters
+    ----------
+    motions : mapping
+        The motions by name.
+    pga : float
+        Largest horizontal acceleration (m/s2).
+    vertical_pga : float, optional
+        Largest vertical acceleration (m/s2). By default the vertical component gets the factor of the horizontal ones.
+
+    Raises
+    ------
+    InputError
+        If a motion is zero, or `pga` is not positive.
     """
     pga = check_number("pga", pga, POSITIVE, "an acceleration in m/s2")
     found = []
@@ -136,7 +163,24 @@ def scaled_to_pga(motions: Mapping[str, Motion], pga: float, vertical_pga: float
 
 
 def scaled_to_sa(motions: Mapping[str, Motion], period: float, sa: float) -> list[ScaledMotion]:
-    """Each motion to the same spectral acceleration sa, m/s2, of 5 % damping at one period, s; vertical goes along."""
+    """Scale each motion to the same spectral acceleration of 5 % damping at one period.
+
+    The vertical component gets the same factor.
+
+    Parameters
+    ----------
+    motions : mapping
+        The motions by name.
+    period : float
+        Period (s).
+    sa : float
+        Spectral acceleration (m/s2).
+
+    Raises
+    ------
+    InputError
+        If a motion is zero, or `sa` is not positive.
+    """
     sa = check_number("sa", sa, POSITIVE, "an acceleration in m/s2")
     return [
         applied(name, motion, sa / _nonzero(name, float(horizontal_psa(motion, np.array([period]))[0])))
@@ -146,7 +190,7 @@ def scaled_to_sa(motions: Mapping[str, Motion], period: float, sa: float) -> lis
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Motions, their horizontal or vertical spectra, and the target for these over a range of periods, s."""
+    """The motions, their horizontal or vertical spectra, and the target of these over a range of periods (s)."""
 
     motions: Mapping[str, Motion]
     target: Spectral
@@ -155,12 +199,12 @@ class Fit:
 
     @cached_property
     def periods(self) -> FloatArray:
-        """Periods at which spectra are compared, s."""
+        """The periods at which spectra are compared (s)."""
         return np.geomspace(*self.range, PERIODS_OF_FIT)
 
     @cached_property
     def ratios(self) -> FloatArray:
-        """Response over target of each motion, (motions, periods)."""
+        """The ratios of response to target of each motion, (motions, periods)."""
         found = [
             spectrum(motion, self.periods, component="az").psa if self.upright else horizontal_psa(motion, self.periods)
             for motion in self.motions.values()
@@ -168,31 +212,46 @@ class Fit:
         return np.array(found) / self.target.psa(self.periods)
 
     def factors(self, least: float) -> list[float]:
-        """A factor for each motion.
+        """Return a factor for each motion.
 
-        First each to a geometric mean of 1 over the target; then all by one more, so that the mean of their spectra is
-        nowhere below `least` times the target. It does not make them smaller.
+        First each motion is scaled to a geometric mean ratio of 1; then all by one common factor, not below 1, so that
+        the mean of their spectra is nowhere below `least` times the target.
         """
         own = np.exp(-np.mean(np.log(self.ratios), axis=1))
         common = self.common(least, own)
         return [float(common * factor) for factor in own]
 
     def common(self, least: float, own: FloatArray | float = 1.0) -> float:
-        """The factor, not below 1, by which the mean of the spectra times `own` is nowhere below `least`."""
+        """Return the least factor, 1 or more, at which the mean of the spectra times `own` is at least `least`."""
         return max(1.0, least / float(np.min(self.mean(own))))
 
     def mean(self, own: FloatArray | float = 1.0) -> FloatArray:
-        """Mean over the motions of response times `own` over target (periods,)."""
+        """Return the mean over the motions of the ratios times `own`, (periods,)."""
         return np.mean(self.ratios * np.reshape(own, (-1, 1)), axis=0)
 
 
 def scaled_to_spectrum(
     motions: Mapping[str, Motion], target: TargetSpectrum, periods: Sequence[float], least: float = LEAST_PART
 ) -> list[ScaledMotion]:
-    """Motions whose spectra follow a target over a range of periods, s; vertical components follow the vertical one.
+    """Scale motions so that their spectra follow a target over a range of periods.
 
-    least: part of the target below which the mean of their spectra must not be (`Fit.factors`); 0: no such rule.
-    Raises InputError.
+    Vertical components follow the vertical spectrum of the target, if it has one.
+
+    Parameters
+    ----------
+    motions : mapping
+        The motions by name.
+    target : TargetSpectrum
+        The target.
+    periods : sequence of float
+        Shortest and longest period (s).
+    least : float
+        Least ratio of the mean spectrum to the target (`Fit.factors`); 0 for no such rule.
+
+    Raises
+    ------
+    InputError
+        If a motion is zero, or a value is out of range.
     """
     shortest, longest = check_periods(periods)
     least = check_least(least)
@@ -213,10 +272,25 @@ def scaled_to_spectrum(
 def raised_to_spectrum(
     motions: Mapping[str, Motion], target: TargetSpectrum, periods: Sequence[float], least: float = LEAST_PART
 ) -> list[ScaledMotion]:
-    """Artificial motions, all by one factor so that the mean of their spectra is nowhere below `least` of the target.
+    """Scale artificial motions by one factor so that their mean spectrum is nowhere below `least` of the target.
 
-    Vertical components have a factor of their own. Raises InputError where it takes more than MOST_RAISED: where the
-    target is too rough for them.
+    Vertical components have a common factor of their own.
+
+    Parameters
+    ----------
+    motions : mapping
+        The motions by name.
+    target : TargetSpectrum
+        The target.
+    periods : sequence of float
+        Shortest and longest period (s).
+    least : float
+        Least ratio of the mean spectrum to the target.
+
+    Raises
+    ------
+    InputError
+        If the factor would exceed MOST_RAISED, where the target is too rough to be fitted.
     """
     span, least = check_periods(periods), check_least(least)
     factor, vertical = _raise(Fit(motions, target, span), target.name, least), None
@@ -237,7 +311,7 @@ def _raise(fit: Fit, name: str, least: float) -> float:
 
 
 def check_periods(periods: Sequence[float]) -> tuple[float, float]:
-    """A range of periods, s. Raises InputError."""
+    """Return a range of periods (s) as two floats. Raises InputError."""
     shortest, longest = (check_number("periods", t, (1e-3, 100.0), "periods in s, up to 100") for t in periods)
     if not shortest < longest:
         raise InputError(f"periods = {shortest:g} {longest:g}: must be the shorter first")
@@ -245,7 +319,7 @@ def check_periods(periods: Sequence[float]) -> tuple[float, float]:
 
 
 def check_least(least: float) -> float:
-    """A part of the target. Raises InputError."""
+    """Return a ratio to the target, 0 to 1, as a float. Raises InputError."""
     return check_number("least", least, (0.0, 1.0), "a part of the target from 0 to 1")
 
 

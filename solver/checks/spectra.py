@@ -1,4 +1,4 @@
-"""Elastic spectra that codes ask for, and spectra from tables: pseudo-acceleration over period and damping.
+"""The elastic spectra of codes, and spectra from tables: pseudo-acceleration over period and damping.
 
 EN 1998-1:2004, 3.2.2.2 and 3.2.2.3, with the recommended values of its tables 3.2 to 3.4; NTC 2018 (D.M. 17/01/2018),
 3.2.3.2.1 and 3.2.3.2.2. Both have one shape, between the corner periods TB, TC and TD.
@@ -23,7 +23,7 @@ from ..ground.motion import STANDARD_GRAVITY
 
 FloatArray = NDArray[np.float64]
 
-DAMPING = 0.05  # of critical, of the spectra that codes print
+DAMPING = 0.05  # damping ratio of the spectra of codes
 LEAST_ETA = 0.55
 SOILS = ("A", "B", "C", "D", "E")
 # S, TB s, TC s, TD s by type and ground: EN 1998-1, tables 3.2 and 3.3
@@ -52,8 +52,8 @@ _NTC = {
 _NTC_TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}  # table 3.2.V, at the top of the slope
 LIMITS_OF_AG = (1e-3, 100.0)  # m/s2
 MOST_TABLE = MB
-SAME_PERIOD = 1e-6  # of a period: rounding
-MOST_PSA = 10.0 * STANDARD_GRAVITY  # of a table: more is a mistake of units
+SAME_PERIOD = 1e-6  # relative tolerance of periods, for rounding
+MOST_PSA = 10.0 * STANDARD_GRAVITY  # largest value of a table; more is a mistake of units
 UNITS = {"g": STANDARD_GRAVITY, "m/s2": 1.0}
 
 
@@ -61,12 +61,12 @@ class Spectral(Protocol):
     """A spectrum of pseudo-acceleration: of a code, or of motions."""
 
     def psa(self, period: ArrayLike, damping: float = DAMPING) -> FloatArray:
-        """m/s2 at periods, s, and a damping of critical; at period 0 that of the ground."""
+        """Return the pseudo-acceleration (m/s2) at periods (s) and a damping ratio; at period 0 that of the ground."""
         ...
 
 
 def damping_factor(damping: float) -> float:
-    """The factor eta of EN 1998-1 (3.6) and NTC 2018 (3.2.4) on a spectrum of 5 %; damping of critical."""
+    """Return the factor eta on a spectrum of 5 %, for a damping ratio: EN 1998-1 (3.6), NTC 2018 (3.2.4)."""
     return max(math.sqrt(10.0 / (5.0 + 100.0 * damping)), LEAST_ETA)
 
 
@@ -84,7 +84,7 @@ class CornerSpectrum:
     td: float  # s
 
     def psa(self, period: ArrayLike, damping: float = DAMPING) -> FloatArray:
-        """Pseudo-acceleration, m/s2, at periods, s."""
+        """Return the pseudo-acceleration (m/s2) at periods (s)."""
         t = np.asarray(period, dtype=np.float64)
         top = damping_factor(damping) * self.amplification
         beyond = np.maximum(t, self.tc)
@@ -97,7 +97,7 @@ class TableSpectrum:
     """A spectrum of 5 % damping from a table, interpolated in logarithms.
 
     Before the first period it is linear from the peak of the ground, if the table has it, else constant; beyond the
-    last it falls with the square of the period. Other dampings by the factor of the codes (`damping_factor`).
+    last it falls with the square of the period. Other damping ratios use the factor of the codes (`damping_factor`).
     """
 
     period: FloatArray  # (m,) s, increasing, above 0
@@ -105,7 +105,7 @@ class TableSpectrum:
     pga: float | None = None  # m/s2, at period 0
 
     def psa(self, period: ArrayLike, damping: float = DAMPING) -> FloatArray:
-        """Pseudo-acceleration, m/s2, at periods, s."""
+        """Return the pseudo-acceleration (m/s2) at periods (s)."""
         given = np.asarray(period, dtype=np.float64)
         t = np.maximum(given, self.period[0])
         within = np.exp(np.interp(np.log(t), np.log(self.period), np.log(self.values)))
@@ -114,10 +114,10 @@ class TableSpectrum:
         if self.pga is None:
             return found
         part = np.minimum(given / self.period[0], 1.0)
-        return np.where(part < 1.0, (1.0 - part) * self.pga + part * found, found)  # the ground has no damping
+        return np.where(part < 1.0, (1.0 - part) * self.pga + part * found, found)  # damping leaves PGA
 
     def outside(self, shortest: float, longest: float) -> list[str]:
-        """Return a line for each end at which a use from `shortest` to `longest`, s, leaves the table."""
+        """Return a line for each end at which a use from `shortest` to `longest` (s) leaves the table."""
         lines, (first, last) = [], (float(self.period[0]), float(self.period[-1]))
         if shortest < first * (1.0 - SAME_PERIOD) and self.pga is None:
             value = float(self.values[0]) / STANDARD_GRAVITY
@@ -136,32 +136,49 @@ class TableSpectrum:
 
 @dataclass(frozen=True, eq=False)
 class TargetSpectrum:
-    """The action that a check asks for: a horizontal spectrum, and a vertical one where the source has it."""
+    """The target of a check: a horizontal spectrum, and a vertical one if the source has it."""
 
     name: str
     horizontal: Spectral
     vertical: Spectral | None = None
 
     def psa(self, period: ArrayLike, damping: float = DAMPING) -> FloatArray:
-        """Horizontal pseudo-acceleration, m/s2, at periods, s."""
+        """Return the horizontal pseudo-acceleration (m/s2) at periods (s)."""
         return self.horizontal.psa(period, damping)
 
     @property
     def longest(self) -> float:
-        """The longest period of a table, s; infinite of a code."""
+        """The longest period of a table (s); infinite for a code."""
         if not isinstance(self.horizontal, TableSpectrum):
             return math.inf
         return float(self.horizontal.period[-1]) * (1.0 + SAME_PERIOD)
 
     def outside(self, shortest: float, longest: float) -> list[str]:
-        """Return a line for each end at which a use from `shortest` to `longest`, s, leaves a table."""
+        """Return a line for each end at which a use from `shortest` to `longest` (s) leaves a table."""
         return self.horizontal.outside(shortest, longest) if isinstance(self.horizontal, TableSpectrum) else []
 
 
 def eurocode8(ag: float, soil: str, kind: int = 1) -> TargetSpectrum:
-    """EN 1998-1:2004, elastic spectrum of type 1 or 2 (`kind`) on ground A to E; recommended values.
+    """Return the elastic spectrum of EN 1998-1:2004, with its recommended values.
 
-    ag: m/s2, design ground acceleration on ground A, the importance factor included. Raises InputError.
+    Parameters
+    ----------
+    ag : float
+        Design ground acceleration on ground A (m/s2), the importance factor included.
+    soil : str
+        Ground type, A to E.
+    kind : int
+        Type of the spectrum, 1 or 2.
+
+    Returns
+    -------
+    TargetSpectrum
+        The horizontal and the vertical spectrum.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range.
     """
     ag = _acceleration(ag)
     if kind not in _VERTICAL_PART:
@@ -173,9 +190,30 @@ def eurocode8(ag: float, soil: str, kind: int = 1) -> TargetSpectrum:
 
 
 def ntc2018(ag: float, f0: float, tc_star: float, soil: str, topography: str = "T1") -> TargetSpectrum:
-    """NTC 2018, elastic spectrum of a site and a limit state, from ag (m/s2), F0 and TC* (s) of its annexes.
+    """Return the elastic spectrum of NTC 2018 for a site and a limit state.
 
-    soil: category A to E; topography: T1 to T4. Raises InputError.
+    Parameters
+    ----------
+    ag : float
+        Design ground acceleration on rock (m/s2), of the annexes.
+    f0 : float
+        Largest amplification F0, of the annexes.
+    tc_star : float
+        Period TC* (s), of the annexes.
+    soil : str
+        Soil category, A to E.
+    topography : str
+        Topographic category, T1 to T4.
+
+    Returns
+    -------
+    TargetSpectrum
+        The horizontal and the vertical spectrum.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range.
     """
     ag = _acceleration(ag)
     f0 = check_number("F0", f0, (1.0, 10.0), "an amplification from 1 to 10; NTC 2018 has 2.2 and more")
@@ -193,15 +231,14 @@ def ntc2018(ag: float, f0: float, tc_star: float, soil: str, topography: str = "
 
 
 def _of_code(name: str, horizontal: CornerSpectrum, vertical_pga: float, amplification: float) -> TargetSpectrum:
-    """With the vertical spectrum of both codes, from its peak (m/s2) and the plateau over it."""
+    """Return the target of a code, whose vertical spectrum has this peak (m/s2) and plateau over the peak."""
     return TargetSpectrum(name, horizontal, CornerSpectrum(vertical_pga, amplification, *_VERTICAL_CORNERS))
 
 
 def spectrum_from_csv(path: str | os.PathLike[str]) -> TargetSpectrum:
-    """Read a spectrum of 5 % damping from a table; its first line is `period,g` or `period,m/s2`.
+    """Read a spectrum of 5 % damping from a CSV table; its first line is `period,g` or `period,m/s2`.
 
-    Periods in s, increasing; the first may be 0, with the peak of the ground. Raises InputError that begins with
-    `path`.
+    Periods (s) increase; the first may be 0, with the peak of the ground. Raises InputError that begins with `path`.
     """
     with reading(path):
         table = table_of(lines_of(path, MOST_TABLE))
@@ -213,7 +250,7 @@ def spectrum_from_csv(path: str | os.PathLike[str]) -> TargetSpectrum:
 
 
 def _spectrum_of(table: TextTable, unit: float) -> TableSpectrum:
-    """Return the spectrum of a table of periods, s, and values in `unit`, m/s2. Raises InputError."""
+    """Return the spectrum of a table of periods (s) and values in `unit` (m/s2). Raises InputError."""
     found: list[tuple[float, float]] = []
     for line, row, (period, value) in zip(table.lines, table.rows, table.numbers().tolist(), strict=True):
         if not (period >= 0.0 and value > 0.0):

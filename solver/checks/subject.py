@@ -1,4 +1,4 @@
-"""What is checked: the questions that models answer differently."""
+"""The subject of a check: the interface behind which a check treats columns and structures alike."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from .kinematic import CONFIDENCE_FACTOR
 from .spectra import FloatArray
 
 Pair = tuple[Any, Motion]  # a model and its motion
-OF_BEARINGS = "peak_d"  # in a table of runs
+OF_BEARINGS = "peak_d"  # column of a table of runs
 
 
 @dataclass(frozen=True, eq=False)
 class Joints:
-    """Numbers of the joints that demands are compared with; NaN where there is none."""
+    """The properties of the joints that demands are compared with; NaN where a joint has none."""
 
     names: tuple[str, ...]
     width: FloatArray  # m
@@ -34,7 +34,7 @@ class Joints:
 
     @classmethod
     def of(cls, names: Sequence[str], width: Sequence[float], laws: Sequence[Any]) -> Joints:
-        """From widths and laws; a strength of 0 is none."""
+        """Create from names, widths (m) and laws; a strength of 0 counts as none."""
         strength = [law.strength or math.nan for law in laws]
         friction = [math.nan if law.friction is None else law.friction for law in laws]
         return cls(tuple(names), *map(np.array, (width, strength, friction)))
@@ -42,16 +42,19 @@ class Joints:
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """A model under a check; run: its response to one motion. As it stands: of a model without joints and ties."""
+    """A model under check. The base class answers for a model without joints and ties.
+
+    In its methods `run` is the response of the model to one motion.
+    """
 
     model: Any
     confidence_factor: float = CONFIDENCE_FACTOR
-    column: Column | None = None  # that a structure stands for in space, if known
-    of_model: ClassVar[tuple[str, ...]] = ()  # sentences on what the model leaves out
+    column: Column | None = None  # the column of which a structure is the model in space, if known
+    of_model: ClassVar[tuple[str, ...]] = ()  # sentences on the effects that the model leaves out
 
     @property
     def planar(self) -> Column | None:
-        """The column in its plane, None of a structure that is none."""
+        """The column in its plane; None for a structure that is no column."""
         return self.column
 
     @property
@@ -61,42 +64,42 @@ class Subject:
 
     @property
     def yields(self) -> FloatArray:
-        """Forces at which the ties yield, N; NaN where they do not."""
+        """The forces at which the ties yield (N); NaN for ties that do not."""
         return np.empty(0)
 
     @property
     def bearings(self) -> tuple[tuple[str, ...], FloatArray]:
-        """Names of the bearings, and the displacements that they allow, m."""
+        """The names of the bearings, and their displacement capacities (m)."""
         return (), np.empty(0)
 
     @property
     def neighbours(self) -> tuple[str, ...]:
-        """Names of the pairs of neighbours that may hit each other."""
+        """The names of the pairs of neighbours that may hit each other."""
         return ()
 
     @property
     def bonds(self) -> tuple[str, ...]:
-        """Names of the joints that bear tension or cohesion until they break."""
+        """The names of the joints that bear tension or cohesion until they break."""
         return ()
 
     @property
     def period(self) -> float:
-        """Of the first mode about rest, s; 0 where nothing sways before it lifts."""
+        """The period of the first mode about rest (s); 0 if nothing sways before it lifts."""
         return 0.0
 
     @property
     def longest(self) -> float:
-        """Period when it rocks by 0.4 of what overturns it, s."""
+        """The period (s) when it rocks by 0.4 of the overturning displacement."""
         return math.inf
 
     @property
     def isolated(self) -> float:
-        """Longest period while all bearings slide or yield, s; 0 without bearings."""
+        """The longest period while all bearings slide or yield (s); 0 without bearings."""
         return 0.0
 
     @property
     def edge(self) -> float:
-        """Displacement of the top at which it balances without a push, m; NaN if there is no such number."""
+        """The displacement of the top at which it balances without a push (m); NaN if it is not defined."""
         return math.nan
 
     @property
@@ -105,43 +108,53 @@ class Subject:
         return False
 
     def left_to_others(self, both: bool) -> Iterable[str]:
-        """Sentences on what is left to another check; both: the other direction is checked beside it."""
+        """Return sentences on the points that this check leaves to another.
+
+        `both` is True if the other direction is checked as well.
+        """
         return ()
 
     def moved(self, run: Any) -> float:
-        """Largest displacement, m; of a column that of its top."""
+        """Return the largest displacement (m); for a column that of its top."""
         return float(np.max(run.peaks[self.model.kind.largest]))
 
     def shear_ratio(self, run: Any) -> FloatArray:
-        """Shear over compression of each joint, where it is compressed (rows, joints)."""
+        """Return shear over compression of each joint while it is compressed, (rows, joints)."""
         return np.empty((len(run.time), 0))
 
     def overlap(self, run: Any) -> Overlap | None:
-        """Of blocks that no joint connects; None where there are none."""
+        """Return the overlap of blocks that no joint connects; None if there are no such blocks."""
         return None
 
     def to_vary(self, run: Any) -> Any:
-        """The model that is varied around a run."""
+        """Return the model that is varied, given the run of the model as given."""
         return self.model
 
     def tops(self, table: Table) -> FloatArray:
-        """As `moved`, of a table of runs with the largest displacements."""
+        """Return the displacements of `moved` for each row of a table of runs (m)."""
         return np.max(table[f"peak_{self.model.kind.largest}"], axis=1)
 
     def by_hand(self, action: Any, limits: Any) -> Any:
-        """`ByHand` under an Action with Limits; None if there are no such methods."""
+        """Return `ByHand` under an Action with Limits; None if the methods do not apply."""
         return None
 
     def digest(self) -> bytes:
-        """All numbers of the model."""
+        """Return the bytes of all numbers of the model."""
         return json.dumps(self.model.to_dict(), sort_keys=True).encode()
 
 
 @singledispatch
 def subject_of(model: Any, confidence_factor: float = CONFIDENCE_FACTOR) -> Subject:
-    """A model as subject of checks: what is registered for its class (`subject_of.register`).
+    """Return a model as subject of checks.
 
-    Raises InputError, and SolverError if it does not stand at rest.
+    The class of the model must be registered (`subject_of.register`).
+
+    Raises
+    ------
+    InputError
+        If the class is not registered.
+    SolverError
+        If the model does not stand at rest.
     """
     registered = "; of another model its class must be known to subject_of (checks/subject.py)"
     more = registered if hasattr(model, "kind") else ""

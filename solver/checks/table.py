@@ -1,4 +1,4 @@
-"""The table of checks: what the action asks of a subject beside what is allowed."""
+"""The table of checks: the demands of the action on a subject, and their capacities."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from .spectra import FloatArray
 from .subject import OF_BEARINGS, Subject
 from .verdicts import UNFINISHED, Verdicts, bounds_of, falls
 
-LASTING = 0.05  # s
+LASTING = 0.05  # s, total time for which a friction demand must be exceeded
 
 
 @dataclass(frozen=True)
 class Unit:
-    """How a quantity is shown: the name of a unit, and what a value in SI is multiplied by."""
+    """A unit in which a quantity is shown: its name, and the factor on a value in SI units."""
 
     name: str = ""
     factor: float = 1.0
@@ -39,10 +39,29 @@ BEARING = "displacement of a bearing"
 
 @dataclass(frozen=True)
 class Row:
-    """One check. demand, capacity: SI; capacity NaN where nothing is compared, the note says why.
+    """A row of the table: one demand and its capacity.
 
-    values: of each motion, or empty. band: 16, 50 and 84 % points over the runs of the ensembles that do not fall,
-    where they keep the quantity, else over the motions. undecided: neither passes nor fails, since runs did not end.
+    Attributes
+    ----------
+    name
+        The quantity.
+    demand
+        The demand, in SI units.
+    capacity
+        The capacity, in SI units; NaN if nothing is compared, and the note says why.
+    unit
+        The unit in which both are shown.
+    where
+        The joint, block or other part that governs.
+    note
+        An explanation.
+    values
+        The demand of each motion, or empty.
+    band
+        The 16, 50 and 84 % points over the varied runs that do not fall, if these keep the quantity, else over the
+        motions.
+    undecided
+        Whether the row neither passes nor fails, since runs did not end.
     """
 
     name: str
@@ -57,24 +76,24 @@ class Row:
 
     @property
     def ratio(self) -> float:
-        """Demand over capacity: above 1 it fails; NaN where nothing is compared."""
+        """The ratio of demand to capacity; above 1 the row fails; NaN if nothing is compared."""
         if self.capacity == 0.0:
             return 0.0 if self.demand == 0.0 else math.inf
         return self.demand / self.capacity
 
     @property
     def passes(self) -> bool | None:
-        """Whether the demand is within the capacity; None where nothing is compared."""
+        """Whether the demand is within the capacity; None if nothing is compared."""
         return None if math.isnan(self.ratio) else self.ratio <= 1.0
 
     @property
     def of_fall(self) -> bool:
-        """Return True if the demand is not known since the model falls: the rows of overturning say so."""
+        """Whether the demand is unknown because the model falls, as the rows of overturning say."""
         return math.isinf(self.demand)
 
     @property
     def texts(self) -> tuple[str, str, str, str, str, str]:
-        """Name, place, demand, capacity, ratio and outcome, for the eye."""
+        """The name, place, demand, capacity, ratio and outcome as texts."""
         return (
             self.name,
             self.where,
@@ -86,7 +105,7 @@ class Row:
 
     @property
     def outcome(self) -> str:
-        """Whether it passes, in a word."""
+        """The outcome in a word or two."""
         if self.undecided:
             return "undecided"
         if self.of_fall and self.passes is False:
@@ -95,7 +114,7 @@ class Row:
 
     @property
     def remark(self) -> str:
-        """The note, and the percentiles."""
+        """The note, followed by the percentiles."""
         if not self.band:
             return self.note
         points = ", ".join(map(str, PERCENTILES))
@@ -104,14 +123,14 @@ class Row:
 
     @property
     def brief(self) -> str:
-        """Demand and ratio for a table of variants; of a factor on the motion what the column bears."""
+        """The demand and the ratio, for a table of variants; for a factor on the motion its capacity."""
         if self.unit is FACTOR:
             return f"bears {self.shown(self.capacity)}"
         *_, demand, _, ratio, outcome = self.texts
         return demand if self.passes is None or self.of_fall else f"{demand} ({ratio or outcome.lower()})"
 
     def shown(self, value: float) -> str:
-        """A value of this row with its unit."""
+        """Return a value of this row with its unit, or "falls" if it is infinite."""
         if math.isinf(value):
             return "falls"
         return f"{three_digits(self.unit.factor * value)} {self.unit.name}".rstrip()
@@ -125,9 +144,24 @@ def rows_of(
     margin: Margin | None,
     verdicts: Verdicts,
 ) -> tuple[Row, ...]:
-    """The rows, from the run of each motion, the table of all varied runs, the verdicts of both and the margin.
+    """Return the rows of the table.
 
-    A motion under which the subject falls asks for an infinite displacement, pressure, slip and force.
+    A motion under which the subject falls has infinite demands of displacement, pressure, slip and force.
+
+    Parameters
+    ----------
+    subject : Subject
+        The model under check.
+    responses : sequence
+        The responses of the model as given, one for each motion.
+    table : Table
+        The table of all varied runs.
+    limits : Limits
+        The limits.
+    margin : Margin, optional
+        The margin; None if it was not computed.
+    verdicts : Verdicts
+        The verdicts of the runs as given and of the varied runs.
     """
     demands = Demands(subject, responses)
     return (
@@ -144,62 +178,79 @@ def rows_of(
 
 @dataclass(frozen=True, eq=False)
 class Demands:
-    """What the motions ask of a subject, a run for each."""
+    """The demands of the motions on a subject, from one response for each motion."""
 
     subject: Subject
     responses: Sequence[Any]
 
     @property
     def fell(self) -> NDArray[np.bool_]:
-        """Whether it falls, of each motion."""
+        """Whether the subject falls under each motion, (motions,)."""
         return falls([response.verdict for response in self.responses])
 
     def largest(self, values: Callable[[Any], ArrayLike]) -> FloatArray:
-        """A value, or several, of each run; infinite where it falls."""
+        """Return one or several values of each response, (motions, ...); infinite where it falls."""
         found = np.array([values(response) for response in self.responses], dtype=np.float64)
         found[self.fell] = math.inf
         return found
 
     def of_joint(self, name: str, i: int, capacity: float, unit: Unit, note: str, values: FloatArray) -> Row:
-        """A row of the joint in place i; values (motions, joints)."""
+        """Return a row for the joint of index i.
+
+        `values` are the demands, (motions, joints); `capacity` is in SI units; `name`, `unit` and `note` are those of
+        the row.
+        """
         return _of_part(name, self.subject.joints.names[i], capacity, unit, note, values[:, i])
 
 
 def _of_part(name: str, where: str, capacity: float, unit: Unit, note: str, values: FloatArray) -> Row:
-    """A row of a joint or tie; values: of each motion."""
+    """Return a row for a joint or tie, from the `values` of each motion (motions,)."""
     band = tuple(np.percentile(values, PERCENTILES).tolist()) if np.isfinite(values).all() else ()
     return Row(name, float(statistic(values)), capacity, unit, where, note, tuple(values.tolist()), band)
 
 
 def _worst(demand: FloatArray, capacity: FloatArray) -> int:
-    """Place of the largest part of the capacity; if none is known, of the largest demand."""
+    """Return the index of the largest ratio of demand to capacity, or of the largest demand if no capacity is known."""
     known = np.flatnonzero(~np.isnan(capacity))
     return int(known[np.argmax((demand / capacity)[known])]) if known.size else int(np.argmax(demand))
 
 
 def overturning(verdicts: Verdicts, limits: Limits, margin: Margin | None, failures: Mapping[int, str]) -> list[Row]:
-    """As given, the share of varied runs, those that are undecided, and the margin.
+    """Return the rows of overturning: as given, share of varied runs, undecided runs, and margin.
 
-    failures: why runs could not be made, by their number.
+    Parameters
+    ----------
+    verdicts : Verdicts
+        The verdicts of the runs as given and of the varied runs.
+    limits : Limits
+        The limits, of which `share` counts.
+    margin : Margin, optional
+        The margin; None if it was not computed.
+    failures : mapping
+        The reasons why runs could not be made, by their number.
     """
     size, count = len(verdicts.varied), len(verdicts.names)
     low, high = verdicts.bounds
     no_rest = [reason for k, reason in failures.items() if verdicts.varied[k] == OVERTURNED]
     unfinished = int(np.sum(verdicts.varied == UNFINISHED))
     own = len(verdicts.own_falls)
+    # the model as given
     note = f"motions of {count} under which it falls with the data as given"
     rows = [Row("overturning, as given", own, 0.0, PLAIN, note=f"{note}: {', '.join(verdicts.own_falls) or 'none'}")]
+    # the varied runs
     note = f"{verdicts.fallen} of {size} runs fall"
     note += f", {len(no_rest)} of them under their weight alone ({no_rest[0]})" if no_rest else ""
     note += f", {unfinished} of them could not be finished" if unfinished else ""
     note += f"; {percent(low)} to {percent(high)} at 95 % confidence" + (", motions counted" if count > 1 else "")
     rows.append(Row("overturning", verdicts.fallen / size, limits.share, PERCENT, note=note))
+    # undecided runs, as given or varied
     left = verdicts.own_undecided
     if left or verdicts.undecided:
         note = f"{verdicts.undecided} of {size} runs neither fall nor come to rest in the time that they are followed"
         note += f"; as given: {', '.join(left)}" if left else ""
         matters = bool(left) or verdicts.fallen + verdicts.undecided > limits.share * size
         rows.append(Row("undecided", verdicts.undecided / size, math.nan, PERCENT, note=note, undecided=matters))
+    # margin: the largest factor at which no run falls
     if margin is not None:
         note = f"no run falls up to {three_digits(margin.stands)} times the motion, the most looked at"
         if not margin.is_open:
@@ -239,6 +290,7 @@ def _sliding(demands: Demands, limits: Limits) -> list[Row]:
     rows: list[Row] = []
     subject, joints = demands.subject, demands.subject.joints
     slides = ~np.isnan(joints.friction)
+    # slip of the joints with friction
     if (slides & ~np.isnan(joints.width)).any():
         width = np.where(slides, joints.width, math.nan)
         for name, part, values in (
@@ -248,6 +300,7 @@ def _sliding(demands: Demands, limits: Limits) -> list[Row]:
             i = _worst(statistic(values), width)
             note = f"{part:g} of the width of the joint"
             rows.append(demands.of_joint(name, i, part * float(width[i]), MM, note, values))
+    # friction demand of the joints without friction
     if not slides.all():
         values = demands.largest(lambda run: np.where(slides, 0.0, lasting(subject.shear_ratio(run), run.time)))
         i = int(np.argmax(statistic(values)))
@@ -260,9 +313,16 @@ def _sliding(demands: Demands, limits: Limits) -> list[Row]:
 
 
 def lasting(ratio: FloatArray, time: FloatArray) -> FloatArray:
-    """|T| / N that is exceeded for LASTING s in all, (joints,): peaks of impacts are shorter and move nothing.
+    """Return the |T| / N that is exceeded for LASTING s in all, (joints,).
 
-    0.05 s of 0.3 more than there is move a joint by 4 mm. ratio (rows, joints), time (rows,) s.
+    Peaks of impacts are shorter and move nothing: 0.05 s of an excess of 0.3 moves a joint by 4 mm.
+
+    Parameters
+    ----------
+    ratio : (rows, joints) float
+        Shear over compression.
+    time : (rows,) float
+        Time (s).
     """
     rows = max(1, round(LASTING * (len(time) - 1) / float(time[-1] - time[0])))
     return np.sort(ratio, axis=0)[-min(rows, len(ratio))]
@@ -280,7 +340,7 @@ def _opening(demands: Demands, limits: Limits) -> Row:
 
 
 def _overlap(demands: Demands, limits: Limits) -> list[Row]:
-    """The deepest of blocks that do not meet in the model, of all motions; none where it cannot be."""
+    """Return the row of the deepest overlap of blocks that do not meet in the model; empty if there is none."""
     overlaps = [found for run in demands.responses if (found := demands.subject.overlap(run)) is not None]
     if not overlaps:
         return []
@@ -292,7 +352,7 @@ def _overlap(demands: Demands, limits: Limits) -> list[Row]:
 
 
 def _hits(demands: Demands, table: Table, verdicts: Verdicts, limits: Limits) -> list[Row]:
-    """The share of varied runs in which neighbours hit, and the least gap as given; none without neighbours."""
+    """Return the rows of neighbours: share of varied runs with a hit, least gap as given; empty without neighbours."""
     names = demands.subject.neighbours
     if not names:
         return []
@@ -311,7 +371,7 @@ def _hits(demands: Demands, table: Table, verdicts: Verdicts, limits: Limits) ->
 
 
 def _cracks(demands: Demands) -> list[Row]:
-    """How much of the joint breaks of which least is left; none where joints bear no tension."""
+    """Return the row of the mortar joint with the largest broken part; empty if no joint bears tension."""
     names = demands.subject.bonds
     if not names:
         return []
@@ -323,7 +383,7 @@ def _cracks(demands: Demands) -> list[Row]:
 
 
 def _ties(demands: Demands) -> list[Row]:
-    """Of the tie that is nearest to its yield; none without ties."""
+    """Return the row of the tie that is nearest to its yield; empty without ties."""
     yields = demands.subject.yields
     if not yields.size:
         return []
@@ -334,7 +394,7 @@ def _ties(demands: Demands) -> list[Row]:
 
 
 def _bearings(demands: Demands, table: Table, verdicts: Verdicts) -> list[Row]:
-    """Of the bearing that is asked for most of the displacement that it allows; none without bearings."""
+    """Return the row of the bearing with the largest ratio of displacement to capacity; empty without bearings."""
     names, capacity = demands.subject.bearings
     if not names:
         return []

@@ -1,4 +1,4 @@
-"""A variant against the model that is checked, in a sentence: better, worse, or not to be distinguished."""
+"""The comparison of a variant with the checked model, in a sentence: better, worse, or not to be distinguished."""
 
 from __future__ import annotations
 
@@ -20,31 +20,35 @@ from .table import BEARING, MM, MRAD, PERCENT, Unit
 from .verdicts import falls
 
 POINTS = Unit("percentage points", PERCENT.factor)
-MOST_NAMED = 4  # changes of a variant
+MOST_NAMED = 4  # largest number of changes that are listed
 SAME = "cannot be distinguished"
-STRIPS = 10_000  # of a quarter turn: Student to 1e-6
+STRIPS = 10_000  # of the sum over a quarter turn: Student's quantile to 1e-6
 
 
 def difference(first: Check, other: Check) -> str:
-    """What `other` does against `first` under the same motions: how often it falls, and how far it moves.
+    """Return the sentence that compares `other` with `first` under the same motions: falls, and displacements.
 
-    Runs are pairs: of one motion, of the same random numbers. The runs under one motion are alike, so that the mean of
-    its pairs is one trial; of a single motion each pair is a trial. Pairs of which one falls say nothing of how far.
+    Runs form pairs: of one motion and the same random numbers. Runs under one motion are alike, so the mean of its
+    pairs counts as one trial; with a single motion each pair is a trial. Pairs of which one run falls do not count for
+    the displacements.
     """
     pairs = _moved(first), _moved(other)
     of = "motions" if len(pairs[0]) > 1 else "runs"
     fell = [np.isinf(moved) for moved in pairs]
     found = []
+    # falls: difference of the shares, in percentage points
     if np.any(fell):
         more = pairs_of(fell[1].astype(float), fell[0].astype(float))
         found.append(_bounded(_falls(fell[1], fell[0], float(np.mean(more))), more, POINTS, of))
+    # displacements of the pairs in which both stand
     stand = ~(fell[0] | fell[1])
-    if any(check.subject.bearings[0] for check in (first, other)):  # what they let move is no damage
+    if any(check.subject.bearings[0] for check in (first, other)):  # sliding on bearings is no damage
         apart = pairs_of(*(np.where(stand[:, :1], _tilt(check), math.nan) for check in (other, first)))
         found += [_said("its blocks tilt by {}", apart, MRAD, "motions")] if apart.size else []
     elif stand.any():
         moved = pairs_of(*(np.where(stand, values, math.nan) for values in reversed(pairs)))
         found.append(_said("it moves {}", moved, MM, of))
+    # one sentence of all parts
     words = {word for _, word in found} - {SAME}
     word = " in one and ".join(sorted(words)) + (" in the other" if len(words) > 1 else "") if words else SAME
     parts = "; ".join(f"{text}: {one}" if len(found) > 1 else text for text, one in found)
@@ -54,7 +58,10 @@ def difference(first: Check, other: Check) -> str:
 
 
 def described(first: Any, other: Any) -> str:
-    """Which numbers of another model differ, in words; equal changes of several blocks once. Empty if not known."""
+    """Return the numbers in which two models differ, as text; "" if unknown.
+
+    Equal changes of several blocks are listed once.
+    """
     try:
         before, after = _flat("", first.to_dict()), _flat("", other.to_dict())
     except InputError:
@@ -74,7 +81,7 @@ def described(first: Any, other: Any) -> str:
 
 
 def _flat(key: str, value: Any) -> dict[str, str]:
-    """The numbers and words of nested tables by their keys, as block[1].joint.damping."""
+    """Return the values of nested tables as texts, by keys such as block[1].joint.damping."""
     if isinstance(value, Mapping):
         return {name: text for k, v in value.items() for name, text in _flat(f"{key}.{k}".lstrip("."), v).items()}
     if isinstance(value, (list, tuple)):
@@ -83,24 +90,26 @@ def _flat(key: str, value: Any) -> dict[str, str]:
 
 
 def _tilt(check: Check) -> FloatArray:
-    """Largest rotation of a block about a horizontal axis, rad, of the run of each motion (motions, 1)."""
+    """Return the largest rotation of a block about a horizontal axis (rad), (motions, 1)."""
     return np.array([[np.max(np.hypot(run.peaks["rx"], run.peaks["ry"]))] for run in check.responses])
 
 
 def _asked(check: Check) -> str:
-    """What displacement is asked of the bearings over all runs that stand, as given and varied, in a sentence.
+    """Return the sentence on the displacement demand of the bearings, over all runs that stand; "" without bearings.
 
-    In each run the largest of those that allow as little as the one of the table's row; "" without bearings.
+    In each run the largest counts of those bearings whose capacity is that of the row in the table.
     """
     names, capacity = check.subject.bearings
     row = next((row for row in check.rows if row.name == BEARING), None)
     if row is None:
         return ""
+    # largest demand of each run that stands
     asked = np.where(capacity == row.capacity, 1.0, 0.0) * _of_bearings(check)
     moved = np.where(_fell(check), math.nan, np.max(asked, axis=2))
     stand = int(np.sum(~np.isnan(moved)))
     if not stand:
         return f" What displacement its bearings are asked for is not known: all of its {moved.size} runs fall."
+    # mean over the runs, its bounds, and the largest
     trials = pairs_of(moved, np.zeros_like(moved))
     runs = f"{stand} runs" if stand == moved.size else f"the {stand} of {moved.size} runs that stand"
     said = f" Over {runs} its bearings are asked for"
@@ -117,26 +126,37 @@ def _asked(check: Check) -> str:
 
 
 def _of_bearings(check: Check) -> FloatArray:
-    """Largest displacement of each bearing, m (motions, runs, bearings), the run as described first."""
+    """Return the largest displacement of each bearing (m), (motions, runs, bearings); the run as given first."""
     own = np.array([run.peaks["d"] for run in check.responses])[:, None]
     return np.concatenate([own, check.runs[OF_BEARINGS].reshape(len(own), -1, own.shape[2])], axis=1)
 
 
 def _fell(check: Check) -> NDArray[np.bool_]:
-    """Whether each run falls (motions, runs), the one as described first."""
+    """Return True for each run that falls, (motions, runs); the run as given first."""
     own = falls(check.verdicts.own)[:, None]
     return np.concatenate([own, falls(check.verdicts.varied).reshape(len(own), -1)], axis=1)
 
 
 def _moved(check: Check) -> FloatArray:
-    """How far each run moves, m (motions, runs), the one as described first; infinite where it falls."""
+    """Return the displacement of each run (m), (motions, runs), inf where it falls; the run as given first."""
     own = next(row.values for row in check.rows if row.name.startswith("displacement"))
     varied = np.where(falls(check.verdicts.varied), math.inf, check.subject.tops(check.runs))
     return np.column_stack([own, varied.reshape(len(own), -1)])
 
 
 def pairs_of(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Differences of each trial, from values of paired runs (motions, runs); pairs with NaN are left out."""
+    """Return the differences of each trial, `one` less `other`.
+
+    Parameters
+    ----------
+    one, other : (motions, runs) float
+        Values of paired runs. Pairs with NaN are left out.
+
+    Returns
+    -------
+    (trials,) float
+        The mean over the pairs of each motion; with one motion the pairs themselves.
+    """
     apart = one - other
     if len(apart) == 1:
         return apart[~np.isnan(apart)]
@@ -144,14 +164,14 @@ def pairs_of(one: FloatArray, other: FloatArray) -> FloatArray:
 
 
 def _said(what: str, trials: FloatArray, unit: Unit, of: str) -> tuple[str, str]:
-    """The mean difference and its bounds in words, and which is better; less is."""
+    """Return the mean difference with its bounds as text, and which model is better; less is better."""
     mean = float(np.mean(trials))
     shown = what.format(f"{unit.factor * abs(mean):.3g} {unit.name} {'less' if mean < 0.0 else 'more'}")
     return _bounded(shown, trials, unit, of)
 
 
 def _falls(other: NDArray[np.bool_], first: NDArray[np.bool_], more: float) -> str:
-    """Return by how many percentage points more or fewer runs fall, and how many of how many."""
+    """Return the text on how many percentage points more or fewer runs fall, with the counts."""
     counts = f"{int(np.sum(other))} of {other.size} instead of {int(np.sum(first))}"
     if more == 0.0:
         return f"as many runs fall: {counts}"
@@ -160,7 +180,7 @@ def _falls(other: NDArray[np.bool_], first: NDArray[np.bool_], more: float) -> s
 
 
 def _bounded(shown: str, trials: FloatArray, unit: Unit, of: str) -> tuple[str, str]:
-    """Return a difference in words with the bounds of its mean, and which is better; less is."""
+    """Return the text with the bounds of the mean difference, and which model is better; less is better."""
     if len(trials) < 2:
         return f"{shown}, of one pair alone", SAME
     low, high = mean_bounds(trials)
@@ -170,7 +190,7 @@ def _bounded(shown: str, trials: FloatArray, unit: Unit, of: str) -> tuple[str, 
 
 
 def mean_bounds(trials: FloatArray) -> tuple[float, float]:
-    """Student's bounds on the mean of very many such trials, of which there are two at least."""
+    """Return Student's confidence bounds on the mean of trials, (trials,), at least two."""
     free = len(trials) - 1
     mean, apart = float(np.mean(trials)), student(free) * float(np.std(trials, ddof=1)) / math.sqrt(len(trials))
     return mean - apart, mean + apart
@@ -178,9 +198,9 @@ def mean_bounds(trials: FloatArray) -> tuple[float, float]:
 
 @lru_cache
 def student(free: int) -> float:
-    """The two-sided quantile of Student's distribution at `CONFIDENCE`: sqrt(free) tan(angle), by a sum over the angle.
+    """Return the two-sided quantile of Student's distribution at `CONFIDENCE`, for `free` degrees of freedom.
 
-    The density over the angle is cos(angle)^(free - 1).
+    It is sqrt(free) tan(angle), by a sum over the angle, whose density is cos(angle)^(free - 1).
     """
     width = 0.5 * math.pi / STRIPS
     share = np.cumsum(np.cos(width * (np.arange(STRIPS) + 0.5)) ** (free - 1))

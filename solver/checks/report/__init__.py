@@ -1,1 +1,1 @@
-"""Reports for people: one HTML file with everything inside."""
+"""The reports of a check for readers: one HTML file with everything inside."""

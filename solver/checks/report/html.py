@@ -1,4 +1,4 @@
-"""The report of a check: one HTML file without outside links, for the screen and for paper."""
+"""The report of a check: one HTML file without outside links, for screen and print."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from ..variants import difference
 from .model import shown_of
 from .pictures import embedded, spectra_picture
 
-LIMITS_OF_THE_MODEL = (  # whatever is checked
+LIMITS_OF_THE_MODEL = (  # for all models
     "The blocks are rigid. Their elasticity is in the modulus of the joints.",
     "Edges do not crush or spall. A pressure above the strength makes it weaker than computed.",
 )
@@ -38,9 +38,23 @@ LIMITS_OF_THE_MODEL = (  # whatever is checked
 def write_report(
     checks: Sequence[Check], path: str | os.PathLike[str], command: str = "", notes: Sequence[str] = ()
 ) -> None:
-    """Write the report of a check, with the others as variants beside it. Raises OSError.
+    """Write the report of a check, compared with the other checks as variants.
 
-    command: the one that makes the report again. notes: lines under the title, such as project, author and date.
+    Parameters
+    ----------
+    checks : sequence of Check
+        The check, then its variants.
+    path : str or path
+        The HTML file.
+    command : str
+        The command that makes the report again, printed in it.
+    notes : sequence of str
+        Lines under the title, such as project, author and date.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
     """
     folder = files(__package__)
     page = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True).from_string(
@@ -53,7 +67,7 @@ def write_report(
 
 
 def _content(checks: Sequence[Check]) -> dict[str, Any]:
-    """Everything that the template names."""
+    """Return the values that the template names."""
     check = checks[0]
     run = check.responses[check.governing]
     shown = shown_of(check.subject.model, check, run)
@@ -96,7 +110,7 @@ def _content(checks: Sequence[Check]) -> dict[str, Any]:
 
 
 def _of_joints(check: Check) -> str:
-    """Return what the joints bear across them, in a sentence."""
+    """Return the sentence on the tension, cohesion and pressure that the joints bear."""
     bonds, joints = len(check.subject.bonds), len(check.subject.joints.names)
     dry = "pressure only; they open, and close with the damping given."
     if not bonds:
@@ -106,7 +120,7 @@ def _of_joints(check: Check) -> str:
 
 
 def never_slide(joints: Joints) -> tuple[str, ...]:
-    """Return a sentence on the joints without friction, none where all have some."""
+    """Return a sentence on the joints without friction; empty if all joints have friction."""
     missing, count = int(np.sum(np.isnan(joints.friction))), len(joints.names)
     if not missing:
         return ()

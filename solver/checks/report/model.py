@@ -1,4 +1,4 @@
-"""What a report shows of the model itself: tables and pictures of a column, or of a structure in space."""
+"""The part of a report on the model: tables and pictures of a column, or of a structure in space."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .pictures import column_picture, deformed_picture, histories_picture
 
 
 class Sheet(NamedTuple):
-    """A table: headings, and rows of texts; those from place `numbers` on stand at the right."""
+    """A table of texts: headings and rows; columns from index `numbers` on are aligned right."""
 
     headings: tuple[str, ...]
     rows: list[tuple[str, ...]]
@@ -31,7 +31,7 @@ class Sheet(NamedTuple):
 
 
 class Shown(NamedTuple):
-    """What is shown of a model."""
+    """The part of a report on the model: a sentence, tables and pictures."""
 
     sentence: str
     sheets: list[Sheet]
@@ -42,7 +42,24 @@ class Shown(NamedTuple):
 
 @singledispatch
 def shown_of(model: Any, check: Check, run: Any) -> Shown:
-    """Tables and pictures of a model, and of the governing run; of its class as registered. Raises InputError."""
+    """Return the tables and pictures of a model and of the governing run.
+
+    The function is registered by the class of the model.
+
+    Parameters
+    ----------
+    model : Column or Structure
+        The model.
+    check : Check
+        Its check.
+    run : Response or SpatialResponse
+        The governing run.
+
+    Raises
+    ------
+    InputError
+        If no function is registered for the class.
+    """
     raise InputError(f"report: a {model.kind.word} has none, shown_of.register (checks/report/model.py) adds it")
 
 
@@ -83,7 +100,7 @@ _MORTAR = ("joint", "tensile strength (MPa)", "cohesion (MPa)")
 
 
 def _strengths(law: Any) -> tuple[str, str]:
-    """Return the two strengths of a joint of mortar."""
+    """Return the tensile strength and the cohesion of a mortar joint as texts (MPa)."""
     return f"{1e-6 * law.tensile_strength:.4g}", f"{1e-6 * law.cohesion:.4g}"
 
 
@@ -99,7 +116,7 @@ def _or_none(value: float | None, factor: float = 1.0) -> str:
 
 
 def _block(block: Block) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Texts of a block and of the joint under it."""
+    """Return the texts of a block and those of the joint under it."""
     joint = block.joint
 
     def size(bottom: float, top: float | None) -> str:
@@ -112,7 +129,7 @@ def _block(block: Block) -> tuple[tuple[str, ...], tuple[str, ...]]:
 
 
 def _merged(rows: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
-    """The rows, with equal neighbours as one: "1 to 5", or "left to right"."""
+    """Merge neighbouring rows that are equal but for the name, which becomes "1 to 5" or "left to right"."""
     found: list[tuple[str, ...]] = []
     for row in rows:
         if found and found[-1][1:] == row[1:]:

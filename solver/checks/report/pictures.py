@@ -1,4 +1,4 @@
-"""Pictures of a check, as PNG inside HTML: the column, the spectra, the governing run."""
+"""The pictures of a check, as PNG inside HTML: the column, the spectra, the governing run."""
 
 from __future__ import annotations
 
@@ -21,19 +21,22 @@ from ..scaling import MEAN_FROM, horizontal_psa
 
 DPI = 140
 PERIODS = np.geomspace(0.04, 4.0, 100)  # s
-MOST_NUMBERED = 15  # joints that get a number; of more, every second, third ...
+MOST_NUMBERED = 15  # largest number of joint labels; of more joints every second, third ... is labelled
 LABELS = {0.05: "0.05", 0.1: "0.1", 0.2: "0.2", 0.5: "0.5", 1.0: "1", 2.0: "2", 4.0: "4"}
 
 
 def embedded(figure: Figure, tight: bool = False) -> str:
-    """The address of a picture that has the picture inside; tight: without the room around it."""
+    """Return a data URL that contains the picture as PNG.
+
+    With `tight` the margin around the picture is cropped.
+    """
     buffer = io.BytesIO()
     figure.savefig(buffer, dpi=DPI, format="png", bbox_inches="tight" if tight else None)
     return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode("ascii")
 
 
 def column_picture(column: Column) -> Figure:
-    """The column as built, with its height and the numbers of its joints."""
+    """Draw the column as built, with its height and the numbers of its joints."""
     height = sum(block.height for block in column.blocks)
     figure = Figure(figsize=(2.6, 4.6), layout="constrained")
     axes = figure.add_subplot()
@@ -41,11 +44,13 @@ def column_picture(column: Column) -> Figure:
     draw_column(axes, Places(column, zero, zero, zero), 0, 1.0)
     widest = max(max(block.width, block.top_width or 0.0) for block in column.blocks)
     aside, foot = 0.62 * widest, height
+    # numbers of the joints, on the right
     every = math.ceil(column.n / MOST_NUMBERED)
     for number, block in enumerate(column.blocks, start=1):
         foot -= block.height
         if (column.n - number) % every == 0:
             axes.text(aside, foot, f"{number}", fontsize=10, va="center" if number < column.n else "bottom", color=INK)
+    # height, on the left
     axes.annotate("", (-aside, 0.0), (-aside, height), arrowprops={"arrowstyle": "<->", "color": INK, "lw": 0.8})
     axes.text(-1.1 * aside, 0.5 * height, f"{height:.4g} m", rotation=90, ha="right", va="center", fontsize=11)
     axes.set_title("joints", loc="right", fontsize=10)
@@ -54,12 +59,13 @@ def column_picture(column: Column) -> Figure:
 
 
 def spectra_picture(check: Check) -> Figure:
-    """Spectra of the motions as applied, what counts of them, and the target with the range of the fit."""
+    """Draw the spectra of the motions as applied, their mean, and the target with the range of the fit."""
     action = check.action
     figure = Figure(figsize=(7.0, 3.5), layout="constrained")
     axes = figure.add_subplot()
     if action.periods is not None:
         axes.axvspan(*action.periods, color="0.95", label="range of the fit")
+    # one line per motion, then mean and target
     found = [horizontal_psa(scaled.motion, PERIODS) / STANDARD_GRAVITY for scaled in action.motions]
     for scaled, values, colour in zip(action.motions, found, block_colours(len(found)), strict=True):
         axes.plot(PERIODS, values, color=colour, linewidth=0.9, label=plain(scaled.name))
@@ -82,7 +88,7 @@ def spectra_picture(check: Check) -> Figure:
 
 
 def histories_picture(response: Response, title: str) -> Figure:
-    """The histories of a run."""
+    """Draw the histories of a run."""
     histories = {name: getattr(response, name) for name in HISTORIES}
     return plot_histories(
         response.time,
@@ -97,7 +103,7 @@ def histories_picture(response: Response, title: str) -> Figure:
 
 
 def deformed_picture(response: Response) -> Figure:
-    """The column at its largest displacement, or at the moment at which it counts as fallen."""
+    """Draw the column at its largest displacement, or at the time at which it counts as fallen."""
     at = None
     if response.overturned:
         at = float(min(response.overturn_time, response.time[-1]))
