@@ -1,8 +1,9 @@
-"""The command line: `python -m stress stability|damped|scheme|fuzz|states|faults|determinism|report`.
+"""The command line: `python -m stress stability|damped|scheme|fuzz|states|faults|determinism|bounds|report`.
 
     python -m stress stability --seed 1 --cases 500
     python -m stress fuzz --seed 1 --cases 2000 --fmu column.fmu
     python -m stress states --seed 1 --cases 30000
+    python -m stress bounds --seed 1 --cases 300
     python -m stress report
 
 Every part adds its findings to a file of lines (JSON) in --output-folder; `report` writes report.md from all that
@@ -23,11 +24,11 @@ from typing import Any
 
 from benchmarks import damped_columns
 
-from . import changed_states, determinism, faults, fuzz_files, fuzz_fmu, report, scheme, stability
+from . import bounds, changed_states, determinism, faults, fuzz_files, fuzz_fmu, report, scenes, scheme, stability
 
-PARTS = ("stability", "damped", "scheme", "fuzz", "states", "faults", "determinism")
-SHORT = {"stability": 25, "damped": 2, "fuzz": 300, "states": 1000, "faults": 2, "determinism": 10}
-USUAL = {"stability": 200, "damped": 50, "fuzz": 2000, "states": 30000, "faults": 20, "determinism": 100}
+PARTS = ("stability", "damped", "scheme", "fuzz", "states", "faults", "determinism", "bounds")
+SHORT = {"stability": 25, "damped": 2, "fuzz": 300, "states": 1000, "faults": 2, "determinism": 10, "bounds": 5}
+USUAL = {"stability": 200, "damped": 50, "fuzz": 2000, "states": 30000, "faults": 20, "determinism": 100, "bounds": 300}
 SHORT_BLOCKS = 10
 PER_ROUND = 250  # examples of one seeded search
 
@@ -62,11 +63,13 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("part", choices=[*PARTS, "report"])
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--cases", type=int, help=f"how many (default: {USUAL}; --short: {SHORT})")
-    parser.add_argument("--first", type=int, default=0, help="number of the first case of stability, damped and states")
+    parser.add_argument(
+        "--first", type=int, default=0, help="number of the first case of stability, damped, states and bounds"
+    )
     parser.add_argument("--short", action="store_true", help="as continuous integration runs it")
     parser.add_argument("--patience", type=int, default=20, metavar="S", help="processor time of one case")
     parser.add_argument("--fmu", type=Path, metavar="FILE", help="another FMU for fuzz and states")
-    parser.add_argument("--only", choices=[*fuzz_files.KINDS, "fmu", *changed_states.SOURCES], help="of fuzz, states")
+    parser.add_argument("--only", choices=[*fuzz_files.KINDS, "fmu", *changed_states.SOURCES, *scenes.KINDS])
     parser.add_argument("--output-folder", type=Path, default=Path("results") / "stress")
     return parser
 
@@ -87,6 +90,8 @@ def _findings(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
         yield from _states(options, count)
     elif part == "faults":
         yield from faults.run(number, count)
+    elif part == "bounds":
+        yield from bounds.run(number, options.first, count, options.only)
     else:
         results = determinism.run(number, count, not options.short)
         yield from ({"name": name} | found for name, found in results.items())

@@ -65,6 +65,14 @@ def sweep() -> list[dict[str, Any]]:
     return sweep()
 
 
+def serve_scenes() -> None:
+    """Of scenes.py: for each line, the arguments of `digest`, a line with what it returns."""
+    from .scenes import digest
+
+    for line in sys.stdin:
+        print(json.dumps(digest(*json.loads(line))), flush=True)
+
+
 def limit_files(size: int) -> None:
     """Limit the files of this process to a number of bytes, as on a full disk."""
     import resource

@@ -13,7 +13,7 @@ from benchmarks import machine
 
 from .stability import LIMITS
 
-PARTS = ("stability", "damped", "scheme", "fuzz", "states", "faults", "determinism")
+PARTS = ("stability", "damped", "scheme", "fuzz", "states", "faults", "determinism", "bounds")
 NAME = "report.md"
 Findings = list[dict[str, Any]]
 
@@ -27,6 +27,7 @@ def write(folder: Path) -> Path:
     parts += [_plain("Damped columns", found["damped"]), _scheme(found["scheme"]), _fuzz(found["fuzz"])]
     parts.append(_plain("Changed states of FMUs", found["states"]))
     parts += [_plain("Faults", found["faults"]), _plain("Repeatability", found["determinism"])]
+    parts.append(_plain("Bounds of rows", found["bounds"]))
     report = folder / NAME
     report.write_text("\n\n".join(part for part in parts if part) + "\n", encoding="utf-8")
     return report

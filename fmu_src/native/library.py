@@ -12,6 +12,7 @@ from pathlib import Path
 
 from solver.common.errors import InputError
 from solver.common.executors import cores
+from solver.kernels.machine.bounds import BOUNDS
 from solver.kernels.machine.packaging import object_code
 from solver.kernels.machine.zig import Target, compile_file, link
 
@@ -40,7 +41,9 @@ def has_tools() -> bool:
 
 
 def check_tools() -> None:
-    """Raise InputError if the linker, or the header files of FMI, are not installed."""
+    """Raise InputError if the linker, or the header files of FMI, are not installed, or arrays need their sizes."""
+    if BOUNDS:
+        raise InputError("--native: its kernels cannot check their bounds, unset MULTIBLOCK_BOUNDS")
     for package in TOOLS:
         if importlib.util.find_spec(package) is None:
             raise InputError(f'--native: {package} is not installed: pip install "multiblock-fmu[native]"')

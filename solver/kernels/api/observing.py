@@ -10,7 +10,7 @@ from ..numba_ext.jit import kernel, leaf, varied_leaf
 from ..numba_ext.views import copy
 from ..stepping.advance import take_phase
 
-_row, _snapshot = ROW.over, SNAPSHOT.over
+_row, _snapshot = ROW.over, SNAPSHOT.over_begin
 _ROW_FIELDS, _ROW_BESIDE = ROW.per_n, ROW.beside
 
 
@@ -64,8 +64,8 @@ def observe_all(column, snapshots, rows, count):
     """Fill every row with the outputs of the snapshot of that number. Returns (code, number of the last)."""
     n, between, size, length = column.model.n, column.work.between, size_of_snapshot(column.work), row_length(column)
     for k in range(count):
-        snapshot = _snapshot(snapshots[size * k :], n)
-        copy(between.row, snapshot.phase.row, phase_size(column.work))
+        snapshot = _snapshot(snapshots[size * k : size * (k + 1)], n)
+        copy(between.row, snapshot.phase.buffer, phase_size(column.work))
         motion = motion_of_snapshot(column, snapshot, k)
         code = observe(column, between, motion, _row(rows[k * length :], n))
         if code != OK:

@@ -22,14 +22,14 @@ _base_inputs, _INPUTS, _SPLIT = BASE_INPUTS.over, BASE_INPUTS.beside, SPLIT.besi
 
 @leaf
 def _clear_output(row, split, length):
-    clear(row.row, length)
+    clear(row.buffer, length)
     clear(split.row, _SPLIT)
 
 
 @kernel
 def _add(row, split, other, other_split, factor, length):
     for i in range(length):
-        row.row[i] += factor * other.row[i]
+        row.buffer[i] += factor * other.buffer[i]
     for i in range(_SPLIT):
         split.row[i] += factor * other_split.row[i]
 

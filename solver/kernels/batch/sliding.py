@@ -10,7 +10,7 @@ from ..integrators import dormand_prince
 from ..integrators.interpolation import quintic_through, spent, value_without_bump
 from ..integrators.stage import stage
 from ..joint.sliding import has_no_slips
-from ..layout.spaces import PHASE_FIELDS
+from ..layout.spaces import PHASE, PHASE_FIELDS
 from ..numba_ext.jit import by_width, kernel, leaf
 from ..numba_ext.lanes import WIDTH, any_of, bits, greater, lane, lesser, where, with_lane
 from ..numba_ext.views import copy
@@ -27,6 +27,7 @@ PROBES = (1.0 / 3.0, 2.0 / 3.0)  # of the step: where a joint that bears enough 
 PLENTY = 1e300  # N
 INSIDE = (2, 3, 4)  # stages, and
 NODES = (dormand_prince.C2, dormand_prince.C3, dormand_prince.C4)  # where they are
+_SLIP, _SLIP_RATE, _POWER = (PHASE.places[name][0] for name in ("slip", "slip_rate", "friction_power"))  # fields
 
 
 # --- what the stepping of any lanes asks
@@ -99,13 +100,13 @@ def _end_at_changes(batch, step, good):
         end = work.end
         _interpolate(work, step, where(changed, cut, 1.0))
         n, between = work.n, work.between
-        _take(end.coordinates, between.coordinates, changed, 4 * n)  # and the rates behind them
-        _take(end.slip, between.slip, changed, 3 * n)  # friction work, rates
+        _take(end.row, between.row, changed, 4 * n)  # coordinates and rates
+        _take(end.row[_SLIP * n :], between.row[_SLIP * n :], changed, 3 * n)  # slips, friction work, rates
         step = where(changed, cut * step, step)
         _take_all(between, end)
         evaluate_lanes(batch, between, batch.lane.t + step)
         _take(end.accelerations, between.accelerations, changed, 2 * n)
-        _take(end.friction_power, between.friction_power, changed, 2 * n)  # accelerations of slips
+        _take(end.row[_POWER * n :], between.row[_POWER * n :], changed, 2 * n)  # and accelerations of slips
     batch.lane.shear_margin = where(good & ~changed, batch.lane.shear_margin_ahead, batch.lane.shear_margin)
     copy(work.end.sliding, work.joints.sliding, work.n)
     return step, changed
@@ -113,7 +114,7 @@ def _end_at_changes(batch, step, good):
 
 @leaf
 def _take(to, row, lanes, count):
-    """Copy the first of a row into another in the lanes of a mask: of a field of a phase, and of those behind it."""
+    """Copy the first of a row into another in the lanes of a mask."""
     for i in range(count):
         to[i] = where(lanes, row[i], to[i])
 
@@ -223,7 +224,7 @@ def _decide_for(batch, changed):
                 break
             evaluate_lanes(batch, between, batch.lane.t)
         _take(begin.accelerations, between.accelerations, changed, 2 * n)
-        _take(begin.slip_rate, between.slip_rate, changed, 3 * n)  # friction power, accelerations
+        _take(begin.row[_SLIP_RATE * n :], between.row[_SLIP_RATE * n :], changed, 3 * n)  # rates, power, accelerations
         for i in range(n):
             begin.sliding[i] = where(changed, joints.sliding[i], begin.sliding[i])
         batch.lane.shear_margin = where(changed, _least_margin(joints, n), batch.lane.shear_margin)

@@ -12,6 +12,7 @@ GIVEN_OF_BOND = ("tensile_strength", "cohesion")  # of each joint, Pa, behind th
 
 PHASE = Table(*at.PHASE.fields, *(f"bond_{name}" for name in BONDS.fields))
 PHASE.places |= at.PHASE.places
+PHASE.reach = at.PHASE.reach | {"slips": PHASE.per_n - at.RIGID_FIELDS}  # copied with what is behind
 MODEL = Space(**at.MODEL.parts, bonds=Table("reach", "cohesion"))  # m, Pa; such a column has no modal data
 STATE = Space(**{**at.STATE.parts, "phase": PHASE})
 JOINTS = Table(

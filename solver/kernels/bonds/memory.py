@@ -81,7 +81,7 @@ def of_bonds(column, *_):
 @leaf
 def bonds_of(phase, n):
     """What is bonded, as a phase holds it."""
-    return _bonds(phase.row[PHASE_FIELDS * n :], n)
+    return _bonds(phase.buffer[PHASE_FIELDS * n :], n)
 
 
 @leaf
@@ -261,7 +261,7 @@ def _take_memory(work, phase):
 
 @keep_memory.version(lambda work, phase: "bonds" in work.names)
 def _keep_memory(work, phase):
-    copy(bonds_of(phase, work.n).left, bonds_of(work.start, work.n).left, _BONDS * work.n)
+    copy(bonds_of(phase, work.n).row, bonds_of(work.start, work.n).row, _BONDS * work.n)
 
 
 @note_memory.version(of_bonds)
@@ -360,6 +360,6 @@ def _beside_row(column):
 @show_more.version(of_bonds)
 def _show_bonds(column, phase, motion, row):
     model, n, joints = column.model, column.model.n, column.work.joints
-    shares = row.row[_ROW_PER_N * n + _ROW_BESIDE :]
+    shares = row.buffer[_ROW_PER_N * n + _ROW_BESIDE :]
     for i in range(n):
         shares[i] = 1.0 - _lost(model, i, joints.bonded_left[i], joints.bonded_right[i])

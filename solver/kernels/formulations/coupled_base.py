@@ -127,7 +127,7 @@ def show_driven(base, settings, t, split):
     """
     if settings.bodies == 0.0:
         return
-    shown, past = _driven(split.row[_SPLIT:], 0), t - base.t0
+    shown, past = _driven(split.buffer[_SPLIT:], 0), t - base.t0
     clear(shown.row, _DRIVEN)
     if settings.drive != ACCELERATION:
         shown.x, shown.vx, shown.ax = gone_on(base.x, base.vx, base.ax, base.jx, past)
@@ -142,7 +142,7 @@ def show_driven_rates(base, settings, t, split):
     if settings.bodies == 0.0:
         return
     show_driven(base, settings, t, split)
-    shown = _driven(split.row[_SPLIT:], 0)
+    shown = _driven(split.buffer[_SPLIT:], 0)
     shown.x, shown.z, shown.theta = shown.vx, shown.vz, shown.omega
     shown.vx, shown.vz, shown.omega = shown.ax, shown.az, shown.alpha
     shown.ax, shown.az, shown.alpha = 0.0, 0.0, 0.0
@@ -155,7 +155,7 @@ def show_driven_along(settings, turn, spin, along_x, along_z, alpha, split):
     """Fill what lies behind a split reaction with what `show_driven` changes by as rotation and accelerations do."""
     if settings.bodies == 0.0:
         return
-    shown = _driven(split.row[_SPLIT:], 0)
+    shown = _driven(split.buffer[_SPLIT:], 0)
     clear(shown.row, _DRIVEN)
     if settings.drive != ACCELERATION:
         shown.theta, shown.omega, shown.ax, shown.az, shown.alpha = turn, spin, along_x, along_z, alpha

@@ -18,7 +18,7 @@ from .stage import stage
 __all__ = ["OPENS", "ORDER", "attempt", "available", "forget", "longest_step", "suits"]
 CHANGES = 2.0  # the shear margin left at the end of a half step must be this many times its change over it
 
-_segments = Table(first=2, second=2, third=2).over  # of 2 n numbers
+_segments = Table(first=2, second=2, third=2).over_begin  # of 2 n numbers
 
 
 @leaf

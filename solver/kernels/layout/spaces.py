@@ -140,6 +140,7 @@ PHASE = Table(
         "accelerations": ("theta_acceleration", "opening_acceleration"),
         "slips": ("slip", "friction_work", "slip_rate", "friction_power", "slip_acceleration", "sliding"),
     },
+    reach={"coordinates": 8, "rates": 10, "accelerations": 8},
 )
 PHASE_FIELDS = PHASE.per_n
 RIGID_FIELDS = 6  # of the first part

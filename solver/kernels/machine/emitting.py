@@ -10,11 +10,15 @@ from pathlib import Path
 
 from llvmlite import binding as llvm
 
+from .bounds import BOUNDS
+
+SPEED = 1 if BOUNDS else 3  # of LLVM's levels: the branches of checks take the highest eight times as long
+
 
 def optimize(whole: llvm.ModuleRef, triple: str, cpu: str) -> None:
     """Optimize, without functions that are never called."""
     machine = machine_for(whole, triple, cpu)
-    for level in (0, 3):  # small functions into their callers first, as numba does
+    for level in (0, SPEED):  # small functions into their callers first, as numba does
         builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=level))
         passes = builder.getModulePassManager()
         if not level:

@@ -1,12 +1,15 @@
 """Kinds of arguments of entries, which annotate them: how Python gives each, and what lies in the buffer of a call.
 
-A call passes one address: of a buffer with slots of eight bytes, one for each argument, two for `SizedReals`.
+A call passes one address: of a buffer with slots of eight bytes, one for each argument, two for `SizedReals`; where
+kernels check their bounds (bounds.py), two for every array: its address and its size.
 """
 
 import ctypes
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+
+from .bounds import BOUNDS
 
 _FLOAT, _WHOLE = np.dtype(np.float64), np.dtype(np.int64)
 _first_byte, _address = ctypes.c_char.from_buffer, ctypes.addressof
@@ -63,23 +66,23 @@ def address_of(array: Any, kind: np.dtype[Any] = _FLOAT) -> int:
 class _Reals(Kind):
     """The address of an array of float64."""
 
-    letters = "q"
+    letters = "qq" if BOUNDS else "q"
 
     @staticmethod
     def slots(value: Any) -> tuple[Any, ...]:
-        """Return the address. Raises TypeError."""
-        return (address_of(value),)
+        """Return the address, and the size where bounds are checked. Raises TypeError."""
+        return (address_of(value), value.size) if BOUNDS else (address_of(value),)
 
 
 class _Ints(Kind):
     """The address of an array of int64."""
 
-    letters = "q"
+    letters = "qq" if BOUNDS else "q"
 
     @staticmethod
     def slots(value: Any) -> tuple[Any, ...]:
-        """Return the address. Raises TypeError."""
-        return (address_of(value, _WHOLE),)
+        """Return the address, and the size where bounds are checked. Raises TypeError."""
+        return (address_of(value, _WHOLE), value.size) if BOUNDS else (address_of(value, _WHOLE),)
 
 
 class _SizedReals(Kind):

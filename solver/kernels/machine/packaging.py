@@ -13,11 +13,13 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import NamedTuple
 
+from .bounds import BOUNDS
 from .folders import keep, kept
 from .groups import GROUPS
 from .level import ARM, X86, is_arm
 from .library import file_name
 from .making import compilers, on_all_cores, run_make, sources_of
+from .messages import MachineCodeError
 from .sources import SOURCES
 from .zig import LINUX, LINUX_ARM, MACOS, MACOS_ARM, WINDOWS, Target, has_linker, link
 
@@ -53,6 +55,8 @@ def libraries(groups: Iterable[str] = GROUPS, platforms: Iterable[str] = PLATFOR
     Without zig they are object code for the levels of this machine's processor: what runs it needs llvmlite.
     Raises MachineCodeError, OSError.
     """
+    if BOUNDS:
+        raise MachineCodeError("no package carries kernels that check their bounds: unset MULTIBLOCK_BOUNDS")
     parts_of = partial(_linked_parts, platforms=tuple(platforms)) if has_linker() else _object_parts
     made = on_all_cores(lambda some: _contents([part for group in some for part in parts_of(group)]), groups)
     return {name: content for part in made for name, content in part.items()}

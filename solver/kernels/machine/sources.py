@@ -3,6 +3,8 @@
 import hashlib
 from pathlib import Path
 
+from .bounds import BOUNDS
+
 KERNELS = Path(__file__).parent.parent
 # of this package only what decides the machine code
 HASHED = {"emitting.py", "groups.py", "kinds.py"}
@@ -17,4 +19,4 @@ def _identifier() -> str:
     return content.hexdigest()[:16]
 
 
-SOURCES = _identifier()
+SOURCES = _identifier() + ("-bounds" if BOUNDS else "")

@@ -15,6 +15,7 @@ from llvmlite import binding as llvm
 from llvmlite import ir
 from numba import types
 
+from ..machine.bounds import BOUNDS
 from ..machine.emitting import emit_all, initialize, optimize, tell
 from ..machine.entry import Entry, entries_of
 from ..machine.kinds import Int, Ints, Real, Reals, SizedReals
@@ -33,13 +34,18 @@ NUMBAS = {
     Ints: RowType(types.int64),
     SizedReals: SizedType(),
 }
+_SIZE = (_I64,) if BOUNDS else ()
 _SLOTS: dict[Any, tuple[ir.Type, ...]] = {
     Int: (_I64,),
     Real: (_DOUBLE,),
-    Reals: (_DOUBLE.as_pointer(),),
-    Ints: (_I64.as_pointer(),),
+    Reals: (_DOUBLE.as_pointer(), *_SIZE),
+    Ints: (_I64.as_pointer(), *_SIZE),
     SizedReals: (_DOUBLE.as_pointer(), _I64),
 }
+# kind -> which of its slots numba's function takes: in a checked build the size as count and room of a row (bounds.py)
+_TAKEN: dict[Any, tuple[int, ...]] = {Int: (0,), Real: (0,)}
+_TAKEN |= dict.fromkeys((Reals, Ints), (0, 1, 1) if BOUNDS else (0,))
+_TAKEN[SizedReals] = (0, 1, 1, 1) if BOUNDS else (0, 1)
 BASELINE = X86[-1]
 
 
@@ -66,9 +72,13 @@ def bridge(entry: Entry, inside: str) -> ir.Module:
     Numba's returns 0, and takes the addresses of its result and of an exception before the arguments.
     """
     module = ir.Module(name=f"bridge_{entry.__name__}")
-    slots = [slot for kind in entry.kinds.values() for slot in _SLOTS[kind]]
+    slots: list[ir.Type] = []
+    taken: list[int] = []
+    for kind in entry.kinds.values():
+        taken += [len(slots) + place for place in _TAKEN[kind]]
+        slots += _SLOTS[kind]
     result = _DOUBLE if entry.result is Real else _I64
-    called = ir.FunctionType(_I32, [result.as_pointer(), _BYTES.as_pointer(), *slots])
+    called = ir.FunctionType(_I32, [result.as_pointer(), _BYTES.as_pointer(), *(slots[k] for k in taken)])
     numbas = ir.Function(module, called, name=inside)
     function = ir.Function(module, ir.FunctionType(_I64, [_I64.as_pointer()]), name=entry.__name__)
     builder = ir.IRBuilder(function.append_basic_block())
@@ -77,7 +87,7 @@ def bridge(entry: Entry, inside: str) -> ir.Module:
     for k, slot in enumerate(slots):
         place = builder.gep(function.args[0], [_I64(k)])
         passed.append(builder.load(builder.bitcast(place, slot.as_pointer())))
-    builder.call(numbas, [found, raised, *passed])
+    builder.call(numbas, [found, raised, *(passed[k] for k in taken)])
     if entry.result is None:
         builder.ret(_I64(0))
     else:

@@ -3,12 +3,29 @@
 import hashlib
 import operator
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from numba import types
 from numba.extending import intrinsic, models, register_model
 
-from .compiling import by_width, leaf
+from ..machine.bounds import BOUNDS
+from .bounds import (
+    ENDLESS,
+    BoundedModel,
+    Lowered,
+    bounded,
+    check_element,
+    check_lane,
+    check_part,
+    closed,
+    greater,
+    lesser,
+    opened,
+    packed,
+    scaled,
+)
+from .compiling import by_width
 from .lane_types import LANES, WIDTH
 from .numba_parts import (
     AbstractTemplate,
@@ -39,12 +56,12 @@ class OneLaneType(types.Type):
 ONE_LANE = OneLaneType()
 
 
-def _numbers(kind: Any) -> int:
+def distance(kind: Any) -> int:
     """Distance, in numbers of the buffer, from one element to the next."""
     return WIDTH if kind in (LANES, ONE_LANE) else 1
 
 
-def _value(kind: Any) -> Any:
+def value_of(kind: Any) -> Any:
     """Type of an element when read."""
     return types.float64 if kind is ONE_LANE else kind
 
@@ -88,26 +105,29 @@ Sum = tuple[int, ...]  # of sizes: a factor for each, and a number beside
 class SpaceType(types.Type):
     """Address of parts whose lengths follow from sizes, and the sizes.
 
-    `space.row` is all of it, `space.n` the size n, `space.total` its length. parts: (name, type, first place, what the
-    part has as its n); end: the length.
+    `space.row` is all of it, `space.buffer` goes on to the end of the buffer; `space.n` is the size n, `space.total`
+    its length. parts: (name, type, first place, what the part has as its n, length or None: to the end of the buffer);
+    end: the length.
     """
 
     def __init__(
-        self, kind: Any, sizes: tuple[str, ...], parts: tuple[tuple[str, Any, Sum, Sum], ...], end: Sum
+        self, kind: Any, sizes: tuple[str, ...], parts: tuple[tuple[str, Any, Sum, Sum, Sum | None], ...], end: Sum
     ) -> None:
         self.kind = kind
         self.sizes = sizes
         self.parts = parts
         self.end = end
-        self.names = {name: (part, first, count) for name, part, first, count in parts}
+        self.names = {name: rest for name, *rest in parts}
         super().__init__(name=f"Space({kind}: {_digest((sizes, parts))})")
 
 
-@register_model(RowType)
-@register_model(RecordType)
 class _AddressModel(models.PrimitiveModel):  # type: ignore[misc]
     def __init__(self, manager: Any, fe_type: Any) -> None:
         super().__init__(manager, fe_type, _pointee(fe_type.kind).as_pointer())
+
+
+for _type in (RowType, RecordType):
+    register_model(_type)(BoundedModel if BOUNDS else _AddressModel)
 
 
 @register_model(SizedType)
@@ -126,13 +146,13 @@ class _SpaceModel(models.StructModel):  # type: ignore[misc]
 # --- elements
 
 
-def _address(builder: Any, kind: Any, start: Any, index: Any) -> Any:
-    if _numbers(kind) > 1:
-        index = builder.mul(index, ir.Constant(index.type, _numbers(kind)))
+def address_in(builder: Any, kind: Any, start: Any, index: Any) -> Any:
+    if distance(kind) > 1:
+        index = builder.mul(index, ir.Constant(index.type, distance(kind)))
     return builder.gep(start, [index])
 
 
-def _load(builder: Any, kind: Any, address: Any) -> Any:
+def load_element(builder: Any, kind: Any, address: Any) -> Any:
     if kind is LANES:
         address = builder.bitcast(address, ir.VectorType(_DOUBLE, WIDTH).as_pointer())
     value = builder.load(address)
@@ -140,7 +160,7 @@ def _load(builder: Any, kind: Any, address: Any) -> Any:
     return value
 
 
-def _store(builder: Any, kind: Any, address: Any, value: Any) -> None:
+def store_element(builder: Any, kind: Any, address: Any, value: Any) -> None:
     if kind is LANES:
         address = builder.bitcast(address, ir.VectorType(_DOUBLE, WIDTH).as_pointer())
     builder.store(value, address).align = 8
@@ -154,36 +174,56 @@ class _RowGet(AbstractTemplate):  # type: ignore[misc]
             return None
         if isinstance(index, types.SliceType):
             return signature(row, row, types.slice2_type)
-        return signature(_value(row.kind), row, types.intp)
+        return signature(value_of(row.kind), row, types.intp)
 
 
 @infer_global(operator.setitem)
 class _RowSet(AbstractTemplate):  # type: ignore[misc]
     def generic(self, args: Any, kws: Any) -> Any:
         row, _, _ = args
-        return signature(types.none, row, types.intp, _value(row.kind)) if isinstance(row, RowType) else None
+        return signature(types.none, row, types.intp, value_of(row.kind)) if isinstance(row, RowType) else None
 
 
 @lower_builtin(operator.getitem, RowType, types.intp)
 def _row_get(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     kind = sig.args[0].kind
-    return _load(builder, kind, _address(builder, kind, args[0], args[1]))
+    row = opened(context, builder, sig.args[0], args[0])
+    check_element(context, builder, row, args[1])
+    return load_element(builder, kind, address_in(builder, kind, row.address, args[1]))
 
 
 @lower_builtin(operator.getitem, RowType, types.slice2_type)
 def _row_part(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    begin = context.make_helper(builder, types.slice2_type, args[1]).start
-    return _address(builder, sig.args[0].kind, args[0], begin)
+    """`row[k:]`, or with an end, `row[k:end]`, which only a checked build looks at."""
+    slice_ = context.make_helper(builder, types.slice2_type, args[1])
+    begin, end = slice_.start, slice_.stop
+    row = opened(context, builder, sig.args[0], args[0])
+    address = address_in(builder, sig.args[0].kind, row.address, begin)
+
+    def last(of_row: Any) -> Any:
+        return builder.select(builder.icmp_signed("==", end, ENDLESS), of_row, end)
+
+    check_part(context, builder, "end of a part", lambda: last(row.count), row)
+    check_part(
+        context, builder, "beginning of a part", lambda: begin, row._replace(count=last(row.count)) if BOUNDS else row
+    )
+    part = bounded(address, lambda: builder.sub(last(row.count), begin), lambda: builder.sub(last(row.room), begin))
+    return closed(context, builder, sig.args[0], part)
 
 
 @lower_builtin(operator.setitem, RowType, types.intp, types.Any)
 def _row_set(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     kind = sig.args[0].kind
-    _store(builder, kind, _address(builder, kind, args[0], args[1]), args[2])
+    row = opened(context, builder, sig.args[0], args[0])
+    check_element(context, builder, row, args[1])
+    store_element(builder, kind, address_in(builder, kind, row.address, args[1]), args[2])
     return context.get_dummy_value()
 
 
 # --- names
+
+
+_WHOLE = ("row", "buffer")  # of a record or a space
 
 
 @infer_getattr
@@ -191,23 +231,31 @@ class _RecordNames(AttributeTemplate):  # type: ignore[misc]
     key = RecordType
 
     def generic_resolve(self, record: Any, name: str) -> Any:
-        return _value(record.kind) if name in record.fields else RowType(record.kind) if name == "row" else None
+        return value_of(record.kind) if name in record.fields else RowType(record.kind) if name in _WHOLE else None
 
 
 @lower_getattr_generic(RecordType)
-def _record_get(context: Any, builder: Any, kind: Any, start: Any, name: str) -> Any:
+def _record_get(context: Any, builder: Any, kind: Any, value: Any, name: str) -> Any:
     if name not in kind.fields:
-        return start
+        return value if name == "row" else _to_the_end(context, builder, RowType(kind.kind), value)
     place = ir.Constant(_INT64, kind.fields.index(name))
-    return _load(builder, kind.kind, _address(builder, kind.kind, start, place))
+    start = opened(context, builder, kind, value).address  # was checked as the names were laid over the row
+    return load_element(builder, kind.kind, address_in(builder, kind.kind, start, place))
+
+
+def _to_the_end(context: Any, builder: Any, kind: RowType, value: Any) -> Any:
+    """The row that begins where one does, and goes on to the end of the buffer."""
+    row = opened(context, builder, kind, value)
+    return closed(context, builder, kind, bounded(row.address, lambda: row.room))
 
 
 @lower_setattr_generic(RecordType)
 def _record_set(context: Any, builder: Any, sig: Any, args: Any, name: str) -> None:
     kind = sig.args[0]
     place = ir.Constant(_INT64, kind.fields.index(name))
-    value = context.cast(builder, args[1], sig.args[1], _value(kind.kind))
-    _store(builder, kind.kind, _address(builder, kind.kind, args[0], place), value)
+    value = context.cast(builder, args[1], sig.args[1], value_of(kind.kind))
+    start = opened(context, builder, kind, args[0]).address
+    store_element(builder, kind.kind, address_in(builder, kind.kind, start, place), value)
 
 
 @infer_getattr
@@ -217,24 +265,38 @@ class _SpaceNames(AttributeTemplate):  # type: ignore[misc]
     def generic_resolve(self, space: Any, name: str) -> Any:
         if name in space.names:
             return space.names[name][0]
-        return RowType(space.kind) if name == "row" else types.intp if name in (*space.sizes, "total") else None
+        return RowType(space.kind) if name in _WHOLE else types.intp if name in (*space.sizes, "total") else None
 
 
 @lower_getattr_generic(SpaceType)
 def _space_get(context: Any, builder: Any, kind: Any, value: Any, name: str) -> Any:
     space = context.make_helper(builder, kind, value)
     sizes = [getattr(space, size) for size in kind.sizes]
+    whole = RowType(kind.kind)
     if name not in kind.names:
+        if name == "buffer":
+            return _to_the_end(context, builder, whole, space.row)
         return _summed(builder, kind.end, sizes) if name == "total" else getattr(space, name)
-    part, first, count = kind.names[name]
-    address = _address(builder, kind.kind, space.row, _summed(builder, first, sizes))
+    part, first, count, length = kind.names[name]
+    begin, row = _summed(builder, first, sizes), opened(context, builder, whole, space.row)
+    address = address_in(builder, kind.kind, row.address, begin)
     if part.kind is not kind.kind:  # whole numbers among floats
         address = builder.bitcast(address, _pointee(part.kind).as_pointer())
+
+    def room() -> Any:
+        return builder.sub(row.room, begin)
+
+    def reached() -> Any:
+        if length is None:
+            return room()
+        left = greater(builder, builder.sub(row.count, begin), _INT64(0))  # where the row ends before the last parts
+        return lesser(builder, _summed(builder, length, sizes), left)
+
+    found = bounded(address, reached, room)
+    made = closed(context, builder, RowType(part.kind), found)
     if not isinstance(part, SpaceType):
-        return address
-    return _space(
-        context, builder, part, address, sizes if part.sizes == kind.sizes else [_summed(builder, count, sizes)]
-    )
+        return made
+    return _space(context, builder, part, made, sizes if part.sizes == kind.sizes else [_summed(builder, count, sizes)])
 
 
 def _summed(builder: Any, factors: Sum, sizes: list[Any]) -> Any:
@@ -245,10 +307,10 @@ def _summed(builder: Any, factors: Sum, sizes: list[Any]) -> Any:
     return found
 
 
-def _space(context: Any, builder: Any, kind: SpaceType, address: Any, sizes: list[Any]) -> Any:
-    """A space that begins at an address."""
+def _space(context: Any, builder: Any, kind: SpaceType, row: Any, sizes: list[Any]) -> Any:
+    """A space over a row."""
     made = context.make_helper(builder, kind)
-    made.row = address
+    made.row = row
     for name, size in zip(kind.sizes, sizes, strict=True):
         setattr(made, name, size)
     return made._getvalue()
@@ -274,17 +336,25 @@ def _sized_get(context: Any, builder: Any, kind: Any, value: Any, name: str) -> 
 
 
 def _first_of(array: Any, kind: Any) -> Any:
-    """The address of the first number of an array, as a row of this kind. Raises TypingError."""
+    """A row of this kind over an array. Raises TypingError."""
     if array.ndim != 1 or array.layout != "C":
         raise TypingError(f"{array}: must be a contiguous array of one dimension")
-    return RowType(kind)(
-        array
-    ), lambda context, builder, _, given: context.make_array(array)(context, builder, given[0]).data
+
+    def generate(context: Any, builder: Any, _: Any, given: Any) -> Any:
+        whole = context.make_array(array)(context, builder, given[0])
+        row = bounded(whole.data, lambda: whole.nitems)
+        return closed(context, builder, RowType(kind), scaled(builder, row, 1, distance(kind)))
+
+    return RowType(kind)(array), generate
 
 
-def _unchanged(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    """The address as it is, in another type."""
-    return arguments[0]
+def _taken_as(kind: RowType, row: RowType, change: Callable[..., Lowered]) -> Any:
+    """A row as one of another kind; change: what it may reach, from (builder, row)."""
+
+    def generate(context: Any, builder: Any, _: Any, given: Any) -> Any:
+        return closed(context, builder, kind, change(builder, opened(context, builder, row, given[0])))
+
+    return kind(row), generate
 
 
 @_intrinsic
@@ -296,31 +366,45 @@ def row_of(typing, array):
 @_intrinsic
 def lanes_of(typing, array):
     """Return the row of lanes over a row, or a contiguous array, of float64: eight numbers an element."""
-    return (RowType(LANES)(array), _unchanged) if isinstance(array, RowType) else _first_of(array, LANES)
+    if isinstance(array, RowType):
+        return _taken_as(RowType(LANES), array, lambda builder, row: scaled(builder, row, 1, WIDTH))
+    return _first_of(array, LANES)
 
 
 @_intrinsic
 def one_lane(typing, row, k):
     """The numbers of lane k in a row of lanes."""
-    return RowType(ONE_LANE)(row, types.intp), lambda context, builder, _, given: builder.gep(given[0], [given[1]])
+    own = RowType(ONE_LANE)
+
+    def generate(context, builder, _, given):
+        lanes = opened(context, builder, row, given[0])
+        check_lane(context, builder, given[1], WIDTH)
+        return closed(context, builder, own, lanes._replace(address=builder.gep(lanes.address, [given[1]])))
+
+    return own(row, types.intp), generate
 
 
 @_intrinsic
 def row_at(typing, pointer):
     """The row that begins at a pointer."""
-    return RowType(pointer.dtype)(pointer), _unchanged
+    row = RowType(pointer.dtype)
+    return row(pointer), lambda context, builder, _, given: closed(
+        context, builder, row, bounded(given[0], lambda: ENDLESS)
+    )
 
 
 @_intrinsic
 def packs_of(typing, row):
     """The row with eight neighbouring numbers an element, for operations common to all; lanes stay as they are."""
-    return RowType(LANES)(row), _unchanged
+    if row.kind is LANES:
+        return _taken_as(row, row, lambda builder, lanes: lanes)
+    return _taken_as(RowType(LANES), row, lambda builder, numbers: packed(builder, numbers, WIDTH))
 
 
 @_intrinsic
 def numbers_of(typing, row):
     """The row with one number an element; lanes become eight neighbouring ones."""
-    return RowType(types.float64)(row), _unchanged
+    return _taken_as(RowType(types.float64), row, lambda builder, lanes: scaled(builder, lanes, distance(row.kind), 1))
 
 
 @by_width
@@ -331,34 +415,40 @@ def packs(row, count):
     return lambda row, count: (count + WIDTH - 1) // WIDTH
 
 
-@leaf
-def copy(to, row, count):
-    """Copy the first `count` elements of a row into another one."""
-    for i in range(count):
-        to[i] = row[i]
+def over_part(part: Any, whole: bool) -> Any:
+    """Return the function of kernels that lays the names of a part (views.py) over the beginning of a row.
 
-
-@leaf
-def clear(row, count):
-    """Make the first `count` elements of a row zero."""
-    for i in range(count):
-        row[i] = 0.0
-
-
-def over_part(part: Any) -> Any:
-    """Return the function of kernels that lays the names of a part (views.py) over the beginning of a row."""
+    whole: the row holds all of it, else the records at least.
+    """
 
     @_intrinsic
     def names(typing, row, n):
         kind = part.type(row.kind)
-        several = isinstance(n, types.BaseTuple)
+        several, is_space = isinstance(n, types.BaseTuple), isinstance(kind, SpaceType)
 
         def generate(context, builder, signature, arguments):
-            if not isinstance(kind, SpaceType):
-                return arguments[0]
-            address, sizes = arguments
+            given, sizes = opened(context, builder, row, arguments[0]), arguments[1]
             each = [builder.extract_value(sizes, k) for k in range(len(n))] if several else [sizes]
-            return _space(context, builder, kind, address, each)
+
+            def total() -> Any:
+                return _summed(builder, kind.end, each) if is_space else _INT64(len(kind.fields))
+
+            def needed(last: tuple[Any, ...]) -> Any:
+                _, record, first, *_ = last
+                return builder.add(_summed(builder, first, each), _INT64(len(record.fields)))
+
+            ends = (
+                [total] if whole else [partial(needed, part) for part in kind.parts if isinstance(part[1], RecordType)]
+            )
+            for end in ends:
+                check_part(context, builder, "names over", end, given)
+            begun = closed(
+                context,
+                builder,
+                row,
+                bounded(given.address, lambda: lesser(builder, total(), given.count), lambda: given.room),
+            )
+            return _space(context, builder, kind, begun, each) if is_space else begun
 
         return kind(row, n if several else types.intp), generate
 

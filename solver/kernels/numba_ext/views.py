@@ -3,18 +3,19 @@
 Everything that is saved, restored or handed to compiled callers is in flat arrays of float64 or int64. A kernel sees
 them through
 
-- a *row*: `row[i]` is number i; `row[k:]` the row that begins there;
+- a *row*: `row[i]` is number i; `row[k:]` the row that begins there, `row[k:end]` where it is known to end;
 - a *record* of single numbers: `control.next_step` is read and written, `control.row` is all of it;
 - a *table* of fields of n numbers each: `blocks.mass` is a row;
 - a *space* of such parts, one after the other, by one size or by several: `state.control.next_step`,
-  `state.phase.theta[i]`.
+  `state.phase.theta[i]`. `state.row` is all of it, `state.buffer` goes on to the end of the buffer.
 
-All are bare addresses: not reference-counted, not bounds-checked, without cost. Over eight columns at once (lanes.py)
-an element is eight neighbouring numbers, and the names give lanes; or, by `one_lane`, the numbers of one of the
-columns.
+All are bare addresses: not reference-counted, without cost. A build of its own checks the bounds of each (bounds.py).
+Over eight columns at once (lanes.py) an element is eight neighbouring numbers, and the names give lanes; or, by
+`one_lane`, the numbers of one of the columns.
 
 `Record`, `Table`, `Numbers` and `Space` below describe the layout. `over(row, n)` lays the names over a row inside a
-kernel, `see(array, n)` over an array in Python: equal names in both.
+kernel, `over_begin(row, n)` over one that ends before the last of them, `see(array, n)` over an array in Python: equal
+names in all.
 """
 
 from types import SimpleNamespace
@@ -24,7 +25,8 @@ from .jit import COMPILES, for_kernels
 
 if COMPILES:
     from . import rows
-    from .rows import clear, copy, lanes_of, numbers_of, one_lane, packs, packs_of, row_at, row_of
+    from .copying import clear, copy
+    from .rows import lanes_of, numbers_of, one_lane, packs, packs_of, row_at, row_of
 else:
     clear = copy = lanes_of = numbers_of = one_lane = packs = packs_of = row_at = row_of = for_kernels
 
@@ -66,6 +68,10 @@ class Part:
         """Length in elements by the sizes of a space around it; count: what the part has as its n."""
         return (*(self.per_n * factor for factor in count[:-1]), self.per_n * count[-1] + self.beside)
 
+    def reached(self, count: Sum) -> Sum | None:
+        """Length that kernels may reach; None: to the end of the buffer."""
+        return self.length(count)
+
     def size(self, n: int) -> int:
         """Length in elements."""
         return self.per_n * n + self.beside
@@ -76,10 +82,14 @@ class Part:
 
 
 class Numbers(Part):
-    """A row without names."""
+    """A row without names; without a length all that is behind."""
 
     def __init__(self, per_n: int = 0, beside: int = 0) -> None:
         self.per_n, self.beside = per_n, beside
+
+    def reached(self, count: Sum) -> Sum | None:
+        """Length in elements, if it has one."""
+        return self.length(count) if self.per_n or self.beside else None
 
     def type(self, kind: Any) -> Any:
         """A row."""
@@ -111,11 +121,17 @@ class Record(Part):
 class Table(Part):
     """Fields of n numbers each; after them fields of several times n numbers: `several`.
 
-    together: names of neighbouring fields as one row: name, fields in their order.
+    together: names of neighbouring fields as one row: name, fields in their order. reach: name -> times n numbers, from
+    its first one on, where kernels go on into the fields behind.
     """
 
     def __init__(
-        self, *fields: str, whole: bool = False, together: dict[str, tuple[str, ...]] | None = None, **several: int
+        self,
+        *fields: str,
+        whole: bool = False,
+        together: dict[str, tuple[str, ...]] | None = None,
+        reach: dict[str, int] | None = None,
+        **several: int,
     ) -> None:
         self.fields = fields
         self.places = {name: (k, 1) for k, name in enumerate(fields)}  # first place and length, in multiples of n
@@ -127,12 +143,15 @@ class Table(Part):
             assert fields[first : first + len(parts)] == parts, f"{name}: {parts} are not neighbours"
             self.places[name] = first, len(parts)
         self.whole = whole
+        self.reach = reach or {}
         self.over = _over(self)
+        self.over_begin = _over(self, whole=False)
 
     def type(self, kind: Any) -> Any:
         """A space of rows."""
         kind = rows.INT64 if self.whole else kind
-        parts = ((name, rows.RowType(kind), (begin, 0), (1, 0)) for name, (begin, _) in self.places.items())
+        row, places = rows.RowType(kind), self.places.items()
+        parts = ((name, row, (k, 0), (1, 0), (self.reach.get(name, times), 0)) for name, (k, times) in places)
         return rows.SpaceType(kind, ("n",), tuple(parts), (self.per_n, 0))
 
     def see(self, array: Any, n: int) -> Any:
@@ -159,6 +178,7 @@ class Space(Part):
             end = tuple(a + b for a, b in zip(end, part.length(count), strict=True))
         self.end, self.per_n, self.beside = end, end[0], end[-1]
         self.over = _over(self)
+        self.over_begin = _over(self, whole=False)
 
     def length(self, count: Sum) -> Sum:
         """Length in elements by the sizes of a space around it."""
@@ -170,7 +190,8 @@ class Space(Part):
 
     def type(self, kind: Any) -> Any:
         """A space of the parts' types."""
-        parts = ((name, part.type(kind), *self.sums[name]) for name, part in self.parts.items())
+        sums = self.sums
+        parts = ((name, part.type(kind), *sums[name], part.reached(sums[name][1])) for name, part in self.parts.items())
         return rows.SpaceType(kind, self.sizes, tuple(parts), self.end)
 
     def see(self, array: Any, n: Any) -> Any:
@@ -218,6 +239,9 @@ class _Parts:
         return self.__dict__[name]
 
 
-def _over(part: Part) -> Any:
-    """Return the function of kernels that lays the names of a part over the beginning of a row."""
-    return rows.over_part(part) if COMPILES else for_kernels
+def _over(part: Part, whole: bool = True) -> Any:
+    """Return the function of kernels that lays the names of a part over the beginning of a row.
+
+    whole: the row holds all of it; else it may end before the last rows.
+    """
+    return rows.over_part(part, whole) if COMPILES else for_kernels

@@ -30,7 +30,7 @@ from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import copy
 from .peaks import begin_extremes, track_extremes
 
-_snapshot = SNAPSHOT.over
+_snapshot = SNAPSHOT.over_begin
 
 
 class Watch(NamedTuple):
@@ -155,10 +155,10 @@ def take_snapshots(column, watch, t, h):
         place = i if i < 2 * n else first + i - 2 * n
         course = quintic_of(work, place, -1, h)
         for k in range(first_row, counts.next_row):
-            stored = _snapshot(watch.snapshots[size * k :], n).phase
+            stored = _snapshot(watch.snapshots[size * k : size * (k + 1)], n).phase
             stored.coordinates[place], stored.rates[place] = value_of(course, _within_step(watch, k, t, per_step))
     for k in range(first_row, counts.next_row):
-        snapshot, s = _snapshot(watch.snapshots[size * k :], n), _within_step(watch, k, t, per_step)
+        snapshot, s = _snapshot(watch.snapshots[size * k : size * (k + 1)], n), _within_step(watch, k, t, per_step)
         for i in range(2 * n):  # a guess: they are computed with the row
             snapshot.phase.accelerations[i] = interpolate_acceleration(work, i, s)
         note_directions(work, snapshot.phase)
@@ -174,8 +174,8 @@ def take_held_snapshots(column, watch, t, h):
     state, counts, work = column.state, column.counts, column.work
     size = size_of_snapshot(work)
     while row_due(counts, watch, t, h):
-        snapshot = _snapshot(watch.snapshots[size * counts.next_row :], work.n)
-        copy(snapshot.phase.row, state.phase.row, phase_size(work))
+        snapshot = _snapshot(watch.snapshots[size * counts.next_row : size * (counts.next_row + 1)], work.n)
+        copy(snapshot.phase.buffer, state.phase.row, phase_size(work))
         snapshot.base.ax = state.control.base_ax
         snapshot.base.az = state.control.base_az
         counts.next_row += 1

@@ -37,16 +37,16 @@ def _samples_inside(n, model, times, ax, az, scale):
 @kernel
 def _assemble(column, given, from_rest, scratch, detail):
     """Run `engine.assemble`, and keep the ports that are given."""
-    n, state = column.model.n, column.state.row
+    n, state = column.model.n, column.state.buffer
     code, last = engine.assemble(column, given.row, from_rest, scratch, detail), _SETTINGS + _BLOCK * n
     if code != OK or given.size == last:
         return code
     behind = given.row[last:]
     spotted = int(behind[0])
-    copy(column.model.row[engine.model_room(n) :], behind, 1 + _PORT * spotted)
+    copy(column.model.buffer[engine.model_room(n) :], behind, 1 + _PORT * spotted)
     if from_rest != 0:
         clear(state[_STATE_PER_N * n + _STATE_BESIDE :], _SEEN * spotted)
-        clear(column.base.row[_BASE:], _LOADS * spotted)
+        clear(column.base.buffer[_BASE:], _LOADS * spotted)
     return code
 
 

@@ -101,7 +101,7 @@ def _beside_inputs(samples):
 
 @load.version(_beside_loaded)
 def _load_ports(base, samples, inputs, elapsed, t):
-    taken, given, count = base.row[_BASE:], inputs[_INPUTS:], _COMPONENTS * samples.spotted
+    taken, given, count = base.buffer[_BASE:], inputs[_INPUTS:], _COMPONENTS * samples.spotted
     past = elapsed - (t - base.t0)
     for i in range(count):
         slope = given[count + i]
@@ -121,7 +121,7 @@ def _lasts(samples, k):
 
 @moving.version(_beside_loaded)
 def _moving(base, samples, t, ax, az, theta, omega, alpha):
-    count, given, k = samples.spotted, base.row[_BASE:], int(base.segment)
+    count, given, k = samples.spotted, base.buffer[_BASE:], int(base.segment)
     loads, lasting, past = samples.loads, 0, 0.0
     if _lasts(samples, k):
         loads, lasting, past = samples.loads[2 * _COMPONENTS * count * k :], 1, t - samples.times[k]
@@ -159,7 +159,7 @@ def _is_loaded(base, samples):
     numbers, k = 2 * _COMPONENTS * samples.spotted, int(base.segment)
     loaded = False
     for i in range(numbers):
-        loaded = loaded or base.row[_BASE + i] != 0.0
+        loaded = loaded or base.buffer[_BASE + i] != 0.0
     if _lasts(samples, k):
         for i in range(numbers):
             loaded = loaded or samples.loads[numbers * k + i] != 0.0
@@ -290,7 +290,7 @@ def _beside_row(column):
 @show_more.version(of_loaded)
 def _show_ports(column, phase, motion, row):
     count, behind = column.samples.spotted, _ROW_PER_N * column.model.n + _ROW_BESIDE
-    spots = _spots(row.row[behind:], count)
+    spots = _spots(row.buffer[behind:], count)
     see_points(motion, column.model, phase, _ports(column.samples.ports, count), spots)
 
 
@@ -298,8 +298,8 @@ def _show_ports(column, phase, motion, row):
 def _raise_port_peaks(column, phase, motion):
     count, n = column.samples.spotted, column.model.n
     peaks, scratch = (
-        column.state.row[_STATE_PER_N * n + _STATE_BESIDE :],
-        column.work.row[_WORK_PER_N * n + _WORK_BESIDE :],
+        column.state.buffer[_STATE_PER_N * n + _STATE_BESIDE :],
+        column.work.buffer[_WORK_PER_N * n + _WORK_BESIDE :],
     )
     see_points(motion, column.model, phase, _ports(column.samples.ports, count), _spots(scratch, count))
     for j in range(_SEEN * count):
@@ -335,7 +335,7 @@ def _met_by_loads(column, motion, seeds, elapsed, other, split, other_split):
 def _at_once(column, motion, seeds, elapsed, along_x, along_z, alpha, row, other, other_split):
     length = _ROW_PER_N * column.model.n + _ROW_BESIDE + beside_row(column)
     for i in range(length):
-        row.row[i] -= other.row[i]
+        row.buffer[i] -= other.buffer[i]
     see(column, _more(motion, along_x, along_z, alpha, seeds, elapsed), other, other_split)
     for i in range(length):
-        row.row[i] += other.row[i]
+        row.buffer[i] += other.buffer[i]

@@ -64,13 +64,6 @@ def _place_of(scene, k):
 
 
 @leaf
-def _said(scene, inputs, k):
-    """What body k says, and what it says of turns."""
-    said = inputs[_place_of(scene, k) :]
-    return _body(said, 0), _turning_body(said[_BODY:], 0)
-
-
-@leaf
 def _have_said_nothing(scene, inputs):
     first = _place_of(scene, 0)
     return are_silent(inputs, first, _place_of(scene, int(scene.settings.bodies)) - first)
@@ -152,9 +145,11 @@ def _sums(scene, inputs, flat, reaction):
     x, y, z, mass = reaction[0], 0.0 if flat else reaction[1], reaction[2], 0.0
     mx, my, with_y, with_x, xx, yy, xy = 0.0 if flat else reaction[3], reaction[4], 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(int(scene.settings.bodies)):
-        body, turning = _said(scene, inputs, k)
+        said = inputs[_place_of(scene, k) :]
+        body = _body(said, 0)
         x, y, z, mass = x + body.F0x, y + body.F0y, z + body.F0z, mass + body.M
         if scene.settings.turns != 0.0:
+            turning = _turning_body(said[_BODY:], 0)
             mx, my, with_y, with_x = mx + turning.F0mx, my + turning.F0my, with_y + turning.Mxry, with_x + turning.Myrx
             xx, yy, xy = xx + turning.Jxx, yy + turning.Jyy, xy + turning.Jxy
     return Sums(x, y, z, mx, my, mass, with_y, with_x, xx, yy, xy)

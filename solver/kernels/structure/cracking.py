@@ -74,8 +74,8 @@ def _strength_left(scene, e, least, largest):
 @kernel
 def _grows(scene, count, tip, pace):
     """Whether the front of a crack, where the tip is zero within the bond in the room, moves on anywhere."""
-    room = scene.room
-    x0, y0 = room[2 * count - 2], room[2 * count - 1]
+    room, last = scene.room, max(0, count - 1)  # of a bond that has broken nothing is left
+    x0, y0 = room[2 * last], room[2 * last + 1]
     before = value(tip, x0, y0)
     grows = _none(before < 0.0)
     for k in range(count):

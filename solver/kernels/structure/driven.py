@@ -91,7 +91,7 @@ def assemble(model, state, counts, base, work, given, from_rest):
     if from_rest != 0:
         lasting = _state(state, sizes)
         clear(state, lasting.total)
-        copy(lasting.phase.row, packed[made.total :], sizes.state)
+        copy(lasting.phase.buffer, packed[made.total :], sizes.state)
         clear(counts, _COUNTS)
         clear(base, _input(base, sizes).total)
     let_go(scene)
@@ -133,7 +133,7 @@ def _drive(scene, base, inputs, elapsed, t):
 @kernel
 def _see(scene, base, phase, t, visible):
     """Fill an output row with the outputs of the state at time t."""
-    recall(scene, phase.row)
+    recall(scene, phase.buffer)
     turn_base(scene, base, t, 0.0, 0.0, 0.0)
     evaluate(scene, phase, _phase(row(scene, RATES), scene.n), 0.0, 0.0, 0.0)
     show(scene, phase, visible)
@@ -144,7 +144,7 @@ def _see(scene, base, phase, t, visible):
 def _see_pushed(scene, shaking, phase, t, visible):
     """Fill an output row with the outputs of the state and of what acts at time t: accelerations follow from both."""
     pushed = taken_at(scene, shaking, segment_after(shaking, t), t)
-    recall(scene, phase.row)
+    recall(scene, phase.buffer)
     evaluate(scene, phase, _phase(row(scene, RATES), scene.n), pushed[0], pushed[1], pushed[2])
     show(scene, phase, visible)
     let_go(scene)
@@ -225,7 +225,8 @@ def follow(model, state, counts, base, work, inputs, start, h, count, times, ax,
     most, bounded = most_work(scene.settings, h), most_of_a_call(HEAVIER * (scene.n + scene.m))
     code_beyond = TOO_MUCH_WORK if most <= bounded else CALL_TOO_LONG
     scene.settings.in_plane = 1.0 if flat else 0.0
-    code = advance(scene, shaking, Watch(0, work, work, 0), phase.row, start, stop, int(min(most, bounded)) // STAGES)
+    state_row, nothing = phase.buffer, Watch(0, work, work, 0)
+    code = advance(scene, shaking, nothing, state_row, start, stop, int(min(most, bounded)) // STAGES)
     scene.settings.in_plane = 0.0  # of this step, no part of the model
     return code_beyond if code == PAUSED else code
 
@@ -262,7 +263,7 @@ def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, 
     """
     sizes = sizes_in(model)
     scene, shaking = scene_of(model, state, counts, work), _shaking(base, sizes, count, times, ax, ay, az, scale)
-    size, here, between = scene.visible, _state(state, sizes).phase.row, row(scene, STAGE)
+    size, here, between = scene.visible, _state(state, sizes).phase.buffer, row(scene, STAGE)
     clear(visible, size)
     show_driven(scene.settings, shaking.base, t, 1, driven)
     if scene.counts.fallen > 0:
@@ -307,7 +308,7 @@ def feedthrough(model, state, counts, base, work, seeds, elapsed, t, visible, dr
         return OK
     phase, pace, inputs = _state(state, sizes).phase, _phase(row(scene, RATES), scene.n), _inputs(seeds, 0)
     motion, loads = _input(base, sizes).motion, seeds[_INPUTS:]
-    recall(scene, phase.row)
+    recall(scene, phase.buffer)
     let_go(scene)
     turn_base(scene, motion, t, 0.0, 0.0, 0.0)
     evaluate(scene, phase, pace, 0.0, 0.0, 0.0)

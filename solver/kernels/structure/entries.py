@@ -19,8 +19,8 @@ _phase, _input, _state = PHASE.over, INPUT_MOTION.over, STATE.over
 @kernel
 def see(model, state, counts, work):
     """Return the scene of a structure, and its state as a row."""
-    scene = scene_of(model, state, counts, work)
-    return scene, _state(state, sizes_in(model)).phase.row
+    sizes, scene = sizes_in(model), scene_of(model, state, counts, work)
+    return scene, _state(state, sizes).phase.buffer[: sizes.state]
 
 
 @kernel

@@ -112,7 +112,8 @@ class Batch(NamedTuple):
 def batch_over(sizes, buffer, queue):
     """The batch over a row of lanes, or of one of them."""
     seen = _all(buffer, sizes)
-    peaks, bonded = seen.peaks.row, seen.work.states[place_of_bonds(sizes) :]  # of the row START
+    peaks = seen.peaks.buffer[: _PEAK * sizes.n + sizes.b + sizes.pairs]
+    bonded = seen.work.states[place_of_bonds(sizes) : sizes.stride]  # of the row START
     scene = scene_over(sizes, seen.model, seen.control, seen.counts, peaks, bonded, seen.work)
     shaking = Shaking(0, 0, queue.times, queue.ax, queue.ay, queue.az, seen.base, 0, queue.times, queue.times)
     return Batch(scene, shaking, seen.lane, seen.gaps, buffer, sizes, queue)

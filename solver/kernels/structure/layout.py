@@ -139,6 +139,7 @@ PHASE = Table(
     *("q0", "q1", "q2", "q3"),  # rotation from the place as built, a unit quaternion
     *("vx", "vy", "vz"),  # m/s
     *("wx", "wy", "wz"),  # rad/s, angular velocity in the axes of the body
+    together={"displacement": ("ux", "uy", "uz"), "velocity": ("vx", "vy", "vz")},
 )
 # behind the phase, which with it is a state: slips and twist that friction has given way by, m, m, rad; then the
 # plastic stretch of each tie, m; then what pairs remember

@@ -45,7 +45,7 @@ QUIET = 1e-9  # of critical damping: less is rounding
 STEP_PART = 0.1  # of the tolerance that a step may err by: errors of long steps add up
 RINGING_PART = 1e-2  # the same where joints keep ringing
 LEAST_TOLERANCE = 1e-13
-_phase, _three = PHASE.over, THREE.over
+_phase, _three = PHASE.over, THREE.over_begin
 _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
 _BLOCKS, _JOINTS, _CONTACT = len(OF_BLOCK), len(OF_JOINT), OF_JOINT.index("contact")
 _TX, _TY, _MZ = (OF_JOINT.index(name) for name in ("Tx", "Ty", "Mz"))
@@ -300,7 +300,7 @@ def _drive(body, t):
 @kernel
 def _begin(body, modal):
     _take_coordinates(body, row(body.scene, START), rate(body.scene, 0))
-    _multiply(body, body.data.inverses, body.x.first, modal.first.coordinates, 3)
+    _multiply(body, body.data.inverses, body.x.row, modal.first.row, 3)
 
 
 @kernel
@@ -309,7 +309,7 @@ def _reach(body, modal, half, t, h, sine):
     scene = body.scene
     y, f = row(scene, STAGE if half == 0 else END), rate(scene, 1 if half == 0 else STAGES - 1)
     to = modal.mean if half == 0 else modal.last
-    _multiply(body, body.data.shapes, to.coordinates, body.x.first, 2)
+    _multiply(body, body.data.shapes, to.row, body.x.row, 2)
     _place(body, y, f, 2)
     evaluate_at(scene, body.shaking, body.segment, y, f, t)
     show(scene, _phase(y, scene.n), seen(scene, 1 + half))
@@ -326,7 +326,7 @@ def _reach(body, modal, half, t, h, sine):
 @kernel
 def _end(body, modal):
     scene = body.scene
-    _multiply(body, body.data.shapes, modal.last.coordinates, body.x.first, 3)
+    _multiply(body, body.data.shapes, modal.last.row, body.x.row, 3)
     _place(body, row(scene, END), rate(scene, STAGES - 1), 3)
 
 

@@ -205,7 +205,7 @@ def turn_beneath(scene, phase, base, x, y, u, v):
         phase.vx[i], phase.vy[i], phase.vz[i] = swept
         phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i] = _product(step, own)
         phase.wx[i], phase.wy[i], phase.wz[i] = phase.wx[i] + left[0], phase.wy[i] + left[1], phase.wz[i] + left[2]
-    stretches = stretches_in(scene, phase.row[_PER_BODY * scene.n :])
+    stretches = stretches_in(scene, phase.buffer[_PER_BODY * scene.n :])
     for p in range(scene.extras.met):
         z = stretches.z1[p], stretches.z2[p], stretches.z3[p]
         stretches.z1[p], stretches.z2[p], stretches.z3[p] = plus(z, _change(step, z[0], z[1], z[2]), 1.0)

@@ -39,7 +39,7 @@ class Watch(NamedTuple):
 @leaf
 def row(scene, k):
     """Row k of those of a step: its start, its rates at the stages, a stage, its end, one between, its rates."""
-    return scene.states[k * scene.stride :]
+    return scene.states[k * scene.stride : (k + 1) * scene.stride]
 
 
 START, RATES = 0, 1
@@ -49,7 +49,7 @@ STAGE, END, BETWEEN, BETWEEN_RATES = range(1 + STAGES, 5 + STAGES)
 @leaf
 def seen(scene, k):
     """Output row k of those of a step: its start, its middle, its end, a trial."""
-    return scene.outputs[k * scene.visible :]
+    return scene.outputs[k * scene.visible : (k + 1) * scene.visible]
 
 
 @leaf
@@ -79,11 +79,11 @@ def interpolate_body(scene, h, s, i):
     n = scene.n
     start, end, between = _phase(row(scene, START), n), _phase(row(scene, END), n), _phase(row(scene, BETWEEN), n)
     first, last = _phase(row(scene, RATES), n), _phase(row(scene, RATES + STAGES - 1), n)
-    for axis in range(3):  # the fields ux, uy, uz are neighbours, as are their rates
+    for axis in range(3):
         place = axis * n + i
-        q0, v0, a0 = start.ux[place], first.ux[place], first.vx[place]
-        q1, v1, a1 = end.ux[place], last.ux[place], last.vx[place]
-        between.ux[place], between.vx[place] = _through(h, s, q0, v0, a0, q1, v1, a1)
+        q0, v0, a0 = start.displacement[place], first.displacement[place], first.velocity[place]
+        q1, v1, a1 = end.displacement[place], last.displacement[place], last.velocity[place]
+        between.displacement[place], between.velocity[place] = _through(h, s, q0, v0, a0, q1, v1, a1)
     a, b = quaternion_curve(start, first, i), quaternion_curve(end, last, i)
     q0, p0 = _through(h, s, start.q0[i], first.q0[i], a[0], end.q0[i], last.q0[i], b[0])
     q1, p1 = _through(h, s, start.q1[i], first.q1[i], a[1], end.q1[i], last.q1[i], b[1])
