@@ -1,6 +1,6 @@
 """Seismic response of columns and structures of rigid blocks with no-tension joints: the public interface.
 
-Every name that a program needs is here; the modules behind it (`solver`, `fmu_src`) may move.
+This module has every name that a program needs; the modules behind it (`solver`, `fmu_src`) may move.
 """
 
 import solver as _solver  # isort: skip  # first: from here on Ctrl-C ends the process by a line

@@ -9,7 +9,7 @@ from solver.commands.command_line import OneLineParser, add_commands, program_pa
 
 
 def command_parser() -> OneLineParser:
-    """The parser of the command `multiblock`, with all commands."""
+    """Return the parser of the command `multiblock`, with all commands."""
     parser = program_parser("multiblock", "Seismic response of columns of rigid blocks, and FMUs of them.")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     add_commands(commands)
@@ -19,7 +19,7 @@ def command_parser() -> OneLineParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; returns the exit code, 2 for a user's mistake."""
+    """Run the command line, and return the exit code, 2 for a user's mistake."""
     return run_command(command_parser(), arguments)
 
 

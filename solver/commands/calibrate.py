@@ -1,4 +1,4 @@
-"""The command `calibrate`: modulus, damping and rim from known properties of a column, and their consequences."""
+"""The command `calibrate`: modulus, damping and rim from known properties of a column, and what follows from them."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _OF_RECORDS = ("channel", "begin", "end")
 
 
 def add_calibrate_command(commands: argparse._SubParsersAction[Any]) -> None:
-    """Add `calibrate`."""
+    """Add the command `calibrate`."""
     parser = commands.add_parser(
         "calibrate", help="modulus, damping and rim of the joints from elasticity, frequencies, decay, restitution"
     )
@@ -79,6 +79,7 @@ def _calibrate(options: argparse.Namespace) -> None:
         for key in keys:
             if getattr(options, key) is not None and getattr(options, needed) is None:
                 raise InputError(f"--{key.replace('_', '-')}: must be left out, or --{needed.replace('_', '-')} given")
+    # input: column, rim and record of a decay
     given_rim = _given_rim(options)
     check_suffix(options.output, ".json")
     check_outputs((options.output,), (options.column, options.free_vibration), options.force)
@@ -87,6 +88,7 @@ def _calibrate(options: argparse.Namespace) -> None:
         with reading(options.column):
             column = with_rim(column, given_rim)
     decay = None if options.free_vibration is None else _decay_of_record(options)
+    # moduli
     fit: ModulusFit | None = None
     if options.young is not None:
         thickness = options.joint_thickness or 0.0
@@ -94,6 +96,7 @@ def _calibrate(options: argparse.Namespace) -> None:
     elif options.frequencies is not None:
         fit = fit_moduli(column, options.frequencies)
         column = with_joints(column, fit.moduli)
+    # damping, and the rim where it is searched for
     why_rim = ""
     if options.restitution is not None:
         column, why_rim = _with_restitution(column, options)
@@ -105,6 +108,7 @@ def _calibrate(options: argparse.Namespace) -> None:
         column = with_joints(column, damping=damping_from_ratio(column, decay.ratio))
     with reading(options.column):
         check_rest(column)
+    # output
     found = _found(column, options.release, decay, fit)
     text = json.dumps(found, indent=2, ensure_ascii=False)
     if options.json:
@@ -119,7 +123,7 @@ def _calibrate(options: argparse.Namespace) -> None:
 
 
 def _given_rim(options: argparse.Namespace) -> float | None:
-    """Return the rim (m) of --rim; None where it is left out, or looked for. Raises InputError."""
+    """Return the rim (m) of --rim, or None if it is left out or searched for. Raises InputError."""
     if options.rim is None:
         return None
     if options.rim.lower() == AUTO:
@@ -134,9 +138,9 @@ def _given_rim(options: argparse.Namespace) -> float | None:
 
 
 def _with_restitution(column: Column, options: argparse.Namespace) -> tuple[Column, str]:
-    """Return the column that has the restitution asked for, and why a rim was looked for, as a line.
+    """Return the column that has the requested restitution, and the reason why a rim was searched for, as a line.
 
-    Damping alone gives it if it can, unless --rim asks for another rim.
+    Damping alone gives it if possible, unless --rim requests another rim.
     """
     wanted = _number(options.restitution)
     why = ""
@@ -152,7 +156,7 @@ def _with_restitution(column: Column, options: argparse.Namespace) -> tuple[Colu
 
 
 def _number(text: str) -> float | None:
-    """The restitution asked for; None stands for Housner's."""
+    """Return the requested restitution; None stands for Housner's. Raises InputError."""
     if text.lower() == HOUSNER:
         return None
     try:
@@ -178,7 +182,7 @@ def _decay(options: argparse.Namespace, decay: FreeVibration | None) -> str:
 
 
 def _fit(fit: ModulusFit | None) -> str:
-    """The measured frequencies beside those of the fit, and how exact its moduli are."""
+    """Return a table of measured and fitted frequencies, and the standard error of the moduli."""
     if fit is None:
         return ""
     lines = ["mode  measured (Hz)    fit (Hz)  difference"]
@@ -194,7 +198,7 @@ def _fit(fit: ModulusFit | None) -> str:
 
 
 def _joints(column: Column) -> str:
-    """The values as a column file has them: once if all joints have the same."""
+    """Return the values in the form of a column file, once if all joints have the same."""
     joints = [block.joint for block in column.blocks]
     values = [(joint.stiffness, joint.damping, joint.rim) for joint in joints]
     if len(set(values)) == 1:
@@ -208,7 +212,7 @@ def _joints(column: Column) -> str:
 
 
 def _found(column: Column, release: float, decay: FreeVibration | None, fit: ModulusFit | None) -> dict[str, Any]:
-    """All results in SI units; a restitution that is not found is None, with the reason."""
+    """Return all results in SI units; a restitution that cannot be computed is None, with the reason."""
     modes = modes_about_rest(column)
     first = int(np.argmax(modes.sways))
     found: dict[str, Any] = {
@@ -243,7 +247,7 @@ def _found(column: Column, release: float, decay: FreeVibration | None, fit: Mod
 
 
 def _meaning(found: dict[str, Any]) -> str:
-    """First mode and restitution that follow from the values."""
+    """Return the first mode and the restitution that follow from the values, as two lines."""
     first = (
         f"first mode {found['frequency']:.5g} Hz, damping {percent(found['damping_ratio'], '.3f')}, all joints closed"
     )

@@ -1,4 +1,4 @@
-"""The command `check`: does a column or structure stand under an action, by how much, and which measure helps."""
+"""The command `check`: whether a column or structure stands under an action, its margin, and which measure helps."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from .progress import PlainLine, RunsLine
 
 
 def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
-    """Add `check`."""
+    """Add the command `check`."""
     parser = commands.add_parser("check", help="does it stand, by how much: demand beside capacity, margin, report")
     parser.set_defaults(command=_check, many="records")
     parser.add_argument("column", type=Path, metavar="FILE.toml", help="a column, or a structure in space")
@@ -151,6 +151,7 @@ def _check(options: argparse.Namespace) -> None:
             import matplotlib  # noqa: F401
     elif options.note:
         raise InputError("--note: is for the report, must be given with --report FILE.html")
+    # models, each under a name of its own
     components = (*(options.vertical or ()), *(options.across or ()))
     inputs = (options.column, *options.records, *components, *options.variant)
     check_outputs((options.output, options.report), inputs, options.force)
@@ -158,6 +159,7 @@ def _check(options: argparse.Namespace) -> None:
     models = _told_apart(models)
     if options.both:
         models.insert(1, (options.column, _across(*models[0])))
+    # action on the model and its variants
     plan = _plan(options)
     level = _level(options)
     motions = _motions(options)
@@ -165,6 +167,7 @@ def _check(options: argparse.Namespace) -> None:
     with reading(options.column):
         action = action_on(subjects[0][1], motions, level, [subject for _, subject in subjects[1:]])
     print(*action_lines(action), sep="\n", flush=True)
+    # run the checks; print each report as soon as it is complete
     checks: list[Check] = []
     for path, subject in subjects:
         both = options.both and len(checks) < 2
@@ -208,7 +211,7 @@ def _model(path: Path, options: argparse.Namespace) -> Any:
 
 
 def _told_apart(models: list[tuple[Path, Any]]) -> list[tuple[Path, Any]]:
-    """Name models of one name by their files, by numbers too where a file's name does not tell them apart."""
+    """Rename models that share a name after their files, or by numbers where the file names are ambiguous."""
     names, found = [model.name for _, model in models], []
     stems = [re.sub(r"[^\w-]", "-", path.stem) for path, _ in models]
     for number, ((path, model), stem) in enumerate(zip(models, stems, strict=True), start=1):
@@ -218,7 +221,7 @@ def _told_apart(models: list[tuple[Path, Any]]) -> list[tuple[Path, Any]]:
 
 
 def _across(path: Path, model: Any) -> Any:
-    """The column in the other direction, or the structure, for which the motions are turned. Raises InputError."""
+    """Return the column in the other direction, or the structure, for which motions are turned. Raises InputError."""
     if model.kind.across and not model.is_stack:
         return replace(model, name=f"{model.name} across")
     if model.is_alike_across:
@@ -282,7 +285,7 @@ def _level(options: argparse.Namespace) -> Level:
 
 
 def _motions(options: argparse.Namespace) -> Mapping[str, Motion]:
-    """The records by the names of their files, each with its other components."""
+    """Read the records, each with its other components, and return them by file name."""
     beside = {key: getattr(options, key) or [] for key in ("across", "vertical")}
     for key, files in beside.items():
         if files and len(files) != len(options.records):

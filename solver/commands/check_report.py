@@ -1,4 +1,4 @@
-"""A check for the terminal: the motions, the tables, the answer in a few sentences."""
+"""A check as text for the terminal: the motions, the tables, the answer in a few sentences."""
 
 from __future__ import annotations
 
@@ -18,12 +18,13 @@ HEADINGS = ("check", "where", "demand", "capacity", "ratio", "")
 
 
 def action_lines(action: Action) -> list[str]:
-    """The target and each motion with its factors."""
+    """Return the lines on the target and on each motion with its factors."""
     lines = [f"action: {action.target.name}" if action.target else "action: the motions themselves"]
     lines.append(f"motions: {action.how}; counted: {action.statistic}")
     if action.fit is not None and action.periods is not None:
         (least, most), (low, high) = action.fit, action.periods
         lines.append(f"fit: mean of their spectra {least:.2f} to {most:.2f} of the target, {low:.3g} to {high:.3g} s")
+    # table of the motions
     width = max(len(scaled.name) for scaled in action.motions)
     across = any(scaled.motion.has_ay for scaled in action.motions)
     other = "  across (g)" if across else ""
@@ -41,7 +42,7 @@ def action_lines(action: Action) -> list[str]:
 
 
 def check_lines(check: Check) -> list[str]:
-    """The tables with their notes, where methods disagree, and the sentences."""
+    """Return the tables with their notes, the disagreement of methods, and the sentences of the answer."""
     lines = [f"{check.name}, first period {check.period:.4g} s", *_table(check.rows)]
     lines += ["by hand:", *_table(check.by_hand.rows), *check.agreement] if check.by_hand else [NOT_IN_SPACE]
     said = (check.answer, check.verdict, check.margin_sentence, *check.of_joints, *check.remarks)
@@ -49,7 +50,7 @@ def check_lines(check: Check) -> list[str]:
 
 
 def variants_lines(checks: Sequence[Check]) -> list[str]:
-    """Ratios of each check, a column for each variant; the first is what is checked."""
+    """Return a table of the demands and ratios of all checks, one column for each; the first is the original."""
     width = max(22, *(len(check.name) for check in checks))
     lines = ["variants under the same motions, demand and its ratio to the capacity:"]
     lines.append(f"{'':26s}" + "".join(f"  {check.name:>{width}s}" for check in checks))
@@ -64,7 +65,7 @@ def variants_lines(checks: Sequence[Check]) -> list[str]:
 
 
 def _table(rows: Sequence[Row]) -> list[str]:
-    """The rows, and below them their notes."""
+    """Return the rows as aligned lines, followed by their notes."""
     cells = [HEADINGS, *(row.texts for row in rows)]
     widths = [max(len(line[k]) for line in cells) for k in range(len(HEADINGS))]
     lines = [

@@ -1,4 +1,4 @@
-"""The spectra of codes on a command line: a row for each code, from which its options follow."""
+"""The spectra of codes on the command line: a row for each code, from which its options follow."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..ground.motion import STANDARD_GRAVITY
 
 
 class Option(NamedTuple):
-    """An option of codes: what it is called, and which argument of the spectra's functions it is."""
+    """An option of a code, and the argument of the spectrum's function that it sets."""
 
     name: str
     type: Callable[[str], Any]
@@ -25,7 +25,7 @@ class Option(NamedTuple):
 
 
 class Code(NamedTuple):
-    """The spectrum of a code: its function, and its options; `more` have defaults."""
+    """The spectrum of a code: its function, required options, and options with defaults (`more`)."""
 
     spectrum: Callable[..., TargetSpectrum]
     needed: tuple[Option, ...]
@@ -52,7 +52,7 @@ CODES = {
 
 
 def add_spectrum(one: argparse._MutuallyExclusiveGroup) -> None:
-    """Add --spectrum to what motions are scaled to."""
+    """Add --spectrum to the group of targets that motions are scaled to."""
     words = f"{', '.join(CODES)}, or a table FILE.csv of period,g or period,m/s2"
     one.add_argument("--spectrum", metavar="NAME", help=words)
 
@@ -65,7 +65,7 @@ def add_code_options(group: argparse._ArgumentGroup) -> None:
 
 
 def _options() -> dict[Option, list[str]]:
-    """Every option, and the codes that have it."""
+    """Return every option with the codes that have it."""
     found: dict[Option, list[str]] = {}
     for name, code in CODES.items():
         for option in (*code.needed, *code.more):
@@ -74,7 +74,7 @@ def _options() -> dict[Option, list[str]]:
 
 
 def target_of(options: argparse.Namespace) -> TargetSpectrum | None:
-    """The spectrum that --spectrum names, from the options of its code or from a table. Raises InputError."""
+    """Return the spectrum of --spectrum, from the options of its code or a table; None without. Raises InputError."""
     name = options.spectrum
     code = CODES.get(name)
     if name is not None and not code and not name.lower().endswith(".csv"):

@@ -1,4 +1,4 @@
-"""Files named on a command line: checked before anything is worked out."""
+"""Files on the command line, checked before any computation."""
 
 from __future__ import annotations
 
@@ -25,14 +25,17 @@ def add_space(parser: argparse._ActionsContainer) -> None:
 
 
 def read_subject(path: Path, space: bool = False) -> Column | Structure:
-    """Read a file that describes a column or a structure; space: a column as its stack in space. Raises InputError."""
+    """Read the file of a column or structure; `space`: a column as its stack in space. Raises InputError."""
     check_suffix(path, ".toml")
     with reading(path):
         return subject_from(in_folder(toml_of(path), path.parent), space)
 
 
 def loads_of(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """Loads by port and component, from PORT.COMPONENT=LOAD: a number, or the name of a file. Raises InputError."""
+    """Parse PORT.COMPONENT=LOAD into loads by port and component. Raises InputError.
+
+    A load is a number or the name of a file.
+    """
     given: dict[str, Any] = {}
     for text in texts:
         name, equals, value = text.partition("=")
@@ -53,7 +56,7 @@ def read_column(path: Path) -> Column:
 
 
 def check_picture(path: Path | None) -> None:
-    """Raise InputError if a picture is wanted that cannot be drawn."""
+    """Raise InputError if a requested picture cannot be drawn."""
     if path is not None:
         check_suffix(path, *PICTURES)
         with needing("plot", "matplotlib"):
@@ -61,7 +64,7 @@ def check_picture(path: Path | None) -> None:
 
 
 def outputs_of_run(options: argparse.Namespace) -> tuple[Path | None, ...]:
-    """The table, pictures and film that `simulate` is to write, checked. Raises InputError."""
+    """Return the output files of `simulate`, None for one not requested, after checking them. Raises InputError."""
     check_suffix(options.output, ".csv")
     check_picture(options.plot)
     check_picture(options.plot_column)
@@ -76,12 +79,12 @@ def outputs_of_run(options: argparse.Namespace) -> tuple[Path | None, ...]:
 
 
 def add_force(parser: argparse.ArgumentParser) -> None:
-    """Add --force, for what `files.check_outputs` refuses."""
+    """Add --force, which permits what `files.check_outputs` refuses."""
     parser.add_argument("--force", action="store_true", help="overwrite files that are there")
 
 
 def write_outputs(outputs: Iterable[tuple[Path | None, Callable[[Path], object]]]) -> None:
-    """Write the files that are wanted, and print their names. Raises InputError that begins with the path."""
+    """Write the requested files, and print their names. Raises InputError that begins with the path."""
     for path, write in outputs:
         if path is not None:
             with reading(path):
@@ -90,6 +93,6 @@ def write_outputs(outputs: Iterable[tuple[Path | None, Callable[[Path], object]]
 
 
 def check_suffix(path: Path | None, *known: str) -> None:
-    """Raise InputError unless the file's name, if one is given, ends in one of these suffixes, in either case."""
+    """Raise InputError unless the file name, if given, ends in one of these suffixes, ignoring case."""
     if path is not None and path.suffix.lower() not in known:
         raise InputError(f"{path}: must end in {' or '.join(known)}")

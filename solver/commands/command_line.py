@@ -1,4 +1,4 @@
-"""The command line of the solver: its commands, and the way every command ends."""
+"""The command line of the solver: its commands, and the error handling and exit codes of all commands."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ INTERRUPTED, CLOSED_PIPE = 130, 141  # exit codes, as of shells
 
 
 class OneLineParser(argparse.ArgumentParser):
-    """Raises an InputError for a wrong command line instead of printing the usage too."""
+    """A parser that raises InputError for a wrong command line instead of printing the usage too."""
 
     def error(self, message: str) -> NoReturn:
         """Raise InputError."""
@@ -72,26 +72,26 @@ class OneLineParser(argparse.ArgumentParser):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """`python -m solver`; returns the exit code."""
+    """Run the command line of `python -m solver`, and return the exit code."""
     parser = program_parser(PROGRAM, "Seismic response of a column of rigid blocks.")
     add_commands(parser.add_subparsers(metavar="COMMAND", required=True))
     return run_command(parser, arguments)
 
 
 def program_parser(program: str, description: str) -> OneLineParser:
-    """A parser that knows --version, for `run_command`."""
+    """Return a parser that knows --version, for `run_command`."""
     parser = OneLineParser(prog=program, description=description)
     parser.add_argument("--version", action="version", version=f"multiblock-fmu {__version__}")
     return parser
 
 
 def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> int:
-    """Call `options.command(options)` with the options that the parser reads.
+    """Parse the arguments, call `options.command(options)`, and return the exit code.
 
-    Returns the exit code: 2 for a user's mistake; CLOSED_PIPE, silently, once the output is no longer read. An
-    interrupt by the user ends the process at once, with 130.
+    The code is 2 for a user's mistake, and CLOSED_PIPE, silently, once the output is no longer read. An interrupt by
+    the user ends the process at once, with 130.
     """
-    if hasattr(sys.stdout, "reconfigure"):  # the name of a file may not be decodable as text
+    if hasattr(sys.stdout, "reconfigure"):  # a file name may not be decodable as text
         sys.stdout.reconfigure(errors="backslashreplace")
     try:
         with warnings.catch_warnings():
@@ -102,7 +102,7 @@ def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None
                 options.command(options)
             sys.stdout.flush()
     except (InputError, SolverError, MachineCodeError, OSError) as error:
-        if _is_closed_pipe(error):  # `| head` has read enough
+        if _is_closed_pipe(error):  # as after `| head`
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return CLOSED_PIPE
         print(f"{parser.prog}: {printable(str(error))}", file=sys.stderr)
@@ -111,19 +111,19 @@ def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None
         print(f"{parser.prog}: interrupted", file=sys.stderr)
         sys.stdout.flush()
         sys.stderr.flush()
-        os._exit(INTERRUPTED)  # at once: Python takes half a second to tidy up, and would wait for threads
+        os._exit(INTERRUPTED)  # at once: finalization of Python takes half a second, and waits for threads
     return 0
 
 
 def _is_closed_pipe(error: BaseException | None) -> bool:
-    """Return whether an error comes from writing to a pipe that is no longer read."""
+    """Return True if an error comes from writing to a pipe that is no longer read."""
     while error is not None and not isinstance(error, BrokenPipeError):
         error = error.__cause__ or error.__context__
     return error is not None
 
 
 def _warnings_shower() -> Callable[..., None]:
-    """A function that prints each warning once, without its place in the code."""
+    """Return a function that prints each warning once, without its position in the code."""
     shown: set[str] = set()
 
     def show(message: Warning | str, *_: Any, **__: Any) -> None:
@@ -135,12 +135,12 @@ def _warnings_shower() -> Callable[..., None]:
 
 
 def _parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> argparse.Namespace:
-    """Parse; a path after options still becomes MOTION, although argparse no longer expects the optional one there."""
+    """Parse the arguments; a path after options still becomes MOTION, which argparse no longer expects there."""
     options, rest = parser.parse_known_args(arguments)
     names = getattr(options, "paths", ())
     values = [getattr(options, name) for name in names if getattr(options, name) is not None]
     late = [Path(text) for text in rest if not text.startswith("-")]
-    if hasattr(options, "many") and len(late) == len(rest):  # the name of an option that is a list of paths
+    if hasattr(options, "many") and len(late) == len(rest):  # name of an option that holds a list of paths
         setattr(options, options.many, [*getattr(options, options.many), *late])
         return options
     if len(late) < len(rest) or (len(values) + len(late) > len(names) and late):
@@ -184,7 +184,7 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
 
 
 def _add_run_options(run: argparse.ArgumentParser) -> None:
-    """Add the options of `simulate`, in its groups."""
+    """Add the options of `simulate`, by group."""
     accuracy = run.add_argument_group("accuracy (default: the column's)")
     accuracy.add_argument("--tolerance", type=float, help="error relative to the peak, unless the step is fixed")
     accuracy.add_argument("--formulation", help=" or ".join(FORMULATIONS))
@@ -228,18 +228,21 @@ def _simulate(options: argparse.Namespace) -> None:
     subject: Any = read_subject(options.column, options.space)
     if subject.kind.across:
         structure.prepare(options)
+    # motion, model and report
     motion, lines = motion_of(options)
     if options.plane == "auto":
         subject = subject.kind.simplest(subject, motion)
     in_space = subject.kind.across
     report_of, summary_of = (structure.report, structure.summary) if in_space else (column_report, _summary)
     print(*lines, report_of(subject, motion), sep="\n", flush=True)
+    # options of the run
     names = ("formulation", "integrator", "step", "tolerance", "output_step", "settle", "ensemble")
     given = {name: getattr(options, name) for name in names}
     if options.load or options.release:
         given |= {"loads": loads_of(options.load), "release": loads_of(options.release)}
     stiffness, damping, shaking = options.spread
     given |= {"check": not options.no_check, "spread": Spread(stiffness, damping, shaking, options.spread_seed)}
+    # run, summary and files
     try:
         response = _run(subject, motion, options.duration, **given)
         print(summary_of(response))
@@ -256,13 +259,13 @@ def _simulate(options: argparse.Namespace) -> None:
 
 
 def _film(response: Any, path: Path) -> None:
-    """Film a response, with a progress line on a terminal."""
+    """Write a film of a response, with a progress line on a terminal."""
     with Line(unit="picture") as line:
         response.film(path, callback=line.show if sys.stderr.isatty() else None)
 
 
 def _run(subject: Any, motion: Motion, duration: float | None, **options: Any) -> Any:
-    """`simulate`, with a progress line on a terminal."""
+    """Call `simulate` with a progress line on a terminal."""
     with ProgressLine(motion.start, motion.duration if duration is None else duration) as line:
         return simulate(subject, motion, duration, callback=line if sys.stderr.isatty() else None, **options)
 
@@ -295,7 +298,7 @@ def _convert(options: argparse.Namespace) -> None:
 
 
 def _summary(response: Response) -> str:
-    """The results of a run, for the terminal."""
+    """Return the results of a run as text for the terminal."""
     column, stats = response.column, response.stats
     lines = [
         f"{column.name}: {column.settings.formulation} formulation, {column.settings.integrator} integrator",
@@ -325,7 +328,7 @@ def _summary(response: Response) -> str:
 
 
 def _peaks(response: Response) -> list[str]:
-    """Peak forces on the joints and the base, in a table."""
+    """Return a table of the peak forces on joints and base."""
     peaks = response.peaks
     columns = {"N": 1e-3, "|M|": 1e-3, "|T|": 1e-3, "sigma_max": 1e-6, "contact": 1.0, "friction": 1.0}
     rows = zip(*(scale * peaks[name.strip("|")] for name, scale in columns.items()), strict=True)
@@ -341,7 +344,7 @@ def _peaks(response: Response) -> list[str]:
 
 
 def _verdict(response: Response) -> str:
-    """The verdict in one line."""
+    """Return the verdict as one line."""
     if response.verdict == "undecided":
         return f"undecided: {'' if response.overturned else 'not overturned, but '}{response.reason}"
     if not response.overturned:
@@ -353,7 +356,7 @@ def _verdict(response: Response) -> str:
 
 
 def _ensemble(ensemble: Ensemble) -> list[str]:
-    """An ensemble in a few lines."""
+    """Return the lines on an ensemble."""
     spread, (low, high) = ensemble.spread, ensemble.share_bounds
     lines = [
         f"{ensemble.size} runs varied by {spread.stiffness:.2g} (stiffness), {spread.damping:.2g} (damping), "

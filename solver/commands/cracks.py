@@ -1,4 +1,4 @@
-"""What a run says of joints that bear tension or cohesion until they break."""
+"""Report on joints that bear tension or cohesion until they break."""
 
 from __future__ import annotations
 
@@ -10,7 +10,15 @@ MOST = 10  # joints that are named
 
 
 def cracks(names: Sequence[str], left: FloatArray) -> list[str]:
-    """Which have cracked, in a line; none where there are no such joints. left: what is bonded of each, 0 to 1."""
+    """Return a line on the joints that have cracked; no line without such joints.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of the joints.
+    left : array (len(names),)
+        Bonded share of each joint, 0 to 1.
+    """
     if not names:
         return []
     hurt = [(name, part) for name, part in zip(names, left, strict=True) if part < 1.0]

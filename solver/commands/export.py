@@ -1,4 +1,4 @@
-"""The command `export`: a run as files that other programs read."""
+"""The command `export`: a run as files for other programs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ KINDS = {".glb": "to_gltf", ".html": "view", ".csv": "to_csv", "": "to_vtk"}  # 
 
 
 def add_export_command(commands: Any) -> None:
-    """Add `export`."""
+    """Add the command `export`."""
     words = "a run as .glb (Blender), a folder for ParaView, .html or .csv"
     export = commands.add_parser("export", help=words)
     export.set_defaults(command=_export, paths=("motion", "output"))

@@ -1,4 +1,4 @@
-"""The base motion on a command line: a record, a pair of records or a wavelet, and its strength."""
+"""The base motion on the command line: a record, a pair of records or a wavelet, and its strength."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ FORMATS = "record: PEER AT2, ESM, K-NET, COSMOS, CSV in s and m/s2, plain column
 
 
 WAVELETS = ("ricker", "one-sine", "one-cosine", "mavroeidis-papageorgiou", "noise")  # of studies/motions.py, FORMULAS
-_OPTIONS = {"duration": "length"}  # numbers of a formula whose option has another name: --duration is that of the run
+_OPTIONS = {"duration": "length"}  # arguments of formulas with another option name: --duration is that of the run
 _OF_WAVELETS = ("frequency", "cycles", "phase", "length", "seed")
 _OF_RECORDS = ("vertical", "across", "dt", "units", "channel", "vertical_channel")
 
 
 def add_file_options(parser: argparse._ActionsContainer) -> None:
-    """Add the options needed for files that do not state everything themselves."""
+    """Add the options for files that do not state their sampling interval, unit or channel."""
     parser.add_argument("--dt", type=float, metavar="S", help="s between the samples of plain columns without times")
     parser.add_argument("--units", metavar="UNIT", help=f"of plain columns: {KNOWN}")
     parser.add_argument("--channel", type=int, metavar="N", help="which of several in one file, from 1")
 
 
 def add_motion_options(parser: argparse.ArgumentParser) -> None:
-    """Add the record, the options that replace it and those that go with it."""
+    """Add the record, the options that go with it and those that replace it."""
     parser.add_argument("motion", type=Path, nargs="?", metavar="MOTION", help=FORMATS)
     records = parser.add_argument_group("records")
     records.add_argument("--vertical", type=Path, metavar="FILE", help="the vertical component that goes with it")
@@ -54,7 +54,7 @@ def add_motion_options(parser: argparse.ArgumentParser) -> None:
 
 
 def motion_of(options: argparse.Namespace) -> tuple[Motion, list[str]]:
-    """Return the motion asked for, and a line about each file that was read. Raises InputError."""
+    """Return the requested motion, and a line on each file that was read. Raises InputError."""
     if options.wavelet is None:
         _refuse(options, _OF_WAVELETS, "is for --wavelet")
         if options.motion is None:
@@ -73,7 +73,7 @@ def motion_of(options: argparse.Namespace) -> tuple[Motion, list[str]]:
 
 
 def read_with_options(path: Path, options: argparse.Namespace, channel: int | None) -> tuple[Record, Motion]:
-    """Return a file's record and motion, with --dt and --units for plain columns only. Raises InputError."""
+    """Return the record and the motion of a file, with --dt and --units for plain columns only. Raises InputError."""
     plain = format_of(path) == PLAIN
     record = read_record(path, options.dt if plain else None, options.units if plain else None, channel)
     with reading(path):
@@ -88,7 +88,7 @@ def check_file_options(paths: list[Path], options: argparse.Namespace) -> None:
 
 
 def file_line(path: Path, record: Record) -> str:
-    """Return a line about a file as it was read: format, samples, title, notes."""
+    """Return a line on a file as it was read: format, samples, title, notes."""
     step = f"{len(record.time)} samples, {record.time[-1] - record.time[0]:g} s"
     parts = [f"{path}: {record.format}, {step}", *filter(None, [record.title[:80]]), *record.notes]
     return printable("; ".join(parts))
@@ -125,7 +125,7 @@ def _wavelet(options: argparse.Namespace) -> Motion:
     _refuse(options, others, f"is not for --wavelet {name}")
     given = {number: getattr(options, option) for number, option in option_of.items()}
     numbers = {number: value for number, value in given.items() if value is not None}
-    return formula.makes(**{formula.amplitude: 1.0}, **numbers)  # of any size: it is scaled to --pga
+    return formula.makes(**{formula.amplitude: 1.0}, **numbers)  # of unit amplitude, scaled to --pga later
 
 
 def _refuse(options: argparse.Namespace, keys: tuple[str, ...], why: str) -> None:

@@ -1,4 +1,4 @@
-"""The command `new`: asks what stands there and writes its file, with comments and the sources of its values."""
+"""The command `new`: asks about a column or structure, and writes its file with comments and sources of its values."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ SURVEYS = (("height", "width", "depth"), ("height", "diameter"))
 
 
 DAMPINGS: Limits = ((0.0, 1.0), "a time in s, from 0 to 1")
-MASSES = 0.05, 3.0  # of the box of the material over the base of a statue; more if it is wider above
+MASSES = 0.05, 3.0  # limits, of the mass of the box over its base; above 1 if the statue is wider above
 
 
 class Shape(NamedTuple):
-    """A shape to choose: words, the questions, and the blocks that follow from the answers."""
+    """A shape to choose: its description, its questions, and the function that makes blocks from the answers."""
 
     text: str
     questions: dict[str, Question]
@@ -53,7 +53,7 @@ class Shape(NamedTuple):
 
 
 def _stack(asked: dict[str, float], across: str) -> list[dict[str, float]]:
-    """Equal heights; sizes fall in a straight line from the bottom to the top."""
+    """Return blocks of equal height, whose sizes vary linearly from the bottom to the top."""
     count = int(asked["count"])
     height, bottom, top = asked["height"] / count, asked["bottom"], asked["top"]
     blocks = []
@@ -75,7 +75,7 @@ def _statue(asked: dict[str, float]) -> list[dict[str, float]]:
 
 
 def _mass_of_statue(asked: dict[str, float]) -> float:
-    """An estimate, kg: its material in a part of the box over its base, to three digits."""
+    """Estimate the mass of a statue, kg: its material fills a part of the box over its base; three digits."""
     return float(f"{asked['part'] * _mass_of_box(asked):.3g}")
 
 
@@ -144,7 +144,7 @@ SHAPES = {
 
 
 def add_new_command(commands: argparse._SubParsersAction[Any]) -> None:
-    """Add `new`."""
+    """Add the command `new`."""
     parser = commands.add_parser("new", help="asks about a column or structure and writes its file, with comments")
     parser.set_defaults(command=_new)
     parser.add_argument("column", type=Path, nargs="?", metavar="COLUMN.toml", help="the file to write")
@@ -167,6 +167,7 @@ def _new(options: argparse.Namespace) -> None:
         return new_from_mesh(options, path)
     check_suffix(path, ".toml")
     check_outputs((path,), (), options.force)
+    # shape, material and sizes
     name = check_file_name("name", path.stem)
     shapes: dict[str, Shape | Built] = {**SHAPES, **BUILT}
     shape = choice("what stands there", {key: one.text for key, one in shapes.items()}, "drums")
@@ -177,6 +178,7 @@ def _new(options: argparse.Namespace) -> None:
         asked[key] = number(question, asked)
     if shape not in BUILT:
         blocks = blocks or SHAPES[shape].blocks(asked)
+    # contact, damping and friction of the joints
     width = BUILT[shape].face(asked) if shape in BUILT else min(_least_size(block) for block in blocks)
     touching = asked_contact(width, MATERIALS[material].has_joints, stands_alone=shape == "statue")
     built = structure_text(name, BUILT[shape], asked, material, DAMPING, touching) if shape in BUILT else ""
@@ -187,6 +189,7 @@ def _new(options: argparse.Namespace) -> None:
         force = ((0.0, 1e9), "a force in kN, zero or positive")
         dowel = number(Question("shear that dowels bear in each joint (kN), 0 without", 0.0, force, 1e3))
     law = material, damping, touching, friction, dowel
+    # text of the file, validated before it is written
     if shape in BUILT:
         text = structure_text(name, BUILT[shape], asked, *law)
     else:
@@ -205,9 +208,16 @@ def _least_size(block: dict[str, float]) -> float:
 
 
 def _asked_damping(blocks: Sequence[dict[str, float]], material: str, touching: Touching, built: str) -> float:
-    """Ask for the damping; proposed is the critical one of what rocks, as follows from its joint.
+    """Ask for the damping, s; the proposal is the critical damping of the rocking part, computed with its joint.
 
-    blocks: of a column, none of a structure; built: text of a structure with another damping.
+    Parameters
+    ----------
+    blocks : sequence of dict
+        Blocks of a column; empty for a structure.
+    material : str
+    touching : Touching
+    built : str
+        Text of a structure with another damping; empty for a column.
     """
     if built:
         proposed = bounce_damping(Structure.from_dict(tomllib.loads(built)))
@@ -225,7 +235,7 @@ def _asked_damping(blocks: Sequence[dict[str, float]], material: str, touching: 
 
 
 def _column_said(data: dict[str, Any], path: Path) -> list[str]:
-    """What is printed of a new column, and what to do next. Raises InputError."""
+    """Return the lines to print on a new column, with the next commands. Raises InputError."""
     column = Column.from_dict(data)
     check_rest(column, from_rest=False)
     height = sum(block.height for block in column.blocks)
@@ -240,7 +250,7 @@ def _column_said(data: dict[str, Any], path: Path) -> list[str]:
 
 
 def _structure_said(data: dict[str, Any], path: Path) -> list[str]:
-    """The same of a structure."""
+    """Return the lines to print on a new structure, with the next commands. Raises InputError."""
     structure = Structure.from_dict(data)
     height = max(float(block.corners[:, 2].max()) for block in structure.blocks)
     mass = sum(block.mass for block in structure.blocks)
@@ -261,9 +271,25 @@ def column_text(
     friction: bool = False,
     dowel: float = 0.0,
 ) -> str:
-    """The text of a column file, with comments. blocks: keys of a block from the top down, without joint and density.
+    """Return the text of a column file, with comments; `Column.from_toml` validates it later.
 
-    dowel: N. Raises nothing; `Column.from_toml` checks what is written.
+    Parameters
+    ----------
+    name : str
+    what : str
+        Description, for the first comment.
+    blocks : sequence of dict
+        Keys of the blocks from the top down, without joint and density.
+    material : str
+        Name of a material in `MATERIALS`.
+    damping : float
+        Of the joints, s.
+    touching : Touching
+        Part of the faces in contact.
+    friction : bool
+        If True, joints may slide.
+    dowel : float
+        Shear that each joint bears beside friction, N.
     """
     found: Material = MATERIALS[material]
     lines = [
@@ -294,7 +320,7 @@ def column_text(
 
 
 def _survey() -> list[dict[str, float]]:
-    """The blocks of a table: height,width,depth or height,diameter, a line a block from the top down; m."""
+    """Ask for a table, and return its blocks from the top down: lines of height,width,depth or height,diameter, m."""
     path = Path(answer_to("table, with the first line height,width,depth or height,diameter", "survey.csv"))
     with reading(path):
         table = table_of(lines_of(path, MB))

@@ -1,4 +1,4 @@
-"""The question of `new` for where faces touch: all over, in a rim along their edges, or on two feet."""
+"""The question of `new` where faces touch: all over, in a rim along their edges, or on two feet."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 from .questions import Limits, Question, choice, number
 
 WHOLE, RIM, FEET = "whole", "rim", "feet"
-PART = 1.0 / 6.0  # of the width: the rim that suits the tests of granite blocks (docs/materials.md)
+PART = 1.0 / 6.0  # of the width: the rim that fits the tests of granite blocks (docs/materials.md)
 LEAST_RIM = 1e-4  # m
 MOST_STRIPS = 32
 MEANINGS = {
@@ -18,7 +18,7 @@ MEANINGS = {
 
 
 class Touching(NamedTuple):
-    """The part of faces that touches: all of it, or a rim or feet of this width."""
+    """The part of the faces that touches: all of it, or a rim or feet of this width."""
 
     rim: float = 0.0  # m
     foot: float = 0.0  # m, of the top block
@@ -33,12 +33,12 @@ EVERYWHERE = Touching()
 
 
 def asked_contact(width: float, mortared: bool, stands_alone: bool) -> Touching:
-    """Ask where faces touch, and how wide the rim or a foot is.
+    """Ask where faces touch, and for the width of the rim or of a foot.
 
     Parameters
     ----------
     width : float
-        Of the smallest face (m).
+        Width of the smallest face (m).
     mortared : bool
         True if mortar fills the joints: whole faces are proposed, else a rim.
     stands_alone : bool
@@ -61,7 +61,7 @@ def asked_contact(width: float, mortared: bool, stands_alone: bool) -> Touching:
 
 
 def rim_lines(touching: Touching) -> list[str]:
-    """Return the lines of a file that let faces touch in a rim; none without."""
+    """Return the lines of a file for faces that touch in a rim; none without a rim."""
     if not touching.rim:
         return []
     return [
@@ -70,7 +70,7 @@ def rim_lines(touching: Touching) -> list[str]:
 
 
 def strips_of(touching: Touching, block: dict[str, float]) -> list[str]:
-    """Return the lines of a block that stands on two feet; none without."""
+    """Return the lines of a block that stands on two feet; none without feet."""
     if not touching.foot:
         return []
     count = min(MOST_STRIPS, max(3, round(block["width"] / touching.foot)))

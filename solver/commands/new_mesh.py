@@ -1,4 +1,4 @@
-"""`new --mesh`: the file of a structure that is one mesh on the ground, and what its foot says of it."""
+"""The option `new --mesh`: writes the structure of one mesh on the ground, and reports the geometry of its foot."""
 
 from __future__ import annotations
 
@@ -24,25 +24,32 @@ from .command_files import check_suffix
 from .new_structures import bounce_damping
 
 DAMPING = 1e-3  # s, until mass and foot are known
-HOLLOW = 1.05  # times its volume: a mesh whose hull is larger may be better as parts
-TURN = 22.5  # degrees between the directions that are shown of a foot of many edges
+HOLLOW = 1.05  # times its volume: for a larger hull, convex parts are suggested
+TURN = 22.5  # degrees between the directions listed for a foot with many edges
 
 
 class Edge(NamedTuple):
     """An edge of a foot, over which a block may tip."""
 
-    direction: float  # degrees from x to y, of the way out
-    lever: float  # m, of the weight about it; below 0: it falls over it
-    slenderness: float  # rad, angle of the centroid over it, from the vertical
+    direction: float  # of the outward normal, degrees from x to y
+    lever: float  # lever arm of the weight about the edge, m; below 0: the block tips over it
+    slenderness: float  # angle from the vertical of the line from the edge to the centroid, rad
 
     @property
     def line(self) -> str:
-        """For the terminal."""
+        """The row of a table for the terminal."""
         return f"{self.direction:13.1f} {self.lever:12.4f} {self.slenderness:13.4f} {math.tan(self.slenderness):14.4f}"
 
 
 def edges_of(block: Solid, feet: int = 1) -> list[Edge]:
-    """The edges of the foot of a block, or around its feet, by their direction; these are its first faces."""
+    """Return the edges of the hull of a block's feet, sorted by direction.
+
+    Parameters
+    ----------
+    block : Solid
+    feet : int
+        Number of feet, which are the first faces of the block.
+    """
     points = np.concatenate([face.points() for face in block.faces[:feet]])
     corners = feet_of(points, float(np.ptp(points[:, 2])))[0] - block.centroid[:2]  # anticlockwise from above
     side = np.roll(corners, -1, axis=0) - corners
@@ -57,7 +64,7 @@ def edges_of(block: Solid, feet: int = 1) -> list[Edge]:
 
 
 def new_from_mesh(options: argparse.Namespace, path: Path) -> None:
-    """Write the file, say what it describes, and draw it where matplotlib is there. Raises InputError."""
+    """Write the file, print its geometry, and draw it if matplotlib is installed. Raises InputError."""
     mesh: Path = options.mesh
     picture = path.with_suffix(".png")
     check_suffix(path, ".toml")
@@ -65,6 +72,7 @@ def new_from_mesh(options: argparse.Namespace, path: Path) -> None:
     name = check_file_name("name", path.stem)
     check_choice("--material", options.material, tuple(MATERIALS))
     check_number("--unit", options.unit, *FACTOR)
+    # height, then damping, follow from the geometry: parse the file with trial values first
     of_mesh = options.unit, options.up, options.feet, options.parts, options.repair
     given = name, os.path.relpath(mesh, path.parent), options.material, *of_mesh
     structure = _structure(mesh_text(*given, height=1.0), path.parent)
@@ -76,6 +84,7 @@ def new_from_mesh(options: argparse.Namespace, path: Path) -> None:
         with whole_file(path) as beside:
             beside.write_text(text, encoding="utf-8")
     print("\n".join(facts_of(structure)))
+    # picture, if matplotlib is installed
     try:
         from ..plotting.structures import structure_picture
         from ..plotting.style import save
@@ -88,13 +97,14 @@ def new_from_mesh(options: argparse.Namespace, path: Path) -> None:
 
 
 def facts_of(structure: Structure) -> list[str]:
-    """Mass, centroid, foot and slenderness of the only block of a structure."""
+    """Return lines on mass, centroid, foot and slenderness of the only block of a structure."""
     block = structure.blocks[0]
     feet = block.faces[: len(structure.joints)]
     edges = edges_of(block, len(feet))
     x, y, z = (float(part) for part in block.centroid - middle_of(feet))
     least = min(edges, key=lambda edge: edge.slenderness)
     high, count = float(np.ptp(block.corners[:, 2])), len(block.surface)
+    # support
     if len(feet) == 1:
         stands = f"foot: {len(feet[0].outline)} corners, {feet[0].moments[0]:.4g} m2, least width {feet[0].width:.4g} m"
     else:
@@ -107,6 +117,7 @@ def facts_of(structure: Structure) -> list[str]:
         *_what_others_meet(block),
         "direction (deg)    lever (m)  slenderness (rad)  tips at (g)",
     ]
+    # directions in which it tips
     shown = edges if len(edges) <= 360.0 / TURN else [_nearest(edges, turn) for turn in np.arange(0.0, 360.0, TURN)]
     lines += [edge.line for edge in dict.fromkeys(shown)]
     lines.append(f"least: {least.slenderness:.4g} rad towards {least.direction:.4g} degrees from x")
@@ -118,7 +129,7 @@ def facts_of(structure: Structure) -> list[str]:
 
 
 def _what_others_meet(block: Solid) -> list[str]:
-    """How much larger than a block its convex hull is, or its convex parts."""
+    """Return lines on the volume of a block's convex hull, or of its convex parts, relative to its own."""
     around = bulk_of(convex_surface(block.corners)).volume / block.volume
     if block.parts:
         corners = (np.concatenate([face.points() for face in part]) for part in block.parts)
@@ -132,7 +143,7 @@ def _what_others_meet(block: Solid) -> list[str]:
 
 
 def _nearest(edges: list[Edge], direction: float) -> Edge:
-    """The edge that is nearest to a direction, degrees."""
+    """Return the edge whose direction is nearest to `direction`, degrees."""
     return min(edges, key=lambda edge: abs((edge.direction - direction + 180.0) % 360.0 - 180.0))
 
 
@@ -148,9 +159,30 @@ def mesh_text(
     height: float,
     damping: float = DAMPING,
 ) -> str:
-    """The text of the file; height: m, of the mesh, for the modulus of its joint; feet, parts: how many.
+    """Return the text of the file.
 
-    damping: s, of its joint.
+    Parameters
+    ----------
+    name : str
+        Name of the structure.
+    file : str
+        Path of the mesh.
+    material : str
+        Name of a material in `MATERIALS`.
+    unit : float
+        Length of a unit of the mesh, m.
+    up : str or None
+        Axis of the mesh that points up. None: that of its format.
+    feet : int
+        Number of feet.
+    parts : int or None
+        Largest number of convex parts. None: the hull.
+    repair : bool
+        If True, turn triangles of the wrong orientation.
+    height : float
+        Height of the mesh, m, from which the modulus of its joint follows.
+    damping : float
+        Damping of its joint, s.
     """
     found = MATERIALS[material]
     lines = [

@@ -1,4 +1,4 @@
-"""Structures that `new` asks about: columns under architraves, an arch, stacks side by side; as text of a file."""
+"""The structures that `new` asks about: columns under architraves, an arch, stacks side by side; and their files."""
 
 from __future__ import annotations
 
@@ -22,10 +22,19 @@ SEVERAL: Limits = ((2.0, 100.0), "a whole number from 2 to 100")
 
 
 class Built(NamedTuple):
-    """A structure to choose: words, the questions, and what follows from the answers.
+    """A structure to choose: its description, its questions, and the functions of the answers.
 
-    parts: the tables [[block]] and [[joint]], with a density. high: m, what the modulus of a joint is of. face: m,
-    the width of the smallest face.
+    Attributes
+    ----------
+    text : str
+        Description.
+    questions : dict of str to Question
+    parts : callable
+        Returns the tables [[block]] and [[joint]], with a density.
+    high : callable
+        Returns the height on which the modulus of a joint depends, m.
+    face : callable
+        Returns the width of the smallest face, m.
     """
 
     text: str
@@ -36,7 +45,7 @@ class Built(NamedTuple):
 
 
 def _colonnade(asked: Asked) -> dict[str, Any]:
-    """Shafts of drums in a row along x, an architrave from the axis of each to that of the next."""
+    """Return shafts of drums in a row along x, with an architrave from the axis of each to that of the next."""
     columns, drums, spacing, density = int(asked["columns"]), int(asked["drums"]), asked["spacing"], asked["density"]
     blocks: list[dict[str, Any]] = []
     for c in range(columns):
@@ -52,17 +61,17 @@ def _colonnade(asked: Asked) -> dict[str, Any]:
 
 
 def _arch(asked: Asked) -> dict[str, Any]:
-    """From the span and the rise of its middle line."""
+    """Return the voussoirs of an arch from the span and the rise of its middle line."""
     half, rise = 0.5 * asked["span"], asked["rise"]
     radius, angle = 0.5 * (half**2 / rise + rise), 4.0 * math.atan2(rise, half)
-    law = {"stiffness": 1e9, "damping": 0.0}  # those of the file take its place
+    law = {"stiffness": 1e9, "damping": 0.0}  # replaced by the law in the file
     sizes = asked["thickness"], asked["depth"]
     found = arch(int(asked["voussoirs"]), radius, *sizes, law, angle, asked["density"]).to_dict()
     return {name: found[name] for name in ("block", "joint")}
 
 
 def _stacks(asked: Asked) -> dict[str, Any]:
-    """Equal stacks in a row along x, which no joint connects."""
+    """Return equal stacks in a row along x that no joint connects."""
     sizes = {"width": asked["width"], "depth": asked["depth"], "height": asked["height"], "density": asked["density"]}
     apart = asked["width"] + asked["gap"]
     places = [[k * apart, 0.0] for k in range(int(asked["stacks"]))]
@@ -123,12 +132,12 @@ BUILT = {
 
 
 def origin_of_stiffness(material: Material) -> str:
-    """How the stiffness of joints follows from a material, in a comment of a file."""
+    """Return a comment that says how the stiffness of joints follows from a material."""
     return "E / H of masonry" if material.has_joints else "1 / (H / E + 1 / 5e9): a dry joint, estimated"
 
 
 def sliding_lines(material: Material, friction: bool, dowel: float) -> list[str]:
-    """The lines of a file that let joints slide; none without friction and dowel, N."""
+    """Return the lines of a file that let joints slide; none without friction and dowel, N."""
     lines = []
     if friction:
         lines.append(f"friction = {material.friction!r}         # coefficient; without it the joints never slide")
@@ -138,9 +147,9 @@ def sliding_lines(material: Material, friction: bool, dowel: float) -> list[str]
 
 
 def bounce_damping(structure: Structure) -> float:
-    """Return the eta, s, at which the blocks are critically damped as they bounce: 2 sqrt(m / (k A)), their median.
+    """Return eta, s, at which blocks bounce with critical damping: the median of 2 sqrt(m / (k A)), to two digits.
 
-    k A is of all joints under a block, two digits are kept.
+    k A is the sum over all joints under a block.
     """
     beds = np.zeros(structure.n)
     for joint in structure.joints:
@@ -159,7 +168,25 @@ def structure_text(
     friction: bool = False,
     dowel: float = 0.0,
 ) -> str:
-    """The text of the file of a structure, with comments. dowel: N, of each joint. Raises InputError."""
+    """Return the text of the file of a structure, with comments. Raises InputError.
+
+    Parameters
+    ----------
+    name : str
+    built : Built
+    asked : mapping of str to float
+        Answers to its questions, in SI units.
+    material : str
+        Name of a material in `MATERIALS`.
+    damping : float
+        Of all joints, s.
+    touching : Touching
+        Part of the faces in contact.
+    friction : bool
+        If True, joints may slide.
+    dowel : float
+        Shear that each joint bears beside friction, N.
+    """
     found = MATERIALS[material]
     why = origin_of_stiffness(found)
     lines = [
@@ -181,7 +208,7 @@ def structure_text(
 
 
 def _value(value: Any) -> str:
-    """As TOML has it."""
+    """Format a value as TOML."""
     if isinstance(value, float):
         value = round(value, 10)
         return repr(value) if value == round(value) else f"{value:.10g}"

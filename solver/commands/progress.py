@@ -9,12 +9,12 @@ from typing import Any, Self
 
 from ..common.digits import percent
 
-PATIENCE = 2.0  # s, for which nothing is shown
-FIRST_LINE, LONGER = 10.0, 1.5  # s until a first line in a pipe; later each interval is this part of the time so far
+PATIENCE = 2.0  # s, before which nothing is shown
+FIRST_LINE, LONGER = 10.0, 1.5  # s until the first line in a pipe; factor from the time of a line to that of the next
 
 
 class Line:
-    """A line of tqdm (in a notebook its bar), for work that takes longer than 2 s; a context."""
+    """A context with a progress line of tqdm (a bar in a notebook), for work that takes longer than 2 s."""
 
     def __init__(self, **form: Any) -> None:
         self._form = form  # as tqdm takes it
@@ -22,7 +22,7 @@ class Line:
         self._bar: Any = None
 
     def show(self, reached: float, total: float | None) -> None:
-        """Draw the part of the total, if known, that is reached."""
+        """Draw the share of the total, if known, that is reached."""
         if self._bar is None and clock.monotonic() - self._begin > PATIENCE:
             from tqdm import auto
 
@@ -37,13 +37,13 @@ class Line:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Wipe the line."""
+        """Clear the line."""
         if self._bar is not None:
             self._bar.close()
 
 
 class ProgressLine(Line):
-    """A callback of `simulate`: the time reached, of `duration` s from `start` on."""
+    """A callback of `simulate` that shows the time reached, of `duration` s from `start`."""
 
     def __init__(self, start: float, duration: float) -> None:
         super().__init__(bar_format="{percentage:3.0f}% |{bar}| {n:.4g} of {total:.4g} s")
@@ -55,26 +55,26 @@ class ProgressLine(Line):
 
 
 class RunsLine(Line):
-    """A callback of `simulate_many` and `run_study`: runs done."""
+    """A callback of `simulate_many` and `run_study` that shows the number of runs made."""
 
     def __init__(self) -> None:
         super().__init__(unit="run")
 
     def __call__(self, done: int, total: int | None) -> None:
-        """Show that `done` runs are done."""
+        """Show that `done` of `total` runs are made."""
         self.show(done, total)
 
 
 class PlainLine(Line):
-    """Progress if stderr is a file or a pipe: a line after 10 s, and then at increasing intervals."""
+    """The progress in a file or a pipe: a line after 10 s, and then at increasing intervals."""
 
     def __init__(self) -> None:
         super().__init__()
         self._next = FIRST_LINE
-        self._before: int | None = None  # runs that were done when it began
+        self._before: int | None = None  # runs made before the first call
 
     def __call__(self, done: int, total: int | None) -> None:
-        """Print how many runs are done, and how long the others will take at that pace."""
+        """Print the number of runs made, and the estimated time left."""
         took = clock.monotonic() - self._begin
         if self._before is None:
             self._before = done

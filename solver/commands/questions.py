@@ -1,4 +1,4 @@
-"""Questions of `new`: for one of several words, or for a number; a wrong answer on a terminal is asked for again."""
+"""The questions of `new`, for a word or a number; on a terminal a wrong answer is asked for again."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from ..common.ranges import listed
 T = TypeVar("T")
 
 Limits = tuple[tuple[float, float], str]
-# narrower than what a column file takes: it is asked for once more
+# narrower than in a column file: a wrong answer is asked for again
 SIZE: Limits = ((0.01, HIGHEST), f"a positive length in m, from 0.01 to {HIGHEST:g}")
 HEIGHT: Limits = ((0.01, 300.0), "a positive length in m, from 0.01 to 300")
 
 
 class Question(NamedTuple):
-    """A question for a number: words, the answer to an empty line, range and meaning, factor to SI.
+    """A question for a number: text, default, limits with their meaning, factor to SI.
 
-    usual, limits: may follow from the answers before.
+    `usual` and `limits` may be functions of the answers before.
     """
 
     text: str
@@ -32,7 +32,7 @@ class Question(NamedTuple):
 
 
 def choice(text: str, choices: dict[str, str], usual: str) -> str:
-    """One of the choices, by its word; all are shown with their meaning."""
+    """Ask for one of the choices, shown with their meanings, and return its word."""
 
     def chosen(answer: str) -> str:
         if answer not in choices:
@@ -45,7 +45,7 @@ def choice(text: str, choices: dict[str, str], usual: str) -> str:
 
 
 def number(question: Question, asked: dict[str, float] | None = None) -> float:
-    """The answer to a question, in SI; asked: the answers before."""
+    """Ask for a number, and return it in SI units; `asked`: the answers before."""
     usual = question.usual(asked or {}) if callable(question.usual) else question.usual
     limits = question.limits(asked or {}) if callable(question.limits) else question.limits
     return question.factor * _accepted(
@@ -54,7 +54,7 @@ def number(question: Question, asked: dict[str, float] | None = None) -> float:
 
 
 def _accepted(text: str, usual: str, check: Callable[[str], T]) -> T:
-    """What `check` makes of the answer; a wrong one is asked for again on a terminal. Raises InputError elsewhere."""
+    """Return the result of `check` on the answer, asking again on a terminal. Raises InputError elsewhere."""
     while True:
         answer = answer_to(text, usual)
         try:
@@ -66,7 +66,7 @@ def _accepted(text: str, usual: str, check: Callable[[str], T]) -> T:
 
 
 def parsed(key: str, text: str, limits: Limits) -> float:
-    """A number within limits. Raises InputError."""
+    """Parse a number within limits. Raises InputError."""
     (least, most), meaning = limits
     try:
         value = float(text)
@@ -80,7 +80,7 @@ def parsed(key: str, text: str, limits: Limits) -> float:
 
 
 def answer_to(text: str, usual: str) -> str:
-    """The answer on the terminal, or from a pipe; an empty line takes what is usual, shown in brackets."""
+    """Read the answer from the terminal or a pipe; an empty line takes the default, shown in brackets."""
     print(f"{text} [{usual}]: ", end="", flush=True)
     line = sys.stdin.readline()
     if not line:

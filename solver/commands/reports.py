@@ -29,7 +29,7 @@ def column_report(column: Column, motion: Motion) -> str:
     if column.g > 0.0 and column.n <= MOST_BLOCKS:
         try:
             lowest = float(natural_frequencies(column)[0])
-        except SolverError:  # not stable; the run says so
+        except SolverError:  # no stable rest: the run reports it
             lowest = math.nan
     height = sum(block.height for block in column.blocks)
     parts = [f"{column.n} block{'s' if column.n > 1 else ''}, {height:.4g} m", f"settles by {_length(settled.sum())}"]
@@ -53,7 +53,7 @@ def _length(metres: float) -> str:
 
 
 def motion_report(motion: Motion) -> str:
-    """Return the measures of every component that is not zero. Raises InputError if all are."""
+    """Return the intensity measures of every component that is not zero. Raises InputError if all are."""
     there = components(motion)
     return "\n".join(_component(motion, one, "" if there == ["ax"] else f"{NAMES[one]} ") for one in there)
 
@@ -93,7 +93,7 @@ def modes_report(modes: Modes) -> str:
 
 
 def damped_much(ratios: FloatArray) -> list[str]:
-    """Return a line on the modes whose damping ratio is above `STRONG`, none where there are none."""
+    """Return a line on the modes whose damping ratio exceeds `STRONG`, or no line if there are none."""
     (strong,) = np.nonzero(ratios > STRONG)
     if not strong.size:
         return []
@@ -105,7 +105,7 @@ def damped_much(ratios: FloatArray) -> list[str]:
 
 
 def statics_report(rest: Rest, curve: CapacityCurve) -> str:
-    """Return the joints at rest and when they open, and the push that the column balances."""
+    """Return a table of the joints at rest with the push that opens each, and the largest push that is balanced."""
     (g, unit), strongest = curve.unit, curve.strongest
     steady = "a steady " if curve.pattern is None else ""
     lines = [

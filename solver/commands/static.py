@@ -1,4 +1,4 @@
-"""The commands `modes` and `statics`: what a column or structure is before anything shakes it."""
+"""The commands `modes` and `statics`: properties of a column or structure at rest."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ from .command_files import (
 from .reports import modes_report, statics_report
 from .static_reports import modes_in_space_report, push_line, push_over_report, rest_in_space_report
 
-EVERY = 45  # degrees, between two directions in which a structure is pushed
+EVERY = 45  # degrees between the directions in which a structure is pushed
 
 
 def add_static_commands(commands: argparse._SubParsersAction[Any]) -> None:
-    """Add `modes` and `statics`."""
+    """Add the commands `modes` and `statics`."""
     modes = commands.add_parser("modes", help="natural frequencies, shapes and damping ratios")
     modes.set_defaults(command=_modes)
     statics = commands.add_parser(
@@ -94,7 +94,7 @@ def _statics(options: argparse.Namespace) -> None:
 
 
 def _pushed(structure: Structure, options: argparse.Namespace) -> PushOver:
-    """The push-over in the direction asked for, or in that of the least push; prints all."""
+    """Print the push-over in every direction requested, and return that of the least push."""
     degrees = range(0, 360, EVERY) if options.direction is None else (options.direction,)
     pattern = _pattern(options)
     if pattern is not None:
@@ -113,7 +113,7 @@ def _pushed(structure: Structure, options: argparse.Namespace) -> PushOver:
 
 
 def _pattern(options: argparse.Namespace) -> dict[str, float] | None:
-    """The loads to push with, if any."""
+    """Return the loads of the push pattern by port and component, or None."""
     if not options.pattern:
         return None
     loads = loads_of(options.pattern)

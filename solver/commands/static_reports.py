@@ -12,7 +12,7 @@ from ..models.structure.push import PushOver
 from .reports import MOST_MODES, damped_much
 from .structure import MOST_LINES
 
-LEAST_LIMIT = 1e-12  # of the weight: what a joint that bears nothing is taken to bear along itself
+LEAST_LIMIT = 1e-12  # of the weight: lower bound of the shear limit, against division by zero
 
 
 def modes_in_space_report(modes: SpatialModes) -> str:
@@ -39,7 +39,7 @@ def modes_in_space_report(modes: SpatialModes) -> str:
 
 
 def rest_in_space_report(found: PushOver) -> str:
-    """Return the joints and ties at rest, and the head of a table of pushes."""
+    """Return a table of the joints at rest, the tie forces, and the head of a table of pushes."""
     structure, n = found.structure, found.structure.n
     settled = -float(np.min(found.uz[0]))
     lines = [
@@ -64,7 +64,7 @@ def rest_in_space_report(found: PushOver) -> str:
 
 
 def push_line(found: PushOver) -> str:
-    """Return the pushes of one direction."""
+    """Return the row of one direction in the table of pushes."""
     opens, slides = (_shown(found, push) for push in (found.uplift, found.sliding))
     moved = f"{found.structure.names[found.moves_most]} {1e3 * found.moved[-1]:.4g}"
     largest = _shown(found, found.largest_acceleration)
@@ -73,7 +73,7 @@ def push_line(found: PushOver) -> str:
 
 
 def push_over_report(found: PushOver) -> str:
-    """Return what holds the largest push, and where the structure gives way."""
+    """Return lines on the largest push, and on the joints that open and slide first."""
     names, force, (_, unit) = found.structure.joint_names, 1e-3 * found.base[-1], found.unit
     towards = f", towards {math.degrees(found.direction):.4g} degrees from x to y" if found.pattern is None else ""
     steady = "a steady " if found.pattern is None else ""
@@ -98,7 +98,7 @@ def _shown(found: PushOver, push: float) -> str:
 
 
 def _friction_used(found: PushOver) -> FloatArray:
-    """At rest, the force along each joint over the largest that it can bear; NaN of one that cannot slide."""
+    """Return the shear at rest of each joint over its limit, (joints,); NaN of a joint that cannot slide."""
     beds = [joint.bed for joint in found.structure.joints]
     friction = np.array([math.nan if bed.friction is None else bed.friction for bed in beds])
     limit = friction * np.maximum(found.N[0], 0.0) + np.array([bed.dowel for bed in beds])

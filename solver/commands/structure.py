@@ -13,19 +13,19 @@ from ..models.structure.modes import frequencies_apart
 from ..models.structure.response import SpatialResponse
 from .cracks import cracks
 
-MOST_LINES = 20  # of a table
+MOST_LINES = 20  # rows of a table
 MOST_BLOCKS = 60  # with more, natural frequencies take too long for a report
 
 
 def prepare(options: argparse.Namespace) -> None:
-    """Refuse options that structures do not have. Raises InputError."""
+    """Reject options that structures do not have. Raises InputError."""
     for name in ("formulation", "integrator", "step"):
         if getattr(options, name) is not None:
             raise InputError(f"--{name}: must be left out, structures in space have none")
 
 
 def report(structure: Structure, motion: Motion) -> str:
-    """Size and first natural frequencies of the structure; peaks of the motion."""
+    """Return two lines: size and first natural frequencies of the structure; peaks of the motion."""
     top = max(float(np.max(block.corners[:, 2])) for block in structure.blocks)
     parts = [f"{structure.n} blocks, {len(structure.joints)} joints, {len(structure.ties)} ties, {top:.4g} m"]
     if structure.n <= MOST_BLOCKS:
@@ -37,12 +37,13 @@ def report(structure: Structure, motion: Motion) -> str:
 
 
 def summary(response: SpatialResponse) -> str:
-    """The results of a run, for the terminal."""
+    """Return the results of a run as text for the terminal."""
     structure, peaks, stats = response.structure, response.peaks, response.stats
     lines = ["block           peak |ux| (mm)  |uy| (mm)  |uz| (mm)"]
     moved = zip(structure.names, *(1e3 * peaks[name] for name in ("ux", "uy", "uz")), strict=True)
     lines += [f"{name[:14]:14s}  {x:14.5g} {y:10.5g} {z:10.5g}" for name, x, y, z in moved][:MOST_LINES]
     lines += [f"... {structure.n - MOST_LINES} more blocks"] if structure.n > MOST_LINES else []
+    # joints, ties and bearings
     lines.append("joint           peak N (kN)  least contact  pressure (MPa)  slip (mm)")
     columns = 1e-3 * peaks["N"], peaks["contact"], 1e-6 * peaks["sigma_max"], 1e3 * peaks["slip"]
     joints = zip(structure.joint_names, *columns, strict=True)
@@ -59,6 +60,7 @@ def summary(response: SpatialResponse) -> str:
             for k, (name, joint, most) in enumerate(moved)
             if joint.bearing is not None
         ][:MOST_LINES]
+    # cracks, verdict and accuracy
     lines += cracks(structure.bond_names, peaks["bond"])
     lines.append(f"{response.verdict}: {response.reason}")
     if response.estimated_error is not None and response.horizon is not None:

@@ -1,4 +1,4 @@
-"""The command `study`: run, show, plot."""
+"""The command `study` with its actions run, show and plot."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ from ..studies.statistics import failures_of, fit_fragility, ida_curves, influen
 from .command_files import add_force, check_picture, write_outputs
 from .progress import PlainLine, RunsLine
 
-# s: after Ctrl-C; a worker that ends in the middle of a result leaves the pool to wait for the rest of it for ever
+# s, after Ctrl-C: the pool would wait for ever for a worker that ended within a result
 LEAVES_AFTER = 2.0
 
 
 def add_command(commands: Any) -> None:
-    """Add `study`."""
+    """Add the command `study`."""
     parser = commands.add_parser("study", help="many runs by a plan: IDA, fragility, spectra, Monte Carlo")
     actions = parser.add_subparsers(metavar="ACTION", required=True)
     run = actions.add_parser("run", help="make the runs that are not finished yet")
@@ -108,7 +108,7 @@ def _cell(results: Results, name: str, row: int) -> str:
 def _plot(options: argparse.Namespace) -> None:
     results = _results(options)
     folder = options.study.parent if options.study.suffix == SUFFIX else options.output_folder
-    path = options.output or folder / f"{results.study['name']}.png"  # which is this command's own
+    path = options.output or folder / f"{results.study['name']}.png"  # a default path may be overwritten
     check_outputs((options.output,), (options.study,), options.force)
     check_picture(path)
     from ..studies.pictures import draw
@@ -142,7 +142,7 @@ def _executor(options: argparse.Namespace) -> Iterator[Any]:
             yield pool
         except KeyboardInterrupt:
             patience = LEAVES_AFTER
-            for worker in active_children():  # whatever they are at
+            for worker in active_children():  # in any state
                 worker.terminate()
             raise
         finally:
@@ -154,7 +154,7 @@ def _executor(options: argparse.Namespace) -> Iterator[Any]:
 
 
 def summary(results: Results) -> str:
-    """The results of the runs, in some lines."""
+    """Return the results of the runs as lines of text."""
     study = results.study
     fell, failed = int(np.sum(results.overturned)), int(np.sum(results["failure"] != ""))
     undecided = int(np.sum(results["verdict"] == "undecided"))
@@ -167,6 +167,7 @@ def summary(results: Results) -> str:
     if failed:
         k = int(np.flatnonzero(results["failure"] != "")[0])
         lines.append(f"run {results['run'][k]}: {results['failure'][k]}")
+    # IDA curves
     if study["kind"] == "ida" and len(results):
         curves = ida_curves(results)
         lines.append(f"{curves.name}: largest displacement (mm) at 16 %, 50 %, 84 %; overturned, undecided")
@@ -175,6 +176,7 @@ def summary(results: Results) -> str:
         ):
             shown = "  ".join(f"{1e3 * point:10.4g}" for point in points)
             lines.append(f"{level:10.4g}  {shown}  {percent(fell_there):>7s}  {percent(unknown):>7s}")
+    # fragility curves
     if study["kind"] == "fragility" and len(results):
         for failure in failures_of(results):
             try:
@@ -189,6 +191,7 @@ def summary(results: Results) -> str:
                 f"({found.deviation_bounds[0]:.3g} to {found.deviation_bounds[1]:.3g}), at 95 % confidence; "
                 f"{found.failed} of {found.runs} runs failed, {found.undecided} undecided"
             )
+    # influence of the random parameters
     if study["random"] and len(results) > 20:
         for item in influences(results)[:10]:
             lines.append(f"{item.name}: rank correlation {item.rank:+.2f} with the largest displacement")

@@ -1,1 +1,1 @@
-"""Pictures."""
+"""Pictures and films of models, runs and records."""

@@ -1,4 +1,4 @@
-"""Drawings of the deformed column at one instant. Imported late, for matplotlib."""
+"""Drawings of the deformed column at one instant (imported lazily, since matplotlib is optional)."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ LOST = 0.5  # of the height: displacement at which a column that falls is drawn
 
 
 class Shapes(Protocol):
-    """Rows of places of a column, (rows, n) each: of a Response, of Modes, of a CapacityCurve."""
+    """The histories of the displacements of a column, (rows, n) each: a Response, Modes or a CapacityCurve."""
 
     @property
     def column(self) -> Column: ...
@@ -41,7 +41,16 @@ class Shapes(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Such rows alone."""
+    """The displacement histories of a column without the rest of a response.
+
+    Attributes
+    ----------
+    column : Column
+    ux, uz : array (rows, n)
+        Displacements, m.
+    theta : array (rows, n)
+        Rotations, rad.
+    """
 
     column: Column
     ux: FloatArray
@@ -55,12 +64,32 @@ def plot_column(
     at: float | None = None,
     scale: float | None = None,
 ) -> Figure:
-    """Draw the deformed column, relative to its base; saved to `path` if given.
+    """Draw the deformed column relative to its base, and save the figure if `path` is given.
 
-    at: time in s, of which the nearest row is drawn; None: the row of the largest |ux| of any block, or, of a column
-    that falls, the last one before its top has moved by half the height. scale: factor on rotations and openings; None:
-    1, 2 or 5 times a power of ten, so that the motion is seen, and 1 where it is large. The picture states it, with a
-    bar as long as a displacement, heights and numbers of joints. Raises InputError, OSError.
+    The figure states the factor on the deformation, with a scale bar, the heights and the numbers of the joints.
+
+    Parameters
+    ----------
+    response : Response
+    path : path-like, optional
+        File to save to.
+    at : float, optional
+        Time, s, of which the nearest row is drawn. Default: the row of the largest abs(ux) of any block; of a column
+        that falls, the last row before its top has moved by half the height.
+    scale : float, optional
+        Factor on rotations and openings. Default: 1, 2 or 5 times a power of ten at which the motion is visible, 1
+        where it is large.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If `at` or `scale` is out of range, or the suffix of `path` is unknown.
+    OSError
+        If the file cannot be written.
     """
     k = _peak(response) if at is None else _row(response, at)
     scale = scale_of(response, scale)
@@ -71,13 +100,31 @@ def plot_column(
     wide, tall = np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())
     figure.set_size_inches(5.4, min(7.4, 5.3 * tall / wide + 0.8))
     top = int(np.argmax(np.abs(response.ux[k])))
+    # state the largest displacement in the header
     line = f"At {response.time[k]:.3f} s the top of block {top + 1} is at {length(float(response.ux[k, top]))}."
     header(figure, setting_of(response.column, response.motion), line)
     return save(figure, path)
 
 
 def draw_column(axes: Axes, response: Shapes, k: int, scale: float, linewidth: float = 1.0) -> list[Polygon]:
-    """Draw row k of a response, rotations and openings times `scale`, on axes of equal units; returns the blocks."""
+    """Draw one row of a response on axes of equal units, and return the outlines of the blocks.
+
+    Parameters
+    ----------
+    axes : Axes
+    response : Shapes
+    k : int
+        Index of the row.
+    scale : float
+        Factor on rotations and openings.
+    linewidth : float
+        Width of the outlines, points; the ground is drawn three times as thick.
+
+    Returns
+    -------
+    list of Polygon
+        One for each block, from the top down.
+    """
     patches = [
         Polygon(corners, facecolor=STONE, edgecolor=INK, linewidth=linewidth)
         for corners in corners_of(response, k, scale)
@@ -98,7 +145,7 @@ def draw_column(axes: Axes, response: Shapes, k: int, scale: float, linewidth: f
 
 
 def measure_column(axes: Axes, response: Shapes, k: int, scale: float) -> None:
-    """Add heights on the left, numbers of joints on the right, the factor in large figures, and a bar to its scale."""
+    """Add heights on the left, joint numbers on the right, the factor on the deformation and a scale bar."""
     corners = corners_of(response, k, scale)
     n, height = len(corners), sum(block.height for block in response.column.blocks)
     (left, _), (right, top) = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
@@ -119,7 +166,7 @@ def measure_column(axes: Axes, response: Shapes, k: int, scale: float) -> None:
 
 
 def _rule_heights(axes: Axes, height: float, place: float) -> None:
-    """A scale of heights, m, from the ground to the top of the column as built."""
+    """Draw a scale of heights, m, from the ground to the top of the column as built."""
     every = nice(height / 4.0)
     marks = [every * k for k in range(math.ceil(height / every - 0.3))]
     axes.plot([place, place], [0.0, height], color=GREY, linewidth=1.0)
@@ -130,29 +177,33 @@ def _rule_heights(axes: Axes, height: float, place: float) -> None:
 
 
 def corners_of(response: Shapes, k: int, scale: float) -> list[FloatArray]:
-    """Corners (4, 2) of each block at row k, m, the top block first; at a scale of 1 their true places.
+    """Return the corners of each block at one row, (4, 2) m, from the top block down.
 
-    From the base up: the relative displacement of the faces of a joint is taken in the frame of the body below, and
-    scaled there.
+    At a scale of 1 these are the true positions. The blocks are placed from the base up: the relative displacement of
+    the faces of a joint is taken in the frame of the body below, and scaled there.
     """
     found: list[FloatArray] = []
-    # middle of the face below: as built, true, drawn; rotations of the body below
+    # centre of the face below: as built, true, drawn; rotations of the body below
     built, foot, drawn = np.zeros(2), np.zeros(2), np.zeros(2)
     tilt_below, turned, turn = 0.0, 0.0, 0.0
     for i in range(response.column.n - 1, -1, -1):
+        # angles and top centre of the block as built
         block, theta = response.column.blocks[i], float(response.theta[k, i])
         rise, lean = block.resolved_centroid, block.joint.inclination or 0.0
         tilt = lean + (block.tilt or 0.0)
         offset = (block.joint.offset or 0.0) * _frame(lean)[1]
         built = built + offset + block.height * _frame(tilt)[0]
+        # true position of the centroid, from the displacement of the top face
         up = _frame(tilt + theta)[0]
         top_x = built[0] + response.ux[k, i]
         height = built[1] - (block.height - rise) * math.cos(tilt) + response.uz[k, i]
         centroid = np.array([top_x - (block.height - rise) * up[0], height])
+        # joint displacement in the frame of the body below; scale only its change since built
         apart = np.array(_frame(turned)) @ (centroid - rise * up - foot)
         apart_built = np.array(_frame(tilt_below)) @ offset
         drawn = drawn + (apart_built + scale * (apart - apart_built)) @ np.array(_frame(turn))
         foot = centroid + (block.height - rise) * up
+        # corners at the scaled rotation; oblique faces belong to inclined joints
         tilt_below, turned, turn = tilt, tilt + theta, tilt + scale * theta
         lean_above = (response.column.blocks[i - 1].joint.inclination or 0.0) if i > 0 else tilt
         half = _across(0.5 * block.width, turn, lean - tilt)
@@ -164,13 +215,13 @@ def corners_of(response: Shapes, k: int, scale: float) -> list[FloatArray]:
 
 
 def _frame(theta: float) -> tuple[FloatArray, FloatArray]:
-    """Unit vectors of a body turned clockwise by theta: up, and along its faces to the right."""
+    """Return the unit vectors of a body turned clockwise by `theta`: up, and along its faces to the right."""
     sine, cosine = math.sin(theta), math.cos(theta)
     return np.array([sine, cosine]), np.array([cosine, -sine])
 
 
 def _across(half: float, turn: float, oblique: float) -> FloatArray:
-    """From the middle to the end of a face of this half width, oblique to a body turned by `turn`."""
+    """Return the vector from the middle to the end of a face of a half width, oblique to a body turned by `turn`."""
     return half / math.cos(oblique) * _frame(turn + oblique)[1]
 
 
@@ -191,7 +242,7 @@ def _row(response: Response, at: float) -> int:
 
 
 def scale_of(response: Shapes, scale: float | None) -> float:
-    """The factor on the deformation: that given, or one at which it is seen. Raises InputError."""
+    """Return the factor on the deformation: `scale` if given, else one that makes it visible. Raises InputError."""
     if scale is not None:
         return check_number("scale", scale, POSITIVE, "a positive factor on the deformation")
     largest = float(np.max(np.abs(response.ux)))

@@ -1,4 +1,4 @@
-"""A figure that a notebook shows as it is, without a backend of pyplot."""
+"""A figure that a notebook shows without a pyplot backend."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ SHOWN_DPI = 72
 
 
 class Figure(Plain):
-    """matplotlib's figure, which IPython asks for a PNG."""
+    """A matplotlib figure with the PNG representation that IPython asks for."""
 
     def _repr_png_(self) -> bytes:
         png = io.BytesIO()

@@ -1,4 +1,4 @@
-"""Films: the column in motion beside its base acceleration and displacements. Imported late, for matplotlib."""
+"""Films: the column in motion beside its base acceleration and displacements (imported lazily, for matplotlib)."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ FRAMES_PER_SECOND = 20
 MOST_FRAMES = 5000
 FILM_DPI = 72
 BLENDS = (1.0, 0.6, 0.25)  # of a colour with white, in a GIF: at the edges of lines
-PALE = 240  # of 255: what is paler would take the place of white
+PALE = 240  # of 255: a paler blend would replace white in the palette
 AFTER_FALL = 1.0  # s, filmed after a fall
 
 Progress = Callable[[int, int], object]
@@ -47,11 +47,30 @@ def film(
     speed: float = 1.0,
     callback: Progress | None = None,
 ) -> None:
-    """Write the column in motion beside its base acceleration and ux: a GIF, or an MP4 where ffmpeg is.
+    """Write a film of the column in motion beside its base acceleration and ux.
 
-    It ends 1 s after a fall. scale: as in `plot_column`. fps: pictures a second; a GIF shows each for a whole number of
-    hundredths of a second. speed: seconds of motion in a second of film. callback: is given the pictures made and
-    their number. Raises InputError, OSError.
+    The film ends 1 s after a fall.
+
+    Parameters
+    ----------
+    response : Response
+    path : path-like
+        File to write: .gif, or .mp4 where ffmpeg is installed.
+    scale : float, optional
+        Factor on the deformation, as in `plot_column`.
+    fps : int
+        Frames per second; a GIF shows each frame for a whole number of hundredths of a second.
+    speed : float
+        Seconds of motion in a second of film.
+    callback : callable, optional
+        Called after each frame with the number of frames made and the number of all.
+
+    Raises
+    ------
+    InputError
+        If an argument is out of range, the film has more than `MOST_FRAMES` frames, or its format cannot be written.
+    OSError
+        If the file cannot be written.
     """
     shoot(response, path, lambda end: _Scene(response, scale_of(response, scale), end), fps, speed, callback)
 
@@ -64,11 +83,28 @@ def shoot(
     speed: float,
     callback: Progress | None,
 ) -> None:
-    """Write the pictures of a scene, which is made for the time at which they end, s. Otherwise as `film`."""
+    """Write the frames of a scene to a GIF or an MP4.
+
+    Parameters
+    ----------
+    response : Response or SpatialResponse
+    path : path-like
+        File to write.
+    scene_of : callable
+        Makes the scene, from the time at which the film ends, s.
+    fps, speed, callback
+        As in `film`.
+
+    Raises
+    ------
+    InputError, OSError
+        As in `film`.
+    """
     check_film(path)
     fps = round(check_number("fps", fps, (1.0, 100.0), "a whole number of pictures a second, from 1 to 100"))
     speed = check_number("speed", speed, POSITIVE, "seconds of motion in a second of film, positive")
     time = response.time
+    # instants of the frames, up to shortly after a fall
     end = min(float(time[-1]), np.nan_to_num(response.overturn_time + AFTER_FALL, nan=np.inf))
     instants = np.arange(time[0], end + 1e-9, speed / fps)
     if len(instants) > MOST_FRAMES:
@@ -98,7 +134,15 @@ def check_film(path: str | os.PathLike[str]) -> None:
 
 
 class Scene(Protocol):
-    """A figure of which some artists move; colours: all in it that matter."""
+    """A figure in which only some artists move.
+
+    Attributes
+    ----------
+    figure : Figure
+    canvas : FigureCanvasAgg
+    moving : tuple of Artist
+        The artists that `show` moves.
+    """
 
     figure: Figure
     canvas: Any
@@ -106,14 +150,14 @@ class Scene(Protocol):
 
     @property
     def colours(self) -> Sequence[str]:
-        """All that matter; each is blended with white at edges."""
+        """The colours that the palette of a GIF must contain; each is blended with white at edges."""
 
     def show(self, k: int) -> None:
-        """Move everything to row k."""
+        """Move the artists to row k."""
 
 
 class _Scene:
-    """A figure of which only the blocks, the cursors and the clock change."""
+    """A figure in which only the blocks, the cursors and the clock change."""
 
     def __init__(self, response: Response, scale: float, end: float) -> None:
         self.response, self.scale = response, scale
@@ -130,12 +174,14 @@ class _Scene:
         for axes in (ground, moved):
             tidy(axes)
             axes.set_xlim(response.time[0], end)
+        # title, verdict and the colours that a palette needs
         word, sentence = verdict_of(response)
         colour = VERDICT_COLOURS.get(word, INK)
         header(self.figure, setting_of(response.column, response.motion), sentence, colour)
         self.colours = (INK, GRID, STONE, RED, colour, *FEW_COLOURS[: len(self.patches)])
         factor = "to scale" if scale == 1.0 else rf"deformation $\times$ {scale:g}"
         column.text(0.5, -0.01, factor, transform=column.transAxes, ha="center", va="top", fontsize=11, color=RED)
+        # artists that change from frame to frame
         self.clock = column.text(0.98, 1.0, "", transform=column.transAxes, ha="right", va="top", fontsize=12)
         self.cursors = [axes.axvline(response.time[0], color="black", linewidth=0.8) for axes in (ground, moved)]
         self.moving: tuple[Artist, ...] = (*self.patches, *self.cursors, self.clock)
@@ -143,7 +189,7 @@ class _Scene:
             artist.set_animated(True)
 
     def _draw_displacements(self, axes: Axes) -> None:
-        """ux of the blocks that have a colour: all of few, the top one of many."""
+        """Plot ux of the blocks that have a colour: of all of few blocks, of the top one of many."""
         response, few = self.response, self.response.column.n <= len(FEW_COLOURS)
         ux: FloatArray = response.ux
         factor, unit = (1.0, "m") if np.max(np.abs(ux)) >= 1.0 else (1e3, "mm")
@@ -157,7 +203,7 @@ class _Scene:
         axes.set(xlabel="time (s)", ylabel=f"$u_x$ ({unit})")
 
     def show(self, k: int) -> None:
-        """Move everything to row k."""
+        """Move the blocks, cursors and clock to row k."""
         for patch, corners in zip(self.patches, corners_of(self.response, k, self.scale), strict=True):
             patch.set_xy(corners)
         instant = self.response.time[k]
@@ -167,15 +213,15 @@ class _Scene:
 
 
 class _PixelWriter(FFMpegWriter):
-    """Sends ffmpeg pictures that are drawn already; `grab_frame` would draw each from nothing."""
+    """A writer that sends rendered frames to ffmpeg; `grab_frame` would render each one again."""
 
     def write(self, picture: Pixels) -> None:
-        """Add a picture."""
+        """Send one frame to ffmpeg."""
         self._proc.stdin.write(picture.tobytes())  # type: ignore[attr-defined]
 
 
 def _pictures(scene: Scene, rows: Any, callback: Progress | None) -> Iterator[Pixels]:
-    """Draw what moves over a picture of the rest, row by row: some 20 times faster than whole pictures."""
+    """Yield the frames, drawing the moving artists over a cached background: some 20 times faster than whole frames."""
     scene.canvas.draw()
     still = scene.canvas.copy_from_bbox(scene.figure.bbox)
     for done, k in enumerate(rows, start=1):
@@ -189,7 +235,7 @@ def _pictures(scene: Scene, rows: Any, callback: Progress | None) -> Iterator[Pi
 
 
 def _write_gif(scene: Scene, frames: Iterator[Pixels], fps: int, path: Path) -> None:
-    """Write pictures in one palette, so that a picture keeps only the pixels that change."""
+    """Write the frames with one palette, so that a frame stores only the pixels that change."""
     palette = _palette(scene)
     images = [Image.fromarray(frame[..., :3]).quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     images[0].save(
@@ -198,7 +244,10 @@ def _write_gif(scene: Scene, frames: Iterator[Pixels], fps: int, path: Path) -> 
 
 
 def _palette(scene: Scene) -> Image.Image:
-    """The colours of a scene and their blends with white: what is chosen from a picture loses the rare ones."""
+    """Return a palette of the colours of a scene and their blends with white.
+
+    A palette that is derived from a frame loses the rare colours.
+    """
     used = ("black", *scene.colours)
     blends = {tuple(round(255 * (1.0 - part * (1.0 - c))) for c in to_rgb(name)) for name in used for part in BLENDS}
     whole = {blend for blend in blends if min(blend) < PALE} | {tuple(round(255 * c) for c in to_rgb(GRID))}

@@ -1,4 +1,4 @@
-"""Lines of histories: one a block or joint, of no more points than a panel has pixels."""
+"""Lines of histories, one for each block or joint, decimated to the pixels of a panel."""
 
 from __future__ import annotations
 
@@ -17,10 +17,22 @@ COLUMNS = 600  # pixels across a panel, about: finer detail cannot be distinguis
 def draw_lines(
     axes: Axes, time: FloatArray, values: FloatArray, colours: dict[int, str], largest_only: bool = False
 ) -> None:
-    """Draw one line for each column of values (nt, n) in `colours`, those of the largest range first.
+    """Plot the columns of `values` that have a colour, those of the largest range first.
 
-    Of more samples than pixels a line joins the least and the largest of each pixel, at their instants; with
-    `largest_only` the largest. If not all columns have a colour, a grey band holds all of them.
+    If there are more samples than pixels, a line joins the smallest and the largest value of each pixel column, at
+    their instants. If not all columns have a colour, a grey band shows the envelope of all.
+
+    Parameters
+    ----------
+    axes : Axes
+    time : array (nt,)
+        Times, s.
+    values : array (nt, n)
+        Histories, in the unit of the axes.
+    colours : dict of int to str
+        Column index to colour.
+    largest_only : bool
+        If True, a decimated line joins the largest values alone.
     """
     width = 0.8 if len(colours) <= len(FEW_COLOURS) // 2 else 0.6
     if len(colours) < values.shape[1]:
@@ -33,7 +45,15 @@ def draw_lines(
 
 
 def thinned(time: FloatArray, values: FloatArray, largest_only: bool = False) -> tuple[FloatArray, FloatArray]:
-    """Instants and values (m,) that look like the history (nt,): all of few; of many, the extremes of each pixel."""
+    """Return instants and values, (m,) each, that look like the history: all samples or the extremes of each pixel.
+
+    Parameters
+    ----------
+    time, values : array (nt,)
+        The history.
+    largest_only : bool
+        If True, return only the largest value of each pixel column, at its middle.
+    """
     if len(time) <= 2 * COLUMNS:
         return time, values
     if largest_only:
@@ -51,7 +71,18 @@ def thinned(time: FloatArray, values: FloatArray, largest_only: bool = False) ->
 
 
 def draw_ensemble(axes: Axes, time: FloatArray, ensemble: FloatArray, colours: dict[int, str]) -> None:
-    """Draw the middle two thirds of an ensemble as a band, its median dashed."""
+    """Draw the 16 % to 84 % range of an ensemble as a band, and its median as a dashed line.
+
+    Parameters
+    ----------
+    axes : Axes
+    time : array (nt,)
+        Times, s.
+    ensemble : array (3, nt, n)
+        The 16 %, 50 % and 84 % points, in the unit of the axes.
+    colours : dict of int to str
+        Column index to colour, of the columns to draw.
+    """
     for i, colour in colours.items():
         low, median, high = ensemble[:, :, i]
         axes.fill_between(time, low, high, color=colour, alpha=0.3, linewidth=0.0, zorder=1.0)
@@ -61,12 +92,12 @@ def draw_ensemble(axes: Axes, time: FloatArray, ensemble: FloatArray, colours: d
 
 
 def starts_of(count: int) -> Any:
-    """Index of the first sample of each pixel column."""
+    """Return the index of the first sample of each pixel column."""
     return np.unique(np.linspace(0, count, min(count, COLUMNS), endpoint=False).astype(np.int64))
 
 
 def _pixels(time: FloatArray) -> FloatArray:
-    """Middle of each pixel column, the first and the last at the ends."""
+    """Return the middle time of each pixel column; the first and the last lie at the ends of the history."""
     starts = starts_of(len(time))
     middles: FloatArray = 0.5 * (time[starts] + time[np.append(starts[1:], len(time)) - 1])
     middles[0], middles[-1] = time[0], time[-1]
@@ -74,9 +105,16 @@ def _pixels(time: FloatArray) -> FloatArray:
 
 
 def reduced(values: FloatArray, by: Callable[..., Any]) -> FloatArray:
-    """The minimum or maximum (`by`) of the samples (nt, n) in each pixel column and the first of the next.
+    """Return the minimum or maximum of each pixel column, (columns, n), ignoring NaN.
 
-    The first of the next is included so that the band of a steep line has no gaps. NaN is left out.
+    The first sample of the next pixel column is included, so that the band of a steep line has no gaps.
+
+    Parameters
+    ----------
+    values : array (nt, n)
+        Samples.
+    by : ufunc
+        np.fmin or np.fmax.
     """
     starts = starts_of(len(values))
     found: FloatArray = by.reduceat(values, starts, axis=0)  # type: ignore[attr-defined]

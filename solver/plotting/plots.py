@@ -1,4 +1,4 @@
-"""Pictures of a response over time: the motion, a panel for each quantity, and beside them what time does not show."""
+"""Figures of a response over time: base motion, a panel for each quantity, and profiles over the height."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ from .profiles import draw_last_moments, draw_offsets, draw_profiles
 from .style import FEW_COLOURS, GREY, INK, RED, TINT, VERDICT_COLOURS, aside, header, name_of, save, show_names, tidy
 from .words import setting_of, verdict_of
 
-GROUND_SAMPLES = 20_000  # of a harmonic, which has none of its own
+GROUND_SAMPLES = 20_000  # of a harmonic, which has no samples
 HISTORIES = ("ux", "theta", "N", "M", "S", "T", "contact", "sigma_max")
-OTHERS = ("uz", "slip")  # histories that add to the picture where they are given
+OTHERS = ("uz", "slip")  # optional histories
 PEAK = "peak between rows"
 MISSED = 1.02  # times the largest row: a larger peak is marked
 FAR = 3.0  # times the largest row: larger peaks are marked there by an arrow outwards
-AFTER_FALL = 0.03  # of the time until a fall, drawn after it
+AFTER_FALL = 0.03  # of the time until a fall: drawn beyond it
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ _IN_METRES = _Panel("ux", "displacement of the top face", "$u_x$", "m")
 
 @dataclass(frozen=True, eq=False)
 class _Shown:
-    """The data of a picture: rows up to shortly after a fall, histories in SI units (nt, n), those that have lines."""
+    """The data of a figure: histories (nt, n) in SI units until shortly after a fall, and the blocks with lines."""
 
     column: Column
     time: FloatArray
@@ -74,7 +74,7 @@ class _Shown:
     peaks: Mapping[str, FloatArray]  # of the continuous motion; none where the column falls
     chosen: dict[int, str]  # block, from 0 -> colour
     overturn_time: float  # s, NaN while it stands
-    gone: int  # rows until it cannot come back, all while it stands
+    gone: int  # number of rows until it cannot come back; all while it stands
 
     @property
     def falls(self) -> bool:
@@ -94,9 +94,9 @@ class _Shown:
 
 
 def plot_response(response: Response, path: str | os.PathLike[str] | None = None) -> Figure:
-    """Draw a Response; saved to `path` if given. Raises InputError, OSError as `plot_histories` does.
+    """Draw a Response, and save the figure if `path` is given. Raises InputError, OSError as `plot_histories` does.
 
-    If the response has an ensemble, its 16 % to 84 % of ux are a band, its median a dashed line.
+    If the response has an ensemble, the 16 % to 84 % range of ux is drawn as a band, its median as a dashed line.
     """
     ensemble = getattr(response, "ensemble", None)
     return plot_histories(
@@ -124,29 +124,55 @@ def plot_histories(
     verdict: tuple[str, str] | None = None,
     peaks: Mapping[str, FloatArray] | None = None,
 ) -> Figure:
-    """Draw the ground motion, and below it the histories of every block and of the joint under it.
+    """Draw the base motion, and below it the histories of every block and of the joint under it.
 
-    time: (nt,) s, equally spaced. histories: HISTORIES -> (nt, n) in SI units, block 1 (the top) first, as in
-    `Response`; with uz the last moments before a fall are drawn, with slip that of a column that slides. motion: of the
-    base, on the same clock; None: not drawn. title: None is the column, the motion and its PGA. overturn_time: s, NaN
-    while the column stands; rows long after it are left out. path: file to save to, in the format of its suffix.
-    ensemble: (3, nt, n) m, the 16 %, 50 % and 84 % points of ux among many runs; NaN where there are none. verdict: a
-    word of `Response.verdict` and a sentence. peaks: of the continuous motion, as `Response.peaks`; marked where rows
-    miss them.
+    If there are more blocks than colours, some blocks have lines, a band shows the envelope of all, and the peaks are
+    drawn over the height.
 
-    Of more blocks than colours, some have lines, a band holds all, and peaks are drawn over the height.
+    Parameters
+    ----------
+    time : array (nt,)
+        Times, s, equally spaced.
+    histories : mapping of str to array (nt, n)
+        The quantities `HISTORIES` in SI units, block 1 (the top) first, as in `Response`. With uz the last moments
+        before a fall are drawn, with slip that of a column that slides.
+    column : Column
+    motion : Motion, optional
+        Motion of the base on the same clock. Default: not drawn.
+    title : str, optional
+        Default: the column, the motion and its PGA.
+    overturn_time : float
+        Time of the fall, s, NaN while the column stands; rows long after it are left out.
+    path : path-like, optional
+        File to save to, in the format of its suffix.
+    ensemble : array (3, nt, n), optional
+        The 16 %, 50 % and 84 % points of ux among many runs, m; NaN where there are none.
+    verdict : tuple of str, optional
+        A word of `Response.verdict`, and a sentence.
+    peaks : mapping of str to array (n,), optional
+        Peaks of the continuous motion, as `Response.peaks`; marked where the rows miss them.
 
-    Raises InputError on less than two instants or if matplotlib knows no format of that suffix, OSError if the file
-    cannot be written.
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two instants, or matplotlib knows no format of that suffix.
+    OSError
+        If the file cannot be written.
     """
     if len(time) < 2:
         raise InputError(f"time: {len(time)} sample, must be at least 2 to draw a history")
     shown = _shown(time, histories, column, overturn_time, peaks or {})
+    # base motion and histories
     figure, ground, panels = _layout(shown)
     draw_ground(ground, motion)
     for axes, panel in panels.items():
         cut = None if ensemble is None or panel.name != "ux" else ensemble[:, : len(shown.time)]
         _draw_panel(axes, panel, shown, cut)
+    # common time axis, labelled in the lowest row
     rows = [axes for axes in figure.axes if axes is ground or axes in panels]
     for axes in rows:
         axes.set_xlim(shown.time[0], shown.time[-1])
@@ -155,11 +181,13 @@ def plot_histories(
         axes.set_xlabel("time (s)")
     for axes in list(panels)[:-2]:
         axes.tick_params(labelbottom=False)
+    # profiles, and letters before the headings of all panels
     _draw_beside(figure, shown)
     for k, axes in enumerate(axes for axes in figure.axes if axes.get_title() or axes.get_title(loc="left")):
         tidy(axes, grid=axes is ground or panels.get(axes, _SLIP).name != "contact")
         axes.set_title(f"({chr(ord('a') + k % 26)}) {axes.get_title(loc='left')}", loc="left", fontsize=10)
     figure.align_ylabels(rows)
+    # legend and title
     names = [name_of(i, column.n, "block and joint") for i in sorted(shown.chosen)]
     if len(shown.chosen) < column.n:
         names[0] += "; grey: all"
@@ -171,7 +199,7 @@ def plot_histories(
 
 
 def draw_ground(axes: Axes, motion: Motion | None) -> None:
-    """Draw the acceleration of the base in g; without a motion, say that it is not known."""
+    """Plot the acceleration of the base in g; without a motion, write that it is not known."""
     axes.set_title("acceleration of the base", loc="left", fontsize=10)
     if motion is None:
         axes.text(0.5, 0.5, "not kept with these histories", transform=axes.transAxes, ha="center", va="center")
@@ -193,7 +221,7 @@ def draw_ground(axes: Axes, motion: Motion | None) -> None:
 
 
 def _ground_lines(motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Corners of the lines that the acceleration consists of: time, ax, az."""
+    """Return time, ax and az at the corners of the lines that make up the acceleration."""
     if motion.amplitude:
         time = np.union1d(motion.time, np.linspace(motion.start, motion.end, GROUND_SAMPLES))
         return time, *motion.acceleration(time)
@@ -211,6 +239,7 @@ def _shown(
     peaks: Mapping[str, FloatArray],
 ) -> _Shown:
     """Leave out rows long after a fall, and choose the blocks that have lines."""
+    # rows up to shortly after a fall, and up to which it can come back
     rows, falls = len(time), overturn_time <= time[-1]
     if falls:
         end = overturn_time + AFTER_FALL * (overturn_time - time[0])
@@ -220,6 +249,7 @@ def _shown(
     if falls:
         widest = max(block.width for block in column.blocks)
         gone = rows_before_fall(time[:rows], np.abs(cut["ux"]), overturn_time, widest)
+    # friction demand, left out where the joint carries little of the weight
     carried = carried_weights(column)
     if np.all(carried > 0.0):
         ratio = friction_history(cut["T"], cut["N"], carried)
@@ -229,7 +259,7 @@ def _shown(
 
 
 def _chosen(n: int, histories: Mapping[str, FloatArray], rows: int) -> dict[int, str]:
-    """Blocks that have lines, with their colours: all, or the ends and those of the largest pressure and bend."""
+    """Return the colours of the blocks that have lines: all, or the ends and those of the largest pressure and bend."""
     if n <= len(FEW_COLOURS):
         return dict(enumerate(FEW_COLOURS[:n]))
     below = np.column_stack([histories["theta"][:rows, 1:], np.zeros(rows)])
@@ -239,13 +269,13 @@ def _chosen(n: int, histories: Mapping[str, FloatArray], rows: int) -> dict[int,
         for values in (histories["sigma_max"][:rows], joint)
     ]
     found = [0, n - 1]
-    for order in ranked:  # those beside one that is chosen would look like it
+    for order in ranked:  # a neighbour of a chosen block would look like it
         found.append(next(int(i) for i in order if min(abs(i - j) for j in found) > n // 7))
     return dict(zip(sorted(found), FEW_COLOURS, strict=False))
 
 
 def _layout(shown: _Shown) -> tuple[Figure, Axes, dict[Axes, _Panel]]:
-    """The figure, the panel of the ground, and those of the histories."""
+    """Return the figure, the panel of the base motion, and the panels of the histories."""
     wanted = [*_PANELS, *([_SLIP] if shown.has_slip else [])]
     rows = math.ceil(len(wanted) / 2)
     beside = shown.has_profiles + shown.has_last_moments
@@ -258,7 +288,7 @@ def _layout(shown: _Shown) -> tuple[Figure, Axes, dict[Axes, _Panel]]:
 
 
 def _draw_beside(figure: Figure, shown: _Shown) -> None:
-    """Offsets left at the end, peaks over the height, the last moments before a fall."""
+    """Draw the final offsets, the peaks over the height and the last moments before a fall."""
     grid = figure.axes[0].get_subplotspec().get_gridspec()  # type: ignore[union-attr]
     last = grid.nrows - 1 - shown.has_last_moments
     if shown.has_profiles:
@@ -272,13 +302,13 @@ def _draw_beside(figure: Figure, shown: _Shown) -> None:
 
 
 def _split(figure: Figure, place: SubplotSpec, count: int) -> list[Axes]:
-    """Panels side by side."""
+    """Return `count` panels side by side."""
     parts = place.subgridspec(1, count)
     return [figure.add_subplot(parts[0, k]) for k in range(count)]
 
 
 def _largest(shown: _Shown) -> dict[str, FloatArray]:
-    """Largest absolute values, (n,) each, of the motion where it stands, of the rows before it is lost."""
+    """Return the peak of each quantity, (n,), and the least contact, of the motion or of the rows before a fall."""
     rows = {name: np.fmax.reduce(np.abs(values[: shown.gone])) for name, values in shown.histories.items()} | {
         "contact": np.min(shown.histories["contact"][: shown.gone], axis=0)
     }
@@ -288,7 +318,7 @@ def _largest(shown: _Shown) -> dict[str, FloatArray]:
 
 
 def _mark_fall(axes: Axes, shown: _Shown) -> None:
-    """A dashed line at the moment of overturning, a tint from where the column does not come back."""
+    """Draw a dashed line at the time of the fall, and a tint from where the column cannot come back."""
     if not math.isfinite(shown.overturn_time):
         return
     axes.axvline(shown.overturn_time, color="black", linestyle="--", linewidth=1.0)
@@ -346,6 +376,7 @@ def _mark_peak(axes: Axes, panel: _Panel, shown: _Shown) -> None:
     of = "block" if panel.name in ("ux", "theta", "slip") else "joint"
     value = f"{panel.factor * true[top]:.4g} {panel.unit}".rstrip()
     aside(axes, f"{'before the fall' if math.isfinite(shown.overturn_time) else 'peak'} {value}, {of} {top + 1}")
+    # marks of missed peaks; an arrow outwards where a peak is far beyond the rows
     missed = [i for i in (*shown.chosen, top) if true[i] > MISSED * max(largest[i], 1e-300)]
     low, high = axes.get_ylim()
     for i in missed:
@@ -361,7 +392,7 @@ def _mark_peak(axes: Axes, panel: _Panel, shown: _Shown) -> None:
 
 
 def _draw_contact(axes: Axes, time: FloatArray, contact: FloatArray) -> None:
-    """Draw a strip per joint: joints open and close so often that lines would cover one another."""
+    """Draw a strip for each joint, since lines of joints that open and close often would cover one another."""
     n = contact.shape[1]
     least = reduced(contact, np.fmin)
     half = 0.5 * (time[-1] - time[0]) / max(1, len(least) - 1)

@@ -1,4 +1,4 @@
-"""Panels beside the histories: peaks over the height, offsets left at the end, the last moments before a fall."""
+"""Panels beside the histories: peaks over the height, final offsets, the last moments before a fall."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from .style import GREY, GRID, INK
 
 MOST_LABELLED = 12  # bars with a number beside each
 MOST_FRICTION = 3.0  # |T| / N that the axis reaches: no friction is larger
-AT_LEAST = 0.5  # s, drawn before it in any case
-BEFORE = 0.25  # of the time in which a column falls, drawn before it
+AT_LEAST = 0.5  # s, drawn at least before the column is lost
+BEFORE = 0.25  # of the time in which a column falls: drawn before it is lost
 # name of the peak, heading, factor from SI
 _PROFILES = (
     ("ux", "displacement (mm)", 1e3),
@@ -29,7 +29,18 @@ _PROFILES = (
 def draw_profiles(
     panels: Sequence[Axes], column: Column, largest: Mapping[str, FloatArray], chosen: Mapping[int, str]
 ) -> None:
-    """Draw the largest values of every block and joint over the height, m, in four panels."""
+    """Plot the peak values of every block and joint over the height, m, in four panels.
+
+    Parameters
+    ----------
+    panels : sequence of Axes
+        Four panels: displacement, least contact, pressure and friction demand.
+    column : Column
+    largest : mapping of str to array (n,)
+        Peak values in SI units; a missing one leaves its panel empty.
+    chosen : mapping of int to str
+        Block index to colour, of the blocks that have lines.
+    """
     heights = np.array([block.height for block in column.blocks])
     tops = np.cumsum(heights[::-1])[::-1]
     for axes, (name, heading, factor) in zip(panels, _PROFILES, strict=True):
@@ -55,7 +66,7 @@ def draw_profiles(
 
 
 def draw_offsets(axes: Axes, offsets: FloatArray) -> None:
-    """Draw the offset of each block on the body below, mm (n,), as bars over the joints."""
+    """Draw the final offset of each block on the body below, mm (n,), as bars over the joints."""
     n = len(offsets)
     joints = np.arange(1, n + 1)
     axes.set_title("offset left in the joint at the end", loc="left")
@@ -75,7 +86,21 @@ def draw_offsets(axes: Axes, offsets: FloatArray) -> None:
 def draw_last_moments(
     panels: Sequence[Axes], time: FloatArray, places: Shapes, gone: int, overturn_time: float
 ) -> None:
-    """Draw the column to scale at equal intervals, from shortly before it is lost (row `gone`) until it lies."""
+    """Draw the column to scale at equal intervals, from shortly before it is lost until it lies.
+
+    Parameters
+    ----------
+    panels : sequence of Axes
+        One panel for each instant.
+    time : array (rows,)
+        Times, s.
+    places : Shapes
+        Displacements of the blocks at these times.
+    gone : int
+        Number of rows before the column cannot come back.
+    overturn_time : float
+        Time of the fall, s.
+    """
     lost = float(time[min(gone, len(time) - 1)])
     first = max(float(time[0]), lost - max(BEFORE * (overturn_time - lost), AT_LEAST))
     rows = [int(np.argmin(np.abs(time - instant))) for instant in np.linspace(first, overturn_time, len(panels))]

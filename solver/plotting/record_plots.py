@@ -1,4 +1,4 @@
-"""Pictures of records: histories of the base, Arias intensity, response spectrum. Imported late, for matplotlib."""
+"""Figures of records: base histories, Arias intensity, response spectrum (imported lazily, for matplotlib)."""
 
 from __future__ import annotations
 
@@ -20,9 +20,25 @@ _STYLES: dict[str, str] = {"ax": "-", "ay": "-.", "az": "--"}
 
 
 def plot_records(motions: Mapping[str, Motion], path: str | os.PathLike[str] | None = None) -> Figure:
-    """Draw motions under their names; a vertical component is dashed. Saved to `path` if given.
+    """Draw motions under their names, and save the figure if `path` is given; a vertical component is dashed.
 
-    Raises InputError if there is none, on a motion that is zero, or if the suffix is unknown; OSError.
+    Parameters
+    ----------
+    motions : mapping of str to Motion
+        Name to motion.
+    path : path-like, optional
+        File to save to.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If there is no motion, a motion is zero, or the suffix is unknown.
+    OSError
+        If the file cannot be written.
     """
     if not motions:
         raise InputError("no record to draw")
@@ -32,6 +48,7 @@ def plot_records(motions: Mapping[str, Motion], path: str | os.PathLike[str] | N
     acceleration, velocity, displacement = left.subplots(3, 1, sharex=True)
     spectra, arias = right.subplots(2, 1)
     for (name, motion), colour in zip(motions.items(), block_colours(len(motions)), strict=True):
+        # every component of a motion has its colour and its own line style
         there = components(motion)
         for component in there:
             base, lines = histories(motion, component), lines_of(motion, component)
@@ -46,6 +63,7 @@ def plot_records(motions: Mapping[str, Motion], path: str | os.PathLike[str] | N
             displacement.plot(base.time, base.displacement, **style)
             arias.plot(base.time, base.husid, **style)
             spectra.plot(found.period, found.psa / STANDARD_GRAVITY, **(style | {"linewidth": 1.2}), label=label)
+    # headings, units and ranges
     acceleration.set(title="(a) base acceleration", ylabel="g")
     velocity.set(title="(b) velocity, integrated from rest", ylabel="m/s")
     displacement.set(title="(c) displacement, no baseline taken away", ylabel="m", xlabel="time (s)")
@@ -58,6 +76,7 @@ def plot_records(motions: Mapping[str, Motion], path: str | os.PathLike[str] | N
     arias.set(title="(e) Arias intensity up to each instant", ylabel="m/s", xlabel="time (s)", ylim=(0.0, None))
     for axes in (acceleration, velocity, displacement, spectra, arias):
         tidy(axes)
+    # legend and title
     left.align_ylabels()
     handles, labels = spectra.get_legend_handles_labels()
     columns = 3 if max(map(len, labels)) < LONG_NAME else 2

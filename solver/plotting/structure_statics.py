@@ -1,4 +1,4 @@
-"""Pictures of a structure that is not shaken: its modes, its push-over. Imported late, for matplotlib."""
+"""Figures of the statics of a structure: modes and push-over (imported lazily, for matplotlib)."""
 
 from __future__ import annotations
 
@@ -16,11 +16,14 @@ if TYPE_CHECKING:
     from ..models.structure.modes import SpatialModes
     from ..models.structure.push import PushOver
 
-COLUMNS = 3  # of pictures of modes beside each other
+COLUMNS = 3  # mode shapes side by side
 
 
 def plot_modes(modes: SpatialModes, path: str | os.PathLike[str] | None, most: int) -> Figure:
-    """Draw the first `most` shapes; saved to `path` if given. Raises InputError, OSError as `save` does."""
+    """Draw the first `most` mode shapes, and save the figure if `path` is given.
+
+    Raises InputError, OSError as `save` does.
+    """
     structure, count = modes.structure, min(most, len(modes.frequency))
     across = min(COLUMNS, count)
     down = math.ceil(count / across)
@@ -42,7 +45,7 @@ def plot_modes(modes: SpatialModes, path: str | os.PathLike[str] | None, most: i
 
 
 def plot_push_over(found: PushOver, path: str | os.PathLike[str] | None) -> Figure:
-    """Draw the push over the displacement, and the structure at its largest push; saved to `path` if given.
+    """Plot the push over the displacement, and draw the structure at its largest push; saved to `path` if given.
 
     Raises InputError, OSError as `save` does.
     """
@@ -52,6 +55,7 @@ def plot_push_over(found: PushOver, path: str | os.PathLike[str] | None) -> Figu
     grid = figure.add_gridspec(1, 2, width_ratios=(1.1, 1.0))
     curve = figure.add_subplot(grid[0])
     curve.plot(moved, push, color=BLUE)
+    # points of first opening, first sliding and largest push
     begins = {
         f"{found.uplift_joint} begins to open": (found.uplift, "o", INK),
         f"{found.sliding_joint} begins to slide": (found.sliding, "s", INK),
@@ -66,6 +70,7 @@ def plot_push_over(found: PushOver, path: str | os.PathLike[str] | None) -> Figu
     curve.set_xlim(left=0.0)
     curve.set_ylim(bottom=0.0)
     tidy(curve)
+    # deformed structure at the largest push
     drawn = figure.add_subplot(grid[1], projection="3d")
     u = np.stack([found.ux[-1], found.uy[-1], found.uz[-1]], axis=-1)
     largest = max(float(np.max(np.abs(u))), 1e-12)

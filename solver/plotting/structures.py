@@ -1,4 +1,4 @@
-"""Pictures of structures in space: deformed at an instant, orbits in plan, histories."""
+"""Figures of structures in space: deformed at an instant, orbits in plan, histories."""
 
 from __future__ import annotations
 
@@ -32,13 +32,33 @@ MARGIN, BAR = 0.06, 0.2  # of the extent: ground around the blocks, longest bar 
 DPI = 130
 FILLED = 0.96  # of the axes
 GROUND, WALL = "#e9e6df", "#d9d5cb"
-BEARING, SIDES, FLAT = "#4f4a44", 24, 0.3  # colour; points of its rim; height over the diameter of one not on the base
+BEARING, SIDES, FLAT = "#4f4a44", 24, 0.3  # colour; points of its rim; ratio of height to diameter if not on the base
 
 
 def plot_structure(
     response: SpatialResponse, path: str | os.PathLike[str] | None, at: float | None, scale: float | None
 ) -> Figure:
-    """The structure at an instant, deformation enlarged."""
+    """Draw the structure at an instant with its deformation scaled, and save the figure if `path` is given.
+
+    Parameters
+    ----------
+    response : SpatialResponse
+    path : path-like or None
+        File to save to.
+    at : float or None
+        Time, s, of which the nearest row is drawn. None: the row of the largest horizontal displacement.
+    scale : float or None
+        Factor on the deformation. None: one at which it is visible, 1 where it is large.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError, OSError
+        As `save` does.
+    """
     k = _row_at(response, at)
     scale = _scale_of(response, k) if scale is None else scale
     u, turn = _places(response, k)
@@ -54,7 +74,7 @@ def plot_structure(
 
 
 def _mark_cracks(axes: Any, response: SpatialResponse, k: int, u: FloatArray, turn: FloatArray) -> bool:
-    """Draw the outlines of joints that have cracked, where they lie on their lower blocks; whether there are any."""
+    """Draw the outlines of cracked joints on their lower blocks, and return True if there are any."""
     structure = response.structure
     hurt = [
         (structure.joints[j], left) for j, left in zip(structure.bonds, response.bond[k], strict=True) if left < 1.0
@@ -70,7 +90,7 @@ def _mark_cracks(axes: Any, response: SpatialResponse, k: int, u: FloatArray, tu
 
 
 def structure_picture(structure: Structure) -> Figure:
-    """The structure as built."""
+    """Draw the structure as built."""
     figure = Figure(figsize=(5.0, 5.0), layout="constrained")
     zero = np.zeros((structure.n, 3))
     draw_blocks(figure.add_subplot(projection="3d"), structure, zero, zero)
@@ -85,16 +105,33 @@ def film(
     speed: float = 1.0,
     callback: Progress | None = None,
 ) -> None:
-    """The structure in motion, deformation enlarged; fps: pictures a second, speed: s of motion in a second of film.
+    """Write a film of the structure in motion with its deformation scaled.
 
-    callback: is given the pictures made and their number.
+    Parameters
+    ----------
+    response : SpatialResponse
+    path : path-like
+        File to write: .gif, or .mp4 where ffmpeg is installed.
+    scale : float, optional
+        Factor on the deformation. Default: one at which it is visible, 1 where it is large.
+    fps : int
+        Frames per second.
+    speed : float
+        Seconds of motion in a second of film.
+    callback : callable, optional
+        Called after each frame with the number of frames made and the number of all.
+
+    Raises
+    ------
+    InputError, OSError
+        As `film.film` does.
     """
     scale = _scale_of(response, _row_at(response, None)) if scale is None else scale
     shoot(response, path, lambda end: _Scene(response, scale, end), fps, speed, callback)
 
 
 class _Scene:
-    """A figure of which the blocks, the cursor and the clock move."""
+    """A figure in which only the blocks, the cursor and the clock move."""
 
     def __init__(self, response: SpatialResponse, scale: float, end: float) -> None:
         self._response, self._scale = response, scale
@@ -120,7 +157,7 @@ class _Scene:
         self.colours = (*SHADED, EDGE, GROUND, WALL, INK, RED, GRID, colour)
 
     def show(self, k: int) -> None:
-        """Move everything to row k."""
+        """Move the blocks, cursor and clock to row k."""
         u, turn = _places(self._response, k)
         self._solids.place(self._scale * u, self._scale * turn)
         self._solids.do_3d_projection()
@@ -130,7 +167,7 @@ class _Scene:
 
 
 def _reached(response: SpatialResponse, scale: float, end: float) -> FloatArray:
-    """Centroids' ways in a film, added to the corners of the blocks as built, m: what it has to have room for."""
+    """Return points that bound the film, m: corners as built, moved by the extremes of the centroid's displacement."""
     rows = response.time <= end
     corners = []
     for i, block in enumerate(response.structure.blocks):
@@ -145,7 +182,7 @@ def _reached(response: SpatialResponse, scale: float, end: float) -> FloatArray:
 
 
 def _head(figure: Figure, response: SpatialResponse) -> str:
-    """Title and verdict; returns the colour of the verdict."""
+    """Write title and verdict, and return the colour of the verdict."""
     word, sentence = verdict_of(response)
     colour = VERDICT_COLOURS.get(word, INK)
     header(figure, setting_of(response.structure, response.motion), sentence, colour)
@@ -155,9 +192,23 @@ def _head(figure: Figure, response: SpatialResponse) -> str:
 def draw_blocks(
     axes: Any, structure: Structure, u: FloatArray, turn: FloatArray, room: FloatArray | None = None
 ) -> Solids:
-    """Blocks displaced by u, m (n, 3), and turned, rad (n, 3), into axes in space, on the ground and with a scale.
+    """Draw displaced blocks on 3D axes, with ground, walls, bearings and a scale.
 
-    room: points that have room in the picture, too, m (points, 3).
+    Parameters
+    ----------
+    axes : Axes3D
+    structure : Structure
+    u : array (n, 3)
+        Displacements of the centroids, m.
+    turn : array (n, 3)
+        Rotations, axis times angle, rad.
+    room : array (points, 3), optional
+        Further points that must lie within the axes, m.
+
+    Returns
+    -------
+    Solids
+        The artist of the blocks.
     """
     solids = Solids(parts_of(structure)[0])
     solids.place(u, turn)
@@ -165,6 +216,7 @@ def draw_blocks(
     axes.view_init(elev=18, azim=-62)
     axes.computed_zorder = False
     axes.add_collection(solids, autolim=False)
+    # limits that hold blocks, walls, ground and `room`
     walls = [wall.centroid + wall.surfaces[0].points for wall in walls_of(structure)]
     corners = np.concatenate([solids.points, *walls, *([] if room is None else [room])])
     low, high = corners.min(axis=0), corners.max(axis=0)
@@ -174,9 +226,11 @@ def draw_blocks(
     low, high = low - margin, high + margin
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set_box_aspect(high - low)
+    # zoom at which the projected box fills the axes
     flat = axes.transLimits.transform(np.column_stack(proj_transform(*_box(low, high).T, axes.get_proj())[:2]))
     axes.set_box_aspect(high - low, zoom=FILLED / float(np.max(np.ptp(flat, axis=0))))
     axes.set_axis_off()
+    # ground, walls, bearings and scale
     x, y = np.array([low[0], high[0], high[0], low[0]]), np.array([low[1], low[1], high[1], high[1]])
     ground = Poly3DCollection([np.column_stack([x, y, np.zeros(4)])], facecolors=GROUND, edgecolors="0.75", zorder=0.5)
     axes.add_collection3d(ground, autolim=False)
@@ -190,14 +244,14 @@ def draw_blocks(
 
 
 def _wall(points: FloatArray, axes: Any) -> Poly3DCollection:
-    """A wall: behind all blocks, or, seen from behind, its edges before them."""
+    """Return a wall: filled behind all blocks, or, seen from behind, its edges in front of them."""
     behind = float(normal_of(points) @ towards_viewer(axes)) > 0.0
     colour, order = (WALL, 0.6) if behind else ("none", 2.0)
     return Poly3DCollection([points], facecolors=colour, edgecolors=EDGE, linewidths=0.6, zorder=order)
 
 
 def _bearing(joint: Joint, moved: FloatArray, on_base: bool) -> Poly3DCollection:
-    """A bearing as a flat drum under its place, behind all blocks; moved: as what it stands on, m."""
+    """Return a bearing as a flat drum below its centre, behind all blocks; `moved`: displacement of its support, m."""
     high = joint.face.points(SIDES) + moved
     low = high - FLAT * 2.0 * joint.face.radius * joint.face.normal
     if on_base:
@@ -207,13 +261,13 @@ def _bearing(joint: Joint, moved: FloatArray, on_base: bool) -> Poly3DCollection
 
 
 def _box(low: FloatArray, high: FloatArray) -> FloatArray:
-    """Its corners, (8, 3)."""
+    """Return the corners of a box, (8, 3)."""
     found: FloatArray = np.stack(np.meshgrid(*zip(low, high, strict=True)), axis=-1).reshape(-1, 3)
     return found
 
 
 def _measure(axes: Any, corner: FloatArray, length: float) -> None:
-    """Bars of one length along the three axes from a corner of the ground, with its name."""
+    """Draw bars of one length along the three axes from a corner of the ground, and label them."""
     for k, name in enumerate("xyz"):
         end = corner + length * np.eye(3)[k]
         axes.plot(*zip(corner, end, strict=True), color=GREY, linewidth=1.6, zorder=0.8, solid_capstyle="round")
@@ -225,7 +279,25 @@ def _measure(axes: Any, corner: FloatArray, length: float) -> None:
 def plot_plan(
     response: SpatialResponse, path: str | os.PathLike[str] | None, blocks: Sequence[str | int] | None = None
 ) -> Figure:
-    """Orbits of the centroids of blocks in plan, mm; of the highest one unless some are named."""
+    """Plot the orbits of block centroids in plan, mm, and save the figure if `path` is given.
+
+    Parameters
+    ----------
+    response : SpatialResponse
+    path : path-like or None
+        File to save to.
+    blocks : sequence of str or int, optional
+        Names or numbers of the blocks. Default: the highest one.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError, OSError
+        As `save` does.
+    """
     if blocks is None:
         blocks = [int(np.argmax([block.centroid[2] for block in response.structure.blocks]))]
     figure = Figure(figsize=(5.2, 5.0), layout="constrained")
@@ -244,7 +316,10 @@ def plot_plan(
 
 
 def plot_response(response: SpatialResponse, path: str | os.PathLike[str] | None) -> Figure:
-    """Over time: the base, the block that moves most, the largest rotation, and the least contact; with the fall."""
+    """Plot base motion, displacement of the block that moves most, largest rotation and least contact over time.
+
+    Marks a fall, and saves the figure if `path` is given. Raises InputError, OSError as `save` does.
+    """
     figure = Figure(figsize=(7.5, 8.4), layout="constrained")
     ground, top, middle, bottom = figure.subplots(4, 1, sharex=True)
     draw_ground(ground, response.motion)
@@ -268,7 +343,7 @@ def plot_response(response: SpatialResponse, path: str | os.PathLike[str] | None
 
 
 def mark_fall(axes: Axes, overturn_time: float) -> None:
-    """A dashed line when a block falls, and a tint from then on; nothing where none does."""
+    """Draw a dashed line at the time of a fall, and a tint after it; nothing if no block falls."""
     if np.isfinite(overturn_time):
         axes.axvline(overturn_time, color="black", linestyle="--", linewidth=1.0)
         axes.axvspan(overturn_time, axes.get_xlim()[1], color=TINT, linewidth=0.0, zorder=0.0)
@@ -285,18 +360,18 @@ def _all_corners(structure: Structure) -> FloatArray:
 
 
 def _places(response: SpatialResponse, k: int) -> tuple[FloatArray, FloatArray]:
-    """Displacements and rotations of all blocks at row k, (n, 3) each."""
+    """Return displacements and rotations of all blocks at row k, (n, 3) each."""
     u = np.stack([response.ux[k], response.uy[k], response.uz[k]], axis=-1)
     turn: FloatArray = response.rotation[k]
     return u, turn
 
 
 def _scale_of(response: SpatialResponse, k: int) -> float:
-    """A scale by which the deformation at row k is seen; 1 where it is large."""
+    """Return a factor that makes the deformation at row k visible; 1 where it is large."""
     largest = max(float(np.max(np.abs(_places(response, k)[0]))), 1e-12)
     return min(max(1.0, nice(VISIBLE * extent_of(response.structure) / largest)), 1e4)
 
 
 def extent_of(structure: Structure) -> float:
-    """The largest extent of a structure along an axis, m."""
+    """Return the largest extent of a structure along an axis, m."""
     return max(float(np.max(np.ptp(_all_corners(structure), axis=0))), 1e-9)

@@ -1,4 +1,4 @@
-"""One style for all pictures: colours, headings, legends, files. Without pyplot: no display, no state."""
+"""The common style of all figures: colours, headings, legends, files. Without pyplot: no display, no state."""
 
 from __future__ import annotations
 
@@ -29,25 +29,28 @@ STONE, INK, GREY, GRID = "#cdbfa7", "#3b3a38", "#7a7873", "0.9"
 # Okabe and Ito's colours that stand out on white; the colour-blind can distinguish them too
 FEW_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 BLUE, RED, GREEN = FEW_COLOURS[:3]
-TINT = "#f6e3d8"  # of the time in which a column falls
-# of the line under the title
+TINT = "#f6e3d8"  # background while a column falls
+# colours of the line under the title
 VERDICT_COLOURS = {"standing": "#00704f", "overturned": "#b04a00", "undecided": GREY}
-TITLE, LINE, LETTER = 13.0, 10.5, 0.112  # points of the title and the line below; in, a letter of the title across
+TITLE, LINE, LETTER = 13.0, 10.5, 0.112  # font sizes of title and line, points; mean width of a letter of the title, in
 
 
 def plain(name: str) -> str:
-    """A name as matplotlib shows it unchanged: "$" would begin a formula, a leading "_" hides a legend's entry."""
+    """Return a name, escaped so that matplotlib shows it unchanged.
+
+    "$" would begin a formula, and a leading "_" hides an entry of a legend.
+    """
     return (" " if name.startswith("_") else "") + name.replace("$", r"\$")
 
 
 def nice(most: float) -> float:
-    """The largest 1, 2 or 5 times a power of ten up to `most`."""
+    """Return the largest 1, 2 or 5 times a power of ten up to `most`."""
     power = 10.0 ** math.floor(math.log10(most))
     return float(f"{power * max(factor for factor in NICE if factor * power <= most * (1.0 + 1e-9)):.3g}")
 
 
 def header(figure: Figure, title: str, line: str = "", colour: str = INK) -> None:
-    """Put a bold title on the upper left, a coloured line below; a constrained layout keeps the space free."""
+    """Put a bold title on the upper left and a coloured line below; a constrained layout reserves the space."""
     wide, tall = figure.get_size_inches()
     whole = re.sub(r"(\d) (?=\w{1,4}\b)", "\\1\u00a0", plain(title))  # a number stays with its unit
     titles = [part.replace("\u00a0", " ") for part in textwrap.wrap(whole, int((wide - 0.2) / LETTER))] or [""]
@@ -65,7 +68,7 @@ def header(figure: Figure, title: str, line: str = "", colour: str = INK) -> Non
 
 
 def tidy(axes: Axes, grid: bool = True) -> None:
-    """Put the title on the left, a pale grid behind the lines, and no frame above and on the right."""
+    """Put the title on the left, a pale grid behind the lines, and hide the spines above and on the right."""
     axes.set_title(axes.get_title() or axes.get_title(loc="left"), loc="left", fontsize=10)
     axes.set_title("")
     if grid:
@@ -75,12 +78,12 @@ def tidy(axes: Axes, grid: bool = True) -> None:
 
 
 def aside(axes: Axes, text: str) -> None:
-    """Put a number in small letters on the right, over the panel."""
+    """Write a note in small letters over the panel, on the right."""
     axes.set_title(text, loc="right", fontsize=8, color=GREY)
 
 
 def block_colours(n: int) -> list[str]:
-    """One colour for each of n blocks from the top down; the colour-blind can distinguish them too."""
+    """Return a colour for each of n blocks from the top down, also distinguishable by the colour-blind."""
     if n <= len(FEW_COLOURS):
         return list(FEW_COLOURS[:n])
     # the last tenth of the map is too pale for thin lines on white
@@ -88,13 +91,13 @@ def block_colours(n: int) -> list[str]:
 
 
 def name_of(i: int, n: int, of: str = "block") -> str:
-    """Name of block i of n, counted from 0: with its place at the ends."""
+    """Return the name of block i (from 0) of n, with its position at the ends."""
     place = "" if n == 1 else {0: " (top)", n - 1: " (bottom)"}.get(i, "")
     return f"{of} {i + 1}{place}"
 
 
 def show_blocks(figure: Figure, axes: Sequence[Axes], colours: Sequence[str], where: Where) -> None:
-    """Show the colour of each block (`block_colours`): a legend at `where` for few, a colour bar aside for many."""
+    """Show the colour of each block (`block_colours`): a legend at `where` for few, a colour bar for many."""
     n = len(colours)
     if n <= len(FEW_COLOURS):
         show_names(figure, [name_of(i, n) for i in range(n)], colours, where)
@@ -108,7 +111,7 @@ def show_blocks(figure: Figure, axes: Sequence[Axes], colours: Sequence[str], wh
 def show_names(
     figure: Figure, names: Sequence[str], colours: Sequence[str], where: Where = "outside lower center", mark: str = ""
 ) -> None:
-    """Name colours, and the mark of a peak if it has a name, in a legend of the figure."""
+    """Add a legend of colours to the figure, and the mark of a peak if it has a name."""
     handles = [Line2D([], [], color=colour, linewidth=2.0) for colour in colours]
     if mark:
         handles.append(Line2D([], [], color=GREY, marker="<", linestyle=""))
@@ -117,9 +120,22 @@ def show_names(
 
 
 def save(figure: Figure, path: str | os.PathLike[str] | None, dpi: int = DPI) -> Figure:
-    """The figure, written in the format of the file's suffix if there is a path.
+    """Save the figure in the format of the file's suffix if `path` is given, and return it.
 
-    Raises InputError for an unknown suffix, OSError.
+    Parameters
+    ----------
+    figure : Figure
+    path : path-like or None
+        File to write.
+    dpi : int
+        Resolution, dots per inch.
+
+    Raises
+    ------
+    InputError
+        If matplotlib knows no format of that suffix.
+    OSError
+        If the file cannot be written.
     """
     if path is None:
         return figure

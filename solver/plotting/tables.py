@@ -1,4 +1,4 @@
-"""Picture of a table of runs."""
+"""A figure of a table of runs."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from ..common.notebook import counted
 from .figures import Figure
 from .style import INK, VERDICT_COLOURS, header, save, tidy
 
-MOVES = ("peak_ux", "peak_u")  # of columns, of structures: the first that a table has
+MOVES = ("peak_ux", "peak_u")  # of columns, of structures: the first one in the table is plotted
 
 
 def plot_table(frame: Frame, path: str | os.PathLike[str] | None) -> Figure:
-    """The largest displacement of each run over its number, coloured by the verdict; what fell is drawn at the top.
+    """Plot the largest displacement of each run over its number, coloured by verdict; overturned runs at the top.
 
-    Raises InputError without a displacement.
+    Raises InputError if the table has no displacement, OSError if the file cannot be written.
     """
     name = next((name for name in MOVES if name in frame.columns), None)
     if name is None:

@@ -1,4 +1,4 @@
-"""Titles of pictures: the column, the motion and its strength; and the verdict in a sentence."""
+"""Titles of figures: the column, the motion and its strength; and the verdict as a sentence."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .style import plain
 
 
 def setting_of(column: Any, motion: Motion | None) -> str:
-    """The column or structure and the motion of its base, with the largest acceleration along x (and across)."""
+    """Return the column or structure and its base motion, with the peak acceleration along x (and y), as a title."""
     if motion is None:
         return str(column.name)
     under = f"{column.name} under {motion.name}" if motion.name else column.name
@@ -24,14 +24,17 @@ def setting_of(column: Any, motion: Motion | None) -> str:
         under += f", PGA {motion.pga / STANDARD_GRAVITY:.3g} g"
         across = motion.turned(-0.5 * math.pi).pga / STANDARD_GRAVITY if motion.has_ay else 0.0
         return f"{under} along x, {across:.3g} g along y" if across else under
-    except InputError:  # a harmonic of more cycles than are looked through for its crests
+    except InputError:  # a harmonic of more cycles than are searched for its peak
         return under
 
 
 def verdict_of(response: Any) -> tuple[str, str]:
-    """The word of a Response's verdict, and a sentence; ("", "") where it is not known.
+    """Return the word of a response's verdict, and a sentence; ("", "") where it is not known.
 
-    response: has `overturn_time` (s, NaN while it stands) and `overturned_joint`; the rest as in a Response, if there.
+    Parameters
+    ----------
+    response : object
+        Has `overturn_time` (s, NaN while it stands) and `overturned_joint`; the rest as in a Response, if present.
     """
     word = getattr(response, "verdict", "")
     if math.isfinite(response.overturn_time):

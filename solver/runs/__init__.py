@@ -1,1 +1,1 @@
-"""Whole runs: one, one with its check and ensemble, many at once."""
+"""Complete runs: a single one, one with its check and ensemble, many at once."""

@@ -1,4 +1,4 @@
-"""The work that one thread or process does of many runs, and the rows of the table that result."""
+"""Chunks of runs: the unit of work of one thread or process, and the table rows that result."""
 
 from __future__ import annotations
 
@@ -39,25 +39,37 @@ STOPPED_LANES = "could not go on in lanes"  # the same
 
 @dataclass(frozen=True)
 class Chunk:
-    """Neighbouring runs of columns or structures, results to keep of them, places of runs whose response is kept."""
+    """Consecutive runs of columns or structures, with the results to keep."""
 
-    first: int
+    first: int  # number of the first run
     runs: Sequence[Run]
-    keep: tuple[str, ...]
-    settle: float  # s, the longest that a model is followed after the duration
-    whole: tuple[int, ...] = ()
-    weight: float = 0.0  # rough cost of the runs (Kind.work)
-    checked: bool = False  # whether all models have been checked to be able to stand
+    keep: tuple[str, ...]  # names of the results
+    settle: float  # s: longest time for which a model is followed after the duration
+    whole: tuple[int, ...] = ()  # indices in `runs` of those whose response is kept
+    weight: float = 0.0  # estimated cost of the runs (Kind.work)
+    checked: bool = False  # True if all models are known to be able to stand
 
     @property
     def kind(self) -> Kind:
-        """That of its first model, with the results of all."""
+        """The kind of the first model, whose results all runs share."""
         return self.runs[0].model.kind
 
 
 @dataclass
 class Tally:
-    """How runs were made: by which path, why not in lanes; errors of those that failed; s of the clock."""
+    """The record of how runs were made.
+
+    Attributes
+    ----------
+    paths : Counter
+        Number of runs by path, in lanes or scalar.
+    why_scalar : Counter
+        Number of scalar runs by reason.
+    failures, warnings : dict of int to str
+        Messages by the number of the run.
+    seconds : float
+        Wall-clock time, s.
+    """
 
     paths: Counter[str] = field(default_factory=Counter)
     why_scalar: Counter[str] = field(default_factory=Counter)
@@ -70,11 +82,29 @@ Made = tuple[Table, Tally]
 
 
 class Stopped(Exception):  # noqa: N818  nothing went wrong
-    """The chunk is no longer wanted."""
+    """The signal that the result of a chunk is no longer needed."""
 
 
 def make_runs(chunk: Chunk, flag: FloatArray | None = None) -> Made:
-    """Make the runs of a chunk, in one thread. Raises InputError, and Stopped soon after flag[0] is not zero."""
+    """Make the runs of a chunk in one thread.
+
+    Parameters
+    ----------
+    chunk : Chunk
+    flag : array (1,), optional
+        Set to a value other than zero from outside, it stops the runs soon.
+
+    Returns
+    -------
+    tuple of Table and Tally
+
+    Raises
+    ------
+    InputError
+        If a model cannot stand.
+    Stopped
+        If the flag was set.
+    """
     with my_turn():
         chunk.kind.load(chunk.runs[0].model, chunk.keep)
         begin = clock.perf_counter()
@@ -84,12 +114,12 @@ def make_runs(chunk: Chunk, flag: FloatArray | None = None) -> Made:
 
 
 def packed(chunk: Chunk) -> bytes:
-    """The chunk for an executor to send. Dask alone would send every array of it separately, at ten times the cost."""
+    """Serialize a chunk for an executor; Dask alone would send each of its arrays separately, at ten times the cost."""
     return pickle.dumps(chunk, pickle.HIGHEST_PROTOCOL)
 
 
 def make_packed(chunk: bytes) -> Made:
-    """As `make_runs`, of a result of `packed`."""
+    """Make the runs of a chunk serialized by `packed`, as `make_runs`."""
     made: Chunk = pickle.loads(chunk)
     return make_runs(made)
 
@@ -105,6 +135,7 @@ def _made(chunk: Chunk, flag: FloatArray) -> Made:
         if flag[0]:
             raise Stopped
 
+    # the other runs, one after the other
     for place, why in sorted(alone.items()):
         look()
         with others_turn():
@@ -113,6 +144,7 @@ def _made(chunk: Chunk, flag: FloatArray) -> Made:
             tally.failures[chunk.first + place] = failure
         tally.why_scalar[why] += 1
     tally.paths.update({SCALAR: len(alone), LANES: len(chunk.runs) - len(alone)})
+    # responses to keep
     wanted = [place for place in chunk.whole if chunk.first + place not in tally.failures]
     with others_turn():
         responses = {chunk.first + place: _response(chunk, place, look) for place in wanted}
@@ -121,7 +153,10 @@ def _made(chunk: Chunk, flag: FloatArray) -> Made:
 
 
 def _check(chunk: Chunk, tally: Tally) -> None:
-    """Note warnings. Raises InputError for a model that cannot stand, or whose results are kept but not computed."""
+    """Check the models and note their warnings.
+
+    Raises InputError for a model that cannot stand, or whose results are kept but not computed.
+    """
     seen: set[int] = set()
     for place, run in enumerate(chunk.runs):
         if id(run.model) in seen:
@@ -139,7 +174,7 @@ def _check(chunk: Chunk, tally: Tally) -> None:
 
 
 def _empty_columns(chunk: Chunk) -> Columns:
-    """Columns for all the runs of a chunk, with the values of a run that failed."""
+    """Return columns for all the runs of a chunk, filled with the values of a failed run."""
     count, sizes = len(chunk.runs), [run.model.sizes for run in {id(run.model): run for run in chunk.runs}.values()]
     columns: Columns = {}
     for name in chunk.keep:
@@ -155,13 +190,14 @@ def _empty_columns(chunk: Chunk) -> Columns:
 
 
 def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) -> dict[int, str]:
-    """Make the runs that lanes can make into the columns. Returns the places of the others, and the reasons.
+    """Make the runs that lanes can make into the columns; return the reasons why others cannot, by index.
 
-    Which way a run goes depends on the run alone, not on what else is in the chunk.
+    The path of a run depends on the run alone, not on the other runs of the chunk.
     """
     alone: dict[int, str] = {}
     groups: dict[tuple[Kind, Hashable, Hashable], list[int]] = {}
     known: dict[int, Lanes] = {}  # of the same model
+    # group the runs that share compiled code and lanes
     for place, (model, motion, duration) in enumerate(chunk.runs):
         kind: Kind = model.kind
         if id(model) not in known:
@@ -175,6 +211,7 @@ def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) ->
             alone[place] = why_not
         else:
             groups.setdefault((kind, lanes.share, share), []).append(place)
+    # run the groups
     for (kind, *_), places in groups.items():
         runs = [chunk.runs[place] for place in places]
         made, finished = kind.follow(runs, chunk.keep, chunk.settle, flag)
@@ -188,14 +225,14 @@ def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) ->
 
 
 def _response(chunk: Chunk, place: int, look: Callable[..., object]) -> Any:
-    """The whole response of a run, with the rows of `simulate`."""
+    """Return the response of a run, with the rows of `simulate`."""
     model, motion, duration = chunk.runs[place]
     plan = Plan(motion, duration, output_times(motion, duration), None, chunk.settle, look)
     return model.kind.single_run(model, plan)[0]
 
 
 def _alone(chunk: Chunk, columns: Columns, place: int, look: Callable[..., object]) -> str:
-    """Make one run alone and write it into the columns. Returns the error, or an empty text."""
+    """Make one run alone, write it into the columns, and return the error message or an empty string."""
     run = chunk.runs[place]
     failure = ""
     try:
@@ -211,7 +248,7 @@ def _alone(chunk: Chunk, columns: Columns, place: int, look: Callable[..., objec
 
 
 def _write(column: NDArray[Any], places: int | list[int], values: Any) -> None:
-    """Values of a run, or of several; a column is as wide as its largest model, and NaN beyond the others."""
+    """Write the values of one or several runs; a 2D column is as wide as its largest model, NaN beyond the others."""
     if column.ndim == 2:
         column[places, : np.atleast_1d(values).shape[-1]] = values
     else:

@@ -1,4 +1,4 @@
-"""Runs that vary uncertain data of a model and its motion: verdict, shares and percentiles of all."""
+"""Ensembles: runs with varied uncertain data of model and motion, their verdicts, shares and percentiles."""
 
 from __future__ import annotations
 
@@ -18,7 +18,18 @@ LISTEN = 0.05  # s between two checks for an interruption
 
 
 def ensemble_of(response: Result, plan: Plan, size: int, spread: Spread) -> Ensemble:
-    """`size` runs around the one by a plan that gave a response."""
+    """Return the ensemble of `size` varied runs around a response.
+
+    Parameters
+    ----------
+    response : Response or SpatialResponse
+    plan : Plan
+        Of the response.
+    size : int
+        Number of varied runs.
+    spread : Spread
+        Standard deviations of the varied data, and the seed.
+    """
     rng, kind = np.random.default_rng(spread.seed), response.model.kind
     varied = [vary(response.model, plan.motion, spread, rng) for _ in range(size)]
     made: list[Varied | None] = [None] * size
@@ -44,7 +55,7 @@ def _alone(model: Any, plan: Plan) -> Varied:
 
 
 def interruptible(work: Callable[[], Any]) -> Any:
-    """The result of `work`, which runs in a thread, so that an interruption is noticed during a long call."""
+    """Return the result of `work`, run in a thread so that an interrupt is noticed during a long call."""
     outcome: list[Any] = []
     failure: list[BaseException] = []
 

@@ -23,8 +23,8 @@ from .chunk import Chunk, Made, make_packed, make_runs, packed
 from .pace import Pace
 from .table import Table, joined
 
-FIRST_COST = 2e-5  # s for a block and a second of motion in lanes, before any run is measured
-MOST_SAMPLES = 2**20  # of the records in a chunk, so that memory does not grow with the number of runs
+FIRST_COST = 2e-5  # s per block and second of motion in lanes, before any run is measured
+MOST_SAMPLES = 2**20  # of the records of a chunk, so that memory does not grow with the number of runs
 MOST_NOTED = 100  # failures that are listed
 _ENDED = object()
 
@@ -32,7 +32,7 @@ Callback = Callable[[int, int | None], object]
 
 
 class ExecutorError(SolverError):
-    """An executor failed. `finished`: tables of the runs that were made, neighbours each; `first` says which."""
+    """A failure of an executor; `finished` has tables of the runs that were made, of consecutive runs each."""
 
     finished: Sequence[Table] = ()
 
@@ -50,26 +50,50 @@ def simulate_many(
     responses: Collection[int] = (),
     callback: Callback | None = None,
 ) -> Table:
-    """Runs of column k under motion k, each from rest, as a table with a row for each; or of structures in space.
+    """Run column k under motion k, each from rest, and return a table with a row for each run; or structures in space.
 
-    columns, motions, duration (s; None: that of the motion), tolerance: one for all runs, or one for each run. They may
-    differ in everything. Iterables are read as needed, so that memory does not grow with the number of runs, but for
-    the table. The options are in the groups of `simulate`, and one of their own:
+    `columns`, `motions`, `duration` and `tolerance` are one for all runs, or one for each run, and may differ in
+    everything. Iterables are read as needed, so that memory does not grow with the number of runs, but for the table.
+    The options are in the groups of `simulate`, and one of their own:
 
     Accuracy. tolerance: relative to the peak; None: that of the column.
 
     Output. keep: results that the table holds, names of `Kind.kept`. responses: numbers of runs of which the whole
-    Response is kept, in `table.responses`. callback: called as callback(runs done, runs in all or None) as they end;
-    what it raises ends `simulate_many`.
+    Response is kept, in `table.responses`. callback: called as callback(runs made, runs in all or None) as they end; an
+    exception that it raises ends `simulate_many`.
 
     Verdict. settle: as in `simulate`.
 
-    Work. executor: anything with `submit`, such as a process pool or a client of Dask; None: threads of this process.
-    threads: number of these; None: one for each core.
+    Work. executor: anything with `submit`, such as a process pool or a client of Dask; None: threads of this
+    process. threads: number of these; None: one for each core.
 
-    The numbers are the same, bit for bit, whatever the threads, workers and the order. A run that the solver cannot
-    finish is "undecided", its numbers are NaN and `table.stats["failures"]` says why.
-    Raises InputError for a wrong value, ExecutorError where the executor fails. Warns as `simulate`, once for all.
+    The numbers are the same, bit for bit, for any threads, workers and order. A run that the solver cannot finish is
+    "undecided", its numbers are NaN and `table.stats["failures"]` has the reason.
+
+    Parameters
+    ----------
+    columns : Column or Structure, or iterable of them
+        Models.
+    motions : Motion, or iterable of Motion
+        Base motions.
+    duration : float, or iterable of float, optional
+        Length of the run, s. None: that of the motion.
+
+    Returns
+    -------
+    Table
+
+    Raises
+    ------
+    InputError
+        If a value is wrong.
+    ExecutorError
+        If the executor fails.
+
+    Warns
+    -----
+    InputWarning
+        As `simulate`, once for all runs.
     """
     summary = Summary()
     parts: list[Table] = []
@@ -111,13 +135,29 @@ def parts_of_many(
     callback: Callback | None = None,
     summary: Summary | None = None,
 ) -> Iterator[Table]:
-    """As `simulate_many`, but yields tables of neighbouring runs as they end, in any order; `first` says which."""
+    """Yield tables of consecutive runs as they end, in any order; `first` is the number of the first run of each.
+
+    Parameters
+    ----------
+    columns, motions, duration, tolerance, keep, executor, threads, settle, responses, callback
+        As in `simulate_many`.
+    summary : Summary, optional
+        Updated as the runs end.
+
+    Raises
+    ------
+    InputError
+        If a value is wrong.
+    ExecutorError
+        If the executor fails.
+    """
     settle, whole = _checked(settle, threads, responses)
     first, columns = _first_of(columns)
     kind: Kind | None = getattr(first, "kind", None)
     for name in keep:
         if kind is not None and name not in kind.kept:
             raise InputError(f"keep: {shown(name)}: must be of {', '.join(kind.kept)}")
+    # chunks of about equal cost
     total, runs = _runs(columns, motions, duration, tolerance)
     summary = Summary() if summary is None else summary
     workers = (threads or cores()) if executor is None else workers_of(executor)
@@ -127,6 +167,7 @@ def parts_of_many(
         made = _made(chunks, lambda chunk: executor.submit(make_packed, packed(chunk)), pace, workers)
         yield from _noted(made, summary, total, callback)
         return
+    # threads of this process; the flag stops them if the caller ends early
     flag = np.zeros(1)
     pool = ThreadPoolExecutor(workers, thread_name_prefix="runs")
     try:
@@ -137,11 +178,11 @@ def parts_of_many(
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-# --- what is given
+# --- arguments
 
 
 def _first_of(columns: Any) -> tuple[Any, Any]:
-    """The first of what is given, and all of it: an iterable that can be read only once begins again with that."""
+    """Return the first model and all models; an iterable that can be read only once starts with the first again."""
     if not isinstance(columns, Iterable):
         return columns, columns
     left = iter(columns)
@@ -150,7 +191,7 @@ def _first_of(columns: Any) -> tuple[Any, Any]:
 
 
 def _checked(settle: float, threads: int | None, responses: Any) -> tuple[float, frozenset[int]]:
-    """The settling time, s, and the numbers of the runs whose responses are kept. Raises InputError."""
+    """Return the settling time, s, and the numbers of the runs whose responses are kept. Raises InputError."""
     if threads is not None:
         check_whole("threads", threads, 1, math.inf, "a number of threads, at least 1")
     if not isinstance(responses, Collection) or isinstance(responses, (str, bytes)):
@@ -160,7 +201,7 @@ def _checked(settle: float, threads: int | None, responses: Any) -> tuple[float,
 
 
 def _runs(columns: Any, motions: Any, durations: Any, tolerances: Any) -> tuple[int | None, Iterator[Any]]:
-    """How many runs, if that is known, and one after the other. Raises InputError for lengths that differ."""
+    """Return the number of runs, None if unknown, and an iterator over them. Raises InputError if lengths differ."""
     given = {"columns": columns, "motions": motions, "duration": durations, "tolerance": tolerances}
     several = {key: value for key, value in given.items() if _is_several(key, value)}
     lengths = {key: len(value) for key, value in several.items() if hasattr(value, "__len__")}
@@ -210,7 +251,7 @@ def _iterated(given: dict[str, Any], several: dict[str, Any]) -> Iterator[Run]:
 
 
 def _with_tolerance(k: int, model: Any, tolerance: Any, kind: Kind | None) -> tuple[Any, Kind]:
-    """The model with a tolerance, None keeps its own, and its kind, which has the word of the first."""
+    """Return the model with a tolerance (None keeps its own), and its kind, which must be that of the first model."""
     own: Kind | None = getattr(model, "kind", None)
     if own is None or own.word != (kind or own).word:
         word = "a model" if kind is None else f"a {kind.word}, as the first one"
@@ -223,11 +264,11 @@ def _with_tolerance(k: int, model: Any, tolerance: Any, kind: Kind | None) -> tu
         raise InputError(f"tolerance[{k}]: {error}") from None
 
 
-# --- in chunks
+# --- chunks
 
 
 def guessed_cost(run: Run, keep: tuple[str, ...]) -> float:
-    """Estimated duration of a run, s, before any is measured."""
+    """Estimate the cost of a run, s, before any is measured."""
     work: Work = run.model.kind.work(run.model, keep)
     return FIRST_COST * work.of(run.duration)
 
@@ -263,14 +304,14 @@ def _chunks(
 
 
 def _made(chunks: Iterator[Chunk], submit: Callable[[Chunk], Any], pace: Pace, workers: int) -> Iterator[Made]:
-    """Table and tally of each chunk, as it ends. Raises what a chunk raises."""
+    """Yield table and tally of each chunk as it ends. Raises what a chunk raises."""
     for chunk, made in sent_out(chunks, submit, workers, failed=_failed, error=ExecutorError):
         pace.learn(len(chunk.runs), chunk.weight, made[1].seconds)
         yield made
 
 
 def _failed(chunk: Chunk, tries: int, error: BaseException) -> None:
-    """Raise the error unless the chunk is to be tried again: its worker died, or the connection to it."""
+    """Raise the error, unless the chunk may be tried again because its worker or the connection to it was lost."""
     if isinstance(error, (InputError, SolverError)):
         raise error
     if tries >= TRIES or not isinstance(error, (BrokenExecutor, CancelledError, OSError)):
@@ -282,7 +323,7 @@ def _failed(chunk: Chunk, tries: int, error: BaseException) -> None:
 
 @dataclass
 class Summary:
-    """Contents of `Table.stats`: how many runs each path made, why not all in lanes, failures, s of the clock."""
+    """The contents of `Table.stats`: runs by path, reasons for scalar runs, failures and wall-clock time, s."""
 
     runs: int = 0
     chunks: int = 0
@@ -294,7 +335,7 @@ class Summary:
     begin: float = field(default_factory=clock.perf_counter)
 
     def add(self, table: Table, made: Any) -> None:
-        """Note the tally of a chunk; the first failures are listed."""
+        """Add the tally of a chunk; only the first failures are listed."""
         self.runs += len(table)
         self.chunks += 1
         self.paths.update(made.paths)
@@ -309,7 +350,7 @@ class Summary:
         self.warned += len(made.warnings)
 
     def as_dict(self) -> dict[str, Any]:
-        """For `Table.stats`."""
+        """Return the dictionary of `Table.stats`."""
         return {
             "runs": self.runs,
             "lanes": self.paths["lanes"],

@@ -1,4 +1,4 @@
-"""Size of the chunks of runs sent to workers: some seconds of work, estimated from the last chunk."""
+"""The size of the chunks sent to workers: some seconds of work, estimated from the last chunk."""
 
 from __future__ import annotations
 
@@ -6,16 +6,25 @@ import math
 
 from ..kernels.numba_ext.lanes import WIDTH
 
-CHUNK_SECONDS = 2.0  # of the clock, for a worker
+CHUNK_SECONDS = 2.0  # of wall-clock time, for a worker
 FIRST_SECONDS = 0.2  # of the first chunks, whose cost is a guess, and of the last ones
-LEAST_RUNS, MOST_RUNS = 16, 2000  # in a chunk: enough to refill lanes; not more, since the rows of a run take memory
-GROWTH = 4.0  # of a chunk over the previous one, at most: the next runs may differ from those
+LEAST_RUNS, MOST_RUNS = 16, 2000  # in a chunk: enough to refill lanes, and bounded since the rows of a run take memory
+GROWTH = 4.0  # largest ratio of a chunk to the previous one: the next runs may cost more
 
 
 class Pace:
-    """Decides when a chunk has enough runs. total: of all runs, None if unknown.
+    """An estimator that decides when a chunk has enough runs.
 
-    guess: s for a unit of weight, in the caller's measure of runs, before anything is known.
+    Parameters
+    ----------
+    total : int or None
+        Number of all runs, if known.
+    workers : int
+        Number of workers.
+    guess : float
+        Cost of a unit of weight, s, before any chunk is measured.
+    seconds : float
+        Target cost of a chunk, s of wall-clock time.
     """
 
     def __init__(self, total: int | None, workers: int, guess: float, seconds: float = CHUNK_SECONDS) -> None:
@@ -24,7 +33,7 @@ class Pace:
         self._per_run, self._most = math.inf, MOST_RUNS
 
     def learn(self, runs: int, weight: float, seconds: float) -> None:
-        """Update the cost by the time of the last chunk."""
+        """Update the cost from the time of the last chunk."""
         self._cost, self._per_run = max(seconds, 1e-6) / weight, max(seconds, 1e-6) / runs
         self._seconds = self._wanted
         self._most = min(MOST_RUNS, int(GROWTH * max(runs, LEAST_RUNS)))
@@ -35,12 +44,12 @@ class Pace:
             self._left -= count
 
     def enough(self, count: int, weight: float) -> bool:
-        """Whether `count` runs of this weight make a chunk. Towards the end all workers should have some."""
-        if count % WIDTH:  # lanes would be empty
+        """Return True if `count` runs of this weight make a chunk; near the end every worker should get some."""
+        if count % WIDTH:  # some lanes would be empty
             return False
         if self._left is not None:
             rest = self._left - count
-            whole = weight * self._cost * (1.0 + rest / count)  # s, with the rest, which would leave lanes empty
+            whole = weight * self._cost * (1.0 + rest / count)  # s, with the rest, which alone would leave lanes empty
             if self._workers == 1 and 0 < rest < LEAST_RUNS and whole <= self._wanted:
                 return False
             share = self._left / (self._workers if self._per_run == math.inf else 2 * self._workers)

@@ -1,4 +1,4 @@
-"""A whole run: from a column and a base motion to a response."""
+"""A complete run: from a model and a base motion to a response."""
 
 from __future__ import annotations
 
@@ -112,44 +112,69 @@ def simulate(
     loads: Loads | None = None,
     release: Mapping[str, Mapping[str, float]] | None = None,
 ) -> Any:
-    """Response of a column, or of a structure in space, to a base motion or a record in a file, from its start.
+    """Compute the response of a column, or of a structure in space, to a base motion or a record in a file.
 
-    duration: s; None: that of the motion. Beyond the motion the base does not accelerate. initial: None is rest in
-    static equilibrium. The other options are in five groups.
+    The options beside `duration` and `initial` are in five groups:
 
     Loads; of columns and structures with ports (ground/loads.py). loads: port -> `Load`, or component (Fx, Fy, Fz, N;
-    Mx, My, Mz, N m; in its plane a column has Fx, Fz, My) -> a number, constant over the run, or (times, values).
-    release: port -> component -> number: rest under these loads, let go at the start.
+    Mx, My, Mz, N m; in its plane a column has Fx, Fz, My) -> a number, constant over the run, or (times,
+    values). release: port -> component -> number: rest under these loads, removed at the start.
 
     Accuracy; None keeps the setting of the column. tolerance: relative to the peak. formulation, integrator, step (s):
-    structures have none of these. without: names of settings.SKIPS, short cuts that are not to be taken; "peaks": those
-    of ux only are kept. plane: "auto" gives the Response of a column, with joints rigid along themselves, for a
+    structures have none of these. without: names of settings.SKIPS, shortcuts that are switched off; "peaks": only
+    those of ux are kept. plane: "auto" gives the Response of a column, with joints rigid along themselves, for a
     structure that is one, begins at rest and is shaken in the plane x, z alone (models/structure/planar.py).
 
     Output. output_step: s between the rows of the response; None: 0.005. It has no influence on the steps, and the
     peaks are those of the motion between the rows as well. callback: called as callback(t, Glance), of run.py of the
-    model, with the time s reached, some times a second of the clock and at the end of each run; what it raises ends
-    `simulate`.
+    model, with the time s reached, some times per second of wall-clock time and at the end of each run; an exception
+    that it raises ends `simulate`.
 
-    Verdict. settle: after `duration` the column is followed further, on a base that no longer accelerates, until it has
+    Verdict. settle: after `duration` the model is followed further, on a base that no longer accelerates, until it has
     fallen or cannot fall, for at most this time, s; the histories and the peaks end at `duration`.
 
-    Trust. check: run once more at a tenth of the tolerance (half of a fixed step): `estimated_error` and `horizon` of
-    the response, and a verdict that is "undecided" where the two differ. ensemble: number of further runs, varied by
+    Trust. check: repeat the run with a tenth of the tolerance (half of a fixed step): `estimated_error` and `horizon`
+    of the response, and a verdict that is "undecided" where the two differ. ensemble: number of further runs, varied by
     `spread` (uncertainty.py; None: the defaults); their results are the `ensemble` of the response.
 
-    Warns (InputWarning) of values that are probably not intended (plausible.py of common/ and ground/), and of blocks
-    that pass into each other because no joint connects them. Raises InputError for a wrong value or a rest that is not
-    stable if the run starts from it, SolverError if the solver cannot go on.
+    Parameters
+    ----------
+    column : Column or Structure
+        The model.
+    motion : Motion or path-like
+        Base motion, or a record file; the run begins at its start.
+    duration : float, optional
+        Length of the run, s. None: that of the motion. Beyond the motion the base does not accelerate.
+    initial : InitialState or SpatialState, optional
+        None: rest in static equilibrium.
+
+    Returns
+    -------
+    Response or SpatialResponse
+
+    Raises
+    ------
+    InputError
+        If a value is wrong, or the run starts from a rest that is not stable.
+    SolverError
+        If the solver cannot go on.
+
+    Warns
+    -----
+    InputWarning
+        Of values that are probably not intended (plausible.py of common/ and ground/), and of blocks that pass into
+        each other because no joint connects them.
     """
     if isinstance(motion, (str, os.PathLike)):
         motion = Motion.from_file(motion)
+    # times of the run and of the rows
     check_strength(motion)
     duration = motion.duration if duration is None else _positive("duration", duration)
     output_step = OUTPUT_STEP if output_step is None else _positive("output_step", output_step)
     times = output_times(motion, duration, output_step)
     settle = 0.0 if settle == 0 else _positive("settle", settle)
     ensemble = check_whole("ensemble", ensemble, 0, MOST_RUNS, f"a number of runs, at most {MOST_RUNS}")
+    # loads and initial state
     if loads:
         motion = motion.with_loads({**motion.loads, **loads_from(loads, motion.start, duration)})
     if release:
@@ -163,6 +188,7 @@ def simulate(
     if plane is not None:
         check_choice("plane", plane, ("auto",))
         column = column if initial is not None else column.kind.simplest(column, motion)
+    # settings that the kind of model has
     kind: Kind = column.kind
     kind.check_motion(motion)
     given: dict[str, Any] = {"formulation": formulation, "integrator": integrator, "step": step}
@@ -173,6 +199,7 @@ def simulate(
     column = column.with_settings(**{name: value for name, value in given.items() if name in kind.settings})
     kind.check(column, from_rest=initial is None)
     warn_of(kind.warnings(column, at_rest=initial is None))
+    # run, repetition with smaller errors, ensemble
     response, places = kind.single_run(column, plan)
     if check:
         try:
@@ -192,7 +219,7 @@ def _ports_of(model: Any) -> list[str]:
 
 
 def _check_ports(motion: Motion, model: Any) -> None:
-    """Raise InputError for a load on a port that a model has not; kinds without ports say so themselves."""
+    """Raise InputError for a load on a port that the model lacks; kinds without ports check this themselves."""
     if model.kind.takes_loads:
         for port in motion.loads:
             place_of("loads", port, _ports_of(model))

@@ -1,4 +1,4 @@
-"""Results of many runs: columns of numbers and words by name, a row for each run."""
+"""Results of many runs: numbers and words by name, with a row for each run."""
 
 from __future__ import annotations
 
@@ -23,11 +23,23 @@ Columns = dict[str, NDArray[Any]]
 
 
 class Table(Framed, Shown):
-    """Columns by name, `table["peak_ux"]`: an array (runs,), or (runs, blocks) for values of every block or joint.
+    """A table of runs by column name, `table["peak_ux"]`: arrays (runs,), or (runs, blocks) for every block or joint.
 
-    A mapping, but its length is the number of runs. Block 1, the top one, comes first; NaN fills the columns beyond a
-    column's number of blocks. `first`: number of the first run. columns: words as numbers, named by WORDS. stats: how
-    the runs were made (many.py). responses: by number of the run, those requested in full. of: as of a Frame.
+    It is a mapping whose length is the number of runs. Block 1, the top one, comes first; NaN fills the columns beyond
+    a column's number of blocks.
+
+    Parameters
+    ----------
+    columns : mapping of str to array
+        Columns; words as codes, named by WORDS.
+    stats : mapping, optional
+        How the runs were made (many.py).
+    responses : mapping of int to Response, optional
+        Responses that were requested in full, by the number of the run.
+    first : int
+        Number of the first run.
+    of : mapping of str to str, optional
+        As of a Frame.
     """
 
     def __init__(
@@ -45,7 +57,7 @@ class Table(Framed, Shown):
         self.first = first
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        """The column of that name; KeyError lists the names."""
+        """Return the column of that name; KeyError lists the names."""
         if name not in self._columns:
             raise KeyError(f"{name}: not kept, only {', '.join(self._columns)}")
         values = self._columns[name]
@@ -55,27 +67,27 @@ class Table(Framed, Shown):
         return name in self._columns
 
     def __iter__(self) -> Iterator[str]:
-        """The names of the columns."""
+        """Iterate over the names of the columns."""
         return iter(self._columns)
 
     def __len__(self) -> int:
-        """Number of runs."""
+        """Return the number of runs."""
         return len(next(iter(self._columns.values()), ()))
 
     def keys(self) -> KeysView[str]:
-        """The names of the columns."""
+        """Return the names of the columns."""
         return self._columns.keys()
 
     def values(self) -> ValuesView[NDArray[Any]]:
-        """The columns."""
+        """Return the columns."""
         return {name: self[name] for name in self}.values()
 
     def items(self) -> ItemsView[str, NDArray[Any]]:
-        """Names and columns."""
+        """Return names and columns."""
         return {name: self[name] for name in self}.items()
 
     def get(self, name: str, default: Any = None) -> Any:
-        """The column of that name, or `default`."""
+        """Return the column of that name, or `default`."""
         return self[name] if name in self._columns else default
 
     def _facts(self) -> tuple[str, ...]:
@@ -88,27 +100,27 @@ class Table(Framed, Shown):
         return Frame(("run", np.arange(self.first, self.first + len(self))), dict(self.items()), of=self._of)
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
-        """Draw how far each run moves and its verdict, over the numbers of the runs; saved to `path` if given.
+        """Plot displacement and verdict of each run over its number, and save the figure if `path` is given.
 
-        Raises InputError without a kept displacement, and without matplotlib (the extra `plot`).
+        Raises InputError if no displacement was kept, or without matplotlib (the extra `plot`).
         """
         with needing("plot", "matplotlib"):
             from ..plotting.tables import plot_table
         return plot_table(self._frame(), path)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a line for each run, the number of the run first; a column of blocks as peak_ux[1], peak_ux[2] ..."""
+        """Write a line for each run, its number first; a column of blocks becomes peak_ux[1], peak_ux[2] and so on."""
         columns = self._frame().flat()
         write_table(path, columns, zip(*(column.tolist() for column in columns.values()), strict=True))
 
 
 def counts(verdicts: Iterable[str]) -> list[str]:
-    """How often each verdict occurs, in words."""
+    """Return the number of each verdict, in words."""
     return [f"{number} {verdict}" for verdict, number in sorted(Counter(map(str, verdicts)).items())]
 
 
 def joined(parts: Sequence[Table]) -> Table:
-    """The tables of neighbouring runs as one; columns of blocks become as wide as the widest. Stats are left out."""
+    """Concatenate the tables of consecutive runs; columns of blocks become as wide as the widest. Stats are dropped."""
     responses = {number: response for part in parts for number, response in part.responses.items()}
     columns = {name: _stacked([part._columns[name] for part in parts]) for name in (parts[0] if parts else ())}
     first, of = (parts[0].first, parts[0]._of) if parts else (0, {})

@@ -1,4 +1,4 @@
-"""Accuracy of a run: it is repeated with smaller errors, and the two are compared."""
+"""The accuracy of a run, estimated by comparison with a repetition of smaller errors."""
 
 from __future__ import annotations
 
@@ -13,25 +13,32 @@ from ..models.protocol import UNDECIDED
 from ..models.uncertainty import ErrorEstimate
 
 FINER = 0.1  # of the tolerance
-LEAST_TOLERANCE = 1e-13  # that a model may have
+LEAST_TOLERANCE = 1e-13  # lower bound
 HALF = 0.5  # of a fixed step; the error of central differences is proportional to its square, so that
 RICHARDSON = 4.0 / 3.0  # times the difference is the error
 AGREE = 10.0  # tolerances
-AGREE_AT_FIXED_STEPS = 1e-2  # of the peak: they have no tolerance
-BEFORE_FALL = 0.1  # s: columns that fall differ shortly before, however close the runs are
+AGREE_AT_FIXED_STEPS = 1e-2  # of the peak: fixed steps have no tolerance
+BEFORE_FALL = 0.1  # s: the runs of a column that falls differ shortly before, even for small errors
 
 
 def finer(model: Any) -> Any:
-    """The model with settings for much smaller errors."""
+    """Return the model with settings for much smaller errors."""
     if _is_fixed(model):
         return model.with_settings(step=HALF * model.settings.step)
     return model.with_settings(tolerance=max(LEAST_TOLERANCE, FINER * model.settings.tolerance))
 
 
 def judge(response: Any, closer: Any, places: FloatArray, closer_places: FloatArray | None) -> None:
-    """Set estimated_error, horizon and, if the verdicts differ, the verdict of a response from the closer run.
+    """Set estimated error, horizon and, if the verdicts differ, the verdict of a response.
 
-    closer: a response, or the SolverError that it ended with. places: displacements at the rows, (nt, any number) m.
+    Parameters
+    ----------
+    response : Response or SpatialResponse
+        Modified in place.
+    closer : Response, SpatialResponse or SolverError
+        The run with smaller errors, or the error that ended it.
+    places, closer_places : array (nt, any number)
+        Displacements of both runs at the rows, m; None for a run that ended with an error.
     """
     if isinstance(closer, SolverError) or closer_places is None:
         response.verdict, response.reason = UNDECIDED, f"the run that checks it failed: {closer}"
@@ -39,11 +46,13 @@ def judge(response: Any, closer: Any, places: FloatArray, closer_places: FloatAr
     fixed = _is_fixed(response.model)
     factor = RICHARDSON if fixed else 1.0
     allowed = AGREE_AT_FIXED_STEPS if fixed else AGREE * response.model.settings.tolerance
+    # compare up to shortly before a fall of either
     time = response.time
     fall = min((run.overturn_time for run in (response, closer) if run.overturned), default=math.inf)
     rows = int(np.searchsorted(time, fall - BEFORE_FALL)) or int(np.searchsorted(time, fall))
     difference = factor * np.max(np.abs(places - closer_places), axis=1)
     size = float(np.max(np.abs(closer_places[:rows]), initial=0.0)) or 1.0
+    # relative error of the peaks; contact is relative already
     peaks = {
         name: factor
         * np.abs(response.peaks[name] - other)
@@ -55,6 +64,7 @@ def judge(response: Any, closer: Any, places: FloatArray, closer_places: FloatAr
         peaks=peaks,
         overturn_time=abs(response.overturn_time - closer.overturn_time),
     )
+    # horizon of prediction, and verdict
     apart = np.flatnonzero(difference > allowed * size)
     response.horizon = float(time[max(int(apart[0]) - 1, 0)] if apart.size else time[-1])
     if response.verdict != closer.verdict:
@@ -64,7 +74,7 @@ def judge(response: Any, closer: Any, places: FloatArray, closer_places: FloatAr
 
 
 def _is_fixed(model: Any) -> bool:
-    """Whether a model is stepped by fixed steps."""
+    """Return True if a model is integrated with fixed steps."""
     return bool(model.settings.integrator == "central-difference")
 
 

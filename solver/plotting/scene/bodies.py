@@ -1,4 +1,4 @@
-"""The bodies of a response, their joints, and where they are at each row. Lengths in m, z up."""
+"""The bodies of a response, their joints, and their poses at each row. Lengths in m, z up."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from ...models.structure.blocks.parts import Joint, Solid
 from ...models.structure.model import Structure
 
 SIDES = 32  # of a round face
-AROUND = 0.3  # of the largest extent: how far a wall is drawn beyond the blocks
-TOO_CLOSE = 1e-6  # s: rows that a sampled time may miss
+AROUND = 0.3  # of the largest extent: a wall is clipped at this distance from the blocks
+TOO_CLOSE = 1e-6  # s: tolerance on the distance of two rows
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """A plane polygon of a body, anticlockwise from outside, (corners, 3) m from its centroid."""
+    """A plane polygon of a body, (corners, 3) m from its centroid, anticlockwise from outside."""
 
     points: FloatArray
     edged: bool = True  # its sides are edges of the body
@@ -40,7 +40,7 @@ class Body:
     surfaces: tuple[Surface, ...]
     meshed: bool = False  # its surfaces are those of a mesh, and may be hollow
     reach: float = 0.0  # m, from the centroid to the top face: a column's ux is that of its middle
-    tilt: float = 0.0  # rad, as built, of that way
+    tilt: float = 0.0  # rad, of the block as built
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class Contact:
 
     name: str
     body: int
-    below: int  # the number of bodies: the base
+    below: int  # index of the lower body; the number of bodies for the base
     points: FloatArray
     hole: FloatArray  # the inner rim, empty without one
     stiffness: float  # N/m3
@@ -58,8 +58,11 @@ class Contact:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Bodies, and at some rows of a response their poses: a point at an arm from the centroid, as built, is displaced
-    by `u` and by `turn` of its arm (models/structure/blocks/shapes.py, turned)."""
+    """The bodies of a model, and their poses at some rows of a response.
+
+    A point whose arm from the centroid, as built, is r is displaced by `u` and by the rotation `turn` of r
+    (models/structure/blocks/shapes.py, turned).
+    """
 
     name: str
     bodies: tuple[Body, ...]
@@ -72,13 +75,13 @@ class Scene:
 
     @property
     def corners(self) -> FloatArray:
-        """All corners as built, (points, 3) m."""
+        """The corners of all bodies and walls as built, (points, 3) m."""
         every = (*self.bodies, *self.walls)
         return np.concatenate([body.centroid + part.points for body in every for part in body.surfaces])
 
 
 def scene_of(response: Any, fps: float) -> Scene:
-    """The scene of a Response or SpatialResponse, of rows at most `fps` a second, the last one among them."""
+    """Return the scene of a Response or SpatialResponse, with at most `fps` rows per second and the last row."""
     rows, model = _rows(response.time, fps), response.model
     bodies, contacts = parts_of(model)
     u, turn = poses(bodies, response)
@@ -86,7 +89,7 @@ def scene_of(response: Any, fps: float) -> Scene:
 
 
 def parts_of(model: Any) -> tuple[tuple[Body, ...], tuple[Contact, ...]]:
-    """The blocks and joints of a model. Raises InputError for one whose shape is not known."""
+    """Return the blocks and joints of a model. Raises InputError for one whose shape is not known."""
     word = model.kind.word
     if word not in SHAPES:
         raise InputError(f"scene: a {word} has none, only {' and '.join(SHAPES)} have")
@@ -94,7 +97,7 @@ def parts_of(model: Any) -> tuple[tuple[Body, ...], tuple[Contact, ...]]:
 
 
 def walls_of(model: Any) -> tuple[Body, ...]:
-    """The walls that blocks of a structure may meet, as far as they are near, seen from these; none of a column."""
+    """Return the walls that blocks of a structure may meet, clipped near the blocks; none of a column."""
     if not isinstance(model, Structure):
         return ()
     faces = {pair.wall: pair.beside for pair in model.neighbours if pair.wall and isinstance(pair.beside, Face)}
@@ -112,9 +115,14 @@ def walls_of(model: Any) -> tuple[Body, ...]:
 
 
 def poses(bodies: Sequence[Any], histories: Any) -> tuple[FloatArray, FloatArray]:
-    """Displacements, m, and rotations, rad, (rows, n, 3) each, from ux, uy, uz, rx, ry, rz, or from ux, uz, theta.
+    """Return displacements, m, and rotations, rad, (rows, n, 3) each, of a response.
 
-    bodies: what has reach and tilt of a Body.
+    Parameters
+    ----------
+    bodies : sequence
+        Objects with the attributes `reach` and `tilt` of a Body.
+    histories : object
+        Has ux, uy, uz, rx, ry, rz, or ux, uz, theta of a column, (rows, n) each.
     """
     if hasattr(histories, "rz"):
         found = [np.stack([getattr(histories, f"{kind}{axis}") for axis in "xyz"], axis=-1) for kind in "ur"]
@@ -128,7 +136,7 @@ def poses(bodies: Sequence[Any], histories: Any) -> tuple[FloatArray, FloatArray
 
 
 def _rows(time: FloatArray, fps: float) -> Any:
-    """Rows whose times are apart by 1 / fps at least, the first and the last among them."""
+    """Return the indices of rows at least 1 / fps apart, including the first and the last."""
     found, due = [], -math.inf
     for k, t in enumerate(time[:-1].tolist()):
         if t >= due - TOO_CLOSE:
@@ -153,12 +161,13 @@ def _contact(name: str, joint: Joint, centroid: FloatArray) -> Contact:
 
 
 def surfaces(block: Solid) -> tuple[Surface, ...]:
-    """The surface of a block in space."""
+    """Return the surface of a block in space."""
     if len(block.surface):
         return tuple(Surface(triangle - block.centroid, False) for triangle in block.surface)
     round_faces = [face for face in block.faces if face.radius]
     if len(block.faces) != 2:
         return tuple(Surface(face.points() - block.centroid) for face in block.faces)
+    # two faces: a drum, or a box that tapers
     low, high = (face.points(SIDES) - block.centroid for face in block.faces)
     if len(round_faces) == 2:
         high = np.roll(high[::-1], 1, axis=0)  # seen from the other side
@@ -171,7 +180,7 @@ def surfaces(block: Solid) -> tuple[Surface, ...]:
 
 
 def _inner(face: Face) -> FloatArray:
-    """Points of the rim of its hole."""
+    """Return the points of the rim of the hole of a face."""
     found: FloatArray = face.centre + (face.points(SIDES) - face.centre) * (face.bore / face.radius)
     return found
 
@@ -179,7 +188,7 @@ def _inner(face: Face) -> FloatArray:
 def _between(
     low: FloatArray, high: FloatArray, bore: Sequence[FloatArray] = (), edged: bool = False
 ) -> tuple[Surface, ...]:
-    """The surface between two rings, both anticlockwise seen from above; bore: those of a hole."""
+    """Return the surface between two rings, both anticlockwise from above; `bore` has the two rings of a hole."""
     found = [Surface(np.array([low[k - 1], low[k], high[k], high[k - 1]]), edged) for k in range(len(low))]
     if not bore:
         return *found, Surface(low[::-1]), Surface(high)
@@ -192,7 +201,7 @@ def _between(
 
 
 def normal_of(points: FloatArray) -> FloatArray:
-    """The unit normal of a plane polygon."""
+    """Return the unit normal of a plane polygon."""
     arms = points - points[0]
     area = np.sum(np.cross(arms[1:-1], arms[2:]), axis=0)
     found: FloatArray = area / max(float(np.linalg.norm(area)), 1e-300)
@@ -201,7 +210,7 @@ def normal_of(points: FloatArray) -> FloatArray:
 
 def _of_column(column: Column) -> tuple[tuple[Body, ...], tuple[Contact, ...]]:
     bodies, contacts = [], []
-    foot = np.zeros(3)  # middle of the bottom face as built
+    foot = np.zeros(3)  # centre of the bottom face as built
     for i in range(column.n - 1, -1, -1):
         block = column.blocks[i]
         lean = block.joint.inclination or 0.0
@@ -221,7 +230,7 @@ def _of_column(column: Column) -> tuple[tuple[Body, ...], tuple[Contact, ...]]:
 def _of_block(
     block: Block, tilt: float, below: float, above: float
 ) -> tuple[tuple[Surface, ...], tuple[FloatArray, FloatArray]]:
-    """The surface of a column's block and the rims of its joint; below, above: obliqueness of its faces, rad."""
+    """Return the surface of a column's block and the rims of its joint; `below`, `above`: angles of its faces, rad."""
     ends = (block.width, block.depth), (block.top_width or block.width, block.top_depth or block.depth)
     is_drum, is_disc = is_round(block.shape[0]), is_round(float(block.joint_section))
     heights = -block.resolved_centroid, block.height - block.resolved_centroid

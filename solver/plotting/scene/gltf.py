@@ -18,14 +18,14 @@ from ...common.files import whole_file
 from ...models.structure.blocks.faces import FloatArray
 from .bodies import Body, normal_of, poses, scene_of
 
-FPS = 30.0  # the most pictures a second
+FPS = 30.0  # rows per second, at most
 FLOAT, UNSIGNED = 5126, 5125  # component types
 STONE = [0.61, 0.53, 0.41, 1.0]  # linear
 UPWARDS = [-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)]  # z up, to y up as glTF has it
 
 
 def write_gltf(response: Any, path: str | os.PathLike[str]) -> None:
-    """Write the scene of a response. Raises InputError, OSError."""
+    """Write the scene of a response to a .glb file. Raises InputError, OSError."""
     if Path(path).suffix.lower() != ".glb":
         raise InputError(f"{path}: must end in .glb")
     scene = scene_of(response, FPS)
@@ -35,9 +35,21 @@ def write_gltf(response: Any, path: str | os.PathLike[str]) -> None:
 
 
 def animated(found: bytes, time: FloatArray, histories: Mapping[str, FloatArray]) -> bytes:
-    """What `still` gives, with the motion in the outputs of its FMU: block[1].ux or block1.ux and so on by name.
+    """Return the glTF of `still` with the motion given by the outputs of its FMU as an animation.
 
-    time (rows,) s. Raises InputError for a name that is missing.
+    Parameters
+    ----------
+    found : bytes
+        Result of `still`, with `in_plane`.
+    time : array (rows,)
+        Times, s.
+    histories : mapping of str to array (rows,)
+        Outputs by name: block[1].ux or block1.ux, and so on.
+
+    Raises
+    ------
+    InputError
+        If an output is missing.
     """
     bodies = [SimpleNamespace(**node["extras"]) for node in _parts(found)[0]["nodes"] if "extras" in node]
     outputs = ("ux", "uz", "theta") if bodies[0].in_plane else ("ux", "uy", "uz", "rx", "ry", "rz")
@@ -55,14 +67,14 @@ def animated(found: bytes, time: FloatArray, histories: Mapping[str, FloatArray]
 
 
 def quaternions(turn: FloatArray) -> FloatArray:
-    """Of rotations, axis times angle, rad (..., 3): (..., 4), the real part last."""
+    """Return the quaternions (..., 4), the real part last, of rotations, axis times angle, rad (..., 3)."""
     angle = np.linalg.norm(turn, axis=-1, keepdims=True)
     found: FloatArray = np.concatenate([0.5 * np.sinc(0.5 * angle / np.pi) * turn, np.cos(0.5 * angle)], axis=-1)
     return found
 
 
 class _Buffer:
-    """The binary part, and the views and accessors into it."""
+    """The binary part of a glTF file, with the views and accessors into it."""
 
     def __init__(self, description: Any, data: bytes = b"") -> None:
         self.data = bytearray(data)
@@ -70,7 +82,7 @@ class _Buffer:
         self.accessors: list[dict[str, Any]] = description.setdefault("accessors", [])
 
     def add(self, values: FloatArray, kind: str, bounds: bool = False, target: int | None = None) -> int:
-        """Add float32 numbers, or indices (kind SCALAR and target 34963); returns the number of the accessor."""
+        """Append float32 values, or indices (kind SCALAR and target 34963), and return the index of the accessor."""
         indices = target == 34963
         stored = np.ascontiguousarray(values, dtype="<u4" if indices else "<f4")
         self.views.append({"buffer": 0, "byteOffset": len(self.data), "byteLength": stored.nbytes})
@@ -87,12 +99,26 @@ class _Buffer:
 
 
 def still(name: str, bodies: Sequence[Body], in_plane: bool | None = None, walls: Sequence[Body] = ()) -> bytes:
-    """Bodies as built, and walls, which are seen from one side.
+    """Return the glTF of bodies as built, and of walls, which are visible from one side.
 
-    in_plane: with numbers in each node by which `animated` places it by the outputs of an FMU.
+    Parameters
+    ----------
+    name : str
+        Name of the scene.
+    bodies : sequence of Body
+    in_plane : bool, optional
+        If given, each node stores the numbers with which `animated` poses it from the outputs of an FMU; True for those
+        of a column in its plane.
+    walls : sequence of Body
+        Walls, of one surface each.
+
+    Returns
+    -------
+    bytes
+        Content of a .glb file.
     """
     n = len(bodies)
-    # a body's place as built is a number of JSON, in full; float32 has only its displacement
+    # the position as built is a JSON number of full precision; float32 holds only the displacement
     held = [*range(1, n + 1), *range(2 * n + 1, 2 * n + 1 + len(walls))]
     nodes: list[dict[str, Any]] = [{"name": name, "rotation": UPWARDS, "children": held}]
     nodes += [{"translation": body.centroid.tolist(), "children": [n + 1 + i]} for i, body in enumerate(bodies)]
@@ -101,6 +127,7 @@ def still(name: str, bodies: Sequence[Body], in_plane: bool | None = None, walls
     if in_plane is not None:
         for node, body in zip(nodes[n + 1 : 2 * n + 1], bodies, strict=True):
             node["extras"] = {"in_plane": in_plane, "reach": body.reach, "tilt": body.tilt}
+    # scene, material and meshes
     description: dict[str, Any] = {
         "asset": {"version": "2.0", "generator": "multiblock-fmu"},
         "scene": 0,
@@ -116,14 +143,14 @@ def still(name: str, bodies: Sequence[Body], in_plane: bool | None = None, walls
 
 
 def _moving(found: bytes, time: FloatArray, u: FloatArray, turn: FloatArray) -> bytes:
-    """What `still` gives, with displacements, m, and rotations, rad, (rows, n, 3) each, as an animation."""
+    """Return the glTF of `still` with displacements, m, and rotations, rad, (rows, n, 3) each, as an animation."""
     description, data = _parts(found)
     buffer, n = _Buffer(description, data), u.shape[1]
     clock = buffer.add(time - time[0], "SCALAR", bounds=True)
     samplers, channels = [], []
     turns = quaternions(turn)
     nearest = np.cumprod(np.where(np.sum(turns[1:] * turns[:-1], axis=-1) < 0.0, -1.0, 1.0), axis=0)
-    turns[1:] *= nearest[..., None]  # of q and -q the one that is nearer to the last
+    turns[1:] *= nearest[..., None]  # of q and -q, choose the one nearer to the previous row
     for i in range(n):
         for name, values, kind in (("translation", u, "VEC3"), ("rotation", turns, "VEC4")):
             samplers.append({"input": clock, "output": buffer.add(values[:, i], kind), "interpolation": "LINEAR"})
@@ -133,7 +160,7 @@ def _moving(found: bytes, time: FloatArray, u: FloatArray, turn: FloatArray) -> 
 
 
 def _packed(description: dict[str, Any], buffer: _Buffer) -> bytes:
-    """A .glb."""
+    """Return the content of a .glb file."""
     description["buffers"] = [{"byteLength": len(buffer.data)}]
     text = json.dumps(description, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
@@ -143,7 +170,7 @@ def _packed(description: dict[str, Any], buffer: _Buffer) -> bytes:
 
 
 def _parts(found: bytes) -> tuple[Any, bytes]:
-    """The description and the buffer of a .glb."""
+    """Return the description and the buffer of a .glb file."""
     size = int.from_bytes(found[12:16], "little")
     description = json.loads(found[20 : 20 + size])
     begin = 28 + size
@@ -151,7 +178,7 @@ def _parts(found: bytes) -> tuple[Any, bytes]:
 
 
 def _mesh(body: Body, buffer: _Buffer) -> dict[str, Any]:
-    """Triangles, each surface with corners of its own: its normal is theirs."""
+    """Return the triangles of a body; each surface has vertices of its own, with its normal."""
     points, normals, corners, count = [], [], [], 0
     for surface in body.surfaces:
         k = len(surface.points)

@@ -1,4 +1,4 @@
-"""A response as one HTML page that plays it, with a painter of its own (viewer.js): it fetches nothing."""
+"""A response as one HTML page that plays it with its own renderer (viewer.js) and loads nothing else."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from ...models.structure.blocks.faces import FloatArray
 from ..largest import largest_displacement, length
 from .bodies import SHAPES, Body, Scene, scene_of
 
-FPS = 30.0  # the most rows a second
+FPS = 30.0  # rows per second, at most
 MOST_NUMBERS = 270_000  # displacements, rotations and joints: 1.4 MB of the page
 MOST_TRIANGLES = 16_000  # of meshes: 0.8 MB
-EMBEDDED_FPS, EMBEDDED_NUMBERS, EMBEDDED_TRIANGLES = 15.0, 60_000, 4_000  # of a page in another one
-VISIBLE = 0.08  # of the extent: largest displacement at the factor that the page begins with
+EMBEDDED_FPS, EMBEDDED_NUMBERS, EMBEDDED_TRIANGLES = 15.0, 60_000, 4_000  # of an embedded page
+VISIBLE = 0.08  # of the extent: largest displacement drawn at the initial factor
 MOST_TIMES = 1e4  # factor on the deformation
 DIGITS = 5  # of lengths in m: of what is drawn
-WHOLE = 65535  # of what is kept as a part
+WHOLE = 65535  # full scale of shares stored as 16-bit integers
 VERDICTS = {
     "standing": "It stands.",
     "overturned": "It falls at {:.2f} s.",
@@ -42,7 +42,16 @@ FRAME = (
 
 
 def write_view(response: Any, path: str | os.PathLike[str], scale: float | None) -> None:
-    """Write the page; scale: the factor on the deformation that it begins with. Raises InputError, OSError."""
+    """Write the page of a response. Raises InputError, OSError.
+
+    Parameters
+    ----------
+    response : Response or SpatialResponse
+    path : path-like
+        File to write, .html.
+    scale : float or None
+        Initial factor on the deformation. None: chosen so that the motion is visible.
+    """
     check_page(path)
     if scale is not None:
         scale = check_number("scale", scale, POSITIVE, "a positive factor on the deformation")
@@ -52,20 +61,20 @@ def write_view(response: Any, path: str | os.PathLike[str], scale: float | None)
 
 
 def check_page(path: str | os.PathLike[str]) -> None:
-    """Raise InputError unless the name is that of a page."""
+    """Raise InputError unless the file name ends in .html."""
     if Path(path).suffix.lower() != ".html":
         raise InputError(f"{path}: must end in .html")
 
 
 def frame_of(response: Any, height: int = 480) -> str:
-    """HTML that shows a smaller page within another one; height: px. Empty if the shape of its model is not known."""
+    """Return HTML that embeds a smaller page, `height` px high; empty if the shape of the model is not known."""
     if response.model.kind.word not in SHAPES:
         return ""
     return FRAME.format(escape(small_page(response)), height)
 
 
 def small_page(response: Any, scale: float | None = None) -> str:
-    """A page of fewer rows and coarser meshes; scale: as of write_view."""
+    """Return a page with fewer rows and coarser meshes; `scale` as in `write_view`."""
     return _page(response, scale, EMBEDDED_FPS, EMBEDDED_NUMBERS, EMBEDDED_TRIANGLES)
 
 
@@ -89,7 +98,8 @@ def _page(response: Any, scale: float | None, fps: float, numbers: int, triangle
 
 
 def _contents(scene: Scene, response: Any, scale: float | None, triangles: int) -> dict[str, Any]:
-    """What viewer.js draws."""
+    """Return the data that viewer.js draws."""
+    # extent, peak and fall; initial factor that makes the motion visible
     corners = scene.corners
     low, high = corners.min(axis=0), corners.max(axis=0)
     extent = float(np.linalg.norm(high - low))
@@ -100,6 +110,7 @@ def _contents(scene: Scene, response: Any, scale: float | None, triangles: int) 
     peak = scene.time[int(np.argmax(np.max(across[:rows], axis=1)))]
     wanted = VISIBLE * extent / max(float(np.max(across)), 1e-12)
     factor = scale or (1.0 if fell else float(min(max(1.0, float(f"{wanted:.1g}")), MOST_TIMES)))
+    # geometry: surfaces of the blocks, decimated meshes, rims of the joints
     of_mesh = triangles // max(1, sum(body.meshed for body in scene.bodies))
     bodies = [
         {"name": body.name, "centroid": body.centroid.tolist()}
@@ -115,6 +126,7 @@ def _contents(scene: Scene, response: Any, scale: float | None, triangles: int) 
         for contact in scene.contacts
     ]
     sizes = [float(np.max(np.ptp(contact.points, axis=0))) for contact in scene.contacts]
+    # colour scale of the pressure, and path of the base
     pressure = np.nan_to_num(response.sigma_max[scene.rows])
     most = max(float(np.max(pressure, initial=0.0)), 1.0)
     base = _path_of_base(response.motion, scene.time)
@@ -139,7 +151,7 @@ def _contents(scene: Scene, response: Any, scale: float | None, triangles: int) 
 
 
 def _coarse(body: Body, most: int) -> FloatArray:
-    """The triangles of a mesh, (k, 3, 3) m, its corners moved to a grid as wide as leaves `most` at most."""
+    """Return the triangles of a mesh, (k, 3, 3) m, with vertices snapped to a grid so that at most `most` are left."""
     whole = np.array([surface.points for surface in body.surfaces])
     found, cell = whole, 0.002 * float(np.max(np.ptp(whole, axis=(0, 1))))
     while len(found) > most:
@@ -150,7 +162,7 @@ def _coarse(body: Body, most: int) -> FloatArray:
 
 
 def _path_of_base(motion: Motion | None, time: FloatArray) -> FloatArray:
-    """Displacement of the base, m (rows, 3), without the parabola that fits it best: records and harmonics drift."""
+    """Return the displacement of the base, (rows, 3) m, less its best-fit parabola: records and harmonics drift."""
     found = np.zeros((len(time), 3))
     components: tuple[Component, ...] = ("ax", "ay", "az")
     for axis, component in enumerate(components):

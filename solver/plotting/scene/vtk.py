@@ -1,4 +1,4 @@
-"""A response as files that ParaView plays: the blocks, and what of their joints is loaded, with the pressure."""
+"""A response as files for ParaView: the blocks, and the compressed parts of their joints with the pressure."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ...models.structure.blocks.shapes import turned
 from .bodies import Contact, Scene, normal_of, scene_of
 
 FPS = 30.0
-POLYGON = 7  # a type of cell
+POLYGON = 7  # VTK cell type
 NAMES = {"float64": "Float64", "int64": "Int64", "uint8": "UInt8"}
 PAGE = """<?xml version="1.0"?>
 <VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt32">
@@ -33,10 +33,24 @@ SERIES = """<?xml version="1.0"?>
 
 
 def write_vtk(response: Any, folder: str | os.PathLike[str], fps: float = FPS) -> None:
-    """Write blocks.pvd and joints.pvd, a file of each at rows of at most `fps` a second, and walls.vtu of walls.
+    """Write blocks.pvd and joints.pvd, with a file of each for every instant, and walls.vtu if there are walls.
 
-    Cells have the number of their block or joint and its outputs; points of joints have the elastic pressure, Pa.
-    Raises InputError, OSError.
+    Cells carry the number of their block or joint and its outputs; points of joints carry the elastic pressure, Pa.
+
+    Parameters
+    ----------
+    response : Response or SpatialResponse
+    folder : path-like
+        Folder to write to; created if it is missing.
+    fps : float
+        Largest number of instants per second.
+
+    Raises
+    ------
+    InputError
+        If `folder` is not a folder, or `fps` is not positive.
+    OSError
+        If a file cannot be written.
     """
     fps = check_number("fps", fps, POSITIVE, "a positive number of rows a second")
     where = Path(folder)
@@ -57,13 +71,13 @@ def write_vtk(response: Any, folder: str | os.PathLike[str], fps: float = FPS) -
 
 
 def _histories(response: Any, owner: str) -> dict[str, FloatArray]:
-    """Outputs of blocks or joints, (rows, count) each."""
+    """Return the outputs of blocks or joints by name, (rows, count) each."""
     seen = [output for output in response.outputs if output.owner == owner and not output.only_peak]
     return {output.field: getattr(response, output.field) for output in seen}
 
 
 def _blocks(scene: Scene, k: int) -> tuple[list[FloatArray], list[int], dict[str, FloatArray]]:
-    """Polygons of the surfaces at an instant, m, the numbers of their blocks from 0, and numbers of points: none."""
+    """Return the polygons of the surfaces at an instant, m, the indices of their blocks, and no point data."""
     found, owners = [], []
     for i, body in enumerate(scene.bodies):
         counts = [len(surface.points) for surface in body.surfaces]
@@ -74,7 +88,7 @@ def _blocks(scene: Scene, k: int) -> tuple[list[FloatArray], list[int], dict[str
 
 
 def _joints(scene: Scene, k: int) -> tuple[list[FloatArray], list[int], dict[str, FloatArray]]:
-    """Likewise the parts of the joints that bear, and the elastic pressure at their corners, Pa."""
+    """Return the compressed parts of the joints as polygons, m, their joints, and the pressure at corners, Pa."""
     found, owners, pressures = [], [], []
     for j, contact in enumerate(scene.contacts):
         for piece in _pieces(contact):
@@ -87,7 +101,7 @@ def _joints(scene: Scene, k: int) -> tuple[list[FloatArray], list[int], dict[str
 
 
 def _pieces(contact: Contact) -> list[FloatArray]:
-    """Convex polygons that make up the face of a joint."""
+    """Return convex polygons that make up the face of a joint."""
     outer, inner = contact.points, contact.hole
     if not len(inner):
         return [outer]
@@ -95,7 +109,7 @@ def _pieces(contact: Contact) -> list[FloatArray]:
 
 
 def _placed(scene: Scene, k: int, i: int, points: FloatArray) -> FloatArray:
-    """Where points of a body, as built, are at an instant; those of the base stay."""
+    """Return the positions at an instant of points of a body given as built; those of the base stay."""
     if i >= len(scene.bodies):
         return points
     found: FloatArray = points + scene.u[k, i] + turned(scene.turn[k, i], points - scene.bodies[i].centroid)
@@ -103,10 +117,11 @@ def _placed(scene: Scene, k: int, i: int, points: FloatArray) -> FloatArray:
 
 
 def _loaded(scene: Scene, k: int, contact: Contact, piece: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The part of a polygon of the upper body's face that is pressed into the lower one, m, and by how much, m.
+    """Return the part of a polygon of the upper face that penetrates the lower one, m, and its depth at the corners, m.
 
     A joint opens along the mean of both faces' normals (theory.md section 13).
     """
+    # closure of the joint at the corners along the mean normal
     built, below = normal_of(contact.points), contact.below
     normal = 2.0 * built + turned(scene.turn[k, contact.body], built)
     if below < len(scene.bodies):
@@ -116,6 +131,7 @@ def _loaded(scene: Scene, k: int, contact: Contact, piece: FloatArray) -> tuple[
     if contact.at_point:
         closed = np.full(len(points), np.mean(closed))
     found, depths = [], []
+    # clip the polygon at zero closure
     for a, b in zip(range(-1, len(points) - 1), range(len(points)), strict=True):
         if (closed[a] > 0.0) != (closed[b] > 0.0):
             part = closed[a] / (closed[a] - closed[b])
@@ -136,7 +152,7 @@ def _write_cells(
     histories: Mapping[str, FloatArray],
     row: int,
 ) -> None:
-    """Write polygons with the number of what they are of, and its outputs at a row."""
+    """Write polygons with the number of their block or joint, and its outputs at a row."""
     counts, of = np.array([len(polygon) for polygon in polygons], dtype=np.int64), np.array(owners, dtype=np.int64)
     points = np.concatenate(polygons) if polygons else np.empty((0, 3))
     cells = {owner: of + 1} | {name: values[row][of] for name, values in histories.items()}
