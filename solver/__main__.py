@@ -1,4 +1,4 @@
-"""`python -m solver`."""
+"""The entry point of `python -m solver`."""
 
 from .commands.command_line import main
 

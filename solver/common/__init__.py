@@ -1,1 +1,1 @@
-"""Tools of every package: errors, files, ranges of numbers, work sent to threads and processes."""
+"""Tools for every package: errors, files, ranges of numbers, executors."""

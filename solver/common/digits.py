@@ -1,14 +1,14 @@
-"""Numbers as texts show them: three digits, and percent with a space before the sign."""
+"""Number formats: three significant digits, and percentages with a space before the sign."""
 
 from __future__ import annotations
 
 
 def three_digits(value: float) -> str:
-    """Return a number of three digits, without an exponent where it is large."""
+    """Format a number with three significant digits, or as an integer from 1e3 up to 1e7."""
     return f"{value:.0f}" if 1e3 <= abs(value) < 1e7 else f"{value:.3g}"
 
 
 def percent(share: float, digits: str = "") -> str:
-    """Return a share in percent; digits: a format such as .3f, three digits without."""
+    """Format a share in percent, with the format spec `digits` such as ".3f"; "" means three significant digits."""
     value = 100.0 * share
     return f"{value:{digits}} %" if digits else f"{three_digits(value)} %"

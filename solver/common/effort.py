@@ -1,7 +1,7 @@
-"""How much work a run may take, in counts rather than seconds, and which of its numbers makes it so slow.
+"""Limits on the work of a run, counted in evaluations, and the causes of short steps.
 
-A run that would take days ends within seconds or minutes: at its last evaluation that is allowed, or as soon as its
-pace leaves no hope that these suffice.
+A run that would take days ends within seconds or minutes: at the maximum number of evaluations, or as soon as its
+progress shows that this number cannot suffice.
 """
 
 from __future__ import annotations
@@ -10,40 +10,94 @@ import math
 from collections.abc import Iterable
 from typing import NamedTuple
 
-# evaluations of a run of a column and of a structure, which take some minutes of a few blocks. Runs of the examples,
+# maximum evaluations of a run of a column and of a structure: some minutes for a few blocks. Runs of the examples,
 # benchmarks and validation take 1e4 to 1e7 (a tolerance of 1e-11)
 MOST, MOST_IN_SPACE = 2e8, 5e7
 LEAST_RATE = 1e-300  # 1/s
-EARLY = 1e6  # evaluations from which its pace is looked at
-HOPELESS = 20.0  # times the most: what a run may need, at its pace so far, when the most is done; before it, more, as
-# steps of a run that begins without motion are short at first
-MOST_FIRST_STEPS = 1e8  # in the duration of a run in lanes, which watch nothing of this
+EARLY = 1e6  # evaluations before which the rate of progress is not checked
+HOPELESS = 20.0  # times the maximum. A run ends early if its extrapolated work exceeds this multiple once the maximum
+# is done; before, the multiple is larger, as a run that begins without motion takes short steps at first
+MOST_FIRST_STEPS = 1e8  # steps in the duration of a run in lanes, which do not count evaluations
 
 
 class Cause(NamedTuple):
-    """A number that steps have to follow: 1/s, and what it is, for a message."""
+    """A quantity that limits the step.
+
+    Attributes
+    ----------
+    rate : float
+        The rate that steps have to follow (1/s).
+    words : str
+        The description for a message.
+    """
 
     rate: float
     words: str
 
 
 def is_too_much(work: float, part: float, most: float) -> bool:
-    """Whether a run has taken more than `most` evaluations, or will have; part: of its time that is done."""
+    """Return True if a run exceeds its maximum number of evaluations, or its extrapolated work does by far.
+
+    Parameters
+    ----------
+    work : float
+        The evaluations so far.
+    part : float
+        The fraction of the duration that is done.
+    most : float
+        The maximum number of evaluations.
+    """
     return work > most or (work > EARLY and work * (work / most) > HOPELESS * most * part)
 
 
 def too_many_steps(duration: float, first_step: float, omega: float) -> bool:
-    """Whether a run is too long for lanes; first_step: s, of the model; omega: rad/s, of a harmonic base motion."""
+    """Return True if a run has too many steps for lanes.
+
+    Parameters
+    ----------
+    duration : float
+        The duration of the run (s).
+    first_step : float
+        The first step of the model (s).
+    omega : float
+        The angular frequency of a harmonic base motion (rad/s), 0 without one.
+    """
     return duration * max(1.0 / first_step, omega) > MOST_FIRST_STEPS
 
 
 def of_dashpot(key: str, damping: float, unit: str, rate: float) -> Cause:
-    """Return the cause of short steps by a damper; rate: 1/s, at which the lighter of its bodies is stopped."""
+    """Describe a dashpot as a cause of short steps.
+
+    Parameters
+    ----------
+    key : str
+        The key of the damping in the model's file.
+    damping : float
+        The damping, in `unit`.
+    unit : str
+        The unit for the message.
+    rate : float
+        The decay rate of the lighter of the two bodies (1/s).
+    """
     return Cause(rate, f"{key} = {damping:g} {unit}, which stops a block within {1.0 / max(rate, LEAST_RATE):.3g} s")
 
 
 def of_joint(key: str, stiffness: float, area: float, mass: float, damping: float) -> Cause:
-    """Of a joint: its oscillation with the lighter of its blocks, kg, and how fast that dies out."""
+    """Describe a joint as a cause of short steps: by the oscillation of its lighter block, or the decay rate.
+
+    Parameters
+    ----------
+    key : str
+        The key of the joint in the model's file.
+    stiffness : float
+        The Winkler modulus (N/m3).
+    area : float
+        The contact area (m2).
+    mass : float
+        The mass of the lighter block (kg).
+    damping : float
+        The damping (s).
+    """
     omega = math.sqrt(2.0 * stiffness * area / mass)
     law = f"stiffness = {stiffness:g} N/m3, damping = {damping:g} s"
     words = f"{key}: {law}, {omega / (2.0 * math.pi):.3g} Hz on {area:.3g} m2 with {mass:.3g} kg"
@@ -51,17 +105,17 @@ def of_joint(key: str, stiffness: float, area: float, mass: float, damping: floa
 
 
 def of_harmonic(frequency: float) -> Cause:
-    """Of a harmonic base motion, Hz."""
+    """Describe a harmonic base motion of this frequency (Hz) as a cause of short steps."""
     return Cause(2.0 * math.pi * frequency, f"the base motion's frequency = {frequency:g} Hz")
 
 
 def slowness(work: float, part: float, causes: Iterable[Cause]) -> str:
-    """Why a run of too much work was given up, in one line."""
+    """Return the message of a run that is aborted as too slow, after the fraction `part` of its duration."""
     return f"{work:.3g} evaluations for {part:.2g} of the run, too slow to go on: the fastest is {_fastest(causes)}"
 
 
 def too_much(needed: float, most: float, causes: Iterable[Cause]) -> str:
-    """Return why a run is not begun, in one line."""
+    """Return the message of a run that is refused because it needs too many evaluations."""
     return f"it needs {needed:.3g} evaluations, more than {most:g}: the fastest is {_fastest(causes)}"
 
 

@@ -1,4 +1,4 @@
-"""Errors on the user's side, always said in one line."""
+"""User errors, each reported in one line."""
 
 from __future__ import annotations
 
@@ -15,36 +15,50 @@ from pathlib import Path
 POSITIVE = (sys.float_info.min, sys.float_info.max)
 NOT_NEGATIVE = (0.0, sys.float_info.max)
 FINITE = (-sys.float_info.max, sys.float_info.max)
-LONGEST_WHOLE = 128  # bits of a whole number that is shown, 39 digits
-LONGEST_QUOTE = 160  # letters of a message of another package
+LONGEST_WHOLE = 128  # bits of the largest integer that is shown in full, 39 digits
+LONGEST_QUOTE = 160  # characters quoted of another package's message
 
 
 class InputError(ValueError):
-    """A user's mistake: one line with the file (if any), the key, the value and what would be right."""
+    """A user's mistake: one line with the file (if any), the key, the value and the valid values."""
 
 
 class InputWarning(UserWarning):
-    """What is used as given and probably not meant, or is not to be relied on: one line that says why."""
+    """A value that is used as given but is probably unintended or unreliable: one line that gives the reason."""
 
 
 class SolverError(ValueError):
-    """The solver cannot go on, e.g. the step is too small: one line with the time and the reason."""
+    """A failure of the solver, such as a step that is too small: one line with the time and the reason."""
 
 
 class TooMuchWorkError(SolverError):
-    """A call or a run took more evaluations than any motion that can be followed: a shorter step does not help."""
+    """An excess of evaluations, beyond any motion that can be followed; a shorter step does not help."""
 
 
 def check_number(key: str, value: object, limits: tuple[float, float], meaning: str) -> float:
     """Return `value` as a float if it is a number within the closed range `limits`.
 
-    `meaning` completes the sentence "must be ...". A bool is not a number, and neither nan nor inf is ever in range.
+    A bool is not a number, and neither NaN nor inf is ever in range.
 
-    Raises InputError.
+    Parameters
+    ----------
+    key : str
+        The key for the message.
+    value : object
+        The value to check.
+    limits : tuple of float
+        The least and the largest valid number.
+    meaning : str
+        The end of the message "must be ...".
+
+    Raises
+    ------
+    InputError
+        If `value` is not a number in the range.
     """
     low, high = limits
     number = math.nan
-    if type(value) is float:  # most are, and asking what is a Real takes ten times as long
+    if type(value) is float:  # the fast path: isinstance(value, Real) takes ten times as long
         number = value
     elif isinstance(value, Real) and not isinstance(value, bool):
         with suppress(OverflowError):  # an integer that no float64 can hold
@@ -55,9 +69,23 @@ def check_number(key: str, value: object, limits: tuple[float, float], meaning: 
 
 
 def check_whole(key: str, value: object, least: int, most: float, meaning: str) -> int:
-    """Return `value` if it is a whole number from `least` to `most`; `meaning` completes "must be ...".
+    """Return `value` as an int if it is an integer in a range.
 
-    Raises InputError.
+    Parameters
+    ----------
+    key : str
+        The key for the message.
+    value : object
+        The value to check; a bool is refused.
+    least, most : int, float
+        The least and the largest valid integer; `most` may be inf.
+    meaning : str
+        The end of the message "must be ...".
+
+    Raises
+    ------
+    InputError
+        If `value` is not an integer in the range.
     """
     if isinstance(value, bool) or not isinstance(value, Integral) or not least <= int(value) <= most:
         raise InputError(f"{key} = {shown(value)}: must be {meaning}")
@@ -65,7 +93,7 @@ def check_whole(key: str, value: object, least: int, most: float, meaning: str) 
 
 
 def shown(value: object) -> str:
-    """Return a short repr of `value` for a one-line message; a number is shown as a user would write it."""
+    """Return a short repr of `value` for a one-line message; a number as a user would write it."""
     if isinstance(value, Integral) and int(value).bit_length() > LONGEST_WHOLE:
         return f"a whole number of about {round(math.log10(2.0) * int(value).bit_length())} digits"
     try:
@@ -75,14 +103,14 @@ def shown(value: object) -> str:
 
 
 def shortened(error: BaseException) -> str:
-    """Return the first line of what another package says, cut: it may quote a whole file."""
+    """Return the first line of another package's message, truncated: it may quote a whole file."""
     text = str(error).partition("\n")[0]
     return text if len(text) <= LONGEST_QUOTE else f"{text[:LONGEST_QUOTE]} ..."
 
 
 @contextmanager
 def needing(extra: str, *packages: str) -> Iterator[None]:
-    """Turn the absence of one of `packages` into an InputError that says how to install `extra`, which has them."""
+    """Convert the ModuleNotFoundError of one of `packages` to an InputError with the command that installs `extra`."""
     try:
         yield
     except ModuleNotFoundError as error:
@@ -93,7 +121,7 @@ def needing(extra: str, *packages: str) -> Iterator[None]:
 
 
 def _how_to_install(extra: str) -> str:
-    """The command that installs it: in a checkout, or where the project has been installed without one."""
+    """Return the command that installs an extra: editable in a checkout, from the index otherwise."""
     root = Path(__file__).resolve().parents[2]
     if not (root / "pyproject.toml").is_file():
         return f'pip install "multiblock-fmu[{extra}]"'
@@ -102,7 +130,7 @@ def _how_to_install(extra: str) -> str:
 
 @contextmanager
 def reading(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Turn whatever is wrong with a user's file, or with reaching it, into an InputError that begins with `path`."""
+    """Convert any error of a user's file, or of access to it, to an InputError that begins with `path`."""
     try:
         yield
     except OSError as error:

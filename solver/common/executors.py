@@ -1,4 +1,4 @@
-"""Pieces of work sent to any executor, and their results as they end.
+"""Tasks sent to any executor, and their results in the order of completion.
 
 An executor is anything with `submit(function, *arguments)` that returns futures with `result`, `cancel` and
 `add_done_callback`: those of concurrent.futures, a client of Dask, studies/cluster.py.
@@ -17,10 +17,10 @@ from typing import Any, TypeVar
 
 from .errors import InputError, shown
 
-AHEAD = 2  # pieces out for each worker: one waits while the other is processed
-TRIES = 3  # of a piece whose worker died
-PATIENCE = 120.0  # s for the result of a finished piece to arrive from the worker
-LISTEN = 0.05  # s between two checks for an interrupt by the user and for an executor that is gone
+AHEAD = 2  # tasks submitted for each worker: one waits while the other is processed
+TRIES = 3  # attempts at a task whose worker died
+PATIENCE = 120.0  # s, timeout for the result of a finished task to arrive from the worker
+LISTEN = 0.05  # s between two checks for an interrupt by the user or a lost executor
 
 Piece = TypeVar("Piece")
 
@@ -34,11 +34,29 @@ def sent_out(
     error: Callable[[str], Exception],
     idle: Callable[[], None] = lambda: None,
 ) -> Iterator[tuple[Piece, Any]]:
-    """Pieces and their results, as they end; a piece is requested when a worker is about to need it.
+    """Send tasks to an executor and yield each with its result, in the order of completion.
 
-    failed: called with a piece, the number of tries and the error; it raises, or the piece is sent again.
-    error: makes the exception, from its message, that is raised when the executor takes no more. idle: called while
-    nothing ends.
+    A task is requested from `pieces` only when a worker is about to need it.
+
+    Parameters
+    ----------
+    pieces : iterator
+        The tasks.
+    submit : callable
+        Called with a task; returns its future.
+    workers : int
+        The number of tasks processed at once.
+    failed : callable
+        Called with a task, the number of attempts and the error; unless it raises, the task is submitted again.
+    error : callable
+        Called with a message; returns the exception to raise when the executor refuses tasks.
+    idle : callable
+        Called while no task completes.
+
+    Yields
+    ------
+    tuple
+        A task and its result.
     """
     ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
     under_way: dict[Any, tuple[Piece, int]] = {}
@@ -53,6 +71,7 @@ def sent_out(
 
     try:
         while True:
+            # keep the queue of the executor filled
             while len(under_way) < AHEAD * workers:
                 try:
                     piece = next(pieces)
@@ -61,6 +80,7 @@ def sent_out(
                 send(piece, 1)
             if not under_way:
                 return
+            # wait for the next completion
             try:
                 future = ended.get(timeout=LISTEN)
             except queue.Empty:
@@ -74,16 +94,17 @@ def sent_out(
                 send(piece, tries + 1)
                 continue
             yield piece, made
+    # cancel all other tasks if the caller stops early
     finally:
         for future in under_way:
             future.cancel()
 
 
 def end_with_parent() -> None:
-    """End this process soon after its parent process, however the parent ends: an initializer for workers.
+    """End this process soon after its parent process, however the parent ends; an initializer for workers.
 
     It waits for the end of the pipe that multiprocessing keeps between the two. Ctrl-C, which a terminal sends to all
-    processes, is the parent's to answer.
+    processes, is left to the parent.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
@@ -98,12 +119,15 @@ def end_with_parent() -> None:
 
 
 def cores() -> int:
-    """Cores that this process may use."""
+    """Return the number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def workers_of(executor: Any) -> int:
-    """How many pieces an executor processes at once. Raises InputError if it is no executor."""
+    """Return the number of tasks that an executor processes at once.
+
+    Raises InputError if it has no `submit`.
+    """
     if not hasattr(executor, "submit"):
         raise InputError(f"executor = {shown(executor)}: must have submit, as those of concurrent.futures")
     if hasattr(executor, "nthreads"):  # a client of Dask
@@ -112,5 +136,5 @@ def workers_of(executor: Any) -> int:
 
 
 def said(error: BaseException) -> str:
-    """The kind of an error and the first line of its message."""
+    """Return the type of an error and the first line of its message."""
     return f"{type(error).__name__}: {error}".splitlines()[0]

@@ -1,4 +1,4 @@
-"""Files named by users: checks before reading and writing, and files that are written completely or not at all."""
+"""User files: checks before reading and writing, and atomic writes."""
 
 from __future__ import annotations
 
@@ -21,18 +21,20 @@ from .errors import InputError, shown
 MB = 10**6
 MOST_TOML = 4 * MB  # a column of 1000 blocks has 0.2 MB
 MOST_RECORD = 64 * MB  # an hour of three columns at 200 Hz has 40 MB
-MOST_TABLE = 256 * MB  # of histories
+MOST_TABLE = 256 * MB  # limit for tables of histories
 LONGEST_NAME = 200  # characters; a suffix has to fit into the 255 bytes of file systems
 MARKS = ((codecs.BOM_UTF8, "UTF-8"), (codecs.BOM_UTF16_LE, "UTF-16"), (codecs.BOM_UTF16_BE, "UTF-16"))
-FORMULA = ("=", "+", "-", "@", "\t", "\r")  # begin of a text that spreadsheets run
+FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters of a text that spreadsheets run as a formula
 DECIMAL_COMMA = re.compile(r"=\s*([-+]?\d+,\d+)\s*(?:[,}#]|$)")
 
 
 def check_file_name(key: str, value: object) -> str:
-    """Return `value` if it names a file on every system and stays within the folder. Raises InputError.
+    """Return `value` if it is a file name that is valid on every system and has no folder.
 
-    Letters, digits, "_", "-", "." and space; it begins with a letter, a digit or "_" and does not end with a dot or a
-    space.
+    Letters, digits, "_", "-", "." and space are valid; the first is a letter, a digit or "_", the last neither a dot
+    nor a space.
+
+    Raises InputError for any other value.
     """
     plain = unicodedata.normalize("NFC", value) if isinstance(value, str) and len(value) <= LONGEST_NAME else ""
     known = all(letter.isalnum() or letter in "-_. " for letter in plain)
@@ -45,18 +47,18 @@ def check_file_name(key: str, value: object) -> str:
 
 
 def printable(text: str) -> str:
-    """`text` with escapes for control codes, which a terminal would obey, and for bytes of a name that is not UTF-8."""
+    """Replace control codes, which a terminal would obey, and bytes that are not UTF-8 by escapes."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
 
 
 def identifier_of(name: str) -> str:
-    """The C identifier for a file name: "_" for a character that C does not allow, and before a leading digit."""
+    """Convert a file name to a C identifier: "_" for each invalid character, and before a leading digit."""
     identifier = re.sub("[^A-Za-z0-9_]", "_", name)
     return f"_{identifier}" if identifier[0].isdigit() else identifier
 
 
 def check_size(path: str | os.PathLike[str], most: int) -> None:
-    """Raise InputError unless `path` is an ordinary file of at most `most` bytes; OSError if there is none.
+    """Raise InputError unless `path` is an ordinary file of at most `most` bytes; OSError if it does not exist.
 
     A pipe or a device may have no end, or deliver nothing: it is not opened.
     """
@@ -70,16 +72,19 @@ def check_size(path: str | os.PathLike[str], most: int) -> None:
 
 
 def content_of(path: str | os.PathLike[str], most: int) -> bytes:
-    """Return the content of an ordinary file. Raises InputError if it is no such file or is too large, OSError."""
+    """Return the content of an ordinary file of at most `most` bytes.
+
+    Raises InputError if it is no ordinary file or too large, OSError if it cannot be read.
+    """
     check_size(path, most)
     with open(path, "rb") as file:
         return file.read(most + 1)[:most]  # it may have grown since
 
 
 def toml_of(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """Return the mapping that a TOML file holds. Raises InputError, ValueError, OSError.
+    """Parse a TOML file; the error message names a byte order mark or a decimal comma as the cause.
 
-    The error message names a byte order mark or a decimal comma where that is the cause.
+    Raises InputError, ValueError for invalid TOML, OSError.
     """
     content = content_of(path, MOST_TOML)
     for mark, encoding in MARKS:
@@ -99,16 +104,23 @@ def toml_of(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def with_point(text: str) -> str:
-    """What to write in place of a number with a decimal comma; empty for other texts."""
+    """Return the advice for a number with a decimal comma; "" for any other text."""
     number = re.fullmatch(r"([-+]?\d*),(\d+(?:[eEdD][-+]?\d+)?)", text.strip())
     return f"{number[0]} has a decimal comma, must be {number[1]}.{number[2]} with a decimal point" if number else ""
 
 
 def check_outputs(outputs: Iterable[Path | None], inputs: Iterable[Path | None], force: bool = False) -> None:
-    """Raise InputError if an output is mistaken or cannot be written: before a run, not after it.
+    """Raise InputError before a run if an output file is invalid or cannot be written.
 
-    Refused are a missing folder, a file that the same command reads or writes already, and an existing file
-    unless `force` allows to overwrite it. None stands for no file.
+    Refused are a missing folder, a file that the same command reads or writes already, and an existing file unless
+    `force` is set.
+
+    Parameters
+    ----------
+    outputs, inputs : iterable of Path or None
+        The files that the command writes and reads; None for no file.
+    force : bool
+        Whether existing files may be overwritten.
     """
     taken = [path for path in inputs if path is not None]
     for path in outputs:
@@ -129,16 +141,16 @@ def check_outputs(outputs: Iterable[Path | None], inputs: Iterable[Path | None],
 def _same(path: Path, other: Path) -> bool:
     try:
         return path.samefile(other)
-    except OSError:  # one of them is not there yet
+    except OSError:  # one of them does not exist yet
         return path.resolve() == other.resolve()
 
 
 @contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a path beside `path` to write to; the file replaces `path` once all is written.
+    """Yield a temporary path in the same folder; on success, replace `path` by the file written there.
 
-    After a full disk, or the end of the process, the previous file is there, or none: never an incomplete one.
-    A path that is no ordinary file, such as a pipe, is written to directly. An OSError names `path`.
+    After a full disk, or the end of the process, `path` has the previous file or none: never an incomplete one. A path
+    that is no ordinary file, such as a pipe, is written directly. An OSError names `path`.
     """
     target = Path(path)
     if target.exists() and not target.is_file():
@@ -157,7 +169,22 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def write_table(path: str | os.PathLike[str], names: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
-    """Write a CSV file with a header, whole or not at all; text is marked that would be a formula. Raises OSError."""
+    """Write a CSV file atomically; text that a spreadsheet would run as a formula is escaped.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    names : iterable of str
+        The header.
+    rows : iterable of iterable
+        The cells of each row.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
     with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(map(_plain, names))
@@ -165,7 +192,7 @@ def write_table(path: str | os.PathLike[str], names: Iterable[str], rows: Iterab
 
 
 def _plain(cell: Any) -> Any:
-    """Return a cell that no spreadsheet runs as a formula: such a text with an apostrophe before it."""
+    """Put an apostrophe before a text that a spreadsheet would run as a formula; keep other cells."""
     if not isinstance(cell, str) or not cell.startswith(FORMULA):
         return cell
     try:

@@ -1,4 +1,4 @@
-"""Histories and tables as pandas and xarray have them."""
+"""Conversion of histories and tables to pandas and xarray."""
 
 from __future__ import annotations
 
@@ -16,11 +16,22 @@ EXTRA = "studies"
 
 @dataclass(frozen=True)
 class Frame:
-    """Columns by name over the same rows, each (rows,), or (rows, blocks) with block 1, the top one, first.
+    """Named columns over common rows, each (rows,), or (rows, blocks) with block 1, the top one, first.
 
-    index: the name of what counts the rows, and its values. units: of columns and of the index, by name. of: what the
-    numbers of a column are of, by its name, where that is not `block`. labels: what these are called, where that is
-    not their numbers from 1.
+    Attributes
+    ----------
+    index : tuple
+        The name and the values (rows,) of the index.
+    columns : mapping of str to ndarray
+        The columns by name.
+    units : mapping of str to str
+        The units of columns and index, by name.
+    attributes : mapping
+        The attributes of the data set.
+    of : mapping of str to str
+        The second dimension of a column, by its name, if it is not `block`.
+    labels : mapping of str to sequence
+        The labels along a second dimension, if they are not the numbers from 1.
     """
 
     index: tuple[str, NDArray[Any]]
@@ -31,7 +42,7 @@ class Frame:
     labels: Mapping[str, Sequence[object]] = field(default_factory=dict)
 
     def flat(self) -> dict[str, NDArray[Any]]:
-        """The index and the columns, one for each block as ux[1], ux[2] and so on."""
+        """Return the index and the columns, one for each block such as ux[1], ux[2]."""
         found = dict([self.index])
         for name, values in self.columns.items():
             if values.ndim == 1:
@@ -42,13 +53,13 @@ class Frame:
 
 
 class Framed:
-    """An object that has a frame."""
+    """An object that converts to a frame."""
 
     def _frame(self) -> Frame:
         raise NotImplementedError
 
     def to_pandas(self) -> Any:
-        """A pandas.DataFrame; numbers of blocks and joints are columns such as ux[1], the top one.
+        """Convert to a pandas.DataFrame, with a column such as ux[1], the top one, for each block or joint.
 
         Raises InputError without pandas (the extra `studies`).
         """
@@ -58,7 +69,10 @@ class Framed:
         return pandas.DataFrame(frame.flat()).set_index(frame.index[0])
 
     def to_xarray(self) -> Any:
-        """An xarray.Dataset over the rows and `block`, with units. Raises InputError without xarray (`studies`)."""
+        """Convert to an xarray.Dataset over the rows and `block`, with units.
+
+        Raises InputError without xarray (the extra `studies`).
+        """
         with needing(EXTRA, "xarray"):
             import xarray
         frame = self._frame()
@@ -79,7 +93,7 @@ def _units(frame: Frame, name: str) -> dict[str, str]:
 
 
 def _words(values: NDArray[Any]) -> NDArray[Any]:
-    """Texts as objects, of which equal ones are the same."""
+    """Convert strings to objects, of which equal ones are the same object."""
     different, which = np.unique(values, return_inverse=True)
     found: NDArray[Any] = different.astype(object)[which]
     return found

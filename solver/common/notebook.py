@@ -1,4 +1,4 @@
-"""How an object shows itself: by a line in a terminal, in a notebook by a small table and a picture (SVG) too."""
+"""Representations of objects: a line in a terminal; in a notebook also a small table and a picture (SVG)."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 INK, STONE, BLUE = "#3b3a38", "#cdbfa7", "#0072b2"
-HEIGHT, WIDTH = 160.0, 360.0  # px, of a picture at most
+HEIGHT, WIDTH = 160.0, 360.0  # px, maximum size of a picture
 MOST_ROWS = 6
-BINS = 300  # of a history that is drawn: of each its least and largest value
+BINS = 300  # intervals of a plotted history; the least and largest values in each are drawn
 
 
 class Shown:
-    """An object that says in a few words what it is."""
+    """An object with a short representation in terminals and notebooks."""
 
     def _facts(self) -> tuple[str, ...]:
-        """Its name, and then what a reader wants to know first."""
+        """Return the name, then the most important facts."""
         raise NotImplementedError
 
     def _lines(self) -> Iterable[Sequence[object]]:
-        """A small table, its head first."""
+        """Return a small table, the header first."""
         return ()
 
     def _picture(self) -> str:
-        """SVG, or nothing."""
+        """Return an SVG picture, or ""."""
         return ""
 
     def __repr__(self) -> str:
@@ -46,12 +46,12 @@ class Shown:
 
 
 def counted(number: int, word: str) -> str:
-    """A number with its noun: 1 block, 2 blocks."""
+    """Return a number with its noun, as in "1 block", "2 blocks"."""
     return f"{number} {word}" + ("" if number == 1 else "s")
 
 
 def rows_of(columns: Mapping[str, NDArray[Any]]) -> list[Sequence[object]]:
-    """A table (`Shown._lines`) of the first lines of some columns (m,)."""
+    """Return the first rows of columns (m,) as a table for `Shown._lines`."""
     few = [values[: MOST_ROWS + 1].tolist() for values in columns.values()]
     return [tuple(columns), *zip(*few, strict=True)]
 
@@ -61,7 +61,7 @@ def _cell(value: object) -> str:
 
 
 def outlines(shapes: Iterable[ArrayLike]) -> str:
-    """Polygons (m, 2), x to the right and z up, to one scale: a column."""
+    """Draw polygons (m, 2) to scale, x to the right and z up, as SVG."""
     corners = [np.asarray(shape, dtype=np.float64) for shape in shapes]
     every = np.concatenate(corners)
     low, size = every.min(axis=0), np.ptp(every, axis=0)
@@ -75,7 +75,17 @@ def outlines(shapes: Iterable[ArrayLike]) -> str:
 
 
 def history(time: NDArray[np.float64], values: NDArray[np.float64], label: str) -> str:
-    """A line over time (m,), its peaks kept, with its range and `label`."""
+    """Draw a history as an SVG line that keeps its peaks, with its range and a label.
+
+    Parameters
+    ----------
+    time : ndarray of shape (m,)
+        The instants (s).
+    values : ndarray of shape (m,)
+        The values.
+    label : str
+        The quantity and its unit.
+    """
     places = np.linspace(0, len(time), min(BINS, len(time)) + 1).astype(int)[:-1]
     low, high = np.minimum.reduceat(values, places), np.maximum.reduceat(values, places)
     bottom, top = float(min(low.min(), 0.0)), float(max(high.max(), 0.0))

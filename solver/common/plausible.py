@@ -1,4 +1,4 @@
-"""Values that can be computed with but are probably not intended: one list for columns and structures."""
+"""Checks for values that are valid but probably unintended, common to columns and structures."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import NamedTuple
 
 from .errors import InputWarning
 
-MOST_SETTLED = 0.1  # of a block's height; the mortar beds and soils under blocks settle by less
+MOST_SETTLED = 0.1  # of a block's height; the mortar beds and soils under blocks settle less
 MOST_PRESSED = 500e6  # Pa; more than the strength of nearly any stone
-LEAST_STRENGTH = 1e5  # Pa; earth and the poorest mortars bear more
+LEAST_STRENGTH = 1e5  # Pa; earth and the poorest mortars are stronger
 DENSITIES = (500.0, 12000.0)  # kg/m3, from wood to lead
-MOST_DAMPED = 0.2  # of critical, in the first mode; dry joints have some percent
-MOST_DAMPED_ON_RIMS = 1.0  # where faces touch in a rim whose damping is critical as a block stands on its edge
+MOST_DAMPED = 0.2  # damping ratio of the first mode; dry joints have some percent
+MOST_DAMPED_ON_RIMS = 1.0  # the same, with contact along rims, whose damping is critical as a block stands on its edge
 MOST_FRICTION = 1.5  # rough stone on stone has some 0.8
-GRAVITIES = (9.7, 9.9)  # m/s2, on Earth; zero is taken as intended
+GRAVITIES = (9.7, 9.9)  # m/s2, on Earth; zero is accepted as intended
 HIGHEST = 30.0  # m, of one block
 UNITS_OF_STIFFNESS = "stiffness is in N/m3: 1 kgf/cm3 = 9.80665e6 N/m3, 1 MPa/mm = 1e9 N/m3"
 UNITS_OF_WEIGHT = "mass is in kg, density in kg/m3, width and depth in m"
@@ -25,15 +25,15 @@ Numbers = Sequence[float]
 
 
 class Facts(NamedTuple):
-    """What is judged of blocks and joints, a number for each; words for messages by their numbers from 0."""
+    """The checked quantities, an entry for each block or joint; keys and names for messages by index from 0."""
 
     block_key: Callable[[int], str]
     block_name: Callable[[int], str]
-    joint_key: Callable[[int], str]  # of the table that has its law
+    joint_key: Callable[[int], str]  # the key of the table of its law
     joint_name: Callable[[int], str]
     mass: Numbers  # kg
     volume: Numbers  # m3
-    loaded: Sequence[bool]  # whether the mass includes a load that has no volume
+    loaded: Sequence[bool]  # whether the mass includes a load without volume
     height: Numbers  # m
     g: float  # m/s2
     stiffness: Numbers  # N/m3
@@ -41,14 +41,14 @@ class Facts(NamedTuple):
     friction: Sequence[float | None]
     strength: Sequence[float | None]  # Pa
     area: Numbers  # m2
-    upper: Sequence[int]  # number of the block on each joint
-    carried: Numbers  # N, of each joint at rest; empty where no rest was looked for
-    damping_ratio: float  # of critical, of the first mode; 0 where it is small
+    upper: Sequence[int]  # index of the block on each joint
+    carried: Numbers  # N, force on each joint at rest; empty if no rest was computed
+    damping_ratio: float  # of the first mode; 0 where it is small
     most_damped: float = MOST_DAMPED
 
 
 def lines_of(facts: Facts) -> list[str]:
-    """A line for each mistake; mostly none. Of all blocks or joints with the same one, it is about the worst."""
+    """Return a line for each kind of mistake, about the worst block or joint; mostly none."""
     lines = [*_of_blocks(facts), *_at_rest(facts), *_of_laws(facts)]
     g, ratio = facts.g, facts.damping_ratio
     if g and not GRAVITIES[0] <= g <= GRAVITIES[1]:
@@ -69,7 +69,7 @@ def warn_of(lines: Iterable[str]) -> None:
 
 
 def warn_of_first(lines: Iterable[Sequence[str]]) -> None:
-    """Warn (InputWarning) of the first of many columns that has such values; lines: of each."""
+    """Warn (InputWarning) of the first of many columns that has lines; `lines` holds those of each."""
     for number, found in enumerate(lines):
         if found:
             warnings.warn(f"columns[{number}]: {found[0]}", InputWarning, stacklevel=3)
@@ -77,7 +77,7 @@ def warn_of_first(lines: Iterable[Sequence[str]]) -> None:
 
 
 def _of_blocks(facts: Facts) -> list[str]:
-    """Densities and heights."""
+    """Check densities and heights."""
     lines = []
     density = [mass / volume for mass, volume in zip(facts.mass, facts.volume, strict=True)]
     most = [math.inf if loaded else DENSITIES[1] for loaded in facts.loaded]
@@ -96,7 +96,7 @@ def _of_blocks(facts: Facts) -> list[str]:
 
 
 def _at_rest(facts: Facts) -> list[str]:
-    """Settlement and pressure."""
+    """Check settlement and pressure at rest."""
     lines: list[str] = []
     if not len(facts.carried):
         return lines
@@ -120,7 +120,7 @@ def _at_rest(facts: Facts) -> list[str]:
 
 
 def _of_laws(facts: Facts) -> list[str]:
-    """Friction and strength."""
+    """Check friction and strength."""
     lines = []
     friction = [value or 0.0 for value in facts.friction]
     i = friction.index(max(friction)) if friction else 0

@@ -1,4 +1,4 @@
-"""Ranges of the numbers and words of a column, by key; the answers to wrong ones."""
+"""Valid ranges of numbers and choices of words, by key, with the messages for invalid ones."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from .errors import InputError, check_number, shown
 
 MAX_BLOCKS = 1000
 
-# What each numeric key may hold, whichever table it stands in: far beyond anything built, but so that nothing that is
-# worked out of it leaves the range of float64.
+# The range of each numeric key, in whichever table: far beyond any building, but so narrow that no quantity derived
+# from it leaves the range of float64.
 LENGTH = ((1e-6, 1e6), "a positive length in m, from 1e-6 to 1e6")
 NUMBERS: dict[str, tuple[tuple[float, float], str]] = {
     "g": ((0.0, 1e6), "an acceleration in m/s2, zero or positive, at most 1e6"),
@@ -44,20 +44,38 @@ NUMBERS: dict[str, tuple[tuple[float, float], str]] = {
 
 
 def check(key: str, value: object) -> float:
-    """Return `value` as a float if it suits the last part of `key`. Raises InputError."""
+    """Return `value` as a float if it is in the range of the last part of `key`.
+
+    Raises InputError otherwise.
+    """
     limits, meaning = NUMBERS[key.rpartition(".")[2]]
     return check_number(key, value, limits, meaning)
 
 
 def check_choice(key: str, value: object, known: Collection[str]) -> str:
-    """Return `value` if it is one of the `known` names. Raises InputError."""
+    """Return `value` if it is one of the `known` names.
+
+    Raises InputError otherwise.
+    """
     if not isinstance(value, str) or value not in known:
         raise InputError(f"{key} = {shown(value)}: must be one of {listed(known, value)}")
     return value
 
 
 def check_keys(prefix: str, table: Iterable[str], known: Collection[str], of: str = "") -> None:
-    """Raise InputError, which begins with `prefix`, for a key of a table that is none of the `known` ones."""
+    """Raise InputError for the first key of a table that is not among the known ones.
+
+    Parameters
+    ----------
+    prefix : str
+        The begin of the message.
+    table : iterable of str
+        The keys.
+    known : collection of str
+        The valid keys.
+    of : str
+        The words after "unknown key", such as " of ...".
+    """
     for key in table:
         if key not in known:
             written = repr(key).strip("'\"")  # a quoted key of TOML may hold anything, even a line break
@@ -65,12 +83,12 @@ def check_keys(prefix: str, table: Iterable[str], known: Collection[str], of: st
 
 
 def listed(known: Collection[str], value: object) -> str:
-    """Return the known names and, if one is near enough to `value`, which one is probably meant."""
+    """Return the known names as a list and, if one is similar to `value`, the suggestion of `meant`."""
     return ", ".join(known) + meant(known, value)
 
 
 def meant(known: Collection[str], value: object) -> str:
-    """Return "; did you mean ...?" of the known name that is near to `value`, in any case; "" if none is."""
+    """Return "; did you mean ...?" with the known name most similar to `value` in any case; "" if none is."""
     written = {name.lower(): name for name in known}
     near = difflib.get_close_matches(value.lower() if isinstance(value, str) else "", written, n=1, cutoff=0.5)
     return f"; did you mean {written[near[0]]}?" if near else ""

@@ -1,4 +1,4 @@
-"""Tables of TOML files: their keys, lists of them, and lists of numbers in them."""
+"""Tables of TOML files: checks of keys, arrays of tables, and vectors of numbers."""
 
 from __future__ import annotations
 
@@ -15,14 +15,39 @@ PLACE = (-1e6, 1e6), "a length in m, at most 1e6 either way"
 
 
 def check_table(prefix: str, table: object, known: Sequence[str]) -> None:
-    """Raise InputError unless it is a table with none but these keys; prefix: its key and a dot, or nothing."""
+    """Raise InputError unless `table` is a mapping with known keys only.
+
+    Parameters
+    ----------
+    prefix : str
+        The key of the table and a dot, or "".
+    table : object
+        The table.
+    known : sequence of str
+        The valid keys.
+    """
     if not isinstance(table, Mapping):
         raise InputError(f"{prefix.rstrip('.')} = {shown(table)}: must be a table with the keys {', '.join(known)}")
     check_keys(prefix, table, known)
 
 
 def tables_in(key: str, data: Mapping[str, Any], least: int = 1) -> list[Mapping[str, Any]]:
-    """The tables of a key, whose last word is that in `data`; at least as many. Raises InputError."""
+    """Return the array of tables of a key.
+
+    Parameters
+    ----------
+    key : str
+        The full key; its last part is the one in `data`.
+    data : mapping
+        The table that holds the array.
+    least : int
+        The least number of tables.
+
+    Raises
+    ------
+    InputError
+        If there are fewer tables, or other values.
+    """
     tables = data.get(key.rpartition(".")[2], [])
     if not isinstance(tables, list) or not all(isinstance(table, Mapping) for table in tables) or len(tables) < least:
         raise InputError(f"{key}: must be one table [[{key}]] for each")
@@ -32,7 +57,30 @@ def tables_in(key: str, data: Mapping[str, Any], least: int = 1) -> list[Mapping
 def vector_of(
     key: str, value: object, count: int, limits: tuple[tuple[float, float], str] = PLACE, meaning: str = ""
 ) -> NDArray[np.float64]:
-    """Numbers of a list, (count,); limits: of each, and what that is; meaning: of all. Raises InputError."""
+    """Convert a list to a vector of numbers.
+
+    Parameters
+    ----------
+    key : str
+        The key for the message.
+    value : object
+        The list.
+    count : int
+        The required length.
+    limits : tuple
+        The range of each number, and its meaning for the message.
+    meaning : str
+        The meaning of the whole list for the message.
+
+    Returns
+    -------
+    ndarray of shape (count,)
+
+    Raises
+    ------
+    InputError
+        If it is not a list of `count` numbers in range.
+    """
     if not isinstance(value, (list, tuple, np.ndarray)) or len(value) != count:
         raise InputError(f"{key} = {shown(value)}: must be {meaning or f'a list of {count} numbers'}")
     return np.array([check_number(f"{key}[{k}]", part, *limits) for k, part in enumerate(value)])

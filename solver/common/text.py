@@ -1,4 +1,4 @@
-"""Text files as written by instruments, Fortran programs and spreadsheets."""
+"""Text files written by instruments, Fortran programs and spreadsheets."""
 
 from __future__ import annotations
 
@@ -12,16 +12,17 @@ from .files import MOST_RECORD, content_of, with_point
 
 _EXPONENT = r"(?:[EeDd][+-]?\d+)?"
 _NUMBER = re.compile(rf"[+-]?(?:\d+\.?\d*|\.\d+){_EXPONENT}", re.ASCII)
-# columns of Fortran without a gap: separated at the sign of the next one, if each has its decimal point
+# columns of Fortran without a gap: separated at the sign of the next number, if each has its decimal point
 _WITH_POINT = rf"(?:\d+\.\d*|\.\d+){_EXPONENT}"
 _TOUCHING = re.compile(rf"[+-]?{_WITH_POINT}(?:[+-]{_WITH_POINT})+", re.ASCII)
 _ONE_OF_THEM = re.compile(rf"[+-]?{_WITH_POINT}", re.ASCII)
 
 
 def lines_of(path: str | os.PathLike[str], most: int = MOST_RECORD) -> list[str]:
-    """Return the lines of a text file, without their ends (LF, CRLF or CR).
+    """Return the lines of a text file of at most `most` bytes, without their ends (LF, CRLF or CR).
 
-    UTF-8 and UTF-16 by their marks, UTF-8 without; other files are read as Latin-1, for station names in old files.
+    UTF-8 and UTF-16 are recognized by their byte order marks, UTF-8 also without; other files are read as Latin-1, for
+    station names in old files.
 
     Raises InputError if the file is not text, OSError.
     """
@@ -41,7 +42,10 @@ def lines_of(path: str | os.PathLike[str], most: int = MOST_RECORD) -> list[str]
 
 
 def number(line: int, text: str) -> float:
-    """Return the number in a field on that line; Fortran's D is an exponent. Raises InputError."""
+    """Return the number in a field on line `line`; Fortran's D is an exponent.
+
+    Raises InputError if it is not a finite number.
+    """
     stripped = text.strip(" \t")
     value = math.nan
     if _NUMBER.fullmatch(stripped):
@@ -52,7 +56,10 @@ def number(line: int, text: str) -> float:
 
 
 def numbers(line: int, row: str) -> list[float]:
-    """Return the numbers of a row, separated by blanks or only by signs and decimal points. Raises InputError."""
+    """Return the numbers of a row, separated by blanks or only by signs and decimal points.
+
+    Raises InputError, with the number of the line, if a field is not a finite number.
+    """
     words: list[str] = []
     for word in row.split():
         words += _ONE_OF_THEM.findall(word) if _TOUCHING.fullmatch(word) else [word]
@@ -60,11 +67,17 @@ def numbers(line: int, row: str) -> list[float]:
 
 
 def rows_of_numbers(lines: list[str], first: int) -> list[float]:
-    """Return the numbers of all lines from index `first` on. Raises InputError."""
+    """Return the numbers of all lines from index `first` on.
+
+    Raises InputError if a field is not a finite number.
+    """
     return [value for k, row in enumerate(lines[first:], start=first + 1) for value in numbers(k, row)]
 
 
 def fixed_columns(line: int, row: str, width: int) -> list[float]:
-    """Return the numbers of a row of columns of that width; those at its end may be missing. Raises InputError."""
+    """Return the numbers of a row of columns of `width` characters; columns at its end may be missing.
+
+    Raises InputError if a field is not a finite number.
+    """
     row = row.rstrip()
     return [number(line, row[k : k + width]) for k in range(0, len(row), width)]

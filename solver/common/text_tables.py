@@ -1,4 +1,4 @@
-"""Tables in text files, as instruments and spreadsheets write them: one reader for every command."""
+"""Tables in text files of instruments and spreadsheets: one reader for every command."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from .text import number
 FloatArray = NDArray[np.float64]
 SEPARATORS = (";", "\t", ",")
 COMMENTS = ("#", "%", "!", "//")
-MOST_ROUNDED = 1e-9  # of the shortest step: float64 times that are rounded by more begin at 0
-FEWEST_OF_MANY = 4  # rows from which columns with times are distinguished from samples row by row
+MOST_ROUNDED = 1e-9  # of the shortest step: times with a larger rounding error in float64 are shifted to begin at 0
+FEWEST_OF_MANY = 4  # least number of rows to tell columns with times from samples row by row
 _COMMAS = re.compile(r"[+-]?\d*,\d+(?:[EeDd][+-]?\d+)?(?:,[+-]?\d*,\d+(?:[EeDd][+-]?\d+)?)*", re.ASCII)
 
 
 @dataclass(frozen=True)
 class TextTable:
-    """Fields below a header, each row with the number of its line, from 1."""
+    """The fields below a header, with the line number of each row, from 1."""
 
     title: str  # the header as written
-    names: tuple[str, ...]  # without blanks around them
+    names: tuple[str, ...]  # stripped of blanks
     rows: tuple[tuple[str, ...], ...]
     lines: tuple[int, ...]
 
@@ -42,7 +42,10 @@ class TextTable:
                 raise InputError(f"line {line}: {len(row)} values, must be {len(self.names)} as in the header{hint}")
 
     def numbers(self, columns: Sequence[int] | None = None) -> FloatArray:
-        """Return the fields of some columns as numbers, (rows, columns); None: of all. Raises InputError."""
+        """Return the fields of `columns` (indices; None for all) as numbers, (rows, columns).
+
+        Raises InputError if a field is not a finite number or a row has another number of fields than the header.
+        """
         self.check_widths()
         columns = range(len(self.names)) if columns is None else columns
         found = [[number(line, row[k]) for k in columns] for line, row in zip(self.lines, self.rows, strict=True)]
@@ -50,9 +53,9 @@ class TextTable:
 
 
 def table_of(lines: Sequence[str], names: Sequence[str] = ()) -> TextTable:
-    """Return the table of a file between `;`, tabs or commas, whichever its first line has; blank lines are left out.
+    """Split the lines of a file at `;`, tabs or commas, whichever its first line has; blank lines are skipped.
 
-    names: of a file without a header. Raises InputError if quotes are left open.
+    `names` are the column names of a file without a header. Raises InputError if quotes are left open.
     """
     first = lines[0] if lines else ""
     separator = next((mark for mark in SEPARATORS if mark in first), ",")
@@ -71,8 +74,8 @@ def table_of(lines: Sequence[str], names: Sequence[str] = ()) -> TextTable:
 def check_no_decimal_commas(rows: Iterable[tuple[int, str]]) -> None:
     """Raise InputError if the commas of rows without a header, (line, text), are those of decimal fractions.
 
-    A comma between two digits is decimal where another mark or a blank separates the numbers as well, and where no row
-    has a decimal point and every second number lacks a sign.
+    A comma between two digits is decimal if another mark or a blank separates the numbers too, or if no row has a
+    decimal point and every second number lacks a sign.
     """
     rows = list(rows)
     points = any("." in row for _, row in rows)
@@ -90,7 +93,7 @@ def check_no_decimal_commas(rows: Iterable[tuple[int, str]]) -> None:
 
 
 def increases_as_times(rows: Sequence[Sequence[float]]) -> bool:
-    """Return True if the first of several columns never decreases, as times do not; the last row may be cut short."""
+    """Return True if the first of several columns never decreases, as times do; the last row may be truncated."""
     widths = {len(row) for row in rows[:-1]}
     if len(rows) < 3 or len(widths) != 1 or widths == {1}:
         return False
@@ -102,16 +105,28 @@ def increases_as_times(rows: Sequence[Sequence[float]]) -> bool:
 
 
 def check_times(lines: Sequence[int], time: Sequence[float]) -> None:
-    """Raise InputError unless times increase from row to row."""
+    """Raise InputError, with the number of the line, unless times increase from row to row."""
     for (early, late), line in zip(pairwise(time), lines[1:], strict=True):
         if not late > early:
             raise InputError(f"line {line}: time = {late}: must be later than the row before, {early} s")
 
 
 def from_zero(texts: Sequence[str], time: FloatArray) -> tuple[FloatArray, str]:
-    """Return times that begin at 0 where float64 would round them too much, as since 1970, and a line that says so.
+    """Shift times to begin at 0 if their rounding error in float64 is too large, as of seconds since 1970.
 
-    texts: the times as written, whose differences are exact. Other times are returned as they are, with "".
+    Parameters
+    ----------
+    texts : sequence of str
+        The times as written, whose differences are exact.
+    time : ndarray of shape (m,)
+        The times (s).
+
+    Returns
+    -------
+    time : ndarray of shape (m,)
+        The shifted times, or `time` unchanged.
+    warning : str
+        A line that reports the shift, or "".
     """
     if len(time) < 2 or not np.spacing(np.max(np.abs(time))) > MOST_ROUNDED * np.min(np.diff(time)):
         return time, ""
@@ -121,7 +136,10 @@ def from_zero(texts: Sequence[str], time: FloatArray) -> tuple[FloatArray, str]:
 
 
 def check_no_header_of_numbers(dt: float, samples: Sequence[float]) -> None:
-    """Raise InputError if the first samples look like the count or the factor, and the step, of a header of numbers."""
+    """Raise InputError if the first samples look like a header of numbers.
+
+    Such a header holds the count or a factor, and the step `dt` (s).
+    """
     if len(samples) < 5:
         return
     first, second = samples[0], samples[1]
@@ -138,7 +156,7 @@ def check_no_header_of_numbers(dt: float, samples: Sequence[float]) -> None:
 
 
 def check_is_numbers(line: int, row: str) -> None:
-    """Raise InputError that says what to do with a heading, if a row without a header begins with a word."""
+    """Raise InputError with advice on headings if a row of a file without a header begins with a word or is blank."""
     word = next(iter(row.split()), "").strip("\"'")
     if not word:
         raise InputError(f"line {line}: no number, must be numbers, or blank without marks")

@@ -1,8 +1,8 @@
 """Turns of threads that make runs: one at a time executes Python, while the kernels of others run.
 
-Numpy releases the interpreter's lock for a moment in every call on more than some hundred numbers. A waiting thread
+NumPy releases the interpreter's lock for a moment in every call on more than some hundred numbers. A waiting thread
 takes it, and both spend their time on waking each other: measured, two threads were slower than one. So a thread keeps
-its turn for all of its Python, and gives it up while a kernel runs.
+a lock for all of its Python, and releases it while a kernel runs.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 _turn = threading.Lock()
-_own = threading.local()  # has `held` if the turn is this thread's
+_own = threading.local()  # has `held` if this thread has the lock
 
 
 @contextmanager
 def my_turn() -> Iterator[None]:
-    """Wait until no other thread has its turn, and keep it."""
+    """Hold the lock for Python within the context; do nothing if this thread has it already."""
     if getattr(_own, "held", False):
         yield
         return
@@ -31,7 +31,7 @@ def my_turn() -> Iterator[None]:
 
 @contextmanager
 def others_turn() -> Iterator[None]:
-    """Let others have their turn, if this thread has it."""
+    """Release the lock for Python within the context; do nothing if this thread does not have it."""
     if not getattr(_own, "held", False):
         yield
         return

@@ -1,1 +1,1 @@
-"""The motion of the base: recorded, by formula, and its measures."""
+"""The motion of the base: records, formulas, and measures of intensity."""

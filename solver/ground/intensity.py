@@ -1,4 +1,4 @@
-"""Intensity of a base motion: peaks, Arias intensity, significant duration, response spectrum."""
+"""Intensity measures of a base motion: peaks, Arias intensity, significant duration, response spectrum."""
 
 from __future__ import annotations
 
@@ -21,30 +21,30 @@ Component = Literal["ax", "ay", "az"]
 NAMES: dict[Component, str] = {"ax": "horizontal", "ay": "across", "az": "vertical"}
 DAMPING = 0.05  # of critical, of the customary spectrum
 PERIODS = np.geomspace(0.05, 10.0, 120)  # s
-PER_PERIOD = 10  # samples per period of an oscillator, at least; cubic interpolation between them has an error of 1e-4
-PER_CYCLE = 400  # straight lines to a cycle of a harmonic
+PER_PERIOD = 10  # least samples per period of an oscillator; cubic interpolation between them has an error of 1e-4
+PER_CYCLE = 400  # line segments per cycle of a harmonic
 MOST_LINES = 1_000_000  # ten minutes at 1 kHz, and more
-AT_ONCE = 4_000_000  # numbers of a history of all oscillators that are followed together
-UNEVEN = 1e9  # longest over shortest line: beyond, the short ones are lost in rounding
+AT_ONCE = 4_000_000  # numbers in a history of all oscillators integrated at once
+UNEVEN = 1e9  # ratio of the longest to the shortest segment beyond which the short ones are lost in rounding
 
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """One component of a motion as straight lines; zero before and after."""
+    """One component of a motion as line segments; zero before and after."""
 
     time: FloatArray  # (m + 1,) s
-    before: FloatArray  # (m,) m/s2, at the start of each line
-    after: FloatArray  # (m,) m/s2, at its end
+    before: FloatArray  # (m,) m/s2, at the start of each segment
+    after: FloatArray  # (m,) m/s2, at the end of each segment
 
     @cached_property
     def steps(self) -> FloatArray:
-        """Lengths of the lines, s."""
+        """The durations of the segments (s)."""
         return self.time[1:] - self.time[:-1]
 
 
 @dataclass(frozen=True, eq=False)
 class Histories:
-    """Motion of the base, integrated from rest without baseline correction, so that a baseline error shows."""
+    """The motion of the base, integrated from rest without baseline correction, so that a baseline error shows."""
 
     time: FloatArray  # (m + 1,) s
     velocity: FloatArray  # (m + 1,) m/s
@@ -54,12 +54,12 @@ class Histories:
 
 @dataclass(frozen=True)
 class Intensity:
-    """Measures of one component. Velocity and displacement: integrated from rest without baseline correction."""
+    """The intensity measures of one component; velocity and displacement without baseline correction."""
 
     pga: float  # m/s2
     pgv: float  # m/s
     pgd: float  # m
-    final_velocity: float  # m/s; at the end: shows how far pgv and pgd can be trusted
+    final_velocity: float  # m/s, at the end: shows how far pgv and pgd can be trusted
     final_displacement: float  # m
     arias: float  # m/s
     start: float  # s, time at which 5 % of the Arias intensity is reached
@@ -67,13 +67,13 @@ class Intensity:
 
     @property
     def significant_duration(self) -> float:
-        """From 5 to 95 % of the Arias intensity, s."""
+        """The time from 5 to 95 % of the Arias intensity (s)."""
         return self.end - self.start
 
 
 @dataclass(frozen=True, eq=False)
 class Spectrum(Framed):
-    """Largest response of oscillators, the free vibration after the motion included."""
+    """The response spectrum: the largest response of oscillators, including the free vibration after the motion."""
 
     period: FloatArray  # (p,) s
     sd: FloatArray  # (p,) m, relative displacement
@@ -86,17 +86,20 @@ class Spectrum(Framed):
 
     @property
     def psv(self) -> FloatArray:
-        """Pseudo-velocity, m/s."""
+        """The pseudo-velocity (m/s)."""
         return 2.0 * np.pi / self.period * self.sd
 
     @property
     def psa(self) -> FloatArray:
-        """Pseudo-acceleration, m/s2."""
+        """The pseudo-acceleration (m/s2)."""
         return (2.0 * np.pi / self.period) ** 2 * self.sd
 
 
 def components(motion: Motion) -> list[Component]:
-    """Return those components that are not zero throughout. Raises InputError if all are."""
+    """Return the components that are not zero throughout.
+
+    Raises InputError if all are.
+    """
     there = [component for component in NAMES if _amplitude(motion, component) or np.any(getattr(motion, component))]
     if not there:
         raise InputError("the motion is zero throughout, must be an acceleration")
@@ -104,17 +107,20 @@ def components(motion: Motion) -> list[Component]:
 
 
 def _amplitude(motion: Motion, component: Component) -> float:
-    """Amplitude of the harmonic along a component, m/s2."""
+    """Return the amplitude of the harmonic along a component (m/s2)."""
     return {"ax": motion.amplitude, "ay": motion.amplitude_y, "az": 0.0}[component]
 
 
 def is_measurable(motion: Motion) -> bool:
-    """Whether its harmonic has few enough cycles to be taken as lines."""
+    """Return True if the harmonic of a motion has few enough cycles to be approximated by line segments."""
     return motion.frequency * motion.duration * PER_CYCLE <= MOST_LINES
 
 
 def lines_of(motion: Motion, component: Component = "ax") -> Lines:
-    """Return a component as straight lines: samples as they are, a harmonic by 400 to a cycle."""
+    """Convert a component to line segments: samples exactly, a harmonic by 400 per cycle.
+
+    Raises InputError if the harmonic has too many cycles.
+    """
     samples: FloatArray = getattr(motion, component)
     if motion.hold:
         time, before, after = np.append(motion.time, motion.end), samples, samples
@@ -126,9 +132,11 @@ def lines_of(motion: Motion, component: Component = "ax") -> Lines:
             cycles, most = motion.frequency * motion.duration, MOST_LINES // PER_CYCLE
             raise InputError(f"frequency: {cycles:.4g} cycles, must be at most {most} to be measured")
         parts = np.ceil(PER_CYCLE * motion.frequency * np.diff(time)).astype(np.int64)
+        # split each segment; index of the original segment, and position within it
         line = np.repeat(np.arange(len(parts)), parts)
         within = (np.arange(len(line)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[line]
         rise, step = (after - before)[line], np.diff(time)[line]
+        # add the harmonic at the new instants
         fine = np.append(time[line] + within * step, time[-1])
         wave = amplitude * np.sin(2.0 * np.pi * motion.frequency * (fine - motion.start))
         flat = before[line] + within * rise
@@ -138,7 +146,7 @@ def lines_of(motion: Motion, component: Component = "ax") -> Lines:
 
 
 def histories(motion: Motion, component: Component = "ax") -> Histories:
-    """Return velocity, displacement and Arias intensity over time; exact for samples."""
+    """Compute velocity, displacement and Arias intensity over time; exact for samples."""
     lines = lines_of(motion, component)
     h, a, b = lines.steps, lines.before, lines.after
     velocity = _velocity(lines)
@@ -148,13 +156,13 @@ def histories(motion: Motion, component: Component = "ax") -> Histories:
 
 
 def pgv(motion: Motion) -> float:
-    """Return the peak ground velocity of ax, m/s, as `intensity` does, and nothing else."""
+    """Return the peak ground velocity of ax (m/s), without the other measures of `intensity`."""
     lines = lines_of(motion)
     return _largest(lines, _velocity(lines))
 
 
 def peak(motion: Motion, component: Component = "ax") -> float:
-    """Return the largest acceleration of a component, m/s2."""
+    """Return the peak ground acceleration of a component (m/s2)."""
     if component == "ax":
         return motion.pga
     lines = lines_of(motion, component)
@@ -166,12 +174,15 @@ def _velocity(lines: Lines) -> FloatArray:
 
 
 def _largest(lines: Lines, velocity: FloatArray) -> float:
-    """The largest |velocity|, also between two instants."""
+    """Return the largest |velocity| (m/s), also within segments."""
     return oscillator.peak(lines.steps, velocity, lines.before, lines.after)
 
 
 def intensity(motion: Motion, component: Component = "ax") -> Intensity:
-    """Return the measures of a component. Raises InputError if it is zero throughout."""
+    """Compute the intensity measures of a component.
+
+    Raises InputError if it is zero throughout.
+    """
     lines, base = lines_of(motion, component), histories(motion, component)
     h, u = lines.steps, base.displacement
     arias = float(base.husid[-1])
@@ -196,13 +207,27 @@ def spectrum(
     damping: float = DAMPING,
     component: Component = "ax",
 ) -> Spectrum:
-    """Return the response spectrum at periods (p,), s; damping of critical, at least 0 and less than 1.
+    """Compute the response spectrum of a component.
 
-    periods: None: 120 from 0.05 to 10 s.
+    It is exact for the motion as line segments from sample to sample; between two instants, at least ten per period,
+    the peak is that of a cubic.
 
-    Exact for the motion as straight lines from sample to sample; between two instants, at least ten to a period, the
-    peak is that of a cubic. Raises InputError on a period that is not positive, a wrong damping, or samples that are
-    too far apart, or too unevenly, for such periods.
+    Parameters
+    ----------
+    motion : Motion
+        The motion of the base.
+    periods : array-like of shape (p,), optional
+        The periods (s); 120 from 0.05 to 10 s by default.
+    damping : float
+        The damping ratio, at least 0 and less than 1.
+    component : {"ax", "ay", "az"}
+        The component.
+
+    Raises
+    ------
+    InputError
+        If a period is not positive, the damping is out of range, or the samples are too far apart, or too uneven, for
+        the shortest period.
     """
     period = np.array(
         [
@@ -213,6 +238,7 @@ def spectrum(
     damping = check_number("damping", damping, (0.0, 0.999), "a part of critical, at least 0 and less than 1")
     lines = lines_of(motion, component)
     longest, shortest = float(np.max(lines.steps)), float(np.min(lines.steps))
+    # the number of parts of each segment, a power of 2, so that a period has at least PER_PERIOD instants
     wanted = np.maximum(1.0, 2.0 ** np.ceil(np.log2(PER_PERIOD * longest / period)))
     if np.max(wanted) * len(lines.steps) > MOST_LINES or longest > UNEVEN * shortest:
         raise InputError(
@@ -235,20 +261,20 @@ def spectrum(
 
 
 def _together(parts: NDArray[np.int64], lines: int) -> Iterator[NDArray[np.int64]]:
-    """Places of oscillators that need the same division of the lines, as many as fit into memory."""
+    """Yield the indices of oscillators with the same division of the segments, in groups that fit into memory."""
     for count in np.unique(parts):
         same = np.flatnonzero(parts == count)
         yield from np.array_split(same, -(-len(same) * count * lines // AT_ONCE))
 
 
 def _running(parts: FloatArray) -> FloatArray:
-    """Cumulative sums from 0."""
+    """Return the cumulative sums, from 0."""
     sums = np.zeros(len(parts) + 1)
     np.cumsum(parts, out=sums[1:])
     return sums
 
 
 def _without_rounding(steps: FloatArray) -> FloatArray:
-    """Return the steps with those that differ only by rounding made equal, so that few distinct values remain."""
+    """Return the durations with those made equal that differ only by rounding, so that few distinct values remain."""
     unit = 1e-9 * float(np.max(steps))
     return np.maximum(np.round(steps / unit), 1.0) * unit

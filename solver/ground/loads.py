@@ -3,19 +3,19 @@
 The contract, for every kind of model that has ports:
 
 File. `[[port]]` has `name`, `block` (the name of one) and `at` (m, from the centroid of the block along its axes as
-built; the centroid if it is left out). Names are unique, and have none of `[ ] . = , "`.
+built; the centroid by default). Names are unique, and have none of `[ ] . = , "`.
 
-Load. Samples (time, values) of six components, Fx Fy Fz (N) and Mx My Mz (N m), on the point, with straight lines
-between samples. Before its first and after its last sample it is zero, so that it begins and ends at once. Time is that
-of the motion of the base. What comes before the motion begins is left out.
+Load. Samples (time, values) of six components, Fx Fy Fz (N) and Mx My Mz (N m), at the point, linear between samples.
+The load is zero before its first and after its last sample, and so may jump at both. Its time is that of the motion of
+the base; samples before the motion begins are ignored.
 
 `simulate(..., loads=...)`: port -> `Load`, or component -> a number (constant from the start of the run to its end) or
-(times, values). `release`: port -> component -> number: at the start of the run the model rests under these loads, and
-is let go. A load ends with the run: the verdict is that of the model without it.
+(times, values). `release`: port -> component -> number: at the start of the run the model rests under these loads,
+which are then removed. A load ends with the run: the verdict is that of the model without it.
 
 Merging. The kernels have one grid of times: the instants of the motion and of all loads (`on_one_grid`). Samples of the
-base that are joined by lines, or held, are so on that grid as well; a load has a value and a slope on each of its
-intervals. `Motion.with_loads` carries loads wherever a motion goes; a scaled motion has the same loads.
+base are interpolated on that grid, linearly or held; a load has a value and a slope on each of its intervals.
+`Motion.with_loads` attaches loads to a motion; a scaled motion has the same loads.
 
 FMU. Inputs `port[k].Fx` ... `port[k].Mz` and `port[k].dFx` ... their slopes within a communication step; outputs
 `port[k].x` ... `port[k].az`.
@@ -43,11 +43,11 @@ if TYPE_CHECKING:
     from .motion import Motion
 
 COMPONENTS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
-IN_PLANE = ("Fx", "Fz", "My")  # of a column, which has no others
-ACROSS = ("Fy", "Mx", "Mz")  # that move a structure out of the plane x, z
+IN_PLANE = ("Fx", "Fz", "My")  # components of a column in its plane
+ACROSS = ("Fy", "Mx", "Mz")  # components that move a structure out of the plane x, z
 LARGEST = 1e15
 FORCE = (-LARGEST, LARGEST), "a finite force in N, or couple in N m"
-SAME_INSTANT = 1e-6  # of the shortest interval: instants that close differ by rounding
+SAME_INSTANT = 1e-6  # of the shortest interval: instants closer than this differ by rounding only
 MOST_SAMPLES = 10**7
 
 Given = Mapping[str, Any]  # by component, or a Load
@@ -55,9 +55,19 @@ Given = Mapping[str, Any]  # by component, or a Load
 
 @dataclass(frozen=True, eq=False)
 class Load:
-    """Forces and couples on a point. time: (m,) s, increasing; values: (m, 6) N, N m, in the order of COMPONENTS.
+    """Forces and couples at a point over time.
 
-    Raises InputError for values that are not finite, and times that do not increase.
+    Attributes
+    ----------
+    time : ndarray of shape (m,)
+        The instants (s), increasing.
+    values : ndarray of shape (m, 6)
+        The components (N, N m), in the order of COMPONENTS.
+
+    Raises
+    ------
+    InputError
+        If values are not finite or times do not increase.
     """
 
     time: FloatArray
@@ -76,7 +86,20 @@ class Load:
 
     @classmethod
     def of(cls, time: ArrayLike, **components: ArrayLike) -> Load:
-        """Samples by component, as `Load.of([0, 1], Fx=[0, 1e4])`; the other components are zero."""
+        """Return the load with samples by component, as `Load.of([0, 1], Fx=[0, 1e4])`.
+
+        Parameters
+        ----------
+        time : array-like of shape (m,)
+            The instants (s), increasing.
+        **components : array-like of shape (m,)
+            The samples (N, N m) of any of COMPONENTS; the other components are zero.
+
+        Raises
+        ------
+        InputError
+            If a component is unknown or has another number of samples.
+        """
         instants = _numbers("time", time)
         values = np.zeros((len(instants), len(COMPONENTS)))
         for name, given in components.items():
@@ -89,9 +112,25 @@ class Load:
 
     @classmethod
     def formula(cls, duration: float, step: float, start: float = 0.0, **components: Callable[[float], float]) -> Load:
-        """Functions of the time, s, sampled every `step` s: `Load.formula(2.0, 1e-3, Fx=lambda t: 1e4 * sin(9 * t))`.
+        """Sample functions of time (s), as `Load.formula(2.0, 1e-3, Fx=lambda t: 1e4 * sin(9 * t))`.
 
-        Lines between samples differ from a sine of the angular frequency w by (w step)^2 / 8 of its amplitude at most.
+        The interpolation error of a sine of the angular frequency w is at most (w step)^2 / 8 of its amplitude.
+
+        Parameters
+        ----------
+        duration : float
+            The duration (s).
+        step : float
+            The largest sampling interval (s).
+        start : float
+            The first instant (s).
+        **components : callable
+            Functions of time for any of COMPONENTS, in N or N m.
+
+        Raises
+        ------
+        InputError
+            If the duration or the step is out of range.
         """
         check_number("duration", duration, POSITIVE, "a positive time in s")
         check_number("step", step, (duration / MOST_SAMPLES, duration), "a time in s, at most the duration")
@@ -101,9 +140,21 @@ class Load:
 
     @classmethod
     def from_motion(cls, motion: Motion, step: float | None = None, **factors: float) -> Load:
-        """A record or formula of a motion as a load: its ax (m/s2) times factors (kg, kg m), as Fx=5000.0.
+        """Return the ax of a motion (m/s2) times factors as a load, so that wavelets and harmonics serve as loads.
 
-        So all wavelets and harmonics serve as loads. step: s, at which a harmonic is sampled. Raises InputError.
+        Parameters
+        ----------
+        motion : Motion
+            The motion.
+        step : float, optional
+            The sampling interval (s), required if the motion is harmonic or held.
+        **factors : float
+            The factor of each component (kg, kg m), as Fx=5000.0.
+
+        Raises
+        ------
+        InputError
+            If the step is missing or a component is unknown.
         """
         if motion.amplitude or motion.hold:
             if step is None:
@@ -116,17 +167,20 @@ class Load:
         return cls.of(time, **{name: factor * ax for name, factor in factors.items()})
 
     def scaled(self, factor: float) -> Load:
-        """The load times a factor."""
+        """Return the load times a factor."""
         return Load(self.time, factor * self.values)
 
     @property
     def is_in_plane(self) -> bool:
-        """Whether it moves nothing out of the plane x, z, where its port lies in it."""
+        """True if Fy, Mx and Mz are zero: nothing moves out of the plane x, z if the port lies in it."""
         return not any(np.any(self.values[:, COMPONENTS.index(name)]) for name in ACROSS)
 
 
 def loads_from(given: Mapping[str, Load | Given], start: float, duration: float) -> dict[str, Load]:
-    """The loads on ports as `simulate` is given them; constants last `duration` s from `start`. Raises InputError."""
+    """Convert the argument `loads` of `simulate` to loads by port; constants last `duration` s from `start`.
+
+    Raises InputError for unknown components, wrong samples, or components with different times.
+    """
     return {port: _load_from(f"loads[{port}]", load, start, duration) for port, load in given.items()}
 
 
@@ -135,6 +189,7 @@ def _load_from(key: str, given: Load | Given, start: float, duration: float) -> 
         return given
     if not isinstance(given, Mapping) or not given:
         raise InputError(f"{key} = {shown(given)}: must be a Load, or components {', '.join(COMPONENTS)}")
+    # collect (component, times, samples)
     parts: list[tuple[str, ArrayLike, ArrayLike]] = []
     for name, value in given.items():
         check_choice(f"{key}", name, COMPONENTS)
@@ -153,7 +208,22 @@ def _load_from(key: str, given: Load | Given, start: float, duration: float) -> 
 
 
 def static_loads(key: str, given: Mapping[str, Given], ports: Sequence[str]) -> FloatArray:
-    """Constant loads by port and component as (6, ports). Raises InputError."""
+    """Convert constant loads by port and component to an array (6, ports).
+
+    Parameters
+    ----------
+    key : str
+        The key for messages.
+    given : mapping
+        Port -> component -> number (N, N m).
+    ports : sequence of str
+        The names of the ports.
+
+    Raises
+    ------
+    InputError
+        If a port or component is unknown, or a number is out of range.
+    """
     found = np.zeros((len(COMPONENTS), len(ports)))
     if not isinstance(given, Mapping):
         raise InputError(f"{key} = {shown(given)}: must be ports with components, as {{'roof': {{'Fx': 1000.0}}}}")
@@ -175,7 +245,10 @@ def check_loads_in_plane(loads: Mapping[str, Load]) -> None:
 
 
 def pattern_of(pattern: Mapping[str, float], ports: Sequence[str]) -> FloatArray:
-    """Loads of a push by port.component, as {"roof.Fx": 1000.0}: (6, ports). Raises InputError."""
+    """Convert the loads of a push, by port.component as in {"roof.Fx": 1000.0}, to an array (6, ports).
+
+    Raises InputError if a port or component is unknown, or all loads are zero.
+    """
     given: dict[str, dict[str, float]] = {}
     for name, value in pattern.items():
         port, _, component = str(name).rpartition(".")
@@ -187,7 +260,10 @@ def pattern_of(pattern: Mapping[str, float], ports: Sequence[str]) -> FloatArray
 
 
 def place_of(key: str, port: object, ports: Sequence[str]) -> int:
-    """Number of a port by its name. Raises InputError."""
+    """Return the index of a port by its name.
+
+    Raises InputError, with `key`, if there is no such port.
+    """
     if not ports:
         raise InputError(f"{key}[{port}]: there are no ports, must be a table [[port]] for it")
     check_choice(key, port, ports)
@@ -197,11 +273,35 @@ def place_of(key: str, port: object, ports: Sequence[str]) -> int:
 def on_one_grid(
     samples: Sequence[FloatArray], hold: bool, loads: Mapping[str, Load], ports: Sequence[str]
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Times, ax, ay, az of the base (times may go on after it), and of each interval all loads, then their slopes.
+    """Interpolate the motion of the base and all loads on one grid of times.
 
-    samples: times and accelerations of the base. Raises InputError for an unknown port.
+    Parameters
+    ----------
+    samples : sequence of ndarray
+        The times (s), ax, ay and az (m/s2) of the base, each (m,).
+    hold : bool
+        Whether the accelerations are held between samples rather than linear.
+    loads : mapping of str to Load
+        The loads by port.
+    ports : sequence of str
+        The names of the ports.
+
+    Returns
+    -------
+    time : ndarray of shape (k,)
+        The grid (s), which may extend beyond the end of the base motion.
+    ax, ay, az : ndarray
+        The accelerations (m/s2) at the instants within the base motion.
+    loads : ndarray of shape (2 * 6 * ports * (k - 1),)
+        For each interval the values of all loads, then their slopes.
+
+    Raises
+    ------
+    InputError
+        If a port is unknown.
     """
     own, *accelerations = samples
+    # merge the instants of the loads, without those that coincide with others but for rounding
     others = np.unique(np.concatenate([load.time for load in loads.values()]))
     shortest = min(float(np.min(np.diff(part))) for part in (own, others) if len(part) > 1)
     same = SAME_INSTANT * max(shortest, SAME_INSTANT)
@@ -210,9 +310,11 @@ def on_one_grid(
     nearest = np.minimum(np.searchsorted(own, others), len(own) - 1)
     near = np.minimum(np.abs(own[nearest] - others), np.abs(own[np.maximum(nearest - 1, 0)] - others))
     time = np.union1d(own, others[near > same])
+    # accelerations on the grid
     within = time[: np.searchsorted(time, own[-1]) + 1]
     latest = np.searchsorted(own, within, side="right") - 1
     ax, ay, az = (a[latest] if hold else np.interp(within, own, a) for a in accelerations)
+    # value and slope of each load on each interval in which it acts
     found = np.zeros((len(time) - 1, 2, len(COMPONENTS), len(ports)))
     middle, lengths = 0.5 * (time[1:] + time[:-1]), np.diff(time)
     for port, load in loads.items():
@@ -226,9 +328,19 @@ def on_one_grid(
 
 
 def loads_by_port(given: Mapping[str, Any], folder: str | os.PathLike[str] = ".") -> dict[str, dict[str, Any]]:
-    """Loads by port and component, from PORT.COMPONENT -> a number, or the name of a file in `folder`.
+    """Convert loads by PORT.COMPONENT to loads by port and component.
 
-    Raises InputError.
+    Parameters
+    ----------
+    given : mapping
+        PORT.COMPONENT -> a number, or the name of a file (`load_from_file`).
+    folder : path-like
+        The folder of the files.
+
+    Raises
+    ------
+    InputError
+        If a name is not PORT.COMPONENT, or a file is invalid.
     """
     found: dict[str, dict[str, Any]] = {}
     for name, value in given.items():
@@ -241,7 +353,10 @@ def loads_by_port(given: Mapping[str, Any], folder: str | os.PathLike[str] = "."
 
 
 def load_from_file(path: str | os.PathLike[str]) -> tuple[FloatArray, FloatArray]:
-    """Return times, s, and values of a file of two columns, with a header or none. Raises InputError."""
+    """Read the times (s) and values of a file of two columns, with or without a header.
+
+    Raises InputError that begins with `path` if the file is invalid.
+    """
     with reading(path):
         lines = lines_of(path)
         found = table_of(lines, () if lines[0].strip()[:1].isalpha() else ("time", "load"))

@@ -23,18 +23,18 @@ from .records import Record, peer, read_record
 from .records.columns import LEAD, SLOPES, read_csv
 from .records.record import FloatArray
 
-STRONGEST = 3.0 * STANDARD_GRAVITY  # of any record that can be believed
+STRONGEST = 3.0 * STANDARD_GRAVITY  # upper bound of credible records
 LARGEST = 1e6  # m/s2: a larger acceleration is a mistake of units, and no column can be followed under it
 ACCELERATION = (-LARGEST, LARGEST), "a finite acceleration in m/s2, at most 1e6 either way"
-MOST_CYCLES = 1e6  # of a harmonic whose crests are looked for
-DRAWN = 5000  # instants of a harmonic in its picture
+MOST_CYCLES = 1e6  # limit for the search of the crests of a harmonic
+DRAWN = 5000  # instants at which a harmonic is plotted
 _NONE: FloatArray = np.zeros(0)
-SAME_INSTANT = 1e-6  # of the shortest sampling interval: two records' instants that close differ by rounding
+SAME_INSTANT = 1e-6  # of the shortest sampling interval: closer instants of two records differ by rounding only
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Motion(Framed, Shown):
-    """Base acceleration over start <= t <= end; before and after, it is zero.
+    """The base acceleration over start <= t <= end; before and after, it is zero.
 
     ax(t) = samples + amplitude sin(2 pi frequency (t - start)), az(t) = samples. Between two samples the acceleration
     is linear, or with `hold` equal to the earlier one, as an FMU sees its input. The arrays are copied, read-only.
@@ -46,14 +46,14 @@ class Motion(Framed, Shown):
     time: FloatArray  # (m,) s, strictly increasing; time[0] is the start
     ax: FloatArray  # (m,) m/s2, horizontal, +x to the right
     az: FloatArray  # (m,) m/s2, vertical, +z up
-    name: str = field(default="", kw_only=True)  # for titles: of the file, or of the formula
+    name: str = field(default="", kw_only=True)  # the file or formula, for titles
     duration: float  # s; linear: time[-1] - time[0], held: more, the last sample holds until the end
     hold: bool = False
     amplitude: float = 0.0  # m/s2, of the harmonic part of ax
     frequency: float = 0.0  # Hz, of the harmonic part; positive where an amplitude is not 0
-    ay: FloatArray = field(default_factory=lambda: _NONE)  # (m,) m/s2, across x, for structures; none: zeros
+    ay: FloatArray = field(default_factory=lambda: _NONE)  # (m,) m/s2, along y, for structures; zeros by default
     amplitude_y: float = 0.0  # m/s2, of the harmonic part of ay
-    loads: Mapping[str, Load] = field(default_factory=dict, kw_only=True)  # on the ports of a structure, beside it
+    loads: Mapping[str, Load] = field(default_factory=dict, kw_only=True)  # on the ports, by name
 
     def __post_init__(self) -> None:
         if self.ay is _NONE:
@@ -97,29 +97,32 @@ class Motion(Framed, Shown):
         return history(time, self.acceleration(time)[0] / STANDARD_GRAVITY, "acceleration (g)")
 
     def _frame(self) -> Frame:
-        """The samples; a harmonic has only its start and its end."""
+        """Return the samples; of a harmonic only its start and its end."""
         columns = {"ax": self.ax, **({"ay": self.ay} if self.has_ay else {}), "az": self.az}
         beside = {"hold": int(self.hold), "amplitude": self.amplitude, "frequency": self.frequency}
         return Frame(("time", self.time), columns, {"time": "s"} | dict.fromkeys(columns, "m/s2"), beside)
 
     @property
     def start(self) -> float:
-        """First instant of the motion, s."""
+        """The first instant of the motion (s)."""
         return float(self.time[0])
 
     @property
     def end(self) -> float:
-        """Last instant of the motion, s."""
+        """The last instant of the motion (s)."""
         return self.start + self.duration if self.hold else float(self.time[-1])
 
     @property
     def has_ay(self) -> bool:
-        """Whether the base accelerates along y as well."""
+        """True if the base accelerates along y as well."""
         return bool(self.amplitude_y) or bool(np.any(self.ay))
 
     @property
     def pga(self) -> float:
-        """Largest |ax| over the samples and the crests of the harmonic, m/s2."""
+        """The largest |ax| over the samples and the crests of the harmonic (m/s2).
+
+        Raises InputError if the harmonic has more than 1e6 cycles.
+        """
         if not self.amplitude:
             return float(np.max(np.abs(self.ax)))
         if self.frequency * self.duration > MOST_CYCLES:
@@ -141,11 +144,14 @@ class Motion(Framed, Shown):
         return np.where(inside, ax, 0.0), np.where(inside, az, 0.0)
 
     def scaled(self, factor: float) -> Motion:
-        """Return the motion with accelerations, no loads, multiplied by `factor`. Raises InputError beyond 1e6 m/s2."""
+        """Return the motion with its accelerations multiplied by `factor`, its loads unchanged.
+
+        Raises InputError if the factor is not finite or an acceleration exceeds 1e6 m/s2.
+        """
         factor = check_number("factor", factor, FINITE, "a finite number")
         ax, az, amplitude = factor * self.ax, factor * self.az, factor * self.amplitude
         largest = max(np.abs(ax).max(), np.abs(az).max(), abs(amplitude))
-        if self.has_ay or not largest <= LARGEST:  # it says what is wrong
+        if self.has_ay or not largest <= LARGEST:  # the constructor raises the error
             ay, amplitude_y = factor * self.ay, factor * self.amplitude_y
             return replace(self, ax=ax, ay=ay, az=az, amplitude=amplitude, amplitude_y=amplitude_y)
         made = Motion.unchecked(self.time, ax, az, self.duration, self.hold, amplitude, self.frequency)
@@ -158,7 +164,7 @@ class Motion(Framed, Shown):
         return made
 
     def with_loads(self, loads: Mapping[str, Load]) -> Motion:
-        """Return the motion with loads on ports, by their names, beside it (loads.py); the samples are shared."""
+        """Return the motion with loads by the names of their ports (loads.py); the samples are shared."""
         made: Motion = object.__new__(Motion)
         made.__dict__.update(vars(self) | {"loads": dict(loads)})
         return made
@@ -176,8 +182,8 @@ class Motion(Framed, Shown):
     def with_vertical(self, vertical: Motion) -> Motion:
         """Return the motion with the ax of `vertical`, a record of one component, as its az.
 
-        Where the instants of the two differ, the motion has those of both, each component linear in between; every
-        sample is kept to the last bit. Beyond its own end the shorter component is zero from the next instant on.
+        If the instants of the two differ, the motion has those of both, each component linear in between; every sample
+        is kept to the last bit. Beyond its own end the shorter component is zero from the next instant on.
 
         Raises InputError unless both are linear samples and this one has no az of its own.
         """
@@ -200,7 +206,7 @@ class Motion(Framed, Shown):
         return replace(level, ay=level.az, az=upwards)
 
     def turned(self, angle: float) -> Motion:
-        """Return the motion turned in plan by an angle, rad, from x to y."""
+        """Return the motion rotated in plan by an angle (rad) from x to y."""
         if angle == 0.0:
             return self
         c, s = math.cos(angle), math.sin(check_number("angle", angle, FINITE, "an angle in rad"))
@@ -213,22 +219,32 @@ class Motion(Framed, Shown):
         )
 
     def mirrored(self) -> Motion:
-        """Return the motion seen from behind: ax and ay change their signs, az does not."""
+        """Return the motion rotated by half a turn in plan: ax and ay change their signs, az does not."""
         made = replace(self, ax=-self.ax, amplitude=-self.amplitude)
         return replace(made, ay=-self.ay, amplitude_y=-self.amplitude_y) if self.has_ay else made
 
     def to_csv(self, path: str | os.PathLike[str], step: float | None = None, slopes: bool = False) -> None:
         """Write `time,base.ax,base.az` (s, m/s2) for `fmpy simulate --input-file`, every float64 in full.
 
-        With `step` (s), which must divide the duration, the motion is sampled at start + k step; without, the samples
-        are written as they are. The file says neither `hold` nor that the base stops at the end (FMPy holds the last
-        row).
+        The file states neither `hold` nor that the base stops at the end (FMPy holds the last row).
 
-        slopes: with base.jx and base.jz (m/s3) beside them, by which an FMU follows the straight lines between samples
-        within its communication steps. FMPy draws lines between rows, so that a row just before each sample ends the
-        slope up to there; `from_csv` passes over both. A held motion is held that way.
+        Parameters
+        ----------
+        path : path-like
+            The file.
+        step : float, optional
+            The sampling interval (s), which must divide the duration: the motion is sampled at start + k step. By
+            default the samples are written as they are.
+        slopes : bool
+            Whether to write base.jx and base.jz (m/s3) too, with which an FMU follows the straight lines between
+            samples within its communication steps. FMPy interpolates between rows, so that an extra row just before
+            each sample holds the slope of the interval before it; `from_csv` ignores both. The slopes of a held motion
+            are zero, so that it stays held.
 
-        Raises InputError on a wrong step, on none for a harmonic, or if the file cannot be written.
+        Raises
+        ------
+        InputError
+            If the step is wrong, or missing for a harmonic, or the file cannot be written.
         """
         if step is not None:
             time = self._grid(step)
@@ -253,10 +269,10 @@ class Motion(Framed, Shown):
         intervals = round(self.duration / step)
         if not math.isclose(intervals * step, self.duration, rel_tol=1e-9):
             raise InputError(f"step = {step}: must be {meaning}")
-        # a held sample lasts for a step, so that the end has none of its own
+        # a held sample lasts for a step: there is no sample at the end
         count = intervals if self.hold else intervals + 1
         time = self.start + step * np.arange(count, dtype=np.float64)
-        time[-1] = min(time[-1], self.end)  # rounding must not carry it beyond the end, where the base is at rest
+        time[-1] = min(time[-1], self.end)  # rounding must not exceed the end, after which the base is at rest
         return time
 
     @classmethod
@@ -270,9 +286,22 @@ class Motion(Framed, Shown):
         amplitude: float = 0.0,
         frequency: float = 0.0,
     ) -> Motion:
-        """Return a motion of values known to be valid: checking them would take a study as long as making them.
+        """Return a motion of values known to be valid: checks would take a study as long as their generation.
 
-        The arrays are float64, not copied, and become read-only.
+        The arrays are not copied and become read-only.
+
+        Parameters
+        ----------
+        time : ndarray of shape (m,)
+            The instants (s), increasing.
+        ax, az : ndarray of shape (m,)
+            The accelerations (m/s2), float64.
+        duration : float
+            The duration (s).
+        hold : bool
+            Whether samples are held rather than linear.
+        amplitude, frequency : float
+            The harmonic part of ax (m/s2, Hz).
         """
         made: Motion = object.__new__(cls)
         ay = np.zeros_like(ax)
@@ -286,11 +315,25 @@ class Motion(Framed, Shown):
 
     @classmethod
     def harmonic(cls, amplitude: float, frequency: float, duration: float, direction: float = 0.0) -> Motion:
-        """Return ax = amplitude sin(2 pi frequency t) over 0 <= t <= duration; m/s2, Hz, s.
+        """Return ax = amplitude sin(2 pi frequency t) over 0 <= t <= duration.
 
-        `Motion.harmonic(0.05 * 9.80665, 1.0, 10.0)` is 0.05 g at 1 Hz for 10 s. direction: rad from x to y, in plan.
+        `Motion.harmonic(0.05 * 9.80665, 1.0, 10.0)` is 0.05 g at 1 Hz for 10 s.
 
-        Raises InputError unless amplitude is finite, frequency and duration positive.
+        Parameters
+        ----------
+        amplitude : float
+            The amplitude (m/s2).
+        frequency : float
+            The frequency (Hz), positive.
+        duration : float
+            The duration (s), positive.
+        direction : float
+            The direction in plan (rad), from x to y.
+
+        Raises
+        ------
+        InputError
+            If a value is not finite, or frequency or duration is not positive.
         """
         frequency = check_number("frequency", frequency, POSITIVE, "a positive frequency in Hz")
         duration = check_number("duration", duration, POSITIVE, "a positive time in s")
@@ -312,10 +355,25 @@ class Motion(Framed, Shown):
         hold: bool = False,
         ay: ArrayLike | None = None,
     ) -> Motion:
-        """Return a motion of samples at k dt; dt in s, ax, ay and az (m,) m/s2, none meaning zeros.
+        """Return the motion of samples at k dt, for arrays of other programs, e.g. obspy or eqsig (docs/records.md).
 
-        For arrays of other programs, e.g. obspy or eqsig (docs/records.md).
-        Linear, it lasts (m - 1) dt and needs 2 samples; held, m dt and 1 sample. Raises InputError as `Motion` does.
+        Linear, it lasts (m - 1) dt and needs 2 samples; held, m dt and 1 sample.
+
+        Parameters
+        ----------
+        dt : float
+            The sampling interval (s).
+        ax : array-like of shape (m,)
+            The horizontal acceleration (m/s2).
+        az, ay : array-like of shape (m,), optional
+            The vertical acceleration and the one along y (m/s2), zeros by default.
+        hold : bool
+            Whether samples are held rather than linear.
+
+        Raises
+        ------
+        InputError
+            As `Motion` does.
         """
         dt = check_number("dt", dt, POSITIVE, "a positive time in s")
         ax = _checked_samples("ax", ax, "m/s2")
@@ -334,10 +392,22 @@ class Motion(Framed, Shown):
     ) -> Motion:
         """Read a record in any of the known formats (docs/records.md), recognized by its content; piecewise linear.
 
-        dt (s) and units (g, m/s2 or cm/s2) are for plain columns, which say neither: with dt every number is a sample,
-        without it the first column is the time. channel, from 1, is for files that hold several.
+        Parameters
+        ----------
+        path : path-like
+            The file.
+        dt : float, optional
+            The sampling interval (s) of plain columns: with it every number is a sample, without it the first column is
+            the time.
+        units : {"g", "m/s2", "cm/s2"}, optional
+            The unit of plain columns.
+        channel : int, optional
+            The channel, from 1, of a file that holds several.
 
-        Raises InputError that begins with `path`, with the line of the file where there is one.
+        Raises
+        ------
+        InputError
+            If the file is invalid: begins with `path`, with the line of the file if there is one.
         """
         record = read_record(path, dt, units, channel)
         with reading(path):
@@ -345,10 +415,24 @@ class Motion(Framed, Shown):
 
     @classmethod
     def from_record(cls, record: Record, name: str = "", hold: bool = False) -> Motion:
-        """Return the motion of a record that has been read; piecewise linear. Raises InputError as `Motion` does.
+        """Return the motion of a record; piecewise linear, or held.
 
-        hold: held instead, the last sample as long as the one before. Warns (InputWarning) of a peak beyond 3 g: the
-        units are probably others; and of times that were made to begin at 0.
+        It warns (InputWarning) of a peak beyond 3 g, where the units are probably others, and of times that were
+        shifted to begin at 0.
+
+        Parameters
+        ----------
+        record : Record
+            The content of a file.
+        name : str
+            The name for titles.
+        hold : bool
+            Whether samples are held, the last one as long as the one before.
+
+        Raises
+        ------
+        InputError
+            As `Motion` does.
         """
         time, ay = record.time, _NONE if record.ay is None else record.ay
         duration = float(time[-1] - time[0] + (time[-1] - time[-2] if hold else 0.0))
@@ -369,9 +453,10 @@ class Motion(Framed, Shown):
     def from_csv(cls, path: str | os.PathLike[str], hold: bool = False) -> Motion:
         """Read the file that `fmpy simulate --input-file` takes: `time,base.ax,base.az` in s and m/s2.
 
-        One of base.ax and base.az may be absent, meaning zeros. Times need not be uniform. Held, the last sample lasts
-        as long as the one before. Read as well, though not by FMPy: names in another case (FMPy takes zeros for a name
-        that it does not know), `;` or tabs between columns, blank lines at the end. `to_csv` writes what FMPy reads.
+        One of base.ax and base.az may be absent, meaning zeros. Times need not be uniform. With `hold`, the last sample
+        lasts as long as the one before. Also accepted, though not by FMPy: names in another case (FMPy takes zeros for
+        a name that it does not know), `;` or tabs between columns, blank lines at the end. `to_csv` writes what FMPy
+        reads.
 
         Raises InputError that begins with `path` and, for a wrong row, its line number.
         """
@@ -382,7 +467,7 @@ class Motion(Framed, Shown):
     def from_at2(cls, path: str | os.PathLike[str]) -> Motion:
         """Read a horizontal PEER AT2 record, in units of g; piecewise linear, from t = 0.
 
-        Raises InputError that begins with `path` if units, number of samples, step or a value is not what it should be.
+        Raises InputError that begins with `path` if units, number of samples, step or a value is wrong.
         """
         with reading(path):
             return cls.from_record(peer.read(lines_of(path)), Path(path).name)
@@ -397,7 +482,7 @@ def check_in_plane(motion: Motion) -> None:
 
 
 def _with_slopes(table: FloatArray, hold: bool) -> FloatArray:
-    """Rows of time, accelerations and slopes, with an extra row just before the end of each interval."""
+    """Return rows of time, accelerations and slopes, with an extra row just before the end of each interval."""
     between = np.diff(table[:, :1], axis=0)
     slopes = np.zeros((len(table), table.shape[1] - 1))
     if not hold:
@@ -410,7 +495,7 @@ def _with_slopes(table: FloatArray, hold: bool) -> FloatArray:
 
 
 def _at_instants(time: FloatArray, motion: Motion, same: float) -> FloatArray:
-    """Return ax at instants, some of which are the motion's own but for rounding: there its samples, to the bit."""
+    """Return ax at instants; within `same` (s) of an instant of the motion its sample, to the last bit."""
     values = np.interp(time, motion.time, motion.ax, left=0.0, right=0.0)
     after = np.minimum(np.searchsorted(motion.time, time), len(motion.time) - 1)
     for nearest in (after, np.maximum(after - 1, 0)):
@@ -420,7 +505,10 @@ def _at_instants(time: FloatArray, motion: Motion, same: float) -> FloatArray:
 
 
 def _checked_samples(key: str, values: ArrayLike, unit: str) -> FloatArray:
-    """Return a read-only float64 copy of `values` if it is a list of finite numbers."""
+    """Return a read-only float64 copy of `values` if it is a list of finite numbers.
+
+    Raises InputError otherwise.
+    """
     if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
         raise InputError(f"{key}: has gaps (masked values), must be numbers in {unit} throughout")
     try:

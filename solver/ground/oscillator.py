@@ -1,4 +1,4 @@
-"""Linear oscillators under base accelerations linear between samples: exact, but for rounding.
+"""The response of linear oscillators to base accelerations linear between samples: exact, but for rounding.
 
 The closed form of Nigam and Jennings (1969), Bull. Seism. Soc. Am. 59 (2), 909-922.
 """
@@ -13,10 +13,25 @@ from .records.record import FloatArray
 def response(
     steps: FloatArray, before: FloatArray, after: FloatArray, omega: FloatArray, damping: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return displacement (m) and velocity (m/s) relative to the base of oscillators that begin at rest.
+    """Compute the motion of oscillators relative to the base, from rest.
 
-    steps: (m,) s, lengths of the straight lines. before, after: (m,) m/s2, base acceleration at both ends of each.
-    omega: (p,) rad/s. damping: of critical, at least 0 and less than 1. Both results: (m + 1, p).
+    Parameters
+    ----------
+    steps : ndarray of shape (m,)
+        The durations of the line segments (s).
+    before, after : ndarray of shape (m,)
+        The base acceleration at both ends of each segment (m/s2).
+    omega : ndarray of shape (p,)
+        The undamped angular frequencies (rad/s).
+    damping : float
+        The damping ratio, at least 0 and less than 1.
+
+    Returns
+    -------
+    u : ndarray of shape (m + 1, p)
+        The relative displacement (m).
+    v : ndarray of shape (m + 1, p)
+        The relative velocity (m/s).
     """
     lengths, which = np.unique(steps, return_inverse=True)
     unit = np.eye(4)
@@ -36,7 +51,7 @@ def response(
 
 
 def _alone(maps: list[list[float]], push_u: list[float], push_v: list[float]) -> tuple[FloatArray, FloatArray]:
-    """`response` of one oscillator with plain numbers: equal bits in a tenth of the time."""
+    """Compute `response` of one oscillator with Python floats: equal bits in a tenth of the time."""
     uu, uv, vu, vv = maps
     u, v = [0.0], [0.0]
     for k in range(len(push_u)):
@@ -46,7 +61,21 @@ def _alone(maps: list[list[float]], push_u: list[float], push_v: list[float]) ->
 
 
 def free_peak(u: FloatArray, v: FloatArray, omega: FloatArray, damping: float) -> FloatArray:
-    """Return the largest |u| of the free vibration that begins at (u, v); all of shape (p,)."""
+    """Return the largest |u| of the free vibration that begins at (u, v).
+
+    Parameters
+    ----------
+    u, v : ndarray of shape (p,)
+        The initial displacement (m) and velocity (m/s).
+    omega : ndarray of shape (p,)
+        The undamped angular frequencies (rad/s).
+    damping : float
+        The damping ratio.
+
+    Returns
+    -------
+    ndarray of shape (p,)
+    """
     damped = omega * np.sqrt(1.0 - damping**2)
     b = (v + damping * omega * u) / damped
     t = np.mod(np.arctan2(v, damped * u + damping * omega * b), np.pi) / damped  # the first extremum
@@ -56,10 +85,23 @@ def free_peak(u: FloatArray, v: FloatArray, omega: FloatArray, damping: float) -
 
 
 def peaks(steps: FloatArray, values: FloatArray, before: FloatArray, after: FloatArray) -> FloatArray:
-    """Return the largest absolute values (p,) of histories (m + 1, p), also between their samples.
+    """Return the largest absolute values of histories, also between their samples.
 
-    Between two samples a history is the cubic of its values and of its slopes before, after (m, p) at both ends, which
-    is exact for the velocity of the base, of fourth order for a displacement.
+    Between two samples a history is the cubic of its values and slopes at both ends, which is exact for the velocity of
+    the base, of fourth order for a displacement.
+
+    Parameters
+    ----------
+    steps : ndarray of shape (m,)
+        The durations of the intervals (s).
+    values : ndarray of shape (m + 1, p)
+        The histories.
+    before, after : ndarray of shape (m, p)
+        The slopes at both ends of each interval.
+
+    Returns
+    -------
+    ndarray of shape (p,)
     """
     largest: FloatArray = np.max(np.abs(values), axis=0)
     rows, columns = np.divmod(np.flatnonzero(before * after < 0.0), before.shape[1])
@@ -80,9 +122,9 @@ def peak(steps: FloatArray, values: FloatArray, before: FloatArray, after: Float
 
 
 def _turns(u0: FloatArray, u1: FloatArray, v0: FloatArray, v1: FloatArray) -> FloatArray:
-    """Absolute values at the turning points of cubics, from their values and slopes at both ends of a unit length.
+    """Return the absolute values at the turning points of cubics on the unit interval.
 
-    The slopes differ in sign.
+    `u0`, `u1` are the values and `v0`, `v1` the slopes at both ends; the slopes differ in sign.
     """
     a, b = 6.0 * (u0 - u1) + 3.0 * (v0 + v1), 6.0 * (u1 - u0) - 4.0 * v0 - 2.0 * v1
     x = 2.0 * v0 / (-b + np.copysign(np.sqrt(b * b - 4.0 * a * v0), v0))  # the root of a x^2 + b x + v0 in between

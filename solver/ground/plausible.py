@@ -1,4 +1,4 @@
-"""Base motions that are probably not intended."""
+"""Checks for base motions that are probably unintended."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ UNITS = "accelerations are in m/s2, a record in other units has to say so"
 
 
 def check_strength(motion: Motion) -> bool:
-    """Warn (InputWarning) of a motion that is stronger than any on record; whether it is."""
+    """Warn (InputWarning) of a motion that is stronger than any on record; return True if it is."""
     beside = {"ax": motion.amplitude, "ay": motion.amplitude_y, "az": 0.0}
     for name, most in MOST.items():
         largest = (float(np.max(np.abs(getattr(motion, name)))) + abs(beside[name])) / STANDARD_GRAVITY

@@ -1,4 +1,4 @@
-"""Motions by formula: wavelets of near-fault ground motion, and filtered noise by seed. Samples, linear in between."""
+"""Motions by formula: wavelets of near-fault ground motion, and filtered noise by seed; samples, linear in between."""
 
 from __future__ import annotations
 
@@ -11,21 +11,32 @@ from . import oscillator
 from .motion import Motion
 from .records.record import FloatArray
 
-PER_CYCLE = 400  # samples to a cycle: straight lines between them have an error of 3e-5 of the peak
-RICKER_HALF = 2.0  # cycles from the start to the middle of a Ricker wavelet, where 1e-15 of it is cut off
-GROUND_DAMPING = 0.6  # of critical, Kanai's firm ground
-CORNER = 0.1  # of the ground's frequency: below it noise is filtered out
+PER_CYCLE = 400  # samples per cycle: linear interpolation has an error of 3e-5 of the peak
+RICKER_HALF = 2.0  # cycles from the start to the middle of a Ricker wavelet, where it is truncated at 1e-15 of its peak
+GROUND_DAMPING = 0.6  # damping ratio of Kanai's firm ground
+CORNER = 0.1  # of the ground's frequency: noise below it is filtered out
 NOISE_STEP = 0.005  # s
 MOST_SAMPLES = 10**7
-# the envelope of Amin and Ang (1968): rises by the square, stays, decays exponentially; parts of the duration
+# the envelope of Amin and Ang (1968), by fractions of the duration: quadratic rise, plateau, exponential decay
 RISE, LEVEL, LEFT_AT_END = 0.15, 0.6, 0.01
 
 
 def ricker(amplitude: float, frequency: float) -> Motion:
     """Return a Ricker wavelet, a = A (1 - 2 x) exp(-x) with x = (pi f (t - 2 / f))^2, over 0 <= t <= 4 / f.
 
-    amplitude: m/s2, the peak, at t = 2 / f. frequency: Hz, of the peak of its Fourier spectrum. It ends without
-    velocity and where it began. Ricker (1943), Geophysics 8 (4). Raises InputError on a wrong value.
+    It ends without velocity and where it began. Ricker (1943), Geophysics 8 (4).
+
+    Parameters
+    ----------
+    amplitude : float
+        A, the peak (m/s2), at t = 2 / f.
+    frequency : float
+        f, the frequency of the peak of the Fourier spectrum (Hz).
+
+    Raises
+    ------
+    InputError
+        If a value is out of range.
     """
     amplitude, frequency = _amplitude(amplitude), _frequency(frequency)
     time = _instants(2.0 * RICKER_HALF, frequency)
@@ -34,9 +45,9 @@ def ricker(amplitude: float, frequency: float) -> Motion:
 
 
 def one_sine(amplitude: float, frequency: float) -> Motion:
-    """Return one cycle of a sine of acceleration (m/s2, Hz): a pulse of velocity to one side, which ends displaced.
+    """Return one cycle of a sine of acceleration (m/s2, Hz): a one-sided velocity pulse, which ends displaced.
 
-    Makris and Roussos (2000), Geotechnique 50 (3), 243-262 (type A). Raises InputError on a wrong value.
+    Makris and Roussos (2000), Geotechnique 50 (3), 243-262 (type A). Raises InputError if a value is out of range.
     """
     amplitude, frequency = _amplitude(amplitude), _frequency(frequency)
     time = _instants(1.0, frequency)
@@ -44,10 +55,10 @@ def one_sine(amplitude: float, frequency: float) -> Motion:
 
 
 def one_cosine(amplitude: float, frequency: float) -> Motion:
-    """Return one cycle of a cosine of acceleration (m/s2, Hz): a pulse of velocity to both sides.
+    """Return one cycle of a cosine of acceleration (m/s2, Hz): a two-sided velocity pulse.
 
-    It ends where it began, and begins and ends with a jump. Makris and Roussos (2000) (type B). Raises InputError on a
-    wrong value.
+    It ends where it began, and begins and ends with a jump. Makris and Roussos (2000) (type B). Raises InputError if a
+    value is out of range.
     """
     amplitude, frequency = _amplitude(amplitude), _frequency(frequency)
     time = _instants(1.0, frequency)
@@ -57,10 +68,24 @@ def one_cosine(amplitude: float, frequency: float) -> Motion:
 def mavroeidis_papageorgiou(velocity: float, frequency: float, cycles: float, phase: float = 0.0) -> Motion:
     """Return the acceleration of the pulse of velocity v = A / 2 (1 + cos(2 pi f s / g)) cos(2 pi f s + nu).
 
-    s: the time from its middle, |s| <= g / (2 f); the motion begins at t = 0 and ends without velocity. velocity: A,
-    m/s. frequency: f, Hz. cycles: g, more than 1, the number of cycles under the bell. phase: nu, rad.
+    s is the time from its middle, |s| <= g / (2 f); the motion begins at t = 0 and ends without velocity. Mavroeidis
+    and Papageorgiou (2003), Bull. Seism. Soc. Am. 93 (3), 1099-1131.
 
-    Mavroeidis and Papageorgiou (2003), Bull. Seism. Soc. Am. 93 (3), 1099-1131. Raises InputError on a wrong value.
+    Parameters
+    ----------
+    velocity : float
+        A (m/s).
+    frequency : float
+        f (Hz).
+    cycles : float
+        g, the number of cycles within the envelope, more than 1.
+    phase : float
+        nu (rad).
+
+    Raises
+    ------
+    InputError
+        If a value is out of range.
     """
     velocity = check_number("velocity", velocity, FINITE, "a finite velocity in m/s")
     frequency = _frequency(frequency)
@@ -83,15 +108,30 @@ def filtered_noise(
     damping: float = GROUND_DAMPING,
     dt: float = NOISE_STEP,
 ) -> Motion:
-    """Return white noise through the ground as an oscillator (Kanai and Tajimi), under the envelope of Amin and Ang.
+    """Return white noise filtered by the ground as an oscillator (Kanai and Tajimi), with the envelope of Amin and Ang.
 
     Long periods would displace the ground by metres; a second oscillator, at a tenth of the frequency, removes them
-    (Clough and Penzien 1993).
+    (Clough and Penzien 1993). A multiple of the envelope is subtracted so that no velocity is left at the end.
 
-    amplitude: m/s2, the peak. frequency: Hz, of the ground, about 2.5 where it is firm. duration: s; the envelope rises
-    over 15 % of it, stays until 60 %, and falls to 1 %. seed: equal seeds give equal motions. damping: of critical, of
-    the ground. dt: s between samples. A part of the envelope is subtracted so that no velocity is left at the end.
-    Raises InputError on a wrong value.
+    Parameters
+    ----------
+    amplitude : float
+        The peak (m/s2).
+    frequency : float
+        The frequency of the ground (Hz), about 2.5 where it is firm.
+    duration : float
+        The duration (s); the envelope rises over 15 % of it, is constant until 60 %, and decays to 1 %.
+    seed : int
+        The seed; equal seeds give equal motions.
+    damping : float
+        The damping ratio of the ground.
+    dt : float
+        The sampling interval (s).
+
+    Raises
+    ------
+    InputError
+        If a value is out of range.
     """
     amplitude, frequency = _amplitude(amplitude), _frequency(frequency)
     dt = check_number("dt", dt, POSITIVE, "a positive time in s")
@@ -102,13 +142,13 @@ def filtered_noise(
     if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**32:
         raise InputError(f"seed = {seed}: must be a whole number from 0 to {2**32 - 1}")
     count = round(duration / dt)
-    # numpy promises that RandomState's numbers stay the same in all versions, those of default_rng are not
+    # NumPy guarantees that RandomState's numbers are the same in all versions, those of default_rng are not
     white = np.random.RandomState(seed).standard_normal(count + 1)
     part = np.arange(count + 1) / count
     fall = np.exp(np.log(LEFT_AT_END) * (part - LEVEL) / (1.0 - LEVEL))
     envelope = np.where(part < RISE, (part / RISE) ** 2, np.minimum(fall, 1.0))
     ground = -envelope * _restoring(white, dt, frequency, damping)  # absolute acceleration of the first oscillator
-    # acceleration of the second relative to it: so are velocity and displacement, which die away after the shaking
+    # acceleration of the second relative to it: its velocity and displacement decay after the shaking
     samples = -ground - _restoring(ground, dt, CORNER * frequency, damping)
     weight = np.full(count + 1, dt)  # of the trapezoidal rule, exact for straight lines
     weight[[0, -1]] *= 0.5
@@ -119,7 +159,7 @@ def filtered_noise(
 
 
 def _restoring(base: FloatArray, dt: float, frequency: float, damping: float) -> FloatArray:
-    """Return the force of spring and dashpot of an oscillator on a unit mass while its base accelerates, m/s2."""
+    """Return the force of spring and dashpot of an oscillator per unit mass (m/s2) under base accelerations."""
     omega = 2.0 * np.pi * frequency
     u, v = oscillator.response(np.full(len(base) - 1, dt), base[:-1], base[1:], np.array([omega]), damping)
     force: FloatArray = 2.0 * damping * omega * v[:, 0] + omega**2 * u[:, 0]
@@ -135,7 +175,7 @@ def _frequency(value: float) -> float:
 
 
 def _instants(cycles: float, frequency: float) -> FloatArray:
-    """Return equally spaced instants from 0 to `cycles` cycles, both included, at least 400 to a cycle."""
+    """Return equally spaced instants from 0 to `cycles` cycles, both included, at least 400 per cycle."""
     count = math.ceil(PER_CYCLE * cycles)
     return cycles / frequency / count * np.arange(count + 1, dtype=np.float64)
 

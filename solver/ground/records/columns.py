@@ -25,9 +25,9 @@ from .units import KNOWN, factor_of
 
 CSV, PLAIN = "CSV", "plain columns"
 _SAMPLES = ("base.ax", "base.ay", "base.az")
-SLOPES = ("base.jx", "base.jz")  # within the steps of a master; a record has them from its samples
-# of a sampling interval: how long before a sample stands the row with the slopes up to there, as masters draw straight
-# lines between rows. Longer than what FMPy takes for the same instant, and than what times are rounded by.
+SLOPES = ("base.jx", "base.jz")  # inputs for communication steps of an FMU; a record has them from its samples
+# of a sampling interval: time from the extra row, which holds the slopes of the interval, to the next sample, as
+# masters interpolate between rows. Longer than what FMPy treats as the same instant, and than the rounding of times.
 LEAD = 1e-5
 _BLANKS = str.maketrans(dict.fromkeys(SEPARATORS, " "))
 
@@ -38,10 +38,10 @@ def recognised(lines: list[str]) -> bool:
 
 
 def read_csv(lines: list[str]) -> Record:
-    """Return the record of `time,base.ax,base.ay,base.az` in s and m/s2; those that are absent are zeros.
+    """Read `time,base.ax,base.ay,base.az` in s and m/s2; absent columns are zeros.
 
-    Between `;` or tabs as well, names in any case, blank lines. Slopes base.jx and base.jz, as `convert` writes them,
-    are passed over with the rows that are there for their sake. Raises InputError.
+    `;` or tabs as separators, names in any case and blank lines at the end are accepted. Slopes base.jx and base.jz, as
+    `convert` writes them, are ignored with their extra rows. Raises InputError if the table is invalid.
     """
     found = table_of(lines)
     header = _names(found)
@@ -61,7 +61,7 @@ def read_csv(lines: list[str]) -> Record:
     table[:, 0], shifted = from_zero([row[0] for row in found.rows], table[:, 0])
     if slopes:
         between = np.diff(table[:, 0])
-        leads = between[1:] < 10.0 * LEAD * between[:-1]  # a row from the second on, and another one after it
+        leads = between[1:] < 10.0 * LEAD * between[:-1]  # rows from the second on with another one right behind
         table = table[np.concatenate([[True], ~leads, [True]])]
     columns = dict(zip(header, table.T, strict=True))
     zero = np.zeros(len(table))
@@ -70,11 +70,24 @@ def read_csv(lines: list[str]) -> Record:
 
 
 def read_plain(lines: list[str], dt: float | None, units: str | None) -> Record:
-    """Return the record of a file of numbers without a header; nothing is guessed. Raises InputError.
+    """Read a file of numbers without a header; nothing is guessed.
 
-    With dt (s) every number is a sample, row by row; without, the first column is the time in s, the second ax and a
-    third, if any, az. Columns are separated by blanks, commas, `;` or tabs; a line that begins with # % ! or // is a
-    comment.
+    Columns are separated by blanks, commas, `;` or tabs; a line that begins with # % ! or // is a comment.
+
+    Parameters
+    ----------
+    lines : list of str
+        The lines of the file.
+    dt : float or None
+        The sampling interval (s): every number is a sample, row by row. None: the first column is the time in s, the
+        second ax and a third, if any, az.
+    units : str or None
+        The unit of acceleration.
+
+    Raises
+    ------
+    InputError
+        If the units are missing or the numbers do not fit `dt`.
     """
     if units is None:
         if any(name.startswith("time") for name in _names(table_of(lines[:1]))):
@@ -95,12 +108,14 @@ def read_plain(lines: list[str], dt: float | None, units: str | None) -> Record:
     check_no_decimal_commas(texts)
     at, plain = [line for line, _ in texts], [row.translate(_BLANKS) for _, row in texts]
     rows = [_row(line, row) for line, row in zip(at, plain, strict=True)]
+    # samples at equal steps
     if dt is not None:
         if increases_as_times(rows):
             raise InputError(f"dt: must be left out, the first column increases as times do{_kept(rows)}")
         samples = [a for row in rows for a in row]
         check_no_header_of_numbers(dt, samples)
         return equally_spaced(PLAIN, dt, [factor * a for a in samples])
+    # columns of time, ax and perhaps az
     for k in range(len(rows)):
         if len(rows[k]) not in (2, 3) or len(rows[k]) != len(rows[0]):
             other = _kept(rows) if increases_as_times(rows) else ", or dt must be given (--dt)"
@@ -124,7 +139,7 @@ def _row(line: int, row: str) -> list[float]:
 
 
 def _kept(rows: list[list[float]]) -> str:
-    """Return what to do with a table of times: which columns to keep."""
+    """Return the advice on a table of times: which columns to keep."""
     repeated = any(late[0] == early[0] for early, late in pairwise(rows))
     if repeated:
         return "; some are equal: write more digits, or keep the accelerations alone, one a line, and give dt"

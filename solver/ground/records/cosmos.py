@@ -1,4 +1,4 @@
-"""COSMOS V1 and V2, and the CSMIP files they come from: blocks of fixed columns, each under a descriptive line."""
+"""COSMOS V1 and V2, and the CSMIP files that they come from: blocks of fixed columns, each under a descriptive line."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ _CSMIP = re.compile(
 )
 _END = re.compile(r".*end[- ]of[- ]data", re.IGNORECASE)
 _CHANNEL = re.compile(r"\s*(?:Sta\s+)?Chan\w*\s*\d+\s*:\s*(?P<direction>[^(]*)", re.IGNORECASE)
-_STEP = 34  # of the real header, from 1: s between samples
+_STEP = 34  # index in the real header, from 1: s between samples
 
 
 @dataclass(frozen=True)
 class _Block:
-    """A block of accelerations that a line describes."""
+    """A block of accelerations below its descriptive line."""
 
     line: int  # of its first row, from 0
     heading: re.Match[str]
@@ -47,22 +47,25 @@ class _Block:
 
 
 def recognised(lines: list[str]) -> bool:
-    """Whether any line describes a block of data."""
+    """Return True if any line describes a block of data."""
     return any(_heading(line) for line in lines)
 
 
 def _heading(line: str) -> re.Match[str] | None:
-    """Return what a line says of the block of data below it; None if it is no such line."""
+    """Match the descriptive line of a block of data; None if the line is none."""
     return next((found for pattern in (_COSMOS, _CSMIP, _CSMIP_V1) if (found := pattern.match(line))), None)
 
 
 def _tells(line: str) -> bool:
-    """Whether a line is not a row of numbers but ends a block or begins the next."""
+    """Return True if a line ends a block or begins the next, rather than being a row of numbers."""
     return _END.match(line) is not None or _heading(line) is not None
 
 
 def read(lines: list[str], channel: int | None = None) -> Record:
-    """Return the accelerations of a channel, counted from 1; None: of the only one. Raises InputError."""
+    """Read the accelerations of a channel, counted from 1; None means the only one.
+
+    Raises InputError if the channel is missing or ambiguous, or its data are invalid.
+    """
     blocks = _accelerations(lines)
     if not blocks:
         raise InputError("no block of accelerations, must have one (V1 or V2)")
@@ -103,7 +106,7 @@ def _accelerations(lines: list[str]) -> list[_Block]:
 
 
 def _real_header(lines: list[str], first: int, heading: re.Match[str]) -> float:
-    """Return the time between samples in the real header; 0 if it is too short."""
+    """Return the time between samples in the real header (s); 0 if the header is too short."""
     values: list[float] = []
     for k, row in enumerate(lines[first : first + int(heading["lines"])], start=first + 1):
         values += fixed_columns(k, row, int(heading["width"]))
@@ -111,7 +114,7 @@ def _real_header(lines: list[str], first: int, heading: re.Match[str]) -> float:
 
 
 def _samples(lines: list[str], block: _Block) -> list[float]:
-    """Return the numbers of a block, which ends at the next line that is not a row of numbers."""
+    """Return the numbers of a block, up to the next line that is not a row of numbers."""
     end = next((k for k in range(block.line, len(lines)) if _tells(lines[k])), len(lines))
     if block.heading["width"] is None:
         return rows_of_numbers(lines[:end], block.line)

@@ -15,12 +15,15 @@ _PAIR = re.compile(r"\s*([A-Z][A-Z0-9_/^()\-]*)\s*:(.*)")  # a sample does not b
 
 
 def recognised(lines: list[str]) -> bool:
-    """Whether one of the first lines gives the sampling interval under ESM's name."""
+    """Return True if one of the first 100 lines gives the sampling interval under ESM's name."""
     return any(line.lstrip().startswith(f"{_STEP}:") for line in lines[:100])
 
 
 def read(lines: list[str]) -> Record:
-    """Return the record. Raises InputError if a key is missing, or a value is wrong."""
+    """Read the record.
+
+    Raises InputError if a key is missing or a value is wrong.
+    """
     header: dict[str, tuple[int, str]] = {}  # key -> line, value
     first = 0
     for first, text in enumerate(lines):

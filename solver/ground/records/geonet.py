@@ -1,4 +1,4 @@
-"""GeoNet V1A and V2A (New Zealand): channels of 26 lines of header and numbers in mm/s2, in columns of 8."""
+"""GeoNet V1A and V2A (New Zealand): channels of 26 header lines and numbers in mm/s2, in columns of 8."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ NAME = "GeoNet V1A/V2A"
 _FIRST = re.compile(r"(Unc|C)orrected accelerogram\b.*\bGNS\b")
 _HEADER = 26  # lines of a channel
 _COMPONENT, _INTEGERS, _REALS = 12, 19, 22  # lines, from 0: direction, counts, duration and steps
-_COUNT, _STEP = 3, 5  # places in these lines, from 0: accelerations (velocities, displacements beside it), s
+_COUNT, _STEP = 3, 5  # indices in these lines, from 0: accelerations (then velocities, displacements), s
 
 
 def recognised(lines: list[str]) -> bool:
@@ -21,7 +21,10 @@ def recognised(lines: list[str]) -> bool:
 
 
 def read(lines: list[str], channel: int | None = None) -> Record:
-    """Return the accelerations of a channel, counted from 1; None: of the only one. Raises InputError."""
+    """Read the accelerations of a channel, counted from 1; None means the only one.
+
+    Raises InputError if the channel is missing or ambiguous, or its data are invalid.
+    """
     first = [k for k, line in enumerate(lines) if _FIRST.match(line)]
     if channel is None and len(first) > 1:
         listed = ", ".join(f"{n} {_direction(lines, k)}" for n, k in enumerate(first, start=1))

@@ -1,4 +1,4 @@
-"""K-NET and KiK-net ASCII (NIED): 17 lines of header, then counts of the recorder in 8 columns."""
+"""K-NET and KiK-net ASCII (NIED): 17 header lines, then counts of the recorder in 8 columns."""
 
 from __future__ import annotations
 
@@ -28,14 +28,15 @@ _EXAMPLE = {
 
 
 def recognised(lines: list[str]) -> bool:
-    """Whether the header begins and continues as NIED's does."""
+    """Return True if the first line and the scale factor are those of NIED's header."""
     return lines[0].startswith("Origin Time") and any(line.startswith("Scale Factor") for line in lines[:_HEADER])
 
 
 def read(lines: list[str]) -> Record:
-    """Return the record with its mean subtracted: the recorder's zero is not that of the ground.
+    """Read the record and subtract its mean: the recorder's zero is not that of the ground.
 
-    NIED finds the largest acceleration of its header in the same way. Raises InputError.
+    NIED computes the largest acceleration of its header in the same way. Raises InputError if the header or a value is
+    wrong.
     """
     if not lines[_HEADER - 1 : _HEADER] or not lines[_HEADER - 1].startswith("Memo"):
         raise InputError(f"line {_HEADER}: must begin with 'Memo', the last of {_HEADER} header lines")

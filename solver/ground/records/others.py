@@ -1,4 +1,4 @@
-"""Formats of networks that are not read: a file in one of them is refused by name."""
+"""Formats of networks that are not supported: a file in one of them is refused by name."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 
 from ...common.errors import InputError
 
-HEAD = 12  # lines in which a format names itself
+HEAD = 12  # lines among which a format is recognized
 _FORMATS = {
     "USC and Caltech Volume I and II": r"(FILE\s+\d+ OF UNCORRECTED ACCELEROGRAM DATA|CORRECTED ACCELEROGRAM\s+II)",
     "BHRC V1": r"\* VOL1DS FILE",
@@ -20,7 +20,10 @@ _PATTERNS = {name: re.compile(pattern) for name, pattern in _FORMATS.items()}
 
 
 def check_is_none(lines: list[str], units: str | None) -> None:
-    """Raise InputError for a file in a known format that is not read; a heading of comments may stay with `units`."""
+    """Raise InputError for a file in a known but unsupported format.
+
+    With `units`, a file that begins with # is plain columns under comments, and accepted.
+    """
     if units is not None and lines[0].startswith("#"):
         return
     for name, pattern in _PATTERNS.items():

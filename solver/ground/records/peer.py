@@ -1,4 +1,4 @@
-"""PEER AT2: four lines of header, then samples in g."""
+"""PEER AT2: four header lines, then samples in g."""
 
 from __future__ import annotations
 
@@ -21,12 +21,15 @@ _UNITS = re.compile(r"\bunits\s+(of|are)\s+(g|\(g\))(?![\w/*])", re.IGNORECASE)
 
 
 def recognised(lines: list[str]) -> bool:
-    """Whether the header has NPTS and DT where AT2 has them."""
+    """Return True if the fourth line has NPTS and DT, as in AT2."""
     return len(lines) > 3 and re.search(r"\bNPTS\b.*\bDT\b", lines[3], _FLAGS) is not None
 
 
 def read(lines: list[str]) -> Record:
-    """Return the record. Raises InputError on wrong units, number of samples, step or value."""
+    """Read the record.
+
+    Raises InputError on wrong units, number of samples, step or value.
+    """
     if len(lines) < 4:
         count = len(lines) - (lines[-1] == "")
         raise InputError(f"{count} lines, must be 4 header lines and the samples")

@@ -1,4 +1,4 @@
-"""The format of a file of recorded accelerations, recognised by its content."""
+"""Recognition of the format of a record by its content, and dispatch to its reader."""
 
 from __future__ import annotations
 
@@ -22,12 +22,25 @@ _OF_CHANNELS = {cosmos.NAME: cosmos.read, geonet.NAME: geonet.read}
 def read_record(
     path: str | os.PathLike[str], dt: float | None = None, units: str | None = None, channel: int | None = None
 ) -> Record:
-    """Return the record of a file in any of the known formats.
+    """Read a record in any of the known formats.
 
-    dt (s) and units (g, m/s2 or cm/s2) are for plain columns, which state neither; channel, from 1, is for files of
-    several. They are an error for formats that do not need them.
+    `dt`, `units` and `channel` are refused for formats that do not need them.
 
-    Raises InputError that begins with `path`, with the line of the file if there is one.
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    dt : float, optional
+        The sampling interval (s) of plain columns, which do not state it.
+    units : {"g", "m/s2", "cm/s2"}, optional
+        The unit of plain columns, which do not state it.
+    channel : int, optional
+        The channel, from 1, of a file that holds several.
+
+    Raises
+    ------
+    InputError
+        If the file is invalid: begins with `path`, with the line of the file if there is one.
     """
     with reading(path):
         lines = lines_of(path)
@@ -49,7 +62,10 @@ def read_record(
 
 
 def format_of(path: str | os.PathLike[str]) -> str:
-    """Return the name of the format that a file is recognised as. Raises InputError that begins with `path`."""
+    """Return the name of the format of a file.
+
+    Raises InputError that begins with `path` if it cannot be read.
+    """
     with reading(path):
         return _format(lines_of(path))
 

@@ -1,4 +1,4 @@
-"""The content of a file of recorded accelerations, in any format."""
+"""The content of a record, in any format."""
 
 from __future__ import annotations
 
@@ -15,22 +15,41 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """Samples of a file in SI units, with the file's own description."""
+    """The samples of a file in SI units, with the file's own description."""
 
-    format: str  # format the file was recognised as, e.g. "PEER AT2"
+    format: str  # name of the format, e.g. "PEER AT2"
     time: FloatArray  # (m,) s
-    ax: FloatArray  # (m,) m/s2; the one component of most formats
+    ax: FloatArray  # (m,) m/s2; the only component of most formats
     az: FloatArray  # (m,) m/s2; zeros where the file has one component
-    title: str = ""  # event, station and direction in the file's own words
+    title: str = ""  # event, station and direction as in the file
     notes: tuple[str, ...] = ()  # changes made to the samples, e.g. a mean subtracted
-    ay: FloatArray | None = None  # (m,) m/s2, across ax, where the file has it
-    warning: str = ""  # what was changed and may not be meant; `Motion.from_record` says it
+    ay: FloatArray | None = None  # (m,) m/s2, along y, if the file has it
+    warning: str = ""  # a change that may be unintended; `Motion.from_record` issues it
 
 
 def equally_spaced(
     name: str, dt: float, samples: Sequence[float] | FloatArray, title: str = "", notes: tuple[str, ...] = ()
 ) -> Record:
-    """Return the record of samples in m/s2 at k dt, s. Raises InputError unless dt > 0 and two samples exist."""
+    """Return the record of samples (m/s2) at k dt (s).
+
+    Parameters
+    ----------
+    name : str
+        The name of the format.
+    dt : float
+        The sampling interval (s).
+    samples : sequence of float
+        The acceleration ax (m/s2).
+    title : str
+        The description in the file.
+    notes : tuple of str
+        The changes made to the samples.
+
+    Raises
+    ------
+    InputError
+        Unless dt > 0 and there are at least two samples.
+    """
     dt = check_number("dt", dt, POSITIVE, "a positive time in s")
     if len(samples) < 2:
         raise InputError(f"{len(samples)} samples, must be at least 2")

@@ -1,4 +1,4 @@
-"""SMC (United States Geological Survey): 27 lines of header, comments, then accelerations in cm/s2 in 8 columns."""
+"""SMC (United States Geological Survey): 27 header lines, comments, then accelerations in cm/s2 in 8 columns."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from .record import Record, equally_spaced
 
 NAME = "USGS SMC"
 _FIRST = re.compile(r"[12] (UN)?CORRECTED ACCELEROGRAM\b")
-_INTEGERS, _REALS, _COMMENTS = 11, 17, 27  # lines, from 0, at which they begin
-_COUNT_OF_COMMENTS, _COUNT, _RATE = 15, 16, 1  # places among integers, integers and reals, from 0
+_INTEGERS, _REALS, _COMMENTS = 11, 17, 27  # first lines of each part, from 0
+_COUNT_OF_COMMENTS, _COUNT, _RATE = 15, 16, 1  # indices among integers, integers and reals, from 0
 
 
 def recognised(lines: list[str]) -> bool:
@@ -20,7 +20,10 @@ def recognised(lines: list[str]) -> bool:
 
 
 def read(lines: list[str]) -> Record:
-    """Return the record. Raises InputError if count or rate is missing, or a value is wrong."""
+    """Read the record.
+
+    Raises InputError if count or rate is missing, or a value is wrong.
+    """
     integers = _values(lines, _INTEGERS, _REALS, 10)
     reals = _values(lines, _REALS, _COMMENTS, 15)
     if len(integers) <= _COUNT or len(reals) <= _RATE or not reals[_RATE] > 0.0 or integers[_COUNT_OF_COMMENTS] < 0.0:

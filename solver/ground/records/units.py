@@ -1,4 +1,4 @@
-"""Units of acceleration, by name only."""
+"""Units of acceleration by name."""
 
 from __future__ import annotations
 
@@ -11,10 +11,23 @@ KNOWN = "g, m/s2 or cm/s2"
 
 
 def factor_of(name: object, line: int = 0, hint: str = "") -> float:
-    """Return the factor from the unit of that name to m/s2.
+    """Return the factor from a unit to m/s2.
 
-    The usual spellings are known: cm/s^2, cm/sec/sec, CM/SEC**2, gal. Raises InputError, which names the line if it is
-    given, and ends with the hint.
+    The usual spellings are known: cm/s^2, cm/sec/sec, CM/SEC**2, gal.
+
+    Parameters
+    ----------
+    name : object
+        The name of the unit.
+    line : int
+        The line of the file for the message, 0 without one.
+    hint : str
+        The end of the message.
+
+    Raises
+    ------
+    InputError
+        If the unit is unknown.
     """
     if not isinstance(name, str):
         raise InputError(f"units = {shown(name)}: must be {KNOWN}{hint}")
