@@ -139,11 +139,13 @@ def action_on(subject: Subject, motions: Motions, level: Level, variants: Sequen
     if not subject.model.kind.across:
         for motion in given.values():
             check_in_plane(motion)
+    # a target: its spectrum decides the factors
     if level.target is not None:
         longest = max([subject.longest, *(one.isolated for one in (subject, *variants))])
         return _following(level.target, given, level, subject, longest)
     if not given:
         raise InputError("motions: none given, must be records, or a target spectrum that artificial ones follow")
+    # else one peak or spectral acceleration, or the motions as given
     if level.pga is not None:
         scaled = scaling.scaled_to_pga(given, level.pga, level.vertical_pga)
         how = f"each to a largest horizontal acceleration of {level.pga / STANDARD_GRAVITY:.4g} g"

@@ -101,7 +101,7 @@ class Check:
 
     @property
     def passes(self) -> bool:
-        """Whether no compared row fails and none is undecided."""
+        """True if no compared row fails and none is undecided."""
         return outcome_of(self.rows) == PASSES
 
     @property
@@ -176,6 +176,7 @@ class Check:
         for row in self.by_hand.rows if self.by_hand else ():
             if row.passes is None:
                 continue
+            # sliding is compared with the slip, other methods with the falls
             other, found = stands, "no run falls" if stands else "runs fall"
             if row.name.startswith("sliding"):
                 slips = [one for one in self.rows if one.name == "slip"]

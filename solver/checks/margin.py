@@ -35,7 +35,7 @@ class Margin:
 
     @property
     def is_open(self) -> bool:
-        """Whether no run falls at the largest factor tried."""
+        """True if no run falls at the largest factor tried."""
         return math.isinf(self.falls)
 
 

@@ -80,10 +80,12 @@ class RigidBody:
         """
         if float(action.psa(0.0)) <= g * self.slenderness:
             return 0.0
+        # demand less capacity at rotations up to the edge
         angles = self.edge_angle * np.arange(1, ANGLES + 1) / ANGLES
         frequency = np.array([self.frequency(float(theta), g) for theta in angles])
         demand = action.psa(1.0 / frequency, min(self.damping, 0.999))
         missing = demand - np.array([self.capacity(float(theta), g) for theta in angles])
+        # last rotation at which the demand is larger
         short = np.flatnonzero(missing > 0.0)
         if not short.size:
             return float(angles[0])

@@ -33,6 +33,7 @@ def own_runs(subject: Subject, motions: Sequence[Motion]) -> tuple[Any, ...]:
     with ThreadPoolExecutor(cores(), thread_name_prefix="runs") as pool, warnings.catch_warnings():
         warnings.filterwarnings("ignore", ".* pass into each other", InputWarning)  # the table has a row for it
         made = list(pool.map(lambda way: simulate(subject.model, way, settle=SETTLE), ways))
+    # of both signs of a motion the worse
     each = len(ways) // len(motions)
     return tuple(
         max(made[k : k + each], key=lambda run: (WORSE.index(run.verdict), subject.moved(run)))

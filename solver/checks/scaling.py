@@ -258,6 +258,7 @@ def scaled_to_spectrum(
     for name, motion in motions.items():
         _nonzero(name, horizontal_pga(motion))
     factors = Fit(motions, target, (shortest, longest)).factors(least)
+    # vertical components have their own factors, if the target has a vertical spectrum
     upright = {name: motion for name, motion in motions.items() if np.any(motion.az)}
     vertical: dict[str, float] = {}
     if target.vertical is not None and upright:

@@ -222,6 +222,7 @@ def ntc2018(ag: float, f0: float, tc_star: float, soil: str, topography: str = "
     check_choice("topography", topography, _NTC_TOPOGRAPHY)
     (least, constant, slope, most), (factor, power) = _NTC[soil]
     in_g, slope_factor = ag / STANDARD_GRAVITY, _NTC_TOPOGRAPHY[topography]
+    # S = SS ST and TC = CC TC*
     ground = min(max(constant + slope * f0 * in_g, least), most)
     tc = factor * tc_star**power * tc_star
     vertical = 1.35 * math.sqrt(in_g) * ag * slope_factor  # ag Fv / F0, (3.2.11)

@@ -104,7 +104,7 @@ class Subject:
 
     @property
     def two_ways(self) -> bool:
-        """Whether a motion and its mirror image differ."""
+        """True if a motion and its mirror image differ."""
         return False
 
     def left_to_others(self, both: bool) -> Iterable[str]:

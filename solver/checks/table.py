@@ -83,12 +83,12 @@ class Row:
 
     @property
     def passes(self) -> bool | None:
-        """Whether the demand is within the capacity; None if nothing is compared."""
+        """True if the demand is within the capacity; None if nothing is compared."""
         return None if math.isnan(self.ratio) else self.ratio <= 1.0
 
     @property
     def of_fall(self) -> bool:
-        """Whether the demand is unknown because the model falls, as the rows of overturning say."""
+        """True if the demand is unknown because the model falls, as the rows of overturning say."""
         return math.isinf(self.demand)
 
     @property
@@ -185,7 +185,7 @@ class Demands:
 
     @property
     def fell(self) -> NDArray[np.bool_]:
-        """Whether the subject falls under each motion, (motions,)."""
+        """True for each motion under which the subject falls, (motions,)."""
         return falls([response.verdict for response in self.responses])
 
     def largest(self, values: Callable[[Any], ArrayLike]) -> FloatArray:
@@ -313,7 +313,7 @@ def _sliding(demands: Demands, limits: Limits) -> list[Row]:
 
 
 def lasting(ratio: FloatArray, time: FloatArray) -> FloatArray:
-    """Return the |T| / N that is exceeded for LASTING s in all, (joints,).
+    """Return the ratio `|T| / N` that is exceeded for LASTING s in all, (joints,).
 
     Peaks of impacts are shorter and move nothing: 0.05 s of an excess of 0.3 moves a joint by 4 mm.
 

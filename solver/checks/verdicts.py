@@ -71,12 +71,12 @@ class Verdicts:
 
     @property
     def any_falls(self) -> bool:
-        """Whether any run has fallen, as given or varied."""
+        """True if any run has fallen, as given or varied."""
         return bool(self.under_which_it_falls.any())
 
     @property
     def under_which_it_falls(self) -> NDArray[np.bool_]:
-        """Whether any run, as given or varied, has fallen under each motion, (motions,)."""
+        """True for each motion under which any run, as given or varied, has fallen, (motions,)."""
         found: NDArray[np.bool_] = np.any(falls(self.varied).reshape(len(self.names), -1), axis=1)
         return falls(self.own) | found
 

@@ -1,1 +1,1 @@
-"""The column without motion of the base: balance, capacity, modes, free rocking, calibration."""
+"""The column on a still base: balance, capacity, modes, free rocking, calibration."""

@@ -1,6 +1,6 @@
-"""Modulus, damping and rim of joints from what is known of a column: elasticity, frequencies, decay, restitution.
+"""Calibration of modulus, damping and rim of joints from measured elasticity, frequencies, decay or restitution.
 
-Every function returns numbers for `with_joints`, and leaves the column as it is.
+Every function returns numbers for `with_joints` or `with_rim`, and leaves the column unchanged.
 """
 
 from __future__ import annotations
@@ -38,28 +38,28 @@ from .edges import column_damping_on_edge as column_damping_on_edge
 from .edges import damping_on_edge as damping_on_edge
 from .rocking import RELEASE, housner_restitution, pulled_aside, restitution, restitution_from, rocking_part
 
-ETAS = np.geomspace(1e-6, 10.0, 15)  # s: among which the one that is looked for is enclosed
-DIGITS = 1e-6  # of eta
-RIMS = 0.5 ** np.arange(1.0, 11.0)  # of half a face: among which the one that is looked for is enclosed
-NEAR_ENOUGH = 5e-3  # of a restitution: the nearest one is taken, with a warning
-SAME_RESTITUTION = 1e-5
-SWING = (0.0, 0.95)  # range of damping ratios that a decay has
-MISSED = 0.05  # of a measured frequency, which is warned of
-SPREAD = 0.01  # of each measured frequency: what the accuracy of the moduli is worked out from
-UNDETERMINED = 1.0  # of a modulus
-NUDGE = 1e-3  # of the logarithm of a modulus: how far frequencies are differenced
-ASIDE = 1.4  # of that logarithm: where else than at the column's own moduli a fit begins
-SUITS = 1e-6  # of a frequency: the fit has it
-SAME = 1e-3  # between logarithms of moduli: one set, found twice
-LEAST_SENSITIVITY = 1e-8  # of the largest: below it is the rounding of the frequencies
-FARTHEST = 30.0  # logarithm of a factor on the moduli
-LEAST_SAMPLES = 8
-FOUND = 0.5  # of a record's variance: what a decaying swing has to explain
+ETAS = np.geomspace(1e-6, 10.0, 15)  # s, dampings that bracket the solution
+DIGITS = 1e-6  # relative tolerance of eta
+RIMS = 0.5 ** np.arange(1.0, 11.0)  # over half a face, rims that bracket the solution
+NEAR_ENOUGH = 5e-3  # relative error at which the nearest restitution is accepted, with a warning
+SAME_RESTITUTION = 1e-5  # tolerance of equal restitutions
+SWING = (0.0, 0.95)  # range of the damping ratio of a free vibration
+MISSED = 0.05  # relative difference of a frequency above which a warning is issued
+SPREAD = 0.01  # relative standard error of each measured frequency, for the accuracy of the moduli
+UNDETERMINED = 1.0  # relative standard error from which a modulus counts as undetermined
+NUDGE = 1e-3  # step of finite differences, in the logarithm of a modulus
+ASIDE = 1.4  # distance of further starts from the moduli of the column, in that logarithm
+SUITS = 1e-6  # relative error up to which a fit matches a frequency
+SAME = 1e-3  # distance between logarithms of moduli up to which two sets are one
+LEAST_SENSITIVITY = 1e-8  # least singular value over the largest: below it is rounding
+FARTHEST = 30.0  # largest logarithm of a factor on the moduli
+LEAST_SAMPLES = 8  # of a record
+FOUND = 0.5  # least part of the variance of a record that the fit must explain
 
 
 @dataclass(frozen=True, eq=False)
 class FreeVibration:
-    """A decaying swing, exp(-2 pi ratio frequency t), that was fitted to a record."""
+    """The damped oscillation, exp(-2 pi ratio frequency t), fitted to a record."""
 
     frequency: float  # Hz, undamped
     ratio: float  # of critical damping
@@ -68,9 +68,21 @@ class FreeVibration:
 
 
 def with_joints(column: Column, stiffness: ArrayLike | None = None, damping: ArrayLike | None = None) -> Column:
-    """Return the column with other moduli N/m3 or dampings s of its joints: one number, or n of them, top joint first.
+    """Return the column with other moduli or dampings of its joints.
 
-    None keeps those that are there. Raises InputError.
+    Parameters
+    ----------
+    column : Column
+        The column, which stays unchanged.
+    stiffness : float or (n,) float, optional
+        Moduli (N/m3), one for all joints or n, the top joint first. None keeps those of the column.
+    damping : float or (n,) float, optional
+        Dampings eta (s), likewise.
+
+    Raises
+    ------
+    InputError
+        If the number of values is neither 1 nor n, or a value is not allowed.
     """
     moduli = _each("stiffness", column, stiffness, [block.joint.stiffness for block in column.blocks])
     etas = _each("damping", column, damping, [block.joint.damping for block in column.blocks])
@@ -78,9 +90,9 @@ def with_joints(column: Column, stiffness: ArrayLike | None = None, damping: Arr
 
 
 def with_rim(column: Column, rim: float | None) -> Column:
-    """Return the column with faces that touch in a band of this width (m) at every joint; None: all over.
+    """Return the column whose faces touch in a band of this width (m) at every joint.
 
-    Raises InputError where a joint can have no rim.
+    `rim` None stands for contact over the whole face. Raises InputError if a joint can have no rim.
     """
     blocks = tuple(replace(block, joint=replace(block.joint, rim=rim)) for block in column.blocks)
     return replace(column, blocks=blocks)
@@ -92,10 +104,25 @@ def with_rim(column: Column, rim: float | None) -> Column:
 def modulus_from_elasticity(
     column: Column, young: float, joint_thickness: float = 0.0, joint_young: float | None = None
 ) -> FloatArray:
-    """Moduli of the joints, N/m3 (n,): 1 / k = H / E + t / E_j, with H the height of the block on the joint.
+    """Return the moduli of the joints (N/m3), (n,): 1 / k = H / E + t / E_j, with H the height of the block.
 
-    young: E of the blocks, Pa. joint_thickness: t of mortar or lead in the joint, m; joint_young: its E_j, Pa. Raises
-    InputError.
+    Each block belongs to the joint under it.
+
+    Parameters
+    ----------
+    column : Column
+        The column, for the heights H of its blocks.
+    young : float
+        Modulus of elasticity E of the blocks (Pa).
+    joint_thickness : float
+        Thickness t of mortar or lead in the joint (m).
+    joint_young : float, optional
+        Modulus of elasticity E_j of that layer (Pa), needed if the thickness is positive.
+
+    Raises
+    ------
+    InputError
+        If a value is not positive, or `joint_young` is missing.
     """
     young = check_number("young", young, POSITIVE, "a positive modulus of elasticity in Pa")
     thickness = check_number("joint_thickness", joint_thickness, NOT_NEGATIVE, "a thickness in m, zero or positive")
@@ -109,42 +136,71 @@ def modulus_from_elasticity(
 
 @dataclass(frozen=True, eq=False)
 class ModulusFit:
-    """Moduli of the joints that were fitted to measured frequencies."""
+    """The moduli of the joints, fitted to measured frequencies."""
 
     moduli: FloatArray  # (n,) N/m3
-    each: bool  # whether each joint has a modulus of its own; otherwise one factor on those of the column
-    measured: FloatArray  # (m,) Hz, of the modes that sway from the first on; NaN where one was not measured
+    each: bool  # whether each joint has its own modulus, else one factor on those of the column
+    measured: FloatArray  # (m,) Hz, of the sway modes from the first on; NaN if not measured
     fitted: FloatArray  # (m,) Hz, of the column with these moduli
-    spread: FloatArray  # (n,) relative standard error of each modulus for one of SPREAD in every frequency
-    another: FloatArray | None  # (n,) N/m3, moduli that have the same frequencies, if others were found
+    spread: FloatArray  # (n,) relative standard error of each modulus, for SPREAD in every frequency
+    another: FloatArray | None  # (n,) N/m3, other moduli with the same frequencies, if found
 
     @property
     def difference(self) -> FloatArray:
-        """Relative difference of the fitted frequencies from the measured ones, (m,)."""
+        """The relative difference of the fitted from the measured frequencies, (m,)."""
         found: FloatArray = self.fitted / self.measured - 1.0
         return found
 
     @property
     def determined(self) -> NDArray[np.bool_]:
-        """Which moduli the frequencies determine, (n,), by how much they change them; `another` set apart."""
+        """True for each modulus that the frequencies determine, (n,), from their sensitivity to it.
+
+        A second set of moduli (`another`) is not considered.
+        """
         return np.asarray(self.spread < UNDETERMINED)
 
 
 def modulus_from_frequencies(column: Column, frequencies: Sequence[float]) -> FloatArray:
-    """Moduli of the joints, N/m3 (n,): those of the column times the one factor that suits measured frequencies best.
+    """Return the moduli of the column times the one factor that fits measured frequencies best (N/m3), (n,).
 
-    frequencies: Hz, of the first, second ... mode that sways; NaN where one was not measured. Least squares of the
-    relative differences. Warns (InputWarning) of a frequency that the fit misses by more than 5 %. Raises InputError,
-    SolverError.
+    The fit minimizes the squares of the relative differences. Warns (InputWarning) of each frequency that it misses by
+    more than 5 %.
+
+    Parameters
+    ----------
+    column : Column
+        The column, whose ratios of moduli are kept.
+    frequencies : sequence of float
+        Frequencies (Hz) of the sway modes from the first on; NaN for a mode that was not measured.
+
+    Raises
+    ------
+    InputError
+        If the frequencies are not valid.
+    SolverError
+        If no factor gives such frequencies, or the column does not stand.
     """
     return _warned(_fitted(column, _measured(column, frequencies), each=False)).moduli
 
 
 def fit_moduli(column: Column, frequencies: Sequence[float]) -> ModulusFit:
-    """Moduli that fit measured frequencies, one for each joint if as many frequencies are measured as there are joints.
+    """Fit the moduli to measured frequencies: one for each joint if all n are measured, else one factor.
 
-    Several sets of moduli may have the same frequencies: of those found, the one whose ratios are nearest to the
-    column's own is taken. Warns (InputWarning) also of such a set, and of moduli that the frequencies do not determine.
+    Several sets of moduli may have the same frequencies: of those found, the one whose ratios are nearest to those of
+    the column is returned. Warns (InputWarning) of such a set, of missed frequencies, and of moduli that the
+    frequencies do not determine.
+
+    Parameters
+    ----------
+    column : Column
+        The column.
+    frequencies : sequence of float
+        Frequencies (Hz) of the sway modes from the first on; NaN for a mode that was not measured.
+
+    Raises
+    ------
+    InputError, SolverError
+        As `modulus_from_frequencies` does.
     """
     measured = _measured(column, frequencies)
     fit = _fitted(column, measured, each=False)
@@ -164,7 +220,10 @@ def _measured(column: Column, frequencies: Sequence[float]) -> FloatArray:
 
 
 def _fitted(column: Column, measured: FloatArray, each: bool) -> ModulusFit:
-    """The unknowns are logarithms of the factors on the column's moduli: one, or one for each joint."""
+    """Fit the logarithms of the factors on the moduli: one, or one for each joint if `each`.
+
+    `measured` are the frequencies (Hz), (m,), NaN where unknown.
+    """
     known = np.flatnonzero(np.isfinite(measured))
     given = np.array([block.joint.stiffness for block in column.blocks])
     count = column.n if each else 1
@@ -188,11 +247,12 @@ def _fitted(column: Column, measured: FloatArray, each: bool) -> ModulusFit:
 
     with needing("calibrate", "scipy"):
         from scipy.optimize import least_squares
-    if each:  # the sum of squares has several minima, and sets of moduli that suit
+    if each:  # the sum of squares has several minima: start from several sets of moduli
         starts = [np.zeros(count), *(ASIDE * np.eye(count)), *(-ASIDE * np.eye(count))]
-    else:  # frequencies go as the root of the modulus, but for the weight; from the stiff side all columns stand
+    else:  # frequencies grow with the root of the modulus, but for the weight; from the stiff side all columns stand
         ratio = measured[known[0]] / sway_frequencies(column)[known[0]]
         starts = [np.full(1, max(2.0 * math.log(ratio), 0.0) + 0.5)]
+    # of all fits that match, take the one nearest to the ratios of the column; else the best one
     limits = {"xtol": 1e-12, "ftol": 1e-12, "gtol": 1e-12}
     tries = [least_squares(differences, start, sensitivity, x_scale=1.0, **limits) for start in starts]
     suited = [tried.x for tried in tries if np.max(np.abs(tried.fun)) < SUITS]
@@ -204,6 +264,7 @@ def _fitted(column: Column, measured: FloatArray, each: bool) -> ModulusFit:
         spread = SPREAD * np.linalg.norm(np.linalg.pinv(sensitivity(found), LEAST_SENSITIVITY), axis=1)
     except np.linalg.LinAlgError:
         spread = np.full(count, math.inf)
+    # frequencies of the fit, and a second set of moduli if there is one
     fitted = sway_frequencies(with_joints(column, moduli(found)))[: measured.size]
     spread = np.broadcast_to(spread, given.shape).copy()
     another = moduli(other) if np.linalg.norm(other - found) > SAME else None
@@ -211,7 +272,8 @@ def _fitted(column: Column, measured: FloatArray, each: bool) -> ModulusFit:
 
 
 def _warned(fit: ModulusFit) -> ModulusFit:
-    """The fit, after a warning of each frequency that it misses and each modulus that is not determined."""
+    """Return the fit, after warnings of missed frequencies, undetermined moduli and a second set of moduli."""
+    # frequencies, undetermined moduli, second set of moduli
     for mode, (measured, fitted, off) in enumerate(zip(fit.measured, fit.fitted, fit.difference, strict=True), start=1):
         if abs(off) > MISSED:
             why = (
@@ -237,7 +299,7 @@ def _warn(line: str) -> None:
 
 
 def sway_frequencies(column: Column) -> FloatArray:
-    """Natural frequencies of the n modes that sway, Hz, ascending. Raises as `natural_modes` does."""
+    """Return the natural frequencies of the n sway modes (Hz), ascending. Raises as `natural_modes` does."""
     modes = modes_about_rest(column)
     found: FloatArray = modes.frequency[modes.sways]
     return found
@@ -247,9 +309,25 @@ def sway_frequencies(column: Column) -> FloatArray:
 
 
 def damping_from_ratio(column: Column, ratio: float, mode: int = 1) -> float:
-    """eta of all joints, s, that gives one mode that sways, counted from 1, this ratio of critical damping.
+    """Return the eta (s) of all joints that gives one sway mode this damping ratio.
 
-    All joints in contact, small motion. Raises InputError, SolverError.
+    All joints are in contact and the motion is small.
+
+    Parameters
+    ----------
+    column : Column
+        The column; its own damping does not count.
+    ratio : float
+        Ratio to critical damping.
+    mode : int
+        Number of the sway mode, from 1.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range.
+    SolverError
+        If the column does not stand.
     """
     ratio = check_number("ratio", ratio, NOT_NEGATIVE, "a ratio of critical damping, zero or positive")
     mode = check_whole("mode", mode, 1, column.n, f"the number of a mode that sways, 1 to {column.n}")
@@ -258,11 +336,26 @@ def damping_from_ratio(column: Column, ratio: float, mode: int = 1) -> float:
 
 
 def damping_from_restitution(column: Column, wanted: float | None = None, release: float = RELEASE) -> float:
-    """eta of all joints, s, at which the column, pulled aside and let go, has this restitution (rocking.py).
+    """Return the eta (s) of all joints at which the column, pulled aside and released, has this restitution.
 
-    wanted: rotation rate after over before the impact; None: that of Housner's rigid block. release: as in
-    `rocking.restitution`, on which the restitution depends. More damping does not always leave less: the least eta is
-    found, with a warning (InputWarning) where there are others. Raises InputError if no damping has it, SolverError.
+    More damping does not always mean less restitution: the least eta is returned, with a warning (InputWarning) if
+    there are others. See rocking.py.
+
+    Parameters
+    ----------
+    column : Column
+        The column; its own damping does not count.
+    wanted : float, optional
+        Ratio of the rotation rates after and before the impact; by default that of Housner's rigid block.
+    release : float
+        As in `rocking.restitution`; the restitution depends on it.
+
+    Raises
+    ------
+    InputError
+        If no damping gives this restitution.
+    SolverError
+        If the column does not stand or falls.
     """
     rigid = wanted is None
     wanted = housner_restitution(column) if wanted is None else wanted
@@ -274,6 +367,7 @@ def damping_from_restitution(column: Column, wanted: float | None = None, releas
     def above(logarithm: float) -> float:
         return restitution_from(with_joints(column, damping=math.exp(logarithm)), start, top) - wanted
 
+    # restitution over the damping: intervals in which it crosses the wanted value
     logarithms = [float(value) for value in np.log(ETAS)]
     differences = [above(value) for value in logarithms]
     crossed = [k for k, (before, after) in enumerate(pairwise(differences)) if before * after <= 0.0]
@@ -294,6 +388,7 @@ def damping_from_restitution(column: Column, wanted: float | None = None, releas
             "softer joints lose more (--young, --frequencies), or a rim (--rim auto); or take the damping in contact "
             "by --damping-ratio, and say so"
         )
+    # solve in the first interval
     k = crossed[0]
     if len(crossed) > 1:
         others = " and ".join(f"{ETAS[j]:.2g} to {ETAS[j + 1]:.2g} s" for j in crossed[1:])
@@ -320,7 +415,7 @@ def damping_from_restitution(column: Column, wanted: float | None = None, releas
 
 
 class RimFit(NamedTuple):
-    """Where faces touch, and the damping, that were found for a restitution."""
+    """The rim and the damping that give a restitution."""
 
     rim: float | None  # m, None: the whole face
     damping: float  # s, eta of all joints
@@ -328,25 +423,25 @@ class RimFit(NamedTuple):
 
 
 def rim_from_restitution(column: Column, wanted: float | None = None, release: float = RELEASE) -> RimFit:
-    """Find the rim of all joints at which the column, pulled aside and let go, has this restitution.
+    """Return the rim of all joints at which the column, pulled aside and released, has this restitution.
 
-    The damping is critical on the edge (`column_damping_on_edge`). The widest rim is found: the narrower it is, the
-    nearer to the edge an impact acts, and the more it costs. Where whole faces lose as much, they stay, with the
-    damping of `damping_from_restitution`. Rims and damping of `column` do not count.
+    The damping is critical on the edge (`column_damping_on_edge`). The widest rim is returned: the narrower it is, the
+    nearer to the edge an impact acts, and the more energy it costs. If whole faces lose as much, they are kept, with
+    the damping of `damping_from_restitution`. Rims and damping of `column` do not count.
 
     Parameters
     ----------
     column : Column
-        In which the moduli stay.
+        The column; its moduli are kept.
     wanted : float, optional
-        Rotation rate after an impact over that before it; left out, that of Housner's rigid block.
+        Ratio of the rotation rates after and before the impact; by default that of Housner's rigid block.
     release : float
-        As in `rocking.restitution`, on which the restitution depends.
+        As in `rocking.restitution`; the restitution depends on it.
 
     Returns
     -------
     RimFit
-        With the restitution reached. Warns (InputWarning) where that is only near to the one asked for.
+        The rim, the damping, and the restitution reached. Warns (InputWarning) if it is only near to the one wanted.
 
     Raises
     ------
@@ -360,17 +455,19 @@ def rim_from_restitution(column: Column, wanted: float | None = None, release: f
     wanted = check_number("restitution", wanted, (1e-6, 1.0 - 1e-9), "a ratio of rotation rates, between 0 and 1")
     with needing("calibrate", "scipy"):
         from scipy.optimize import brentq
-    half = _half_of_face(column)  # m, the rim that is the whole face
+    half = _half_of_face(column)  # m, rim that covers the whole face
 
     def fit(rim: float | None) -> RimFit:
         touching = with_rim(column, rim)
         damping = column_damping_on_edge(touching)
         return RimFit(rim, damping, restitution(with_joints(touching, damping=damping), release))
 
+    # whole faces first
     tried = [fit(None)]
     if tried[0].restitution <= wanted:
         damping = damping_from_restitution(column, wanted, release)
         return RimFit(None, damping, restitution(with_joints(column, damping=damping), release))
+    # narrower and narrower rims, until one encloses the wanted value
     for part in RIMS:
         try:
             tried.append(fit(float(part) * half))
@@ -380,6 +477,7 @@ def rim_from_restitution(column: Column, wanted: float | None = None, release: f
             wider, narrower = (math.log(one.rim or half) for one in tried[-2:])
             log = brentq(lambda log: fit(math.exp(log)).restitution - wanted, narrower, wider, xtol=DIGITS)
             return _damped(column, fit(math.exp(float(log))), wanted, release)
+    # no rim reaches it: the nearest, if near enough
     nearest = min(tried, key=lambda one: one.restitution - wanted)
     touching = "whole faces" if nearest.rim is None else f"a rim of {nearest.rim:.3g} m"
     line = (
@@ -395,7 +493,7 @@ def rim_from_restitution(column: Column, wanted: float | None = None, release: f
 
 
 def _damped(column: Column, fit: RimFit, wanted: float, release: float) -> RimFit:
-    """Return the fit with another damping where its restitution jumps past the one asked for at this rim."""
+    """Return the fit with another damping if its restitution jumps past the one wanted at this rim."""
     if abs(fit.restitution - wanted) <= SAME_RESTITUTION:
         return fit
     touching = with_rim(column, fit.rim)
@@ -407,23 +505,37 @@ def _damped(column: Column, fit: RimFit, wanted: float, release: float) -> RimFi
 
 
 def _half_of_face(column: Column) -> float:
-    """Return the rim (m) that is the whole face under the part that rocks."""
+    """Return the width of the rim (m) that covers the whole face under the part that rocks."""
     contact = column.contacts[rocking_part(column).joint - 1]
     return min(0.5 * contact.width - 0.25 * contact.bore, 0.5 * contact.depth)
 
 
 def _curve_text(values: list[float]) -> str:
-    """The ends and the turns of the restitution over the damping, ETAS, in words."""
+    """Return the ends and the extrema of the restitution over the damping, ETAS, as text."""
     inner = range(1, len(values) - 1)
     turns = [k for k in inner if (values[k] - values[k - 1]) * (values[k + 1] - values[k]) < 0.0]
     return ", ".join(f"{values[k]:.4g} at eta = {ETAS[k]:.2g} s" for k in (0, *turns, len(values) - 1))
 
 
 def free_vibration(time: ArrayLike, values: ArrayLike) -> FreeVibration:
-    """Fit a decaying swing to a record of free vibration, in whatever unit: least squares over all its samples.
+    """Fit a damped oscillation to a record of free vibration, by least squares over all its samples.
 
-    time: (m,) s, increasing. values: (m,); a constant in it does not matter. Raises InputError if the record is no such
-    swing.
+    Parameters
+    ----------
+    time : (m,) float
+        Time (s), increasing.
+    values : (m,) float
+        Record in any unit; a constant offset does not matter.
+
+    Returns
+    -------
+    FreeVibration
+        Frequency, damping ratio, and quality of the fit.
+
+    Raises
+    ------
+    InputError
+        If the oscillation explains less than half of the variance of the record, or the record is not valid.
     """
     t, y = np.asarray(time, dtype=np.float64), np.asarray(values, dtype=np.float64)
     if t.ndim != 1 or t.shape != y.shape or t.size < LEAST_SAMPLES or not np.all(np.isfinite(t) & np.isfinite(y)):
@@ -438,7 +550,7 @@ def free_vibration(time: ArrayLike, values: ArrayLike) -> FreeVibration:
         raise InputError("free vibration: the record does not move")
 
     def fit(unknowns: FloatArray) -> FloatArray:
-        """The swing of this circular frequency and ratio that is nearest to the record."""
+        """Return the oscillation of this circular frequency (1/s) and damping ratio that is nearest to the record."""
         omega, ratio = unknowns
         phase = omega * math.sqrt(1.0 - ratio * ratio) * t
         decay = np.exp(-ratio * omega * t)
@@ -450,6 +562,7 @@ def free_vibration(time: ArrayLike, values: ArrayLike) -> FreeVibration:
         difference: FloatArray = (fit(unknowns) - y) / math.sqrt(variance)
         return difference
 
+    # fit from several damping ratios, and keep the best
     start = _strongest_frequency(t, y)
     limits = {"bounds": ([0.3 * start, SWING[0]], [3.0 * start, SWING[1]]), "x_scale": [start, 0.01], "xtol": 1e-12}
     tries = [least_squares(missed, [start, ratio], **limits) for ratio in (0.005, 0.05, 0.3)]
@@ -465,9 +578,9 @@ def free_vibration(time: ArrayLike, values: ArrayLike) -> FreeVibration:
 
 
 def read_history(path: str | os.PathLike[str], channel: str | None = None) -> tuple[FloatArray, FloatArray]:
-    """Read times and one of the columns of a CSV file with a header, as `Response.to_csv` writes it.
+    """Read the times (s) and one column of a CSV file with a header, as `Response.to_csv` writes it.
 
-    channel: its name; None: the second. Raises InputError.
+    `channel` is the name of the column, by default the second. Raises InputError.
     """
     with reading(path):
         table = table_of(lines_of(path, MOST_TABLE))
@@ -484,7 +597,7 @@ def read_history(path: str | os.PathLike[str], channel: str | None = None) -> tu
 
 
 def _strongest_frequency(t: FloatArray, y: FloatArray) -> float:
-    """Circular frequency, 1/s, at which a record has most."""
+    """Return the circular frequency (1/s) at which the spectrum of a record is largest."""
     even = np.linspace(t[0], t[-1], max(64, t.size))
     swing = np.interp(even, t, y)
     size = 8 * even.size

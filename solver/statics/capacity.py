@@ -1,8 +1,8 @@
-"""Static capacity of a column: at rest, and under a steady horizontal acceleration up to where it topples.
+"""The static capacity of a column: at rest, and under a steady horizontal acceleration up to overturning.
 
-A base that accelerates steadily by a towards -x pushes every block by a times its mass towards +x. The places in which
-the column balances under it form a curve: from rest, over the largest acceleration that it balances, down to the place
-on its edge where it balances without any. push.py follows it.
+A base that accelerates steadily by a towards -x pushes every block by a times its mass towards +x. The equilibria of
+the column under this push form a curve: from rest, over the largest acceleration that it balances, down to the
+equilibrium on its edge without any push. push.py follows it.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Rest:
-    """A column under its weight alone, (n,) each, the top joint first."""
+    """The column under its weight alone, (n,) each, the top joint first."""
 
     column: Column
-    settlement: FloatArray  # m, compression of the joint
+    settlement: FloatArray  # m, compression of each joint
     N: FloatArray  # N
-    stress: FloatArray  # Pa, the largest in the joint
+    stress: FloatArray  # Pa, the largest in each joint
     contact: FloatArray  # part of its width
 
 
@@ -46,14 +46,14 @@ HISTORIES = ("ux", "uz", "theta", "N", "M", "T", "contact", "sigma_max")
 
 @dataclass(frozen=True, eq=False)
 class CapacityCurve(Framed):
-    """Places in which a column balances under a steady horizontal acceleration, m of them, from rest to the edge.
+    """The m equilibria of a column under a steady horizontal acceleration, from rest to the edge.
 
     Histories (m, n) as in a `Response`: the top block and its joint first; the push is towards +x.
     """
 
     column: Column
-    acceleration: FloatArray  # (m,) m/s2, that pushes; of the base, towards -x
-    base_shear: FloatArray  # (m,) N, what the base holds against the push
+    acceleration: FloatArray  # (m,) m/s2, of the base, towards -x
+    base_shear: FloatArray  # (m,) N, reaction of the base to the push
     base_moment: FloatArray  # (m,) N m, about the middle of the lowest joint, clockwise on the base
     ux: FloatArray  # m, top faces
     uz: FloatArray  # m, centroids, up, from the unloaded geometry
@@ -63,9 +63,9 @@ class CapacityCurve(Framed):
     T: FloatArray  # N, along the joint
     contact: FloatArray  # part of the width
     sigma_max: FloatArray  # Pa
-    uplift: FloatArray  # (n,) m/s2, at which each joint begins to open; NaN if the column topples before
+    uplift: FloatArray  # (n,) m/s2, acceleration at which each joint begins to open; NaN if the column topples before
     direction: int  # 1, or -1 for the curve of pushes towards -x
-    # loads on ports that were pushed with in place of an acceleration: then all pushes are factors on them
+    # loads on ports in place of an acceleration: then all pushes are factors on them
     pattern: Mapping[str, float] | None = None
 
     def _frame(self) -> Frame:
@@ -75,32 +75,35 @@ class CapacityCurve(Framed):
 
     @property
     def unit(self) -> tuple[float, str]:
-        """By which a push is divided to be shown, and what it is then."""
+        """The unit in which a push is shown: the divisor and its name."""
         return (STANDARD_GRAVITY, "g") if self.pattern is None else (1.0, "times the pattern")
 
     @property
     def strongest(self) -> int:
-        """Row of the largest acceleration."""
+        """The row of the largest acceleration."""
         return int(np.argmax(self.acceleration))
 
     @property
     def largest_acceleration(self) -> float:
-        """Largest steady acceleration that the column balances, m/s2."""
+        """The largest steady acceleration that the column balances (m/s2)."""
         return float(self.acceleration[self.strongest])
 
     @property
     def overturning_displacement(self) -> float:
-        """Displacement of the top, m, at which the column balances without a push: beyond it, it falls."""
+        """The displacement of the top (m) beyond which the column falls without a push."""
         return float(abs(self.ux[-1, 0]))
 
     @property
     def friction(self) -> float:
-        """Largest T / N of any joint up to the largest acceleration: with less friction the column slides before."""
+        """The largest T / N of any joint up to the largest acceleration.
+
+        With less friction the column slides before.
+        """
         rows = slice(0, self.strongest + 1)
         return float(np.max(np.abs(self.T[rows]) / self.N[rows]))
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a row for each place, under the names of a response. Raises OSError."""
+        """Write a row for each equilibrium, under the names of a response. Raises OSError."""
         joints = [name for name in HISTORIES if name != "uz"]
         names = ["acceleration", "base.shear", "base.moment"]
         names += [getattr(ColumnHistories, name).name_of(i + 1) for name in joints for i in range(self.column.n)]
@@ -109,14 +112,17 @@ class CapacityCurve(Framed):
         write_table(path, names, ([repr(float(value)) for value in row] for row in rows))
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
-        """Draw the curve and the column; saved to `path` if given. Raises InputError without matplotlib, OSError."""
+        """Draw the curve and the column, and save the picture to `path` if given.
+
+        Raises InputError without matplotlib, OSError.
+        """
         with needing("plot", "matplotlib"):
             from .static_plots import plot_capacity
         return plot_capacity(self, path)
 
 
 def rest_of(column: Column) -> Rest:
-    """Settlement and stress of a column at rest.
+    """Return settlement, force, stress and contact of the joints of a column at rest.
 
     Warns (InputWarning) as `simulate` does. Raises InputError without gravity.
     """
@@ -127,21 +133,39 @@ def rest_of(column: Column) -> Rest:
 
 
 def uplift_accelerations(column: Column) -> FloatArray:
-    """Steady base acceleration at which each joint begins to open, m/s2 (n,); NaN if the column topples before.
+    """Return the steady base acceleration at which each joint begins to open (m/s2), (n,).
 
-    Raises as `capacity_curve` does.
+    It is NaN for a joint that stays closed until the column topples. Raises as `capacity_curve` does.
     """
     return capacity_curve(column).uplift
 
 
 def capacity_curve(column: Column, direction: int = 1, pattern: Mapping[str, float] | None = None) -> CapacityCurve:
-    """Follow the balance of a column under a steady acceleration from rest to the edge, by finite rotations.
+    """Follow the equilibria of a column under a steady acceleration from rest to the edge, by finite rotations.
 
-    direction: 1 for a push towards +x, -1 towards -x. No joint slides. pattern: loads on ports in its place, as
-    {"roof.Fx": 1000.0} (N, N m), whose factor grows; then `acceleration` is the factor.
+    No joint slides. Warns (InputWarning) as `simulate` does.
 
-    Warns (InputWarning) as `simulate` does. Raises InputError without gravity, SolverError if the rest is not stable or
-    the curve cannot be followed.
+    Parameters
+    ----------
+    column : Column
+        The column.
+    direction : int
+        1 for a push towards +x, -1 towards -x.
+    pattern : mapping, optional
+        Loads on ports (N, N m), as {"roof.Fx": 1000.0}, that grow by a factor in place of the acceleration; then
+        `acceleration` is the factor.
+
+    Returns
+    -------
+    CapacityCurve
+        The equilibria.
+
+    Raises
+    ------
+    InputError
+        Without gravity.
+    SolverError
+        If the rest is not stable or the curve cannot be followed.
     """
     if not column.g == 0.0 and not is_stable(column):
         raise SolverError(instability(column))
@@ -149,6 +173,7 @@ def capacity_curve(column: Column, direction: int = 1, pattern: Mapping[str, flo
     loads = None if pattern is None else pattern_of(pattern, [port.name for port in column.ports])
     curve = BalanceCurve(undamped(column.with_settings(formulation="exact")), direction, loads)
     points = curve.follow()
+    # histories along the curve, and the push at which each joint opens
     rows = [curve.row(point) for point in points]
     joints = {name: np.array([getattr(row.joints, name) for row in rows]) for name in HISTORIES}
     pushes = np.array([point.push for point in points])

@@ -1,4 +1,4 @@
-"""A block that lands on its edge: the area that bears there, and the damping that is critical on it."""
+"""The impact of a block on its edge: the area that bears there, and the damping that is critical on it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .rocking import rocking_part
 
 
 def damping_on_edge(stiffness: float, area: float, mass: float, inertia: float, half_width: float) -> float:
-    """Return the eta (s) that is critical as a block stands on the band along one of its edges.
+    """Return the eta (s) that is critical for a block that stands on the band along one of its edges.
 
     There the block moves up and down with the frequency omega^2 = k A (1 / m + b^2 / I), and eta = 2 / omega.
 
@@ -22,13 +22,13 @@ def damping_on_edge(stiffness: float, area: float, mass: float, inertia: float, 
     stiffness : float
         Winkler modulus of the joint, k (N/m3).
     area : float
-        Area of the band along the edge, A (m2): rim times depth; half of the face where all of it touches.
+        Area of the band along the edge, A (m2): rim times depth; half of the face if all of it touches.
     mass : float
         Mass of the block, m (kg).
     inertia : float
         Moment of inertia of the block about its centroid, I (kg m2).
     half_width : float
-        Distance of the edge from below the centroid, b (m).
+        Horizontal distance of the edge from the centroid, b (m).
 
     Raises
     ------
@@ -44,7 +44,7 @@ def damping_on_edge(stiffness: float, area: float, mass: float, inertia: float, 
 
 
 def column_damping_on_edge(column: Column) -> float:
-    """Return the eta (s) that is critical as the part of a column that rocks stands on its edge."""
+    """Return the eta (s) that is critical for the rocking part of a column on its edge."""
     part = rocking_part(column)
     k = part.joint - 1
     block, contact = column.blocks[k], column.contacts[k]
@@ -53,9 +53,9 @@ def column_damping_on_edge(column: Column) -> float:
 
 
 def area_on_edge(block: Block, contact: Contact) -> float:
-    """Return the area of the band along the edge about which a block rocks (m2).
+    """Return the area (m2) of the band along the edge about which a block rocks.
 
-    Without a rim it is half of the contact. A band along an arc is the segment as high as the rim is wide.
+    Without a rim it is half of the contact. A band along an arc is the segment whose height is the width of the rim.
     """
     half = 0.5 * contact.width
     if not 0.0 < contact.rim < half:
@@ -68,7 +68,7 @@ def area_on_edge(block: Block, contact: Contact) -> float:
 
 
 def _segment(radius: float, height: float) -> float:
-    """Return the area of a segment of a disc (m2), 0 for a height that is not positive."""
+    """Return the area of a segment of a disc (m2); 0 for a height (m) that is not positive."""
     if height <= 0.0:
         return 0.0
     beyond = radius - height

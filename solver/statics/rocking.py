@@ -17,14 +17,14 @@ from ..models.column.rest import instability, is_stable
 from ..models.column.run import phase_of
 from ..models.column.stepper import Stepper
 
-RELEASE = 0.5  # of the way to the edge, the default
-LOOK = 2e-3  # between two checks of the motion, in parts of the time in which the column falls
-MOST_BLOCKS = 12  # of which the restitution is worked out beside an answer
-LONGEST = 100.0  # such times, within which it must turn on the other side
+RELEASE = 0.5  # default displacement at the release, over that on the edge
+LOOK = 2e-3  # time between two checks of the motion, over the time in which the column falls
+MOST_BLOCKS = 12  # largest number of blocks for which an answer includes the restitution
+LONGEST = 100.0  # longest simulated time, over that in which the column falls
 
 
 class Part(NamedTuple):
-    """The part of a column above a joint, as one rigid body that stands straight."""
+    """The part of a column above a joint, as one straight rigid body."""
 
     joint: int  # from the top, 1 is the highest
     mass: float  # kg
@@ -41,7 +41,7 @@ class Part(NamedTuple):
 def parts_above(column: Column) -> list[Part]:
     """Return the part above each joint, the top joint first."""
     found: list[Part] = []
-    mass = height = inertia = 0.0  # of the part above: its centroid above the joint, inertia about the centroid
+    mass = height = inertia = 0.0  # of the part above: height of its centroid, inertia about the centroid
     for number, (block, contact) in enumerate(zip(column.blocks, column.contacts, strict=True), start=1):
         both, own, raised = mass + block.mass, block.resolved_centroid, height + block.height
         middle = (mass * raised + block.mass * own) / both
@@ -53,29 +53,30 @@ def parts_above(column: Column) -> list[Part]:
 
 
 def rocking_part(column: Column) -> Part:
-    """Return the part that the least push sets in motion: a statue rocks on its pedestal."""
+    """Return the part that the least push sets in motion; for a statue on a pedestal this is the statue."""
     return min(reversed(parts_above(column)), key=lambda part: part.slenderness)
 
 
 def housner_restitution(column: Column) -> float:
-    """Return the rotation rate after over before an impact, of the part that rocks as one rigid block (Housner 1963).
+    """Return the ratio of the rotation rates after and before an impact of Housner's rigid block (1963).
 
-    From angular momentum about the new edge: 1 - 2 m c^2 / I, with c half the width of the joint under the part and I
-    the moment of inertia about an edge. Of a homogeneous rectangle that is 1 - 1.5 sin^2(alpha).
+    The block is the part that rocks. From angular momentum about the new edge: 1 - 2 m c^2 / I, with c half the width
+    of the joint under the part and I its moment of inertia about an edge. For a homogeneous rectangle this is 1 - 1.5
+    sin^2(alpha).
     """
     part = rocking_part(column)
     return 1.0 - 2.0 * part.mass * part.half_width**2 / part.inertia
 
 
 def critical_damping(column: Column) -> float:
-    """Return the eta, s, at which the part that rocks is critically damped as it bounces: 2 sqrt(m / (k A))."""
+    """Return the eta (s) at which the rocking part is critically damped as it bounces: 2 sqrt(m / (k A))."""
     part = rocking_part(column)
     joint = column.blocks[part.joint - 1].joint
     return 2.0 * math.sqrt(part.mass / column.contacts[part.joint - 1].stiffness(joint.stiffness))
 
 
 def restitution_sentence(column: Column) -> str:
-    """Return the restitution of the model beside that of Housner's block, or why there is none, in a sentence."""
+    """Return the sentence that compares the restitution of the model with Housner's, or says why it is missing."""
     rigid = f"Housner's rigid block {housner_restitution(column):.3f}"
     if column.n > MOST_BLOCKS:
         return f"Restitution: {rigid}; that of the model is not worked out beyond {MOST_BLOCKS} blocks."
@@ -88,24 +89,39 @@ def restitution_sentence(column: Column) -> str:
 
 
 def restitution(column: Column, release: float = RELEASE) -> float:
-    """Square root of the part of its energy that a column keeps from the release to the turn on the other side.
+    """Return the square root of the part of its energy that a column keeps from release to the turn.
 
-    For a rigid block it is the rotation rate after over before the impact. The column is pulled aside as on its
-    capacity curve (capacity.py) and released on a still base. release: the place, in parts of the displacement of the
-    top from which it falls; from 0.02 to 0.95.
+    For a rigid block this is the ratio of the rotation rates after and before the impact. The column is pulled aside as
+    on its capacity curve (capacity.py), released on a still base, and turns on the other side.
 
-    Raises InputError for another `release` or without gravity, SolverError if the column is not stable or falls.
+    Parameters
+    ----------
+    column : Column
+        The column.
+    release : float
+        Displacement of the top at the release over that beyond which it falls, 0.02 to 0.95.
+
+    Raises
+    ------
+    InputError
+        If `release` is out of range or below the largest push, or there is no gravity.
+    SolverError
+        If the column is not stable or falls.
     """
     start, top = pulled_aside(column, release)
     return restitution_from(column, start, top)
 
 
 def pulled_aside(column: Column, release: float = RELEASE) -> tuple[InitialState, float]:
-    """A place of balance beyond the largest push, and its top displacement m. Raises as `restitution` does."""
+    """Return an equilibrium beyond the largest push, and its top displacement (m).
+
+    `release` and errors are those of `restitution`.
+    """
     release = check_number("release", release, (0.02, 0.95), "a part of the displacement to the edge, 0.02 to 0.95")
     column = column.with_settings(formulation="exact")
     if column.g > 0.0 and not is_stable(column):
         raise SolverError(instability(column))
+    # the equilibrium of the curve that is nearest to the wanted displacement
     curve = BalanceCurve(undamped(column))
     places = curve.follow()
     n = column.n
@@ -120,11 +136,27 @@ def pulled_aside(column: Column, release: float = RELEASE) -> tuple[InitialState
 
 
 def restitution_from(column: Column, start: InitialState, top: float) -> float:
-    """`restitution` from a place that `pulled_aside` has found. Raises SolverError."""
+    """Return the restitution of a column that is released from a state of `pulled_aside`.
+
+    Parameters
+    ----------
+    column : Column
+        The column.
+    start : InitialState
+        The state at the release.
+    top : float
+        The top displacement there (m).
+
+    Raises
+    ------
+    SolverError
+        If the column falls or does not reach the other side.
+    """
     column = column.with_settings(formulation="exact", integrator="auto")
     chain, stepper = chain_of(column), Stepper(column, start)
     falling = math.sqrt(float(np.sum(chain.height)) / column.g)  # s
     before, t, farthest = chain.energy(phase_of(stepper)), 0.0, 0.0
+    # follow the motion until the top turns back on the other side
     while t < LONGEST * falling:
         stepper.advance(t, LOOK * falling)
         t += LOOK * falling

@@ -26,7 +26,22 @@ TURNED, RAISED = 0.3, 0.1  # rad, and part of the lowest block's height: largest
 
 
 def plot_modes(modes: Modes, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:
-    """Draw the first `most` shapes; saved to `path` if given. Raises InputError, OSError as `save` does."""
+    """Draw the shapes of the first modes.
+
+    Parameters
+    ----------
+    modes : Modes
+        The modes.
+    path : str or path, optional
+        File to which the picture is saved.
+    most : int
+        Largest number of modes drawn.
+
+    Raises
+    ------
+    InputError, OSError
+        As `save` does.
+    """
     count = min(most, len(modes.frequency))
     figure = Figure(figsize=(max(4.0, 0.4 + 1.9 * count), 5.5), layout="constrained")
     height = sum(block.height for block in modes.column.blocks)
@@ -38,6 +53,7 @@ def plot_modes(modes: Modes, path: str | os.PathLike[str] | None = None, most: i
             (TURNED, theta),
             (RAISED * min(block.height for block in modes.column.blocks), uz),
         )
+        # largest scale at which displacement, rotation and rise stay within their limits
         scale = min(most / max(float(np.max(np.abs(values))), 1e-300) for most, values in limits)
         for patch in draw_column(axes, Places(modes.column, ux, uz, theta), 0, scale):
             patch.set_alpha(0.85)
@@ -56,14 +72,15 @@ def plot_modes(modes: Modes, path: str | os.PathLike[str] | None = None, most: i
 
 
 def plot_capacity(curve: CapacityCurve, path: str | os.PathLike[str] | None = None) -> Figure:
-    """Draw base shear and moment over the top's displacement, and the column at its largest push; saved to `path`.
+    """Draw base shear and moment over the top displacement, and the column at its largest push.
 
-    Raises InputError, OSError as `save` does.
+    The picture is saved to `path` if given. Raises InputError, OSError as `save` does.
     """
     figure = Figure(figsize=(11.0, 6.8), layout="constrained")
     grid = figure.add_gridspec(2, 3, width_ratios=(1.15, 1.15, 1.1))
     strongest = curve.strongest
     top = curve.direction * curve.ux[:, 0]
+    # shear and moment: close to the largest push, and up to the edge
     near = max(4.0 * float(top[strongest]), 1e-9)
     for place, limit, heading in ((0, near, "up to the largest push and beyond"), (1, float(top[-1]), "to the edge")):
         shear = figure.add_subplot(grid[0, place])
@@ -79,6 +96,7 @@ def plot_capacity(curve: CapacityCurve, path: str | os.PathLike[str] | None = No
             axes.set_xlim(left=0.0)
             axes.set_ylim(bottom=0.0)
         _show_acceleration(shear, _mass(curve.column))
+    # the column at the largest push, magnified
     drawn = figure.add_subplot(grid[:, 2])
     wanted = SHOWN * sum(block.height for block in curve.column.blocks) / max(float(top[strongest]), 1e-300)
     scale = max(1.0, float(f"{wanted:.0e}"))
@@ -94,7 +112,7 @@ def plot_capacity(curve: CapacityCurve, path: str | os.PathLike[str] | None = No
 
 
 def _draw_curve(shear: Axes, moment: Axes, curve: CapacityCurve, limit: float) -> None:
-    """Base shear and moment up to a displacement of the top, m, with dots where joints open."""
+    """Draw base shear and moment up to a top displacement `limit` (m), with dots where joints open."""
     strongest, top = curve.strongest, curve.direction * curve.ux[:, 0]
     factor, unit = (1.0, "m") if limit >= 1.0 else (1e3, "mm")
     shown = top <= limit
@@ -108,13 +126,13 @@ def _draw_curve(shear: Axes, moment: Axes, curve: CapacityCurve, limit: float) -
 
 
 def _openings(curve: CapacityCurve) -> dict[int, int]:
-    """Joint, from 1 -> row of the curve at which it opens."""
+    """Return the row of the curve at which each joint opens, by the number of the joint, from 1."""
     rising = curve.acceleration[: curve.strongest + 1]
     return {i + 1: int(np.argmin(np.abs(rising - push))) for i, push in enumerate(curve.uplift) if math.isfinite(push)}
 
 
 def _name_openings(shear: Axes, curve: CapacityCurve, limit: float) -> None:
-    """Name the joints that open, one below the other, with lines to their dots."""
+    """Label the joints that open, one below the other, with lines to their dots."""
     factor = 1.0 if limit >= 1.0 else 1e3
     opened = sorted(_openings(curve).items(), key=lambda item: -curve.base_shear[item[1]])
     if not opened:
@@ -131,7 +149,17 @@ def _name_openings(shear: Axes, curve: CapacityCurve, limit: float) -> None:
 
 
 def spread(wanted: Sequence[float], gap: float, low: float, high: float) -> list[float]:
-    """Places from the highest down, near those that are wanted, `gap` apart, between low and high if there is room."""
+    """Return heights for labels near the wanted ones, from the highest down, at least `gap` apart.
+
+    They lie between `low` and `high` if there is room.
+
+    Parameters
+    ----------
+    wanted : sequence of float
+        Wanted heights, descending.
+    gap, low, high : float
+        Least distance, and limits, in the units of `wanted`.
+    """
     places: list[float] = []
     for height in wanted:
         places.append(min(height, high if not places else places[-1] - gap))
@@ -143,7 +171,7 @@ def spread(wanted: Sequence[float], gap: float, low: float, high: float) -> list
 
 
 def _show_acceleration(shear: Axes, mass: float) -> None:
-    """The base shear as an acceleration of the whole mass, on the right."""
+    """Add an axis on the right that shows the base shear as an acceleration of the whole mass (kg)."""
     beside = shear.secondary_yaxis(
         "right",
         functions=(

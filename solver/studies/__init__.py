@@ -1,4 +1,4 @@
-"""Studies: many runs of columns and motions that differ by a plan, in one table."""
+"""Studies: the runs of columns and motions that differ by a plan, in one table."""
 
 from .definition import Study
 from .distributions import Distribution, Random

@@ -1,4 +1,4 @@
-"""The work of a worker: runs of a study by their numbers, and the rows of their results. It keeps nothing."""
+"""The work of a worker: the runs of a study with given numbers, and the rows of their results. It keeps no state."""
 
 from __future__ import annotations
 
@@ -14,14 +14,27 @@ from .definition import Planned, Study
 
 
 class Made(NamedTuple):
-    """Rows [number, values of what is varied, measures, outputs, why it failed], and how long they took, s."""
+    """The rows [number, varied values, measures, outputs, failure] of runs, and the time that they took (s)."""
 
     rows: list[list[Any]]
     seconds: float
 
 
 def make(study: Study, numbers: Sequence[int]) -> Made:
-    """Make the runs of these numbers, in one thread. The result of a run does not depend on the others."""
+    """Simulate the runs of these numbers in one thread; the result of a run does not depend on the others.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    numbers : sequence of int
+        Numbers of the runs, from 0.
+
+    Returns
+    -------
+    Made
+        The rows, and the time that they took.
+    """
     with my_turn():
         study.columns[0].kind.load(study.columns[0], study.keep)
         begin = clock.perf_counter()
@@ -29,18 +42,20 @@ def make(study: Study, numbers: Sequence[int]) -> Made:
 
 
 def _rows(study: Study, numbers: Sequence[int]) -> list[list[Any]]:
+    # build the models and motions; a run with invalid values becomes a failed row
     ready: list[tuple[int, Planned]] = []
     rows: list[list[Any]] = []
     for number in numbers:
         try:
             planned = study.run(number)
             planned.run.model.kind.check(planned.run.model, from_rest=True)
-        except InputError as error:  # of values that were drawn: the other runs go on
+        except InputError as error:  # caused by drawn values: the other runs go on
             given = list(study.values(number).values())
             rows.append([number, given, [None] * len(study.measured), None, str(error)])
             continue
         ready.append((number, planned))
     if ready:
+        # simulate the others together
         runs = [planned.run for _, planned in ready]
         table, tally = make_runs(Chunk(0, runs, study.keep, SETTLE, checked=True))
         outputs = {name: table[name].tolist() for name in study.keep}
@@ -55,5 +70,5 @@ def _rows(study: Study, numbers: Sequence[int]) -> list[list[Any]]:
 
 
 def _own(value: Any, count: int) -> Any:
-    """The results of a run, without entries for parts that its model does not have."""
+    """Return the results of a run without the entries for parts that its model does not have."""
     return value[:count] if isinstance(value, list) else value

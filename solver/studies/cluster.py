@@ -1,4 +1,4 @@
-"""Dask distributed as an executor: a cluster that exists, or workers of this machine to try with."""
+"""Dask distributed as an executor: an existing cluster, or workers on this machine for trials."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from typing import Any
 from ..common.errors import InputError, needing, shortened
 
 LOCAL = "local"
-# Housekeeping of the scheduler, nannies and workers that are started here. With Dask's defaults, looks at the stack
-# every 10 ms take 4 % of a worker's time; those at the event loop, memory and processor take 10 % of a core with two
-# workers, and 1.5 % with these settings.
+# Monitoring by the scheduler, nannies and workers that are started here. With Dask's defaults, sampling the stack every
+# 10 ms takes 4 % of a worker's time; monitoring event loop, memory and processor takes 10 % of a core with two workers,
+# and 1.5 % with these settings.
 OF_OURS = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "1s",
     "distributed.worker.memory.monitor-interval": "1s",
     "distributed.admin.system-monitor.interval": "5s",
 }
-CONNECT = "20s"  # patience for the scheduler
+CONNECT = "20s"  # timeout of the connection to the scheduler
 
 
 def _same(thing: Any) -> Any:
@@ -28,10 +28,22 @@ def _same(thing: Any) -> Any:
 
 
 class Cluster(AbstractContextManager["Cluster"]):
-    """An executor for `run_study`, to be used as a context. address: tcp://HOST:PORT of a scheduler, or "local".
+    """An executor for `run_study`, to be used as a context.
 
-    Data that every chunk needs travel once to each worker (`carry`). A chunk whose worker dies is done by another.
-    Needs the extra `dask`. Raises InputError if it is not installed or no scheduler answers.
+    Data that every chunk needs are sent once to each worker (`carry`). A chunk whose worker dies is repeated by
+    another. Needs the extra `dask`.
+
+    Parameters
+    ----------
+    address : str
+        tcp://HOST:PORT of a scheduler, or "local" for workers on this machine.
+    workers : int, optional
+        Number of local workers, by default that of Dask.
+
+    Raises
+    ------
+    InputError
+        If Dask is not installed or no scheduler answers.
     """
 
     def __init__(self, address: str = LOCAL, workers: int | None = None) -> None:
@@ -53,22 +65,22 @@ class Cluster(AbstractContextManager["Cluster"]):
 
     @property
     def workers(self) -> int:
-        """Chunks that are processed at once."""
+        """The number of chunks that are processed at once."""
         return max(1, int(sum(self._client.nthreads().values())))
 
     def carry(self, thing: Any) -> Any:
-        """Send data that every chunk needs; returns a stand-in for them in `submit`.
+        """Send data that every chunk needs, and return a handle for them in `submit`.
 
-        They are the result of a task: unlike scattered data they are restored when the worker that had them dies.
+        They are the result of a task: unlike scattered data they are restored when the worker that held them dies.
         """
         return self._client.submit(_same, thing, pure=False)
 
     def submit(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """A future of Dask."""
+        """Send a call to the cluster, and return its future."""
         return self._client.submit(function, *arguments, pure=False)
 
     def lost(self) -> str:
-        """Why no more results will come; empty while some may."""
+        """Return the reason why no more results will come, or ""."""
         if self._client.status == "running":
             return ""
         return f"the scheduler at {self.address} has gone ({self._client.status})"

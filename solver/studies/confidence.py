@@ -1,4 +1,4 @@
-"""Bounds of a lognormal fragility by its likelihood, which hold where the bootstrap has nothing to resample."""
+"""Likelihood bounds of a lognormal fragility, which hold where the bootstrap has nothing to resample."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from ..common.errors import needing
 from ..models.protocol import FloatArray
 from ..models.uncertainty import CONFIDENCE
 
-FARTHEST = 20.0  # of the logarithm of the median: beyond it a bound is of no use
-FIRST = 0.05  # first step outwards, of the logarithm
-EXACT = 1e-4  # of the logarithm, of each bound
+FARTHEST = 20.0  # largest distance of a bound, in the logarithm of the median
+FIRST = 0.05  # first step outwards, in the logarithm
+EXACT = 1e-4  # tolerance of each bound, in the logarithm
 
-Profile = Callable[[float], tuple[float, float]]  # largest likelihood at a value, and the other value that has it
+Profile = Callable[[float], tuple[float, float]]  # maximum likelihood at a value, and the other parameter there
 
 
 def likelihood_ends(
@@ -23,22 +23,27 @@ def likelihood_ends(
 ) -> FloatArray:
     """Return the curves at the ends of the likelihood region: least and largest median, least and largest deviation.
 
-    A median lies in the region if the largest likelihood over all deviations is at least exp(-q / 2) of the largest of
-    all, and a deviation likewise; q: the quantile of chi-squared of one degree of freedom at `CONFIDENCE`. Each run is
-    one trial.
+    A median lies in the region if the likelihood, maximized over the deviations, is at least exp(-q / 2) of the overall
+    maximum; a deviation likewise. q is the quantile of chi-squared with one degree of freedom at `CONFIDENCE`. Each run
+    is one trial.
 
     Parameters
     ----------
-    x, runs, failed
-        Logarithm of each intensity, its runs and those that failed, (levels,).
-    best
-        Median and deviation of the largest likelihood.
-    widths
+    x : (levels,) float
+        Logarithm of each intensity.
+    runs : (levels,) float
+        Number of runs at each intensity.
+    failed : (levels,) float
+        Number of failed runs at each intensity.
+    best : tuple of float
+        Median and deviation of maximum likelihood.
+    widths : tuple of float
         Least and largest deviation of a fit.
 
     Returns
     -------
-    Medians and deviations, (4, 2).
+    (4, 2) float
+        Medians and deviations of the curves.
     """
     with needing("studies", "scipy"):
         from scipy.special import log_ndtr
@@ -58,6 +63,7 @@ def likelihood_ends(
     def of_deviation(deviation: float) -> tuple[float, float]:
         return _largest(lambda median: likelihood(median, deviation), inner, outer)
 
+    # least log-likelihood in the region, and the ends of both profiles
     least = max(likelihood(centre, width), of_median(centre)[0]) - 0.5 * float(chi2.ppf(CONFIDENCE, 1))
     medians = [_end(of_median, least, centre, limit) for limit in (inner, outer)]
     deviations = [_end(of_deviation, least, width, limit) for limit in (low, high)]
@@ -66,7 +72,7 @@ def likelihood_ends(
 
 
 def _largest(function: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
-    """Return the largest value of a function of one maximum between two ends, and where it has it."""
+    """Return the maximum of a unimodal function between two ends, and its argument."""
     with needing("studies", "scipy"):
         from scipy.optimize import minimize_scalar
     found = minimize_scalar(lambda at: -function(at), bounds=(low, high), method="bounded", options={"xatol": EXACT})
@@ -74,7 +80,8 @@ def _largest(function: Callable[[float], float], low: float, high: float) -> tup
 
 
 def _end(profile: Profile, least: float, start: float, limit: float) -> float:
-    """Return where a profile falls below `least` on the way from `start` to `limit`, or `limit`."""
+    """Return the argument at which a profile falls below `least` between `start` and `limit`, or `limit`."""
+    # step outwards with doubled steps until the profile falls below
     step, inside = math.copysign(FIRST, limit - start), start
     while abs(inside + step - start) < abs(limit - start) and profile(inside + step)[0] >= least:
         inside, step = inside + step, 2.0 * step
@@ -83,6 +90,7 @@ def _end(profile: Profile, least: float, start: float, limit: float) -> float:
         outside = limit
         if profile(limit)[0] >= least:
             return limit
+    # bisect
     while abs(outside - inside) > EXACT:
         middle = 0.5 * (inside + outside)
         if profile(middle)[0] >= least:

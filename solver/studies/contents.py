@@ -1,4 +1,4 @@
-"""Valid content of the journal of a study: other content under a right checksum is refused."""
+"""Validation of the journal of a study: invalid content is refused even if its checksum is right."""
 
 from __future__ import annotations
 
@@ -15,19 +15,21 @@ from .distributions import Random
 from .motions import Measure
 from .subjects import always_kept, check_alike, kind_in, sizes_of, subject_from
 
-FAILED = "failed"  # the verdict on a run that the solver could not make
+FAILED = "failed"  # the verdict of a run that the solver could not finish
 
 
 def check_head(head: Mapping[str, Any]) -> None:
-    """Raise InputError unless a journal's first line describes a study."""
+    """Raise InputError unless the first line of a journal describes a study."""
     study = _part(head, "study", dict)
     _part(head, "versions", dict)
     runs, blocks = _whole(head, "runs", 1, MOST_RUNS), _whole(head, "blocks", 1, 10**6)
+    # the study
     check_file_name("study.name", _part(study, "name", str))
     check_choice("study.kind", study.get("kind"), KINDS)
     check_choice("study.sampling", study.get("sampling"), SAMPLINGS)
     _whole(study, "seed", 0, math.inf)
     samples = _whole(study, "samples", 1, MOST_RUNS)
+    # its models and motions
     columns = [subject_from(_is(f"columns[{k}]", table, dict)) for k, table in enumerate(_part(study, "columns", list))]
     check_alike(columns)
     sizes, kind = sizes_of(columns), columns[0].kind
@@ -36,6 +38,7 @@ def check_head(head: Mapping[str, Any]) -> None:
     motions = [_is(f"motions[{k}]", table, dict) for k, table in enumerate(_part(study, "motions", list))]
     for table in motions:
         _part(table, "name", str)
+    # grid, number of runs, random parameters, measure
     grid = _part(study, "grid", dict)
     for name in grid:
         _numbers(f"grid.{name}", _part(grid, name, list), finite=True)
@@ -46,6 +49,7 @@ def check_head(head: Mapping[str, Any]) -> None:
     _must("study.intensity", None, "intensity" in study, "a table, or null")
     if study["intensity"] is not None:
         Measure.from_table(_part(study, "intensity", dict))
+    # limits, and the names of outputs, varied numbers and measures
     _numbers("limits", _part(study, "limits", list), finite=True)
     _names("keep", _part(study, "keep", list), tuple(kind.kept), always_kept(kind))
     _names("varied", _part(head, "varied", list), None, ("column", "motion", *grid))
@@ -56,6 +60,7 @@ def check_row(head: Mapping[str, Any], row: Any) -> None:
     """Raise InputError unless a later line of that journal is a run: [number, values, measures, outputs, failure]."""
     study = head["study"]
     _must("run", row, isinstance(row, list) and len(row) == 5, "a list of number, values, measures, outputs, failure")
+    # number, varied values and measures of the run
     number, values, measures, outputs, failure = row
     _must("run", number, type(number) is int and 0 <= number < head["runs"], f"a number below {head['runs']}")
     for key, found, names in (("values", values, head["varied"]), ("measures", measures, head["measured"])):
@@ -69,6 +74,7 @@ def check_row(head: Mapping[str, Any], row: Any) -> None:
     _is("failure", failure, str)
     if outputs is None:
         return
+    # outputs: texts, numbers, or one number per part of the model
     _is("outputs", outputs, dict)
     for name in study["keep"]:
         value = outputs.get(name)
@@ -83,13 +89,16 @@ def check_row(head: Mapping[str, Any], row: Any) -> None:
 
 
 def kept_in(head: Mapping[str, Any]) -> Mapping[str, Kept]:
-    """The results that can be kept of a run, by name, of the study of this head."""
+    """Return the results that can be kept of a run, by name, for the study of this head."""
     known: Mapping[str, Kept] = kind_in(head).kept
     return known
 
 
 def length_of(head: Mapping[str, Any], name: str) -> int:
-    """The most numbers of a result of one run: blocks of columns; blocks, joints, ties or components of structures."""
+    """Return the length of a result of one run, the largest over the models of the study.
+
+    It counts blocks for columns; blocks, joints, ties or components for structures.
+    """
     return int(head["sizes"][kept_in(head)[name].of] if "sizes" in head else head["blocks"])
 
 
@@ -119,6 +128,6 @@ def _numbers(key: str, values: list[Any], finite: bool = False) -> None:
 
 
 def _names(key: str, names: list[Any], known: tuple[str, ...] | None, needed: tuple[str, ...]) -> None:
-    """known: all that there may be, None for anything."""
+    """Raise InputError unless `names` are unique, among `known` (None: any), and include all `needed`."""
     texts = all(isinstance(name, str) and (known is None or name in known) for name in names)
     _must(key, names, texts and len(set(names)) == len(names) and set(needed) <= set(names), "names, each once")

@@ -1,4 +1,4 @@
-"""A study: columns, motions and what is varied; every run of it follows from its number.
+"""The definition of a study: models, motions and varied numbers; every run follows from its number.
 
 The runs are numbered column by column, motion by motion, through the grid (its last name changes fastest), and sample
 by sample of the random parameters, which are the same samples at every point of the grid.
@@ -33,7 +33,7 @@ from .subjects import DIRECTION, IN_PLANE, OF_SPACE, always_kept, check_alike, c
 KINDS = ("sweep", "ida", "fragility", "spectrum", "montecarlo")
 SAMPLINGS = ("latin-hypercube", "sobol", "random")
 LIMITED = "fragility"
-SUBJECTS = ("column", "columns", "structure", "structures")  # keys of the file: the paths of what is shaken
+SUBJECTS = ("column", "columns", "structure", "structures")  # keys of the file: paths of the models
 INTENSITY = "intensity"
 MOST_RUNS = 10**8
 QUICK_RUNS, QUICK_VALUES = 200, 5  # of a quick study: runs, and values of each name of the grid
@@ -45,22 +45,55 @@ _KEYS = (
 
 
 class Planned(NamedTuple):
-    """One run of a study, ready to go, and what it was made from."""
+    """A run of a study, ready to be simulated, with the numbers it was made from."""
 
     run: Run
-    values: dict[str, float]  # of what is varied
-    measures: dict[str, float]  # of the motion as it is run: pga g, pgv m/s, sa g
+    values: dict[str, float]  # varied numbers, by name
+    measures: dict[str, float]  # of the motion as run: pga (g), pgv (m/s), sa (g)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Study(Shown):
-    """The runs, and how they differ; see the module. Raises InputError on values that do not go together.
+    """A study: the models, the motions, and the numbers that vary between its runs.
 
-    columns: columns, or structures in space. grid: name -> values. random: name -> parameter. Names are those of
-    of_column.py, of structures those of of_structure.py, `motion.KEY` of a number of the motions, and
-    `intensity`: the value of `measure` that the motion is scaled to. samples: of the random parameters, by
-    `sampling`. keep: outputs of `simulate_many`. duration: s, of every run; None: that of its motion. limits: m,
-    largest displacements beyond which a column counts as failed, as it does when it overturns.
+    Names of numbers are those of of_column.py, for structures those of of_structure.py; `motion.KEY` for a number of
+    the motions; and `intensity` for the value of `measure` to which the motion is scaled.
+
+    Attributes
+    ----------
+    name
+        Name of the study and of its files.
+    kind
+        One of KINDS, which decides the picture.
+    columns
+        Columns, or structures in space.
+    motions
+        Base motions.
+    grid
+        Values of the grid by name.
+    random
+        Random parameters by name.
+    measure
+        Measure of intensity, or None.
+    samples
+        Number of samples of the random parameters.
+    sampling
+        Method by which they are drawn, one of SAMPLINGS.
+    seed
+        Seed of the samples.
+    keep
+        Outputs, as in `simulate_many`.
+    tolerance
+        Error tolerance of the runs; None for that of each model.
+    duration
+        Duration of every run (s); None for that of its motion.
+    limits
+        Largest displacements (m) beyond which a column counts as failed, as it does when it overturns.
+
+    Raises
+    ------
+    InputError
+        If values do not fit together.
     """
 
     name: str
@@ -73,12 +106,13 @@ class Study(Shown):
     samples: int = 1
     sampling: str = SAMPLINGS[0]
     seed: int = 0
-    keep: tuple[str, ...] = ()  # none: what is always kept
+    keep: tuple[str, ...] = ()  # empty: the outputs that are always kept
     tolerance: float | None = None
     duration: float | None = None
     limits: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
+        # name, kind, sampling and numbers
         check_file_name("name", self.name)
         check_choice("kind", self.kind, KINDS)
         check_choice("sampling", self.sampling, SAMPLINGS)
@@ -93,6 +127,7 @@ class Study(Shown):
             raise InputError(f'limits: must be left out, only kind = "{LIMITED}" has failures by displacement')
         for k, limit in enumerate(self.limits, start=1):
             check_number(f"limits[{k}]", limit, POSITIVE, "a positive displacement in m")
+        # models and outputs
         check_alike(self.columns)
         object.__setattr__(self, "keep", tuple(self.keep) or always_kept(self.columns[0].kind))
         for name in self.keep:
@@ -110,10 +145,12 @@ class Study(Shown):
         twice = set(self.grid) & set(self.random)
         if twice:
             raise InputError(f"random.{min(twice)}: must not be in the grid too")
+        # numbers that all motions have
         known = set.intersection(*(Shaking.numbers_of(shaking.formula) for shaking in self.motions))
         for k, shaking in enumerate(self.motions, start=1):
             check_motion(f"motion[{k}]", shaking, self.in_space)
         known -= set() if self.in_space else {*OF_SPACE}
+        # each varied name must belong to intensity, motions or models
         for name in (*self.grid, *self.random):
             if name == INTENSITY:
                 if self.measure is None:
@@ -148,72 +185,73 @@ class Study(Shown):
         )
         yield from ((name, parameter.distribution.kind) for name, parameter in self.random.items())
 
-    # what is run
+    # the runs
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Numbers of columns, motions, values of each name of the grid, samples; its product is the number of runs."""
+        """The numbers of columns, motions, values of each name of the grid, and samples; their product is `runs`."""
         return (len(self.columns), len(self.motions), *(len(values) for values in self.grid.values()), self.samples)
 
     @property
     def runs(self) -> int:
-        """Number of runs."""
+        """The number of runs."""
         return math.prod(self.shape)
 
     @property
     def blocks(self) -> int:
-        """Largest number of blocks of a column."""
+        """The largest number of blocks of a model."""
         return sizes_of(self.columns)["block"]
 
     @property
     def in_space(self) -> bool:
-        """Whether it is of structures."""
+        """True if the models are structures in space."""
         return self.columns[0].kind.across
 
     @cached_property
     def varied(self) -> tuple[str, ...]:
-        """Names of the numbers that make a run, one each: `column` and `motion` are counted from 0."""
+        """The names of the numbers that define a run; `column` and `motion` are indices from 0."""
         return ("column", "motion", *self.grid, *(each for name in self.random for each in self._each(name)))
 
     @property
     def measured(self) -> tuple[str, ...]:
-        """Names of the measures of a motion that are kept."""
+        """The names of the measures of a motion that are kept."""
         return ("pga", "pgv") if self.measure is None or self.measure.name != "sa" else ("pga", "pgv", "sa")
 
     def run(self, number: int) -> Planned:
-        """The run of a number, from 0. Raises InputError where a value does not suit the column or the motion."""
+        """Return the run of a number, from 0. Raises InputError if a value does not suit the column or the motion."""
         values = self.values(number)
         column = _column(self, int(values["column"]), tuple([values[name] for name in self._of_columns]))
         motion, base, measures = self._shaken(values)
         duration = motion.duration
         if self.duration is not None:
-            duration = self.duration + (motion.duration - base.duration)  # with the time in which the base is tilted
+            duration = self.duration + (motion.duration - base.duration)  # plus the time in which the base is tilted
         return Planned(Run(column, motion, duration), values, measures)
 
     def values(self, number: int) -> dict[str, float]:
-        """The varied numbers of a run, by name."""
+        """Return the varied numbers of a run, by name."""
         place = np.unravel_index(number, self.shape)
         values = {"column": float(place[0]), "motion": float(place[1])}
         for (name, items), k in zip(self.grid.items(), place[2:-1], strict=True):
             values[name] = items[int(k)]
+        # random parameters, which follow the names of the grid
         drawn = _drawn_of(self)[int(place[-1])].tolist()
         values.update(zip(self.varied[len(values) :], drawn, strict=True))
         return values
 
     def _each(self, name: str) -> Sequence[str]:
-        """Names of the numbers of a random parameter."""
+        """Return the names of the numbers of a random parameter."""
         column = self.columns[0]
         return column.kind.numbers_of(column, name) if self.random[name].each else [name]
 
     @cached_property
     def _of_columns(self) -> dict[str, bool]:
-        """Names of the varied numbers of the columns, and whether each multiplies the present value."""
+        """The names of the varied numbers of the columns, and whether each multiplies the present value."""
         names = [name for name in self.varied if name not in ("column", "motion", INTENSITY)]
         return {name: self._relative(name) for name in names if not name.startswith(OF_MOTION)}
 
     @cached_property
     def _of_motions(self) -> dict[str, tuple[str, bool]]:
-        """Names of the varied numbers of the motions, with the key there, and whether each multiplies."""
+        """The names of the varied numbers of the motions, with their keys, and whether each multiplies."""
         names = [name for name in self.varied if name.startswith(OF_MOTION)]
         return {name: (name.removeprefix(OF_MOTION), self._relative(name)) for name in names}
 
@@ -222,7 +260,7 @@ class Study(Shown):
         return parameter is not None and parameter.relative
 
     def _numbers(self, values: Mapping[str, float], shaking: Shaking) -> dict[str, float]:
-        """The varied numbers of a motion, by its keys."""
+        """Return the varied numbers of a motion, by its keys."""
         found = {}
         for name, (key, relative) in self._of_motions.items():
             value = values[name]
@@ -234,12 +272,14 @@ class Study(Shown):
         return found
 
     def _shaken(self, values: Mapping[str, float]) -> tuple[Motion, Motion, dict[str, float]]:
-        """The motion as it is run, as it is before it is scaled and tilted, and its measures as it is run."""
+        """Return the motion as run, the motion before scaling and tilting, and the measures of the motion as run."""
+        # the motion before scaling, and its measures
         which = int(values["motion"])
         shaking = self.motions[which]
         numbers = self._numbers(values, shaking)
         shape = tuple(item for item in numbers.items() if item[0] not in BESIDE)
         base, measures = _base(self, which, shape, INTENSITY in values)
+        # factor: that of the motion, times the one to the intensity
         given = {**shaking.numbers, **numbers}
         factor = given.get("scale", 1.0)
         if self.measure is not None and INTENSITY in values:
@@ -247,15 +287,16 @@ class Study(Shown):
             if present == 0.0:
                 raise InputError(f"motion[{which + 1}]: {shaking.name} is still, it cannot be scaled to an {INTENSITY}")
             factor *= values[INTENSITY] / present
+        # scale, rotate in plan, tilt, add loads
         size = abs(factor)
         motion = tilted(base.scaled(factor).turned(given.get(DIRECTION, 0.0)), given.get("tilt", 0.0))
         motion = shaking.with_loads(motion, base, given.get(LOAD_SCALE))
         return motion, base, {name: size * value for name, value in measures.items()}
 
-    # what it is known by
+    # identity and files
 
     def to_dict(self) -> dict[str, Any]:
-        """All that the results depend on, as plain numbers, texts, lists and dicts."""
+        """Return all data on which the results depend, as numbers, texts, lists and dicts."""
         return {
             "name": self.name,
             "kind": self.kind,
@@ -271,7 +312,7 @@ class Study(Shown):
 
     @property
     def fingerprint(self) -> str:
-        """Tells whether results are of this very study."""
+        """The hash that identifies the study, so that results of another one are recognized."""
         text = json.dumps(self.to_dict(), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
@@ -283,7 +324,10 @@ class Study(Shown):
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any], folder: str | os.PathLike[str] = ".") -> Study:
-        """Build a study from the mapping that a TOML file holds (docs/studies.md). Raises InputError."""
+        """Build a study from the mapping that a TOML file holds (docs/studies.md).
+
+        Paths in it are relative to `folder`. Raises InputError.
+        """
         check_keys("", data, _KEYS)
         for key in ("name", "kind"):
             if key not in data:
@@ -291,6 +335,7 @@ class Study(Shown):
         tables = data.get("motion", [])
         if not isinstance(tables, list) or not tables or not all(isinstance(table, Mapping) for table in tables):
             raise InputError("motion: must be one table [[motion]] for each motion")
+        # optional keys
         simple = {key: data[key] for key in _SIMPLE if key in data}
         if "keep" in data:
             simple["keep"] = tuple(_texts("keep", data["keep"]))
@@ -312,13 +357,14 @@ class Study(Shown):
         )
 
     def with_runs(self, samples: int) -> Study:
-        """The study with another number of samples of its random parameters."""
+        """Return the study with another number of samples of its random parameters."""
         return replace(self, samples=samples)
 
     def quick(self) -> Study:
-        """A study of its own, NAME-quick, of some 200 runs at most: five values of each name of the grid, few samples.
+        """Return a smaller study, NAME-quick, of some 200 runs at most.
 
-        Of a long grid that is the first, the last and some between. All columns and motions are kept.
+        It has five values of each name of the grid (the first, the last and some between) and few samples. All columns
+        and motions are kept.
         """
         grid = {name: _thinned(values) for name, values in self.grid.items()}
         points = math.prod((len(self.columns), len(self.motions), *map(len, grid.values())))
@@ -327,7 +373,7 @@ class Study(Shown):
 
 
 def versions() -> dict[str, str]:
-    """Versions that the numbers depend on: results of other versions are not to be mixed with them."""
+    """Return the versions on which the numbers depend: results of other versions must not be mixed with them."""
     found = {"multiblock-fmu": __version__, "kernels": SOURCES, "numpy": np.__version__}
     with needing("studies", "scipy"):
         import scipy
@@ -335,7 +381,11 @@ def versions() -> dict[str, str]:
 
 
 def axis(key: str, values: object) -> tuple[float, ...]:
-    """Values of a grid: a list of numbers, or {from, to, count} with spacing = "linear" or "log". Raises InputError."""
+    """Return the values of a grid.
+
+    `values` is a list of numbers, or {from, to, count} with spacing = "linear" or "log"; `key` names it in errors.
+    Raises InputError.
+    """
     if isinstance(values, Mapping):
         check_keys(f"{key}.", values, ("from", "to", "count", "spacing"))
         spacing = values.get("spacing", "linear")
@@ -350,18 +400,18 @@ def axis(key: str, values: object) -> tuple[float, ...]:
     return tuple(check_number(f"{key}[{k}]", value, FINITE, "a number") for k, value in enumerate(values, start=1))
 
 
-# what follows from a study and is asked for with every run
+# caches of data that every run needs
 
 
 @lru_cache(maxsize=8)
 def _columns(study: Study) -> tuple[Model, ...]:
-    """The columns at the tolerance of the study."""
+    """Return the columns at the tolerance of the study."""
     return tuple(column.with_settings(tolerance=study.tolerance) for column in study.columns)
 
 
 @lru_cache(maxsize=256)
 def _column(study: Study, which: int, numbers: tuple[float, ...]) -> Any:
-    """A column with the numbers that `_of_columns` names: the same one at all points of a grid of motions."""
+    """Return a column with the numbers that `_of_columns` names; cached, for it is the same for all motions."""
     given = {name: (number, flag) for (name, flag), number in zip(study._of_columns.items(), numbers, strict=True)}
     model = _columns(study)[which]
     return model.kind.with_numbers(model, given)
@@ -369,12 +419,12 @@ def _column(study: Study, which: int, numbers: tuple[float, ...]) -> Any:
 
 @lru_cache(maxsize=8)
 def _drawn_of(study: Study) -> FloatArray:
-    """Values of the random parameters, (samples, numbers), as `Study.varied` names them."""
+    """Return the values of the random parameters, (samples, numbers), in the order of `Study.varied`."""
     owners = tuple(parameter for name, parameter in study.random.items() for _ in study._each(name))
     return _drawn(owners, study.samples, study.sampling, study.seed)
 
 
-@lru_cache(maxsize=8)  # a worker has another study, of the same parameters, with every chunk
+@lru_cache(maxsize=8)  # a worker gets a new but equal study with every chunk
 def _drawn(random: tuple[Random, ...], samples: int, sampling: str, seed: int) -> FloatArray:
     if not random:
         return np.empty((samples, 0))
@@ -400,7 +450,11 @@ def _quantiles(numbers: int, samples: int, sampling: str, seed: int) -> FloatArr
 def _base(
     study: Study, motion: int, numbers: tuple[tuple[str, float], ...], unit: bool
 ) -> tuple[Motion, dict[str, float]]:
-    """A motion before it is scaled, and its measures."""
+    """Return a motion before it is scaled, and its measures.
+
+    `numbers` are the varied ones by key; `unit` is True if the motion is scaled to an intensity, so its size does not
+    matter.
+    """
     made = study.motions[motion].base(dict(numbers), unit)
     if not np.any(made.ax) and not made.amplitude:
         return made, dict.fromkeys(study.measured, 0.0)

@@ -1,4 +1,4 @@
-"""Distributions of a random number, by the quantiles that a sampling method hands out."""
+"""Distributions of random numbers, evaluated at the quantiles that a sampling method returns."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..common.errors import FINITE, POSITIVE, InputError, check_number, needing,
 from ..common.ranges import check_choice, check_keys
 from ..models.protocol import FloatArray
 
-# keys that a distribution needs, in the order of its arguments; and those that cut its tails
+# keys of each distribution, in the order of its arguments; and those that cut its tails
 _NEEDS = {
     "uniform": ("low", "high"),
     "loguniform": ("low", "high"),
@@ -23,7 +23,7 @@ _NEEDS = {
     "choice": ("values",),
 }
 _TAILS = ("low", "high")
-_BESIDE = ("relative", "each")  # of a random parameter
+_BESIDE = ("relative", "each")  # further keys of a random parameter
 _CAN_BE_CUT = ("normal", "lognormal")
 _POSITIVE = {("loguniform", "low"), ("lognormal", "median"), ("lognormal", "low"), ("normal", "deviation")}
 _POSITIVE |= {("lognormal", "deviation"), ("lognormal", "high")}
@@ -34,9 +34,9 @@ KINDS = tuple(_NEEDS)
 class Distribution:
     """A distribution by name, and its numbers by key.
 
-    uniform, loguniform: low, high. integers: low, high, both included. triangular: low, mode, high. normal: mean,
-    deviation. lognormal: median, deviation (of the logarithm). The last two may have low and high beside: the tails
-    beyond are cut off. choice: values, one as likely as the other. Raises InputError on a wrong number.
+    The keys are: uniform, loguniform: low, high. integers: low, high, both included. triangular: low, mode, high.
+    normal: mean, deviation. lognormal: median, deviation (of the logarithm). The last two may also have low and high,
+    beyond which the tails are cut off. choice: values, equally likely. Raises InputError on a wrong number.
     """
 
     kind: str
@@ -44,7 +44,7 @@ class Distribution:
 
     @classmethod
     def from_table(cls, key: str, table: Mapping[str, Any]) -> Distribution:
-        """Read {distribution = "normal", mean = 1.0, ...}. Raises InputError that names the key."""
+        """Read a table such as {distribution = "normal", mean = 1.0, ...}. Raises InputError that names the key."""
         kind = check_choice(f"{key}.distribution", table.get("distribution"), KINDS)
         allowed = _NEEDS[kind] + (_TAILS if kind in _CAN_BE_CUT else ())
         check_keys(f"{key}.", [name for name in table if name != "distribution"], allowed, f" of {kind}")
@@ -61,12 +61,12 @@ class Distribution:
         return cls(kind, tuple(given.items()))
 
     def at(self, quantile: FloatArray) -> FloatArray:
-        """The values (any shape) below which the parts `quantile` of it lie, each from 0 to 1, both excluded."""
+        """Return the values at the quantiles (any shape), each between 0 and 1, both excluded."""
         value: FloatArray = _AT[self.kind](quantile, **dict(self.numbers))
         return value
 
     def to_table(self) -> dict[str, Any]:
-        """The table that `from_table` turns into this very distribution."""
+        """Return the table from which `from_table` builds this distribution."""
         plain = {key: list(value) if isinstance(value, tuple) else value for key, value in self.numbers}
         return {"distribution": self.kind, **plain}
 
@@ -97,7 +97,7 @@ def _normal(
 def _lognormal(
     quantile: FloatArray, median: float, deviation: float, low: float = 0.0, high: float = np.inf
 ) -> FloatArray:
-    with np.errstate(divide="ignore", over="ignore"):  # infinite numbers are refused by the run that gets one
+    with np.errstate(divide="ignore", over="ignore"):  # a run with an infinite number fails
         ends = np.log(low), np.log(high)
         return np.exp(_normal(quantile, float(np.log(median)), deviation, *ends))
 
@@ -129,7 +129,7 @@ _AT: dict[str, Callable[..., FloatArray]] = {
 
 @dataclass(frozen=True)
 class Random:
-    """A random parameter: its distribution; whether it multiplies what is there, and whether each block has its own."""
+    """A random parameter: its distribution, whether it multiplies the present value, whether each block has its own."""
 
     distribution: Distribution
     relative: bool = False
@@ -137,7 +137,7 @@ class Random:
 
     @classmethod
     def from_table(cls, key: str, table: object) -> Random:
-        """Read {distribution = ..., relative = true, each = true}. Raises InputError."""
+        """Read a table such as {distribution = ..., relative = true, each = true}. Raises InputError."""
         if not isinstance(table, Mapping):
             raise InputError(f"{key} = {shown(table)}: must be a table with distribution and its numbers")
         for name in _BESIDE:
@@ -147,5 +147,5 @@ class Random:
         return cls(Distribution.from_table(key, numbers), table.get("relative", False), table.get("each", False))
 
     def to_table(self) -> dict[str, Any]:
-        """The table that `from_table` turns into this very parameter."""
+        """Return the table from which `from_table` builds this parameter."""
         return {**self.distribution.to_table(), "relative": self.relative, "each": self.each}

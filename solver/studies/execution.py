@@ -1,4 +1,4 @@
-"""Runs of a study, chunk by chunk, wherever an executor takes them; each is on disk before more are asked for."""
+"""Execution of a study, chunk by chunk, on an executor; each chunk is on disk before more are requested."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from .journal import SUFFIX, Journal
 from .results import Results
 from .subjects import sizes_of, subject_from
 
-UNKNOWN_COST = 0.02  # s of a run, where the first one cannot be made
-SAVE_EVERY = 60.0  # s between two NetCDF files
-SAVE_PART = 0.05  # of the time, at most, for writing these
+UNKNOWN_COST = 0.02  # s, assumed duration of a run if the first one cannot be built
+SAVE_EVERY = 60.0  # s, least time between two updates of the tables
+SAVE_PART = 0.05  # largest part of the time that is spent on them
 
 Callback = Callable[[int, int], object]
 
 
 class StudyError(SolverError):
-    """The executor is gone, or work fails on it; what was finished is kept."""
+    """The error that the executor is gone, or that work fails on it; finished runs are kept."""
 
 
 def run_study(
@@ -42,27 +42,52 @@ def run_study(
     callback: Callback | None = None,
     chunk_seconds: float = CHUNK_SECONDS,
 ) -> Results:
-    """Make those runs of a study that are not finished yet, and return all.
+    """Run the unfinished runs of a study, and return the results of all.
 
-    folder: NAME.journal there takes each run as it ends, NAME.csv and NAME.nc are written from it, the latter where
-    the extra `studies` is installed; None: nothing is written. executor: see executors.py; None: threads of this
-    process, `threads` of them or as many as it has cores. callback: called as callback(runs finished, runs in all).
-    chunk_seconds: s, how long a worker is to be busy with what it is sent.
+    The numbers are the same, bit for bit, for any executor, workers and order. An interruption of the process at any
+    moment loses no finished run. Warns (InputWarning) of the first column that is probably not as meant, before
+    anything is varied.
 
-    The numbers are the same, bit for bit, whatever the executor, its workers and the order. Warns (InputWarning) of
-    the first column in which something is probably not meant, as given before anything is varied. Raises InputError,
-    StudyError where the executor fails: call it again to go on. An interruption of the process at any moment loses no
-    finished run.
+    Parameters
+    ----------
+    study : Study
+        The study.
+    folder : str or path, optional
+        Folder of NAME.journal, to which each run is added as it ends, and of NAME.csv and NAME.nc, which are written
+        from it (NAME.nc with the extra `studies`). None: nothing is written.
+    executor : executor, optional
+        See executors.py. None: threads of this process.
+    threads : int, optional
+        Number of these threads, by default that of the cores.
+    callback : callable, optional
+        Called as callback(finished runs, all runs).
+    chunk_seconds : float
+        Intended duration of a chunk on a worker (s).
+
+    Returns
+    -------
+    Results
+        All finished runs.
+
+    Raises
+    ------
+    InputError
+        If a value is wrong, or the journal cannot be used.
+    StudyError
+        If the executor fails; call the function again to continue.
     """
+    # warn of unlikely columns and records
     warn_of_first(subject.kind.warnings(subject) for subject in study.columns)
     for shaking in study.motions:
         if shaking.record is not None and study.measure is None and "scale" not in shaking.numbers:
             check_strength(shaking.record)
+    # without a folder the results stay in memory
     if folder is None:
         made = _made(study, set(), executor, threads, callback, chunk_seconds)
         return Results(head_of(study), itertools.chain.from_iterable(made))
     with reading("folder: must be left out, a journal cannot be read without its models"):
         subject_from(study.columns[0].to_dict())  # all are of one kind
+    # add each chunk to the journal; update the tables from time to time
     with Journal(Path(folder) / f"{study.name}{SUFFIX}", head_of(study)) as journal:
         saved, took = clock.monotonic(), 0.0
         for rows in _made(study, journal.finished, executor, threads, callback, chunk_seconds):
@@ -76,7 +101,7 @@ def run_study(
 
 
 def head_of(study: Study) -> dict[str, Any]:
-    """The first line of a journal."""
+    """Return the first line of the journal of a study."""
     return {
         "study": study.to_dict(),
         "fingerprint": study.fingerprint,
@@ -90,7 +115,7 @@ def head_of(study: Study) -> dict[str, Any]:
 
 
 def _saved(journal: Path) -> Results:
-    """Write the tables beside a journal; returns what is in them."""
+    """Write the tables next to a journal, and return its results."""
     results = Results.from_journal(journal)
     results.to_csv(journal.with_suffix(".csv"))
     if Results.can_write_netcdf():
@@ -106,14 +131,19 @@ def _made(
     callback: Callback | None,
     chunk_seconds: float,
 ) -> Iterator[list[list[Any]]]:
-    """Rows of the runs that are not among `finished`, chunk by chunk as they end; `finished` is not changed."""
+    """Yield the rows of the runs that are not in `finished`, chunk by chunk; `finished` is not changed.
+
+    The arguments are those of `run_study`.
+    """
+    # runs that are left
     left = [number for number in range(study.runs) if number not in finished]
-    left.sort(key=lambda number: number % study.samples)  # sample by sample: one that is cut short has all of the grid
+    left.sort(key=lambda number: number % study.samples)  # sample by sample: an interrupted study covers the grid
     done = study.runs - len(left)
     if callback is not None:
         callback(done, study.runs)
     if not left:
         return
+    # simulate, in threads of this process without an executor
     own = executor is None
     workers = (threads or cores()) if own else workers_of(executor)
     executor = ThreadPoolExecutor(workers, thread_name_prefix="runs") if own else executor
@@ -129,7 +159,7 @@ def _made(
 
 
 def _portions(left: Sequence[int], pace: Pace) -> Iterator[list[int]]:
-    """Numbers of runs, as many at once as `pace` has enough of."""
+    """Yield chunks of run numbers, each as large as `pace` decides."""
     portion: list[int] = []
     for number in left:
         portion.append(number)
@@ -142,7 +172,7 @@ def _portions(left: Sequence[int], pace: Pace) -> Iterator[list[int]]:
 
 
 def _guess(study: Study, number: int) -> float:
-    """Estimated duration of a run, s, from the run of this number."""
+    """Return the estimated duration of a run (s), from the run of this number."""
     try:
         return guessed_cost(study.run(number).run, study.keep)
     except InputError:
@@ -152,13 +182,13 @@ def _guess(study: Study, number: int) -> float:
 def _dispatched(
     study: Study, left: Sequence[int], executor: Any, workers: int, chunk_seconds: float
 ) -> Iterator[list[list[Any]]]:
-    """Rows of one chunk after the other as they come back from an executor."""
-    # what a cluster keeps for all chunks to come; others are sent the study with each
+    """Yield the rows of each chunk as it comes back from an executor."""
+    # a cluster keeps the study for all chunks; other executors get it with each
     sent = executor.carry(study) if hasattr(executor, "carry") else study
     pace = Pace(len(left), workers, _guess(study, left[0]), chunk_seconds)
 
     def check_executor() -> None:
-        """Raise StudyError if the executor, one as of cluster.py, says that it is lost."""
+        """Raise StudyError if the executor, such as that of cluster.py, is lost."""
         lost = executor.lost() if hasattr(executor, "lost") else ""
         if lost:
             raise StudyError(f"{lost}; finished runs are kept, run the study again to go on")

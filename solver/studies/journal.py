@@ -1,8 +1,8 @@
-"""The journal of a study: the one file that its finished runs are kept in.
+"""The journal of a study: the one file that holds its finished runs.
 
-It has a line of text for each run, after a first line about the study, each with a checksum in front. The checksum
-shows a line that a killed process, a full disk or a power failure left incomplete; it is cut off, and that run made
-again. Lines are only ever appended; the process that appends holds a lock, which ends with it.
+It has a first line about the study and one line for each run, each with a checksum in front. The checksum reveals a
+line that a killed process, a full disk or a power failure left incomplete; it is cut off, and its run repeated. Lines
+are only ever appended; the process that appends holds a lock, which ends with it.
 """
 
 from __future__ import annotations
@@ -23,15 +23,29 @@ from ..common.files import check_size
 
 SUFFIX = ".journal"
 FORMAT = 1
-LONGEST = 16 * 10**6  # bytes of a line: the first one has all columns
-_CUT_HEAD = re.compile(rb"[0-9a-f]{0,7}|[0-9a-f]{8}( (\{[^\n]*)?)?")  # nothing, or a first line that was cut off
+LONGEST = 16 * 10**6  # bytes, longest line: the first one has all columns
+_CUT_HEAD = re.compile(rb"[0-9a-f]{0,7}|[0-9a-f]{8}( (\{[^\n]*)?)?")  # an empty or truncated first line
 
 
 class Journal(AbstractContextManager["Journal"]):
-    """A journal that runs are added to: `finished` are the numbers of those that it has. Use it as a context.
+    """A journal to which runs are added, to be used as a context.
 
-    It is created if it does not exist. Raises InputError if the file is no journal, of another study or of other
-    versions, if another process adds to it, or if it cannot be written.
+    It is created if it does not exist.
+
+    Attributes
+    ----------
+    path
+        The file.
+    finished
+        The numbers of the runs in it.
+    damaged
+        The number of incomplete or corrupted lines.
+
+    Raises
+    ------
+    InputError
+        If the file is no journal, of another study or of other versions, if another process adds to it, or if it cannot
+        be written.
     """
 
     def __init__(self, path: str | os.PathLike[str], head: Mapping[str, Any]) -> None:
@@ -53,6 +67,7 @@ class Journal(AbstractContextManager["Journal"]):
         self._file.seek(0)
         whole = 0
         present: dict[str, Any] | None = None
+        # read the lines: the study, then the runs
         for number, line in enumerate(_lines(self._file), start=1):
             content = _content(number, line)
             if present is None:
@@ -70,13 +85,17 @@ class Journal(AbstractContextManager["Journal"]):
             self._file.seek(0)
             if not _CUT_HEAD.fullmatch(self._file.read()):
                 raise InputError("is not the journal of a study, must be one or not be there")
+        # cut off an incomplete last line, and append from there
         self._file.truncate(whole)
         self._file.seek(whole)
         if present is None:
             self._write([{"format": FORMAT, **head}])
 
     def add(self, rows: Iterable[list[Any]]) -> None:
-        """Add runs, each a list that begins with its number; they are on the disk when this returns. Raises OSError."""
+        """Add runs, each a list that begins with its number. Raises OSError.
+
+        They are on disk when the method returns; runs that are finished already are skipped.
+        """
         new = [row for row in rows if row[0] not in self.finished]
         if new:
             self._write(new)
@@ -89,7 +108,7 @@ class Journal(AbstractContextManager["Journal"]):
             os.fsync(self._file.fileno())
 
     def __exit__(self, *_: object) -> None:
-        """Close the file, which gives the lock free."""
+        """Close the file, which releases the lock."""
         self._file.close()
 
 
@@ -98,10 +117,30 @@ def read_journal(
     check_head: Callable[[dict[str, Any]], None] | None = None,
     check_row: Callable[[dict[str, Any], Any], None] | None = None,
 ) -> tuple[dict[str, Any], Iterator[list[Any]]]:
-    """The first line of a journal, about its study, and its runs one by one, in any order; the file may be in use.
+    """Read the first line of a journal, about its study, and its runs one by one, in any order.
 
-    check_head, check_row: called with the former, and with both; their errors get the number of the line. Raises
-    InputError that begins with `path` if it cannot be read or is no journal.
+    The file may be in use by the process that adds runs.
+
+    Parameters
+    ----------
+    path : str or path
+        The journal.
+    check_head : callable, optional
+        Called with the first line; the number of the line is added to its errors.
+    check_row : callable, optional
+        Called with the first line and each run; likewise.
+
+    Returns
+    -------
+    head : dict
+        The content of the first line.
+    rows : iterator of list
+        The runs.
+
+    Raises
+    ------
+    InputError
+        With a message that begins with `path`, if the file cannot be read or is no journal.
     """
     with reading(path):
         check_size(path, sys.maxsize)
@@ -136,7 +175,7 @@ def _rows(
 
 
 def _lines(file: IO[bytes]) -> Iterator[bytes]:
-    """The lines of a file. Raises InputError for one that no journal has."""
+    """Yield the lines of a file. Raises InputError for a line that is too long for a journal."""
     for number in itertools.count(1):
         line = file.readline(LONGEST)
         if not line:
@@ -148,7 +187,7 @@ def _lines(file: IO[bytes]) -> Iterator[bytes]:
 
 @contextmanager
 def _of_line(number: int) -> Iterator[None]:
-    """Say of which line an InputError is."""
+    """Add the number of the line to the message of an InputError."""
     try:
         yield
     except InputError as error:
@@ -156,20 +195,20 @@ def _of_line(number: int) -> Iterator[None]:
 
 
 def _number(line: int, content: Any) -> int:
-    """The number of the run that a line holds. Raises InputError."""
+    """Return the number of the run in the content of a line. Raises InputError."""
     if not (isinstance(content, list) and content and type(content[0]) is int and content[0] >= 0):
         raise InputError(f"line {line}: {shown(content)}: must be a run, a list that begins with its number")
     return content[0]
 
 
 def line_of(content: Any) -> bytes:
-    """The line of a journal for a run, or for its study: its text behind a checksum."""
+    """Return the line of a journal for a run, or for its study: checksum, blank and JSON text."""
     text = json.dumps(content, separators=(",", ":")).encode()
     return b"%08x %s\n" % (zlib.crc32(text), text)
 
 
 def _content(number: int, line: bytes) -> Any:
-    """The content of a line, None if it is incomplete. Raises InputError if it is complete but is no JSON."""
+    """Return the content of a line, None if it is incomplete. Raises InputError if it is complete but no JSON."""
     checksum, _, text = line.rstrip(b"\n").partition(b" ")
     if not line.endswith(b"\n") or checksum != b"%08x" % zlib.crc32(text):
         return None
@@ -203,7 +242,7 @@ def _check_same(present: dict[str, Any], head: dict[str, Any]) -> None:
 
 
 def _lock(file: IO[bytes]) -> None:
-    """Keep other processes from adding, as long as this process has the file open."""
+    """Keep other processes from adding while this one has the file open. Raises InputError."""
     try:
         if os.name == "nt":
             import msvcrt

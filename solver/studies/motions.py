@@ -1,4 +1,4 @@
-"""Base motions of a study: records and formulas, a table each, whose numbers a study may vary, and their strength."""
+"""Base motions of a study: records and formulas, a table each, whose numbers a study may vary, and their measures."""
 
 from __future__ import annotations
 
@@ -20,15 +20,27 @@ from ..ground.loads import loads_by_port, loads_from
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from . import near_fault
 
-LEAN_IN = 5.0  # s, in which the base is tilted before the motion begins
-PER_LEAN = 200  # samples of it
-OTHER_SEED = 2**31  # of a component across, beyond that of the first: half of all seeds
-ACROSS = "across"  # of noise: that component in parts of the first; of a record its file
+LEAN_IN = 5.0  # s, duration of the tilting before the motion begins
+PER_LEAN = 200  # number of its samples
+OTHER_SEED = 2**31  # offset of the seed of a component across: half of all seeds
+ACROSS = "across"  # for noise: ratio of the second component to the first; for a record: its file
 
 
 @dataclass(frozen=True)
 class Formula:
-    """A motion by numbers: those that it needs, those that may be left out, and what makes it."""
+    """A motion by numbers.
+
+    Attributes
+    ----------
+    needs
+        Numbers that are required.
+    makes
+        Function that builds the motion from them.
+    optional
+        Numbers that may be left out.
+    amplitude
+        The number that sets the size, "" if the size is fixed.
+    """
 
     needs: tuple[str, ...]
     makes: Callable[..., Motion]
@@ -37,7 +49,10 @@ class Formula:
 
 
 def _noise(amplitude: float, frequency: float, duration: float, seed: int, across: float = 0.0) -> Motion:
-    """Filtered noise; across: peak of a second horizontal component, another such noise, in parts of the first."""
+    """Return filtered noise, with a second horizontal component if `across` is not 0.
+
+    `across` is the ratio of the peaks of the second, independent component and the first.
+    """
     motion = wavelets.filtered_noise(amplitude, frequency, duration, seed)
     if across == 0.0:
         return motion
@@ -64,11 +79,11 @@ FORMULAS = {
     "near-fault": _NEAR_FAULT,
     "near-fault-1981": replace(_NEAR_FAULT, makes=partial(near_fault.motion, velocity=near_fault.pgv_of_all)),
 }
-OF_MOTION = "motion."  # begin of the names of their numbers in a study
+OF_MOTION = "motion."  # prefix of the names of their numbers in a study
 WHOLE = ("seed",)
 _OF_RECORDS = ("record", "vertical", "across", "dt", "units", "channel", "vertical_channel")
-# numbers of every motion: factor; tilt of the base, rad, clockwise positive; of structures also the direction in plan,
-# rad from x to y, and a factor on the loads on their ports
+# numbers of every motion: factor; tilt of the base (rad, clockwise positive); for structures also the direction in plan
+# (rad, from x to y) and a factor on the loads on their ports
 LOAD_SCALE = "load_scale"
 BESIDE = ("scale", "tilt", "direction", LOAD_SCALE)
 MEASURES = ("pga", "pgv", "sa")
@@ -76,14 +91,14 @@ MEASURES = ("pga", "pgv", "sa")
 
 @dataclass(frozen=True)
 class Measure:
-    """An intensity measure: pga in g, pgv in m/s, or sa, pseudo-acceleration in g at a period in s."""
+    """A measure of intensity: pga in g, pgv in m/s, or sa, the pseudo-acceleration in g at a period in s."""
 
     name: str
     period: float = 0.0
     damping: float = 0.05
 
     def of(self, motion: Motion) -> float:
-        """Its value, of the horizontal component."""
+        """Return its value for the horizontal component ax of a motion."""
         if self.name == "pga":
             return motion.pga / STANDARD_GRAVITY
         if self.name == "pgv":
@@ -92,17 +107,17 @@ class Measure:
 
     @property
     def unit(self) -> str:
-        """As shown to users."""
+        """The unit as text."""
         return "m/s" if self.name == "pgv" else "g"
 
     @property
     def label(self) -> str:
-        """As shown to users."""
+        """The name as text, with period and damping."""
         return f"Sa({self.period:g} s, {percent(self.damping)})" if self.name == "sa" else self.name.upper()
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Measure:
-        """Read {measure = "sa", period = 0.5, damping = 0.05}. Raises InputError."""
+        """Read a table such as {measure = "sa", period = 0.5, damping = 0.05}. Raises InputError."""
         name = check_choice("intensity.measure", table.get("measure"), MEASURES)
         known = ("measure", "period", "damping") if name == "sa" else ("measure",)
         check_keys("intensity.", table, known, f" of {name}")
@@ -113,17 +128,27 @@ class Measure:
         return cls(name, period, damping)
 
     def to_table(self) -> dict[str, Any]:
-        """The table from which `from_table` makes this measure."""
+        """Return the table from which `from_table` builds this measure."""
         beside = {"period": self.period, "damping": self.damping} if self.name == "sa" else {}
         return {"measure": self.name, **beside}
 
 
 @dataclass(frozen=True, eq=False)
 class Shaking:
-    """A motion of a study: a record that has been read, or a formula with the numbers that are given.
+    """A base motion of a study: a record, or a formula with its numbers.
 
-    name: as shown to users. formula: one of FORMULAS, "" for a record. numbers: of the formula, and those of BESIDE.
-    loads: on ports of structures, as of `simulate`.
+    Attributes
+    ----------
+    name
+        Name in pictures and tables.
+    formula
+        One of FORMULAS, "" for a record.
+    numbers
+        Numbers of the formula, and those of BESIDE.
+    record
+        The record, None for a formula.
+    loads
+        Loads on ports of structures, as in `simulate`.
     """
 
     name: str
@@ -134,7 +159,7 @@ class Shaking:
 
     @classmethod
     def from_table(cls, key: str, table: Mapping[str, Any], folder: Path) -> Shaking:
-        """Read {record = "file.AT2", ...}, its path relative to `folder`, or {formula = "ricker", ...}.
+        """Read a table: {record = "file.AT2", ...}, its path relative to `folder`, or {formula = "ricker", ...}.
 
         Raises InputError that begins with `key`, or with the path of a record.
         """
@@ -145,6 +170,7 @@ class Shaking:
             check_choice(f"{key}.formula", formula, FORMULAS)
         if name is not None and not isinstance(name, str):
             raise InputError(f"{key}.name = {shown(name)}: must be a text")
+        # keys, numbers, record and loads
         numbers = cls.numbers_of(formula)
         known = ("name", "load", "formula", *numbers) if formula else ("name", "load", *_OF_RECORDS, *numbers)
         check_keys(f"{key}.", table, known)
@@ -160,9 +186,21 @@ class Shaking:
         return cls(shown_as, formula, given, record, loads_by_port(loads, folder))
 
     def with_loads(self, motion: Motion, before: Motion, factor: float | None) -> Motion:
-        """The motion with the loads of this table, and of the record before it was scaled, times a factor.
+        """Return the motion with the loads of this table and of its record, times a factor.
 
-        Raises InputError for a factor without loads.
+        Parameters
+        ----------
+        motion : Motion
+            The motion as run.
+        before : Motion
+            The motion before it was scaled, whose loads are kept.
+        factor : float, optional
+            Factor on the loads.
+
+        Raises
+        ------
+        InputError
+            If there is a factor but no loads.
         """
         loads = {**before.loads, **loads_from(self.loads, motion.start, motion.duration)}
         if factor is not None and not loads:
@@ -172,17 +210,26 @@ class Shaking:
 
     @staticmethod
     def numbers_of(formula: str) -> set[str]:
-        """The numbers that a study may give or vary."""
+        """Return the names of the numbers that a study may set or vary."""
         if not formula:
             return set(BESIDE)
         found = FORMULAS[formula]
         return {*found.needs, *found.optional, *BESIDE} | ({found.amplitude} if found.amplitude else set())
 
     def base(self, values: Mapping[str, float], unit: bool) -> Motion:
-        """The motion with these numbers beside the given ones, before it is scaled or tilted.
+        """Return the motion with further numbers, before it is scaled or tilted.
 
-        unit: its size does not matter, it will be scaled to an intensity. Raises InputError on a number that is missing
-        or wrong.
+        Parameters
+        ----------
+        values : mapping
+            Numbers in addition to the ones of the table.
+        unit : bool
+            Whether the motion will be scaled to an intensity, so that its amplitude may be left out.
+
+        Raises
+        ------
+        InputError
+            If a number is missing or wrong.
         """
         if self.record is not None:
             return self.record
@@ -190,6 +237,7 @@ class Shaking:
         numbers: dict[str, Any] = {**self.numbers, **values}
         if formula.amplitude and unit:
             numbers.setdefault(formula.amplitude, 1.0)
+        # check the numbers, then build the motion
         needed = (formula.amplitude, *formula.needs) if formula.amplitude else formula.needs
         for name in needed:
             if name not in numbers:
@@ -200,7 +248,7 @@ class Shaking:
         return formula.makes(**{name: numbers[name] for name in (*needed, *formula.optional) if name in numbers})
 
     def to_table(self) -> dict[str, Any]:
-        """Values that distinguish this motion from others: for fingerprints and captions."""
+        """Return the values that distinguish this motion from others, for fingerprints and captions."""
         found = {"name": self.name, "formula": self.formula, **self.numbers}
         loads = loads_from(self.loads, 0.0, 1.0)
         if self.record is not None:
@@ -222,9 +270,9 @@ def _record(key: str, table: Mapping[str, Any], folder: Path) -> Motion:
 
 
 def tilted(motion: Motion, angle: float) -> Motion:
-    """The motion on a base that leans by `angle`, rad, clockwise, as a column on it feels it through gravity.
+    """Return the motion on a base that leans clockwise by `angle` (rad), as gravity acts on a column on it.
 
-    The base leans over smoothly in the 5 s before the motion. A frame that leans by psi feels gravity turned by psi:
+    The base leans over smoothly in the 5 s before the motion. In a frame that leans by psi, gravity is rotated by psi:
     a base acceleration of -g sin(psi) along and -g (1 - cos(psi)) across. Raises InputError for held samples.
     """
     if angle == 0.0:
@@ -232,6 +280,7 @@ def tilted(motion: Motion, angle: float) -> Motion:
     angle = check_number("motion.tilt", angle, (-1.5, 1.5), "an angle in rad, from -1.5 to 1.5")
     if motion.hold or motion.amplitude:
         raise InputError("motion.tilt: is for motions of samples, neither held nor harmonic")
+    # lean over with half a cosine, then add the constant acceleration
     part = np.arange(PER_LEAN) / PER_LEAN
     rise = 0.5 * (1.0 - np.cos(np.pi * part))
     ax, az = -STANDARD_GRAVITY * math.sin(angle), -STANDARD_GRAVITY * (1.0 - math.cos(angle))

@@ -1,4 +1,4 @@
-"""Pictures of studies, each with a caption about the runs behind it. Imported late, for matplotlib."""
+"""Pictures of studies, each with a caption about its runs. Imported late, for matplotlib."""
 
 from __future__ import annotations
 
@@ -43,16 +43,19 @@ from .statistics import (
 )
 from .subjects import can_slide, subject_from
 
-WIDTH = 138  # letters of a caption's line
-LONG = 45  # letters of names in a title
-MOST_CURVES = 300  # drawn one by one
+WIDTH = 138  # characters of a line of the caption
+LONG = 45  # most characters of names in a title
+MOST_CURVES = 300  # largest number of single curves that are drawn
 MOST_INFLUENCES = 12
 BLUE, RED, GREEN = FEW_COLOURS[:3]
 _LIMIT_COLOURS = (BLUE, GREEN, RED, *FEW_COLOURS[3:])
 
 
 def draw(results: Results, path: str | os.PathLike[str] | None = None) -> Figure:
-    """Draw the picture for the kind of the study; saved to `path` if given. Raises InputError without finished runs."""
+    """Draw the picture for the kind of the study, and save it to `path` if given.
+
+    Raises InputError without finished runs, or if the grid lacks a name that the picture needs.
+    """
     if not len(results):
         raise InputError(f"{results.study['name']}: no run is finished yet")
     for name in _NEEDS.get(results.study["kind"], ()):
@@ -63,9 +66,10 @@ def draw(results: Results, path: str | os.PathLike[str] | None = None) -> Figure
 
 
 def draw_sweep(results: Results) -> Figure:
-    """Peak displacement of every block over the frequency, a panel for each amplitude; a band where there are samples.
+    """Draw the peak displacement of every block over the frequency, a panel for each amplitude.
 
-    Below it where the column falls, over frequency and amplitude.
+    With several samples a band shows their percentiles. A lower panel shows the share that overturns over frequency and
+    amplitude.
     """
     levels, frequencies = np.unique(results["intensity"]), np.unique(results["motion.frequency"])
     shown = levels if len(levels) <= 3 else levels[[0, len(levels) // 2, -1]]
@@ -79,13 +83,15 @@ def draw_sweep(results: Results) -> Figure:
         axes = figure.add_subplot(grid[0, k], sharey=panels[0] if panels else None)
         panels.append(axes)
         chosen = results["intensity"] == level
+        # median and band of each block
         points, fell = _by_frequency(results, frequencies, chosen)
         for i, colour in enumerate(colours):
             axes.plot(frequencies, 1e3 * points[1, :, i], "o-", color=colour, linewidth=1.0, markersize=2.5)
             if results.study["samples"] > 1:
                 low, high = 1e3 * points[0, :, i], 1e3 * points[2, :, i]
                 axes.fill_between(frequencies, low, high, color=colour, alpha=0.25, linewidth=0.0)
-        top = axes.get_xaxis_transform()  # Hz across, parts of the panel up
+        # marks at the top where all or some columns overturn
+        top = axes.get_xaxis_transform()  # Hz horizontally, fraction of the panel vertically
         some = (fell > 0.0) & (fell < 1.0)
         for marker, name, there in (("^", "all overturned", fell >= 1.0), ("2", "some overturned", some)):
             if np.any(there):
@@ -107,7 +113,24 @@ def draw_sweep(results: Results) -> Figure:
 def _by_frequency(
     results: Results, frequencies: FloatArray, chosen: NDArray[np.bool_]
 ) -> tuple[FloatArray, FloatArray]:
-    """Percentiles of the peaks of what stands, (3, frequencies, blocks), and the share that fell (frequencies,)."""
+    """Return percentiles of the peaks of the runs that stand, and the share that fell, by frequency.
+
+    Parameters
+    ----------
+    results : Results
+        The results.
+    frequencies : (frequencies,) float
+        Frequencies (Hz).
+    chosen : (runs,) bool
+        The runs used.
+
+    Returns
+    -------
+    points : (3, frequencies, blocks) float
+        Percentiles (m); NaN where no run stands.
+    fell : (frequencies,) float
+        Share of the runs that fell; NaN without runs.
+    """
     points = np.full((len(PERCENTILES), len(frequencies), results.head["blocks"]), math.nan)
     fell = np.zeros(len(frequencies))
     for k, frequency in enumerate(frequencies):
@@ -120,7 +143,7 @@ def _by_frequency(
 
 
 def _draw_boundary(axes: Axes, figure: Figure, results: Results, levels: FloatArray, frequencies: FloatArray) -> None:
-    """Share that overturns over frequency and amplitude, and the line along which half of them do."""
+    """Draw the share that overturns over frequency and amplitude, and the contour of one half."""
     share = np.full((len(levels), len(frequencies)), math.nan)
     cell = np.searchsorted(levels, results["intensity"]), np.searchsorted(frequencies, results["motion.frequency"])
     runs, fell = np.zeros_like(share), np.zeros_like(share)
@@ -136,10 +159,14 @@ def _draw_boundary(axes: Axes, figure: Figure, results: Results, levels: FloatAr
 
 
 def draw_ida(results: Results) -> Figure:
-    """Intensity over the largest displacement: each curve, and their 16, 50 and 84 % points; none where they fall."""
+    """Draw the intensity over the largest displacement: each curve, and its 16, 50 and 84 % points.
+
+    Where the columns fall the curves have a gap.
+    """
     curves = ida_curves(results)
     figure = Figure(figsize=(10.0, 6.6), layout="constrained")
     axes, fallen = figure.subplots(1, 2, sharey=True, width_ratios=(2.4, 1.0))
+    # single curves, then percentiles with an arrow where they fall
     step = max(1, len(curves.each) // MOST_CURVES)
     for curve in curves.each[::step]:
         _draw_broken(axes, curve, curves.levels, color="0.6", linewidth=0.4, alpha=0.5, zorder=1)
@@ -154,6 +181,7 @@ def draw_ida(results: Results) -> Figure:
     axes.set(title="grey: one column under one motion; thick: of all runs", ylabel=_label(results, curves.name))
     axes.set_xlabel("largest displacement of any block (mm)")
     axes.legend(frameon=False, title="an arrow: beyond it they overturn", loc="upper left")
+    # shares that overturned or are undecided
     fallen.plot(curves.overturned, curves.levels, "o-", color="black", markersize=3.0, label="overturned")
     either = curves.overturned + curves.undecided
     label = "undecided: neither fell nor came to rest"
@@ -166,7 +194,7 @@ def draw_ida(results: Results) -> Figure:
 
 
 def _draw_broken(axes: Axes, moved: FloatArray, levels: FloatArray, **look: Any) -> None:
-    """Draw a curve of displacements, m, with a gap where it falls, a dot where it stands between two falls."""
+    """Draw a curve of displacements (m), with a gap where it falls and a dot between two falls."""
     known = ~np.isnan(moved)
     x, y = 1e3 * np.where(np.isfinite(moved), moved, math.nan)[known], levels[known]
     alone = np.isfinite(x) & np.isnan(np.append(math.nan, x[:-1])) & np.isnan(np.append(x[1:], math.nan))
@@ -174,17 +202,17 @@ def _draw_broken(axes: Axes, moved: FloatArray, levels: FloatArray, **look: Any)
 
 
 def last_before_falls(moved: FloatArray) -> NDArray[np.int64]:
-    """Return the places of finite displacements whose next level that was run has an infinite one."""
+    """Return the indices of finite displacements whose next level that was run has an infinite one."""
     (known,) = np.nonzero(~np.isnan(moved))
     falls = np.isinf(moved[known])
     return known[:-1][~falls[:-1] & falls[1:]]
 
 
 def draw_fragility(results: Results) -> Figure:
-    """Fitted curves with their bands, and the data behind them, for every limit, for overturning and for hits.
+    """Draw fitted curves with their bands and data, for every limit, for overturning and for hits.
 
-    Of motions by magnitude and distance also the shares by magnitude and distance, and the curves over PGA and PGV. Of
-    neighbours also the share that hits over what the grid varies, such as their distance.
+    With motions by magnitude and distance it also draws the shares by magnitude and distance, and curves over PGA and
+    PGV. With neighbours it also draws the share that hits over the number that the grid varies, such as their distance.
     """
     scenarios = {"motion.magnitude", "motion.distance"} <= set(results.study["grid"])
     names = ["pga", "pgv"] if scenarios else [intensity_name(results)]
@@ -194,6 +222,7 @@ def draw_fragility(results: Results) -> Figure:
     across = len(names) if apart is None else 2
     panels: list[Axes] = list(figure.subplots(2 if scenarios else 1, across, squeeze=False).flat)
     texts: list[str] = []
+    # fitted curves; then shares by scenario, and shares of hits
     for axes, name in zip(panels, names, strict=False):
         _draw_fits(axes, results, name, texts)
     if scenarios:
@@ -209,7 +238,7 @@ def draw_fragility(results: Results) -> Figure:
 
 
 def _draw_fits(axes: Axes, results: Results, name: str, texts: list[str]) -> None:
-    """Curves over one intensity; adds a line about them, or why there is none."""
+    """Draw the curves over one intensity, and add a line to `texts` about them, or why there is none."""
     said = []
     for (what, limit, chosen), colour in zip(failures_of(results), cycle(_LIMIT_COLOURS), strict=False):
         try:
@@ -229,9 +258,9 @@ def _draw_fits(axes: Axes, results: Results, name: str, texts: list[str]) -> Non
 
 
 def _draw_shares(axes: Axes, results: Results, limit: Limit, along: tuple[str, str], lines: tuple[str, str]) -> None:
-    """Share of failures over values of the grid, a line for each of others, with binomial bounds.
+    """Draw the share of failures over one name of the grid, a line for each value of another, with binomial bounds.
 
-    along: name of the grid, and label of the axis. lines: name, and unit.
+    `along` is the name and the label of the axis, `lines` the name and the unit of the lines.
     """
     places, values = (np.unique(results[name]) for name, _ in (along, lines))
     apart = 0.04 * float(np.min(np.diff(places), initial=math.inf)) if len(places) > 1 else 0.0
@@ -242,7 +271,7 @@ def _draw_shares(axes: Axes, results: Results, limit: Limit, along: tuple[str, s
         there = runs > 0
         low, high = bounds_of(hits[there], runs[there])
         share = hits[there] / runs[there]
-        beside = apart * (k - 0.5 * (len(values) - 1))  # so that bounds do not cover each other
+        beside = apart * (k - 0.5 * (len(values) - 1))  # offset, so that bounds do not overlap
         bounds = np.abs(np.array([low, high]) - share)
         place, name = places[there] + beside, f"{value:g} {lines[1]}"
         axes.errorbar(place, share, bounds, fmt="o-", color=colour, markersize=4.0, capsize=2.5, label=name)
@@ -253,12 +282,16 @@ def _draw_shares(axes: Axes, results: Results, limit: Limit, along: tuple[str, s
 
 
 def draw_curve(axes: Axes, found: Fragility, colour: str, name: str) -> None:
-    """One fragility into axes: curve, band, bins with their bounds."""
+    """Draw one fragility into axes: curve, band, and bins with their bounds.
+
+    `name` is its label in the legend.
+    """
     bins = found.bins
     x = np.linspace(0.0, float(bins.edges[-1]), 400)[1:]
     low, high = found.band(x)
     axes.fill_between(x, low, high, color=colour, alpha=0.25, linewidth=0.0)
     axes.plot(x, found.probability(x), color=colour, linewidth=2.0, label=name)
+    # bins, and where they would lie if the undecided runs fell too
     errors = np.abs(np.array([bins.low, bins.high]) - bins.share)
     axes.errorbar(bins.middle, bins.share, errors, fmt="o", color=colour, markersize=4.0, capsize=2.5)
     some = bins.undecided > 0
@@ -269,7 +302,7 @@ def draw_curve(axes: Axes, found: Fragility, colour: str, name: str) -> None:
 
 
 def draw_spectrum(results: Results) -> Figure:
-    """Largest displacement over the width of the base, by size and slenderness, a panel for each motion."""
+    """Draw the largest displacement over the width of the base, by size and slenderness, a panel per motion."""
     study = results.study
     sizes, slender = (np.array(study["grid"][name]) for name in ("column.size", "column.slenderness"))
     names = [motion["name"] for motion in study["motions"]]
@@ -277,6 +310,7 @@ def draw_spectrum(results: Results) -> Figure:
     down = -(-len(names) // across)
     figure = Figure(figsize=(1.6 + 4.2 * max(across, 2), 2.0 + 4.0 * down), layout="constrained")
     panels = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
+    # largest displacement of each run over the width of its column
     block = _columns(results)[0]["block"]
     height, width = sum(part["height"] for part in block), block[-1]["width"]
     base = results["column.size"] * height / results["column.slenderness"]
@@ -288,6 +322,7 @@ def draw_spectrum(results: Results) -> Figure:
             axes.set_visible(False)
             continue
         here = results["motion"] == k
+        # median of each cell, infinite where the columns fall
         table = np.full((len(slender), len(sizes)), math.nan)
         for i, slenderness in enumerate(slender):
             for j, size in enumerate(sizes):
@@ -314,7 +349,7 @@ def draw_spectrum(results: Results) -> Figure:
 
 
 def draw_tornado(results: Results) -> Figure:
-    """The effect of each random parameter on the largest displacement and on overturning, the strongest on top."""
+    """Draw the effect of each random parameter on displacement and overturning, the strongest on top."""
     found = influences(results)[:MOST_INFLUENCES]
     if not found:
         raise InputError(f"{results.study['name']}: nothing is random, or all runs end alike: no influence to draw")
@@ -324,6 +359,7 @@ def draw_tornado(results: Results) -> Figure:
     middle = float(np.median(results.largest[~np.isnan(results.largest)]))
     share = float(np.mean(results.overturned))
     place = np.arange(len(found))[::-1]
+    # bars from the value of all runs to those of the lowest and highest values
     for axes, whole, pairs, factor in (
         (left, middle, [item.displacement for item in found], 1e3),
         (right, share, [item.overturned for item in found], 1.0),
@@ -358,7 +394,7 @@ def _label(results: Results, name: str) -> str:
 
 
 def caption(results: Results) -> list[str]:
-    """The runs behind a picture: columns, motions, random parameters, runs and their seed, and limits of the model."""
+    """Return the lines of a caption: columns, motions, runs and their seed, random parameters, limits of the model."""
     study = results.study
     columns = ", ".join(f"{column['name']} ({len(column['block'])} blocks)" for column in _columns(results))
     random = ", ".join(
@@ -378,18 +414,18 @@ def caption(results: Results) -> list[str]:
 
 
 def _columns(results: Results) -> list[Mapping[str, Any]]:
-    """The columns or structures as their files have them."""
+    """Return the columns or structures as in their files."""
     return [table.get(OF_COLUMN, table) for table in results.study["columns"]]
 
 
 def _some(tables: Sequence[Mapping[str, Any]], most: int) -> str:
-    """The names of columns or motions, the first ones of many."""
+    """Return the names of columns or motions as text, only the first ones of many."""
     names = [str(table["name"]) for table in tables]
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
 def limits_of_model(results: Results) -> str:
-    """Effects that the model leaves out."""
+    """Return the sentence on the effects that the model leaves out."""
     subjects = [subject_from(column) for column in results.study["columns"]]
     slide = any(map(can_slide, subjects)) or "joint.friction" in results.study["random"]
     limits = "do not crush" if slide else "neither slide nor crush"

@@ -26,28 +26,35 @@ from .subjects import ALL_KEPT, always_kept, kind_in
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# units by the name of a column of the table; what is varied has those of the column file and the study file
+# units by the name of a column of the table; varied numbers have those of the column file and the study file
 UNITS = {"pga": "g", "pgv": "m/s", "sa": "g"} | {name: one.unit for name, one in ALL_KEPT.items() if one.unit}
 ROWS_AT_ONCE = 4096
 NAMED = "motion_name"
 
 
 class Results(Framed, Shown):
-    """Finished runs of a study by number: `results["peak_ux"]` is (runs, blocks), other columns (runs,).
+    """The finished runs of a study by number: `results["peak_ux"]` is (runs, blocks), other columns (runs,).
 
-    Names: `run`; what is varied (`column`, `motion`, `joint.stiffness` ...); `motion_name`, a text; measures of the
-    motion as it was run: pga and sa in g, pgv in m/s; outputs as of `simulate_many`; `failure`, a text. A run that the
-    solver could not make has the verdict "failed", and NaN. head: the study and the versions.
-    rows: as of chunks.Made, in any order; of a run that is there twice the first one counts.
+    Names of columns: `run`; the varied numbers (`column`, `motion`, `joint.stiffness` ...); `motion_name`, a text;
+    measures of the motion as run: pga and sa in g, pgv in m/s; outputs as of `simulate_many`; `failure`, a text. A run
+    that the solver could not finish has the verdict "failed", and NaN.
+
+    Parameters
+    ----------
+    head : mapping
+        The first line of the journal: the study and the versions.
+    rows : iterable of list
+        Rows as of chunks.Made, in any order; of several rows of one run the first counts.
     """
 
     def __init__(self, head: Mapping[str, Any], rows: Iterable[list[Any]]) -> None:
         self.head = dict(head)
         rest = iter(rows)
-        # a part at a time: lists take many times the memory of arrays
+        # convert in parts: lists need many times the memory of arrays
         parts = [_columns(head, list(itertools.islice(rest, ROWS_AT_ONCE)))]
         while part := list(itertools.islice(rest, ROWS_AT_ONCE)):
             parts.append(_columns(head, part))
+        # sort by number; the first of equal numbers counts
         _, order = np.unique(np.concatenate([part["run"] for part in parts]), return_index=True)
         self.columns: Columns = {}
         for name in tuple(parts[0]):
@@ -65,7 +72,7 @@ class Results(Framed, Shown):
         return found
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        """A column of the table; KeyError says which there are."""
+        """Return a column of the table. Raises KeyError that lists the columns."""
         if name not in self.columns:
             raise KeyError(f"{name}: not kept, only {', '.join(self.columns)}")
         return self.columns[name]
@@ -77,32 +84,38 @@ class Results(Framed, Shown):
         return iter(self.columns)
 
     def __len__(self) -> int:
-        """Number of finished runs."""
+        """Return the number of finished runs."""
         return len(self.columns["run"])
 
     @property
     def complete(self) -> bool:
-        """Whether all runs of the study are finished."""
+        """True if all runs of the study are finished."""
         return bool(len(self) == self.head["runs"])
 
     @property
     def overturned(self) -> NDArray[np.bool_]:
-        """(runs,) Whether the column fell."""
+        """True for each run in which the column fell, (runs,)."""
         return np.asarray(self["verdict"] == "overturned")
 
     @property
     def undecided(self) -> NDArray[np.bool_]:
-        """(runs,) Whether the column still rocked at the end, with the energy to fall."""
+        """True for each run at whose end the column still rocked, with the energy to fall, (runs,)."""
         return np.asarray(self["verdict"] == "undecided")
 
     @property
     def displacements(self) -> NDArray[np.float64]:
-        """(runs, blocks) m, the largest displacements: of top faces; of structures of centroids, whichever way."""
+        """The largest displacements (m), (runs, blocks).
+
+        For columns those of top faces; for structures those of centroids, in any direction.
+        """
         return self[always_kept(kind_in(self.head))[0]]
 
     @property
     def largest(self) -> NDArray[np.float64]:
-        """(runs,) m, the largest peak displacement of any block; infinite where the column fell, NaN where not made."""
+        """The largest peak displacement of any block (m), (runs,).
+
+        It is infinite if the column fell, NaN if the run could not be finished.
+        """
         peaks = self.displacements
         known = ~np.all(np.isnan(peaks), axis=1)
         largest = np.full(len(self), math.nan)
@@ -110,7 +123,7 @@ class Results(Framed, Shown):
         return np.where(self.overturned, math.inf, largest)
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
-        """Draw the picture of the kind of the study; saved to `path` if given.
+        """Draw the picture for the kind of the study, and save it to `path` if given.
 
         Raises InputError without finished runs, and without matplotlib (the extra `plot`).
         """
@@ -119,7 +132,7 @@ class Results(Framed, Shown):
         return draw(self, path)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a line a run, every float64 in full, nothing where there is no value. Raises InputError, OSError."""
+        """Write one line per run, with all digits; missing values are empty. Raises InputError, OSError."""
         columns = self._frame().flat()
         rows = (
             row
@@ -134,7 +147,7 @@ class Results(Framed, Shown):
 
     @staticmethod
     def can_write_netcdf() -> bool:
-        """Whether what it takes is installed."""
+        """Return True if the packages for NetCDF are installed."""
         return all(importlib.util.find_spec(name) is not None for name in ("xarray", "h5netcdf", "h5py"))
 
     def _facts(self) -> tuple[str, ...]:
@@ -144,7 +157,7 @@ class Results(Framed, Shown):
         return rows_of(self._frame().flat())
 
     def _frame(self) -> Frame:
-        """With units; the study and the versions as attributes."""
+        """Return the table with units, and the study and the versions as attributes."""
         attributes = {
             "title": self.study["name"],
             "study": json.dumps(self.study),
@@ -166,7 +179,7 @@ class Results(Framed, Shown):
 
 
 def _columns(head: Mapping[str, Any], rows: list[list[Any]]) -> Columns:
-    """Rows as arrays."""
+    """Return rows as arrays by name."""
     columns: Columns = {"run": np.array([row[0] for row in rows], dtype=np.int64)}
     for place, key in ((1, "varied"), (2, "measured")):
         for k, name in enumerate(head[key]):
@@ -182,7 +195,7 @@ def _columns(head: Mapping[str, Any], rows: list[list[Any]]) -> Columns:
 
 
 def _output(name: str, found: list[dict[str, Any] | None], head: Mapping[str, Any]) -> NDArray[Any]:
-    """One output of runs; of those that were not made what says so."""
+    """Return one output of runs as an array; "failed", "" or NaN for runs without outputs."""
     if name in WORDS:
         absent = FAILED if name == "verdict" else ""
         return np.array([absent if outputs is None else outputs[name] for outputs in found], dtype=np.str_)
@@ -202,7 +215,7 @@ def _text(value: Any) -> str:
 
 
 def results_of(path: str | os.PathLike[str]) -> Results:
-    """The results in a journal. Raises InputError that begins with `path`."""
+    """Return the results in a journal. Raises InputError that begins with `path`."""
     if not os.path.isfile(path):
         raise InputError(f"{path}: No such file: the study has not been run here")
     return Results.from_journal(path)

@@ -22,10 +22,27 @@ Randoms = Mapping[str, Random | Mapping[str, Any]]
 def sweep(
     column: Columns, frequencies: Sequence[float], amplitudes: Sequence[float], duration: float = 20.0, **options: Any
 ) -> Results:
-    """Harmonic base motion of every frequency, Hz, and amplitude, g, for `duration`, s: Figure 3 of the paper.
+    """Run harmonic base motions of every frequency and amplitude: Figure 3 of the paper.
 
-    options: of `run_study`; and of `Study`: name, random, samples, seed, keep, tolerance. With random parameters there
-    is an ensemble at each point, whose spread tells where the response is chaotic. Raises InputError as both do.
+    With random parameters there is an ensemble at each point, whose spread shows where the response is chaotic.
+
+    Parameters
+    ----------
+    column : Column, Structure or sequence of them
+        The models.
+    frequencies : sequence of float
+        Frequencies (Hz).
+    amplitudes : sequence of float
+        Amplitudes of the base acceleration (g).
+    duration : float
+        Duration of the motion (s).
+    **options
+        Options of `run_study`; and of `Study`: name, random, samples, seed, keep, tolerance.
+
+    Raises
+    ------
+    InputError
+        As both do.
     """
     motion = Shaking("harmonic", "harmonic", {"duration": float(duration)})
     grid = {INTENSITY: amplitudes, "motion.frequency": frequencies}
@@ -35,9 +52,22 @@ def sweep(
 def ida(
     column: Columns, motions: Motions, levels: Sequence[float], *, measure: Measure | None = None, **options: Any
 ) -> Results:
-    """Incremental dynamic analysis: each motion scaled to each level of the measure (None: PGA, g).
+    """Run an incremental dynamic analysis: each motion scaled to each level of the measure.
 
-    `statistics.ida_curves` takes the percentiles from the results. The rest as in `sweep`.
+    `statistics.ida_curves` computes the percentiles from the results.
+
+    Parameters
+    ----------
+    column : Column, Structure or sequence of them
+        The models.
+    motions : Motion, Shaking, mapping or sequence
+        The motions.
+    levels : sequence of float
+        Levels of the measure, in its unit.
+    measure : Measure, optional
+        Measure of intensity, by default PGA (g).
+    **options
+        As in `sweep`.
     """
     return _run("ida", column, motions, {INTENSITY: levels}, measure or Measure("pga"), options)
 
@@ -52,10 +82,25 @@ def fragility(
     measure: Measure | None = None,
     **options: Any,
 ) -> Results:
-    """Runs of which `statistics.fit_fragility` makes a probability of failure over the measure (None: PGA, g).
+    """Run the samples for a fragility: a probability of failure over the measure, by `statistics.fit_fragility`.
 
-    levels: to which each motion is scaled; None: `random` has "intensity", or the motions are as strong as they are.
-    The rest as in `sweep`; `limits` too.
+    Parameters
+    ----------
+    column : Column, Structure or sequence of them
+        The models.
+    motions : Motion, Shaking, mapping or sequence
+        The motions.
+    random : mapping
+        Random parameters by name.
+    samples : int
+        Number of samples.
+    levels : sequence of float, optional
+        Levels of the measure to which each motion is scaled. None: `random` has "intensity", or the motions are not
+        scaled.
+    measure : Measure, optional
+        Measure of intensity, by default PGA (g).
+    **options
+        As in `sweep`; `limits` too.
     """
     grid = {} if levels is None else {INTENSITY: levels}
     options |= {"random": random, "samples": samples}
@@ -65,9 +110,22 @@ def fragility(
 def spectrum(
     column: Model, motions: Motions, sizes: Sequence[float], slendernesses: Sequence[float], **options: Any
 ) -> Results:
-    """Rocking spectrum: the column in every size, a factor on all lengths, and slenderness, height over width.
+    """Run a rocking spectrum: the column in every size and slenderness.
 
-    See models/column/numbers.py for what else changes with them. The rest as in `sweep`.
+    See models/column/numbers.py for the other numbers that change with them.
+
+    Parameters
+    ----------
+    column : Column
+        The column.
+    motions : Motion, Shaking, mapping or sequence
+        The motions.
+    sizes : sequence of float
+        Factors on all lengths.
+    slendernesses : sequence of float
+        Ratios of height to width.
+    **options
+        As in `sweep`.
     """
     grid = {"column.size": sizes, "column.slenderness": slendernesses}
     return _run("spectrum", column, motions, grid, None, options)
@@ -82,9 +140,24 @@ def montecarlo(
     measure: Measure | None = None,
     **options: Any,
 ) -> Results:
-    """Samples of the random parameters under each motion; sampling: latin-hypercube, sobol or random.
+    """Run samples of the random parameters under each motion.
 
-    `statistics.influences` tells which parameter does most. The rest as in `sweep`.
+    `statistics.influences` computes which parameter has the largest effect.
+
+    Parameters
+    ----------
+    column : Column, Structure or sequence of them
+        The models.
+    motions : Motion, Shaking, mapping or sequence
+        The motions.
+    random : mapping
+        Random parameters by name.
+    samples : int
+        Number of samples.
+    measure : Measure, optional
+        Measure of intensity that is kept.
+    **options
+        As in `sweep`; `sampling` too: latin-hypercube, sobol or random.
     """
     return _run("montecarlo", column, motions, {}, measure, options | {"random": random, "samples": samples})
 

@@ -19,26 +19,40 @@ from .confidence import likelihood_ends
 from .motions import OF_MOTION, WHOLE
 from .results import Results
 
-# of weights of the runs and a first guess: median and deviation
+# function of the weights of the runs and a first guess that returns median and deviation
 Fit = Callable[[FloatArray, tuple[float, float] | None], tuple[float, float]]
 
-Limit = float | Literal["hit"] | None  # m, largest displacement beyond which a run failed; None: that overturned
-LEAST_GAP = "least_gap"  # of neighbours, where a study keeps it: below 0 m they have hit
+Limit = float | Literal["hit"] | None  # m, largest displacement beyond which a run failed; None: overturning
+LEAST_GAP = "least_gap"  # least gap of neighbours (m), if a study keeps it: below 0 they have hit
 
-RESAMPLED = 200  # times, for confidence
-GROUPS = 1000  # of neighbouring intensities, if there are more different ones: the likelihood uses their middles
+RESAMPLED = 200  # number of samples of the bootstrap
+GROUPS = 1000  # largest number of levels; beyond it neighbouring intensities are replaced by their means
 BINS = 12
 LEAST_DEVIATION, MOST_DEVIATION = 0.01, 5.0
-SEEDS = tuple(f"{OF_MOTION}{key}" for key in WHOLE)  # labels, not quantities
-TAIL = 0.16  # of the runs, at either end of a parameter
+SEEDS = tuple(f"{OF_MOTION}{key}" for key in WHOLE)  # names that label motions
+TAIL = 0.16  # part of the runs at either end of a parameter
 
 
 @dataclass(frozen=True, repr=False)
 class Bins(Shown):
-    """Shares of failures between intensities: `edges` (b + 1,), `runs` (b,), `failed` (b,), `middle` (b,) of the runs.
+    """The shares of failures in bins of the intensity.
 
-    undecided (b,): runs that have not failed and may yet overturn. low, high (b,): bounds of Clopper and Pearson
-    at 95 % confidence.
+    Attributes
+    ----------
+    edges
+        Edges of the bins, (b + 1,).
+    middle
+        Geometric mean intensity of the runs, (b,).
+    runs
+        Number of runs, (b,).
+    failed
+        Number of failed runs, (b,).
+    undecided
+        Number of runs that have not failed and may yet overturn, (b,).
+    low
+        Lower bound of Clopper and Pearson at 95 % confidence, (b,).
+    high
+        Upper bound, likewise.
     """
 
     edges: FloatArray
@@ -54,7 +68,7 @@ class Bins(Shown):
 
     @property
     def share(self) -> FloatArray:
-        """(b,)"""
+        """The share of failed runs, (b,)."""
         return np.asarray(self.failed / self.runs)
 
 
@@ -62,10 +76,33 @@ class Bins(Shown):
 class Fragility(Shown):
     """A lognormal probability of failure over an intensity: median, and deviation of the logarithm.
 
-    median_bounds, deviation_bounds: at 95 % confidence, the wider of those by the bootstrap and, of failures, by the
-    likelihood. curves (resampled, 2): the two of each sample of the bootstrap. ends (k, 2): the two of the curves at
-    the ends of the likelihood region. bins: the data themselves. name: of the intensity. how: what was fitted.
-    undecided: of the runs, those that have not failed and may yet overturn; the curve takes them as standing.
+    Attributes
+    ----------
+    name
+        Name of the intensity.
+    median
+        Median, in the unit of the intensity.
+    deviation
+        Standard deviation of the logarithm.
+    median_bounds
+        Bounds of the median at 95 % confidence: the wider of those by the bootstrap and, for failures, by the
+        likelihood.
+    deviation_bounds
+        Bounds of the deviation, likewise.
+    curves
+        Medians and deviations of the samples of the bootstrap, (resampled, 2).
+    ends
+        Medians and deviations of the curves at the ends of the likelihood region, (k, 2).
+    bins
+        The data themselves.
+    runs
+        Number of runs.
+    failed
+        Number of failed runs.
+    undecided
+        Number of runs that have not failed and may yet overturn; the curve takes them as standing.
+    how
+        What was fitted, in words.
     """
 
     name: str
@@ -91,11 +128,11 @@ class Fragility(Shown):
         )
 
     def probability(self, intensity: FloatArray) -> FloatArray:
-        """Of failure at intensities of any shape."""
+        """Return the probability of failure at intensities of any shape."""
         return lognormal(np.asarray(intensity, dtype=np.float64), self.median, self.deviation)
 
     def band(self, intensity: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Within which the curve lies at each intensity (k,), at 95 % confidence."""
+        """Return the bounds of the curve at each intensity, two of (k,), at 95 % confidence."""
         curves = np.array([lognormal(intensity, median, deviation) for median, deviation in self.curves])
         low, high = np.percentile(curves, _ends(), axis=0)
         outer = np.array([low, high, *(lognormal(intensity, median, deviation) for median, deviation in self.ends)])
@@ -103,7 +140,10 @@ class Fragility(Shown):
 
 
 def lognormal(intensity: FloatArray, median: float, deviation: float) -> FloatArray:
-    """The lognormal distribution function."""
+    """Return the lognormal distribution function at intensities of any shape.
+
+    `deviation` is that of the logarithm.
+    """
     with needing("studies", "scipy"):
         from scipy.special import ndtr
     with np.errstate(divide="ignore"):
@@ -111,14 +151,21 @@ def lognormal(intensity: FloatArray, median: float, deviation: float) -> FloatAr
 
 
 def failed_of(results: Results, limit: Limit = None) -> NDArray[np.bool_]:
-    """(runs,) Whether the column fell or its largest displacement exceeded `limit`, m; "hit": some neighbours hit."""
+    """Return True for each run that failed, (runs,).
+
+    `limit` is the largest displacement (m) beyond which a run failed, None for overturning alone, "hit" for a hit of
+    any neighbours. A column that fell exceeds every displacement.
+    """
     if limit == "hit":
         return np.asarray(np.any(results[LEAST_GAP] < 0.0, axis=1))
     return results.overturned if limit is None else np.asarray(results.largest > limit)
 
 
 class Failure(NamedTuple):
-    """A failure of a study that has a probability: limit as of `fit_fragility`; chosen (runs,): of these, None: all."""
+    """A failure of a study that has a probability.
+
+    `limit` is that of `fit_fragility`; `chosen` is the mask of the runs used, (runs,), None for all runs.
+    """
 
     name: str
     limit: Limit
@@ -126,7 +173,10 @@ class Failure(NamedTuple):
 
 
 def failures_of(results: Results) -> Iterator[Failure]:
-    """By displacement, by overturning, and where neighbours meet by a hit, for each value of what the grid varies."""
+    """Yield the failures of a study: by displacement, by overturning, and by a hit if there are neighbours.
+
+    Hits have one failure for each value of the number that the grid varies.
+    """
     for limit in results.study["limits"]:
         yield Failure(f"{limit:g} m", limit)
     yield Failure("overturned", None)
@@ -141,13 +191,13 @@ def failures_of(results: Results) -> Iterator[Failure]:
 
 
 def varied_beside(results: Results) -> str | None:
-    """What the grid varies beside the intensity, if that is one number."""
+    """Return the name that the grid varies besides the intensity, or None unless there is exactly one."""
     names = [name for name in results.study["grid"] if name != "intensity"]
     return names[0] if len(names) == 1 else None
 
 
 def made(results: Results) -> NDArray[np.bool_]:
-    """(runs,) Whether the solver made the run to its end."""
+    """Return True for each run that the solver finished, (runs,)."""
     return np.asarray(~np.isnan(results.largest))
 
 
@@ -161,21 +211,52 @@ def fit_fragility(
     resampled: int = RESAMPLED,
     chosen: NDArray[np.bool_] | None = None,
 ) -> Fragility:
-    """The lognormal fragility of largest likelihood over an intensity, a column of the results (None: the study's).
+    """Fit a lognormal fragility of maximum likelihood over an intensity.
 
-    Failure is overturning, or a largest displacement above `limit`, m. method "failures": each run tells whether it
-    failed. "demand": the logarithm of the largest displacement is linear in that of the intensity, with a normal
-    scatter; what overturned is censored, known only to be beyond the limit. It needs a limit and fewer failures.
-    Confidence: by resampling, 200 times, the samples of the random parameters together with the motion, each with all
-    its intensities; for failures also by the likelihood of all runs as trials (confidence.py), which has a width where
-    few levels have both outcomes or there is one motion alone; the wider bounds are given. chosen: (runs,) mask of the
-    runs used. Raises InputError if the runs do not determine the curve: none or all failed, or all stand below one
-    intensity and all fail above it, so that any deviation fits.
+    A run fails by overturning, or by a largest displacement above `limit`.
+
+    With the method "failures" each run is a success or a failure. With "demand" the logarithm of the largest
+    displacement is linear in that of the intensity, with normal scatter; overturned runs are censored at the limit. It
+    needs a limit, and fewer failures.
+
+    The bounds come from resampling, 200 times, the groups of runs that share a motion and a sample of the random
+    parameters, each group with all its intensities. For failures they also come from the likelihood with all runs as
+    trials (confidence.py), which has a width even if few levels have both outcomes or there is a single motion; the
+    wider bounds are returned.
+
+    Parameters
+    ----------
+    results : Results
+        The results.
+    intensity : str, optional
+        Column of the results, by default the measure of the study.
+    limit : float, "hit" or None
+        Largest displacement (m); "hit" for hits of neighbours, None for overturning alone.
+    method : str
+        "failures" or "demand".
+    bins : int
+        Number of bins of the data.
+    resampled : int
+        Number of samples of the bootstrap.
+    chosen : (runs,) bool, optional
+        The runs used.
+
+    Returns
+    -------
+    Fragility
+        The curve, its bounds, and the data.
+
+    Raises
+    ------
+    InputError
+        If the runs do not determine the curve: none or all failed, or all stand below one intensity and all fail above
+        it, so that any deviation fits.
     """
     name = intensity or intensity_name(results)
     valid = made(results) & (results[name] > 0.0)
     if chosen is not None:
         valid &= chosen
+    # runs, failures, and groups that are resampled together
     im, failed = results[name][valid], failed_of(results, limit)[valid]
     undecided = results.undecided[valid] & ~failed
     clusters = np.unique(_clusters(results)[valid], return_inverse=True)[1]
@@ -194,6 +275,7 @@ def fit_fragility(
         how = f"moved by more than {limit:g} m, by the demand of those that stand"
     else:
         raise InputError(f"method = {method!r}: must be failures or demand")
+    # best fit, and fits to resampled groups
     best = fit(np.ones(len(im)), None)
     rng = np.random.default_rng(results.study["seed"])
     count = int(clusters.max()) + 1
@@ -204,6 +286,7 @@ def fit_fragility(
 
     curves = np.array([again() for _ in range(resampled)])
     bounds = np.percentile(curves, _ends(), axis=0)
+    # the wider of the bounds by bootstrap and likelihood
     ends = np.empty((0, 2))
     if method == "failures":
         ends = likelihood_ends(*levels, best, (LEAST_DEVIATION, MOST_DEVIATION))
@@ -227,7 +310,7 @@ def fit_fragility(
 
 
 def _refuse_separated(name: str, intensity: FloatArray, failed: NDArray[np.bool_]) -> None:
-    """Raise InputError if all runs stand below one intensity and all fail above it, with where the median lies."""
+    """Raise InputError, with bounds of the median, if all runs stand below one intensity and all fail above it."""
     low, high = float(np.max(intensity[~failed])), float(np.min(intensity[failed]))
     if low < high:
         raise InputError(
@@ -237,13 +320,13 @@ def _refuse_separated(name: str, intensity: FloatArray, failed: NDArray[np.bool_
 
 
 def said_of(limit: Limit) -> str:
-    """A failure in words."""
+    """Return a failure as text."""
     words = {None: "overturned", "hit": "neighbours that hit"}
     return words[limit] if limit is None or limit == "hit" else f"overturned or moved by more than {limit:g} m"
 
 
 def said_undecided(count: int) -> str:
-    """Return what the undecided runs of a study are, "" without any."""
+    """Return the text on the undecided runs of a study, "" if there are none."""
     if not count:
         return ""
     runs, they = ("run", "it was") if count == 1 else ("runs", "they were")
@@ -251,7 +334,7 @@ def said_undecided(count: int) -> str:
 
 
 def intensity_name(results: Results) -> str:
-    """The measure of the study, PGA if it has none."""
+    """Return the name of the measure of the study, pga if it has none."""
     measure = results.study["intensity"]
     return "pga" if measure is None else str(measure["measure"])
 
@@ -259,13 +342,29 @@ def intensity_name(results: Results) -> str:
 def binned(
     intensity: FloatArray, failed: NDArray[np.bool_], bins: int = BINS, undecided: NDArray[np.bool_] | None = None
 ) -> Bins:
-    """Shares of failures by intensity: a bin for each of few different intensities; of many, bins of equal counts."""
+    """Return the shares of failures in bins of the intensity.
+
+    Up to 2 * `bins` different intensities get a bin each; if there are more, the bins have equal counts.
+
+    Parameters
+    ----------
+    intensity : (runs,) float
+        Intensity of each run.
+    failed : (runs,) bool
+        Whether it failed.
+    bins : int
+        Number of bins.
+    undecided : (runs,) bool, optional
+        Whether it is undecided.
+    """
+    # edges: between the levels, or quantiles
     levels = np.unique(intensity)
     if len(levels) <= 2 * bins:
         between = 0.5 * (levels[1:] + levels[:-1])
         edges = np.concatenate([levels[:1], between, levels[-1:]])
     else:
         edges = np.unique(np.quantile(intensity, np.linspace(0.0, 1.0, bins + 1)))
+    # counts in each bin
     place = np.clip(np.searchsorted(edges, intensity, side="right") - 1, 0, len(edges) - 2)
     runs = np.bincount(place, minlength=len(edges) - 1)
     hits, open_ones = (
@@ -279,7 +378,7 @@ def binned(
 
 
 def bounds_of(count: NDArray[np.int64], size: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
-    """`share_bounds` of many shares."""
+    """Return `share_bounds` of many shares, `count` of `size`, (k,) each."""
     found = [share_bounds(one, of) for one, of in zip(count.tolist(), size.tolist(), strict=True)]
     low, high = np.array(found).reshape(-1, 2).T
     return low, high
@@ -288,12 +387,14 @@ def bounds_of(count: NDArray[np.int64], size: NDArray[np.int64]) -> tuple[FloatA
 def _of_failures(
     intensity: FloatArray, failed: NDArray[np.bool_]
 ) -> tuple[Fit, tuple[FloatArray, FloatArray, FloatArray]]:
-    """Return the fit of largest likelihood of the failures, and the levels: log im, runs and failures, (levels,) each.
+    """Return the fit of maximum likelihood of the failures, and its levels.
 
-    Probability of a failure: ndtr((log im - log median) / deviation).
+    The probability of failure is ndtr((log im - log median) / deviation). Levels: log im, runs and failures, (levels,)
+    each; neighbouring intensities are grouped beyond GROUPS levels.
     """
     with needing("studies", "scipy"):
         from scipy.special import log_ndtr
+    # levels: different intensities, or groups of neighbouring ones
     every = np.log(intensity)
     x, group = np.unique(every, return_inverse=True)
     if len(x) > GROUPS:
@@ -307,6 +408,7 @@ def _of_failures(
 
         def loss(p: FloatArray) -> tuple[float, FloatArray]:
             deviation = math.exp(p[1])
+            # negative log-likelihood and its gradient by log median and log deviation
             z = (x - p[0]) / deviation
             yes, no = log_ndtr(z), log_ndtr(-z)
             density = -0.5 * z * z - 0.5 * math.log(2.0 * math.pi)
@@ -324,10 +426,11 @@ def _of_failures(
 
 
 def _of_demand(intensity: FloatArray, largest: FloatArray, limit: float) -> Fit:
-    """Maximum likelihood of log u = a + b log im + s e; displacements beyond the limit are censored there."""
+    """Return the maximum-likelihood fit of log u = a + b log im + s e, censored at the `limit` (m)."""
     with needing("studies", "scipy"):
         from scipy.optimize import minimize
         from scipy.special import log_ndtr
+    # displacements beyond the limit are censored at it
     x, beyond = np.log(intensity), largest > limit
     y = np.log(np.where(beyond, limit, largest))
 
@@ -337,6 +440,7 @@ def _of_demand(intensity: FloatArray, largest: FloatArray, limit: float) -> Fit:
             seen = -0.5 * z * z - p[2]
             return -float(np.sum(weights * np.where(beyond, log_ndtr(-z), seen)))
 
+        # start from a line through the uncensored displacements
         slope, base = np.polyfit(x[~beyond], y[~beyond], 1)
         found = minimize(loss, np.array([base, max(slope, 0.1), math.log(0.5)]), method="Nelder-Mead").x
         if not found[1] > 0.0:
@@ -360,17 +464,29 @@ def _ends() -> list[float]:
 
 
 def _clusters(results: Results) -> NDArray[np.int64]:
-    """(runs,) Number of the group of runs drawn together: a motion with one sample of the random parameters."""
+    """Return the index of the group of each run, (runs,): a motion with one sample of the random parameters."""
     samples = results.study["samples"]
     return np.asarray(results["motion"] * samples + results["run"] % samples)
 
 
 @dataclass(frozen=True, repr=False)
 class Curves(Shown):
-    """Percentiles of the largest displacement over intensity, m (3, levels): 16, 50, 84 %; infinite where they fell.
+    """The curves of an incremental dynamic analysis.
 
-    overturned, undecided (levels,): shares of the runs at each level. each: one curve a motion and sample, (curves,
-    levels).
+    Attributes
+    ----------
+    name
+        Name of the intensity.
+    levels
+        Levels of the intensity, (levels,).
+    percentiles
+        The 16, 50 and 84 % points of the largest displacement (m), (3, levels); infinite where they fell.
+    overturned
+        Share of the runs at each level that overturned, (levels,).
+    undecided
+        Share of the runs at each level that are undecided, (levels,).
+    each
+        One curve for each motion and sample (m), (curves, levels).
     """
 
     name: str
@@ -385,9 +501,10 @@ class Curves(Shown):
 
 
 def ida_curves(results: Results) -> Curves:
-    """The curves of an incremental dynamic analysis. Raises InputError unless the grid has intensities."""
+    """Return the curves of an incremental dynamic analysis. Raises InputError unless the grid has intensities."""
     if "intensity" not in results.study["grid"]:
         raise InputError("grid.intensity: missing, the curves need levels of intensity")
+    # one row of displacements for each column, motion, sample and other point of the grid
     levels = np.unique(results["intensity"])
     level = np.searchsorted(levels, results["intensity"])
     other = [results[name] for name in results.study["grid"] if name != "intensity"]
@@ -407,7 +524,10 @@ def ida_curves(results: Results) -> Curves:
 
 
 def percentiles(values: FloatArray) -> FloatArray:
-    """16, 50 and 84 % points over the first axis, NaN left out, infinite values included; between two the lower one."""
+    """Return the 16, 50 and 84 % points over the first axis.
+
+    NaN is ignored, infinite values count; each point is the value of the nearest rank, without interpolation.
+    """
     ordered = np.sort(values, axis=0)
     last = np.sum(~np.isnan(ordered), axis=0) - 1
     places = [np.maximum(np.floor(0.01 * point * last + 0.5).astype(np.int64), 0) for point in PERCENTILES]
@@ -416,10 +536,23 @@ def percentiles(values: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True)
 class Influence:
-    """Effect of a random parameter: median of the largest displacement, m, and shares of runs, where it is low, high.
+    """The effect of a random parameter where it is low, and where it is high: in 16 % of the runs each.
 
-    That is over the 16 % of the runs with its lowest and its highest values. rank: its rank correlation with the
-    largest displacement, fallen columns on top, among runs of the same column, motion and point of the grid.
+    Attributes
+    ----------
+    name
+        Name of the parameter.
+    values
+        Median of the parameter, low and high.
+    displacement
+        Median of the largest displacement (m), low and high.
+    overturned
+        Share of overturned runs, low and high.
+    undecided
+        Share of undecided runs, low and high.
+    rank
+        Rank correlation with the largest displacement, fallen columns on top, among runs of the same column, motion and
+        point of the grid.
     """
 
     name: str
@@ -431,7 +564,10 @@ class Influence:
 
 
 def influences(results: Results) -> list[Influence]:
-    """Return the effect of each random parameter, the strongest first; none of a seed, which only labels motions."""
+    """Return the effect of each random parameter, the strongest first.
+
+    A seed has none, for it only labels motions. The list is empty if all runs end alike.
+    """
     with needing("studies", "scipy"):
         from scipy.stats import rankdata
     valid = made(results)
@@ -441,12 +577,13 @@ def influences(results: Results) -> list[Influence]:
     alike = _runs_alike(results, valid)
 
     def ranks(values: FloatArray) -> FloatArray:
-        """Ranks among comparable runs, from -1 to 1."""
+        """Return the ranks among comparable runs, from -1 to 1."""
         found = np.zeros(len(values))
         for runs in alike:
             found[runs] = (2.0 * rankdata(values[runs]) - 1.0) / len(runs) - 1.0
         return found
 
+    # medians and shares at both ends of each parameter
     by_size = ranks(largest)
     if np.ptp(by_size) == 0.0:  # all fell
         return found
@@ -470,7 +607,7 @@ def influences(results: Results) -> list[Influence]:
 
 
 def _runs_alike(results: Results, valid: NDArray[np.bool_]) -> list[NDArray[np.int64]]:
-    """Places among the valid runs of those that differ only in the random parameters."""
+    """Return the indices, among the valid runs, of each group that differs only in the random parameters."""
     keys = np.column_stack([results[name][valid] for name in ("column", "motion", *results.study["grid"])])
     _, group = np.unique(keys, axis=0, return_inverse=True)
     order = np.argsort(group.ravel(), kind="stable")

@@ -1,4 +1,4 @@
-"""What a study shakes: models of one kind."""
+"""The models of a study, all of one kind."""
 
 from __future__ import annotations
 
@@ -15,20 +15,23 @@ from ..models.structure.kind import STRUCTURES
 from ..models.structure.model import Structure
 from .motions import ACROSS, Shaking
 
-DIRECTION = "direction"  # of a motion in plan
+DIRECTION = "direction"  # direction of a motion in plan
 OF_SPACE = (ACROSS, DIRECTION)  # numbers of a motion that leaves the plane of a column
 IN_PLANE = "a column moves in its plane; structure = FILE, in place of column, solves it in space"
 ALL_KEPT = {**STRUCTURES.kept, **COLUMNS.kept}  # a name of both has the same unit
 
 
 def subject_from(data: Mapping[str, Any], space: bool = False) -> Column | Structure:
-    """A column or a structure from the mapping that its file holds; space: a column as its stack. Raises InputError."""
+    """Return a column or a structure from the mapping that its file holds.
+
+    With `space` a column becomes the structure of its stack. Raises InputError.
+    """
     data = in_space(data) if space else data
     return Structure.from_dict(data) if describes_structure(data) else Column.from_dict(data)
 
 
 def subjects_in(paths: Sequence[Path], in_space: bool) -> tuple[Model, ...]:
-    """The columns, or structures, of files. Raises InputError that begins with the path."""
+    """Return the columns, or structures, of files. Raises InputError that begins with the path."""
     return tuple((Structure if in_space else Column).from_toml(path) for path in paths)
 
 
@@ -40,22 +43,22 @@ def check_alike(subjects: Sequence[Model]) -> None:
 
 
 def can_slide(subject: Model) -> bool:
-    """Whether some joint has a friction that may give way."""
+    """Return True if any joint has a coefficient of friction."""
     return any(law.friction is not None for law in subject.laws)
 
 
 def kind_in(head: Mapping[str, Any]) -> Any:
-    """The kind of the models of a journal, from its first line."""
+    """Return the kind of the models of a journal, from its first line."""
     return STRUCTURES if "sizes" in head else COLUMNS
 
 
 def always_kept(kind: Kind) -> tuple[str, str]:
-    """The largest displacements, which every picture and table needs, and the verdict."""
+    """Return the names of the outputs that every picture and table needs: largest displacements and verdict."""
     return f"peak_{kind.largest}", "verdict"
 
 
 def sizes_of(subjects: Sequence[Model]) -> dict[str, int]:
-    """The most blocks, joints and ties of one, and the components of the base: the lengths of what is kept."""
+    """Return the largest numbers of blocks, joints and ties, and of components of the base: lengths of the outputs."""
     return {part: max(one.sizes[part] for one in subjects) for part in subjects[0].sizes}
 
 

@@ -68,6 +68,7 @@ def write_report(
 
 def _content(checks: Sequence[Check]) -> dict[str, Any]:
     """Return the values that the template names."""
+    # tables and pictures of the governing run, then texts for the template
     check = checks[0]
     run = check.responses[check.governing]
     shown = shown_of(check.subject.model, check, run)

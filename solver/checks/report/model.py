@@ -141,6 +141,7 @@ def _merged(rows: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
 
 @shown_of.register
 def _structure(structure: Structure, check: Check, run: SpatialResponse) -> Shown:
+    # blocks and joints; then bearings, mortar and ties, if there are any
     at = min(run.overturn_time, float(run.time[-1])) if run.overturned else None
     sheets = [
         Sheet(("block", "shape (m)", "mass (kg)"), _merged([_solid(block) for block in structure.blocks])),
