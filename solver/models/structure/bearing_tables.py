@@ -88,6 +88,7 @@ def bearings_from(
         word: check_number(f"{key}.{word}", table[word], *_RANGES[word]) for word in _RANGES if _is_number(word, table)
     }
     bearing, bed = _laws(key, kind, table, given)
+    # a round face of the size of the bearing at each position
     radius = 0.5 * given["diameter"]
     many = len(places) > 1
     return [

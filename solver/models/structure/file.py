@@ -174,6 +174,7 @@ def _repeated(key: str, table: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     for word, why in (("name", "the blocks count from it"), ("on", "the lowest one stands on it")):
         if not isinstance(table.get(word), str):
             raise InputError(f"{key}.{word} = {shown(table.get(word))}: must be a name beside repeat, {why}")
+    # linear taper over all blocks; only the first has a position
     found: list[Mapping[str, Any]] = []
     for k in range(count):
         part: dict[str, Any] = {word: value for word, value in table.items() if word != "repeat"} | {
@@ -229,6 +230,7 @@ class _Solids:
             raise InputError(f"{key}.name = {shown(name)}: must be a word that can be printed")
         if name in self.numbers:
             raise InputError(f"{key}.name = {shown(name)}: must be another name, it is taken")
+        # law of its joints, supports, shape
         own = table.get("joint", {})
         check_table(f"{key}.joint.", own, _LAW)
         supports = self._named(key, table)
@@ -261,6 +263,7 @@ class _Solids:
             return vector_of(f"{key}.position", table["position"], 3)
         if not supports:
             raise InputError(f'{key}.on: missing, must be "base" or the name of a block before it; or give position')
+        # on top of the first support
         first = self.found[supports[0]] if supports[0] >= 0 else None
         corners = np.zeros((1, 3)) if first is None else first.corners
         top = float(np.max(corners[:, 2]))
@@ -282,6 +285,7 @@ def _solid_from(
         raise InputError(f"{key}.density: must be given, in kg/m3, or mass in kg, one of the two")
     turn = rotation_matrix(vector_of(f"{key}.rotation", table.get("rotation", [0.0, 0.0, 0.0]), 3, _ANGLE))
     density = number("density", 1.0)
+    # shape at the origin, from its density
     if shape == "box":
         bottom = number("width"), number("depth")
         top = number("top_width", bottom[0]), number("top_depth", bottom[1])
@@ -301,6 +305,7 @@ def _solid_from(
     made = placed(made, place, turn)
     if "mass" not in table:
         return made
+    # scale to the given mass
     factor = number("mass") / made.mass
     return replace(made, mass=made.mass * factor, inertia=made.inertia * factor)
 
@@ -333,6 +338,7 @@ def bed_from(key: str, table: Mapping[str, Any]) -> Bed:
         if word in table:
             limits, meaning = _OWN_RANGES.get(word) or NUMBERS[word]
             found[word] = check_number(f"{key}.{word}", table[word], limits, meaning)
+    # keys that are required, and keys that exclude or require each other
     for word in ("stiffness", "damping"):
         if word not in found:
             raise InputError(f"{key}.{word}: missing, must be {NUMBERS[word][1]}")
@@ -419,6 +425,7 @@ def _tie_from(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> 
             given["yield_" if word == "yield" else word] = check_number(f"{key}.{word}", table[word], limits, meaning)
     if "stiffness" not in given:
         raise InputError(f"{key}.stiffness: missing, must be {_OF_TIES['stiffness'][1]}")
+    # a tie pulls only, unless the table says otherwise
     tension_only = table.get("tension_only", True)
     if not isinstance(tension_only, bool):
         raise InputError(f"{key}.tension_only = {shown(tension_only)}: must be true or false")

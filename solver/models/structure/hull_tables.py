@@ -41,7 +41,7 @@ _SIX = [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]  # xx, yy, zz, xy, xz, yz
 
 
 def in_folder(data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
-    """Return the mapping of a file with the paths of its meshes relative to the folder of the file."""
+    """Return the mapping of a file with the folder of the file prepended to the paths of its meshes."""
 
     def placed_in(table: Any) -> Any:
         file = table.get("file") if _shape(table) == "mesh" else None
@@ -105,6 +105,7 @@ def solid_from_hull(
     points = _points(key, table)
     hulls = _hulls(key, table, points)
     bulk = _bulk(key, table) or _within(f"{key}.points", bulk_of, np.concatenate([hull.triangles for hull in hulls]))
+    # scale all lengths, and the inertia of density 1 with their fifth power
     scale = _optional(f"{key}.scale", table, 1.0, FACTOR)
     level = float(np.ptp(points[:, 2])) * _optional(f"{key}.level", table, NEAR, _LEVEL)
     feet = _feet(key, table, points, level)
@@ -219,6 +220,7 @@ def _hulls(key: str, table: Mapping[str, Any], points: FloatArray) -> list[Hull]
     good = isinstance(counts, (list, tuple)) and all(type(count) is int and count >= 4 for count in counts)
     if not good or sum(counts) != len(faces):
         raise InputError(f"{key}.parts = {shown(counts)}: must be {meaning}: {len(faces)} in all")
+    # the faces of each part follow each other; renumber its corners
     found, left = [], iter(faces)
     for count in counts:
         own = list(islice(left, count))
@@ -241,6 +243,7 @@ def _feet(key: str, table: Mapping[str, Any], points: FloatArray, level: float) 
         return found
     if "feet" in table:
         raise InputError(f"{key}.feet: must be left out beside foot, which has their corners")
+    # one polygon, or a list of them
     given = table["foot"]
     if isinstance(given, (list, tuple)) and not given:
         return ()

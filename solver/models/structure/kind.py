@@ -115,7 +115,7 @@ class Structures(Kind):
         second = WORK * model.n
         return Work(second * SETTLE, second)
 
-    # --- numbers by name: a stack has those of its column, and the laws of joints and neighbours in space
+    # --- numbers by name: a stack has the numbers of its column, and the laws of joints and neighbours in space
 
     def has_number(self, model: Structure, name: str) -> bool:
         return is_of_structure(name) if not model.is_stack else is_of_column(name) or _is_of_space(name)

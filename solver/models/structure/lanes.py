@@ -27,14 +27,14 @@ from .stepper import Stepper
 from .verdict import next_look, well_of, why_it_leans
 
 STAGES = 6  # evaluations of a step
-OF_INSIDE = ("section", "corners", "above", "below")  # what lanes find by that of the first
+OF_INSIDE = ("section", "corners", "above", "below")  # fields that lanes read from the first run
 NAMES = ("peak_u", "peak_ux", "peak_uy", "peak_uz")
 
 
 def share_of(structure: Structure) -> Hashable:
-    """What structures that share lanes have in common."""
+    """Return the key that structures in the same lanes must share: sizes, topology, kinds of sections, yielding."""
     names = structure.model.names
-    places = names.joints  # of what lanes find by that of the first
+    places = names.joints  # fields that lanes read from the first run
     joints = tuple(
         getattr(places, name).tobytes()
         for name in ("upper", "lower", "first", "corners", "above", "below", "section", "bond")
@@ -49,9 +49,10 @@ def share_of(structure: Structure) -> Hashable:
 
 
 def longest_step_of(structure: Structure) -> float:
-    """Return the step, s, by which runs are too long for lanes: the first one, or a shorter one that dampers allow.
+    """Return the longest explicit step (s), used to decide whether runs are too long for lanes.
 
-    A run of more evaluations than one alone may take is left to that, which refuses it.
+    It is the first step, or a shorter one that dampers allow. A run that needs more evaluations than a run alone may
+    make is left to a run alone, which refuses it.
     """
     per_evaluation = effort.MOST_IN_SPACE / effort.MOST_FIRST_STEPS * SEEN / STAGES
     decay = fastest_decay(structure)
@@ -59,23 +60,33 @@ def longest_step_of(structure: Structure) -> float:
 
 
 def is_flat_run(structure: Structure, motion: Motion) -> bool:
-    """Whether the motion stays in the plane x, z."""
+    """Return True if the motion stays in the plane x, z."""
     return structure.is_plane and not motion.has_ay
 
 
 def follow_in_lanes(
     runs: Sequence[Run], rests: Sequence[Rest], settle: float, flag: FloatArray | None = None
 ) -> list[dict[str, Any]]:
-    """Results of runs of one kind, in one thread, by the names of kept.py; empty where lanes do not go on.
+    """Return the results of runs that share lanes, by the names of kept.py; empty where lanes cannot continue.
 
-    rests: of each structure. settle: s, for how long they are followed after their end at most. Ends soon, without
-    usable results, once flag[0] is not zero.
+    Parameters
+    ----------
+    runs : sequence of Run
+        The runs.
+    rests : sequence of Rest
+        The rest of the structure of each run.
+    settle : float
+        Longest time for which runs are followed after their end, s.
+    flag : array (1,) or None
+        Once it is not zero, the function returns soon, without usable results.
     """
     flag = np.zeros(1) if flag is None else flag
     lanes, all_of_them = _Lanes(runs, rests), np.arange(len(runs))
     stops = np.array([run.motion.start + run.duration for run in runs])
+    # during the motions
     lanes.follow(all_of_them, np.array([run.motion.start for run in runs]), stops, flag)
     within, found = lanes.outcomes.copy(), [lanes.named(k) for k in range(len(runs))]
+    # then on a still base, until each run has fallen, has come to rest or cannot fall any more
     since, stand = 0.0, np.zeros(len(runs), dtype=bool)
     left = all_of_them
     while not flag[0]:
@@ -93,7 +104,19 @@ def follow_in_lanes(
 
 
 def _result(within: Any, later: Any, peaks: dict[str, FloatArray], stop: float, stands: bool) -> dict[str, Any]:
-    """Results of a run by name: its outcomes within its duration and after it; whether its well holds it."""
+    """Return the results of a run by name.
+
+    Parameters
+    ----------
+    within, later
+        Outcomes of the run within its duration and after it.
+    peaks
+        Peaks by name.
+    stop
+        End of the run, s.
+    stands
+        True if its energy well holds the structure.
+    """
     if at.STEP_TOO_SMALL in (within.ends, later.ends):
         return {}
     fell = later.ends == at.FELL
@@ -109,7 +132,7 @@ def _result(within: Any, later: Any, peaks: dict[str, FloatArray], stop: float, 
 
 
 class _Lanes:
-    """Runs as rows for the kernels: their models and states; outcomes and peaks of the time they were followed last."""
+    """Runs as rows for the kernels: models, states, and the outcomes and peaks of the last interval followed."""
 
     def __init__(self, runs: Sequence[Run], rests: Sequence[Rest]) -> None:
         self._runs = runs
@@ -136,7 +159,7 @@ class _Lanes:
         return self._steppers[id(self._runs[k].model)]
 
     def named(self, k: int) -> dict[str, FloatArray]:
-        """Peaks of run k by the names of kept.py, so far: of blocks, bearings, neighbours; what is left of bonds."""
+        """Return the peaks of run k so far by the names of kept.py: of blocks, bearings, neighbours; bond shares."""
         size = at.PEAKS.per_n * self._sizes.n
         of_blocks, of_bearings, gaps = np.split(self.peaks[k].copy(), [size, size + self._sizes.b])
         rows, left = of_blocks.reshape(len(NAMES), -1), shares_left(self._states[k], self._runs[k].model.model)
@@ -144,7 +167,7 @@ class _Lanes:
         return {**dict(zip(NAMES, rows, strict=True)), **beside}
 
     def why_it_stands(self, k: int) -> str:
-        """Why run k cannot fall any more on a still base from where it is; "" if it may."""
+        """Return the reason why run k, on a still base, can no longer fall from its state; "" if it may."""
         stepper = self._stepper(k)
         stepper.phase[:] = self._states[k]
         return why_it_leans(stepper) or well_of(self._runs[k].model).why_it_stands(stepper)
@@ -152,9 +175,9 @@ class _Lanes:
     def follow(
         self, which: IntArray, starts: FloatArray, stops: FloatArray, flag: FloatArray, still: bool = False
     ) -> None:
-        """Let some runs pass through the lanes from `starts` to `stops`, s; still: on a base that does not move.
+        """Follow the runs `which` through the lanes from `starts` to `stops`, s; still: on a base that does not move.
 
-        The longest goes first: so lanes end together.
+        The longest runs begin first, so that lanes finish together.
         """
         order = np.argsort(starts - stops, kind="stable")
         which, rows = which[order], np.zeros((len(order), at.RUN.beside))
@@ -168,19 +191,20 @@ class _Lanes:
                 setattr(see, name, getattr(base, name))
             if still:
                 see.count, see.amplitude_x, see.amplitude_y = 1, 0.0, 0.0
+        # gather the rows, run the lanes, scatter the results
         models, states, outcomes, peaks = (
             array[which] for array in (self._models, self._states, self.outcomes, self.peaks)
         )
         lanes = aligned(WIDTH * at.ALL.size(self._sizes))
-        lanes.reshape(-1, WIDTH)[: models.shape[1]] = models[0][:, None]  # so that lanes without a run have numbers
+        lanes.reshape(-1, WIDTH)[: models.shape[1]] = models[0][:, None]  # valid numbers for lanes without a run
         found = models.ravel(), states.ravel(), rows.ravel(), outcomes.ravel(), peaks.ravel()
         with others_turn():
             run_structures_in_lanes(lanes, len(which), *found, *self._record, flag)
         if at.ALL.see(lanes.reshape(-1, WIDTH).sum(axis=1), self._sizes).work.room[NO_ROOM] != 0.0:
-            outcomes[:, at.OUTCOME.places["ends"]] = at.STEP_TOO_SMALL  # followed alone, which says why
+            outcomes[:, at.OUTCOME.places["ends"]] = at.STEP_TOO_SMALL  # repeated alone, which reports why
         self._states[which], self.outcomes[which], self.peaks[which] = states, outcomes, peaks
 
 
 def load_lanes() -> None:
-    """Load the kernels of lanes into this process, which takes as long as many runs if it compiles them."""
+    """Load the kernels of lanes into this process; if they must be compiled, this takes as long as many runs."""
     load(run_structures_in_lanes.group)

@@ -1,4 +1,4 @@
-"""The modes of a structure about its rest, as the kernels use them (kernels/structure/modal_layout.py)."""
+"""The modes of a structure about its rest, in the form of the kernels (kernels/structure/modal_layout.py)."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from .rest import Rest, rest_of
 from .stepper import Stepper
 
 MOST = 64  # blocks: the matrices grow with the square
-APART = 1e-8  # of what two coordinates resist themselves: what acts less between them is left to the remainder
+APART = 1e-8  # relative coupling of two coordinates below which it is left to the remainder
 IN_PLANE = (0, 2, 4)  # ux, uz, ry
-# microseconds of a step by modes: in any case, for a joint, for a mode, for a number of the shapes; of an explicit one
+# microseconds of a step by modes: fixed, per joint, mode, entry of the shapes; of an explicit step: fixed, per joint
 OF_MODES = 1.3, 0.3, 0.1, 4.5e-3
 OF_GENERAL = 1.0, 1.1
 
 
 class ModalData(NamedTuple):
-    """Modal data, empty where there are none, and why."""
+    """The modal data for the kernels, empty if there are none, and the reason for that."""
 
     numbers: FloatArray
     why_none: str
 
 
 def modal_data_of(structure: Structure) -> ModalData:
-    """The modal data of a structure whose rest is stable. Raises InputError."""
+    """Return the modal data of a structure whose rest is stable. Raises InputError."""
     if "elastic" in structure.without:
         return ModalData(np.zeros(0), "left out")
     if structure.neighbours:
@@ -65,7 +65,7 @@ def _gives_way(structure: Structure, rest: Rest) -> bool:
 
 
 def _numbers(structure: Structure, rest: Rest) -> FloatArray:
-    """The data, but for what `prepare` of kernels/structure/modal.py works out."""
+    """Return the modal data, except for what `prepare` of kernels/structure/modal.py computes."""
     n, m, k = structure.n, len(structure.joints), len(structure.ties)
     stiffness, mass, places = _about_rest(structure, rest)
     groups, flat = _groups(stiffness, mass, n, structure.is_plane)
@@ -73,15 +73,18 @@ def _numbers(structure: Structure, rest: Rest) -> FloatArray:
     sizes = 6 * n, at.remembered(structure.model.sizes), k, matrices
     numbers = np.zeros(modal.MODAL.size(sizes))
     data = modal.MODAL.see(numbers, sizes)
+    # counts and costs
     limits, table = data.limits, data.coordinates
     limits.parts, limits.flat_parts = len(groups), flat
     limits.count, limits.flat_count = 6 * n, sum(map(len, groups[:flat]))
     limits.matrices = matrices
     limits.cost, limits.flat_cost = _cost(m, groups), _cost(m, groups[:flat])
+    # coordinates at rest
     order = np.concatenate(groups)
     table.place[:], table.rest[:] = places[order], rest.phase[places[order]]
     table.group[: len(groups)] = [len(group) for group in groups]
     data.remembered[:] = rest.phase[at.PHASE.size(n) :][: sizes[1]]
+    # shapes and records, group by group
     modes = data.modes.reshape(6 * n, -1)
     first = place = 0
     for group in groups:
@@ -94,18 +97,19 @@ def _numbers(structure: Structure, rest: Rest) -> FloatArray:
 
 
 def _cost(m: int, groups: list[np.ndarray]) -> float:
-    """A step by the modes of these groups over an explicit one, with m joints."""
+    """Return the cost of a step by the modes of these groups relative to an explicit step, with m joints."""
     counts = 1.0, m, sum(map(len, groups)), sum(len(group) ** 2 for group in groups)
     return float(np.dot(OF_MODES, counts) / np.dot(OF_GENERAL, counts[:2]))
 
 
 def _about_rest(structure: Structure, rest: Rest) -> tuple[FloatArray, FloatArray, np.ndarray]:
-    """Stiffness and mass in the coordinates of the kernels, body by body, and their places in a phase."""
+    """Return stiffness and mass about rest in the coordinates of the kernels, body by body, and their phase indices."""
     n = structure.n
     see = at.PHASE.see(rest.phase, n)
     change, mass, places = np.zeros((2, 6 * n, 6 * n)), None, np.zeros(6 * n, dtype=np.int64)
     to_base, mass = change
     for i, block in enumerate(structure.blocks):
+        # rotations about the axes of the base by the coordinates
         v = np.array([see.q1[i], see.q2[i], see.q3[i]])
         across = np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
         turn = np.eye(3) + 2.0 * (see.q0[i] * across + across @ across)
@@ -120,12 +124,13 @@ def _about_rest(structure: Structure, rest: Rest) -> tuple[FloatArray, FloatArra
 
 
 def _groups(stiffness: FloatArray, mass: FloatArray, n: int, is_plane: bool) -> tuple[list[np.ndarray], int]:
-    """Coordinates that act on each other, group by group; number of the first ones, in the plane x, z."""
+    """Return the groups of coupled coordinates, and the number of groups in the plane x, z, which come first."""
     sizes = np.sqrt(np.outer(np.diag(stiffness), np.diag(stiffness)))
     acts = (np.abs(stiffness) > APART * sizes) | (np.abs(mass) > APART * np.sqrt(np.outer(*2 * [np.diag(mass)])))
     flat = np.tile([axis in IN_PLANE for axis in range(6)], n)
     if is_plane:
         acts &= flat[:, None] == flat[None, :]
+    # connected components
     groups: list[np.ndarray] = []
     left = np.ones(6 * n, dtype=bool)
     while np.any(left):
@@ -143,7 +148,7 @@ def _groups(stiffness: FloatArray, mass: FloatArray, n: int, is_plane: bool) -> 
 
 
 def _modes(stiffness: FloatArray, mass: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Squares of the frequencies, 1/s2, shapes of unit modal mass in columns, and their inverses."""
+    """Return the squared frequencies (1/s2), the shapes of unit modal mass by columns, and the inverse shapes."""
     root = np.linalg.cholesky(mass)
     inverse = np.linalg.inv(root)
     squares, vectors = np.linalg.eigh(inverse @ stiffness @ inverse.T)
@@ -158,7 +163,19 @@ def _fill_modes(
     shape: FloatArray,
     inverse: FloatArray,
 ) -> None:
-    """Fill in the records of the modes of a group."""
+    """Fill in the records of the modes of a group.
+
+    Parameters
+    ----------
+    modes
+        Records to fill, one row for each mode.
+    structure
+        The structure.
+    group
+        Indices of the coordinates.
+    square, shape, inverse
+        From `_modes`.
+    """
     axis, body = group % 6, group // 6
     per = np.where(axis < 3, 1.0 / np.array([block.size for block in structure.blocks])[body], 1.0)
     parts = np.zeros((structure.n, 2, len(group)))

@@ -40,40 +40,16 @@ class Structure(Shown):
 
     x and y are horizontal, z points up; the base is the plane z = 0. InputError is raised for a block without
     connection to the base, and for names that occur twice.
-
-    Attributes
-    ----------
-    name : str
-        Name, usable as a file name.
-    blocks : tuple of Solid
-        The blocks.
-    joints : tuple of Joint
-        The joints; bearings come last.
-    ties : tuple of Tie
-        The ties.
-    g : float
-        Gravity, m/s2.
-    tolerance : float
-        Error tolerance relative to the largest motion.
-    without : tuple of str
-        What is left out of a run: "peaks" (other than those of displacements), "elastic" (steps by modes), "stabilized"
-        (stabilized steps).
-    described : mapping or None
-        The file, with one table for each block; None if made otherwise.
-    ports : tuple of Port
-        The ports.
-    neighbours : tuple of Pair
-        The pairs of sides that may meet.
     """
 
     name: str
     blocks: tuple[Solid, ...]
-    joints: tuple[Joint, ...]
+    joints: tuple[Joint, ...]  # bearings last
     ties: tuple[Tie, ...] = ()
-    g: float = 9.80665  # m/s2
+    g: float = 9.80665  # gravity, m/s2
     tolerance: float = TOLERANCE  # error relative to the largest motion
-    without: tuple[str, ...] = ()  # of SKIPS
-    described: Mapping[str, Any] | None = None  # the file, a table for each block; None: made otherwise
+    without: tuple[str, ...] = ()  # what a run leaves out: of "peaks", "elastic", "stabilized" (SKIPS)
+    described: Mapping[str, Any] | None = None  # the file, with one table for each block; None: made otherwise
     ports: tuple[Port, ...] = ()
     neighbours: tuple[Pair, ...] = ()
 

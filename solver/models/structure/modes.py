@@ -1,4 +1,4 @@
-"""Modes of vibration of a structure in space about its rest, weight included."""
+"""Modes of vibration of a structure in space about its rest under weight."""
 
 from __future__ import annotations
 
@@ -24,35 +24,33 @@ from .stepper import Stepper
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SLIDING_PART = 1e-3  # of the settlement: displacements for the tangent while bearings slide
-PART = 1e-6  # of the settlement: displacements within a radian of the fastest mode at the rates of differences
+SLIDING_PART = 1e-3  # of the settlement: differences for the tangent while bearings slide
+PART = 1e-6  # of the settlement: differences of rates, times 1 / omega of the fastest mode
 
 
 @dataclass(frozen=True, eq=False)
 class SpatialModes(Framed):
-    """The 6 n modes of a structure by frequency; joints that are partly open at rest stay so.
+    """The 6 n modes of a structure by increasing frequency; joints that are partly open at rest stay so.
 
-    Shapes (6 n, n, 3): displacements of the centroids, m, and rotations, rad, scaled so that the largest displacement,
-    or rotation times the size of its block, is 1 m. mass (6 n, 6): effective masses along x, y, z, kg, and inertias
-    about axes through the origin, kg m2. Damping ratios are NaN without weight: it is open then what is in contact.
+    Each shape is scaled so that the largest displacement, or rotation times the size of its block, is 1 m.
     """
 
     structure: Structure
     frequency: FloatArray  # (6 n,) Hz
-    displacement: FloatArray
-    rotation: FloatArray
-    mass: FloatArray
-    damping_ratio: FloatArray  # (6 n,) of critical; dampers that couple modes are treated as uncoupled
-    twists: FloatArray  # (6 n,) part of the moment of inertia about the vertical axis through the centroid
+    displacement: FloatArray  # (6 n, n, 3) m, of the centroids
+    rotation: FloatArray  # (6 n, n, 3) rad
+    mass: FloatArray  # (6 n, 6) effective masses along x, y, z, kg, and inertias about axes through the origin, kg m2
+    damping_ratio: FloatArray  # (6 n,) of critical, without coupling of modes; NaN without weight: contacts unknown
+    twists: FloatArray  # (6 n,) share of the moment of inertia about the vertical axis through the centroid
 
     @property
     def mass_ratio(self) -> FloatArray:
-        """Effective masses along x, y, z over the mass of the structure, (6 n, 3)."""
+        """The effective masses along x, y, z relative to the mass of the structure, (6 n, 3)."""
         return self.mass[:, :3] / sum(block.mass for block in self.structure.blocks)
 
     @property
     def _columns(self) -> dict[str, FloatArray]:
-        """The numbers of each mode, and of the blocks in it, (6 n,) and (6 n, n)."""
+        """The columns of the table: numbers of each mode, (6 n,), and of the blocks in it, (6 n, n)."""
         found = {"frequency": self.frequency, "damping_ratio": self.damping_ratio}
         found |= {f"mass_{axis}": self.mass[:, k] for k, axis in enumerate("xyz")} | {"twist": self.twists}
         shapes = np.concatenate([self.displacement, self.rotation], axis=2)
@@ -80,10 +78,14 @@ class SpatialModes(Framed):
 
 
 def modes_in_space(structure: Structure) -> SpatialModes:
-    """Modes about rest. Raises InputError for a structure that has no stable rest, or neighbours that touch there."""
+    """Compute the modes of a structure about its rest.
+
+    Raises InputError if the structure has no stable rest, or neighbours that touch there.
+    """
     n = structure.n
     rest = rest_of(structure)
     _check_gaps(structure, rest)
+    # eigenvalues of the stiffness scaled by the Cholesky factor of the mass
     root = _root_of_mass(structure)
     inverse = np.linalg.inv(root)
     stiffness = rest.stiffness if structure.weight > 0.0 else full_stiffness(structure)
@@ -92,14 +94,17 @@ def modes_in_space(structure: Structure) -> SpatialModes:
         raise InputError(f"{structure.name}: its rest is not stable, it falls without any motion")
     shapes = inverse.T @ vectors
     omega = np.sqrt(squares)
+    # damping ratios: diagonal of the modal damping matrix
     damping = np.full((6 * n, 6 * n), math.nan)
     if structure.weight > 0.0:
         damping = _damping(structure, rest, float(omega[-1]))
     modal = np.einsum("ik,ij,jk->k", shapes, damping, shapes)
+    # effective masses; twist about the vertical axis through the centroid
     participation = _rigid(structure).T @ root @ vectors
     masses = np.array([block.mass for block in structure.blocks])
     x, y, _ = masses @ np.array([block.centroid for block in structure.blocks]) / np.sum(masses)
     twists = (participation[5] + y * participation[0] - x * participation[1]) ** 2
+    # scale of the shapes
     parts = shapes.T.reshape(6 * n, n, 6)
     sizes = np.array([block.size for block in structure.blocks])[None, :, None]
     largest = np.maximum(np.abs(parts[..., :3]), np.abs(parts[..., 3:]) * sizes).max(axis=(1, 2))
@@ -110,12 +115,15 @@ def modes_in_space(structure: Structure) -> SpatialModes:
 
 
 def frequencies_apart(structure: Structure) -> FloatArray:
-    """Natural frequencies, Hz (6 n,), as if no neighbour were there, whether they touch or not. Raises InputError."""
+    """Return the natural frequencies, Hz (6 n,), as if there were no neighbours, even if some touch.
+
+    Raises InputError if the structure has no stable rest.
+    """
     return modes_in_space(replace(structure, neighbours=(), described=None)).frequency
 
 
 def _check_gaps(structure: Structure, rest: Rest) -> None:
-    """Raise InputError for neighbours that touch at rest: they would press one way and part the other."""
+    """Raise InputError for neighbours that touch at rest: their contact resists in one direction only."""
     gaps = rest.row[places_of(OUTPUTS, structure.sizes)["gap"]]
     for name, pair, gap in zip(structure.contact_names, structure.neighbours, gaps.tolist(), strict=True):
         if gap <= NEAR:
@@ -126,9 +134,10 @@ def _check_gaps(structure: Structure, rest: Rest) -> None:
 
 
 def sliding_frequencies(structure: Structure) -> FloatArray:
-    """Natural frequencies while all bearings slide or yield, Hz (6 n,): pendulums as under the weight, rubber alone.
+    """Return the natural frequencies while all bearings slide or yield, Hz (6 n,).
 
-    0 where nothing pulls back. Raises InputError for a structure that has no stable rest.
+    Pendulums act under their weight, rubber without its initial stiffness; 0 where there is no restoring force. Raises
+    InputError if the structure has no stable rest.
     """
     stepper = Stepper(structure)
     rest = rest_of(structure)
@@ -145,7 +154,7 @@ def sliding_frequencies(structure: Structure) -> FloatArray:
 
 
 def _root_of_mass(structure: Structure) -> FloatArray:
-    """Cholesky's root of masses and inertias, (6 n, 6 n)."""
+    """Return the Cholesky factor of the mass matrix, (6 n, 6 n)."""
     root = np.zeros((6 * structure.n, 6 * structure.n))
     for i, block in enumerate(structure.blocks):
         at = 6 * i
@@ -155,15 +164,18 @@ def _root_of_mass(structure: Structure) -> FloatArray:
 
 
 def _damping(structure: Structure, rest: Rest, fastest: float) -> FloatArray:
-    """Forces and moments on the blocks by their rates, (6 n, 6 n); fastest: rad/s, of the modes.
+    """Return the damping matrix: forces and moments on the blocks per rate, (6 n, 6 n).
 
-    By central differences, so that of a joint that is partly open only the part in contact damps. Blocks at rest have
-    turned so little that their axes are those of the base. Where joints may slide, they stick.
+    It is found by central differences, so that only the part of a joint in contact damps. Blocks at rest have turned so
+    little that their axes are those of the base. Joints that may slide are made to stick.
+
+    fastest: largest angular frequency of the modes, rad/s.
     """
     stepper, n = Stepper(structure), structure.n
     start_from(stepper, rest)
     stepper, see = sticking(stepper), stepper.see
     deltas = deltas_of(structure, PART * fastest * float(np.max(np.abs(rest.phase[: 3 * n]))))
+    # central differences of the forces by each rate
     rates = see.vx, see.vy, see.vz, see.wx, see.wy, see.wz
     found = np.empty((6 * n, 6 * n))
     for column, delta in enumerate(deltas):
@@ -178,7 +190,7 @@ def _damping(structure: Structure, rest: Rest, fastest: float) -> FloatArray:
 
 
 def _rigid(structure: Structure) -> FloatArray:
-    """Displacements and rotations of all blocks as the base moves along, or turns about, each axis, (6 n, 6)."""
+    """Return the motions of all blocks as the base moves along or turns about each axis, (6 n, 6)."""
     found = np.zeros((6 * structure.n, 6))
     for i, block in enumerate(structure.blocks):
         x, y, z = block.centroid

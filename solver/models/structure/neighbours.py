@@ -45,16 +45,32 @@ MOST = 1000  # pairs
 _GAP = (0.0, 1e6), "a length in m, zero or positive"
 SHEAR_RATIO = 0.4
 PARALLEL = 0.5  # cosine of the angle between the axis of a drum and a face beyond which the drum's end faces it
-OPPOSITE = -0.9  # cosine of the angle between the normals of faces that face each other, at most
-LEVEL = 0.9  # of a normal: faces that lie more level than that are no sides
+OPPOSITE = -0.9  # largest cosine of the angle between the normals of faces that face each other
+LEVEL = 0.9  # vertical part of a normal above which a face is no side
 LEAST = 1e-6  # of half the length of a drum: sides that face each other over less do not meet
 NEAR = 1e-6  # m
 
 
 def neighbours_from(data: Mapping[str, Any], blocks: tuple[Solid, ...], joints: Sequence[Joint]) -> tuple[Pair, ...]:
-    """The pairs that the table `neighbours` of a structure describes; none without one. Raises InputError."""
+    """Return the pairs that the table `neighbours` of a structure describes; empty without one.
+
+    Parameters
+    ----------
+    data : mapping
+        The file of the structure.
+    blocks : tuple of Solid
+        The blocks.
+    joints : sequence of Joint
+        The joints, whose blocks are no neighbours.
+
+    Raises
+    ------
+    InputError
+        If a key or a value is wrong, or if blocks overlap as built.
+    """
     if "neighbours" not in data:
         return ()
+    # common numbers, declared pairs, walls
     table = data["neighbours"]
     check_table("neighbours.", table, KEYS)
     given = _numbers("neighbours", table, tuple(_RANGES))
@@ -67,6 +83,7 @@ def neighbours_from(data: Mapping[str, Any], blocks: tuple[Solid, ...], joints: 
     walls = [_wall(f"neighbours.wall[{number}]", part) for number, part in enumerate(tables, start=1)]
     if "reach" not in given and not declared:
         raise InputError(f"neighbours.reach: missing, must be {_REACH[1]}, or give tables [[neighbours.pair]]")
+    # pairs of blocks within the reach, or declared
     joined = {frozenset((joint.upper, joint.lower)) for joint in joints}
     reach, found = given.get("reach", -1.0), []
     _refuse_overlaps(blocks, joints, {pair for pair, (_, own) in declared.items() if "gap" in own})
@@ -84,10 +101,12 @@ def neighbours_from(data: Mapping[str, Any], blocks: tuple[Solid, ...], joints: 
             if key and not pairs:
                 raise InputError(f"{key}.between: must be two blocks whose sides face each other: drums, plane faces")
             found += [_with_law(key or "neighbours", pair, {**_law(given, own), **own}, blocks) for pair in pairs]
+    # blocks and walls
     for one, block in enumerate(blocks):
         for number, wall in enumerate(walls, start=1):
             for pair in _before_faces(block, one, (wall,), len(blocks), reach):
                 found.append(_with_law("neighbours", replace(pair, wall=number), given, blocks))
+    # limits of the kernels
     for pair in found:
         corners = sum(len(side.outline) for side in (pair.side, pair.beside) if isinstance(side, Face))
         if corners > 2 * MOST_CORNERS:
@@ -99,7 +118,7 @@ def neighbours_from(data: Mapping[str, Any], blocks: tuple[Solid, ...], joints: 
 
 
 def _refuse_overlaps(blocks: tuple[Solid, ...], joints: Sequence[Joint], apart: set[tuple[int, int]]) -> None:
-    """Raise InputError if two blocks overlap as built whose distance no table gives."""
+    """Raise InputError for two blocks that overlap as built, unless a table gives their gap."""
     for one, other, depth in built_overlaps(blocks, joints):
         if (one, other) not in apart:
             names = f"{blocks[one].name} and {blocks[other].name} overlap by {1e3 * depth:.3g} mm as built"
@@ -107,13 +126,16 @@ def _refuse_overlaps(blocks: tuple[Solid, ...], joints: Sequence[Joint], apart: 
 
 
 def _deepest(blocks: tuple[Solid, ...], one: int, other: int, own: Mapping[str, float]) -> float:
-    """Return the overlap as built up to which sides face each other, m: of rounded surveys, or of a pair with a gap."""
+    """Return the largest overlap as built at which sides still face each other (m).
+
+    It is that of rounded surveys, or the smaller `drop` of both blocks of a pair with a given gap.
+    """
     drop = min(blocks[one].drop, blocks[other].drop)
     return drop if "gap" in own else touching(blocks[one], blocks[other])
 
 
 def _near(blocks: tuple[Solid, ...], reach: float) -> NDArray[np.bool_]:
-    """Whether the spheres about two blocks are within a reach, m, of each other: (n, n)."""
+    """Return the mask of the pairs of blocks whose bounding spheres are within a reach (m), (n, n)."""
     places = np.array([block.centroid for block in blocks])
     around = np.array([block.reach for block in blocks]) + 0.5 * (reach + NEAR)
     near: NDArray[np.bool_] = np.linalg.norm(places[:, None] - places[None], axis=2) <= around[:, None] + around[None]
@@ -121,7 +143,7 @@ def _near(blocks: tuple[Solid, ...], reach: float) -> NDArray[np.bool_]:
 
 
 def _wall(key: str, table: Mapping[str, Any]) -> Face:
-    """An upright plane that moves with the base: `at` is the middle of its lower edge."""
+    """Return a vertical plane that moves with the base; the centre of its lower edge is at `at`."""
     check_keys(f"{key}.", table, _OF_WALL)
     for word in _OF_WALL:
         if word not in table:
@@ -138,7 +160,7 @@ def _wall(key: str, table: Mapping[str, Any]) -> Face:
 
 
 def _law(given: Mapping[str, float], own: Mapping[str, float]) -> dict[str, float]:
-    """What holds for all pairs; damping and restitution say the same, so that one of a pair replaces the other."""
+    """Return the default law for a pair; its own damping or restitution replaces either of them."""
     says = {"damping", "restitution"} & own.keys()
     return {name: value for name, value in given.items() if not (says and name in ("damping", "restitution"))}
 
@@ -163,7 +185,7 @@ def _between(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> t
 
 
 def side_of_drum(solid: Solid) -> Side | None:
-    """The side of a drum whose ends are equal; None of other blocks."""
+    """Return the side of a drum with equal ends; None for other blocks."""
     ends = [face for face in solid.faces if face.radius]
     if len(ends) != 2 or len(solid.faces) != 2 or not math.isclose(ends[0].radius, ends[1].radius, rel_tol=1e-9):
         return None
@@ -173,9 +195,9 @@ def side_of_drum(solid: Solid) -> Side | None:
 
 
 def _facing(blocks: tuple[Solid, ...], one: int, other: int, reach: float, deepest: float) -> list[Pair]:
-    """Return pairs of sides of two blocks that face each other within a reach, m, without their laws.
+    """Return the pairs of sides of two blocks that face each other within a reach (m), without their laws.
 
-    deepest: overlap as built up to which plane faces still do, m.
+    deepest: largest overlap as built at which plane faces still face each other, m.
     """
     drums = side_of_drum(blocks[one]), side_of_drum(blocks[other])
     if drums[0] and drums[1]:
@@ -189,7 +211,7 @@ def _facing(blocks: tuple[Solid, ...], one: int, other: int, reach: float, deepe
 def _before_faces(
     block: Solid, one: int, faces: Sequence[Face], other: int, reach: float, deepest: float = TOUCH
 ) -> list[Pair]:
-    """Pairs of a block with faces of another one that a side of it stands before, within a reach."""
+    """Return the pairs of the sides of block `one` with faces of another body that they face within a reach (m)."""
     drum, found = side_of_drum(block), []
     before = [(face, drum) for face in faces] if drum else facing(faces, block.faces, OPPOSITE + NEAR)
     for face, side in before:
@@ -200,7 +222,7 @@ def _before_faces(
 
 
 def _gap_of_faces(one: Face, other: Face, deepest: float) -> tuple[float, float] | None:
-    """Return the distance of two faces that face each other, m, and the area over which they do, m2.
+    """Return the distance of two faces that face each other (m) and the area over which they do (m2).
 
     None if they do not, or if they overlap by more than `deepest`, m.
     """
@@ -221,8 +243,9 @@ def _gap_of_faces(one: Face, other: Face, deepest: float) -> tuple[float, float]
 
 
 def _gap_of_drums(a: Side, b: Side) -> tuple[float, float]:
-    """Distance of two drums, m, as sides by sides, and the length over which they face each other."""
+    """Return the distance of the sides of two drums (m), and the length over which they face each other (m)."""
     between, c = a.middle - b.middle, float(a.axis @ b.axis)
+    # interval of the axis of a before the length of b
     low, high = -a.half, a.half
     if abs(c) > 1e-9:
         ends = sorted((way * b.half - float(between @ b.axis)) / c for way in (-1.0, 1.0))
@@ -231,6 +254,7 @@ def _gap_of_drums(a: Side, b: Side) -> tuple[float, float]:
         return math.inf, 0.0
     if high - low <= LEAST * min(a.half, b.half):
         return math.inf, 0.0
+    # nearest point of that interval to the axis of b
     at, along = between - float(between @ b.axis) * b.axis, a.axis - c * b.axis
     square = float(along @ along)
     s = min(max(-float(at @ along) / square if square > 1e-24 else 0.0, low), high)
@@ -238,12 +262,13 @@ def _gap_of_drums(a: Side, b: Side) -> tuple[float, float]:
 
 
 def _gap_before_face(drum: Side, face: Face) -> tuple[float, float] | None:
-    """Distance of a drum from a face, m, and the length over which it stands before it; None if it does not."""
+    """Return the distance of a drum from a face (m), and the length over which it faces it (m); None if it does not."""
     c = float(drum.axis @ face.normal)
     if face.radius or abs(c) > PARALLEL:
         return None
     between = drum.middle - face.centre
     low, high = -drum.half, drum.half
+    # clip the axis of the drum to the outline of the face
     x, y = between @ face.axes[:, :2], drum.axis @ face.axes[:, :2]
     for a, b in zip(face.outline, np.roll(face.outline, -1, axis=0), strict=True):
         side = b - a
@@ -266,7 +291,7 @@ def _names(pair: Pair, blocks: tuple[Solid, ...]) -> str:
 
 
 def _with_law(key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Solid, ...]) -> Pair:
-    """A pair with its law and gap. Raises InputError."""
+    """Return a pair with its law and gap. Raises InputError."""
     names = _names(pair, blocks)
     of_kind = "line_stiffness" if isinstance(pair.side, Side) else "stiffness"
     if of_kind not in law:
@@ -278,6 +303,7 @@ def _with_law(key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Soli
     if "gap" not in law and pair.gap < -touching(*(blocks[i] for i in (pair.one, pair.other) if i < len(blocks))):
         deep = f"{-1e3 * pair.gap:.3g} mm as built"
         raise InputError(f"{key}: {names} overlap by {deep}, must stand apart, or have a gap")
+    # damping, from the restitution with the reduced mass of both blocks if needed
     stiffness = law[of_kind] * pair.size
     if "damping" in law:
         damping = law["damping"]
@@ -297,10 +323,19 @@ def _with_law(key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Soli
 
 
 def restitution_of(damping: float, mass: float, stiffness: float) -> float:
-    """Restitution of a central impact of a mass, kg, on a bed, N/m, of this damping, s, without tension.
+    """Return the coefficient of restitution of a central impact on a damped bed that bears no tension.
 
-    The damped half-oscillation until its force is zero; of two blocks the mass is m1 m2 / (m1 + m2).
+    The impact is the damped half-oscillation until the force is zero.
     Source: T. Schwager and T. Pöschel, Granular Matter 9 (2007) 465.
+
+    Parameters
+    ----------
+    damping : float
+        Damping of the bed, s.
+    mass : float
+        Mass, kg; of two blocks m1 m2 / (m1 + m2).
+    stiffness : float
+        Stiffness of the bed, N/m.
     """
     zeta = 0.5 * damping * math.sqrt(stiffness / mass)
     if zeta == 0.0:
@@ -315,7 +350,7 @@ def restitution_of(damping: float, mass: float, stiffness: float) -> float:
 
 
 def damping_of(restitution: float, mass: float, stiffness: float) -> float:
-    """The damping, s, that gives this restitution: the inverse of `restitution_of`, by halving."""
+    """Return the damping (s) that gives this restitution: the inverse of `restitution_of`, by bisection."""
     low, high = 0.0, 1.0
     while restitution_of(high, mass, stiffness) > restitution:
         high *= 2.0

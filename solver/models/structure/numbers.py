@@ -36,7 +36,19 @@ _LENGTHS = (
 
 
 class Named(NamedTuple):
-    """A name in its parts: block, joint, tie or bearing; which ("": all); key; coordinate (0: the number itself)."""
+    """A dotted name in its parts.
+
+    Attributes
+    ----------
+    kind : str
+        block, joint, tie or bearing.
+    which : str
+        Name or number; "" for all.
+    key : str
+        Key of the table.
+    coordinate : int
+        Number of the coordinate from 1; 0 for a scalar.
+    """
 
     kind: str
     which: str
@@ -45,17 +57,20 @@ class Named(NamedTuple):
 
 
 def is_of_structure(name: str) -> bool:
-    """Whether a dotted name belongs to a structure."""
+    """Return True if a dotted name belongs to a structure."""
     return name in (*_WHOLE, SIZE) or _named(name) is not None or is_of_neighbours(name)
 
 
 def is_of_neighbours(name: str) -> bool:
-    """Whether a dotted name belongs to the table `neighbours`."""
+    """Return True if a dotted name belongs to the table `neighbours`."""
     return _NEIGHBOURS.fullmatch(name) is not None
 
 
 def single_names_in_space(name: str, structure: Structure) -> list[str]:
-    """`joint.stiffness` as `joint[1].stiffness`, `joint[2].stiffness` ...; a name of one number as it is."""
+    """Expand a name of several numbers: `joint.stiffness` to `joint[1].stiffness`, `joint[2].stiffness`, ...
+
+    A name of one number is returned as it is.
+    """
     of_neighbours = _NEIGHBOURS.fullmatch(name)
     if of_neighbours and of_neighbours[1] and not of_neighbours[2]:
         pairs = _pairs_of(structure.described or {})
@@ -67,17 +82,29 @@ def single_names_in_space(name: str, structure: Structure) -> list[str]:
 
 
 def unit_in_space(name: str) -> str:
-    """m of a length; of others, whose unit is in the reference of the file, nothing."""
+    """Return "m" for the name of a length, else "": the reference of the file has the other units."""
     return "m" if name.rpartition(".")[2].partition("[")[0] in _LENGTHS else ""
 
 
 def structure_with(structure: Structure, values: Mapping[str, tuple[float, bool]]) -> Structure:
-    """The structure with numbers set: name -> (number, whether it multiplies what the structure has).
+    """Return the structure with some of its numbers replaced.
 
-    Its size comes first, then the others in their order. Raises InputError on a name or a number that is wrong.
+    Parameters
+    ----------
+    structure : Structure
+        The structure.
+    values : mapping
+        By name: a number, and whether it multiplies the present one. The size comes first, then the others in their
+        order.
+
+    Raises
+    ------
+    InputError
+        If a name or a number is wrong.
     """
     if not values:
         return structure
+    # laws of joints are set on the joints, which may come from several tables; all else in the file
     beds = {name for name in values if (found := _named(name)) is not None and found.kind == "joint"}
     if beds != values.keys():
         data = structure.to_dict()
@@ -109,7 +136,7 @@ def _names(kind: str, structure: Structure) -> Sequence[str]:
 
 
 def _which(name: str, structure: Structure) -> Sequence[int]:
-    """Places of what a name refers to. Raises InputError if there is no such block, joint or tie."""
+    """Return the indices of what a name refers to. Raises InputError if there is no such block, joint or tie."""
     found = _named(name)
     assert found is not None
     names = _names(found.kind, structure)
@@ -147,7 +174,7 @@ def _put(table: dict[str, Any], name: str, found: Named, number: float, relative
         table.setdefault("scale", 1.0)
     if not found.coordinate:
         table[found.key] = _moved(name, table.get(found.key), number, relative)
-        if not relative:  # one of them replaces the other
+        if not relative:  # mass and density exclude each other
             table.pop({"mass": "density", "density": "mass"}.get(found.key, ""), None)
         return
     point = table.get(found.key)
@@ -157,7 +184,7 @@ def _put(table: dict[str, Any], name: str, found: Named, number: float, relative
 
 
 def _put_beside(data: dict[str, Any], name: str, found: re.Match[str], number: float, relative: bool) -> None:
-    """Set a number of the table `neighbours`, of a pair of it, or of all its pairs."""
+    """Set a number of the table `neighbours`, of one of its pairs, or of all of them."""
     tables = _pairs_of(data) if found[1] else [data["neighbours"]] if "neighbours" in data else []
     if found[2]:
         tables = tables[int(found[2]) - 1 :][:1]
@@ -166,12 +193,12 @@ def _put_beside(data: dict[str, Any], name: str, found: re.Match[str], number: f
     key = found[3]
     for table in tables:
         table[key] = _moved(name, table.get(key), number, relative)
-        # one says what the other does
+        # damping and restitution exclude each other
         table.pop({"damping": "restitution", "restitution": "damping"}.get(key, ""), None)
 
 
 def _pairs_of(data: Mapping[str, Any]) -> Sequence[dict[str, Any]]:
-    """Tables of the pairs in the mapping of a structure's file."""
+    """Return the tables of the pairs in the mapping of a structure's file."""
     pairs: Sequence[dict[str, Any]] = data.get("neighbours", {}).get("pair", [])
     return pairs
 
@@ -194,7 +221,7 @@ def _bed_with(bed: Bed, name: str, number: float, relative: bool) -> Bed:
 
 
 def resize_beside(data: Mapping[str, Any], factor: float) -> None:
-    """Multiply the lengths of the table `neighbours`, where there is one."""
+    """Multiply the lengths of the table `neighbours` by a factor, if there is such a table."""
     beside = data.get("neighbours", {})
     for table in (beside, *beside.get("pair", []), *beside.get("wall", [])):
         for key in table.keys() & set(_LENGTHS):

@@ -1,4 +1,4 @@
-"""The outputs of a structure, in the order of kernels/structure/layout.py: each a row here."""
+"""The outputs of a structure, one entry for each, in the order of kernels/structure/layout.py."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class StructureHistories(Histories):
-    """What has a structure and output rows (rows, numbers) of it: of all its parts, and of its base."""
+    """Output rows (rows, numbers) of a structure: of its parts and of its base."""
 
     ux = Output(
         BLOCK, "m", "Centroid of {it} along x, relative to the base, from the structure as built and without weight"
@@ -92,14 +92,14 @@ class StructureHistories(Histories):
 
     @property
     def rotation(self) -> FloatArray:
-        """Axis times angle of each block, rad (rows, n, 3)."""
+        """The rotation vector of each block, axis times angle, rad (rows, n, 3)."""
         return np.stack([self.rx, self.ry, self.rz], axis=-1)
 
     @property
     def opening(self) -> FloatArray:
-        """Largest gap of each joint, m (rows, joints): of the upper face over the plane of the lower one.
+        """The largest gap of each joint, m (rows, joints), between the upper face and the plane of the lower one.
 
-        0 where all of it is in contact. The faces are those as built.
+        It is 0 where the whole joint is in contact. The faces are those as built.
         """
         structure, turns = self.structure, self.rotation
         moves = np.stack([self.ux, self.uy, self.uz], axis=-1)
@@ -117,7 +117,7 @@ class StructureHistories(Histories):
             apart, x, y = (
                 np.sum((one - other) * normal, axis=1) for one, other in zip(upper[:3], lower[:3], strict=True)
             )
-            if joint.bearing is not None:  # at its point, over where it would be as it moves
+            if joint.bearing is not None:  # at its point, above the surface of the pendulum
                 moved = np.sum((upper[0] - lower[0]) ** 2, axis=1) - apart**2
                 found[:, j] = apart - 0.5 * joint.bearing.pendulum * moved
             elif face.radius:
@@ -127,9 +127,19 @@ class StructureHistories(Histories):
         return np.where(self.contact < 1.0, np.maximum(found, 0.0), 0.0)  # pendulum bearings rise, and do not open
 
     def displacement(self, block: str | int, point: Sequence[float] = (0.0, 0.0, 0.0)) -> FloatArray:
-        """Displacement of a point of a block, m (rows, 3); the point counts from its centroid, along its own axes.
+        """Return the displacement of a point of a block, m (rows, 3).
 
-        Raises InputError for a block that there is none of.
+        Parameters
+        ----------
+        block : str or int
+            Name or index of the block.
+        point : sequence of float
+            Point from the centroid along the axes of the block, m.
+
+        Raises
+        ------
+        InputError
+            If there is no such block, or the point is not three lengths.
         """
         i = self.structure.number(block)
         arm = self.structure.blocks[i].axes @ np.asarray(point, dtype=np.float64)

@@ -1,9 +1,9 @@
-"""Overlaps of blocks in a run: where the model does not let them meet, and of neighbours beyond their contacts.
+"""Overlaps of blocks in a run that the contacts of the model do not describe.
 
-Neighbours meet by the sides that were paired as built: a block that turns, or that comes round a corner, may enter its
-neighbour where no sides are paired. So every two blocks without a joint are compared by their convex bodies. Two bodies
-with joints are compared while a joint of theirs has ended, which it does where its faces no longer share an area: a
-joint placed on a narrow strip ends once it has slid by the width of the strip.
+Neighbours touch by the sides that were paired as built: a block that turns, or passes round a corner, may enter its
+neighbour where no sides are paired. So the convex bodies of every two blocks without a joint are compared. Two bodies
+with joints are compared while one of their joints has ended, that is, its faces no longer share an area: a joint on a
+narrow strip ends once it has slid by the width of the strip.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from .model import Structure
 from .outputs import StructureHistories
 
 ROWS = 1000  # instants at once: memory
-BEYOND = 0.05  # of the depth in which a contact bears: so much more is still taken as that
+BEYOND = 0.05  # of the depth of a contact: an overlap deeper by up to this is still ascribed to it
 UPRIGHT = 1e-6  # of the vertical part of a normal: the base below such a face is a half-space
 UNJOINED, PAIRED, ENDED = "unjoined", "paired", "ended"
 WHY = {  # why two bodies do not meet: for a sentence, and for a row of a check
@@ -44,7 +44,7 @@ WHY = {  # why two bodies do not meet: for a sentence, and for a row of a check
 
 
 class Overlap(NamedTuple):
-    """The deepest overlap of two blocks in a run that the model knows nothing of, beyond what it is as built."""
+    """The deepest overlap of two blocks in a run that no contact of the model describes, beyond that as built."""
 
     depth: float = 0.0  # m
     between: tuple[str, ...] = ()  # their names; empty without an overlap
@@ -53,7 +53,7 @@ class Overlap(NamedTuple):
 
     @property
     def sentence(self) -> str:
-        """What a user should know of it."""
+        """The warning for the user."""
         names, depth, why = " and ".join(self.between), 1e3 * self.depth, WHY[self.cause][0]
         return f"{names} pass into each other by {depth:.3g} mm at {self.time:.4g} s: {why} do not rely on this run"
 
@@ -64,7 +64,10 @@ class Overlap(NamedTuple):
 
 
 def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHistories) -> Overlap:
-    """Return the deepest overlap in the rows, which belong to instants, s. Pairs that cannot meet cost nothing."""
+    """Return the deepest overlap in the rows at the instants `time`, s.
+
+    Pairs that cannot come near each other are skipped.
+    """
     n = structure.n
     u = np.stack([rows.ux, rows.uy, rows.uz], axis=-1)
     rotation = rows.rotation
@@ -77,6 +80,7 @@ def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHisto
     found = _deepest_where_joints_ended(structure, hulls, time, u, rotation)
     if n < 2:
         return found
+    # a pair is compared where the displacements of both could close its distance as built
     reach = np.array([block.reach for block in structure.blocks])
     turning = reach * np.linalg.norm(rotation, axis=2)
     most = np.max(np.linalg.norm(u, axis=2) + turning, axis=0)
@@ -103,7 +107,7 @@ def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHisto
 def _deepest_where_joints_ended(
     structure: Structure, hulls: list[list[Hull]], time: FloatArray, u: FloatArray, rotation: FloatArray
 ) -> Overlap:
-    """Return the deepest overlap of two bodies while a joint of theirs has ended, beyond the depth in their others."""
+    """Return the deepest overlap of joined bodies while a joint of theirs has ended, beyond that in their others."""
     joints: dict[tuple[int, int], list[Joint]] = {}
     for joint in structure.joints:
         joints.setdefault((joint.upper, joint.lower), []).append(joint)
@@ -133,7 +137,7 @@ def _deepest_where_joints_ended(
 def _depth_of_bodies(
     structure: Structure, hulls: list[list[Hull]], joints: list[Joint], u: FloatArray, rotation: FloatArray
 ) -> FloatArray:
-    """Return how deep two bodies that joints connect overlap, beyond what they do as built, m (rows,)."""
+    """Return the depth of the overlap of two joined bodies, beyond that as built, m (rows,)."""
     i, j = joints[0].upper, joints[0].lower
     depth, still = np.zeros(len(u)), np.zeros((1, 3))
     if j == structure.n:  # the half-space below each upright face
@@ -165,7 +169,7 @@ class _Sides:
 
     @classmethod
     def of(cls, structure: Structure, joint: Joint, u: FloatArray, rotation: FloatArray) -> _Sides:
-        """Return those of a joint; a joint that does not slide never ends."""
+        """Return the faces of a joint in the rows; a joint that does not slide never ends."""
         face, none = joint.face, np.zeros(len(u), dtype=np.bool_)
         upper, lower = (_outline(part or face, face) for part in (joint.above, joint.below))
         moved, turns = [], []
@@ -175,6 +179,7 @@ class _Sides:
             arm = face.centre - structure.blocks[body].centroid if is_block else np.zeros(3)
             moved.append((u[:, body] if is_block else np.zeros_like(turn)) + turned(turn, arm[None]))
             turns.append(turn)
+        # corners of the upper face from the moved centre, along the moved axes of the lower face
         points = upper @ face.axes[:, :2].T
         corners = (moved[0] - moved[1])[:, None] + points + turned(turns[0][:, None], points[None])
         axes = [axis + turned(turns[1], axis[None]) for axis in face.axes.T]
@@ -184,18 +189,18 @@ class _Sides:
         return cls(seen, lower, _are_apart(seen[..., :2], lower))
 
     def depth(self, at: NDArray[np.intp]) -> FloatArray:
-        """Return how deep the upper face is below the plane of the lower one, m."""
+        """Return the depth of the upper face below the plane of the lower one, m."""
         return np.maximum(0.0, -np.min(self.corners[at, :, 2], axis=1))
 
 
 def _outline(face: Face, joint: Face) -> FloatArray:
-    """The rim of a face along the axes of a joint, m (corners, 2)."""
+    """Return the rim of a face along the axes of a joint, m (corners, 2)."""
     flat: FloatArray = (face.points() - joint.centre) @ joint.axes[:, :2]
     return flat
 
 
 def _are_apart(moved: FloatArray, still: FloatArray) -> NDArray[np.bool_]:
-    """Return whether convex polygons (rows, corners, 2) share no area with another one (corners, 2)."""
+    """Return the mask of convex polygons (rows, corners, 2) that share no area with another one (corners, 2)."""
     apart = np.zeros(len(moved), dtype=np.bool_)
     # along the normals of the one that is still, then of the one that moves
     for side in np.roll(still, -1, axis=0) - still:
@@ -209,14 +214,15 @@ def _are_apart(moved: FloatArray, still: FloatArray) -> NDArray[np.bool_]:
 
 
 def _across(side: FloatArray) -> FloatArray:
-    """Return a normal to each side."""
+    """Return the normal to each side."""
     return np.stack([side[..., 1], -side[..., 0]], axis=-1)
 
 
 def _depth_of_contacts(structure: Structure, rows: StructureHistories) -> dict[tuple[int, int], FloatArray]:
-    """Return how deep the blocks of each pair of neighbours overlap by their contacts, m (rows,).
+    """Return the depth of the contact of each pair of neighbours, m (rows,), by the indices of its blocks.
 
-    As deep at most as where a contact bears something: a gap is also below 0 behind a face that is not met.
+    The depth is limited to the largest one at which the contact bears a force: a gap is also negative behind a face
+    that is not touched.
     """
     found: dict[tuple[int, int], FloatArray] = {}
     for k, pair in enumerate(structure.neighbours):

@@ -1,4 +1,4 @@
-"""The flat arrays of a structure, for the kernels (kernels/structure/layout.py)."""
+"""The flat arrays of a structure for the kernels (kernels/structure/layout.py)."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from .blocks.contacts import GROUND, inside_of
 from .blocks.faces import Face, FloatArray, edge_distance, polygon_moments
 from .blocks.parts import Bearing, Joint, Pair, Side, Solid, Tie
 
-FLOOR = 1e-3  # of the motion under which the structure settles as it is loaded: the least that errors are measured by
-# least damping along a joint that may slide, times the frequency of the fastest joint: the elastic slip turns with the
-# motion within that time, which explicit steps must follow
+FLOOR = 1e-3  # of the settlement under weight: the least motion relative to which errors are measured
+# least damping along a joint that may slide, times the frequency of the fastest joint: the elastic slip follows the
+# motion within that time, which explicit steps must resolve
 RELAXATION = 0.1
-FIRST = 0.1  # of the time in which the fastest joint turns by a radian
+FIRST = 0.1  # of 1 / omega of the fastest joint: first step
 
 
 class Arrays(NamedTuple):
-    """The flat arrays of a structure in motion: copying `state`, `counts` and `base` saves it."""
+    """The flat arrays of a structure in motion; copying `state`, `counts` and `base` saves its state."""
 
     model: FloatArray
     state: FloatArray
@@ -36,7 +36,7 @@ class Arrays(NamedTuple):
 
 
 class Model(NamedTuple):
-    """What describes a structure, for the kernels."""
+    """The description of a structure for the kernels."""
 
     sizes: at.Sizes
     numbers: FloatArray  # layout.py, MODEL
@@ -48,7 +48,7 @@ class Model(NamedTuple):
 
 
 def arrays_of(model: Model) -> Arrays:
-    """The arrays of a structure, zero but for its own model and its bonds as built."""
+    """Return the arrays of a structure, zero except for its model and its unbroken bonds."""
     state = np.zeros(at.STATE.size(model.sizes))
     _put_bonds(at.STATE.see(state, model.sizes).bonded, model.names)
     return Arrays(
@@ -61,7 +61,7 @@ def arrays_of(model: Model) -> Arrays:
 
 
 def _put_bonds(bonded: FloatArray, names: Any) -> None:
-    """Let all of each bond be left."""
+    """Set the unbroken polygon of each bond to its whole section."""
     for left, j in zip(bonded.reshape(-1, at.OF_POLYGON.size(1)), names.bonds.joint.astype(int), strict=False):
         first, count = int(names.joints.first[j]), int(names.joints.corners[j])
         at.BONDED.see(left).corners = count
@@ -70,7 +70,7 @@ def _put_bonds(bonded: FloatArray, names: Any) -> None:
 
 
 def shares_left(state: FloatArray, model: Model) -> FloatArray:
-    """Share of the area of each bonded joint that has not broken, (bonds,), by a state."""
+    """Return the unbroken share of the area of each bonded joint in a state, (bonds,)."""
     sizes, names = model.sizes, model.names
     left = state[at.place_of_bonds(sizes) : sizes.state].reshape(sizes.bonds, at.OF_POLYGON.size(1))
     counts, corners = left[:, 0], left[:, at.BONDED.beside :].reshape(sizes.bonds, at.MOST_BONDED, 2)
@@ -82,7 +82,7 @@ def shares_left(state: FloatArray, model: Model) -> FloatArray:
 
 
 def with_modes(model: Model, modal: FloatArray) -> Model:
-    """A copy of a model without modes, with their data."""
+    """Return a copy of a model without modes, with the modal data appended."""
     room = MODAL_ROOM.size((AXES * model.sizes.n, model.sizes.k))
     sizes = at.sizes_of(*model.sizes[:8], modal.size, room if modal.size else 0)
     made = Model(sizes, np.concatenate([model.numbers, modal]))
@@ -92,7 +92,7 @@ def with_modes(model: Model, modal: FloatArray) -> Model:
 
 
 class Parts(NamedTuple):
-    """What a structure is made of."""
+    """The parts of a structure."""
 
     solids: tuple[Solid, ...]
     joints: tuple[Joint, ...]
@@ -102,7 +102,17 @@ class Parts(NamedTuple):
 
 
 def model_of(parts: Parts, g: float, tolerance: float) -> Model:
-    """The model of a structure, without modes."""
+    """Return the model of a structure, without modes.
+
+    Parameters
+    ----------
+    parts : Parts
+        The parts.
+    g : float
+        Gravity, m/s2.
+    tolerance : float
+        Error tolerance relative to the largest motion.
+    """
     made = _model_of(parts, g)
     made = made._replace(numbers=made.numbers.copy())
     settings = made.names.settings
@@ -114,14 +124,16 @@ def model_of(parts: Parts, g: float, tolerance: float) -> Model:
 
 @lru_cache(maxsize=64)
 def _model_of(parts: Parts, g: float) -> Model:
-    """The model of a structure, without tolerances."""
+    """Return the model of a structure, without tolerances."""
     solids, joints, ties, ports, pairs = parts
+    # corners: sections of the joints, their faces, insides of rims, faces of pairs
     outlines = [joint.face.outline.ravel() for joint in joints]
     faces = [_faces_of(joint, joint.above, joint.below) for joint in joints]
     insides = [_inside_of(joint) for joint in joints]
     corners = np.concatenate([np.zeros(0), *outlines, *(part for parts in (*faces, *insides) for part in parts)])
     sides = [np.concatenate(_outlines_of(pair)).ravel() for pair in pairs]
     corners = np.concatenate([corners, *sides])
+    # sizes
     bearings = sum(joint.bearing is not None for joint in joints)
     bonds = [j for j, joint in enumerate(joints) if joint.bed.is_bonded]
     parts_too = len(ports), len(pairs), len(bonds)
@@ -132,6 +144,7 @@ def _model_of(parts: Parts, g: float) -> Model:
     names.corners[:] = corners
     _fill_bodies(names.bodies, solids)
     table, settings = names.joints, names.settings
+    # joints, with the offsets of their corners
     place, behind = 0, sum(outline.size for outline in outlines)
     for j, joint in enumerate(joints):
         _fill_joint(table, j, joint, solids, place)
@@ -147,6 +160,7 @@ def _model_of(parts: Parts, g: float) -> Model:
             table.inside[j], record = behind, at.INSIDE.see(names.corners[behind:])
             record.above, record.below = behind + section.size, behind + section.size + above.size
             behind += section.size + above.size + below.size
+    # bonds, ties, ports
     for e, j in enumerate(bonds):
         table.bond[j], names.bonds.joint[e] = e + 1.0, j
         names.bonds.strength[e] = joints[j].bed.tensile_strength
@@ -156,10 +170,12 @@ def _model_of(parts: Parts, g: float) -> Model:
     for p, port in enumerate(ports):
         names.ports.body[p] = port.body
         names.ports.x[p], names.ports.y[p], names.ports.z[p] = port.at
+    # pairs of neighbours
     place = corners.size - sum(side.size for side in sides)
     for p, pair in enumerate(pairs):
         _fill_pair(names.pairs, p, pair, solids, place)
         place += sides[p].size
+    # settings; elastic slip at which friction yields, least damping along sliding joints
     _fill_settings(settings, table, solids, joints, g)
     slides = any(joint.bed.friction is not None for joint in joints)
     settlement = settings.motion_floor * settings.extent / FLOOR
@@ -173,7 +189,7 @@ def _model_of(parts: Parts, g: float) -> Model:
 
 
 def centroid_of(solids: tuple[Solid, ...], i: int) -> FloatArray:
-    """Centroid of a body, m; of the base its origin."""
+    """Return the centroid of a body (m); for the base the origin."""
     return solids[i].centroid if i < len(solids) else np.zeros(3)
 
 
@@ -188,7 +204,7 @@ def _fill_bodies(table: Any, solids: tuple[Solid, ...]) -> None:
 
 
 def _inverse(tensor: FloatArray) -> FloatArray:
-    """The inverse of a symmetric tensor, (3, 3), by its minors: equal bits whatever numpy's linear algebra."""
+    """Return the inverse of a symmetric tensor, (3, 3), by its minors: the same bits with any linear algebra."""
     a, b, c = tensor
     minors = np.array([np.cross(b, c), np.cross(c, a), np.cross(a, b)])
     return minors.T / float(a @ minors[0])
@@ -196,7 +212,10 @@ def _inverse(tensor: FloatArray) -> FloatArray:
 
 @lru_cache(maxsize=64)
 def _extent_of(solids: tuple[Solid, ...]) -> float:
-    """m, by which displacements become rotations of the whole."""
+    """Return the length (m) that converts rotations of the whole to displacements.
+
+    It is the height, or a tenth of the largest extent if that is more.
+    """
     corners = np.concatenate([solid.corners for solid in solids])
     return max(float(np.max(corners[:, 2])), 0.1 * float(np.max(np.ptp(corners, axis=0))))
 
@@ -211,6 +230,7 @@ def _fill_joint(table: Any, j: int, joint: Joint, solids: tuple[Solid, ...], pla
     for k in range(3):
         for axis, part in zip("xyz", face.axes[:, k], strict=True):
             getattr(table, f"e{k + 1}{axis}")[j] = part
+    # section, stiffness, friction
     area, ixx, iyy, ixy = joint.moments
     table.area[j], table.ixx[j], table.iyy[j], table.ixy[j] = area, ixx, iyy, ixy
     table.stiffness[j], table.damping[j] = bed.stiffness, bed.damping
@@ -235,14 +255,14 @@ def _fill_bearing(table: Any, j: int, bearing: Bearing) -> None:
 
 
 def _faces_of(joint: Joint, above: Face | None, below: Face | None) -> tuple[FloatArray, ...]:
-    """Both faces of a joint that may slide, for the kernels (layout.py, FACE)."""
+    """Return both faces of a joint that may slide, for the kernels (layout.py, FACE); empty for others."""
     if joint.bed.friction is None or joint.bearing is not None:
         return ()
     return _face_of(joint, above or joint.face), _face_of(joint, below or joint.face)
 
 
 def _inside_of(joint: Joint) -> tuple[FloatArray, ...]:
-    """Return what a rim leaves open of a joint (layout.py, INSIDE), and the insides of its faces; empty without."""
+    """Return the open inside of the rim of a joint (layout.py, INSIDE), and those of its faces; empty without a rim."""
     inside, rim = joint.inside, joint.bed.rim
     if inside is None or rim is None:
         return ()
@@ -258,7 +278,7 @@ def _inside_of(joint: Joint) -> tuple[FloatArray, ...]:
 
 
 def _face_of(joint: Joint, face: Face) -> FloatArray:
-    """A face in the axes of a joint, from its centre."""
+    """Return the record of a face along the axes of a joint, from its centre."""
     if face is GROUND:
         return np.array([0.0, 0.0, 0.0, math.inf, 0.0])
     if face.radius:
@@ -270,7 +290,7 @@ def _face_of(joint: Joint, face: Face) -> FloatArray:
 
 
 def _rim(face: FloatArray) -> float:
-    """Distance of the nearest edge of a face from the centre of its joint, m."""
+    """Return the distance of the nearest edge of a face from the centre of its joint (m)."""
     if not face[0]:
         return float(face[3] - math.hypot(face[1], face[2]))
     return edge_distance(face[at.FACE.beside :].reshape(-1, 2))
@@ -289,7 +309,7 @@ def _fill_tie(table: Any, e: int, tie: Tie, solids: tuple[Solid, ...]) -> None:
 
 
 def _outlines_of(pair: Pair) -> tuple[FloatArray, FloatArray]:
-    """Corners of the faces of a pair, (corners, 2) m; none of a drum."""
+    """Return the corners of both faces of a pair, (corners, 2) m; empty for the side of a drum."""
     side, beside = (part.outline if isinstance(part, Face) else np.zeros((0, 2)) for part in (pair.side, pair.beside))
     return side, beside
 
@@ -336,13 +356,15 @@ def _fill_settings(settings: Any, table: Any, solids: tuple[Solid, ...], joints:
                     along = table.shear[j] + joint.bearing.spring + joint.bearing.ring_stiffness
                     across = max(across, float(along))
                 fastest = max(fastest, across / solids[body].mass)
+    # first step and order of the method
     frequency = math.sqrt(2.0 * fastest)
     settings.gravity = g
     settings.first_step = FIRST / frequency
     along = [d if joint.bearing else s for joint, d, s in zip(joints, table.damping, table.shear_damping, strict=True)]
-    damping = max(map(min, table.damping, along), default=0.0)  # a slider's own does not choose the method
+    damping = max(map(min, table.damping, along), default=0.0)  # without that of sliders
     rings = 0.5 * damping * frequency < LIGHTLY_DAMPED
     settings.order = at.RINGING_ORDER if rings else 5.0
+    # floors of the errors
     settings.extent = extent
     settings.motion_floor = max(1e-12, FLOOR * max(g, 1e-3) / fastest / extent)
     settings.rate_floor = settings.motion_floor * math.sqrt(max(g, 1e-3) / extent)

@@ -1,4 +1,4 @@
-"""The column that a structure is, if it is one: what its motion in the plane x, z can be left to."""
+"""The column that a structure is equivalent to, if any: it can run the motion in the plane x, z."""
 
 from __future__ import annotations
 
@@ -19,11 +19,12 @@ CLOSE = 1e-9  # relative
 
 
 def column_of(structure: Structure) -> Column | None:
-    """The column whose stack (`Structure.stack`) is this structure; None if there is none.
+    """Return the column whose stack (`Structure.stack`) is this structure; None if there is none.
 
-    It needs boxes or drums, each in the middle of the one below, and no ties, bearings, neighbours or bonds. Along its
-    joints a structure is elastic and a column rigid: that is what a run of the column leaves out.
+    The structure must consist of boxes or drums, each centred on the one below, without ties, bearings, neighbours or
+    bonds. A structure is elastic along its joints and a column is rigid: a run of the column neglects that.
     """
+    # blocks from the top, each on one joint to the next block
     order = np.argsort([-float(block.centroid[2]) for block in structure.blocks], kind="stable")
     solids = [structure.blocks[i] for i in order]
     under = {joint.upper: joint for joint in structure.joints}
@@ -35,12 +36,13 @@ def column_of(structure: Structure) -> Column | None:
     lowers = [*order[1:], structure.n]
     if any(joint.lower != lower for joint, lower in zip(joints, lowers, strict=True)):
         return None
+    # build the column and compare its stack with the structure
     settings = Settings(tolerance=structure.tolerance, without=structure.without)
     try:
         blocks = tuple(_block(solid, joint) for solid, joint in zip(solids, joints, strict=True))
         column = Column(structure.name, blocks, settings, structure.g)
         again = stacked(column)
-    except (InputError, IndexError):  # another shape than a box or a drum, or beyond what a column may be
+    except (InputError, IndexError):  # neither boxes nor drums, or outside the limits of a column
         return None
     same = all(map(_same_solid, again["blocks"], solids))
     same = same and all(_same_face(a.face, b.face) for a, b in zip(again["joints"], joints, strict=True))
@@ -48,13 +50,14 @@ def column_of(structure: Structure) -> Column | None:
 
 
 def _block(solid: Solid, joint: Joint) -> planar.Block:
-    """The block that a box or a drum with these faces is: bottom first, then top (shapes.py)."""
+    """Return the column block of a box or a drum; its faces are bottom and top first (shapes.py)."""
     bottom, top = solid.faces[:2]
     section, width, depth, bore = _section(bottom)
     _, top_width, top_depth, _ = _section(top)
     bed, foot = joint.bed, float(bottom.centre[2])
     dowel, strength = bed.dowel or None, bed.strength
     law = planar.Joint(bed.stiffness, bed.damping, friction=bed.friction, dowel=dowel, strength=strength, rim=bed.rim)
+    # the section of the joint, where it differs from that of the block
     contact, *sizes = _section(joint.face)
     own = (width, depth, bore)
     if contact != section or any(abs((a or 0.0) - (b or 0.0)) > CLOSE * width for a, b in zip(sizes, own, strict=True)):
@@ -76,7 +79,7 @@ def _block(solid: Solid, joint: Joint) -> planar.Block:
 
 
 def _section(face: Face) -> tuple[str, float, float, float | None]:
-    """Section, width, depth and bore of a level face as a column has them, m."""
+    """Return section, width, depth and bore of a horizontal face in the terms of a column (m)."""
     if face.radius:
         wide, bore = 2.0 * face.radius, 2.0 * face.bore
         return ("annulus" if bore else "circle"), wide, wide, bore or None

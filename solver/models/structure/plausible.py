@@ -1,4 +1,4 @@
-"""What common/plausible.py judges, of a structure in space."""
+"""The data of a structure in space for the checks of plausibility in common/plausible.py."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from .blocks.parts import OF_COLUMN, Bearing
 from .model import Structure
 from .rest import Rest, full_stiffness, rest_of
 
-ITERATIONS = 4  # to the first mode, from a sway of the structure
+ITERATIONS = 4  # of inverse iteration, from a sway of the structure
 
 
 @lru_cache(maxsize=64)
 def known_warnings_in_space(structure: Structure, at_rest: bool = True) -> tuple[str, ...]:
-    """Values of a structure that are probably not intended, a line each; those of a column's file for its stack.
+    """Return warnings of implausible values of a structure, a line each; those of the column's file for a stack.
 
-    at_rest: also what follows from its rest, if it has one.
+    at_rest: also check what follows from the rest, if there is one.
     """
     rest = None
     if at_rest:
@@ -33,6 +33,7 @@ def known_warnings_in_space(structure: Structure, at_rest: bool = True) -> tuple
             rest = rest_of(structure)
     if structure.is_stack:
         return known_warnings(Column.from_dict(structure.to_dict()[OF_COLUMN]))
+    # facts by block and by joint
     blocks, beds = structure.blocks, [joint.bed for joint in structure.joints]
     first = 6 * structure.n
     facts = plausible.Facts(
@@ -59,13 +60,14 @@ def known_warnings_in_space(structure: Structure, at_rest: bool = True) -> tuple
 
 
 def _first_damping_ratio(structure: Structure, rest: Rest) -> float:
-    """Damping ratio of the first sway, all joints in full contact; 0 without damping or weight.
+    """Return the damping ratio of the first sway mode, all joints in full contact; 0 without damping or weight.
 
-    Found by inverse iteration, accurate enough for a warning; `modes_in_space` has it exactly.
+    It is found by inverse iteration, accurately enough for a warning; `modes_in_space` computes it exactly.
     """
     damping = [joint.bed.damping for joint in structure.joints]
     if not any(damping) or not structure.weight > 0.0:
         return 0.0
+    # damping matrix: a stiffness matrix of the dashpots
     moduli = [joint.bed.damping * joint.bed.stiffness for joint in structure.joints]
     joints = structure.with_joints(moduli, damping).joints  # bearings are meant to damp
     joints = tuple(replace(joint, bearing=joint.bearing and Bearing(joint.bearing.kind)) for joint in joints)
@@ -78,6 +80,7 @@ def _first_damping_ratio(structure: Structure, rest: Rest) -> float:
     def inertial(shape: FloatArray) -> FloatArray:
         return np.einsum("bij,bj->bi", inertia, shape.reshape(-1, 6)).ravel()
 
+    # inverse iteration, then the Rayleigh quotients
     shape = np.tile([1.0, 0.7, 0.0, 0.0, 0.0, 0.0], structure.n)
     for _ in range(ITERATIONS):
         shape = np.linalg.solve(stiffness, inertial(shape))

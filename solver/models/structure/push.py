@@ -1,9 +1,9 @@
-"""Push-over: the places in which a structure balances under a steady acceleration of its base that grows.
+"""Push-over: the equilibria of a structure under a steady acceleration of its base that grows.
 
-Balance is 6 n equations for 6 n coordinates and the push. The path is followed by its length, in displacements and push
-together: a step goes on along the last one, and Newton's method comes back onto the path across it. So a joint that
-slides under a push which does not grow, and the largest push, are places as all others. Joints that slide and ties that
-yield remember each place that the path reaches.
+Equilibrium is 6 n equations for 6 n coordinates and the push. The path is followed by its arc length, in displacements
+and push together: a step extrapolates along the last one, and Newton's method returns to the path in the hyperplane
+normal to it. So a joint that slides under a constant push, and the largest push, are regular points. Sliding joints
+and yielding ties remember each point that the path reaches.
 """
 
 from __future__ import annotations
@@ -31,35 +31,47 @@ from .stepper import Stepper
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FIRST = 0.1  # of g: the push by which lengths along the path are measured, with the displacement that it causes at rest
-STEP, SHORTEST = 0.1, 1e-10  # first step in this measure, and the least
-GROWTH = 0.2  # of the length of the path: longest step, later on
-LARGEST = 10.0  # of g: a push at which the path ends
+FIRST = 0.1  # of g: unit of pushes along the path; unit of displacements: those it causes at rest
+STEP, SHORTEST = 0.1, 1e-10  # first and least step in these units
+GROWTH = 0.2  # of the length of the path so far: longest step
+LARGEST = 10.0  # of g: push at which the path ends
 MOST_PLACES = 2000
 ITERATIONS = 8  # of Newton's method for a place
-CLOSE, ROUGH = 1e-10, 1e-7  # of the weight: forces that are left; at most, where rounding leaves them
-# of a step, and at least of all displacement: differences for the tangent. In larger ones joints that bear hardly any
+CLOSE, ROUGH = 1e-10, 1e-7  # of the weight: residual; at most, where rounding limits it
+# differences for the tangent, of a step, and at least of the displacement. In larger ones joints that bear hardly any
 # load stick on one side and slide on the other, and Newton's method is slow; smaller ones are lost in rounding
 DIFFERENCE, ROUNDED = 1e-5, 1e-9
-NARROWED = 1e-4  # of a step: in what part of it a joint begins to open or to slide, or the push to fall
-LEAST_GROWTH = 1e-9  # of the push in a step: with less it does not grow
-STEEP = 1e-3  # part of the push in a step, in the measure, with which it grows however short the step was
+NARROWED = 1e-4  # of a step: width to which the onset of opening, sliding or a falling push is bracketed
+LEAST_GROWTH = 1e-9  # of the push: least increase in a step that counts as growth
+STEEP = 1e-3  # part of the push in a step, in these units, above which it counts as growing however short the step
 FALLS = "beyond it the push falls, or does not grow"
 TURN = 0.9  # least cosine between a step and the next one
-OPEN, SLID = 1e-9, 1e-9  # of the contact, of the largest displacement: from where on a joint is open, and has slid
+OPEN, SLID = 1e-9, 1e-9  # of the contact, of the largest displacement: above it a joint is open, or has slid
 
 
 class PushOver(StructureHistories, Shown):
-    """A structure under a push that grows, from rest to the largest one that it balances, (rows,).
+    """A structure under a growing push, from rest to the largest push that it balances.
 
-    direction: rad from x to y, of the push; the base accelerates the other way. vertical: its part upwards, over the
-    horizontal one. acceleration (rows,): the horizontal push over the mass, m/s2; the first is 0. Fields are those of a
-    `SpatialResponse` (ux, rotation, N, contact, base ...), a row for each place; `displacement` has those of a point.
+    The histories are those of a `SpatialResponse` (ux, rotation, N, contact, base, ...), with a row for each point of
+    the path; `displacement` returns those of a point of a block.
 
-    uplift, sliding: m/s2, from which on the first joint that was closed at rest opens, and the first one slides; NaN if
-    none does. uplift_joint, sliding_joint: their names. ends: why the path ends, in words.
-
-    pattern: the loads on ports that were pushed with in place of an acceleration: then all pushes are factors on them.
+    Attributes
+    ----------
+    direction
+        Direction of the push, rad from x to y; the base accelerates the other way.
+    vertical
+        Upward part of the push relative to the horizontal one.
+    acceleration
+        (rows,) horizontal push over the mass, m/s2; the first is 0.
+    uplift, sliding
+        Push at which the first joint that was closed at rest opens, and at which the first one slides, m/s2; NaN if
+        none.
+    uplift_joint, sliding_joint
+        Names of these joints.
+    ends
+        Reason why the path ends.
+    pattern
+        Loads on ports applied in place of an acceleration, or None; with loads, all pushes are factors on them.
     """
 
     def __init__(
@@ -86,34 +98,34 @@ class PushOver(StructureHistories, Shown):
 
     @property
     def opened(self) -> NDArray[np.bool_]:
-        """Whether joints that were closed at rest are open in part, (rows, joints)."""
+        """The mask of joints, closed at rest, that are partly open, (rows, joints)."""
         return _opened(self.contact, self.contact[0])
 
     @property
     def slides(self) -> NDArray[np.bool_]:
-        """Whether joints have slid since rest, (rows, joints)."""
+        """The mask of joints that have slid since rest, (rows, joints)."""
         moved = self.rows[:, : 3 * self.structure.n] - self.rows[0, : 3 * self.structure.n]
         return _slid(self.slip - self.slip[0], self.contact, np.max(np.abs(moved), axis=1, keepdims=True))
 
     @property
     def unit(self) -> tuple[float, str]:
-        """What pushes are shown in: its size and its name."""
+        """The unit in which pushes are shown: its size and its name."""
         return (STANDARD_GRAVITY, "g") if self.pattern is None else (1.0, "times the pattern")
 
     @property
     def largest_acceleration(self) -> float:
-        """The largest push that the structure balances, m/s2."""
+        """The largest push that the structure balances (m/s2)."""
         return float(self.acceleration[-1])
 
     @property
     def moves_most(self) -> int:
-        """Number of the block whose centroid the largest push displaces most."""
+        """The index of the block whose centroid is displaced most by the largest push."""
         moved = self.rows[-1, : 3 * self.structure.n] - self.rows[0, : 3 * self.structure.n]
         return int(np.argmax(np.linalg.norm(moved.reshape(3, -1), axis=0)))
 
     @property
     def moved(self) -> FloatArray:
-        """How far the block that moves most is from its place at rest, m (rows,)."""
+        """The distance of the block that moves most from its position at rest, m (rows,)."""
         path = self.displacement(self.moves_most)
         return np.linalg.norm(path - path[0], axis=1)
 
@@ -135,7 +147,7 @@ class PushOver(StructureHistories, Shown):
         return history(1e3 * self.moved, self.acceleration / size, f"push ({unit})")
 
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
-        """Write a row for each place, under the names of a SpatialResponse. Raises InputError, OSError."""
+        """Write a row for each point of the path, with the names of a SpatialResponse. Raises InputError, OSError."""
         self._write(path, digits, {"acceleration": self.acceleration})
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
@@ -153,11 +165,24 @@ def push_over(
 ) -> PushOver:
     """Push a structure by a steady acceleration that grows from zero to the largest one that it balances.
 
-    direction: rad from x to y. vertical: the part of the push upwards, over the horizontal one. pattern: loads on ports
-    in its place, as {"roof.Fx": 1000.0} (N, N m), whose factor grows; then `acceleration` is the factor.
+    The largest push, the first opening and the first sliding are found to 1e-4 of a step or better.
 
-    The largest push, the first opening and the first sliding are found to 1e-4 of a step or better. Raises InputError
-    for a wrong value, and for a structure that has no weight or no stable rest.
+    Parameters
+    ----------
+    structure : Structure
+        The structure.
+    direction : float
+        Direction of the push, rad from x to y.
+    vertical : float
+        Upward part of the push relative to the horizontal one.
+    pattern : mapping or None
+        Loads on ports in place of the acceleration, as {"roof.Fx": 1000.0} (N, N m); then their factor grows, and
+        `acceleration` is that factor.
+
+    Raises
+    ------
+    InputError
+        If a value is wrong, or if the structure has no weight or no stable rest.
     """
     check_number("direction", direction, FINITE, "an angle in rad")
     check_number("vertical", vertical, FINITE, "a ratio, upwards positive")
@@ -182,13 +207,13 @@ def _slid(slip: FloatArray, contact: FloatArray, moved: FloatArray) -> NDArray[n
 class _Place(NamedTuple):
     push: float  # m/s2
     row: FloatArray
-    phase: FloatArray  # with what joints and ties remember
+    phase: FloatArray  # including the values that joints, ties and pairs remember
     ahead: FloatArray  # (6 n + 1,), direction of the path in the measure
     iterations: int
 
 
 class _Seen(NamedTuple):
-    """What is looked for along the path."""
+    """The events sought along the path."""
 
     grows: bool  # the push
     opened: bool  # some joint
@@ -196,14 +221,14 @@ class _Seen(NamedTuple):
 
 
 class _Path:
-    """The path of one structure pushed along `way`, (3,)."""
+    """The path of equilibria of one structure pushed along the vector `way`, (3,), or by loads on its ports."""
 
     def __init__(self, structure: Structure, way: FloatArray, loads: FloatArray | None = None) -> None:
         rest = rest_of(structure)
         self.stepper, self.way = Stepper(structure), way
         start_from(self.stepper, rest)
         n = structure.n
-        self.per = deltas_of(structure, 1.0)  # a rotation counts over the size of its block
+        self.per = deltas_of(structure, 1.0)  # converts displacements to rotations by the size of the block
         self.weight = structure.weight
         masses = np.array([block.mass for block in structure.blocks])
         self.load = np.concatenate([masses[:, None] * way, np.zeros((n, 3))], axis=1).ravel()  # of a push of 1 m/s2
@@ -215,6 +240,7 @@ class _Path:
             # a factor that pushes as much as that acceleration
             first *= self.weight / structure.g / float(np.max(np.abs(self.load * self.per)))
         self.largest = LARGEST / FIRST * first
+        # units of displacements and of the push; initial direction
         linear = np.linalg.solve(rest.stiffness, first * self.load)
         self.unit = float(np.linalg.norm(linear / self.per)) * self.per, first
         ahead = np.append(linear / self.unit[0], 1.0)
@@ -224,7 +250,7 @@ class _Path:
         self.places = [_Place(0.0, rest.row.copy(), rest.phase.copy(), ahead, 0)]
 
     def follow(self) -> str:
-        """Add the places up to the largest push; returns why the path ends."""
+        """Add the points up to the largest push; return the reason why the path ends."""
         step, gone, narrow, seeking, seen = STEP, 0.0, 0.0, False, _Seen(True, False, False)
         while len(self.places) < MOST_PLACES:
             last = self.places[-1]
@@ -236,7 +262,7 @@ class _Path:
                 continue
             now = self._seen(place, last, seen)
             turns = float(place.ahead @ last.ahead) < TURN
-            if (now != seen or turns) and step > narrow:  # what begins in it is looked for
+            if (now != seen or turns) and step > narrow:  # bracket the onset by halving the step
                 narrow, seeking = narrow or NARROWED * step, seeking or now != seen
                 step *= 0.5
                 continue
@@ -266,7 +292,7 @@ class _Path:
         )
 
     def _push(self, push: float) -> FloatArray:
-        """Put a push on the ports, or return the acceleration of the base that it is, m/s2."""
+        """Apply a push to the ports, or return the equivalent acceleration of the base, m/s2."""
         if self.loads is None:
             return -push * self.way
         for name, row in zip(LOAD, self.loads, strict=True):
@@ -274,8 +300,9 @@ class _Path:
         return np.zeros(3)
 
     def _next(self, last: _Place, step: float) -> _Place | None:
-        """The place a step further along the path; None where Newton's method does not find it."""
+        """Return the point one step further along the path; None if Newton's method does not converge."""
         stepper, (lengths, first), size = self.stepper, self.unit, len(self.load)
+        # tangent bordered by the direction of the last step; predictor
         matrix = np.empty((size + 1, size + 1))
         matrix[size, :size], matrix[size, size] = last.ahead[:-1] / lengths, last.ahead[-1] / first
         matrix[:size, size] = -self.load
@@ -284,12 +311,13 @@ class _Path:
         move(stepper, step * lengths * last.ahead[:-1])
         most = float(np.max(np.abs(last.phase[: size // 2])))
         delta = max(DIFFERENCE * step * float(lengths[0]), ROUNDED * most) * self.per
+        # Newton's method, then the direction of the path at the new point
         iterations, left, right = 0, math.inf, np.zeros(size + 1)
         while True:
             right[:size], _ = residual_of(stepper, self._push(push))
             before, left = left, float(np.max(np.abs(right[:size] * self.per))) / self.weight
             arrived = left <= CLOSE or (left <= ROUGH and left > 0.3 * before)
-            if arrived:  # what slides is beyond what the last place remembers: so the tangent is that of sliding
+            if arrived:  # sliding joints have passed the slip remembered last: the tangent is that of sliding
                 right[:size], right[size] = 0.0, 1.0
             matrix[:size, :size] = stepper.stiffness(delta)
             try:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 class Moved(NamedTuple):
-    """What the rows of a run do not have: velocities m/s (rows, n, 3), energies J (rows,)."""
+    """The quantities of a run that its rows lack: velocities, m/s (rows, n, 3), and energies, J (rows,)."""
 
     velocity: FloatArray
     energy: FloatArray
@@ -37,26 +37,42 @@ class Moved(NamedTuple):
 class SpatialResponse(StructureHistories, Result):
     """Histories of a structure: rows are instants, columns blocks, joints or ties in the order of the structure.
 
-    time (s). Blocks: ux, uy, uz (m), of the centroids relative to the base, from the structure as built and without
-    weight; rotation (rows, n, 3), axis times angle (rad). Joints, along the axes of the joint: N (N, compression), Mx,
-    My, Mz (N m, restoring), Tx, Ty (N, of the upper block on the lower one), contact (0..1 of the area), sigma_max
-    (Pa), slip (m, that friction has given way by). bond (0..1 of the area, that has not broken), of joints that bear
-    tension or cohesion. tie (N, tension). Bearings: dx, dy, d (m), along their axes, and
-    whichever way. Neighbours, pair by pair: gap (m, below 0 while
-    they press on each other), hit (N). base (rows, 6): force and moment about the origin of the structure on the base.
+    Blocks: ux, uy, uz (m), of the centroids relative to the base, from the structure as built and without weight;
+    rotation (rows, n, 3), axis times angle (rad). Joints, along the axes of the joint: N (N, compression), Mx, My, Mz
+    (N m, restoring), Tx, Ty (N, of the upper block on the lower one), contact (0..1 of the area), sigma_max (Pa), slip
+    (m, by which friction has yielded). Joints that bear tension or cohesion: bond (0..1 of the area, unbroken). Ties:
+    tie (N, tension). Bearings: dx, dy (m), along their axes, and d (m), in any direction. Pairs of neighbours: gap (m,
+    negative while they press on each other), hit (N). Base: base (rows, 6), force and moment about the origin of the
+    structure on the base.
 
-    peaks: largest absolute values of the continuous motion by these names; the least of contact, bond and gap; u: of
-    the horizontal displacement, over the rows. verdict: "overturned" (some block lies lower than built by half of its
-    least extent, is tipped by more than a quarter turn, or has come off a bearing), "standing" or "undecided"; reason:
-    why, in words; overturn_time (s, NaN if not), overturned_block (name, empty if not). stats: steps, rejected,
-    evaluations, looks, wall_time (s), settled_for (s). estimated_error, horizon and ensemble: as of the Response of a
-    column. peak_ux: peaks["ux"], of the centroids, whereas those of a column are of its top faces. overturned: whether
-    a block has fallen, also after the histories.
+    `peak_ux` is peaks["ux"], of the centroids, whereas that of a column is of its top faces. `overturned` is True if a
+    block has fallen, also after the histories.
+
+    Attributes
+    ----------
+    time
+        (rows,) s.
+    peaks
+        Largest absolute values of the continuous motion by these names; the least of contact, bond and gap; u: of the
+        horizontal displacement, over the rows.
+    verdict
+        "overturned" (some block is lower than built by half of its least extent, is tipped by more than a quarter turn,
+        or has come off a bearing), "standing" or "undecided".
+    reason
+        Reason of the verdict.
+    overturn_time
+        Time of the fall, s; NaN if no block has fallen.
+    overturned_block
+        Name of the fallen block, or "".
+    stats
+        Counts and times of the run: steps, rejected, evaluations, looks, wall_time (s), settled_for (s).
+    estimated_error, horizon, ensemble
+        As in the Response of a column.
     """
 
     structure: Structure
     rows: FloatArray
-    _again: Callable[[], Moved]  # makes the run again, and keeps what rows do not have
+    _again: Callable[[], Moved]  # repeats the run and returns velocities and energies
     overturned_block: str = ""
     dimensions = MappingProxyType({TIE: "tie_number", CONTACT: "pair", BASE: "component"})
 
@@ -78,30 +94,30 @@ class SpatialResponse(StructureHistories, Result):
 
     @property
     def velocity(self) -> FloatArray:
-        """Velocities of the centroids relative to the base along x, y, z, m/s (rows, n, 3).
+        """The velocities of the centroids relative to the base along x, y, z, m/s (rows, n, 3).
 
-        The run is made once more when velocity or energy is first used, which takes its time. Raises SolverError.
+        The first use of velocity or energy repeats the run, which takes its time. Raises SolverError.
         """
         return self._moved.velocity
 
     @property
     def energy(self) -> FloatArray:
-        """Kinetic, elastic and gravitational energy above that at rest, of the motion relative to the base, J (rows,).
+        """The kinetic, elastic and gravitational energy of the motion relative to the base, above that at rest (J).
 
-        Raises as velocity.
+        Shape (rows,). Raises SolverError, as velocity.
         """
         return self._moved.energy
 
     @cached_property
     def overlap(self) -> Overlap:
-        """The deepest overlap of blocks without a joint, of neighbours beyond what their contacts know of."""
+        """The deepest overlap of blocks without a joint, or of neighbours beyond their contacts."""
         return deepest_overlap(self.structure, self.time, self)
 
     model = StructureHistories.model
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Lines on the run: blocks that overlap where the model does not let them meet."""
+        """The warnings of the run, of blocks that overlap where the model has no contact."""
         return (self.overlap.sentence,) if self.overlap.between else ()
 
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
@@ -110,11 +126,11 @@ class SpatialResponse(StructureHistories, Result):
 
     @property
     def names(self) -> list[str]:
-        """Names of the columns of the CSV."""
+        """The names of the columns of the CSV."""
         return ["time", *self.row_names]
 
     def to_pandas(self) -> Any:
-        """A pandas.DataFrame of the histories, time as its index, columns as in the CSV.
+        """Return the histories as a pandas.DataFrame, with time as index and columns as in the CSV.
 
         Raises InputError without pandas (the extra `studies`).
         """
@@ -123,7 +139,7 @@ class SpatialResponse(StructureHistories, Result):
         return pandas.DataFrame(self.rows, index=pandas.Index(self.time, name="time"), columns=self.row_names)
 
     def to_xarray(self) -> Any:
-        """An xarray.Dataset of the histories over time and the names of blocks, joints and ties.
+        """Return the histories as an xarray.Dataset over time and the names of blocks, joints and ties.
 
         Raises InputError without xarray (the extra `studies`).
         """
@@ -141,9 +157,21 @@ class SpatialResponse(StructureHistories, Result):
     def plot_structure(
         self, path: str | os.PathLike[str] | None = None, at: float | None = None, scale: float | None = None
     ) -> Figure:
-        """Draw the deformed structure at time `at`, s (None: its peak), deformation times `scale` (None: chosen).
+        """Draw the deformed structure.
 
-        Raises InputError without matplotlib (the extra `plot`).
+        Parameters
+        ----------
+        path : str, path or None
+            File to save the picture to.
+        at : float or None
+            Time, s; None: that of its peak.
+        scale : float or None
+            Factor on the deformation; None: chosen.
+
+        Raises
+        ------
+        InputError
+            Without matplotlib (the extra `plot`).
         """
         with needing("plot", "matplotlib"):
             from ...plotting.structures import plot_structure
@@ -157,10 +185,25 @@ class SpatialResponse(StructureHistories, Result):
         speed: float = 1.0,
         callback: Callable[[int, int], object] | None = None,
     ) -> None:
-        """Write a film of the structure, a GIF or, if ffmpeg is installed, an MP4; `speed`: s of motion in a s of film.
+        """Write a film of the structure, a GIF or, if ffmpeg is installed, an MP4.
 
-        callback: is given the number of pictures made, and of all.
-        Raises InputError without matplotlib (the extra `plot`).
+        Parameters
+        ----------
+        path : str or path
+            File to write.
+        scale : float or None
+            Factor on the deformation; None: chosen.
+        fps : int
+            Pictures per second of film.
+        speed : float
+            Seconds of motion per second of film.
+        callback : callable or None
+            Called with the number of pictures made and their total.
+
+        Raises
+        ------
+        InputError
+            Without matplotlib (the extra `plot`).
         """
         with needing("plot", "matplotlib"):
             from ...plotting.structures import film
@@ -169,7 +212,7 @@ class SpatialResponse(StructureHistories, Result):
     def plot_plan(
         self, path: str | os.PathLike[str] | None = None, blocks: Sequence[str | int] | None = None
     ) -> Figure:
-        """Draw the orbits of blocks in plan; of the highest one unless some are named.
+        """Draw the orbits of blocks in plan; that of the highest block unless some are named.
 
         Raises InputError without matplotlib (the extra `plot`).
         """
@@ -179,7 +222,7 @@ class SpatialResponse(StructureHistories, Result):
 
 
 def peaks_in_space(structure: Structure, rows: FloatArray, peaks: FloatArray) -> dict[str, FloatArray]:
-    """Peaks by name, from those of the kernels; u: of the horizontal displacement, over the rows."""
+    """Return the peaks by name from those of the kernels; u: of the horizontal displacement, over the rows."""
     n = structure.n
     found = peaks_by_name(OUTPUTS, structure.sizes, peaks)
     found["u"] = np.max(np.hypot(rows[:, :n], rows[:, n : 2 * n]), axis=0)

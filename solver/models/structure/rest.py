@@ -1,7 +1,7 @@
-"""Rest under weight, from the structure as built and without weight, by Newton's method.
+"""The rest under weight, from the structure as built and without weight, by Newton's method.
 
-The weight is put on in steps where joints may slide, and they remember each: a structure that is statically
-indeterminate rests as if it had been built at once and then slowly released.
+If joints may slide, the weight is applied in steps, and the joints remember each: a statically indeterminate structure
+rests as if it had been built on falsework that is then slowly lowered.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ from .model import Structure
 from .packing import FLOOR, centroid_of
 from .stepper import Stepper
 
-# steps of the weight, where joints may slide; the next number where Newton's method gets stuck. Of 56 colonnades whose
-# moduli vary by 20 % six get stuck in four steps, none of them in one; one and five give the same seven digits
+# steps of the weight if joints may slide; the next number if Newton's method does not converge. Of 56 colonnades whose
+# moduli vary by 20 % six do not converge in four steps, all of them do in one; one and five agree to seven digits
 LOADS = (4, 1, 5)
 MOST_ITERATIONS = 200
 STILL = (0.0, 0.0, 0.0)
-PUSHES = 5  # steps in which loads on ports are put on
-CLOSE = 1e-11  # of the weight: forces that are left
+PUSHES = 5  # steps in which loads on ports are applied
+CLOSE = 1e-11  # of the weight: residual
 ROUGH = 1e-3  # of the weight: largest rounding error of the forces at rest
 TOO_FAR_APART = "its numbers lie too far apart for its rest to be found"
 MOST_PARTS = 5
-PERTURBED = 1e-3  # of the settlement: displacements for the tangent
-OF_ONE = 0.1  # of the settlement of a joint under one block: displacements for the tangent at rest
-SOFTENING = 1e-4  # of the stiffness in full contact: first addition to a tangent that does not lead to rest
+PERTURBED = 1e-3  # of the settlement: differences for the tangent
+OF_ONE = 0.1  # of the settlement of a joint under one block: differences for the tangent at rest
+SOFTENING = 1e-4  # of the stiffness in full contact: first addition to a tangent that does not converge
 
 
 class Rest(NamedTuple):
@@ -49,7 +49,7 @@ class Rest(NamedTuple):
 
 
 def rest_of(structure: Structure) -> Rest:
-    """The rest of a structure. Raises NoRestError if it has none that is stable, InputError if a block is free."""
+    """Return the rest of a structure. Raises NoRestError if it has no stable rest, InputError if a block is free."""
     try:
         parts = structure.blocks, structure.joints, structure.ties, structure.g
         return _rest_of(*parts, structure.ports, structure.neighbours)
@@ -66,8 +66,9 @@ def _rest_of(
     ports: tuple[Port, ...],
     neighbours: tuple[Pair, ...],
 ) -> Rest:
-    """The rest does not depend on the settings of a run."""
+    """Compute the rest from the parts of a structure: the settings of a run do not affect it."""
     structure = Structure("structure", blocks, joints, ties, g, ports=ports, neighbours=neighbours)
+    # the linear solution is the first guess and the scale of the differences
     linear = full_stiffness(structure)
     if not structure.weight > 0.0:
         return _finished(Stepper(structure), linear)
@@ -75,6 +76,7 @@ def _rest_of(
     settlement = _solved(structure, linear, weights(structure))
     size, close = float(np.max(np.abs(settlement))), _least_delta(structure)
     deltas = [PERTURBED * deltas_of(structure, part * size) for part in _parts_of(structure, size)]
+    # ever smaller differences and other numbers of steps, until one converges
     for delta, loads in product(deltas, LOADS if slides else (1,)):
         stepper = _loaded(structure, linear, settlement, delta, loads)
         if stepper is not None:
@@ -88,9 +90,9 @@ def _rest_of(
 
 
 def _parts_of(structure: Structure, settlement: float) -> list[float]:
-    """Return the parts of the settlement that displacements for the tangent are made of, the largest first.
+    """Return the fractions of the settlement from which differences for the tangent are made, the largest first.
 
-    A stiff joint between soft ones opens where a block moves by what is little for the others.
+    A stiff joint between soft ones opens under a displacement that is small for the others.
     """
     stiffest = max(joint.bed.stiffness * joint.moments[0] for joint in structure.joints)
     ratio = settlement * stiffest / structure.weight
@@ -100,12 +102,12 @@ def _parts_of(structure: Structure, settlement: float) -> list[float]:
 def _loaded(
     structure: Structure, linear: FloatArray, settlement: FloatArray, delta: FloatArray, loads: int
 ) -> Stepper | None:
-    """A stepper in balance under the weight, put on in `loads` steps; None where one finds no balance."""
+    """Return a stepper in balance under the weight, applied in `loads` steps; None if a step finds no balance."""
     stepper = Stepper(structure)
     move(stepper, settlement / loads)
     for step in range(1, loads + 1):
         stepper.model.settings.gravity = structure.g * step / loads
-        for _ in range(1 + len(structure.bonds)):  # what breaks leaves its part to others
+        for _ in range(1 + len(structure.bonds)):  # bonds that break pass their load to others
             if not balance(stepper, linear, delta, CLOSE * structure.weight):
                 return None
             stepper.observe(keep=True)
@@ -113,7 +115,7 @@ def _loaded(
 
 
 def rest_under(structure: Structure, loads: FloatArray) -> FloatArray:
-    """The phase at rest under loads on the ports, (6, ports) N and N m, put on in steps. Raises InputError."""
+    """Return the phase at rest under loads on the ports, (6, ports) N and N m, applied in steps. Raises InputError."""
     rest = rest_of(structure)
     stepper, linear = Stepper(structure), full_stiffness(structure)
     start_from(stepper, rest)
@@ -129,14 +131,14 @@ def rest_under(structure: Structure, loads: FloatArray) -> FloatArray:
 
 
 def sticking(stepper: Stepper) -> Stepper:
-    """The same state with joints that stick: what slides has no stiffness that is symmetric."""
+    """Return the same state with joints that stick: sliding joints have no symmetric stiffness."""
     other = stepper.over(model=stepper.arrays.model.copy())
     other.model.joints.friction[:] = np.inf
     return other
 
 
 def start_from(stepper: Stepper, rest: Rest) -> None:
-    """Put a stepper at rest."""
+    """Set the phase of a stepper to that of a rest."""
     stepper.phase[:] = rest.phase
 
 
@@ -154,21 +156,21 @@ def _finished(stepper: Stepper, *stiffnesses: FloatArray) -> Rest:
 
 
 def weights(structure: Structure) -> FloatArray:
-    """Weights of the blocks as forces along the coordinates, N, (6 n,)."""
+    """Return the weights of the blocks as forces along the coordinates, N (6 n,)."""
     load = np.zeros(6 * structure.n)
     load[2::6] = [-structure.g * block.mass for block in structure.blocks]
     return load
 
 
 def deltas_of(structure: Structure, settlement: float) -> FloatArray:
-    """A displacement, m, and the rotations, rad, that move as far, for each coordinate."""
+    """Return a displacement (m) and the rotations that move a block as far (rad), for each coordinate, (6 n,)."""
     sizes = np.array([block.size for block in structure.blocks])
     parts = np.column_stack([np.ones((structure.n, 3)), np.repeat(1.0 / sizes[:, None], 3, axis=1)])
     return (settlement * parts.ravel()).astype(np.float64)
 
 
 def _least_delta(structure: Structure) -> FloatArray:
-    """Deltas so small that no joint opens which bears one block."""
+    """Return differences so small that no joint under the weight of one block opens."""
     settings = structure.model.names.settings
     return deltas_of(structure, OF_ONE * settings.motion_floor * settings.extent / FLOOR)
 
@@ -181,7 +183,7 @@ def _solved(structure: Structure, stiffness: FloatArray, load: FloatArray) -> Fl
 
 
 def full_stiffness(structure: Structure) -> FloatArray:
-    """Stiffness with all joints in full contact and all ties taut, as built and without weight, (6 n, 6 n)."""
+    """Return the stiffness with all joints in full contact and all ties taut, as built, without weight, (6 n, 6 n)."""
     springs = []
     for joint in structure.joints:
         across, beside = joint.bed.stiffness, (0.0, 0.0)
@@ -193,14 +195,14 @@ def full_stiffness(structure: Structure) -> FloatArray:
 
 
 def fastest_decay(structure: Structure) -> float:
-    """Return the fastest rate, 1/s, at which a motion dies out by the dampers, with all joints in full contact."""
+    """Return the fastest decay rate by the dampers (1/s), with all joints in full contact."""
     table, dashpots = structure.model.names.joints, []
     for j, joint in enumerate(structure.joints):
         along = table.shear[j] * table.shear_damping[j] / joint.moments[0]
         beside = joint.bearing.dashpot if joint.bearing is not None else 0.0
         dashpots.append((float(table.stiffness[j] * table.damping[j]), float(along), (beside, 0.0)))
     resisted = _assembled(structure, dashpots, [tie.damping for tie in structure.ties])
-    for i, block in enumerate(structure.blocks):  # by the inverse of a factor of the masses, from both sides
+    for i, block in enumerate(structure.blocks):  # scale by the inverse Cholesky factor of the mass, from both sides
         part = np.zeros((6, 6))
         part[:3, :3] = np.eye(3) / math.sqrt(block.mass)
         part[3:, 3:] = np.linalg.inv(np.linalg.cholesky(block.inertia))
@@ -213,14 +215,16 @@ def fastest_decay(structure: Structure) -> float:
 def _assembled(
     structure: Structure, joints: Sequence[tuple[float, float, tuple[float, float]]], ties: Sequence[float]
 ) -> FloatArray:
-    """Sum springs or dashpots over the coordinates of the blocks, (6 n, 6 n).
+    """Assemble springs or dashpots in the coordinates of the blocks, (6 n, 6 n).
 
     Parameters
     ----------
+    structure
+        The structure.
     joints
-        Across and along each, per area; beside its slider, of a bearing: spring and pendulum.
+        Across and along each joint, per area; in parallel with the slider of a bearing: spring and pendulum.
     ties
-        Along each.
+        Along each tie.
     """
     n = structure.n
     matrix = np.zeros((6 * (n + 1), 6 * (n + 1)))
@@ -248,7 +252,7 @@ def _assembled(
 
 
 def _moved(structure: Structure, axes: FloatArray, point: FloatArray, body: int) -> FloatArray:
-    """Displacement and rotation, along axes, at a point of a body by its six coordinates, (6, 6)."""
+    """Return the displacement and rotation, along axes, at a point of a body per coordinate of the body, (6, 6)."""
     x, y, z = point - centroid_of(structure.blocks, body)
     lever = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
     found = np.zeros((6, 6))
@@ -263,7 +267,7 @@ def _add(matrix: FloatArray, part: FloatArray, one: int, other: int) -> None:
 
 
 def move(stepper: Stepper, change: FloatArray) -> None:
-    """Displace and turn the blocks by small amounts about the axes of the base, (6 n,)."""
+    """Move and rotate the blocks by small amounts along and about the axes of the base, (6 n,)."""
     parts, see = change.reshape(-1, 6), stepper.see
     see.ux += parts[:, 0]
     see.uy += parts[:, 1]
@@ -276,13 +280,14 @@ def move(stepper: Stepper, change: FloatArray) -> None:
 
 
 def residual_of(stepper: Stepper, base: Sequence[float] | FloatArray = STILL) -> tuple[FloatArray, float]:
-    """Forces and moments on the blocks that are not in balance, N and N m about the axes of the base; energy, J.
+    """Return the residual forces and moments on the blocks, N and N m (6 n,), and the energy, J.
 
-    base: its acceleration along x, y, z, m/s2.
+    They are along and about the axes of the base. base: its acceleration along x, y, z, m/s2.
     """
     ax, ay, az = base
     energy = stepper.observe(ax, ay, az)
     n, see = stepper.structure.n, stepper.see
+    # moments from rates of spin, rotated from the axes of the bodies to those of the base
     rates, bodies = at.PHASE.see(stepper.rates, n), stepper.model.bodies
     own = np.array(
         [
@@ -298,22 +303,34 @@ def residual_of(stepper: Stepper, base: Sequence[float] | FloatArray = STILL) ->
 
 
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Vector products of columns, (3, n); numpy's own takes longer than all the rest for a few blocks."""
+    """Return the cross products of columns, (3, n); for a few blocks numpy's own takes longer than all the rest."""
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def balance(stepper: Stepper, linear: FloatArray, delta: FloatArray, close: float) -> bool:
-    """Newton's method, and whether it arrives.
+    """Find balance by Newton's method; return True if it converges.
 
-    Where a step lessens neither the forces left nor the energy, the tangent is stiffened. Near collapse the forces left
-    grow along the way to a rest, and the energy falls; with friction it is none. Forces left
-    that fall no more and are below their rounding errors count as none: a stiff joint between soft ones has such.
+    If a step reduces neither the residual nor the energy, the tangent is stiffened. Near collapse the residual grows
+    along the path to a rest while the energy falls; with friction or loads on ports there is no such potential. A
+    residual that no longer decreases and is below its rounding error counts as zero, as with a stiff joint between soft
+    ones.
+
+    Parameters
+    ----------
+    stepper : Stepper
+        The structure; its phase is the first guess and becomes the result.
+    linear : array (6 n, 6 n)
+        Stiffness in full contact.
+    delta : array (6 n,)
+        Differences for the tangent, m and rad.
+    close : float
+        Residual at which Newton's method ends, N.
     """
-    per = delta / delta[0]  # moments count over the size of the block
+    per = delta / delta[0]  # converts moments to forces by the size of the block
     left, energy = residual_of(stepper)
     size = float(np.max(np.abs(left * per)))
     softening = 0.0
-    # the energy leaves out the work of loads
+    # the energy does not include the work of loads
     potential = bool(np.all(np.isinf(stepper.model.joints.friction))) and not any(
         np.any(getattr(stepper.pushes, name)) for name in at.LOAD
     )
@@ -327,6 +344,7 @@ def balance(stepper: Stepper, linear: FloatArray, delta: FloatArray, close: floa
             move(stepper, change)
             now, lower = residual_of(stepper)
             new = float(np.max(np.abs(now * per)))
+        # accept a residual of rounding errors, a smaller residual or a lower energy; else stiffen
         if new >= size and size <= _rounding(before, linear, per):
             stepper.phase[:] = before
             return True
@@ -343,7 +361,7 @@ def balance(stepper: Stepper, linear: FloatArray, delta: FloatArray, close: floa
 
 
 def _rounding(phase: FloatArray, linear: FloatArray, per: FloatArray) -> float:
-    """Return the rounding error of the forces on the blocks in a phase, N, moments times `per`."""
+    """Return the rounding error of the forces on the blocks in a phase, N; moments count times `per`."""
     see = at.PHASE.see(phase, len(per) // 6)
     place = np.array([see.ux, see.uy, see.uz, 2.0 * see.q1, 2.0 * see.q2, 2.0 * see.q3]).T.ravel()
     return float(np.finfo(np.float64).eps * np.max(per * (np.abs(linear) @ np.abs(place))))

@@ -1,4 +1,4 @@
-"""A whole run in space: from a structure and a base motion to a response."""
+"""A whole run in space, from a structure and a base motion to a response."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from .rest import rest_of, rest_under, start_from
 from .stepper import Stepper
 from .verdict import RESTING, next_look, well_of, why_it_leans
 
-TWISTS = 6  # in which an initial twist is found: what is left of it falls by its cube over 24 each time
+TWISTS = 6  # iterations for an initial twist: each reduces its error to the cube over 24
 COUNTED = ("steps", "elastic_steps", "stabilized_steps", "rejected", "evaluations", "looks")
 
 
 class SpatialGlance(NamedTuple):
-    """The state of a run under way, for a callback: places m and rotations rad of the blocks, (n, 3) each."""
+    """The state of a run in progress, for a callback: displacements m and rotations rad of the blocks, (n, 3) each."""
 
     u: FloatArray
     rotation: FloatArray
@@ -42,9 +42,9 @@ Callback = Callable[[float, SpatialGlance], object]
 
 
 class SpatialState(NamedTuple):
-    """Initial displacement m, rotation rad (axis times angle), velocity m/s and spin rad/s of the blocks, (n, 3) each.
+    """The initial displacement m, rotation rad (axis times angle), velocity m/s and spin rad/s, (n, 3) each.
 
-    They count from the structure as built and without weight, along the axes of the base.
+    They are those of the blocks relative to the structure as built and without weight, along the axes of the base.
     """
 
     displacement: FloatArray
@@ -54,7 +54,7 @@ class SpatialState(NamedTuple):
 
 
 def single_run(structure: Structure, plan: Plan) -> SpatialResponse:
-    """A run and its verdict. Raises InputError and SolverError."""
+    """Run a structure; return its response with the verdict. Raises InputError and SolverError."""
     motion, callback = plan.motion, plan.callback
     stepper, why_no_modes = begun(structure, motion, plan.initial)
     stop = motion.start + plan.duration
@@ -79,6 +79,7 @@ def single_run(structure: Structure, plan: Plan) -> SpatialResponse:
             InputWarning,
             stacklevel=2,
         )
+    # response, then the verdict on a still base
     peaks = peaks_in_space(structure, rows, stepper.state.peaks)
     again = partial(moved, structure, motion, stop, plan.times, plan.initial)
     response = SpatialResponse(structure, rows, again, time=plan.times, peaks=peaks, stats=stats, motion=motion)
@@ -93,13 +94,13 @@ def single_run(structure: Structure, plan: Plan) -> SpatialResponse:
 def moved(
     structure: Structure, motion: Motion, stop: float, times: FloatArray, initial: SpatialState | Released | None
 ) -> Moved:
-    """Velocities and energies at `times` of a run, which is made again: to the bit the same. Raises SolverError."""
+    """Return velocities and energies at `times` by repeating a run, bit for bit. Raises SolverError."""
     stepper, _ = begun(structure, motion)
     at_rest = stepper.observe()
     if initial is not None:
         stepper, _ = begun(structure, motion, initial)
     states = stepper.run(motion, motion.start, stop, times, states=True)[:, stepper.sizes.visible :]
-    if not stepper.model.settings.gives_way:  # what is remembered stays
+    if not stepper.model.settings.gives_way:  # the remembered slips are constant
         place, end = 13 * structure.n, 13 * structure.n + at.remembered(stepper.sizes)
         states[:, place:end] = stepper.phase[place:end]
     velocity, energy = np.empty((len(times), structure.n, 3)), np.empty(len(times))
@@ -112,13 +113,14 @@ def moved(
 
 
 def begun(structure: Structure, motion: Motion, initial: SpatialState | Released | None = None) -> tuple[Stepper, str]:
-    """A structure at rest, or as `initial` says, before a motion; and why it has no modes.
+    """Return a stepper before a motion, at rest or in the initial state, and the reason why it has no modes.
 
     Raises InputError.
     """
     rest, modes = rest_of(structure), modal_data_of(structure)
     stepper = Stepper(structure, modes.numbers)
     start_from(stepper, rest)
+    # initial state; a run in the plane if everything lies in it
     flat = structure.is_plane and not motion.has_ay and all(load.is_in_plane for load in motion.loads.values())
     if isinstance(initial, Released):
         stepper.phase[:] = rest_under(structure, initial.loads)
@@ -135,19 +137,20 @@ def begun(structure: Structure, motion: Motion, initial: SpatialState | Released
 
 
 def is_flat(initial: SpatialState) -> bool:
-    """Whether an initial state lies in the plane x, z."""
+    """Return True if an initial state lies in the plane x, z."""
     across = initial.displacement[:, 1], initial.velocity[:, 1], initial.rotation[:, ::2], initial.spin[:, ::2]
     return not any(np.any(part) for part in across)
 
 
 def set_initial(stepper: Stepper, initial: SpatialState) -> None:
-    """Place and move the blocks of a stepper. Raises InputError."""
+    """Set positions and velocities of the blocks of a stepper. Raises InputError."""
     see, n = stepper.see, stepper.structure.n
     for part in initial:
         if np.shape(part) != (n, 3) or not np.all(np.isfinite(part)):
             raise InputError(f"initial: must be four arrays of finite numbers, ({n}, 3) each")
     see.ux[:], see.uy[:], see.uz[:] = np.asarray(initial.displacement).T
     see.vx[:], see.vy[:], see.vz[:] = np.asarray(initial.velocity).T
+    # rotation vectors to quaternions; spins to the axes of the bodies
     angle = np.linalg.norm(initial.rotation, axis=1)
     see.q0[:] = np.cos(0.5 * angle)
     q = 0.5 * np.sinc(0.5 * angle / np.pi)[:, None] * initial.rotation
@@ -163,7 +166,7 @@ def set_initial(stepper: Stepper, initial: SpatialState) -> None:
 
 
 class _Settling:
-    """A structure on a still base (still_base.py)."""
+    """A structure on a still base after its run (still_base.py)."""
 
     unclear = "has the energy to fall"
 
@@ -177,6 +180,7 @@ class _Settling:
             return ""
         structure = stepper.structure
         stepper.observe()
+        # a fall off a bearing, or a block that has tipped or dropped
         d = stepper.row[places_of(OUTPUTS, structure.sizes)["d"]]
         for name, joint, moved in zip(structure.bearing_names, structure.bearings, d.tolist(), strict=True):
             if joint.bearing is not None and moved > joint.bearing.capacity:
@@ -200,5 +204,5 @@ class _Settling:
 
 
 def settled_verdict(stepper: Stepper, stop: float, settle: float) -> Verdict:
-    """The verdict on a run that ended at time `stop`, s, found `settle` s later at most."""
+    """Return the verdict on a run that ended at time `stop`, s, reached at most `settle` s later."""
     return settled(_Settling(stepper), stop, settle)

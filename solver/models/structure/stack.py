@@ -23,7 +23,10 @@ if TYPE_CHECKING:
 
 
 def stacked(column: Column) -> dict[str, Any]:
-    """The fields of the structure whose blocks and joints are those of a column, the top one first."""
+    """Return the fields of the structure with the blocks and joints of a column, the top one first.
+
+    Raises InputError if the column has no form in space.
+    """
     if column.settings.formulation == "paper":
         raise InputError('solver.formulation = paper: must be "exact" in space')
     if column.other_law:
@@ -41,7 +44,7 @@ def stacked(column: Column) -> dict[str, Any]:
 
 
 def in_three(data: Mapping[str, Any]) -> dict[str, Any]:
-    """The tables of ports of a column's file as a structure has them: points [x, z] of the plane as [x, 0, z]."""
+    """Convert the ports of a column's file to those of a structure: points [x, z] of the plane become [x, 0, z]."""
     tables = data["port"]
     if not isinstance(tables, list):
         return {"port": tables}
@@ -61,7 +64,7 @@ def _solid(name: str, block: Block, foot: float) -> Solid:
         made = box(name, (block.width, block.depth), top, block.height, 1.0)
     made = placed(made, np.array([0.0, 0.0, foot]), np.eye(3))
     inertia = made.inertia * (block.mass / made.mass)
-    beyond = block.resolved_inertia - inertia[1, 1]  # of a load, or as given: the same about both level axes
+    beyond = block.resolved_inertia - inertia[1, 1]  # of a load, or as given: the same about both horizontal axes
     inertia = inertia + np.diag([beyond, beyond, 0.0])
     centroid = np.array([0.0, 0.0, foot + block.resolved_centroid])
     return replace(made, mass=block.mass, centroid=centroid, inertia=inertia)
@@ -76,6 +79,7 @@ def _joint(column: Column, i: int, foot: float) -> Joint:
     face = shared(above, below)
     if face is None:
         raise InputError(f"{key}: its face and the one below do not meet")
+    # law of the joint in space
     law = block.joint
     mortar = {"tensile_strength": law.tensile_strength, "cohesion": law.cohesion}
     bed = Bed(

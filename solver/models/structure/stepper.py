@@ -24,17 +24,27 @@ if TYPE_CHECKING:
     from .model import Structure
 
 TOO_SMALL = "the tolerance requires a step that is too small to continue; a larger tolerance may help"
-AT_ONCE = 2e5  # evaluations of joints, about, after which an interruption is noticed
+AT_ONCE = 2e5  # evaluations of joints, about, between checks for an interruption
 OF_ORDER_5 = 6  # evaluations of a step
 _NONE = np.zeros(0)
 _SILENCE = (_NONE, _NONE, _NONE, _NONE, _NONE)
 
 
 class Stepper:
-    """A structure between two calls, as built until it is placed elsewhere.
+    """A structure between two calls; until its phase is set it is as built.
 
-    Its whole state is in `arrays`. `model`, `state`, `counts`, `base` name the same numbers (layout.py); `phase` is the
-    state but for what a run counts: place and rates of the blocks, `see`, and what joints and ties remember, `slips`.
+    Attributes
+    ----------
+    arrays : Arrays
+        Its whole state.
+    model, state, counts, base
+        The same numbers by name (layout.py).
+    phase : array
+        The state without the counters of a run.
+    see
+        Positions and rates of the blocks in `phase`.
+    slips
+        Slips that joints and ties remember, in `phase`.
     """
 
     def __init__(self, structure: Structure, modal: FloatArray = _NONE) -> None:
@@ -54,23 +64,21 @@ class Stepper:
         self.phase = arrays.state[at.CONTROL.beside :][: sizes.state]
 
     def over(self, **arrays: Any) -> Self:
-        """The same structure with other arrays in place of some of its own; it shares the rest."""
+        """Return a copy of the stepper with some of its arrays replaced; it shares the others."""
         other = copy(self)
         other._take(self.arrays._replace(**arrays))
         return other
 
     def observe(self, ax: float = 0.0, ay: float = 0.0, az: float = 0.0, keep: bool = False) -> float:
-        """Evaluate the phase under an acceleration of the base, m/s2, and under `pushes`; returns the energy, J.
+        """Evaluate the phase under an acceleration of the base (m/s2) and `pushes`; return the energy, J.
 
-        It leaves `rates` and `row`.
-
-        keep: whether joints that slide, and ties that yield, remember this state, as after a long rest.
+        `rates` and `row` are updated. keep: sliding joints and yielding ties remember this state, as after a long rest.
         """
         energy: float = observe_structure(*self.arrays, self.rates, ax, ay, az, self.row, keep)
         return energy
 
     def stiffness(self, delta: FloatArray) -> FloatArray:
-        """The tangent stiffness about the phase, (6 n, 6 n): see entries.py."""
+        """Return the tangent stiffness about the phase, (6 n, 6 n), by differences `delta` (see entries.py)."""
         matrix = np.zeros(36 * self.structure.n**2)
         stiffness_of(*self.arrays, np.zeros_like(self.phase), self.rates, delta, matrix)
         return matrix.reshape(6 * self.structure.n, -1)
@@ -84,9 +92,25 @@ class Stepper:
         after_chunk: Callable[[float], None] | None = None,
         states: bool = False,
     ) -> FloatArray:
-        """Follow a motion, or a still base, from t to `stop`, s; a row for each of `times`. Raises SolverError.
+        """Follow a motion, or a still base, and return the output rows.
 
-        states: behind each row the state there, as far as it moves.
+        Parameters
+        ----------
+        motion : Motion or None
+            Motion of the base; None: at rest.
+        t, stop : float
+            Begin and end, s.
+        times : array (rows,)
+            Times of the rows, s.
+        after_chunk : callable or None
+            Called with the time reached after each chunk of steps.
+        states : bool
+            Append the integrated part of the state to each row.
+
+        Raises
+        ------
+        SolverError
+            If the step becomes too small, or the work too much.
         """
         record = _SILENCE if motion is None else self.drive(motion)
         visible = self.sizes.visible
@@ -108,6 +132,7 @@ class Stepper:
                 raise TooMuchWorkError(f"at t = {t:.6g} s: {effort.slowness(work, part, self._causes(motion))}")
         if code != at.OK:
             raise SolverError(f"at t = {t:.6g} s: {TOO_SMALL}")
+        # fill the rows after the end of the motion
         first = int(self.counts.next_row)
         if first < len(times):  # after a fall or at rest: nothing moves any more
             self.observe()
@@ -117,14 +142,14 @@ class Stepper:
 
     @property
     def without_room(self) -> int:
-        """The number of contacts, so far, that were clipped to nothing since their corners had no room."""
+        """The number of contacts so far that were clipped to nothing because their corners had no room."""
         return int(at.WORK.see(self.arrays.work, self.sizes).room[at.NO_ROOM])
 
     def _check_work(self, left: float, motion: Motion) -> None:
-        """Raise TooMuchWorkError if no steps can cover what is left, s, with the evaluations of a run.
+        """Raise TooMuchWorkError if no steps can cover the time left, s, within the evaluations of a run.
 
-        Dampers bound the length of explicit steps, which is known once the first has been made, and less that of
-        stabilized ones.
+        Dampers limit the length of explicit steps, which is known after the first one, and less that of stabilized
+        steps.
         """
         settings = self.model.settings
         if settings.has_modes == 0.0 and self.control.decay > 0.0:
@@ -137,10 +162,11 @@ class Stepper:
                 raise TooMuchWorkError(effort.too_much(needed, effort.MOST_IN_SPACE, self._causes(motion)))
 
     def _causes(self, motion: Motion | None) -> Iterator[effort.Cause]:
-        """What may make steps short."""
+        """Yield the possible causes of short steps."""
         structure = self.structure
         masses = [*(block.mass for block in structure.blocks), math.inf]
         for name, joint in zip(structure.joint_names, structure.joints, strict=True):
+            # the lighter body has the higher frequency
             bed, mass = joint.bed, min(masses[joint.upper], masses[joint.lower])
             area = joint.moments[0]
             yield effort.of_joint(f"joint[{name}]", bed.stiffness, area, mass, bed.damping)
@@ -160,13 +186,14 @@ class Stepper:
             yield effort.of_harmonic(motion.frequency)
 
     def drive(self, motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
-        """The record of a motion for the kernels, and its loads; its harmonic part is set."""
+        """Set the harmonic part of a motion; return its record and loads for the kernels: time, ax, ay, az, loads."""
         base = self.base
         base.held, base.scale = float(motion.hold), 1.0
         base.amplitude_x, base.amplitude_y = motion.amplitude, motion.amplitude_y
         shakes = motion.amplitude or motion.amplitude_y
         base.omega = 2.0 * math.pi * motion.frequency if shakes else 0.0
         base.phase = -base.omega * motion.start
+        # samples, and loads on the same grid
         samples = [motion.time, motion.ax, motion.ay, motion.az]
         if motion.end > motion.time[-1]:  # the last held sample lasts until the motion ends
             samples = [np.append(motion.time, motion.end), *(np.append(a, 0.0) for a in samples[1:])]

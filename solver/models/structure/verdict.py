@@ -1,9 +1,9 @@
-"""Whether a structure on a still base can still fall (theory.md section 14).
+"""Criteria by which a structure on a still base can no longer fall (theory.md section 14).
 
-A rest is sought with the slips as they are, from the first rest and from where the structure is. The structure is in
-the well of that rest if none of its joints is turned or moved beyond its edge, or if the straight way there needs no
-more energy than it has: on a still base its energy does not grow. It stands for good if its energy above that rest is
-less than a part of the barrier of the well, the least energy that brings a joint to its edge.
+A rest is sought with the present slips, from the first rest and from the present state. The structure is in the well
+of that rest if none of its joints is rotated or displaced beyond its edge, or if the straight path to the rest needs no
+more energy than the structure has: on a still base its energy does not grow. It stands for good if its energy above
+that rest is less than a fraction of the barrier of the well, the least energy that brings a joint to its edge.
 """
 
 from __future__ import annotations
@@ -28,38 +28,43 @@ from .stepper import Stepper
 
 IN_A_WELL = "its energy does not suffice to fall"
 RESTING = "it has come to rest"
-SAFE = 0.75  # of the barrier: the largest energy of a structure that is taken to stand
-FIRST_LOOK, LATER = 0.25, 0.25  # s after the motion; part of the time since then that a look waits for
-CLOSE = 1e-9  # of the weight: forces that are left at a rest
-WAY = 8  # parts of the way to the rest
-UPRIGHT = 0.95  # least vertical part of the normal of a joint that what it carries is lifted over
-HARDLY = 1e-3  # of the weight: a joint under less does not count
-STILL = 1e-6  # of gravity, and of the velocity by which a block rises over its size: less, and it leans for good
-DIRECTIONS = 8  # in which the resultant of a round joint may reach its rim
+SAFE = 0.75  # of the barrier: largest energy of a structure that counts as standing
+FIRST_LOOK, LATER = 0.25, 0.25  # s after the motion; fraction of the time since then until the next look
+CLOSE = 1e-9  # of the weight: residual at a rest
+WAY = 8  # parts of the path to the rest
+UPRIGHT = 0.95  # least vertical part of the normal of a joint over whose edge its load is lifted
+HARDLY = 1e-3  # of the weight: a joint with a smaller force is neglected
+STILL = 1e-6  # of gravity, and of sqrt(g size): largest acceleration and velocity of a block that is still
+DIRECTIONS = 8  # directions in which the resultant of a round joint may reach its rim
 
 
 def next_look(since: float, settle: float) -> float:
-    """When to look again whether a structure may still fall, `since` s after the motion; `settle` at most."""
+    """Return when to check next whether a structure may still fall, s after the motion; at most `settle`.
+
+    since: time of the present check, s after the motion.
+    """
     return min(settle, FIRST_LOOK + (1.0 + LATER) * since)
 
 
 def why_it_leans(stepper: Stepper) -> str:
-    """Why a structure stays as it is that is still and presses on neighbours; "" if it moves or none does.
+    """Return the reason why a still structure that leans on neighbours stays as it is; "" if it moves or leans on none.
 
-    A block that leans on another one is beyond its edge, so that no energy tells whether it falls. It stays because
-    forces balance and damping has taken all motion.
+    A block that leans on another one is beyond its edge, so no energy bounds its fall. It stays because forces balance
+    and damping has taken all motion.
     """
     structure, see = stepper.structure, stepper.see
     if not structure.neighbours:
         return ""
     stepper.observe()
     pressed = np.flatnonzero(_field(stepper, "hit") > 0.0).tolist()
+    # velocities and accelerations, rotations times the size of the block
     rates, size = at.PHASE.see(stepper.rates, structure.n), np.array([block.size for block in structure.blocks])
     moved = np.hypot(_size_of(see.vx, see.vy, see.vz), size * _size_of(see.wx, see.wy, see.wz))
     begins = np.hypot(_size_of(rates.vx, rates.vy, rates.vz), size * _size_of(rates.wx, rates.wy, rates.wz))
     still = np.all(moved <= STILL * np.sqrt(structure.g * size)) and np.all(begins <= STILL * structure.g)
     if not pressed or not still:
         return ""
+    # of each pair the more tilted block leans
     tilt, found = np.append(np.hypot(see.q1, see.q2), -1.0), []
     for pair in (structure.neighbours[p] for p in pressed):
         leaning, other = sorted((pair.one, pair.other), key=lambda i: -tilt[i])
@@ -69,18 +74,18 @@ def why_it_leans(stepper: Stepper) -> str:
 
 
 def _size_of(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-    """Lengths of vectors, (n,)."""
+    """Return the lengths of vectors, (n,)."""
     return np.sqrt(x * x + y * y + z * z)
 
 
 @lru_cache(maxsize=64)
 def well_of(structure: Structure) -> Well:
-    """The well of a structure, made when it is first looked at."""
+    """Return the well of a structure, cached."""
     return Well(structure)
 
 
 class Well:
-    """The rests that one structure may come to, and what keeps it there."""
+    """The rests that one structure may come to, and the energy barriers around them."""
 
     def __init__(self, structure: Structure) -> None:
         self._structure = structure
@@ -89,7 +94,7 @@ class Well:
         self._linear = full_stiffness(structure)
         settlement = float(np.max(np.abs(np.linalg.solve(self._linear, weights(structure)))))
         self._delta = PERTURBED * deltas_of(structure, settlement)
-        self._small = 0.5 * PERTURBED**2 * structure.weight * settlement  # J, of displacements as small as these
+        self._small = 0.5 * PERTURBED**2 * structure.weight * settlement  # J, of displacements of this size
         self._heights = _heights(structure)
         self._groups = _groups(structure)
         self._alone = _bears_alone(structure)
@@ -97,21 +102,21 @@ class Well:
         stepper = Stepper(structure)
         start_from(stepper, rest_of(structure))
         stepper.observe()
-        self._highest = self._lifting(stepper, 0.0)  # barrier of any rest, about: as built nothing has slid
+        self._highest = self._lifting(stepper, 0.0)  # estimate of the barrier of any rest, without slips
 
     def why_it_stands(self, stepper: Stepper) -> str:
-        """Why a structure cannot fall any more from the phase of its stepper; "" if it may."""
+        """Return the reason why a structure can no longer fall from the phase of its stepper; "" if it may."""
         structure = self._structure
         if not structure.weight > 0.0:
             return ""
         energy = stepper.observe()
         still = _stopped(stepper)
-        if not self._holds(energy - still.observe(), self._highest):  # its kinetic energy is too large already
+        if not self._holds(energy - still.observe(), self._highest):  # the kinetic energy alone is too large
             return ""
         return next((IN_A_WELL for rest in self._rests(still) if self._keeps(rest, still, energy)), "")
 
     def _rests(self, stepper: Stepper) -> Iterator[Stepper]:
-        """Rests that a structure without velocities may come to."""
+        """Yield the rests that a structure without velocities may come to."""
         found = _stopped(stepper)
         coordinates = at.PHASE.size(self._structure.n)
         found.phase[:coordinates] = rest_of(self._structure).phase[:coordinates]
@@ -120,7 +125,7 @@ class Well:
                 yield begin
 
     def _keeps(self, rest: Stepper, place: Stepper, energy: float) -> bool:
-        """Whether a structure at a place, with this energy, J, is in the well of a rest for good."""
+        """Return True if a structure in the state `place` with this energy (J) cannot leave the well of a rest."""
         left = energy - rest.observe()
         tangent = sticking(rest).stiffness(self._delta)
         if not _is_stable(tangent) or not self._holds(left, self.barrier(rest, tangent, left)):
@@ -128,9 +133,9 @@ class Well:
         return self._is_within(place, rest) or self._leads_to(rest, place.phase, energy)
 
     def comes_to_rest(self, stepper: Stepper) -> bool:
-        """Move a stepper without velocities to a rest, with the slips as they are; whether there is one.
+        """Move a stepper without velocities to a rest with its present slips; return True if there is one.
 
-        Joints stick on the way: Newton's method has a potential then, and what slides has no tangent that helps.
+        First all joints stick, because then Newton's method has a potential; sliding joints have no useful tangent.
         """
         begin, arguments = stepper.phase.copy(), (self._linear, self._delta, CLOSE * self._structure.weight)
         if not balance(sticking(stepper), *arguments):
@@ -138,19 +143,29 @@ class Well:
         return balance(stepper, *arguments)
 
     def barrier(self, rest: Stepper, stiffness: FloatArray, left: float = 0.0) -> float:
-        """The least energy, J above a rest, by which the structure may begin to fall.
+        """Return the least energy above a rest (J) with which the structure may begin to fall.
 
-        stiffness: of the rest. left: J, that friction may still turn into slips.
+        Parameters
+        ----------
+        rest : Stepper
+            The structure at rest.
+        stiffness : array (6 n, 6 n)
+            Tangent stiffness of the rest.
+        left : float
+            Energy that friction may still dissipate by slips, J.
         """
         least = min(self._lifting(rest, left), self._bending(rest, stiffness), self._coming_off(rest))
-        return least if math.isfinite(least) else 0.0  # where ties alone hold it, nothing is known
+        return least if math.isfinite(least) else 0.0  # no bound is known if only ties hold it
 
     def _holds(self, left: float, barrier: float) -> bool:
-        """Whether an energy is below what is SAFE of a barrier, or not more than a rest is tried with."""
+        """Return True if an energy above a rest (J) is below the fraction SAFE of a barrier.
+
+        The energy of displacements as small as the differences for tangents is disregarded.
+        """
         return left <= SAFE * barrier + self._small
 
     def _leads_to(self, rest: Stepper, begin: FloatArray, energy: float) -> bool:
-        """Whether no place on the straight way from a phase to a rest has more than this energy, J."""
+        """Return True if no sampled state on the straight path from a phase to a rest has more than this energy (J)."""
         n, way = self._structure.n, rest.over(state=rest.arrays.state.copy())
         for part in np.arange(1, WAY) / WAY:
             way.phase[:] = (1.0 - part) * begin + part * rest.phase
@@ -161,14 +176,15 @@ class Well:
         return True
 
     def _is_within(self, place: Stepper, rest: Stepper) -> bool:
-        """Whether no joint is tilted or moved as far as it would have to be to fall over its edge.
+        """Return True if no joint is tilted or displaced as far as needed to fall over its edge.
 
-        Of an arch it cannot be said: a mechanism falls before that.
+        False for an arch: its mechanism falls before that.
         """
         structure, n = self._structure, self._structure.n
         moments, normal = self._moments(rest, 0.0), self._carried(rest)
         if self._leans(normal):
             return False
+        # displacements and quaternions of all bodies, the base last
         moved = np.zeros((n + 1, 3))
         moved[:n] = np.array([place.see.ux, place.see.uy, place.see.uz]).T
         turn = np.zeros((n + 1, 4))
@@ -176,6 +192,7 @@ class Well:
         turn[:n] = np.array([place.see.q0, place.see.q1, place.see.q2, place.see.q3]).T
         centroids = [centroid_of(structure.blocks, i) for i in range(n + 1)]
         for j in np.flatnonzero(~np.isnan(moments)).tolist():
+            # displacement of the contact on both bodies, tilt between them, slip since rest
             joint, lever = structure.joints[j], float(moments[j] / normal[j])
             ends = [
                 (moved[i] + _turned(turn[i], joint.face.centre - centroids[i]) - (joint.face.centre - centroids[i]))
@@ -190,14 +207,14 @@ class Well:
         return True
 
     def _leans(self, normal: FloatArray) -> bool:
-        """Whether some block is held by joints that lean against each other, as in an arch."""
+        """Return True if some block is held by joints that lean against each other, as in an arch."""
         askew = ~self._alone & ~self._upright
         return bool(np.any(normal[askew] > HARDLY * self._structure.weight))
 
     def _lifting(self, rest: Stepper, left: float) -> float:
-        """The least energy, J, that lifts what some joint carries over the nearest edge of its contact.
+        """Return the least energy (J) that lifts what some joint carries over the nearest edge of its contact.
 
-        A joint that does not bear alone opens together with another one at least, which has its own lever.
+        A joint that is not the only support opens together with at least one other, which has its own lever.
         """
         normal, moments, least = self._carried(rest), self._moments(rest, left), math.inf
         if np.any(moments <= 0.0):
@@ -211,15 +228,16 @@ class Well:
         return least
 
     def _height(self, j: int) -> float:
-        """How far the centroid of what joint j carries is above it, m; of flat blocks their size."""
+        """Return the height of the carried centroid above joint j (m), at least the size of its upper block."""
         structure = self._structure
         return max(float(self._heights[j]), structure.blocks[structure.joints[j].upper].size)
 
     def _moments(self, rest: Stepper, left: float) -> FloatArray:
-        """Force of each joint times its lever about the nearest edge of its contact, N m; NaN of those of an arch.
+        """Return the force of each joint times its lever about the nearest edge of its contact, N m (joints,).
 
-        Slips have moved that edge, and may go on until friction has taken the energy `left`, J. On an elastic bed the
-        force stays within it by a third of what is still in contact, half-way to the fall.
+        NaN for the joints of an arch. Slips have moved that edge, and may go on until friction has dissipated the
+        energy `left`, J. On an elastic bed the force stays inside the edge by a third of the length that is still in
+        contact halfway to the fall.
         """
         structure = self._structure
         normal, (mx, my) = self._carried(rest), (_field(rest, name) for name in ("Mx", "My"))
@@ -232,6 +250,7 @@ class Well:
             if joint.bearing is not None:
                 moments[j] = carried * _lever_of_group(structure, self._groups[j], _field(rest, "N"))
                 continue
+            # lever of the resultant about the nearest edge
             place = np.array([my[j], -mx[j]]) / carried
             lever = min(reach - float(out @ place) for out, reach in _edges(joint, _slip(rest, j), place))
             if joint.bed.friction is not None and joint.below is not GROUND:
@@ -241,14 +260,17 @@ class Well:
         return moments
 
     def _carried(self, rest: Stepper) -> FloatArray:
-        """Normal forces of the joints, N; the first bearing between two bodies has those of all of them."""
+        """Return the normal forces of the joints, N (joints,).
+
+        The first bearing between two bodies gets the sum over all bearings between them, the others 0.
+        """
         normal = _field(rest, "N").copy()
         for first, group in self._groups.items():
             normal[group] = np.where(np.array(group) == first, np.sum(normal[group]), 0.0)
         return normal
 
     def _coming_off(self, rest: Stepper) -> float:
-        """The least energy, J, by which some bearing moves as far as what it bears comes off."""
+        """Return the least energy (J) that displaces some bearing to its capacity."""
         structure, normal, d = self._structure, _field(rest, "N"), _field(rest, "d")
         m, least = len(structure.joints) - len(structure.bearings), math.inf
         for j, joint in enumerate(structure.bearings):
@@ -262,9 +284,9 @@ class Well:
         return least
 
     def _bending(self, rest: Stepper, stiffness: FloatArray) -> float:
-        """The least energy, J, by which the resultant of some joint of an arch comes to the edge of its contact.
+        """Return the least energy (J) that brings the resultant of some joint of an arch to the edge of its contact.
 
-        Of the structure as stiff as at rest. A hinge there is less than a mechanism, which takes several.
+        The stiffness is that at rest. One hinge needs less energy than a mechanism, which has several.
         """
         structure, m = self._structure, len(self._structure.joints)
         normal, mx, my = (_field(rest, name) for name in ("N", "Mx", "My"))
@@ -281,7 +303,10 @@ class Well:
         return float(np.min(0.25 * margin**2 / np.maximum(gives, math.ulp(0.0))))
 
     def _change_of_resultants(self, rest: Stepper) -> FloatArray:
-        """N, Mx and My of the joints, N and N m per m and rad of each coordinate, (3 joints, 6 n)."""
+        """Return the derivatives of N, Mx and My of the joints by the coordinates, (3 joints, 6 n), per m and rad.
+
+        Joints stick meanwhile.
+        """
         structure, stuck = self._structure, sticking(rest.over(state=rest.arrays.state.copy()))
         size = 6 * structure.n
         places = places_of(OUTPUTS, structure.sizes)
@@ -307,7 +332,7 @@ def _is_stable(stiffness: FloatArray) -> bool:
 
 
 def _stopped(stepper: Stepper) -> Stepper:
-    """The same place without velocities, a phase of its own."""
+    """Return a copy of the state without velocities."""
     n, other = stepper.structure.n, stepper.over(state=stepper.arrays.state.copy())
     other.row, other.rates = stepper.row.copy(), stepper.rates.copy()
     other.phase[_place("vx", n) : at.PHASE.size(n)] = 0.0
@@ -315,7 +340,7 @@ def _stopped(stepper: Stepper) -> Stepper:
 
 
 def _place(name: str, n: int) -> int:
-    """Where a field begins in the phase of n blocks."""
+    """Return the offset of a field in the phase of n blocks."""
     return at.PHASE.places[name][0] * n
 
 
@@ -324,21 +349,21 @@ def _slip(stepper: Stepper, j: int) -> FloatArray:
 
 
 def _field(stepper: Stepper, name: str) -> FloatArray:
-    """A field of the output row of a stepper."""
+    """Return a field of the output row of a stepper."""
     return stepper.row[places_of(OUTPUTS, stepper.structure.sizes)[name]]
 
 
 def _turned(q: FloatArray, vector: FloatArray) -> FloatArray:
-    """A vector turned by a unit quaternion."""
+    """Rotate a vector by a unit quaternion."""
     across = np.cross(q[1:], vector)
     return vector + 2.0 * (q[0] * across + np.cross(q[1:], across))
 
 
 def _edges(joint: Joint, slip: FloatArray, towards: FloatArray | None = None) -> list[tuple[FloatArray, float]]:
-    """Outward normals of the edges of a contact, along the axes of the joint, and how far the edges are, m.
+    """Return the outward normals of the edges of a contact, along the axes of the joint, and their distances (m).
 
-    They count from half-way between the centres of both faces, which a slip has parted. Of a round face those next to
-    the place `towards`, or in some directions.
+    Distances are measured from the midpoint between the centres of both faces, which a slip has separated. A round face
+    has the edge next to the point `towards`, or edges in DIRECTIONS directions.
     """
     if joint.bed.friction is None:  # its contact does not move
         return _edges_of(joint.face, joint.face, np.zeros(2), towards)
@@ -368,7 +393,7 @@ def _edges_of(
 
 
 def _groups(structure: Structure) -> dict[int, list[int]]:
-    """Numbers of the bearings between two bodies, by the first one: together they bear like one joint."""
+    """Return the bearings between the same two bodies by the first of them: together they act like one joint."""
     found: dict[tuple[int, int], list[int]] = {}
     for j, joint in enumerate(structure.joints):
         if joint.bearing is not None:
@@ -377,10 +402,10 @@ def _groups(structure: Structure) -> dict[int, list[int]]:
 
 
 def _lever_of_group(structure: Structure, group: list[int], normal: FloatArray) -> float:
-    """How far the resultant of bearings is from the nearest line about which what they carry tips, m.
+    """Return the distance of the resultant of bearings from the nearest line about which the carried body tips (m).
 
-    It tips about two of them with none beyond, and has moved by half of what they allow before it comes off. Those that
-    hold do not let it: NaN.
+    A tipping line passes through two bearings with none beyond it. The distance is reduced by half of the capacity, by
+    which the body has moved before it comes off. NaN if a bearing holds tension, which prevents tipping.
     """
     joints = [structure.joints[j] for j in group]
     bearings = [joint.bearing for joint in joints if joint.bearing is not None]
@@ -398,9 +423,9 @@ def _lever_of_group(structure: Structure, group: list[int], normal: FloatArray) 
 
 
 def _heights(structure: Structure) -> FloatArray:
-    """How far the centroid of what a joint carries is above it, m (joints,).
+    """Return the height of the centroid of the carried mass above each joint, m (joints,).
 
-    A block that stands on several joints is shared equally by them.
+    The mass of a block that stands on several joints is shared equally by them.
     """
     bears: list[list[int]] = [[] for _ in structure.blocks]  # numbers of the joints under each block
     for j, joint in enumerate(structure.joints):
@@ -420,10 +445,11 @@ def _heights(structure: Structure) -> FloatArray:
 
 
 def _bears_alone(structure: Structure) -> NDArray[np.bool_]:
-    """Mask of the joints without which something is not connected with the base, (joints,).
+    """Return the mask of the joints without which some block is not connected with the base, (joints,).
 
-    In a tree of paths from the base, a link is such a one if no other link leads past it. Each link outside the tree
-    has a bit, which the blocks on both paths to its ends get: those on both keep none.
+    In a spanning tree of paths from the base, a link is such a bridge if no other link bypasses it. Each link outside
+    the tree has a bit, which the bodies on the paths to both of its ends get by XOR: common parts of the paths keep
+    none.
     """
     bodies = [(joint.upper, joint.lower) for joint in structure.joints] + [
         (tie.one, tie.other) for tie in structure.ties
@@ -431,6 +457,7 @@ def _bears_alone(structure: Structure) -> NDArray[np.bool_]:
     behind = {j for group in _groups(structure).values() for j in group[1:]}
     numbers = [number for number in range(len(bodies)) if number not in behind]  # bearings of two bodies are one link
     links = [bodies[number] for number in numbers]
+    # spanning tree, breadth first
     at_body: list[list[int]] = [[] for _ in range(structure.n + 1)]
     for number, (one, other) in enumerate(links):
         at_body[one].append(number)
@@ -442,11 +469,13 @@ def _bears_alone(structure: Structure) -> NDArray[np.bool_]:
                 if end not in by:
                     by[end] = number
                     order.append(end)
+    # bits of the links outside the tree
     past = [0] * (structure.n + 1)
     for number, (one, other) in enumerate(links):
         if number not in (by[one], by[other]):
             past[one] ^= 1 << number
             past[other] ^= 1 << number
+    # from the leaves to the base: a link whose subtree has no bits is a bridge
     found = np.zeros(len(bodies), dtype=np.bool_)
     for body in order[:0:-1]:
         number = by[body]

@@ -43,7 +43,7 @@ def joints_between(
     below = (GROUND,) if lower == len(solids) else solids[lower].faces
     above = solids[upper].faces
     found = [(face, a, b) for a, b in facing(above, below, FACING) if (face := shared(a, b)) is not None]
-    if not sides:  # what stands on a block touches it from above
+    if not sides:  # a block on another one touches it from above
         found = [faces for faces in found if faces[0].normal[2] > 1e-6] or found
     if not found:
         names = [*(solid.name for solid in solids), BASE]

@@ -18,23 +18,11 @@ SIDES = 60  # of the polygon of equal area that replaces a round face where anot
 
 @dataclass(frozen=True, eq=False)
 class Face:
-    """A plane face: a polygon, or a disc or ring about its centre.
-
-    Attributes
-    ----------
-    centre : array (3,)
-        Centre, m.
-    axes : array (3, 3)
-        Columns e1, e2 and the normal away from the block.
-    outline : array (corners, 2)
-        Corners along e1 and e2 from the centre, m, anticlockwise seen against the normal; empty for a round face.
-    radius, bore : float
-        Outer radius of a round face and radius of its hole, m.
-    """
+    """A plane face: a polygon, or a disc or ring about its centre."""
 
     centre: FloatArray  # (3,) m
     axes: FloatArray  # (3, 3), columns e1, e2 and the normal away from the block
-    outline: FloatArray
+    outline: FloatArray  # (corners, 2) m along e1, e2 from the centre, anticlockwise against the normal; empty: round
     radius: float = 0.0  # m, of a round face
     bore: float = 0.0  # m, radius of the hole
 

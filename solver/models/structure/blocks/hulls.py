@@ -29,7 +29,7 @@ MERGED = 1e-5  # of the height of a triangle: corners nearer to its plane are of
 STRAIGHT = 1e-9  # of the area of a face: a corner that takes away less is dropped
 BLUNT = 1e-4  # the same for a foot found among the points of a mesh
 SLIVER = 1e-2  # of the area of a face: smaller uncovered parts of it are dropped
-ZERO = 1e-14  # of the trace: products of inertia below this are 0, so that what is symmetric stays in its plane
+ZERO = 1e-14  # of the trace: smaller products of inertia are set to 0, so that symmetric blocks stay in their plane
 
 
 class Bulk(NamedTuple):
@@ -143,6 +143,7 @@ def _outermost(points: FloatArray, within: float) -> FloatArray:
     chosen = np.unique(np.argmax(local @ ways.T, axis=0)).tolist()
     while True:
         try:
+            # distance of each point from the hull of the chosen ones
             planes = ConvexHull(local[chosen]).equations
         except QhullError:
             return points
@@ -233,7 +234,7 @@ def feet_of(points: FloatArray, level: float, count: int = 1) -> tuple[FloatArra
     Returns
     -------
     tuple of array (corners, 2)
-        Polygons, m, anticlockwise; empty where a group has no area.
+        Polygons, m, anticlockwise; empty if a group has no area.
     """
     low = np.unique(points[points[:, 2] <= np.min(points[:, 2]) + level, :2], axis=0)
     extent = float(np.max(np.ptp(points, axis=0)))
@@ -260,6 +261,7 @@ def _apart(points: FloatArray, count: int) -> list[FloatArray]:
     edges = np.unique(np.sort(np.column_stack([one, other]), axis=1), axis=0)
     length = np.hypot(*(points[edges[:, 0]] - points[edges[:, 1]]).T)
     size = len(points), len(points)
+    # cut the count - 1 longest edges of the minimum spanning tree
     tree = minimum_spanning_tree(coo_array((length, edges.T), shape=size)).tocoo()
     kept = np.argsort(tree.data, kind="stable")[: len(tree.data) - (count - 1)]
     left = coo_array((tree.data[kept], (tree.row[kept], tree.col[kept])), shape=size)

@@ -19,7 +19,7 @@ from .shells import EXTRA, check_closed, check_shells, repaired, solids_apart
 
 MOST = 200 * MB  # of a mesh, and of all buffers that it names
 KINDS = (".obj", ".stl", ".gltf", ".glb", ".ply", ".off")
-COLOURED = (".obj", ".gltf", ".glb", ".ply")  # those that may name files of materials, which are not read
+COLOURED = (".obj", ".gltf", ".glb", ".ply")  # formats that may name files of materials, which are not read
 TALL = 100.0  # m: a mesh higher than this is probably in mm
 UP = ("x", "y", "z")
 TURNS = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}  # which of its axes become x, y, z
@@ -106,6 +106,7 @@ def _buffer_reader(folder: Path, most: int) -> Callable[[str], bytes]:
 
     def read(name: str) -> bytes:
         nonlocal left
+        # resolve links, so that no file outside the folder is read
         named = next((text for text in (name, unquote(name)) if (inside / text).exists()), name)
         place = Path(os.path.realpath(inside / named))
         if inside not in place.parents:

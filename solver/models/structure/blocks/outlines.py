@@ -34,6 +34,7 @@ def outline_of(key: str, pairs: Sequence[FloatArray]) -> FloatArray:
         raise InputError(f"{key}: has no area, must be {MEANING}")
     if float(np.max(np.abs(found))) > FARTHEST * extent:
         raise InputError(f"{key}: lies farther from its origin than {FARTHEST:g} times its extent = {extent:g} m")
+    # anticlockwise, without straight corners
     if area < 0.0:
         found = found[::-1].copy()
     if not np.all(np.hypot(*(np.roll(found, -1, axis=0) - found).T) > 0.0):

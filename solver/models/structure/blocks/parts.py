@@ -48,7 +48,7 @@ class Solid:
 
     @property
     def drop(self) -> float:
-        """Half of the least extent (m): a block that is lower than built by this has fallen."""
+        """The half of the least extent (m): a block that is lower than built by this has fallen."""
         return 0.5 * float(np.min(np.ptp(self.corners, axis=0)))
 
 

@@ -59,6 +59,7 @@ def box(name: str, bottom: tuple[float, float], top: tuple[float, float], height
 
     sides = [rectangle(*bottom), rectangle(*top)]
     faces = [_level(sides[0], 0.0, -1.0), _level(sides[1], height, 1.0)]
+    # lateral faces of a box that does not taper
     if bottom == top:
         w, d = bottom
         for normal, width, out in (((1, 0, 0), d, w), ((-1, 0, 0), d, w), ((0, 1, 0), w, d), ((0, -1, 0), w, d)):
