@@ -75,7 +75,17 @@ def varied(subject: Subject, run: Any, scaled: ScaledMotion, plan: Plan, place: 
 def run_all(subject: Subject, pairs: Sequence[Pair], peaks: bool, callback: Callback | None) -> Table:
     """Simulate pairs of models and motions, and return the table of the runs, one row for each.
 
-    With `peaks` the table has the largest displacements, also those of bearings, the overturning times and least gaps.
+    Parameters
+    ----------
+    subject : Subject
+        The model under check, which decides the columns of the table.
+    pairs : sequence of Pair
+        The models and their motions.
+    peaks : bool
+        Whether to keep the largest displacements, also those of bearings, the overturning times and the least gaps. The
+        verdicts are always kept.
+    callback : Callback or None
+        As in `simulate_many`.
     """
     keep = ("verdict",)
     if peaks:

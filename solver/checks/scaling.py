@@ -32,9 +32,18 @@ VERTICAL_RANGE = (0.05, 1.0)  # s, range of the fit of vertical components: plat
 
 
 def horizontal_psa(motion: Motion, periods: FloatArray, damping: float = DAMPING) -> FloatArray:
-    """Return the horizontal pseudo-acceleration (m/s2) at periods (s), (p,), of a motion that is not zero.
+    """Return the horizontal pseudo-acceleration of a motion that is not zero (m/s2), (p,).
 
-    Of two components it is the geometric mean. `damping` is the damping ratio.
+    Of two components it is the geometric mean.
+
+    Parameters
+    ----------
+    motion : Motion
+        The motion.
+    periods : (p,) float
+        Periods (s).
+    damping : float
+        Damping ratio.
     """
     found = [spectrum(motion, periods, damping, component).psa for component in _horizontal(motion)]
     return np.sqrt(found[0] * found[1]) if len(found) > 1 else found[0]

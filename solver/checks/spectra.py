@@ -78,7 +78,7 @@ class CornerSpectrum:
     """
 
     pga: float  # m/s2, at period 0, on the ground there
-    amplification: float  # of the plateau over pga at 5 % damping
+    amplification: float  # ratio of the plateau to pga at 5 % damping
     tb: float  # s
     tc: float  # s
     td: float  # s
@@ -113,8 +113,9 @@ class TableSpectrum:
         found = damping_factor(damping) * within * beyond
         if self.pga is None:
             return found
+        # linear down to the PGA, which does not depend on damping
         part = np.minimum(given / self.period[0], 1.0)
-        return np.where(part < 1.0, (1.0 - part) * self.pga + part * found, found)  # damping leaves PGA
+        return np.where(part < 1.0, (1.0 - part) * self.pga + part * found, found)
 
     def outside(self, shortest: float, longest: float) -> list[str]:
         """Return a line for each end at which a use from `shortest` to `longest` (s) leaves the table."""

@@ -62,7 +62,7 @@ class FreeVibration:
     """The damped oscillation, exp(-2 pi ratio frequency t), fitted to a record."""
 
     frequency: float  # Hz, undamped
-    ratio: float  # of critical damping
+    ratio: float  # damping ratio
     explained: float  # part of the variance of the record, 0 to 1
     fitted: FloatArray  # at the samples, in the units of the record
 

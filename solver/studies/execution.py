@@ -24,7 +24,7 @@ from .subjects import sizes_of, subject_from
 
 UNKNOWN_COST = 0.02  # s, assumed duration of a run if the first one cannot be built
 SAVE_EVERY = 60.0  # s, least time between two updates of the tables
-SAVE_PART = 0.05  # largest part of the time that is spent on them
+SAVE_PART = 0.05  # largest part of the time that is spent on updates
 
 Callback = Callable[[int, int], object]
 
