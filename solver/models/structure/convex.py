@@ -23,9 +23,9 @@ from .blocks.parts import Joint, Solid
 from .blocks.shapes import turned
 
 PARALLEL = 1e-6  # sine of the angle between two edges; of the size of a block: corners closer than this are one
-PAIRS = 2000  # of edges; for hulls with more pairs only normals are tested: depths may seem larger, never less
+PAIRS = 2000  # of edges; with more, their cross products are not tested: overlaps may seem deeper, never less deep
 TOUCH, TOUCH_PART = 1e-4, 1e-4  # m, and of the size of a block: blocks that overlap by less as built touch
-NEAREST = 200  # iterations
+NEAREST = 200  # iterations for the nearest point
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ from .convex import TOUCH, Hull, distance, hulls_of, near_as_built
 from .model import Structure
 from .outputs import StructureHistories
 
-ROWS = 1000  # instants at once: memory
+ROWS = 1000  # instants at once, which limits the memory
 BEYOND = 0.05  # of the depth of a contact: an overlap deeper by up to this is still ascribed to it
 UPRIGHT = 1e-6  # of the vertical part of a normal: the base below such a face is a half-space
 UNJOINED, PAIRED, ENDED = "unjoined", "paired", "ended"

@@ -36,7 +36,7 @@ STEP, SHORTEST = 0.1, 1e-10  # first and least step in these units
 GROWTH = 0.2  # of the length of the path so far: longest step
 LARGEST = 10.0  # of g: push at which the path ends
 MOST_PLACES = 2000
-ITERATIONS = 8  # of Newton's method for a place
+ITERATIONS = 8  # of Newton's method for a point of the path
 CLOSE, ROUGH = 1e-10, 1e-7  # of the weight: residual; at most, where rounding limits it
 # differences for the tangent, of a step, and at least of the displacement. In larger ones joints that bear hardly any
 # load stick on one side and slide on the other, and Newton's method is slow; smaller ones are lost in rounding
@@ -45,7 +45,7 @@ NARROWED = 1e-4  # of a step: width to which the onset of opening, sliding or a 
 LEAST_GROWTH = 1e-9  # of the push: least increase in a step that counts as growth
 STEEP = 1e-3  # part of the push in a step, in these units, above which it counts as growing however short the step
 FALLS = "beyond it the push falls, or does not grow"
-TURN = 0.9  # least cosine between a step and the next one
+TURN = 0.9  # least cosine of the angle between consecutive steps
 OPEN, SLID = 1e-9, 1e-9  # of the contact, of the largest displacement: above it a joint is open, or has slid
 
 

@@ -27,7 +27,7 @@ from .rest import rest_of, rest_under, start_from
 from .stepper import Stepper
 from .verdict import RESTING, next_look, well_of, why_it_leans
 
-TWISTS = 6  # iterations for an initial twist: each reduces its error to the cube over 24
+TWISTS = 6  # iterations for an initial twist: each reduces the error to its cube over 24
 COUNTED = ("steps", "elastic_steps", "stabilized_steps", "rejected", "evaluations", "looks")
 
 

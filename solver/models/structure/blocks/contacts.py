@@ -12,8 +12,8 @@ from .faces import NEAR, Face, FloatArray, inset, polygon_moments, shared
 from .parts import BASE, Bed, Joint, Solid
 from .shapes import rectangle
 
-FACING = -0.99  # cosine between the normals of faces that may touch
-ENDLESS = 1e4  # m, of the base
+FACING = -0.99  # largest cosine of the angle between the normals of faces that may touch
+ENDLESS = 1e4  # m, side of the square that stands for the base
 GROUND = Face(np.zeros(3), np.eye(3), rectangle(ENDLESS, ENDLESS))
 
 

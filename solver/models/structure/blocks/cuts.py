@@ -11,11 +11,11 @@ from .faces import NEAR, FloatArray
 from .hulls import THINNEST_HULL
 from .shells import EXTRA
 
-FINE = 1e-4  # of the volume: a part whose hull exceeds it by less is not cut again
+FINE = 1e-4  # of the volume of the mesh: a part whose hull exceeds it by less is not cut again
 BENT = 12  # planes of triangles at reentrant edges that are tried for a cut
 LEVELS = 6  # planes across each axis that are tried
-ALIKE = 1e-3  # of normals and of places, over the extent: planes closer than this are one
-OUT = 1e-9  # of the extent: planes lie so far above their triangles that no cut leaves a skin of these
+ALIKE = 1e-3  # difference of normals, and of distances over the extent, below which planes are merged
+OUT = 1e-9  # of the extent: offset of planes above their triangles, so that no cut leaves a skin of these
 SURE = 1e-9  # of the volume: the least improvement of a better cut, so that rounding does not choose
 
 

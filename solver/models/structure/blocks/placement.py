@@ -12,7 +12,7 @@ from .faces import NEAR, Face, shared
 from .parts import BASE, Joint, Solid
 
 SAME = 1e-6  # of the size of a block: places closer than this are one
-BEYOND = 0.1  # of the diagonal of a block: the farthest that the middle of a joint may lie outside of it
+BEYOND = 0.1  # of the diagonal of a block: largest distance of the centre of a joint from the box around it
 
 
 def check_places(keys: Sequence[str], blocks: Sequence[Solid]) -> None:

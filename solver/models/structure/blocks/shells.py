@@ -11,8 +11,8 @@ from .faces import FloatArray
 EXTRA = "mesh"
 SAMPLES = 1000  # points of the surface at which the winding number is computed, at most
 ANGLES = 2 * 10**7  # solid angles that are computed, about
-CHUNK = 10**6  # of them at once
-ROUNDED = 1e-4  # of the extent: solids touch that are closer than this, or overlap by less
+CHUNK = 10**6  # solid angles computed at once
+ROUNDED = 1e-4  # of the extent: solids that are closer than this, or overlap by less, touch
 REPAIR = "repair = true (--repair) turns triangles"
 
 IntArray = NDArray[np.int64]
