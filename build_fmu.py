@@ -5,8 +5,8 @@
                          [--native [--fmi 3 [--scalars]] [--source] [--terminals] [--platforms NAME,...]]
     python build_fmu.py ...
 
-Packaging only. Inside the FMU the two packages carry the hash of their content in their names, so that two FMUs in one
-process, or two builds of one, never run each other's code.
+This module only packages. Inside the FMU the names of the two packages contain the hash of their content, so that two
+FMUs in one process, or two builds of one, never run each other's code.
 """
 
 from __future__ import annotations
@@ -68,15 +68,15 @@ LEFT_AT_HOME = {
     "studies",
     "wavelets.py",
     "__main__.py",
-}  # an FMU does not need them
+}  # not carried: an FMU does not need them
 NEEDS = "The machine that runs it needs Python 3.11 or newer with numpy."
 NEEDS_OBJECTS = (
     "The machine that runs it needs Python 3.11 or newer with numpy and llvmlite, and the builder's system and kind of "
     "processor: it was built without ziglang."
 )
-# an FMU runs on these
+# platforms for which an FMU in Python carries machine code
 CARRIED_PLATFORMS = ("manylinux_2_17_x86_64", "win_amd64", "macosx_11_0_x86_64", "macosx_11_0_arm64")
-ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # the same input gives the same bytes
+ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # fixed, so that the same input gives the same bytes
 
 SCRIPT = '''"""Entry of the FMU: brings in the solver and offers the slave."""
 
@@ -104,14 +104,14 @@ class Slave(BlocksSlave):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """`python build_fmu.py`; returns the exit code, 2 for a user's mistake."""
+    """Run the command line of `python build_fmu.py`, and return the exit code, 2 for a user's mistake."""
     parser = program_parser("build_fmu.py", "Build the FMU of a column or structure of blocks.")
     add_options(parser)
     return run_command(parser, arguments)
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """The options of this command, for `run_command`."""
+    """Add the options of the command `build-fmu`, for `run_command`."""
     parser.set_defaults(command=_build)
     parser.add_argument(
         "column",
@@ -123,12 +123,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", type=Path, help="FMU file (default: NAME.fmu in the current folder)")
     add_space(parser)
     add_force(parser)
+    # motion of the base
     drive = parser.add_argument_group("how the base moves; the words are start values of parameters")
     drive.add_argument("--drive", choices=tuple(DRIVES), default=USUAL.drive, help="by its acceleration, or by bodies")
     drive.add_argument("--slope", choices=tuple(SLOPES), default=USUAL.slope, help="of its acceleration within a step")
     drive.add_argument("--bodies", type=int, default=USUAL.bodies, metavar="N", help="that may drive it (default: 1)")
     drive.add_argument("--turns", action="store_true", help="the base of a structure may turn about x and y too")
     parser.add_argument("--record", type=Path, metavar="FILE", help="record to put inside, added to the inputs")
+    # format of the FMU
     parser.add_argument("--native", action="store_true", help="compiled libraries instead of Python")
     parser.add_argument("--fmi", type=int, choices=(2, 3), default=2, help="version of FMI; 3: native only")
     parser.add_argument("--scalars", action="store_true", help="with --fmi 3: no arrays, for hosts that know none")
@@ -144,7 +146,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def add_replay(parser: argparse.ArgumentParser) -> None:
-    """The options of the command that runs the reference results of an FMU, for `run_command`."""
+    """Add the options of the command `replay`, which repeats the reference run of an FMU, for `run_command`."""
     parser.set_defaults(command=lambda options: print(replay(options.fmu)))
     parser.add_argument("fmu", type=Path, help="FMU built with --reference")
 
@@ -154,6 +156,7 @@ def _build(options: argparse.Namespace) -> None:
         raise InputError("--scalars: with --fmi 3 only, FMI 2.0 has no arrays")
     if options.output is not None and options.output.parent.is_dir():  # a missing folder is created
         check_outputs((options.output,), (options.column, options.record), options.force)
+    # options that exclude one another
     drive = drive_of(options.drive, options.slope, options.bodies, options.turns)
     if not drive.is_chosen and drive != USUAL._replace(turns=drive.turns):
         raise InputError("--slope, --bodies: must be left out without --drive body or horizontal")
@@ -161,6 +164,7 @@ def _build(options: argparse.Namespace) -> None:
         raise InputError("--record: must be left out with --drive, the ground moves the bodies at the base")
     if options.plain_names and options.fmi == 3 and not options.scalars:
         raise InputError("--plain-names: with --fmi 3 only beside --scalars, arrays have no brackets in their names")
+    # native or in Python
     rest = options.space, drive, options.plain_names, options.reference
     if options.native:
         platforms = options.platforms.split(",") if options.platforms else None
@@ -175,7 +179,7 @@ def _build(options: argparse.Namespace) -> None:
 
 
 def _default_column() -> Path:
-    """The Column of Phocas, damped: in the clone that this file is part of, or as it was installed beside this file."""
+    """Return the file of the Column of Phocas, damped: in the clone with this file, or installed beside this file."""
     here = Path(__file__).resolve().parent
     clone = here / "examples" / "columns"
     return (clone if clone.is_dir() else here / COLUMNS_PACKAGE) / "phocas-damped.toml"
@@ -196,11 +200,35 @@ def build_native_fmu(
     plain_names: bool = False,
     reference: bool = False,
 ) -> Path:
-    """Build the FMU that needs no Python and return its path; prints what its libraries need from outside.
+    """Build the FMU that needs no Python, and return its path; prints which external symbols its libraries need.
 
-    platforms: of PLATFORMS[form.fmi], None: all of them. space: a column as a structure in space. drive: how its base
-    moves (fmu_src/drive.py). plain_names: as of `without_brackets`. reference: with what `replay` compares.
-    Raises InputError, OSError.
+    Parameters
+    ----------
+    column_file : Path
+        TOML file of a column or structure.
+    output : Path, optional
+        FMU file. Default: NAME.fmu in the current folder.
+    record : Path, optional
+        Record to put inside.
+    platforms : sequence of str, optional
+        Names in PLATFORMS[form.fmi]. Default: all of them.
+    form : Form
+        Version of FMI, and options of the archive.
+    space : bool
+        If True, solve a column as a structure in space.
+    drive : Drive
+        How the base moves (fmu_src/drive.py).
+    plain_names : bool
+        If True, name variables as `without_brackets` does.
+    reference : bool
+        If True, add the reference results that `replay` compares with.
+
+    Raises
+    ------
+    InputError
+        If an argument is wrong, or the model has no native FMU.
+    OSError
+        If a file cannot be read or written.
     """
     with needing("native", *BUILDER_PACKAGES):
         from fmu_src.native.package import native_files, needs_report
@@ -212,8 +240,9 @@ def build_native_fmu(
             raise InputError(f"--platforms {platform}: must be of {', '.join(known)}")
     if body.why_not_native:
         raise InputError(f"--native: {column_file} {body.why_not_native}")
+    # record, libraries and the files beside them
     motion = None if record is None else Motion.from_file(record)
-    body.samples(motion)  # it says what is wrong
+    body.samples(motion)  # raises InputError for an unsuitable motion
     record_name = record.name if record else ""
     files, needs = native_files(body, list(dict.fromkeys(platforms)), motion, record_name, form)
     print(needs_report(needs), file=sys.stderr)
@@ -258,12 +287,34 @@ def build_fmu(
     reference: bool = False,
     real_outputs: bool = False,
 ) -> Path:
-    """Build the FMU of a file, or of a model, and return its path; a record is put inside it.
+    """Build the FMU of a file or of a model, which runs in Python, and return its path.
 
-    space: the column of a file as a structure in space. drive: how its base moves (fmu_src/drive.py). Another model
-    has its `Body` (fmu_src/body.py), whose package is put inside. reference: with what `replay` compares. real_outputs:
-    without outputs that are no reals.
-    Raises InputError, OSError.
+    Parameters
+    ----------
+    column : Path or model
+        TOML file of a column or structure, or a model, whose kind needs a `Body` (fmu_src/body.py); the package of that
+        body is put inside.
+    output : Path, optional
+        FMU file. Default: NAME.fmu in the current folder.
+    record : Path, optional
+        Record to put inside.
+    space : bool
+        If True, solve the column of a file as a structure in space.
+    drive : Drive
+        How the base moves (fmu_src/drive.py).
+    plain_names : bool
+        If True, name variables as `without_brackets` does.
+    reference : bool
+        If True, add the reference results that `replay` compares with.
+    real_outputs : bool
+        If True, leave out outputs that are no reals.
+
+    Raises
+    ------
+    InputError
+        If an argument is wrong.
+    OSError
+        If a file cannot be read or written.
     """
     with needing("fmu", *BUILDER_PACKAGES):
         from pythonfmu import FmuBuilder
@@ -279,18 +330,20 @@ def build_fmu(
         record_name = record.name
     with tempfile.TemporaryDirectory(prefix="build_fmu_") as folder:
         stage = Path(folder)
+        # solver and FMU code, renamed by hash; the package of a body of another model
         kernels = body.kernels
         carried_solver = _carry_package(solver, stage, {}, *kernels[:1])
         carried_fmu_src = _carry_package(fmu_src, stage, {"solver": carried_solver})
         carried = [carried_solver, carried_fmu_src]
         package, _, module = type(body).__module__.partition(".")
         others = ""
-        if package != fmu_src.__name__:  # of another model
+        if package != fmu_src.__name__:  # the body of another model
             renamed = {"solver": carried_solver, "fmu_src": carried_fmu_src}
             carried.append(_carry_package(sys.modules[package], stage, renamed))
             others = f"\n    import {carried[-1]}.{module}  # noqa: F401"
         more = "\n    real_outputs = True\n" if real_outputs else ""
         script = SCRIPT.format(name=body.name, solver=carried_solver, fmu_src=carried_fmu_src, others=others, more=more)
+        # identity: a hash of the code, the model and the record
         content = script.encode() + body.text.encode()
         if record is not None:
             content += record.name.encode() + record.read_bytes()
@@ -299,10 +352,12 @@ def build_fmu(
         script_file.write_text(script, encoding="utf-8")
         (stage / BODY_FILE).write_text(body.text, encoding="utf-8")
         (stage / GUID_FILE).write_text(f"{{{uuid.uuid5(uuid.NAMESPACE_OID, identity)}}}", encoding="utf-8")
+        # machine code of the kernels for all platforms
         code_folder = stage / carried_solver / "kernels" / "machine" / "code"
         code_folder.mkdir()
         for name, code in libraries(kernels, CARRIED_PLATFORMS).items():
             (code_folder / name).write_bytes(code)
+        # PythonFMU imports the script to read the model description
         sys.path.insert(0, str(stage))
         importlib.invalidate_caches()
         try:
@@ -314,6 +369,7 @@ def build_fmu(
             built = FmuBuilder.build_FMU(script_file, dest=stage / "built.fmu", project_files=parts)
         finally:
             sys.path[:] = [entry for entry in sys.path if not entry.startswith(str(stage))]
+        # documentation, licences and reference results
         output.parent.mkdir(parents=True, exist_ok=True)
         needs = NEEDS if has_linker() or not kernels else NEEDS_OBJECTS
         needs = needs if has_tools() else f"{needs} {guard.WITHOUT}"
@@ -329,9 +385,18 @@ def build_fmu(
 
 
 def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str], kernels: str = "") -> str:
-    """Copy a package under a name with a hash of its content, its imports renamed by `renamed`; return the name.
+    """Copy a package under a name with a hash of its content, and return the name.
 
-    kernels: those with machine code, a part of the name too: FMUs with others have their own copy, in one process too.
+    Parameters
+    ----------
+    package : module
+    stage : Path
+        Folder to copy to.
+    renamed : dict of str to str
+        Package names to replace in its imports.
+    kernels : str
+        Group of kernels with machine code, also a part of the name: FMUs with other groups have their own copy, in one
+        process too.
     """
     source = Path(package.__path__[0])
     texts = {}
@@ -352,7 +417,17 @@ def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str], ke
 
 
 def repack(source: Path, target: Path, extra: dict[str, bytes], plain_names: bool = False) -> None:
-    """Write the archive, guarded, with the additions compressed, in a fixed order and with a fixed date."""
+    """Write the archive with the guard and the additions, compressed, in a fixed order and with a fixed date.
+
+    Parameters
+    ----------
+    source, target : Path
+        Archive to read, and archive to write.
+    extra : dict of str to bytes
+        Content of the additional files by path.
+    plain_names : bool
+        If True, name variables as `without_brackets` does.
+    """
     with zipfile.ZipFile(source) as old:
         files = {name: old.read(name) for name in old.namelist()}
     files = guard.guarded(files) | extra
@@ -360,7 +435,10 @@ def repack(source: Path, target: Path, extra: dict[str, bytes], plain_names: boo
 
 
 def without_brackets(files: dict[str, bytes]) -> dict[str, bytes]:
-    """The files of an FMU whose variables are block1.ux in place of block[1].ux, where tools and people read them."""
+    """Return the files of an FMU with variables named block1.ux instead of block[1].ux.
+
+    Only files that tools and people read contain these names.
+    """
     named = ["modelDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml", "documentation/index.html"]
     named += [name for name in files if name.startswith(RUN_FOLDER)]
     owners = rb"\b(block|joint|tie|bearing|port)\[(\d+)\]"

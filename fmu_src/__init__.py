@@ -1,1 +1,1 @@
-"""The column as an FMI 2.0 co-simulation slave: variables, model description, lifecycle. No numerics."""
+"""The FMI 2.0 co-simulation slave: variables, model description, lifecycle. No numerics."""

@@ -1,6 +1,6 @@
-"""What an FMU simulates, a column, a structure in space or another model, as slave, descriptions and builder see it.
+"""The model inside an FMU (column, structure in space or another one), as slave, descriptions and builder see it.
 
-Recognized by its content: the keys of the TOML file, or of the text that the FMU carries.
+The kind is recognized by its content: the keys of the TOML file, or of the text that the FMU carries.
 """
 
 from __future__ import annotations
@@ -36,24 +36,24 @@ from .drive import USUAL, Drive
 from .rules import DAMPING_SCALE_LIMITS
 from .state_ranges import Ranges
 
-Value = Callable[[str], Any]  # looks a variable up by its name
+Value = Callable[[str], Any]  # returns the value of a variable by name
 
 
 class Body:
-    """What is inside an FMU: its text, its variables, and what follows it from call to call.
+    """The model inside an FMU: its text, its variables, and the stepper that integrates it from call to call.
 
-    As it stands: of a model that is followed in Python (solver/models/driven.py) in its plane and has no parameters.
-    One of its own has `read` and `stepper`; word: that of its kind.
+    The base class serves a model that is integrated in Python (solver/models/driven.py) in its plane and has no
+    parameters. A subclass for another kind defines `read` and `stepper`; its argument `word` is that of the kind.
     """
 
-    of: ClassVar[dict[str, type[Body]]] = {}  # by the word of their kind
+    of: ClassVar[dict[str, type[Body]]] = {}  # subclass by the word of the kind
     drive = USUAL
     inputs: tuple[variables.Variable, ...] = (variables.INPUTS[0], variables.INPUTS[2])
     fallen = variables.OVERTURNED_BLOCK  # the joint or block that has fallen
     first_parameter = variables.TOLERANCE
-    segment: int | None = None  # place in the array `base` of a number of a sample
-    base: tuple[str, ...] = ("", "ax", "jx")  # what stands in that array, inputs by their names
-    kernels: tuple[str, ...] = ()  # groups whose machine code an FMU carries (solver/kernels/machine/groups.py)
+    segment: int | None = None  # index in the array `base` of the number of a sample
+    base: tuple[str, ...] = ("", "ax", "jx")  # fields of that array; inputs by name
+    kernels: tuple[str, ...] = ()  # groups with machine code in the FMU (solver/kernels/machine/groups.py)
     why_not_native = "is followed in Python, must have kernels"  # "": its FMU can do without Python
 
     def __init_subclass__(cls, word: str) -> None:
@@ -62,14 +62,14 @@ class Body:
     def __init__(self, model: Any) -> None:
         self.model, self.name, self.tolerance = model, model.name, model.settings.tolerance
         kind: Kind = model.kind
-        self.text = json.dumps({"kind": kind.word, "model": model.to_dict()}, indent=1)  # that the FMU carries
+        self.text = json.dumps({"kind": kind.word, "model": model.to_dict()}, indent=1)  # carried by the FMU
         self.about = f"A {kind.word} under base acceleration"
         row, peaks = self._outputs()
-        self.sizes = len(row), 0, len(peaks)  # of what the outputs begin with: an output row, split reaction, peaks
+        self.sizes = len(row), 0, len(peaks)  # of the first outputs: an output row, split reaction, peaks
 
     @classmethod
     def read(cls, data: Any) -> Body:
-        """The body of a model, from what its `to_dict` gives. Raises InputError."""
+        """Return the body of a model, from the result of its `to_dict`. Raises InputError."""
         raise NotImplementedError
 
     def _outputs(self) -> tuple[list[variables.Variable], list[variables.Variable]]:
@@ -77,21 +77,29 @@ class Body:
         return variables.seen(self.model.kind.outputs, names, lambda unit, i: 1.0)
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
-        """The variables. record: name of the one inside. reads_files: whether the FMU reads others, too."""
+        """Return the variables.
+
+        Parameters
+        ----------
+        record : str
+            Name of the record inside the FMU, empty without one.
+        reads_files : bool
+            True if the FMU reads other record files, too.
+        """
         row, peaks = self._outputs()
         row = [replace(output, initially=()) for output in row]
         return [*self.inputs, *row, *peaks, *variables.outcome(self.fallen), *self.parameters(record, reads_files)]
 
     def parameters(self, record: str, reads_files: bool) -> list[variables.Variable]:
-        """The rows of the parameters."""
+        """Return the rows of the parameters."""
         return [variables.tolerance_of(self.tolerance), *variables.of_record(record, reads_files)]
 
     def described(self, value: Value) -> Any:
-        """What the parameters describe, for `stepper`. Raises InputError with the FMU's names."""
+        """Return the description that the parameters give, for `stepper`. Raises InputError with the FMU's names."""
         return self.model.with_settings(tolerance=check(variables.TOLERANCE, value(variables.TOLERANCE)))
 
     def stepper(self, described: Any) -> Any:
-        """What follows it from call to call, of models/: stepper.py, or driven.py. Raises InputError."""
+        """Return the stepper, of stepper.py or driven.py of models/, that integrates the model. Raises InputError."""
         raise NotImplementedError
 
     def state_ranges(self, stepper: Any) -> Ranges:
@@ -100,22 +108,22 @@ class Body:
         return state_ranges.finite(len(arrays.state), len(arrays.counts), len(arrays.base))
 
     def retune(self, stepper: Any, described: Any) -> None:
-        """Go on as the parameters describe it now. Raises InputError."""
+        """Apply changed parameters to a stepper. Raises InputError."""
         stepper.retune(described)
 
     def samples(self, motion: Motion | None) -> Any:
-        """The record of a stepper. Raises InputError for a motion that it cannot follow."""
+        """Return the record of a stepper. Raises InputError for a motion that it cannot follow."""
         if motion is not None:
             self.model.kind.check_motion(motion)
         return motion
 
     def fall(self, stepper: Any) -> tuple[int, float]:
-        """Number of what has fallen, 0 while nothing has, and when, s."""
+        """Return the number of the fallen block or joint, 0 before a fall, and the time of the fall, s."""
         return int(bool(stepper.fallen)), stepper.fall_time
 
 
 class Described(NamedTuple):
-    """What the parameters of a column describe: the column, and how its base moves."""
+    """The description that the parameters of a column give: the column, and how its base moves."""
 
     column: Column
     drive: Drive
@@ -180,7 +188,7 @@ class ColumnBody(Body, word="column"):
 
 
 class StructureBody(Body, word="structure"):
-    """A structure in space. Its rest is found when the FMU is built, and carried with it."""
+    """A structure in space, whose rest is computed when the FMU is built, and carried with it."""
 
     first_parameter = structure_variables.DAMPING_SCALE
     kernels = ("structure_driven",)
@@ -206,7 +214,7 @@ class StructureBody(Body, word="structure"):
 
     @classmethod
     def read(cls, data: Any) -> Body:
-        """Of a structure, whose rest is found."""
+        """Return the body of a structure, after computing its rest."""
         return cls(data)
 
     def described(self, value: Value) -> Chosen:
@@ -234,7 +242,7 @@ class StructureBody(Body, word="structure"):
 
 
 def body_of(text: str) -> Body:
-    """The body in the text that an FMU carries. Raises InputError."""
+    """Return the body described by the text that an FMU carries. Raises InputError."""
     data = json.loads(text)
     if "kind" in data:
         return Body.of[data["kind"]].read(data["model"])
@@ -244,7 +252,7 @@ def body_of(text: str) -> Body:
 
 
 def body_for(model: Any) -> Body:
-    """The body of a model, which has to have a stable rest. Raises InputError."""
+    """Return the body of a model, which must have a stable rest. Raises InputError."""
     kind: Kind = model.kind
     if kind.word not in Body.of:
         raise InputError(f"FMU: a {kind.word} has no body, a subclass of Body (fmu_src/body.py) makes one")
@@ -253,9 +261,20 @@ def body_for(model: Any) -> Body:
 
 
 def read_body(file: Path, space: bool = False, drive: Drive = USUAL) -> Body:
-    """The body that a TOML file describes, which has to have a stable rest; space: a column as a structure in space.
+    """Return the body that a TOML file describes, which must have a stable rest.
 
-    drive: how the base moves. Raises InputError.
+    Parameters
+    ----------
+    file : Path
+    space : bool
+        If True, solve a column as a structure in space.
+    drive : Drive
+        How the base moves.
+
+    Raises
+    ------
+    InputError
+        If the file is wrong, the rest is not stable, or a base that may turn is requested for a column.
     """
     with reading(file):
         data = in_space(toml_of(file)) if space else toml_of(file)

@@ -1,4 +1,4 @@
-"""Common parts of the model descriptions of FMI 2.0 and 3.0: everything before the variables, and limits of those."""
+"""Common parts of the model descriptions of FMI 2.0 and 3.0: all elements before the variables, and their limits."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ UNITS = {
     "Pa": {"kg": 1, "m": -1, "s": -2},
 }
 
-# unit -> the unit that engineers read, and how many of it make one
+# unit -> the unit that engineers read, and the factor to it
 DISPLAY_UNITS = {
     "m": ("mm", 1e3),
     "rad": ("deg", 180.0 / math.pi),
@@ -69,9 +69,9 @@ INITIAL = {"parameter": "exact", "output": "calculated"}  # causality -> origin 
 
 @dataclass(frozen=True)
 class Experiment:
-    """Default duration of a run and default communication step, s.
+    """The default start, end and communication step of a run, s.
 
-    tolerance: of the solver, as built; None: there is none.
+    `tolerance` is that of the solver as built, None without one.
     """
 
     start: float = START_TIME
@@ -82,10 +82,20 @@ class Experiment:
 
 @dataclass(frozen=True)
 class About:
-    """Facts about an FMU for the model description, beside its variables.
+    """The facts about an FMU for the model description, beside its variables.
 
-    name: the model identifier is made from it. identity: text that binary and description share. flags: the
-    capabilities. tool: the program that made it.
+    Attributes
+    ----------
+    name : str
+        Name of the model, from which the model identifier is made.
+    identity : str
+        Text that binary and description share.
+    description, version : str
+    experiment : Experiment
+    flags : mapping of str to bool or int
+        Capabilities.
+    tool : str
+        Program that made the FMU.
     """
 
     name: str
@@ -99,10 +109,19 @@ class About:
 
 @dataclass(frozen=True)
 class Standard:
-    """Names that a version of FMI uses.
+    """The names that a version of FMI uses.
 
-    identity: attribute with the text that binary and description share. root: its own attributes of the root.
-    enumeration: elements around the items of an enumeration, the outermost first. units: used in any case.
+    Attributes
+    ----------
+    version : str
+    identity : str
+        Attribute with the text that binary and description share.
+    enumeration : tuple of str
+        Elements around the items of an enumeration, the outermost first.
+    root : mapping of str to str
+        Attributes of the root that only this version has.
+    units : frozenset of str
+        Units that are defined in any case.
     """
 
     version: str
@@ -113,7 +132,7 @@ class Standard:
 
 
 def beginning(standard: Standard, about: About, table: list[Variable]) -> Element:
-    """The root element with everything before the variables."""
+    """Return the root element with all elements before the variables."""
     words = {"fmiVersion": standard.version, "modelName": about.name, standard.identity: about.identity}
     words |= {"description": about.description, "version": about.version, "author": AUTHOR, "license": LICENCE}
     words |= {"generationDateAndTime": date(), "generationTool": about.tool, "variableNamingConvention": "structured"}
@@ -156,12 +175,12 @@ def _add_choices(root: Element, standard: Standard, choices: Mapping[str, Choice
 
 
 def by_role(table: list[Variable]) -> list[Variable]:
-    """Inputs, then outputs, then parameters, otherwise as in the table."""
+    """Sort by causality: inputs, outputs, parameters, otherwise in the order of the table."""
     return sorted(table, key=lambda variable: ROLES.index(variable.causality))
 
 
 def attributes(variable: Variable, nominal: float | None, **more: float | int | bool | str | None) -> dict[str, str]:
-    """Type, units and limits of a variable, then more; None is left out."""
+    """Return type, units and limits of a variable as XML attributes, followed by `more`; None is left out."""
     values = {
         "declaredType": variable.choice.name if variable.choice else None,
         "unit": variable.unit or None,
@@ -174,13 +193,13 @@ def attributes(variable: Variable, nominal: float | None, **more: float | int | 
 
 
 def date() -> str:
-    """Time at which the FMU was made: now, or SOURCE_DATE_EPOCH as for reproducible builds."""
+    """Return the time at which the FMU is made: now, or SOURCE_DATE_EPOCH as for reproducible builds."""
     seconds = os.environ.get("SOURCE_DATE_EPOCH")
     return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(None if seconds is None else int(seconds)))
 
 
 def shown(value: float | int | bool | str) -> str:
-    """A value as XML Schema writes it; every digit of a float64."""
+    """Format a value as XML Schema requires, with every digit of a float64."""
     if isinstance(value, bool):
         return "true" if value else "false"
     return value if isinstance(value, str) else repr(value)

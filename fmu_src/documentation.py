@@ -1,4 +1,4 @@
-"""Documentation inside the FMU: a drawing of what is inside, and a page that explains every variable.
+"""The documentation inside the FMU: a drawing of the model, and a page that explains every variable.
 
 Needed by the builder only; the FMU carries the results.
 """
@@ -94,16 +94,16 @@ HEADINGS = {"input": "Inputs", "output": "Outputs", "parameter": "Parameters"}
 
 
 def pages(body: Body, table: list[Variable], needs: str) -> dict[str, bytes]:
-    """The files of the documentation by their names. needs: what the machine that runs the FMU must have, in a line."""
+    """Return the files of the documentation by path; `needs`: a line on the needs of the machine that runs the FMU."""
     picture, words = _shown(body)
     others = {"documentation/signs.png": sign_conventions()} if "signs.png" in words["signs"] else {}
     page = _page(body, table, {**words, "needs": escape(needs)})
-    pictures = dict.fromkeys(("documentation/model.png", "documentation/diagram.png"), picture)  # the latter of FMI 3
+    pictures = dict.fromkeys(("documentation/model.png", "documentation/diagram.png"), picture)  # the latter for FMI 3
     return {"documentation/index.html": page.encode()} | pictures | others | _scene(body)
 
 
 def _scene(body: Body) -> dict[str, bytes]:
-    """The blocks as binary glTF, for examples/animate_fmu.py; of a structure from a mesh its hull."""
+    """Return the blocks as binary glTF, for examples/animate_fmu.py; of a structure from a mesh its hull."""
     if not isinstance(body, (ColumnBody, StructureBody)):
         return {}
     model = body.column if isinstance(body, ColumnBody) else body.structure
@@ -112,7 +112,7 @@ def _scene(body: Body) -> dict[str, bytes]:
 
 @singledispatch
 def _shown(body: Body) -> tuple[bytes, dict[str, str]]:
-    """The picture of what is inside, and the words of the page; of any model its name."""
+    """Return a picture of the model and the texts of the page; of an unknown model its name."""
     figure = Figure(figsize=(3.0, 3.0))
     figure.text(0.5, 0.5, body.name, ha="center", color=INK, bbox={"facecolor": STONE, "edgecolor": INK})
     return _png(figure), OF_ANY
@@ -129,7 +129,7 @@ def _(body: StructureBody) -> tuple[bytes, dict[str, str]]:
 
 
 def _page(body: Body, table: list[Variable], words: dict[str, str]) -> str:
-    """documentation/index.html: signs, inputs, and every variable with its unit, limits and start value."""
+    """Return documentation/index.html: signs, inputs, and every variable with its unit, limits and start value."""
     parts = []
     for causality, heading in HEADINGS.items():
         rows = [_row(variable) for variable in table if variable.causality == causality]
@@ -158,7 +158,7 @@ def _row(variable: Variable) -> str:
 
 
 def drawing(column: Column) -> bytes:
-    """model.png: the blocks to scale, on their joints."""
+    """Return model.png of a column: the blocks to scale, on their joints."""
     figure = Figure(figsize=(3.0, 3.0), layout="constrained")
     axes = figure.subplots()
     height = sum(block.height for block in column.blocks)
@@ -181,7 +181,7 @@ def drawing(column: Column) -> bytes:
 
 
 def drawing_in_space(structure: Structure) -> bytes:
-    """model.png of a structure, as built."""
+    """Return model.png of a structure, as built."""
     figure = Figure(figsize=(3.0, 3.0), layout="constrained")
     axes = figure.add_subplot(projection="3d")
     draw_blocks(axes, structure, np.zeros((structure.n, 3)), np.zeros((structure.n, 3)))
@@ -190,10 +190,11 @@ def drawing_in_space(structure: Structure) -> bytes:
 
 
 def sign_conventions() -> bytes:
-    """documentation/signs.png: a block that leans to +x on the one below it, and the positive sense of everything."""
+    """Return documentation/signs.png: a block that leans to +x on the one below it, and the positive directions."""
     figure = Figure(figsize=(6.4, 4.4), layout="constrained")
     axes = figure.subplots()
-    foot = (0.5, 1.0)  # the corner that it leans on
+    # two blocks, the upper one leaning to +x
+    foot = (0.5, 1.0)  # corner about which it rocks
     axes.add_patch(Rectangle((-0.5, 0.0), 1.0, 0.97, facecolor=STONE, edgecolor=INK))
     lean = Affine2D().rotate_deg_around(*foot, -7.0) + axes.transData
     axes.add_patch(Rectangle((-0.5, 1.0), 1.0, 1.1, facecolor=STONE, edgecolor=INK, transform=lean))
@@ -202,7 +203,8 @@ def sign_conventions() -> bytes:
     axes.text(0.0, 0.5, "block i+1", ha="center", color=INK)
     axes.text(0.1, 1.5, "block i", ha="center", color=INK)
     axes.text(-0.62, 1.0, "joint i", ha="right", va="center", color=INK)
-    straight = [  # name, tail and tip of the arrow, where the name stands
+    # axes, displacements and forces
+    straight = [  # name, tail and tip of the arrow, position of the name
         ("x", (-2.3, 0.25), (-1.8, 0.25), (-1.74, 0.22)),
         ("z", (-2.3, 0.25), (-2.3, 0.75), (-2.34, 0.8)),
         ("ux", (0.0, 2.3), (0.27, 2.3), (0.33, 2.27)),
@@ -216,6 +218,7 @@ def sign_conventions() -> bytes:
     for name, tail, tip, place in straight:
         axes.annotate("", tip, tail, arrowprops=ARROW)
         axes.text(*place, name, color=RED)
+    # rotation and moments
     turning = [
         ("theta, clockwise", (0.75, 2.1), (1.0, 1.65), -0.3, (1.05, 1.9)),
         ("M, rights the block", (1.0, 1.05), (0.72, 1.4), 0.6, (1.05, 1.3)),
@@ -230,7 +233,7 @@ def sign_conventions() -> bytes:
 
 
 def _png(figure: Figure) -> bytes:
-    """A picture as PNG, whose bytes depend on the picture only."""
+    """Return a figure as PNG, whose bytes depend on the figure only."""
     png = io.BytesIO()
     figure.savefig(png, format="png", dpi=100, metadata={"Software": None})
     return png.getvalue()

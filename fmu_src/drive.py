@@ -1,4 +1,4 @@
-"""How the base of an FMU moves: as its inputs say, or by bodies at it, which say force and mass (theory.md, 15)."""
+"""The drive of the base of an FMU: its inputs, or bodies at it that send force and mass (theory.md, 15)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from solver.kernels.layout.spaces import DRIVEN, DRIVES, SLOPES, SPLIT
 from .references import MOST_BODIES, OF_COLUMN, names_of_body
 from .variables import DRIVE, MOVING, SLOPE_OF_BASE, Variable, input_of, parameter_of
 
-# what a body says -> unit, what it is
+# input from a body -> unit, meaning
 SAID = {
     **dict.fromkeys(("F0x", "F0y", "F0z"), ("N", "Force")),
     **dict.fromkeys(("F0m", "F0mx", "F0my"), ("N.m", "Moment")),
@@ -28,20 +28,20 @@ MOTION = (
     *("theta_x", "theta_y", "omega_x", "omega_y", "alpha_x", "alpha_y"),
 )
 _ALONG = ("ax", "ay", "jx", "jy")  # inputs of a base that is accelerated horizontally
-# said by bodies of a motion that is not along x or y
+# inputs from bodies for a motion that is not along x or y
 _ACROSS = ("F0z", "F0m", "Mzz", "Mzt", "Mtt", "F0mx", "F0my", "Jxx", "Jyy", "Jxy")
-_PLACED = ("theta", "omega", "theta_x", "theta_y", "omega_x", "omega_y")  # where a base begins that bodies turn
+_PLACED = ("theta", "omega", "theta_x", "theta_y", "omega_x", "omega_y")  # initial position of a base that bodies turn
 
 
 class Idle(Enum):
-    """When an input does nothing."""
+    """The condition under which an input has no effect."""
 
     EVER = 1
     LATER = 2  # after the first exchange with the bodies
 
 
 def idle(drive: str, name: str) -> Idle | None:
-    """Return when an input does nothing, under a drive that is one of DRIVES; None: it acts."""
+    """Return when an input has no effect under a drive of DRIVES; None if it acts."""
     owner, _, what = name.partition(".")
     if owner.startswith("body"):
         is_idle = drive == "acceleration" or (drive == "horizontal" and what in _ACROSS)
@@ -54,9 +54,16 @@ def idle(drive: str, name: str) -> Idle | None:
 
 
 class Drive(NamedTuple):
-    """As built: words of DRIVES and SLOPES (kernels/layout/spaces.py), and how many bodies may be at the base.
+    """The drive of an FMU as built.
 
-    turns: whether the base of a structure may turn, as that of a column may always.
+    Attributes
+    ----------
+    drive, slope : str
+        Words of DRIVES and SLOPES (kernels/layout/spaces.py).
+    bodies : int
+        Largest number of bodies at the base.
+    turns : bool
+        True if the base of a structure may turn; that of a column always may.
     """
 
     drive: str = "acceleration"
@@ -66,31 +73,31 @@ class Drive(NamedTuple):
 
     @property
     def is_chosen(self) -> bool:
-        """Whether the FMU has inputs and parameters for bodies at its base; the usual one has none."""
+        """True if the FMU has inputs and parameters for bodies at its base; the usual one has none."""
         return self.drive != "acceleration"
 
     @property
     def most_bodies(self) -> int:
-        """Number of bodies that may drive the base, 0 in the usual FMU."""
+        """The number of bodies that may drive the base, 0 in the usual FMU."""
         return self.bodies if self.is_chosen else 0
 
     @property
     def split_of_column(self) -> int:
-        """Length of a column's split reaction, with the motion of its base where bodies may drive it."""
+        """The length of a column's split reaction, with the motion of its base where bodies may drive it."""
         return SPLIT.beside + (DRIVEN.beside if self.is_chosen else 0)
 
     @property
     def words(self) -> tuple[str, ...]:
-        """What the parameter may be: an FMU that is built for bodies has outputs that depend on nothing else."""
+        """The values that the parameter may have; "body" alone if built for it: its outputs depend on nothing else."""
         return (self.drive,) if self.drive == "body" else tuple(DRIVES)
 
     def inputs(self, said: Sequence[str] = OF_COLUMN) -> tuple[Variable, ...]:
-        """The rows of the bodies, each of which says this."""
+        """Return the rows of the inputs of all bodies, each with the names `said`."""
         return tuple(_input(name) for k in range(self.most_bodies) for name in names_of_body(k, said))
 
     @property
     def parameters(self) -> list[Variable]:
-        """How the base moves, and how its acceleration goes on within a step."""
+        """The rows of the parameters: how the base moves, and the slope of its acceleration within a step."""
         if not self.is_chosen:
             return []
         ways = f"How the base moves ({', '.join(self.words)}): by base.a*, by body.*, or by body.* horizontally alone"
@@ -98,15 +105,15 @@ class Drive(NamedTuple):
         return [parameter_of(DRIVE, "", ways, self.drive), parameter_of(SLOPE_OF_BASE, "", slopes, self.slope)]
 
     def chosen(self, value: Callable[[str], Any]) -> Drive:
-        """As parameters say. Raises InputError."""
+        """Return the drive that the parameters select. Raises InputError."""
         if not self.is_chosen:
             return self
         return drive_of(value(DRIVE), value(SLOPE_OF_BASE), self.bodies, self.turns, self.words)
 
     def direct(self, of: tuple[str, ...]) -> tuple[str, ...]:
-        """Inputs that an output of a column depends on without delay; of: those of a base that is accelerated.
+        """Return the inputs that an output of a column depends on without delay; `of`: those for an accelerated base.
 
-        Built for bodies it has no others: then what does not feel the acceleration depends on none.
+        An FMU built for bodies has no others: there an output that does not feel the acceleration depends on none.
         """
         if not self.is_chosen:
             return of
@@ -125,7 +132,7 @@ def _input(name: str) -> Variable:
 
 
 def drive_of(drive: str, slope: str, bodies: int, turns: bool = False, words: tuple[str, ...] = tuple(DRIVES)) -> Drive:
-    """A drive, which is one of the words. Raises InputError."""
+    """Return a drive, after checking that it is one of `words`. Raises InputError."""
     check_choice(DRIVE, drive, words)
     check_choice(SLOPE_OF_BASE, slope, tuple(SLOPES))
     check_choice("--bodies", str(bodies), tuple(map(str, range(1, MOST_BODIES + 1))))

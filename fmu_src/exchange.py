@@ -1,6 +1,7 @@
-"""The exchange between a driven FMU and the bodies at its base, as a text: for the manual, and for the page inside.
+"""The exchange between a driven FMU and the bodies at its base, as text for the manual and for the page inside the FMU.
 
-Needed by the builder only. The text is Markdown of the few forms that `html` knows; the manual takes it as it is.
+Needed by the builder only. The text is Markdown in the few forms that `html` supports; the manual includes it
+unchanged.
 """
 
 from __future__ import annotations
@@ -81,7 +82,7 @@ GET = {
 }
 SET = {"column": '{"body.F0x": F0x, "body.Mxx": M}', "structure": '{"body.F0x": F0x, "body.M": M}'}
 
-# how long a step may be: of a column, which says a mass, and of a structure, whose mass at its base is 0
+# limit of the step: of a column, which sends a mass, and of a structure, whose mass at its base is 0
 STEP_OF_COLUMN = "Where an acceleration of the base changes its sign at every step and grows, a warning says so."
 STEP_OF_STRUCTURE = (
     "Stable are steps up to 2 / c (held), 1 / c (line) or 0.55 / c (parabola) with c = C (1 / M + 1 / m): C is the sum "
@@ -137,7 +138,7 @@ The first step is held and the second one a line, as is every step after two ste
 
 
 class Exchange(NamedTuple):
-    """Which variables are exchanged, of a kind of model; words: of `base.drive`, with bodies at the base."""
+    """The exchanged variables of a kind of model; `words`: values of `base.drive` with bodies at the base."""
 
     kind: str
     out: list[Variable]
@@ -146,7 +147,7 @@ class Exchange(NamedTuple):
 
 
 def exchanged(table: Sequence[Variable], drive: Drive) -> Exchange:
-    """Return what the FMU with these variables exchanges with the first body at its base."""
+    """Return the variables that an FMU exchanges with the first body at its base."""
     names = {variable.name for variable in table}
     kind = "column" if "base.mxx" in names else "turning" if "base.theta_x" in names else "structure"
     out = [item for item in table if item.causality == "output" and re.fullmatch(SAID_OF_ITSELF[kind], item.name)]
@@ -155,7 +156,7 @@ def exchanged(table: Sequence[Variable], drive: Drive) -> Exchange:
 
 
 def signals(table: Sequence[Variable], drive: Drive) -> str:
-    """Return the table of all that is exchanged, and the equations that both sides solve; Markdown."""
+    """Return a table of the exchanged signals, and the equations that both sides solve, as Markdown."""
     kind, out, into, words = exchanged(table, drive)
     ways = ("to the partner", out), ("from the partner", into)
     rows = [[way, f"`{item.name}`", item.unit, item.description] for way, items in ways for item in items]
@@ -164,8 +165,9 @@ def signals(table: Sequence[Variable], drive: Drive) -> str:
 
 
 def exchange(table: Sequence[Variable], drive: Drive) -> str:
-    """Return the text about the FMU with these variables, whose base is driven; Markdown."""
+    """Return the text on the exchange of an FMU with these variables, whose base is driven, as Markdown."""
     kind, out, into, words = exchanged(table, drive)
+    # the text differs between column, structure, and structure whose base turns
     is_column, turns = kind == "column", kind == "turning"
     own = "column" if is_column else "structure"
     partner = PARTNER.replace("{get}", GET[own]).replace("{set}", SET[own])
@@ -192,7 +194,7 @@ def exchange(table: Sequence[Variable], drive: Drive) -> str:
 
 
 def _listed(items: Sequence[Variable]) -> str:
-    """Return the first and the last names of a list."""
+    """Return the first four and the last of a list of names."""
     names = [item.name for item in items]
     return ", ".join(names) if len(names) < 5 else f"{', '.join(names[:4])} ... {names[-1]}"
 
@@ -207,7 +209,7 @@ def _rows(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def _idle(table: Sequence[Variable], words: Sequence[str]) -> str:
-    """Return what says which inputs do nothing."""
+    """Return sentences on the inputs that have no effect."""
     lines = []
     inputs = [item.name for item in table if item.causality == "input" and not re.match(r"body\d", item.name)]
     for word in words:

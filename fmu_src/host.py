@@ -1,4 +1,4 @@
-"""Life in the process of a host: the carried solver, a clean exit.
+"""The integration of an FMU into the process of a host: import of the carried solver, clean exit.
 
 An FMU is extracted to a new folder for every run. The solver is imported from there, under a name with a hash of its
 content, once in a process.
@@ -38,18 +38,18 @@ def import_solver(package: str, resources: Path) -> None:
 
 
 def content_hash(texts: Mapping[str, str]) -> str:
-    """A hash for the name of a carried package: of its modules, path within the package -> text."""
+    """Return a hash for the name of a carried package, of its modules (path within the package -> text)."""
     content = "\0".join(f"{path}\0{texts[path]}" for path in sorted(texts))
     return hashlib.sha256(content.encode()).hexdigest()[:16]
 
 
 def finalize_at_exit(resources: Path) -> None:
-    """Let the wrapper library of this FMU drop its Python state before the process ends.
+    """Let the wrapper library of this FMU release its Python state before the process ends.
 
-    The wrapper drops it twice, by the destructor of its pointer and by that of the library, and the second time writes
-    into freed memory: the process aborts more often than not once an extension is loaded, and sometimes if there was no
-    instance. Dropped here, the pointer is empty by then; also if the wrapper itself started Python, which then ends
-    within the first of the two.
+    The wrapper releases it twice, in the destructor of its pointer and in that of the library, and the second time
+    writes into freed memory: the process aborts more often than not once an extension is loaded, and sometimes if there
+    was no instance. If it is released here, the pointer is empty by then; also if the wrapper itself started Python,
+    which then ends within the first of the two.
     """
     if not hasattr(os, "RTLD_NOLOAD"):
         return
@@ -72,7 +72,7 @@ def _finalize() -> None:
 
 
 def leave_search_path(resources: Path) -> None:
-    """Take the FMU's folder off Python's search path, where the wrapper puts it at every instantiation.
+    """Remove the FMU's folder from Python's search path, where the wrapper puts it at every instantiation.
 
     All modules needed from it have been imported by now; other packages must find their own modules, not ours.
     """
@@ -80,6 +80,6 @@ def leave_search_path(resources: Path) -> None:
 
 
 def survive_exception(*objects: Any) -> None:
-    """Balance the references that the wrapper drops when an exception reaches it, so that the instance lives on."""
+    """Add the references that the wrapper drops when an exception reaches it, so that the instance stays alive."""
     for item in objects:
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(item))

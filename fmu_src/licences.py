@@ -1,6 +1,6 @@
-"""What an FMU says of rights and of what it needs from outside, where the standard looks for it (FMI 3.0.2, 2.5.1.1).
+"""Licences and external dependencies of an FMU, in the files that the standard names (FMI 3.0.2, 2.5.1.1).
 
-Needed by the builder only. FMI 2.0 knows the folder of licences (2.0.2, 2.3); its tools pass the rest over.
+Needed by the builder only. FMI 2.0 defines the folder of licences (2.0.2, 2.3); its tools ignore the rest.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ REQUIRED = "numpy>=1.26,<3\n"  # of the FMU that runs in Python, as pip takes it
 
 
 def legal_files(needs: str, *inside: str) -> dict[str, bytes]:
-    """Licences, of this project and of the distributions `inside`, and the needs; path in the FMU -> content.
+    """Return the licences of this project and of the distributions `inside`, and the needs, by path in the FMU.
 
-    Raises InputError for a distribution that has no licence with it.
+    Raises InputError for a distribution that is installed without its licence.
     """
     files = {f"{FOLDER}/license.txt": _licence(OWN), "documentation/externalDependencies.txt": f"{needs}\n".encode()}
     return files | {f"{FOLDER}/{name}.txt": _licence(name) for name in inside}

@@ -1,4 +1,4 @@
-"""From the table of variables to the XML of an FMI 2.0 model description."""
+"""The conversion of the table of variables to the XML of an FMI 2.0 model description."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ FLAGS = {
 
 
 def model_description(about: About, table: list[Variable]) -> Element:
-    """The root element. Inputs come first, then outputs, then parameters, otherwise as in the table."""
+    """Return the root element; inputs come first, then outputs, then parameters, otherwise as in the table."""
     table = by_role(table)
     root = beginning(FMI_2, about, table)
     listed = SubElement(root, "ModelVariables")
@@ -33,7 +33,7 @@ def model_description(about: About, table: list[Variable]) -> Element:
 
 
 def _scalar_variable(variable: Variable) -> Element:
-    """One ScalarVariable; parameters start at a given value, outputs are calculated, inputs have neither."""
+    """Return one ScalarVariable; parameters start at a given value, outputs are calculated, inputs have neither."""
     element = Element(
         "ScalarVariable",
         name=variable.name,
@@ -49,11 +49,11 @@ def _scalar_variable(variable: Variable) -> Element:
 
 
 def _structure(table: list[Variable]) -> Element:
-    """Outputs and everything that initialization calculates, which are the same, with their dependencies."""
+    """Return the outputs and the initial unknowns, which are the same, with their dependencies."""
     index = {variable.name: str(k) for k, variable in enumerate(table, start=1)}
 
     def listed(names: tuple[str, ...]) -> str:
-        """Places of variables; the standard wants none twice."""
+        """Return the indices of variables; the standard requires that none occurs twice."""
         return " ".join(index[name] for name in names)
 
     structure = Element("ModelStructure")

@@ -1,7 +1,7 @@
-"""From the table of variables to the XML of an FMI 3.0 model description, and the terminals of either standard.
+"""The conversion of the table of variables to the XML of an FMI 3.0 model description, and terminals of both versions.
 
-What every block or joint has is one array here: block[1].ux, block[2].ux ... are block.ux, under the value reference of
-the first.
+A quantity of every block or joint is one array here: block[1].ux, block[2].ux ... are block.ux, under the value
+reference of the first.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ KINDS = {
 OF_BODY = "Forces and mass of a body that moves the base, as its state determines them"
 OF_PORT = "Loads on {} in, motion relative to the base out"
 TERMINAL = "base"  # motion in, reaction and effective mass out
-REACTION = "[FM][xyz]"  # of a structure: what it does to the base, which follows from its state alone
+REACTION = "[FM][xyz]"  # of a structure: force on the base, which follows from its state alone
 SPLIT = "R0[xzm]|m[xzt][xzt]"  # of a column
 ELEMENT = r"\b(block|joint|tie|bearing|bond|port) 1\b(?: \(.*?\))?"  # in the description of the first of an array
 
@@ -35,10 +35,16 @@ ELEMENT = r"\b(block|joint|tie|bearing|bond|port) 1\b(?: \(.*?\))?"  # in the de
 def model_description3(
     about: About, table: list[Variable], followed: Collection[str] = (), scalars: bool = False
 ) -> Element:
-    """The root element.
+    """Return the root element.
 
-    followed: inputs that may be given within a step (intermediate update). scalars: without arrays, each variable as in
-    the table and as in FMI 2.0, for masters that know none.
+    Parameters
+    ----------
+    about : About
+    table : list of Variable
+    followed : collection of str
+        Inputs that may be set within a step (intermediate update).
+    scalars : bool
+        If True, use no arrays: each variable as in the table and as in FMI 2.0, for masters that support none.
     """
     arrays = grouped(table, scalars)
     root = beginning(FMI_3, about, table)
@@ -52,7 +58,7 @@ def model_description3(
 
 
 def grouped(table: list[Variable], scalars: bool = False) -> dict[str, list[Variable]]:
-    """Name in FMI 3.0 -> the variable, or the elements of the array in their order. Inputs, outputs, parameters."""
+    """Return name in FMI 3.0 -> the variable, or the elements of the array in order; inputs, outputs, parameters."""
     arrays: dict[str, list[Variable]] = {}
     for variable in by_role(table):
         own = "" if scalars else array_of(variable.name)
@@ -61,7 +67,7 @@ def grouped(table: list[Variable], scalars: bool = False) -> dict[str, list[Vari
 
 
 def _variable(name: str, elements: list[Variable], followed: bool) -> Element:
-    """One variable; an array has the limits that all its elements have."""
+    """Return one variable; an array has the limits that all its elements share."""
     first = elements[0]
     is_array = name != first.name
     words = {
@@ -75,6 +81,7 @@ def _variable(name: str, elements: list[Variable], followed: bool) -> Element:
         words["initial"] = INITIAL[first.causality]
     if followed:
         words["intermediateUpdate"] = "true"
+    # limits, length and start values
     element = Element(KINDS[first.kind], words)
     nominals = [item.nominal for item in elements if item.nominal is not None]
     element.attrib |= attributes(first, max(nominals) if nominals else None)
@@ -89,7 +96,7 @@ def _variable(name: str, elements: list[Variable], followed: bool) -> Element:
 
 
 def _structure(arrays: dict[str, list[Variable]]) -> Element:
-    """Outputs and what initialization calculates, with what their elements follow."""
+    """Return the outputs and initial unknowns, with the dependencies of their elements."""
     references = {item.name: elements[0].reference for elements in arrays.values() for item in elements}
 
     def listed(names: Collection[str]) -> str:
@@ -110,11 +117,20 @@ def _structure(arrays: dict[str, list[Variable]]) -> Element:
 
 
 def terminals(table: list[Variable], has_icon: bool = False, drive: Drive = USUAL, scalars: bool = True) -> Element:
-    """The ports whose signals connect as one: the base, bodies that drive it, and the points at which loads act.
+    """Return the terminals, whose signals connect as one: the base, bodies that drive it, and ports.
 
-    Of the base motion goes in, unless bodies move it, reaction and effective mass out; of a body what it says of its
-    forces and mass goes in; of a point loads in, its motion out. has_icon: icon.png is beside the file. scalars: no
-    variable is an array; else all points are one terminal, of arrays.
+    The terminal of the base has its motion as inputs, unless bodies move it, and reaction and effective mass as
+    outputs; that of a body has its force and mass as inputs; that of a port has loads as inputs and its motion as
+    outputs.
+
+    Parameters
+    ----------
+    table : list of Variable
+    has_icon : bool
+        True if icon.png is beside the file.
+    drive : Drive
+    scalars : bool
+        If True, no variable is an array; else all ports are one terminal, of arrays.
     """
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     if has_icon:
@@ -122,6 +138,7 @@ def terminals(table: list[Variable], has_icon: bool = False, drive: Drive = USUA
         picture = SubElement(root, "GraphicalRepresentation")
         SubElement(picture, "CoordinateSystem", square | {"suggestedScalingFactorTo_mm": "0.1"})
         SubElement(picture, "Icon", square)
+    # members by the owner of each variable
     has_split = any(variable.name == f"{TERMINAL}.mxx" for variable in table)
     members = SPLIT if has_split else REACTION
     found = SubElement(root, "Terminals")

@@ -1,4 +1,4 @@
-"""A record of the base acceleration inside the FMU, sampled where the communication steps do not reach."""
+"""A record of the base acceleration inside the FMU, sampled independently of the communication steps."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from .description_parts import Experiment
 
 
 class Record:
-    """A sampled motion as the solver follows it: straight lines from sample to sample, zero before and after."""
+    """A sampled motion as the solver follows it: linear from sample to sample, zero before and after."""
 
     def __init__(self, motion: Motion) -> None:
         self.motion = motion
         self.dt = float(np.min(np.diff(motion.time)))  # s, the shortest sampling interval
         self.pga = motion.pga  # m/s2
         moves = np.flatnonzero((motion.ax != 0.0) | (motion.ay != 0.0) | (motion.az != 0.0))
-        self.begins = float(motion.time[max(0, moves[0] - 1)]) if len(moves) else math.inf  # s, to move the base
+        self.begins = float(motion.time[max(0, moves[0] - 1)]) if len(moves) else math.inf  # s, start of motion
         parts = (motion.time, motion.ax, motion.az, *([motion.ay] if motion.has_ay else []))
         self.digest = hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()
 
 
 def usual_experiment(tolerance: float | None, motion: Motion | None) -> Experiment:
-    """The usual run: over the record inside the FMU and at its shortest interval, if there is one.
+    """Return the default experiment: over the record inside the FMU, if any, at its shortest sampling interval.
 
-    Its numbers are the record's own: times in steps of 0.01 s, and their differences, differ from these by rounding.
+    Its numbers are rounded to the fewest digits: times in steps of 0.01 s, and their differences, have rounding errors.
     """
     if motion is None:
         return Experiment(tolerance=tolerance)
@@ -38,6 +38,6 @@ def usual_experiment(tolerance: float | None, motion: Motion | None) -> Experime
 
 
 def _shortest(value: float, error: float) -> float:
-    """The number with the fewest digits that is within `error` of another."""
+    """Return the number with the fewest digits that is within `error` of `value`."""
     candidates = (float(f"{value:.{digits}g}") for digits in range(1, 17))
     return next((short for short in candidates if abs(short - value) <= error), value)

@@ -1,4 +1,4 @@
-"""A run that an FMU carries with its results, and how it is repeated: extra/org.fmi-standard.fmi-ls-ref.
+"""A reference run that an FMU carries with its results, and its repetition: extra/org.fmi-standard.fmi-ls-ref.
 
 Inputs and results are CSV files, which the manifest of the layered standard names (fmi-ls-ref 1.0.0-alpha.1).
 """
@@ -27,7 +27,7 @@ FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 STEP, STEPS = 0.01, 100  # s
 FREQUENCY, AMPLITUDE = 2.0, 0.2 * STANDARD_GRAVITY  # Hz, m/s2
 BODY_MASS = 1e6  # kg, of a body that drives the base
-ALIKE = 1e-5  # of the largest value of a unit: hosts that add times up otherwise differ by 4e-7
+ALIKE = 1e-5  # of the largest value of a unit: hosts that accumulate time differently differ by 4e-7
 MANIFEST = """\
 <?xml version="1.0" encoding="UTF-8"?>
 <fmiReferences xmlns:fmi-ls="http://fmi-standard.org/fmi-ls-manifest"
@@ -40,10 +40,20 @@ MANIFEST = """\
 
 
 def reference_files(body: Body, motion: Motion | None = None, arrays: bool = False) -> dict[str, bytes]:
-    """The files of a short run of a body, path in the FMU -> content. motion: its record.
+    """Run a body for a short time, and return the files of the reference results by path in the FMU.
 
-    arrays: the variables of blocks, joints and ports are arrays, and are left out: ports bear nothing. Raises
-    InputError, SolverError.
+    Parameters
+    ----------
+    body : Body
+    motion : Motion, optional
+        Its record.
+    arrays : bool
+        If True, the variables of blocks, joints and ports are arrays and are left out; ports carry no load.
+
+    Raises
+    ------
+    InputError, SolverError
+        If the parameters are wrong, or the run fails.
     """
     table = body.table()
     start = {variable.name: variable.start for variable in table}
@@ -59,6 +69,7 @@ def reference_files(body: Body, motion: Motion | None = None, arrays: bool = Fal
             stepper.drive(0.0, *inputs[0])
             stepper.stand_on_base()
         rows.append([k * STEP, *stepper.observe(k * STEP).tolist()])
+    # files, named after the model
     outputs = [variable.name for variable in table[len(body.inputs) : len(body.inputs) + body.sizes[0]]]
     seen = ["time", *outputs], rows
     given = ["time", *(variable.name for variable in body.inputs)], [[k * STEP, *row] for k, row in enumerate(inputs)]
@@ -73,7 +84,10 @@ def reference_files(body: Body, motion: Motion | None = None, arrays: bool = Fal
 
 
 def _input(name: str, unit: str, t: float) -> float:
-    """A shaking along x, by the base or by the first body that drives it, which stands on springs along z."""
+    """Return an input at time t: the base, or the first body that drives it, is shaken along x.
+
+    The body stands on springs along z.
+    """
     acceleration = AMPLITUDE * math.sin(2.0 * math.pi * FREQUENCY * t)
     owner, _, what = name.partition(".")
     if owner == "base":
@@ -94,7 +108,7 @@ def _csv(names: list[str], rows: list[list[float]], arrays: bool) -> bytes:
 
 
 def replay(file: Path) -> str:
-    """Run an FMU as its reference results say, by FMPy, and say how they agree. Raises InputError if they do not."""
+    """Repeat the reference run of an FMU with FMPy, and report the agreement. Raises InputError if results differ."""
     with needing("fmu", "fmpy"):
         import fmpy
     inputs, expected = _carried(file)
@@ -105,6 +119,7 @@ def replay(file: Path) -> str:
             found = fmpy.simulate_fmu(str(file), input=inputs, output=names, **run)
     except Exception as error:
         raise InputError(f"{file}: does not run its reference results: {error}") from error
+    # differences, relative to the largest value of each unit
     units = {v.name: v.unit or (v.declaredType.unit if v.declaredType else "") for v in _variables(file)}
     largest: dict[str, float] = {}
     for name in names:
@@ -129,7 +144,7 @@ def _variables(file: Path) -> Any:
 
 
 def _carried(file: Path) -> tuple[Any, ...]:
-    """Inputs and results that an FMU carries. Raises InputError."""
+    """Read the reference inputs and results of an FMU. Raises InputError."""
     try:
         with zipfile.ZipFile(file) as archive:
             found = [

@@ -1,4 +1,4 @@
-"""Value references: the numbers by which programs that run an FMU call its variables."""
+"""Value references: the numbers by which programs that run an FMU address its variables."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from solver.common.ranges import MAX_BLOCKS
 from solver.ground.loads import COMPONENTS
 from solver.kernels.structure.layout import OF_PORT
 
-MOST_BODIES = 9  # that drive a base
-# what one says to a column and to a structure, in the order of the kernels
+MOST_BODIES = 9  # bodies that drive a base
+# inputs from a body for a column and for a structure, in the order of the kernels
 OF_COLUMN = ("F0x", "F0z", "F0m", "Mxx", "Mxz", "Mxt", "Mzz", "Mzt", "Mtt")
 OF_STRUCTURE = ("F0x", "F0y", "F0z", "M")
 OF_TURNING_STRUCTURE = (*OF_STRUCTURE, "F0mx", "F0my", "Mxry", "Myrx", "Jxx", "Jyy", "Jxy")
@@ -18,7 +18,7 @@ SAID = (*OF_COLUMN, "F0y", "M", *OF_TURNING_STRUCTURE[len(OF_STRUCTURE) :])
 
 
 def names_of_body(k: int, said: Sequence[str]) -> list[str]:
-    """The inputs of the body in place k: body.F0x, body2.F0x and so on."""
+    """Return the names of the inputs of body k, from 0: body.F0x, body2.F0x and so on."""
     return [f"body{k + 1 if k else ''}.{name}" for name in said]
 
 
@@ -30,7 +30,7 @@ MOVED = tuple(
         *("ax", "ay", "az", "alpha", "alpha_x", "alpha_y"),
     )
 )
-# A number once given stays: a new variable takes the next free one, a dropped one leaves a gap.
+# Numbers are permanent: a new variable takes the next free one, a removed one leaves a gap.
 REFERENCES = {
     # inputs: from 1
     "base.ax": 1,
@@ -174,7 +174,7 @@ assert MAX_BLOCKS <= FAMILY
 
 
 def reference_of(name: str) -> int:
-    """The value reference of a variable: that of REFERENCES, or 1000 times its family plus the number of its block."""
+    """Return the value reference of a variable: that of REFERENCES, or 1000 times its family plus its number."""
     parts = re.fullmatch(r"(block|joint|tie|bearing|bond|contact|port)\[(\d+)\]\.(\w+)", name)
     if parts is None:
         return REFERENCES[name]
@@ -183,6 +183,6 @@ def reference_of(name: str) -> int:
 
 
 def array_of(name: str) -> str:
-    """The array that a variable of a block, joint, tie or port belongs to, block[3].ux to block.ux; "" for others."""
+    """Return the array of a variable of a block, joint, tie or port: block.ux for block[3].ux; "" for others."""
     parts = re.fullmatch(r"(\w+)\[\d+\]\.(\w+)", name)
     return f"{parts[1]}.{parts[2]}" if parts else ""

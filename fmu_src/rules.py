@@ -1,17 +1,17 @@
-"""Rules of both FMUs, and their messages: the Python slave and the native core (native/table.py) share these.
+"""Rules of both FMUs, and their messages, shared by the Python slave and the native core (native/table.py).
 
-The messages are formats of C's printf, which Python's % understands as well.
+The messages are formats of C's printf, which Python's % supports as well.
 """
 
 from __future__ import annotations
 
 from solver.common.errors import FINITE
 
-TIME_SLACK = 1e-6  # of a step: how far a communication point may be from where the last step ended
-STEP_SLACK = 1e-6  # of a sampling interval: a communication step that is no longer than that but for rounding
+TIME_SLACK = 1e-6  # of a step: tolerance on the start of a step against the end of the last one
+STEP_SLACK = 1e-6  # of a sampling interval: tolerance on a communication step of the same length
 SCALE_LIMITS = (FINITE, "a finite number")  # of the factor on the record
-STILL = 1e-6  # m/s2 and so on: a base that bodies drive and that moves less has not moved, but for rounding
-DAMPING_SCALE_LIMITS = ((0.0, 1e6), "a factor from 0 to 1e6")  # of that on the damping of a structure
+STILL = 1e-6  # m/s2 and so on: a smaller motion of a base that bodies drive is rounding error
+DAMPING_SCALE_LIMITS = ((0.0, 1e6), "a factor from 0 to 1e6")  # of the factor on the damping of a structure
 
 # the life of an instance
 WRONG_MODE = "%s: the slave is in the state %s"

@@ -1,8 +1,8 @@
-"""The FMI lifecycle of one column or structure: parameters in, steps made, outputs read. The numbers are the solver's.
+"""The FMI lifecycle of one column or structure: parameters in, steps made, outputs read; the solver computes.
 
-The wrapper knows three answers only: OK; Discard, when do_step returns False; and Fatal, when an exception reaches it,
-which would leave a dead instance behind. A step that the solver cannot make is discarded: a shorter one, or another
-input, may do. Whatever no repetition can mend ends in an exception whose damage is undone first
+The wrapper supports three results only: OK; Discard, when do_step returns False; and Fatal, when an exception reaches
+it, which would leave a dead instance behind. A step that the solver cannot make is discarded: a shorter one, or another
+input, may succeed. A failure that no repetition can mend ends in an exception whose damage is undone first
 (host.survive_exception), so that reset and free still work; native/guard.c makes Error of that Fatal.
 """
 
@@ -55,13 +55,13 @@ BODY_FILE = "body.json"
 GUID_FILE = "guid.txt"
 RECORD_FOLDER = "record"  # holds the record inside the FMU, if there is one
 STEPPING = Mode.STEPPING
-ARRAYS = ("state", "counts", "base")  # of the stepper: all that differs from one moment to another
-# what the calls of FMI 2.0 get and set -> kinds of variables
+ARRAYS = ("state", "counts", "base")  # of the stepper: its complete state
+# type of the calls of FMI 2.0 -> kinds of variables
 ACCESS = {"Real": ("Real",), "Integer": ("Integer", "Enumeration"), "Boolean": ("Boolean",), "String": ("String",)}
 
 
 class Request:
-    """References that a master asked for, and how to answer: it will ask for the same ones again."""
+    """A cached lookup of the references that a master asked for; it usually asks for the same ones again."""
 
     def __init__(self, references: list[int], table: list[Variable], place_of: dict[int, int], kind: str) -> None:
         self.places = []
@@ -78,7 +78,7 @@ class Request:
         self.row = slice(first, first + len(references)) if row else None
 
     def of(self, values: list[Any]) -> list[Any]:
-        """The values that the references stand for."""
+        """Return the values at the requested references."""
         return values[self.row] if self.row else [values[place] for place in self.places]
 
 
@@ -86,16 +86,17 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
     """A column or structure of blocks as a co-simulation slave; `resources` holds its body.json and guid.txt."""
 
     log_categories = LOG_CATEGORIES
-    real_outputs = False  # whether the model description lists no other outputs
+    real_outputs = False  # True if the model description lists real outputs only
     _fmu_state_to_bytes = staticmethod(state.to_bytes)
     _fmu_state_from_bytes = staticmethod(state.from_bytes)
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         resources = Path(self.resources)
-        if "logger" in kwargs:  # the wrapper's; what builds the FMU has none
+        if "logger" in kwargs:  # run by the wrapper; the builder passes no logger
             finalize_at_exit(resources)
             leave_search_path(resources)
+        # body, record and table of variables
         text = (resources / BODY_FILE).read_text(encoding="utf-8")
         self._body = body_of(text)
         # inside an FMU the name of the package ends in the hash of its content and of the solver's
@@ -106,6 +107,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._place_of = {variable.reference: k for k, variable in enumerate(self._table)}
         self._input_of = {variable.reference: k for k, variable in enumerate(self._body.inputs)}
         self._values: list[Any] = [0.0 if variable.start is None else variable.start for variable in self._table]
+        # slices of the table
         row, split, peaks = self._body.sizes
         self._inputs = self._body.inputs
         self._seen = slice(len(self._inputs), len(self._inputs) + row + split)
@@ -115,36 +117,38 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._verdict = [self._place[item.name] for item in verdict]
         self._tell_verdict(-1.0, 0, False, VERDICT.items["undecided"])
         self._requests = {kind: Request([], self._table, self._place_of, kind) for kind in ACCESS}
+        # state of the instance
         self._mode = Mode.INSTANTIATED
         self._time = 0.0
-        self._stop = math.inf  # s, where the experiment ends; it is no part of the state
-        self._tolerance_set = False  # whether the master set the solver's tolerance: the experiment's does not count
-        self._input_time = 0.0  # from which the slopes of the inputs count
+        self._stop = math.inf  # s, end of the experiment; not part of the state
+        self._tolerance_set = False  # True if the master set the solver's tolerance: the experiment's is ignored
+        self._input_time = 0.0  # s, time from which the slopes of the inputs count
         self._stepper: Any = None  # that of the body
-        self._built_from: list[Any] = []  # the parameters that the stepper follows from
+        self._built_from: list[Any] = []  # parameters from which the stepper was built
         self._record: Record | None = None
         self._record_name = ""
-        self._retune = False  # whether a tunable parameter was set and has not acted yet
-        self._inputs_stand = False  # whether the stepper still has the inputs of the last step, and no others were set
-        self._outdated = True  # whether the outputs belong to an earlier time, input or parameter
-        self._late_outdated = False  # whether peaks and verdict do while the others are up to date
-        self._shaken = False  # whether the base has moved yet
-        self._stepped = False  # whether this instance has made a step
+        self._retune = False  # True if a tunable parameter was set and not yet applied
+        self._inputs_stand = False  # True if no inputs were set since the last step, whose inputs the stepper has
+        self._outdated = True  # True if the outputs belong to an earlier time, input or parameter
+        self._late_outdated = False  # True if only peaks and verdict do
+        self._shaken = False  # True if the base has moved
+        self._stepped = False  # True if this instance has made a step
         self._coarse_warned = self._unstable_warned = self._long_warned = False
         self._idle_warned: set[str] = set()
+        # monitors of the coupling
         self._allowed = self._body.base.index("allowed_step") if "allowed_step" in self._body.base else None
         self._accelerations = [item for item in self._inputs if item.unit in ACCELERATIONS]
         self._in_base = [self._body.base.index(item.name.removeprefix("base.")) for item in self._accelerations]
         self._alternation = Alternation(len(self._accelerations))  # no part of the state
         self._motion = [self._body.base.index(name) for name in MOTION if name in self._body.base]  # in the array base
         self._loads = [k for k, item in enumerate(self._inputs) if item.name.startswith("port[")]
-        self.modelName = identifier_of(self._body.name)  # what PythonFMU calls the libraries
+        self.modelName = identifier_of(self._body.name)  # names the libraries in PythonFMU
         guid = resources / GUID_FILE
         if guid.is_file():
             self.guid = guid.read_text(encoding="utf-8").strip()
 
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
-        """The model description; every flag comes from fmu_src/model_description.py."""
+        """Return the model description; every flag comes from fmu_src/model_description.py."""
         body, motion = self._body, Motion.from_file(self._own_record) if self._own_record else None
         experiment = usual_experiment(body.tolerance, motion)
         about = About(body.name, str(self.guid), body.about, __version__, experiment, FLAGS, TOOL)
@@ -153,7 +157,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
     # --- lifecycle
 
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
-        """Take times and tolerance; a tolerance that was set as a parameter stays."""
+        """Set times and tolerance; a tolerance that was set as a parameter takes precedence."""
         self._check_mode(rules.WHEN_SET_UP, Mode.INSTANTIATED)
         if not math.isfinite(start_time):
             self._fail(rules.START_TIME % start_time)
@@ -166,12 +170,12 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
             self.log(rules.TOLERANCE % tolerance)
 
     def enter_initialization_mode(self) -> None:
-        """From here on outputs can be read: they follow from inputs and parameters as they stand."""
+        """Enter the mode in which outputs can be read, computed from the current inputs and parameters."""
         self._check_mode(rules.WHEN_ENTERED, Mode.INSTANTIATED)
         self._mode = Mode.INITIALIZATION
 
     def exit_initialization_mode(self) -> None:
-        """Build the body from the parameters as they stand."""
+        """Build the body from the current parameters."""
         self._check_mode(rules.WHEN_EXITED, Mode.INSTANTIATED, Mode.INITIALIZATION)
         try:
             self._build()
@@ -187,15 +191,15 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
                 self._warn_of_idle(variable.name, False)
 
     def terminate(self) -> None:
-        """End the run; only reset, or a state got earlier, makes another one possible."""
+        """End the run; only reset, or a state saved earlier, makes another one possible."""
         if self._mode == Mode.STEPPING and self._stepped and not self._shaken:
             self._say(Fmi2Status.warning, rules.NOT_DRIVEN if self._is_driven else rules.NOT_SHAKEN)
         self._mode = Mode.TERMINATED
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Advance by step_size, s; False (Discard), a logged reason and the state as before if it cannot be done.
+        """Advance by step_size, s; return False (Discard) with the state restored and the reason logged if that fails.
 
-        A call that no shorter step makes right is an error.
+        A call that no shorter step can make valid is an error.
         """
         reason = self._wrong_call(current_time, step_size)
         if reason is not None:
@@ -214,7 +218,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         return False
 
     def _wrong_call(self, current_time: float, step_size: float) -> str | None:
-        """Why no step can be made here by these times."""
+        """Return the reason why no step is possible at these times, or None."""
         if self._mode is not STEPPING:
             return rules.ENDED if self._mode == Mode.TERMINATED else rules.NOT_BEGUN
         if not 0.0 < step_size < math.inf:
@@ -226,18 +230,18 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         return None
 
     def _wrong_input(self, given: list[float]) -> str | None:
-        """Why no step can be made under the inputs as they stand."""
+        """Return the reason why no step is possible under the current inputs, or None."""
         for variable, value in zip(self._inputs, given, strict=True):
             if not math.isfinite(value):
                 return rules.NOT_FINITE % (variable.name, value, variable.unit)
         return None
 
     def _advance(self, start: float, step: float, given: list[float]) -> None:
-        """Go from `start` to `start + step`, s, over the samples of the record in between, by the inputs `given`."""
+        """Advance from `start` to `start + step`, s, following the record sample by sample, with the inputs `given`."""
         stepper = self._stepper
         arrays = stepper.arrays
         kept = arrays.state, arrays.counts, arrays.base
-        before = kept[0].tobytes(), kept[1].tobytes(), kept[2].tobytes()  # which copies less than an array does
+        before = kept[0].tobytes(), kept[1].tobytes(), kept[2].tobytes()  # cheaper than copies of arrays
         record = self._record
         try:
             if self._retune:
@@ -250,6 +254,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
                 array[:] = np.frombuffer(numbers, array.dtype)
             self._inputs_stand = False
             raise
+        # flags and warnings after the step
         self._retune = False
         self._time = start + step
         self._stepped = True
@@ -265,7 +270,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
             self._warn_of_instability(start)
 
     def _has_moved(self, given: list[float]) -> bool:
-        """Return True if the base has moved in the last step, or a port was loaded."""
+        """Return True if the base moved in the last step, or a port was loaded."""
         record, base = self._record, self._stepper.arrays.base
         least = rules.STILL if self._is_driven else 0.0
         follows = record is not None and self._time > record.begins
@@ -273,12 +278,12 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
 
     @property
     def _is_driven(self) -> bool:
-        """Whether bodies drive the base."""
+        """True if bodies drive the base."""
         return self._body.drive.is_chosen and self._values[self._place[DRIVE]] != USUAL.drive
 
     def _warn_of_idle(self, name: str, is_coupled: bool) -> None:
-        """Say once that an input does nothing, if it does, as the base is driven."""
-        owner = name[:4]  # once of the base's inputs, once of those of bodies
+        """Warn once that an input has no effect, if it has none because the base is driven."""
+        owner = name[:4]  # one warning for the inputs of the base, one for those of bodies
         if owner in self._idle_warned or not self._body.drive.is_chosen:
             return
         drive = self._values[self._place[DRIVE]]
@@ -291,14 +296,14 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._say(Fmi2Status.warning, rules.IDLE % (name, later, drive, way))
 
     def _warn_of_long_step(self, step: float) -> None:
-        """Say once that a step is longer than the coupling with the bodies at the base allows."""
+        """Warn once that a step is longer than the coupling with the bodies at the base allows."""
         allowed = self._stepper.arrays.base.item(self._allowed)
         if allowed > 0.0:
             self._long_warned = True
             self._say(Fmi2Status.warning, rules.TOO_LONG % (step, allowed))
 
     def _warn_of_instability(self, start: float) -> None:
-        """Say once that the accelerations of the base, held from `start` on, diverge with the coupling."""
+        """Warn once that the accelerations of the base, held from `start` on, diverge with the coupling."""
         base = self._stepper.arrays.base
         accelerations = [base.item(place) for place in self._in_base]
         found = self._alternation.found(start, accelerations)
@@ -338,9 +343,10 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
             self._fail(rules.NOT_SET % _message_of(error))
 
     def _restore(self, snapshot: state.Snapshot) -> None:
-        """Become what the snapshot was taken of. An exception leaves the instance as it was."""
+        """Restore the instance from a snapshot. An exception leaves the instance unchanged."""
         stepper, record, name = self._stepper, self._record, self._record_name
         from_bytes = snapshot.stamp is not self._stamp
+        # build another stepper if parameters differ, or the snapshot comes from bytes
         if not snapshot.arrays:
             stepper = None
         elif stepper is None or from_bytes or snapshot.built_from != self._built_from:
@@ -348,6 +354,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
             values[self._parameters] = snapshot.built_from
             record, name = self._loaded(values[self._place[RECORD]], values[self._place[RECORD_SCALE]])
             stepper = self._body.stepper(self._described(values))
+        # bytes may hold anything: check them, and the outputs that they give
         if from_bytes:
             body, samples = self._body, len(record.motion.time) if record else 0
             arrays = {name: getattr(stepper.arrays, name) for name in ARRAYS} if stepper else {}
@@ -361,6 +368,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
             if from_bytes:
                 self._check_outputs(snapshot, stepper)
                 snapshot.copy_to(stepper)
+        # no error is possible from here on
         self._stepper, self._record, self._record_name = stepper, record, name
         self._built_from = snapshot.built_from
         self._values = snapshot.values.copy()
@@ -371,7 +379,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._tolerance_set = snapshot.tolerance_set
 
     def _check_outputs(self, snapshot: state.Snapshot, stepper: Any) -> None:
-        """Raise InputError if outputs of that state are beyond any motion, whatever the inputs are."""
+        """Raise InputError if the outputs of a state are beyond any motion, for any inputs."""
         if not snapshot.inputs_stand:
             given = snapshot.values[: len(self._inputs)]
             if not all(abs(value) <= state_ranges.MOST_TRIED for value in given):
@@ -428,11 +436,11 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
     get_string, set_string = partialmethod(_get, kind="String"), partialmethod(_set, kind="String")
 
     def get_real(self, vrs: list[int]) -> list[Any]:
-        """As the others; at every step, and so without a partial method."""
+        """Get values as the other getters do; called at every step, and therefore not a partial method."""
         return self._get(vrs, "Real")
 
     def set_real(self, vrs: list[int], values: list[Any]) -> None:
-        """As the others; inputs, which are set at every step, need no check."""
+        """Set values as the other setters do; inputs, which are set at every step, skip the check."""
         own, input_of = self._values, self._input_of
         known = self._mode is STEPPING
         for reference in vrs:
@@ -448,7 +456,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._inputs_stand, self._outdated = False, True
 
     def _watch_inputs(self, places: list[int], values: list[Any]) -> None:
-        """Say once that an input does nothing, if values that are to be set change it in a run of a driven base."""
+        """Warn once that an input has no effect, if new values change it in a run of a driven base."""
         if self._mode is not STEPPING or not self._body.drive.is_chosen:
             return
         is_coupled = bool(self._stepper.arrays.base[self._body.base.index("coupled")])
@@ -457,14 +465,14 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
                 self._warn_of_idle(self._inputs[place].name, is_coupled)
 
     def _update(self) -> None:
-        """Bring the outputs up to date, but peaks and verdict, which are asked for less often."""
+        """Update the outputs, except peaks and verdict, which are read less often."""
         if self._mode is not STEPPING:
             if self._mode == Mode.INSTANTIATED:
                 raise InputError(rules.TOO_EARLY)
             if self._mode == Mode.INITIALIZATION:
                 self._build()
         stepper = self._stepper
-        if stepper is None:  # terminated before there was a run: start values
+        if stepper is None:  # terminated before a run: keep the start values
             return
         if self._retune:
             self._apply_parameters(stepper)
@@ -478,7 +486,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._outdated, self._late_outdated = False, True
 
     def _update_the_rest(self) -> None:
-        """Bring peaks and verdict up to date; all else is."""
+        """Update peaks and verdict, after all other outputs."""
         self._late_outdated = False
         stepper = self._stepper
         if stepper is None:
@@ -491,12 +499,12 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
     # --- parameters
 
     def _described(self, values: list[Any] | None = None) -> Any:
-        """What the parameters describe. Raises InputError."""
+        """Return the description that the parameters give. Raises InputError."""
         values = self._values if values is None else values
         return self._body.described(lambda name: values[self._place[name]])
 
     def _loaded(self, name: str, scale: float) -> tuple[Record | None, str]:
-        """The record of that name and what it is known by. Raises InputError."""
+        """Return the scaled record of a name, and the key under which it is cached. Raises InputError."""
         check_number(RECORD_SCALE, scale, *rules.SCALE_LIMITS)
         if not name:
             return None, ""
@@ -508,7 +516,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         return Record(motion.scaled(scale)), known_as
 
     def _build(self) -> None:
-        """Make stepper and record of the parameters as they stand. Raises InputError."""
+        """Make stepper and record from the current parameters. Raises InputError."""
         parameters = self._values[self._parameters]
         if self._stepper is not None and parameters == self._built_from:
             return
@@ -517,7 +525,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         record, name = self._loaded(values[self._place[RECORD]], values[self._place[RECORD_SCALE]])
         stepper = body.stepper(described)
         stepper.record = body.samples(record.motion if record else None)
-        stepper.observe(self._time)  # compiled now, if it has to be, and not in the first step
+        stepper.observe(self._time)  # compiles now, if necessary, and not in the first step
         body.stepper(described).advance(0.0, 1e-6)
         self._stepper, self._record, self._record_name = stepper, record, name
         self._built_from = parameters
@@ -525,7 +533,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._inputs_stand, self._outdated = False, True
 
     def _apply_parameters(self, stepper: Any) -> None:
-        """Go on with the tunable parameters as they stand. Raises InputError."""
+        """Apply the current tunable parameters to the stepper. Raises InputError."""
         self._body.retune(stepper, self._described())
         self._built_from = self._values[self._parameters]
 
@@ -536,7 +544,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         for place, value in zip(self._verdict, verdict, strict=True):
             self._values[place] = value
 
-    # --- what is said
+    # --- messages
 
     def _check_mode(self, what: str, *modes: Mode) -> None:
         if self._mode not in modes:
@@ -549,12 +557,12 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
             print(f"{self.instance_name}: {message}", file=sys.stderr)
 
     def _fail(self, message: str) -> NoReturn:
-        """Say why and leave through the wrapper's only way out, with the instance alive behind it."""
+        """Report an error, and leave through the wrapper's only exit, an exception, with the instance kept alive."""
         self._say(Fmi2Status.error, message)
         survive_exception(self, type(self), self.log_queue)
         raise RuntimeError(message)
 
 
 def _message_of(error: Exception) -> str:
-    """The message of an error, never empty."""
+    """Return the message of an error, never empty."""
     return str(error) or repr(error)

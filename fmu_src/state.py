@@ -1,6 +1,6 @@
-"""The whole state of an instance, as fmi2GetFMUstate takes it and as the bytes that outlive the process.
+"""The complete state of an instance, for fmi2GetFMUstate and as bytes that outlive the process.
 
-The arrays are copied as they are, whatever the solver keeps in them; the stamp tells whose they are.
+The arrays are copied unchanged, whatever the solver stores in them; the stamp identifies their FMU.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from .variables import RECORD_PGA, Variable
 
 FORMAT = "multiblock-fmu state 3"
 KINDS = ("<f8", "<i8")  # of arrays
-# kinds of variables -> what their values may be, whole ones within those of C
+# kind of variable -> types of its values; integers within those of C
 TYPES = {"Real": (float, int), "Integer": (int,), "Enumeration": (int,), "Boolean": (bool,), "String": (str,)}
 INTEGERS = 2**31
-_DIGEST = 64  # characters that the bytes begin with
+_DIGEST = 64  # characters of the checksum before the content
 
 
 class Mode(StrEnum):
@@ -37,25 +37,25 @@ class Mode(StrEnum):
 
 
 class Stamp(NamedTuple):
-    """Whose state it is: only the same column under the same code, with the same record, can go on from it."""
+    """The owner of a state: only the same column under the same code, with the same record, can continue from it."""
 
     column: str  # hash of the column or structure that the FMU was built for
     code: str  # version of the project and hash of its sources
 
 
 class Snapshot(NamedTuple):
-    """Copies of all that an instance has behind it. Nothing may change them."""
+    """A copy of the state of an instance, which must not be modified."""
 
     stamp: Stamp
     mode: str
     time: float  # s
     input_time: float  # s, from which the slopes of the inputs count
-    shaken: bool  # whether the base has moved yet
-    retune: bool  # whether a tunable parameter was set and has not acted yet
-    inputs_stand: bool  # whether the inputs are those of the last step
-    tolerance_set: bool  # whether the master set the solver's tolerance
+    shaken: bool  # True if the base has moved
+    retune: bool  # True if a tunable parameter was set and not yet applied
+    inputs_stand: bool  # True if the inputs are those of the last step
+    tolerance_set: bool  # True if the master set the solver's tolerance
     values: list[Any]  # of all variables, in the order of the table
-    built_from: list[Any]  # parameters that the arrays follow from: a tunable one set since has not acted yet
+    built_from: list[Any]  # parameters of the arrays, without a tunable one not yet applied
     record: str  # hash of the record's samples, empty without one
     arrays: dict[str, NDArray[Any]]  # of the stepper; empty before there is one
 
@@ -65,7 +65,7 @@ class Snapshot(NamedTuple):
             getattr(stepper.arrays, name)[:] = array
 
     def check(self, stamp: Stamp) -> None:
-        """Raise InputError, with the reason, if the state is not one of `stamp`."""
+        """Raise InputError, with the reason, if the state does not belong to `stamp`."""
         if self.stamp.column != stamp.column:
             raise InputError("the state is that of another column or structure")
         if self.stamp.code != stamp.code:
@@ -81,13 +81,27 @@ class Snapshot(NamedTuple):
     ) -> None:
         """Raise ValueError unless an instance can be in this state; bytes can hold anything.
 
-        arrays, ranges: of its stepper, none without one. segment: place in `base` of a number of a sample. samples: of
-        the record that it follows.
+        Parameters
+        ----------
+        table : list of Variable
+        arrays : dict of str to array
+            Arrays of the stepper, empty without one.
+        ranges : Ranges or None
+            Ranges of the numbers of these arrays, None without a stepper.
+        segment : int or None
+            Index in `base` of the number of a sample.
+        samples : int
+            Number of samples of the record.
+
+        Raises
+        ------
+        ValueError
+            With the reason; InputError is one.
         """
         _check_values(self.values, table)
         for value, variable in zip(self.values, table, strict=True):
             stepped_with = variable.causality == "input" and self.inputs_stand
-            kept = variable.causality == "output" and not arrays  # else it is computed again
+            kept = variable.causality == "output" and not arrays  # otherwise it is computed again
             seen = stepped_with or kept or variable.name == RECORD_PGA.name
             if seen and isinstance(value, float) and not math.isfinite(value):
                 raise InputError(f"{variable.name} = {value}: must be a finite number")
@@ -106,7 +120,7 @@ class Snapshot(NamedTuple):
 
 
 def _check_values(values: list[Any], table: list[Variable]) -> None:
-    """Raise InputError unless these can be the values of those variables, and pass through the wrapper."""
+    """Raise InputError unless the values fit the variables, and pass through the wrapper."""
     if len(values) != len(table):
         raise InputError(f"{len(values)} variables: must be {len(table)}")
     for value, variable in zip(values, table, strict=True):
@@ -117,15 +131,15 @@ def _check_values(values: list[Any], table: list[Variable]) -> None:
 
 
 class Unreadable(NamedTuple):
-    """Stands for bytes that are no state: the wrapper has no other way to hear of it in time."""
+    """A placeholder for bytes that are no state: the wrapper has no other way to report them in time."""
 
     reason: str
 
 
 def to_bytes(snapshot: Snapshot | Unreadable) -> bytes:
-    """Every bit of a snapshot, behind a checksum; the same snapshot gives the same bytes.
+    """Serialize every bit of a snapshot, preceded by a checksum; the same snapshot gives the same bytes.
 
-    Empty for one that came from bytes that are no state. Never raises: the wrapper would follow a pointer to nothing.
+    The result is empty for `Unreadable`. Never raises: the wrapper would follow a null pointer.
     """
     try:
         parts = snapshot._asdict()
@@ -137,7 +151,10 @@ def to_bytes(snapshot: Snapshot | Unreadable) -> bytes:
 
 
 def from_bytes(data: bytes) -> Snapshot | Unreadable:
-    """The snapshot that `to_bytes` was given. Never raises: an exception would damage the wrapper's Python state."""
+    """Return the snapshot serialized by `to_bytes`, or `Unreadable`.
+
+    Never raises: an exception would damage the wrapper's Python state.
+    """
     try:
         content = data[_DIGEST:]
         if hashlib.sha256(content).hexdigest().encode() != data[:_DIGEST]:
@@ -149,19 +166,19 @@ def from_bytes(data: bytes) -> Snapshot | Unreadable:
         parts["stamp"] = Stamp(*parts["stamp"])
         parts["arrays"] = {name: _array(*array) for name, array in parts["arrays"].items()}
         return _checked(Snapshot(**parts))
-    except Exception as error:  # of whatever JSON holds in the place of a state, however deep
+    except Exception as error:  # any JSON may stand in the place of a state, at any depth
         return Unreadable(f"the bytes hold no state: {error!r:.200}")
 
 
 def _array(kind: str, numbers: list[float]) -> NDArray[Any]:
-    """One array of the stepper. Raises ValueError."""
+    """Return one array of the stepper. Raises ValueError."""
     if kind not in KINDS or not isinstance(numbers, list) or not {*map(type, numbers)} <= {int, float}:
         raise ValueError(f"an array of the kind {kind!r:.20}")
     return np.array(numbers, dtype=kind)
 
 
 def _checked(snapshot: Snapshot) -> Snapshot:
-    """The snapshot, if its fields are of the right kind. Raises ValueError."""
+    """Return the snapshot, after checking the types of its fields. Raises ValueError."""
     for name, kind in get_type_hints(Snapshot).items():
         if name not in ("stamp", "arrays") and type(getattr(snapshot, name)) is not (get_origin(kind) or kind):
             raise ValueError(f"{name} is of another kind")

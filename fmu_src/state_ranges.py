@@ -1,6 +1,6 @@
-"""The range of every number that the state of an FMU holds. Bytes with other numbers are refused before a kernel runs.
+"""The range of every number in the state of an FMU; bytes with other numbers are rejected before a kernel runs.
 
-One description, by the names of the layouts of the kernels: state.py checks the arrays of a PythonFMU by it,
+One description, by the names of the layouts of the kernels: state.py checks the arrays of a PythonFMU with it,
 native/table.py writes it into the C core. A number of a layout without a range is an error when an FMU is built.
 """
 
@@ -21,15 +21,23 @@ from solver.kernels.structure.turning import MOST_TURN
 
 MOST = 1e30  # beyond any motion; products of several such numbers are still finite
 MOST_TIME = 1e15  # s
-MOST_TRIED = 1e6  # of inputs with which outputs of a state are tried; of others those at the start are taken
+MOST_TRIED = 1e6  # largest input for a trial of the outputs of a state; beyond it start values are used
 MOST_COUNT = 2.0**53
 
 
 class Range(NamedTuple):
     """The values that a number may have: low <= value <= high.
 
-    whole: no fractions. may_lack: NaN stands for "not known". of_inputs: follows from the inputs, so that any value is
-    possible until a step has been made with them.
+    Attributes
+    ----------
+    low, high : float
+        Bounds.
+    whole : bool
+        True if only integers are valid.
+    may_lack : bool
+        True if NaN stands for "not known".
+    of_inputs : bool
+        True if the number follows from the inputs, so that any value is valid until a step has been made with them.
     """
 
     low: float = -MOST
@@ -44,11 +52,11 @@ SIZE = Range(0.0)
 TIME, DURATION = Range(-MOST_TIME, MOST_TIME), Range(0.0, MOST_TIME)
 COUNT, FLAG, SIGN = Range(0.0, MOST_COUNT, True), Range(0.0, 1.0, True), Range(-1.0, 1.0, True)
 INPUT = Range(of_inputs=True)
-KEPT = Range(0.0, 2.0, True)  # exchanges that are kept
+KEPT = Range(0.0, 2.0, True)  # number of stored exchanges
 TURN = Range(-2.0 * MOST_TURN, 2.0 * MOST_TURN)  # rad
 UNIT = Range(-1.001, 1.001)  # components of a unit quaternion
 
-Described = dict[str, Range]  # by names of a layout, those of parts with dots between
+Described = dict[str, Range]  # by dotted names of a layout
 
 
 def _all(fields: Any, value: Range, prefix: str = "") -> dict[str, Range]:
@@ -58,7 +66,7 @@ def _all(fields: Any, value: Range, prefix: str = "") -> dict[str, Range]:
 COLUMN_STATE: Described = {
     **_all(("next_step", "explicit_step", "elastic_step"), DURATION, "control."),
     **_all(("rotation_scale", "rate_scale", "previous_error"), SIZE, "control."),
-    "control.base_ax": Range(may_lack=True),  # the accelerations are to be computed again
+    "control.base_ax": Range(may_lack=True),  # NaN: the accelerations must be computed again
     **_all(("base_az", "base_theta", "base_omega", "base_alpha"), ANY, "control."),
     **_all(("overturn_time", "reached"), TIME, "control."),
     **_all(("time_full", "time_rocking", "time_flight", "time_at_rest"), DURATION, "control."),
@@ -102,7 +110,7 @@ STRUCTURE_STATE: Described = {
     "bonded": ANY,
     "peaks": FINITE,
 }
-POLYGON: Described = {"corners": Range(0.0, space.MOST_BONDED, True)}  # of each of `bonded`, before its corners
+POLYGON: Described = {"corners": Range(0.0, space.MOST_BONDED, True)}  # number, before the corners of each of `bonded`
 STRUCTURE_COUNTS: Described = {
     **_all(("steps", "rejected", "evaluations", "looks", "fallen", "next_row"), COUNT),
     **_all(
@@ -130,23 +138,29 @@ STRUCTURE_BASE: Described = {
 
 
 class Run(NamedTuple):
-    """Neighbouring numbers of one range."""
+    """A run of consecutive numbers with the same range."""
 
     length: int
     range: Range
 
 
 class Ranges(NamedTuple):
-    """The ranges of the numbers of each array, in their order."""
+    """The ranges of the numbers of each array, in order."""
 
     state: list[Run]
     counts: list[Run]
     base: list[Run]
 
     def check(self, name: str, numbers: NDArray[Any], inputs_stand: bool) -> None:
-        """Raise ValueError if a number of that array is out of its range.
+        """Raise ValueError if a number of an array is out of its range.
 
-        inputs_stand: whether a step has been made with the inputs as they are.
+        Parameters
+        ----------
+        name : str
+            Name of the array.
+        numbers : array
+        inputs_stand : bool
+            True if a step has been made with the current inputs.
         """
         runs = getattr(self, name)
         each, lengths = zip(*(run.range for run in runs), strict=True), [run.length for run in runs]
@@ -159,7 +173,7 @@ class Ranges(NamedTuple):
 
 
 def _runs(part: Any, sizes: Any, described: Described, limited: Described | None = None) -> list[Run]:
-    """Return the runs of the numbers of a layout. limited: ranges that replace those of `described`."""
+    """Return the ranges of a layout as runs; `limited`: ranges that replace those of `described`."""
     places = np.arange(part.size(sizes))
     seen = part.see(places, sizes)
     found: list[Range | None] = [None] * len(places)
@@ -170,19 +184,22 @@ def _runs(part: Any, sizes: Any, described: Described, limited: Described | None
 
 
 def _packed(found: Sequence[Range | None]) -> list[Run]:
-    """Return runs of equal neighbours. Raises ValueError for a number that has no range."""
+    """Return runs of equal neighbours. Raises ValueError for a number without a range."""
     if None in found:
         raise ValueError(f"number {found.index(None)} of {len(found)} of a state has no range")
     return [Run(len([*same]), value) for value, same in groupby(filter(None, found))]
 
 
 def _of_base(described: Described, bodies_drive: bool) -> Described:
-    """Return the ranges of a base; where bodies drive it, its accelerations are a part of the motion."""
+    """Return the ranges of a base; where bodies drive it, its accelerations are part of the motion."""
     return {name: ANY if bodies_drive and value == INPUT else value for name, value in described.items()}
 
 
 def of_column(n: int, spots: int, loads: int, is_brittle: bool, bodies_drive: bool = False) -> Ranges:
-    """Return the ranges of a column of n blocks. spots, loads: numbers of its ports behind state and base."""
+    """Return the ranges of a column of n blocks.
+
+    `spots` and `loads` are the numbers of its ports at the end of state and base.
+    """
     state = of_bonds.STATE if is_brittle else plane.STATE
     return Ranges(
         [*_runs(state, n, BRITTLE_STATE if is_brittle else COLUMN_STATE), Run(spots, FINITE)],
@@ -205,5 +222,5 @@ def of_structure(sizes: space.Sizes, bodies_drive: bool = False) -> Ranges:
 
 
 def finite(state: int, counts: int, base: int) -> Ranges:
-    """Return the ranges of arrays of such lengths of which no more is known."""
+    """Return the ranges of arrays of these lengths that must be finite only."""
     return Ranges([Run(state, FINITE)], [Run(counts, COUNT)], [Run(base, FINITE._replace(of_inputs=True))])

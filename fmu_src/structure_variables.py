@@ -1,8 +1,8 @@
 """The table of variables of a structure in space (variables.py has what it shares with that of a column).
 
-Blocks, joints, ties and ports have their numbers in the structure, from 1, and their descriptions have their names. The
-outputs begin with one output row as the kernels write it (solver/kernels/structure/layout.py), then peaks in the same
-order.
+Blocks, joints, ties and ports have their numbers in the structure, from 1, and their descriptions contain their names.
+The outputs begin with one output row as the kernels write it (solver/kernels/structure/layout.py), then peaks in the
+same order.
 """
 
 from __future__ import annotations
@@ -59,18 +59,24 @@ ROTATION = tuple(
 
 
 def inputs_of_ports(structure: Structure) -> list[Variable]:
-    """The loads on the ports, then their slopes, in the order of the kernels (INPUT_LOADS)."""
+    """Return the loads on the ports, then their slopes, in the order of the kernels (INPUT_LOADS)."""
     return inputs_of(structure.ports, COMPONENTS, _sizes(structure))
 
 
 def inputs_of_structure(structure: Structure, drive: Drive) -> list[Variable]:
-    """In the order of the kernels (kernels/structure/coupled.py): acceleration, loads on ports, rotation, bodies."""
+    """Return the inputs in the order of the kernels (kernels/structure/coupled.py).
+
+    They are acceleration, loads on ports, rotation, and the inputs from bodies.
+    """
     turns, said = (ROTATION, OF_TURNING_STRUCTURE) if drive.turns else ((), OF_STRUCTURE)
     return [*INPUTS, *inputs_of_ports(structure), *turns, *drive.inputs(said)]
 
 
 def _direct(structure: Structure, name: str, drive: Drive) -> tuple[str, ...]:
-    """Inputs that an output depends on without delay: accelerations of ports on loads on their block and the base's."""
+    """Return the inputs that an output depends on without delay.
+
+    Accelerations of ports depend on the loads on their block and on the acceleration of the base.
+    """
     owner, _, quantity = name.partition("].")
     if not owner.startswith("port[") or quantity not in ("ax", "ay", "az"):
         return ()
@@ -88,7 +94,7 @@ def _moved_by(drive: Drive) -> tuple[str, ...]:
 def structure_variables(
     structure: Structure, record: str = "", reads_files: bool = True, drive: Drive = USUAL
 ) -> list[Variable]:
-    """The table; as `variables` of a column. Raises InputError for a structure with too many joints or ties."""
+    """Return the table, as `variables` for a column. Raises InputError for a structure with too many joints or ties."""
     several = {
         "joint": structure.joints,
         "tie": structure.ties,
@@ -98,12 +104,14 @@ def structure_variables(
     for what, parts in several.items():
         if len(parts) > FAMILY:
             raise InputError(f"{what}: {len(parts)} of them, must be at most {FAMILY} in an FMU")
+    # names of the owners in descriptions
     named = {BLOCK: structure.names, JOINT: structure.joint_names, BEARING: structure.bearing_names}
     names = {what: [f"{what} {i} ({name})" for i, name in enumerate(of, start=1)] for what, of in named.items()}
     names[TIE] = [f"tie {e}" for e in range(1, len(structure.ties) + 1)]
     names[CONTACT] = [f"contact {p} ({name})" for p, name in enumerate(structure.contact_names, start=1)]
     names[BOND] = [f"bond {e} ({name})" for e, name in enumerate(structure.bond_names, start=1)]
     names[PORT] = named_ports(structure.ports)
+    # outputs, with the inputs that they depend on
     sizes = _sizes(structure)
     row, peaks = seen(OUTPUTS, names, lambda unit, i: sizes[unit])
     direct = {output.name: _direct(structure, output.name, drive) for output in row}
@@ -122,7 +130,7 @@ def structure_variables(
 
 
 def _sizes(structure: Structure) -> dict[str, float]:
-    """Typical size of each output by its unit: solvers of a system scale by it."""
+    """Return the typical size of each output by unit, by which solvers of a system scale."""
     corners = np.concatenate([block.corners for block in structure.blocks])
     extent = float(np.max(np.ptp(corners, axis=0)))
     weight = (structure.g or STANDARD_GRAVITY) * sum(block.mass for block in structure.blocks)

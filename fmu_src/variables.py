@@ -1,11 +1,11 @@
-"""The one table of the FMU's variables; slave, native layer and model description follow from it.
+"""The table of the FMU's variables, from which slave, native layer and model description follow.
 
-That of a structure in space is in structure_variables.py, of the same rows and under the same numbers.
+That of a structure in space is in structure_variables.py, with the same rows and numbers.
 
-The table lists inputs, then outputs, then parameters. Inputs stand in the order of the kernels, and the outputs begin
+The table lists inputs, then outputs, then parameters. Inputs are in the order of the kernels, and the outputs begin
 with one output row and the split reaction as the kernels write them (solver/kernels/layout/spaces.py).
 
-A variable's value reference is its own number, never its place in the table (references.py).
+A variable's value reference is its own number, never its index in the table (references.py).
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ ROLES = ("input", "output", "parameter")  # in the order of the table
 START_TIME = 0.0  # s
 STOP_TIME = 20.0  # s
 STEP_SIZE = 1e-3  # s
-LEAST_BOND = 1.0  # Pa, of what makes a joint brittle
+LEAST_BOND = 1.0  # Pa, least strength of a brittle joint
 
 
 @dataclass(frozen=True)
 class Choice:
-    """An enumeration: the values that an Integer chooses from. The numbers stay; the words are the solver's."""
+    """An enumeration: the values of an Integer. The numbers are permanent; the words are the solver's."""
 
     name: str
     items: dict[str, int]  # word -> number
@@ -63,9 +63,9 @@ VERDICT = Choice(
 
 @dataclass(frozen=True)
 class Variable:
-    """One row of the table. A unit of "" is a pure number.
+    """One row of the table. The unit of a pure number is "".
 
-    depends_on: inputs that act without delay. initially: inputs that act in initialization, None: any may.
+    `depends_on` has the inputs that act without delay, `initially` those that act in initialization (None: any may).
     """
 
     name: str
@@ -85,17 +85,17 @@ class Variable:
 
 
 def input_of(name: str, text: str, unit: str, nominal: float) -> Variable:
-    """A row of the table for an input."""
+    """Return the row of an input."""
     return Variable(name, reference_of(name), "Real", "input", "continuous", text, unit, 0.0, nominal=nominal)
 
 
 def output_of(name: str, unit: str, text: str, variability: str = "continuous", **rest: Any) -> Variable:
-    """A row of the table for an output."""
+    """Return the row of an output."""
     return Variable(name, reference_of(name), "Real", "output", variability, text, unit, **rest)
 
 
 def event_of(name: str, kind: str, text: str, unit: str = "") -> Variable:
-    """A row of the table for an output that changes at once, and follows no input in initialization."""
+    """Return the row of an output that is discrete, and depends on no input in initialization."""
     return Variable(name, reference_of(name), kind, "output", "discrete", text, unit, initially=())
 
 
@@ -117,7 +117,16 @@ LOAD_SLOPE = "Slope of port[{}].{} within a communication step, counted from its
 
 
 def inputs_of(ports: Sequence[Port], components: Sequence[str], size: Mapping[str, float]) -> list[Variable]:
-    """The loads on ports, then their slopes, by component; size: a typical one by unit."""
+    """Return the rows of the loads on ports, then of their slopes.
+
+    Parameters
+    ----------
+    ports : sequence of Port
+    components : sequence of str
+        Names of the components of a load.
+    size : mapping of str to float
+        Typical size by unit.
+    """
     found = []
     for prefix in ("", "d"):
         for name in components:
@@ -130,11 +139,11 @@ def inputs_of(ports: Sequence[Port], components: Sequence[str], size: Mapping[st
 
 
 def named_ports(ports: Sequence[Port]) -> list[str]:
-    """What ports are called in descriptions."""
+    """Return the names of ports in descriptions."""
     return [f"port {p} ({port.name})" for p, port in enumerate(ports, start=1)]
 
 
-# inputs that an output of the row depends on without delay, all unless given here; of TURNING the base joint alone
+# inputs that an output of the row depends on without delay, by default all; TURNING for the base joint alone
 _DIRECT = {"ux": TURNED, "uz": TURNED, "theta": (), "slip": ()}
 _DIRECT |= dict.fromkeys(("N", "M", "contact", "sigma_max", "share"), TURNING)
 _DIRECT_OF_PORT = {"x": TURNED, "z": TURNED, "vx": TURNING, "vz": TURNING}
@@ -155,7 +164,7 @@ _SPLIT_OUTPUTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "base.mzt": ("kg.m", _MASS.format("z alpha"), TURNED),
     "base.mtt": ("kg.m2", _MASS.format("alpha alpha"), TURNED),
 }
-_REST_OF_SPLIT = ("base.R0x", "base.R0z", "base.R0m")  # which follow loads, as all does that follows accelerations
+_REST_OF_SPLIT = ("base.R0x", "base.R0z", "base.R0m")  # depend on loads, as do outputs that depend on accelerations
 _TURNS_OF_BASE = {
     "theta": ("Rotation of the base{} as bodies drive it", "rad", 1e-3),
     "omega": ("Rate of rotation of the base{} as bodies drive it", "rad/s", 1e-2),
@@ -181,7 +190,7 @@ RECORD_PGA = replace(
     initially=("base.record", "base.record_scale"),
 )
 
-# field of Block or Joint -> unit, description, whether 0 stands for "not given"
+# field of Block or Joint -> unit, description, True if 0 stands for "not given"
 # Fields not listed are no parameters: they keep the values of the column from which the FMU is built.
 _BLOCK_PARAMETERS = {
     "height": ("m", "Height of block {i}", False),
@@ -208,13 +217,13 @@ BOND_PARAMETERS = {
     "tensile_strength": ("Pa", "Tension that the mortar of the joint under block {i} bears until it breaks", False),
     "cohesion": ("Pa", "Shear that the mortar of the joint under block {i} bears beside friction", False),
 }
-# what may change during a run: no length, no mass, nothing of the solver's
+# parameters that may change during a run: no length, no mass, no setting of the solver
 TUNABLE = ("g", "joint.damping", "joints.damping_scale")
 RECORD = "base.record"
 DRIVE, SLOPE_OF_BASE = "base.drive", "base.slope"
 RECORD_SCALE = "base.record_scale"
 TOLERANCE = "solver.tolerance"
-LISTED_BLOCKS = 10  # up to which the outputs of each block list what they follow in initialization: that grows with n2
+LISTED_BLOCKS = 10  # most blocks for which outputs list their dependencies in initialization, a list that grows with n2
 
 _SETTINGS_PARAMETERS = {
     "step": ("s", "Fixed step of the paper's central differences"),
@@ -224,20 +233,30 @@ _SETTINGS_PARAMETERS = {
 
 
 def variables(column: Column, record: str = "", reads_files: bool = True, drive: Drive | None = None) -> list[Variable]:
-    """The table for a column, whose values are the parameters' start values, in the order given above.
+    """Return the table for a column, whose values are the start values of the parameters.
 
-    record: name of the record inside the FMU, empty without one. reads_files: whether the FMU reads others, too.
+    Parameters
+    ----------
+    column : Column
+    record : str
+        Name of the record inside the FMU, empty without one.
+    reads_files : bool
+        True if the FMU reads other record files, too.
+    drive : Drive, optional
+        How the base moves. Default: by its inputs.
     """
     parameters = [*_parameters(column), *(drive.parameters if drive else ()), *of_record(record, reads_files)]
-    numbers, sizes = [""] * column.n, _sizes(column)  # without names; the base has the sizes of the lowest joint
+    numbers, sizes = [""] * column.n, _sizes(column)  # blocks have no names; the base has the sizes of the lowest joint
     if len(column.ports) > FAMILY:
         raise InputError(f"port: {len(column.ports)} of them, must be at most {FAMILY} in an FMU")
     names = {BLOCK: numbers, JOINT: numbers, PORT: named_ports(column.ports)}
     names[BOND] = numbers if column.is_brittle else []
+    # outputs, with the inputs that they depend on without delay
     row, peaks = seen(OUTPUTS, names, lambda unit, i: sizes[unit][i - 1] if unit in sizes else USUAL_RATES[unit])
     row = [replace(output, depends_on=_direct(output.name, column.n)) for output in row]
     moved = driven_outputs(DRIVEN.fields, _DIRECT_OF_BASE) if drive and drive.is_chosen else []
     outputs = [*row, *_split_outputs(column), *moved, *peaks]
+    # outputs that depend on accelerations depend on loads too
     of_ports = inputs_of_ports(column)
     loads = tuple(given.name for given in of_ports[: len(of_ports) // 2])
     follow = [loads if output.depends_on == MOVING or output.name in _REST_OF_SPLIT else () for output in outputs]
@@ -247,6 +266,7 @@ def variables(column: Column, record: str = "", reads_files: bool = True, drive:
         replace(output, depends_on=(*output.depends_on, *more)) for output, more in zip(outputs, follow, strict=True)
     ]
     outputs += outcome(OVERTURN_JOINT)
+    # dependencies in initialization
     numerical = ("solver.step", "solver.tolerance", "solver.without", SLOPE_OF_BASE)
     described = tuple(item.name for item in parameters if item.name not in (*numerical, RECORD, RECORD_SCALE))
     inputs = [*INPUTS, *of_ports, *(drive.inputs() if drive else ())]
@@ -259,12 +279,12 @@ def with_real_outputs(table: list[Variable]) -> list[Variable]:
 
 
 def inputs_of_ports(column: Column) -> list[Variable]:
-    """The loads on the ports of a column, as `Stepper.drive` takes them."""
+    """Return the loads on the ports of a column, in the order of `Stepper.drive`."""
     return inputs_of(column.ports, IN_PLANE, {unit: values[-1] for unit, values in _sizes(column).items()})
 
 
 def _direct(name: str, n: int) -> tuple[str, ...]:
-    """Inputs that an output of n blocks depends on without delay."""
+    """Return the inputs that an output of n blocks depends on without delay."""
     place, _, quantity = name.partition(".")
     if place.startswith("port["):
         return _DIRECT_OF_PORT.get(quantity, MOVING)
@@ -273,7 +293,7 @@ def _direct(name: str, n: int) -> tuple[str, ...]:
 
 
 def _with_initial(output: Variable, n: int, described: tuple[str, ...]) -> Variable:
-    """The output with what it follows in initialization; `described`: the parameters that the column at rest has."""
+    """Return the output with its dependencies in initialization; `described`: parameters of the column at rest."""
     if output.initially is not None or ("[" in output.name and n > LISTED_BLOCKS):
         return output
     if output.name.endswith("].theta"):
@@ -285,10 +305,16 @@ def _with_initial(output: Variable, n: int, described: tuple[str, ...]) -> Varia
 def seen(
     outputs: Iterable[Output], names: Mapping[str, Sequence[str]], nominal: Callable[[str, int], float]
 ) -> tuple[list[Variable], list[Variable]]:
-    """The outputs of a row, and the extremes since the last reset, in the order of the kernels.
+    """Return the outputs of a row, and their extremes since the last reset, in the order of the kernels.
 
-    names: of the blocks, joints and ties in descriptions. nominal: typical size by the unit and the number of the block
-    or joint, 0 of the base; solvers of a system scale by it.
+    Parameters
+    ----------
+    outputs : iterable of Output
+    names : mapping of str to sequence of str
+        Names in descriptions, by owner (blocks, joints, ties ...).
+    nominal : callable
+        Returns the typical size from the unit and the number of the block or joint, 0 for the base; solvers of a system
+        scale by it.
     """
     row, peaks = [], []
     peak: dict[str, Any] = {"variability": "discrete", "minimum": 0.0, "initially": ()}
@@ -316,7 +342,7 @@ def _split_outputs(column: Column) -> list[Variable]:
 
 
 def driven_outputs(fields: Sequence[str], direct: Mapping[str, tuple[str, ...]]) -> list[Variable]:
-    """The motion of a base that bodies drive, by the names of the kernels; direct: inputs that each depends on."""
+    """Return the rows of the motion of a base that bodies drive; `direct`: dependencies by the kernels' names."""
     found = []
     for field in fields:
         name, _, axis = field.partition("_")
@@ -328,7 +354,7 @@ def driven_outputs(fields: Sequence[str], direct: Mapping[str, tuple[str, ...]])
 
 
 def _sizes(column: Column) -> dict[str, list[float]]:
-    """Typical size of the outputs of each block or joint by unit, from the top down."""
+    """Return the typical size of the outputs of each block or joint by unit, from the top down."""
     blocks, contacts = column.blocks, column.contacts
     height = sum(block.height for block in blocks)
     weights = list(accumulate((column.g or STANDARD_GRAVITY) * block.mass for block in blocks))
@@ -357,7 +383,19 @@ def parameter_of(
     limits: tuple[float, float] | None = None,
     optional: bool = False,
 ) -> Variable:
-    """A row of the table for a parameter. limits: None: those of its last name in ranges.py."""
+    """Return the row of a parameter.
+
+    Parameters
+    ----------
+    name, unit, text : str
+        Name, unit and description.
+    start : float, str or None
+        Start value.
+    limits : tuple of float, optional
+        Least and largest value. Default: those of the last part of its name in ranges.py.
+    optional : bool
+        True if 0 stands for "not given".
+    """
     common = ("parameter", "tunable" if (array_of(name) or name) in TUNABLE else "fixed", text, unit)
     reference = reference_of(name)
     if isinstance(start, str):
@@ -369,19 +407,19 @@ def parameter_of(
 
 
 def outcome(fallen: Variable) -> list[Variable]:
-    """The outputs behind those of the model: verdict and record; fallen: the number of what has fallen."""
+    """Return the outputs after those of the model: verdict and record; `fallen`: that of the fallen joint or block."""
     return [OVERTURN_TIME, fallen, OVERTURNED, VERDICT_NOW, RECORD_PGA]
 
 
 def of_record(record: str, reads_files: bool) -> list[Variable]:
-    """The last parameters: the record, whose name is `record`, and its factor."""
+    """Return the last parameters: the record, whose name is `record`, and its factor."""
     text = RECORD_TEXT if reads_files else RECORD_TEXT_NATIVE
     factor = parameter_of(RECORD_SCALE, "", "Factor on the record's accelerations", 1.0)
     return [parameter_of(RECORD, "", text, record), factor]
 
 
 def tolerance_of(value: float) -> Variable:
-    """The parameter of the error control."""
+    """Return the parameter of the error control."""
     return parameter_of(TOLERANCE, "", "Error relative to the largest motion", value)
 
 
@@ -402,14 +440,14 @@ def _parameters(column: Column) -> list[Variable]:
 
 
 def joint_parameters(column: Column) -> dict[str, tuple[str, str, bool]]:
-    """The parameters of every joint."""
+    """Return the parameters of every joint."""
     if not column.is_brittle:
         return JOINT_PARAMETERS
     return {key: row for key, row in JOINT_PARAMETERS.items() if key != "rim"} | BOND_PARAMETERS
 
 
 def bond_limits(built: Joint, key: str) -> tuple[tuple[float, float], str]:
-    """Limits of a parameter of a bond: a joint that is brittle as built stays so. And what it has to be."""
+    """Return the limits of a parameter of a bond and their meaning: a joint that is brittle as built stays so."""
     limits, meaning = NUMBERS[key]
     if built.rim is not None:
         return (0.0, 0.0), "left out of a joint that touches in a rim"
@@ -419,14 +457,24 @@ def bond_limits(built: Joint, key: str) -> tuple[tuple[float, float], str]:
 
 
 def _settings_of(column: Column) -> list[str]:
-    """The settings that are parameters: a step is one where it is fixed."""
+    """Return the names of the settings that are parameters; the step is one only where it is fixed."""
     return [key for key in _SETTINGS_PARAMETERS if key != "step" or column.kind.fixed]
 
 
 def column_from(built: Column, value: Callable[[str], float | int | str]) -> Column:
-    """The column that the parameters describe; `value` looks one up by its name. Raises InputError.
+    """Return the column that the parameters describe.
 
-    built: the column that the FMU was built from: its name, sections and formulation, which are no parameters.
+    Parameters
+    ----------
+    built : Column
+        Column from which the FMU was built, with the name, sections and formulation, which are no parameters.
+    value : callable
+        Returns the value of a parameter by name.
+
+    Raises
+    ------
+    InputError
+        If a value is wrong.
     """
 
     def given(kind: str, i: int, key: str, optional: bool) -> float | None:

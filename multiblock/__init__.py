@@ -1,4 +1,4 @@
-"""Seismic response of columns and structures of rigid blocks with no-tension joints: the public interface.
+"""The seismic response of columns and structures of rigid blocks with no-tension joints: the public interface.
 
 This module has every name that a program needs; the modules behind it (`solver`, `fmu_src`) may move.
 """

@@ -1,1 +1,1 @@
-"""The FMU without Python: kernels compiled ahead of time, linked with a thin layer of C."""
+"""The native FMU, without Python: kernels compiled ahead of time, linked with a thin layer of C."""

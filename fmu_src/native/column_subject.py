@@ -1,4 +1,4 @@
-"""A column of blocks as the C core has to know it."""
+"""The description of a column of blocks for the C core."""
 
 from __future__ import annotations
 
@@ -46,11 +46,13 @@ SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega"
 
 
 def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
-    """Of a column, of which only the number of blocks, the sections, the ports and whether it is brittle matter."""
+    """Return the description of a column; only its number of blocks, sections, ports and brittleness matter."""
     n, spots, of_ports, spaces = column.n, at.SPOTS.size(len(column.ports)), inputs_of_ports(column), column.kind.spaces
+    # arguments of `assemble` beyond those of every column
     ports = [float(len(column.ports)), *ports_of(column).tolist()] if column.ports else []
     of_bonds = bonds.GIVEN_OF_BOND if column.is_brittle else ()
     mortar = [f"joint[{i}].{name}" for name in of_bonds for i in range(1, n + 1)]
+    # ends of the peaks in the state
     last = spaces.STATE.size(n)
     lost = at.CONTROL.beside + bonds.PHASE.places["bond_lost"][0] * n
     return Subject(
@@ -98,13 +100,13 @@ def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
 
 
 def slopes_of(loads: Sequence[Variable]) -> dict[str, str]:
-    """Inputs at ports and those that are their slopes, of the variables of both."""
+    """Map the loads at ports to the inputs that are their slopes; `loads` holds the variables of both."""
     half, names = len(loads) // 2, [item.name for item in loads]
     return dict(zip(names[:half], names[half:], strict=True))
 
 
 def choices_of(drive: Drive) -> list[Chosen]:
-    """How the base moves."""
+    """Return the choices of how the base moves."""
     if not drive.is_chosen:
         return []
     ways = [(int(at.DRIVES[word]), word) for word in drive.words]
@@ -115,7 +117,7 @@ def choices_of(drive: Drive) -> list[Chosen]:
 
 
 def given_of(drive: Drive) -> dict[str, str | float]:
-    """The same as `assemble` is given it: parameters, or numbers that never change."""
+    """Return how the base moves, as arguments of `assemble`: names of parameters, or constants."""
     if not drive.is_chosen:
         return {"drive": at.ACCELERATION, "slope": at.SLOPE_PARABOLA, "bodies": 0.0}
     return {"drive": DRIVE, "slope": SLOPE_OF_BASE, "bodies": float(drive.bodies)}
@@ -135,14 +137,14 @@ def _given(column: Column, drive: Drive) -> list[str | float]:
 
 
 def _checks(column: Column) -> list[Check]:
-    """The limits of every Real parameter in the order in which the Python slave finds fault with them.
+    """Return the limits of every Real parameter, in the order in which the Python slave checks them.
 
-    What a section is made of is no parameter, but has to suit those that are.
+    The dimensions of a section that are no parameters are checked against those that are.
     """
     rows = [Check("g", *NUMBERS["g"])]
     for i, block in enumerate(column.blocks, start=1):
         for rule in BLOCK_RULES:
-            if rule.of_joint and rule.key not in joint_parameters(column):  # as built
+            if rule.of_joint and rule.key not in joint_parameters(column):  # kept as built
                 continue
             name = f"joint[{i}].{rule.key}" if rule.of_joint else f"block[{i}].{rule.key}"
             bound = f"block[{i}].{rule.bound}" if rule.bound else ""
@@ -152,11 +154,13 @@ def _checks(column: Column) -> list[Check]:
             rows.append(Check(name, limits, meaning, rule.optional, bound, rule.strict, rule.relation))
             if rule.key == "mass" and block.bore is not None:
                 rows.append(_bore(f"block[{i}].bore", block.bore, f"block[{i}].width"))
+        # sections of the contact
         if block.joint_bore:
             rows.append(_bore(f"joint[{i}].bore", block.joint_bore, f"joint[{i}].width", f"block[{i}].width"))
         for k, depth in enumerate(block.joint.strips or ()):
             name = f"joint[{i}].strips[{k}]"
             rows.append(Check(name, *FIXED_LENGTH, False, f"block[{i}].depth", False, STRIP_RELATION, depth))
+        # position, rim, friction and dowel of the joint
         rows += [Check(f"joint[{i}].{key}", *NUMBERS[key], True) for key in ("offset", "inclination")]
         if "rim" in joint_parameters(column):
             why = no_rim(block)
@@ -165,6 +169,7 @@ def _checks(column: Column) -> list[Check]:
         rows += [Check(name, *NUMBERS[name.rpartition(".")[2]], True) for name in others]
         needs = f"joint[{i}].friction"
         rows.append(Check(f"joint[{i}].dowel", *NUMBERS["dowel"], True, relation=DOWEL_RELATION, needs=needs))
+        # bonds
         if column.is_brittle:
             of_bond = {key: bond_limits(block.joint, key) for key in BOND_PARAMETERS}
             rows.append(Check(f"joint[{i}].tensile_strength", *of_bond["tensile_strength"]))
@@ -177,5 +182,5 @@ FIXED_LENGTH = ((0.0, LENGTH[0][1]), LENGTH[1])
 
 
 def _bore(name: str, bore: float, bound: str, otherwise: str = "") -> Check:
-    """An inner diameter, which is less than the outer one."""
+    """Return the check that an inner diameter is less than the outer one."""
     return Check(name, *FIXED_LENGTH, False, bound, True, BORE_RELATION, bore, otherwise)

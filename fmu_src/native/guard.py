@@ -1,4 +1,4 @@
-"""The guard of the PythonFMU (guard.c): compiled for Linux and put before PythonFMU's own library."""
+"""The guard of the PythonFMU (guard.c): compiled for Linux, and loaded in place of PythonFMU's own library."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .library import OPTIONS, compile_c, has_tools
 from .platforms import PLATFORMS
 
 SOURCE, STATUS = (Path(__file__).with_name(name) for name in ("guard.c", "status.h"))
-NEIGHBOUR = "pythonfmu.so"  # what guard.c looks for beside itself
+NEIGHBOUR = "pythonfmu.so"  # library that guard.c loads from its own folder
 FOLDER = "binaries/linux64"
 WITHOUT = (  # for the page inside the FMU
     "It was built without ziglang and has no guard: unpacked below a folder with a letter beyond ASCII, # or % in its "
@@ -22,9 +22,9 @@ WITHOUT = (  # for the page inside the FMU
 
 
 def guarded(files: dict[str, bytes]) -> dict[str, bytes]:
-    """The files of a PythonFMU with the guard in the place of PythonFMU's library, which stays beside it.
+    """Return the files of a PythonFMU with the guard in place of PythonFMU's library, which stays beside it.
 
-    As they are where nothing is installed that compiles it. Raises OSError.
+    The files are unchanged if no compiler is installed. Raises OSError.
     """
     (name,) = (file for file in files if file.startswith(f"{FOLDER}/"))
     if not has_tools():
@@ -33,7 +33,7 @@ def guarded(files: dict[str, bytes]) -> dict[str, bytes]:
 
 
 def _library() -> bytes:
-    """The guard as a library; it does not depend on the column and is kept in the user's cache."""
+    """Return the guard as a library, cached per user, since it does not depend on the column."""
     (target,) = PLATFORMS[2]["linux64"].targets
     texts = "".join(file.read_text(encoding="utf-8") for file in (SOURCE, STATUS))
     made_with = texts + importlib.metadata.version("ziglang") + " ".join(OPTIONS)

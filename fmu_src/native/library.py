@@ -1,4 +1,4 @@
-"""From the C layer, its table and the kernels' object code to one shared library for each platform."""
+"""The compilation of the C layer, its table and the kernels' object code to one shared library for each platform."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from solver.kernels.machine.zig import Target, compile_file, link
 from . import symbols
 from .platforms import PLATFORMS
 
-FACES = {2: "fmi2.c", 3: "fmi3.c"}  # version of FMI -> the face around the core
+FACES = {2: "fmi2.c", 3: "fmi3.c"}  # version of FMI -> C file of its functions around the core
 OWN_HEADERS = tuple(Path(__file__).with_name(name) for name in ("core.h", "face.h", "status.h"))
 OPTIONS = (
     *("-std=c11", "-O2", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off"),
@@ -28,7 +28,7 @@ OPTIONS = (
 
 
 def sources(fmi: int) -> tuple[Path, ...]:
-    """The C files to compile for a version of FMI."""
+    """Return the C files to compile for a version of FMI."""
     return tuple(Path(__file__).with_name(name) for name in ("core.c", FACES[fmi]))
 
 
@@ -36,12 +36,12 @@ TOOLS = ("ziglang", "fmpy")  # the compiler, and the header files of FMI
 
 
 def has_tools() -> bool:
-    """Whether the tools to compile and link are installed."""
+    """Return True if the tools to compile and link are installed."""
     return all(importlib.util.find_spec(package) is not None for package in TOOLS)
 
 
 def check_tools() -> None:
-    """Raise InputError if the linker, or the header files of FMI, are not installed, or arrays need their sizes."""
+    """Raise InputError if the linker, or the header files of FMI, are not installed."""
     if BOUNDS:
         raise InputError("--native: its kernels cannot check their bounds, unset MULTIBLOCK_BOUNDS")
     for package in TOOLS:
@@ -50,7 +50,7 @@ def check_tools() -> None:
 
 
 def headers() -> Path:
-    """The folder with the header files of the FMI standard, which FMPy carries."""
+    """Return the folder with the header files of the FMI standard, which FMPy carries."""
     spec = importlib.util.find_spec("fmpy")
     assert spec is not None
     assert spec.origin is not None
@@ -60,9 +60,26 @@ def headers() -> Path:
 def compile_c(
     target: Target, sources: Sequence[Path], output: Path, includes: Sequence[Path] = (), options: Sequence[str] = ()
 ) -> None:
-    """Compile the C files and link everything to a shared library. Raises OSError.
+    """Compile C files, and link all to a shared library.
 
-    It is linked with the system's own C library only: zig would have to build its other default libraries first.
+    Only the system's own C library is linked: zig would have to build its other default libraries first.
+
+    Parameters
+    ----------
+    target : Target
+    sources : sequence of Path
+        C files, and object files.
+    output : Path
+        Library to write; the object files are written beside it.
+    includes : sequence of Path
+        Folders with header files.
+    options : sequence of str
+        Options of the linker.
+
+    Raises
+    ------
+    OSError
+        If the compiler fails.
     """
     searched = [f"-I{place}" for place in (headers(), *includes)]
     objects = []
@@ -76,15 +93,32 @@ def compile_c(
 def libraries(
     name: str, platforms: list[str], generated: dict[str, str], group: str, fmi: int = 2
 ) -> dict[str, tuple[bytes, list[symbols.Symbols]]]:
-    """Platform -> library of that name, and the symbols each of its parts needs. Raises InputError for Python's.
+    """Return for each platform the library and the symbols that each of its parts needs.
 
-    platforms: of PLATFORMS[fmi]. group: of the kernels.
-    generated: header files that the sources are compiled with, name -> text.
+    Parameters
+    ----------
+    name : str
+        Name of the library.
+    platforms : list of str
+        Names in PLATFORMS[fmi].
+    generated : dict of str to str
+        Text of the generated header files by name.
+    group : str
+        Group of the kernels.
+    fmi : int
+        Version of FMI.
+
+    Raises
+    ------
+    InputError
+        If a library needs symbols of Python.
     """
+    # machine code of the kernels for each target
     check_tools()
     known = PLATFORMS[fmi]
     targets = list(dict.fromkeys(target for platform in platforms for target in known[platform].targets))
     codes = dict(zip(targets, object_code(group, targets), strict=True))
+    # compile and link the platforms in parallel
     with tempfile.TemporaryDirectory(prefix="native_") as temporary:
         folder = Path(temporary)
         for file, text in generated.items():
@@ -104,18 +138,18 @@ def libraries(
 
 
 def _linked(name: str, target: Target, suffix: str, headers: Path, code: bytes, fmi: int) -> bytes:
-    """The library of one target."""
+    """Return the library of one target."""
     with tempfile.TemporaryDirectory(dir=headers) as temporary:
         kernels, output = Path(temporary) / "kernels.o", Path(temporary) / f"library{suffix}"
         kernels.write_bytes(code)
-        # else the path that it was linked at
+        # without it, the path at which it was linked
         options = [f"-Wl,-install_name,@rpath/{name}.dylib"] if suffix == ".dylib" else []
         compile_c(target, [*sources(fmi), kernels], output, [headers], options)
         return output.read_bytes()
 
 
 def _checked(platform: str, content: bytes) -> list[symbols.Symbols]:
-    """The symbols that each part of a library needs, none of them Python's."""
+    """Return the symbols that each part of a library needs. Raises InputError if one is Python's."""
     needs = symbols.read(content)
     for part in needs:
         if part.foreign:

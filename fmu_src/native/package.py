@@ -55,7 +55,7 @@ FLAGS_3 = {
 }
 
 
-# what the C core has to know of a body
+# description for the C core, by kind of body
 SUBJECTS: dict[type[Body], Callable[[Any], Subject]] = {
     ColumnBody: lambda body: column_subject(body.column, body.drive),
     StructureBody: structure_subject,
@@ -64,19 +64,19 @@ XML = b'<?xml version="1.0" encoding="UTF-8"?>\n'
 
 
 def contents_of(body: Body, record: Motion | None = None, record_name: str = "", form: Form = USUAL_FORM) -> Contents:
-    """The content of the FMU of a body, under a GUID that follows from everything its libraries are made of."""
+    """Return the content of the FMU of a body, with a GUID that follows from all inputs of its libraries."""
     table = body.table(record_name, reads_files=False)
     contents = Contents(SUBJECTS[type(body)](body), table, "", record_name, record, form.scalars)
     return identified(contents, form.fmi, body.text, "real outputs" if form.real_outputs else "")
 
 
 def made_with(group: str) -> str:
-    """All that the machine code of kernels depends on beside the target."""
+    """Return a text of everything that determines the machine code of kernels, except the target."""
     return f"{compilers()}, kernels {sources_of(group)}, {group}"
 
 
 def identified(contents: Contents, fmi: int, *texts: str) -> Contents:
-    """The content under a GUID that follows from everything its libraries are made of."""
+    """Return the content with a GUID that follows from all inputs of its libraries."""
     files = (*sources(fmi), *OWN_HEADERS, BESIDE_WINDOWS)
     parts = [*texts, made_with(contents.subject.group), *headers(contents).values()]
     identity = "".join([*parts, *(file.read_text(encoding="utf-8") for file in files)])
@@ -87,17 +87,39 @@ def identified(contents: Contents, fmi: int, *texts: str) -> Contents:
 def native_files(
     body: Body, platforms: list[str], record: Motion | None = None, record_name: str = "", form: Form = USUAL_FORM
 ) -> tuple[dict[str, bytes], dict[str, list[Symbols]]]:
-    """The files of the FMU by their names, and the symbols that the libraries need. Raises InputError, OSError."""
+    """Return the files of the FMU by path, and the symbols that the libraries need.
+
+    Parameters
+    ----------
+    body : Body
+    platforms : list of str
+        Names in PLATFORMS[form.fmi].
+    record : Motion, optional
+        Record to put inside.
+    record_name : str
+        Its file name.
+    form : Form
+        Version of FMI, and options of the archive.
+
+    Raises
+    ------
+    InputError
+        If a library needs symbols of Python, or the compiler is not installed.
+    OSError
+        If the compiler fails.
+    """
     fmi, contents = form.fmi, contents_of(body, record, record_name, form)
     table = with_real_outputs(contents.table) if form.real_outputs else contents.table
     experiment = usual_experiment(body.tolerance, record)
     name = identifier_of(body.name)
     identity = (body.name, contents.guid, body.about, __version__, experiment)
     about = About(*identity, FLAGS_3 if fmi == 3 else NATIVE_FLAGS, "build_fmu.py --native")
+    # model description
     if fmi == 3:
         description = model_description3(about, table, contents.subject.lines, form.scalars)
     else:
         description = model_description(about, table)
+    # documentation, terminals, sources, libraries
     pages = documentation.pages(body, table, NEEDS) | legal_files(NEEDS)
     pages["terminalsAndIcons/icon.png" if fmi == 3 else "model.png"] = pages["documentation/model.png"]
     if fmi == 3 or form.terminals:
@@ -114,7 +136,10 @@ def native_files(
 def compiled(
     name: str, contents: Contents, platforms: list[str], description: Element, fmi: int = 2
 ) -> tuple[dict[str, bytes], dict[str, list[Symbols]]]:
-    """Model description, libraries and their account; and the symbols they need. Raises InputError, OSError."""
+    """Return model description, libraries and their report by path, and the needed symbols.
+
+    Raises InputError, OSError.
+    """
     group = contents.subject.group
     made = libraries(name, platforms, headers(contents), group, fmi)
     needs = {platform: needed for platform, (_, needed) in made.items()}
@@ -128,7 +153,7 @@ def compiled(
 
 
 def _account(needs: dict[str, list[Symbols]], group: str, fmi: int) -> str:
-    """How the libraries were made and which symbols they need from outside."""
+    """Return the report on how the libraries were made and which external symbols they need."""
     lines = [f"multiblock-fmu {__version__}; {made_with(group)}"]
     for platform, parts in needs.items():
         for part, target in zip(parts, PLATFORMS[fmi][platform].targets, strict=True):
@@ -138,7 +163,7 @@ def _account(needs: dict[str, list[Symbols]], group: str, fmi: int) -> str:
 
 
 def needs_report(needs: dict[str, list[Symbols]]) -> str:
-    """The symbols that the libraries need from outside, one line for each part, for the builder's terminal."""
+    """Return the external symbols that the libraries need, a line for each part, for the builder's terminal."""
     lines = []
     for platform, parts in needs.items():
         lines += [f"{platform} ({part.format}) needs: {' '.join(part.needed)}" for part in parts]

@@ -1,4 +1,4 @@
-"""The platforms that a native FMU can hold, and the forms that it can have."""
+"""The platforms that a native FMU can contain, and the options of its archive."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from solver.kernels.machine.zig import LINUX, LINUX_ARM, MACOS, MACOS_ARM, WINDO
 
 @dataclass(frozen=True)
 class Form:
-    """The form of a native FMU."""
+    """The options of a native FMU."""
 
     fmi: int = 2  # version of the standard
     source: bool = False  # with the source code inside
-    terminals: bool = False  # those that FMI 3.0 always has, in an FMU of FMI 2.0
+    terminals: bool = False  # those of FMI 3.0, in an FMU of FMI 2.0 too
     scalars: bool = False  # of FMI 3.0 without arrays
     real_outputs: bool = False  # without outputs that are no reals
 
@@ -23,13 +23,13 @@ USUAL_FORM = Form()
 
 @dataclass(frozen=True)
 class Platform:
-    """One folder under binaries/: a library, of several parts where its system knows such ones."""
+    """One folder under binaries/: a library, of several parts where the system supports universal ones."""
 
     suffix: str
     targets: tuple[Target, ...]
 
 
-# version of FMI -> folder -> what is in it. For processors that FMI 2.0 has no name for it refers to those of 3.0.
+# version of FMI -> folder -> library; FMI 2.0 refers to the names of 3.0 for processors that it does not name
 PLATFORMS = {
     2: {
         "linux64": Platform(".so", (LINUX,)),

@@ -1,9 +1,9 @@
-"""The native FMU as source code, for hosts that compile what they run: sources/ and what describes it.
+"""The native FMU as source code, for hosts that compile it: sources/ and its description.
 
-The layer of C is what the libraries are made of. The kernels come as assembly, for every processor and object format
-that libraries are built for, inside one file of C: whoever understands GNU's asm (gcc, clang, zig) compiles it. All
-names that the linker sees carry the name of the FMU, so that several can be linked into one program; with
-FMI2_OVERRIDE_FUNCTION_PREFIX (or FMI3_...) defined the calls of the standard have their plain names.
+The layer of C is that of the libraries. The kernels come as assembly, for every processor and object format for which
+libraries are built, inside one C file: a compiler that supports GNU's asm (gcc, clang, zig) compiles it. All names that
+the linker sees contain the name of the FMU, so that several can be linked into one program; with
+FMI2_OVERRIDE_FUNCTION_PREFIX (or FMI3_...) defined the functions of the standard have their plain names.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from solver.kernels.machine.zig import LINUX, LINUX_ARM, MACOS, MACOS_ARM, WINDO
 
 from .library import FACES, OWN_HEADERS, headers, sources
 
-# what the compiler calls each target
+# preprocessor condition of each target
 CONDITIONS: dict[Target, str] = {
     LINUX: "defined __x86_64__ && defined __ELF__",
     LINUX_ARM: "defined __aarch64__ && defined __ELF__",
@@ -42,18 +42,30 @@ OWN_PREFIX = """#ifdef FMI2_FUNCTION_PREFIX
 
 
 def compiled_files(name: str) -> list[str]:
-    """The files to compile and link; they include all others in sources/."""
+    """Return the names of the files to compile and link, which include all others in sources/."""
     return [f"{name}_core.c", f"{name}_fmi.c", f"{name}_kernels.c"]
 
 
 def source_files(name: str, generated: dict[str, str], group: str, fmi: int) -> dict[str, bytes]:
-    """The files of sources/ by their paths in the FMU; generated: contract.h and table.h. group: of the kernels."""
+    """Return the files of sources/ by path in the FMU.
+
+    Parameters
+    ----------
+    name : str
+        Model identifier.
+    generated : dict of str to str
+        Text of contract.h and table.h by name.
+    group : str
+        Group of the kernels.
+    fmi : int
+        Version of FMI.
+    """
     own = f"{name}_{PREFIX}"
     core, face = sources(fmi)
     texts = {path.name: path.read_text(encoding="utf-8") for path in (core, face, *OWN_HEADERS)}
     texts |= {file: re.sub(rf"\b{PREFIX}(?=\w)", own, text) for file, text in generated.items()}
     texts |= {file: (headers() / file).read_text(encoding="utf-8") for file in FMI_HEADERS[fmi]}
-    for file in FMI_HEADERS[fmi]:  # FMPy's of FMI 2.0 knows no prefix
+    for file in FMI_HEADERS[fmi]:  # FMPy's header of FMI 2.0 supports no prefix
         texts[file] = texts[file].replace(NO_PREFIX, OWN_PREFIX)
     calls = sorted(set(re.findall(r"\bcore_\w+", re.sub(r"/\*.*?\*/", "", texts["core.h"], flags=re.DOTALL))))
     texts["names.h"] = "".join(f"#define {call} {name}_{call}\n" for call in calls)
@@ -67,12 +79,12 @@ def source_files(name: str, generated: dict[str, str], group: str, fmi: int) -> 
 
 
 def kernels_text(assembly: dict[Target, str], own: str) -> str:
-    """One file of C with the assembly of every target."""
+    """Return one C file with the assembly of every target."""
     lines = ["/* Made by build_fmu.py; not to be edited. The kernels as assembly. */"]
     for k, (target, text) in enumerate(assembly.items()):
         lines.append(f"#{'elif' if k else 'if'} {CONDITIONS[target]}")
-        text = WINDOWS_FEATURES.sub("", text)  # the compiler of the C around writes them itself
-        text += "\n\t.text\n"  # where that compiler goes on: the last section is another one
+        text = WINDOWS_FEATURES.sub("", text)  # the compiler of the surrounding C emits them
+        text += "\n\t.text\n"  # section in which that compiler continues; the assembly ends in another one
         rows = [line for line in re.sub(rf"\b(_?){PREFIX}(?=\w)", rf"\1{own}", text).splitlines() if line.strip()]
         lines += ["__asm__(", *(f'    "{_escaped(row)}\\n"' for row in rows), ");"]
     lines += ["#else", '#error "there are no kernels for this processor and object format"', "#endif", ""]
@@ -84,7 +96,7 @@ def _escaped(text: str) -> str:
 
 
 def describe_sources(root: Element, name: str, fmi: int) -> dict[str, bytes]:
-    """Name them in the model description of FMI 2.0; for FMI 3.0 return sources/buildDescription.xml."""
+    """Add the sources to the model description of FMI 2.0; for FMI 3.0 return sources/buildDescription.xml."""
     if fmi == 2:
         listed = Element("SourceFiles")
         interface = root.find("CoSimulation")

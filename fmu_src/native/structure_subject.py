@@ -1,4 +1,4 @@
-"""A structure in space as the C core has to know it."""
+"""The description of a structure in space for the C core."""
 
 from __future__ import annotations
 
@@ -18,8 +18,9 @@ from .table import FIRST_PEAK, OF_BLOCKS, VERDICTS, Check, Chosen, Subject, peak
 
 
 def structure_subject(body: StructureBody) -> Subject:
-    """Of a structure; its model and rest are numbers that never change."""
+    """Return the description of a structure; its model and rest are constants."""
     sizes = sizes_in(body.packed)
+    # arguments of `assemble`: parameters by name, and constants
     given: dict[str, str | float] = {"tolerance": TOLERANCE, "without": WITHOUT, "damping_scale": DAMPING_SCALE}
     given |= given_of(body.drive) | {"turns": float(body.drive.turns)}
     lengths = {"MODEL": at.MODEL.size(sizes), "STATE": at.STATE.size(sizes), "WORK": at.WORK.size(sizes)}

@@ -1,4 +1,4 @@
-"""Symbols that a shared library needs from outside and offers, read from its file: ELF, PE and Mach-O."""
+"""Symbols that a shared library imports and exports, read from its file: ELF, PE and Mach-O."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _ARCHITECTURES = {0x01000007: "x86_64", 0x0100000C: "arm64"}
 
 @dataclass(frozen=True)
 class Symbols:
-    """Of one library, or of one part of a universal one."""
+    """The symbols of a library, or of one part of a universal one."""
 
     format: str
     needed: tuple[str, ...]  # functions and data
@@ -25,12 +25,12 @@ class Symbols:
 
     @property
     def foreign(self) -> list[str]:
-        """Symbols and libraries of Python or of numba's runtime."""
+        """The symbols and libraries of Python or of numba's runtime."""
         return [name for name in (*self.needed, *self.libraries) if PYTHON.match(name.rpartition("/")[2])]
 
 
 def read(content: bytes) -> list[Symbols]:
-    """The symbols of every part of a library. Raises ValueError for an unknown format."""
+    """Return the symbols of every part of a library. Raises ValueError for an unknown format."""
     if content[:4] == b"\x7fELF":
         return [_elf(content)]
     if content[:2] == b"MZ":
@@ -45,7 +45,7 @@ def read(content: bytes) -> list[Symbols]:
 
 
 def universal(parts: list[bytes]) -> bytes:
-    """One Mach-O file of several, each for another processor."""
+    """Combine Mach-O files for different processors to one universal file."""
     if len(parts) == 1:
         return parts[0]
     align = 14
@@ -71,6 +71,7 @@ def _elf(content: bytes) -> Symbols:
     needed: list[str] = []
     offered: list[str] = []
     libraries = []
+    # dynamic symbols and needed libraries
     for section in sections:
         strings = sections[section[6]][4] if section[6] < count else 0
         if section[1] == 11:  # dynamic symbols
@@ -99,6 +100,7 @@ def _pe(content: bytes) -> Symbols:
                 return int(place + address - begin)
         raise ValueError(f"address {address:#x} is in no section")
 
+    # export table
     exports, _, imports, _ = struct.unpack_from("<4I", content, optional + 112)
     offered, needed, libraries = [], [], []
     if exports:
@@ -107,6 +109,7 @@ def _pe(content: bytes) -> Symbols:
         offered = [
             _text(content, at(struct.unpack_from("<I", content, at(addresses) + 4 * k)[0])) for k in range(names)
         ]
+    # import tables, one for each library
     place = at(imports) if imports else 0
     while imports:
         lookup, _, _, name, first = struct.unpack_from("<5I", content, place)
@@ -128,6 +131,7 @@ def _mach_o(content: bytes) -> Symbols:
     needed: list[str] = []
     offered: list[str] = []
     libraries = []
+    # load commands: libraries, and the symbol table
     for _ in range(count):
         command, size = struct.unpack_from("<2I", content, place)
         if command & 0x7FFFFFFF == _DYLIB:

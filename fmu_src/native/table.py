@@ -1,7 +1,7 @@
-"""Headers that the C core is compiled with, written from the tables of Python: none is kept by hand.
+"""The headers with which the C core is compiled, generated from the tables of Python.
 
-contract.h  of what is simulated: the kernels with their arguments by name, sizes and codes, limits, messages
-table.h     what differs from one FMU to another: variables, start values, checks of the parameters, the record
+contract.h  of the model: the kernels with their arguments by name, sizes and codes, limits, messages
+table.h     of one FMU: variables, start values, checks of the parameters, the record
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ from ..variables import ACCELERATIONS, DRIVE, STEP_SIZE, VERDICT, Variable
 
 TEXT = 256  # bytes of a String, its end included
 STATE_FORMAT = "multiblock-fmu native state 5"
-CALLED = ("assemble", "follow", "look", "rates", "feedthrough")  # the entries of a group that the core calls
-READ_ONLY = ("given", "inputs", "times", "ax", "ay", "az", "seeds")  # arguments behind which kernels write nothing
+CALLED = ("assemble", "follow", "look", "rates", "feedthrough")  # entries of a group that the core calls
+READ_ONLY = ("given", "inputs", "times", "ax", "ay", "az", "seeds")  # arrays that the kernels do not modify
 C_TYPES = {Real: "double ", Int: "int64_t ", Reals: "double *", Ints: "int64_t *", SizedReals: "double *"}
 STORED = {"Real": "REAL", "Integer": "INTEGER", "Enumeration": "INTEGER", "Boolean": "BOOLEAN", "String": "STRING"}
-# what the core asks for by name: sizes that depend on what is inside; places and codes that some bodies alone have
+# names that the core uses: sizes that depend on the model; places and codes that only some bodies have
 SIZES = ("N", "MODEL", "STATE", "COUNTS", "BASE", "WORK", "ROW", "SPLIT", "ROOM")
 REFUSALS = ("MISFIT", "NO_REST", "NOT_LINEAR", "TOO_LARGE")  # codes of `assemble`
 CODES = (
@@ -48,7 +48,7 @@ PLACES = (
     *("RECORD", "RECORD_PGA", "RECORD_SCALE", "TOLERANCE"),
 )
 FIRST_PEAK = "block[1].ux_peak"
-OF_BLOCKS = {  # the places of every body of blocks
+OF_BLOCKS = {  # places that every body of blocks has
     **{"PEAKS": FIRST_PEAK, "VERDICT": "verdict", "OVERTURN_TIME": "overturn_time", "OVERTURNED": "overturned"},
     **{"RECORD": "base.record", "RECORD_PGA": "base.record_pga", "RECORD_SCALE": "base.record_scale"},
     "TOLERANCE": "solver.tolerance",
@@ -57,7 +57,7 @@ OF_BLOCKS = {  # the places of every body of blocks
 
 @dataclass(frozen=True)
 class Chosen:
-    """The choice that a parameter makes, in the way ONE_WORD or ANY_WORDS, as text."""
+    """A parameter that selects one (ONE_WORD) or several (ANY_WORDS) of its items, as text."""
 
     name: str
     way: str
@@ -65,7 +65,7 @@ class Chosen:
 
 
 class Peak(NamedTuple):
-    """An extreme: its place in the state; by_least: it is the least value, and the largest of 1 - value is kept."""
+    """An extreme: its index in the state, and whether it is a minimum, of which the largest 1 - value is stored."""
 
     place: int
     by_least: bool
@@ -75,9 +75,19 @@ class Peak(NamedTuple):
 class Subject:
     """The simulated body, as the core has to know it.
 
-    falls: whether it has a verdict, and peaks, in the order of the variables: a partner of a column has none, nor their
-    codes and places. segment: place in `base` of a number of a sample, -1: there is none. ranges: of the numbers of its
-    state, None: all are finite. group: of its kernels (solver/kernels/machine/groups.py).
+    Attributes
+    ----------
+    falls : bool
+        True if it has a verdict, and peaks, in the order of the variables. A partner of a column has none, nor their
+        codes and places.
+    sizes, codes : dict of str to int
+        By name in `SIZES` and `CODES`.
+    segment : int
+        Index in `base` of the number of a sample, -1 without one.
+    ranges : Ranges or None
+        Ranges of the numbers of its state. None: all are finite.
+    group : str
+        Group of its kernels (solver/kernels/machine/groups.py).
     """
 
     falls: bool
@@ -86,31 +96,41 @@ class Subject:
     places: dict[str, str]  # of PLACES -> variable
     inputs: list[str]  # in the order of the kernels
     slopes: dict[str, str]  # input -> the input that is its slope
-    split: str  # the first variable after those of the output row
-    given: list[str | float]  # what `assemble` is given, in its order: parameters, and numbers that never change
+    split: str  # first variable after those of the output row
+    given: list[str | float]  # arguments of `assemble` in its order: parameters, and constants
     choices: list[Chosen]
     checks: list[Check]
     reasons: dict[int, str]
     peaks: list[Peak] = field(default_factory=list)
-    misfits: list[tuple[str, str]] = field(default_factory=list)  # name and relation, by the kind from 1 on
+    misfits: list[tuple[str, str]] = field(default_factory=list)  # name and relation, by the kind from 1
     segment: int = -1
     ranges: Ranges | None = None
-    base: tuple[str, ...] = ()  # what stands in `base`, accelerations by the names of their inputs
+    base: tuple[str, ...] = ()  # fields of `base`; accelerations by the names of their inputs
     group: str = of_columns.run.group
 
     @property
     def lines(self) -> dict[str, str]:
-        """Inputs that follow a straight line within a step, and their slopes."""
+        """The inputs that are linear within a step, and their slopes."""
         ends = {name: slope for name, slope in self.slopes.items() if slope not in self.slopes}
         return {name: slope for name, slope in ends.items() if name not in self.slopes.values()}
 
 
 @dataclass(frozen=True)
 class Check:
-    """Limits of a Real parameter; another variable that bounds it.
+    """The limits of a Real parameter, and another variable that bounds it.
 
-    fixed: a number of that name that is no parameter, and is held to the bound alone. otherwise: the variable that
-    bounds where the first is 0. needs: a variable that may not be 0.
+    Attributes
+    ----------
+    name : str
+    limits : tuple of float
+    meaning : str
+        Valid values, for the message.
+    fixed : float, optional
+        Constant of that name, which is no parameter, and is checked against the bound alone.
+    otherwise : str
+        Variable that bounds where the value of `bound` is 0.
+    needs : str
+        Variable that may not be 0.
     """
 
     name: str
@@ -134,7 +154,7 @@ class Contents:
     guid: str
     record_name: str
     record: Motion | None
-    scalars: bool = False  # in FMI 3.0, where otherwise what every block or joint has is one array
+    scalars: bool = False  # of FMI 3.0 without arrays for the quantities of blocks and joints
 
 
 VERDICTS = {f"VERDICT_{word.upper()}": number for word, number in VERDICT.items.items()}  # codes of a body of blocks
@@ -143,7 +163,18 @@ VERDICTS = {f"VERDICT_{word.upper()}": number for word, number in VERDICT.items.
 def peaks_of(
     outputs: Sequence[Output], sizes: Mapping[str, int], last: int, beside: Mapping[str, int] | None = None
 ) -> list[Peak]:
-    """Peaks of a body of blocks: they end before number `last` of its state. beside: owners whose peaks begin there."""
+    """Return the peaks of a body of blocks.
+
+    Parameters
+    ----------
+    outputs : sequence of Output
+    sizes : mapping of str to int
+        Number of blocks, joints and so on, by owner.
+    last : int
+        Index of the state at which the peaks end.
+    beside : mapping of str to int, optional
+        Index at which the peaks of these owners begin instead.
+    """
     beside = beside or {}
     own = [output for output in outputs if output.owner not in beside]
     found, begins = places_of(own, sizes), {}
@@ -157,7 +188,7 @@ def peaks_of(
 
 
 def headers(contents: Contents) -> dict[str, str]:
-    """The generated header files: name -> text."""
+    """Return the generated header files, name -> text."""
     note = "/* Made by build_fmu.py; not to be edited. */\n"
     return {"contract.h": note + contract(contents.subject), "table.h": note + declarations(contents)}
 
@@ -166,7 +197,7 @@ def headers(contents: Contents) -> dict[str, str]:
 
 
 def contract(subject: Subject) -> str:
-    """The kernels, and the sizes, codes and messages that belong to them."""
+    """Return the text of contract.h: the kernels, with their sizes, codes and messages."""
     sizes = {name: subject.sizes[name] for name in SIZES}
     sizes |= {"BASE_INPUTS": len(subject.inputs), "GIVEN": len(subject.given), "DETAILS": DETAILS}
     coupled = subject.base.index("coupled") if "coupled" in subject.base else -1
@@ -174,6 +205,7 @@ def contract(subject: Subject) -> str:
     codes |= {f"IDLE_{when.name}": when.value for when in Idle}
     codes["BASE_ALLOWED"] = subject.base.index("allowed_step") if "allowed_step" in subject.base else -1
     codes |= {name: subject.codes.get(name, 0) for name in CODES}
+    # sizes, codes, tolerances and messages
     lines = ["#include <stdint.h>", *_enum(sizes), *_enum(codes)]
     lines.append('_Static_assert(sizeof(double) == 8 && sizeof(void *) == 8, "slots of kernels");')
     lines.append(f"#define TIME_SLACK {rules.TIME_SLACK!r}")
@@ -204,13 +236,16 @@ def arguments(entry: Entry) -> dict[str, str]:
 
 
 def given_to(name: str) -> dict[str, str]:
-    """Return all that the core gives to the kernel of a name: the arguments of columns, and ay of a record."""
+    """Return the arguments that the core gives to the kernel of a name: those of columns, and ay of a record."""
     known = arguments(ENTRIES[of_columns.run.group, name])
     return known | ({"ay": "const double *ay"} if "ax" in known else {})
 
 
 def _kernel(entry: Entry) -> list[str]:
-    """A kernel, and around it a function whose arguments are named: they lie as in its buffer, unused ones behind."""
+    """Return the declaration of a kernel, and a function around it with named arguments.
+
+    The arguments lie as in the buffer of the kernel, unused ones behind.
+    """
     name, own, known = entry.__name__, arguments(entry), given_to(entry.__name__)
     if not own.keys() <= known.keys():
         raise ValueError(f"{entry.group}, {name}: core.c does not give {', '.join(own.keys() - known.keys())}")
@@ -226,7 +261,7 @@ def _kernel(entry: Entry) -> list[str]:
 
 
 def declarations(contents: Contents) -> str:
-    """The text of table.h."""
+    """Return the text of table.h."""
     subject, table = contents.subject, contents.table
     if [item.name for item in table if item.causality == "input"] != subject.inputs:
         raise ValueError("the inputs of the FMU are not in the order of the kernels")
@@ -235,6 +270,7 @@ def declarations(contents: Contents) -> str:
     reals = [variable for variable in table if STORED[variable.kind] == "REAL"]
     wholes = [variable for variable in table if STORED[variable.kind] in ("INTEGER", "BOOLEAN")]
     texts = [variable for variable in table if STORED[variable.kind] == "STRING"]
+    # lengths and places
     numbers = {
         "REALS": len(reals),
         "WHOLES": max(len(wholes), 1),
@@ -263,11 +299,13 @@ def declarations(contents: Contents) -> str:
     lines.append(f"#define MOST_TRIED {state_ranges.MOST_TRIED!r}")
     lines.append(f"#define MOST_TIME {state_ranges.MOST_TIME!r}")
     lines.append(f"#define STATE_FORMAT {_quoted(STATE_FORMAT)}")
+    # variables and start values
     lines += _array("Variable", "variables", [_variable(variable, places[variable.name]) for variable in table])
     lines += _array("double", "real_starts", [_number(_start(variable)) for variable in reals])
     lines += _array("int", "whole_starts", [str(int(_start(variable))) for variable in wholes])
     lines += _array("char *const", "text_starts", [_quoted(str(variable.start)) for variable in texts])
     lines += _families(table, contents.scalars)
+    # inputs: indices in `base`, effect, slopes
     units = {variable.name: variable.unit for variable in table}
     watched = [name.removeprefix("base.") if units[name] in ACCELERATIONS else "" for name in subject.inputs]
     places_in_base = [subject.base.index(name) if name in subject.base and name else -1 for name in watched]
@@ -278,11 +316,13 @@ def declarations(contents: Contents) -> str:
     references = {variable.name: variable.reference for variable in table}
     listed = [f"{{{references[name]}, {references[slope]}}}" for name, slope in subject.lines.items()]
     lines += _array("Line", "lines", listed or ["{0, 0}"])
-    fixed = [isinstance(name, float) or name in chosen for name in subject.given]  # chosen ones are given as a code
+    # arguments of `assemble`
+    fixed = [isinstance(name, float) or name in chosen for name in subject.given]  # choices are given as a code
     found = ["-1" if own else str(places[str(name)]) for name, own in zip(subject.given, fixed, strict=True)]
     lines += _array("int", "given", found)
     constants = [name if isinstance(name, float) else 0.0 for name in subject.given]
     lines += _array("double", "given_fixed", [_number(value) for value in constants])
+    # checks of parameters and of the state
     lines += _choices(subject, index)
     lines += _array("Check", "checks", [_check(check, index) for check in subject.checks])
     lines += _array("Reason", "reasons", [f"{{{code}, {_quoted(text)}}}" for code, text in subject.reasons.items()])
@@ -298,13 +338,13 @@ def declarations(contents: Contents) -> str:
 
 
 def _idle(name: str) -> int:
-    """Return two bits for each code of DRIVES: when an input does nothing."""
+    """Return two bits for each code of DRIVES that say when an input has no effect."""
     when = {int(code): idle(word, name) for word, code in DRIVES.items()}
     return sum(found.value << 2 * code for code, found in when.items() if found)
 
 
 def _quoted(text: str) -> str:
-    """A C string of UTF-8 bytes."""
+    """Return a C string literal of UTF-8 bytes."""
     parts = []
     for byte in text.encode():
         parts.append(chr(byte) if 32 <= byte < 127 and chr(byte) not in '"\\?' else f"\\{byte:03o}")
@@ -325,12 +365,12 @@ def _start(variable: Variable) -> float:
 
 
 def _array(kind: str, name: str, items: list[str]) -> list[str]:
-    """A constant array; C has none without an element, so that one of zeros stands for it."""
+    """Return a constant array; C has no empty one, so one zero stands for it."""
     return [f"static const {kind} {name}[] = {{", *(f"    {item}," for item in items or ["0"]), "};"]
 
 
 def storage(table: list[Variable]) -> dict[str, int]:
-    """Place of every variable in the array that it is kept in: one of numbers, one of whole ones, one of texts."""
+    """Return the index of every variable in the array that stores it: of reals, of integers or of texts."""
     arrays = {"REAL": "reals", "INTEGER": "wholes", "BOOLEAN": "wholes", "STRING": "texts"}
     filled = dict.fromkeys(arrays.values(), 0)
     places: dict[str, int] = {}
@@ -342,7 +382,7 @@ def storage(table: list[Variable]) -> dict[str, int]:
 
 
 def _families(table: list[Variable], scalars: bool) -> list[str]:
-    """For each family of value references the rows of `variables` that its numbers, from 1, stand for; -1: none."""
+    """Return for each family of value references the rows of `variables` by number from 1; -1: none."""
     families: dict[int, dict[int, int]] = {}
     for row, variable in enumerate(table):
         family, number = divmod(variable.reference - 1, FAMILY)
@@ -390,7 +430,7 @@ def _check(check: Check, index: dict[str, int]) -> str:
 
 
 def _record(contents: Contents) -> list[str]:
-    """The samples as they are; the slopes in between are the kernels' business."""
+    """Return the arrays of the samples; the kernels compute the slopes between them."""
     motion = contents.record
     count = 0 if motion is None else len(motion.time)
     dt, begins = (0.0, math.inf) if motion is None else (Record(motion).dt, Record(motion).begins)

@@ -55,6 +55,7 @@ def add_calibrate_command(commands: argparse._SubParsersAction[Any]) -> None:
     )
     parser.add_argument("--joint-thickness", type=float, metavar="M", help="of mortar or lead in joints, with --young")
     parser.add_argument("--joint-young", type=float, metavar="PA", help="modulus of what is in the joints")
+    # damping and rim
     damping = parser.add_argument_group("damping, one of").add_mutually_exclusive_group()
     damping.add_argument("--restitution", metavar="R", help=f"after over before an impact; {HOUSNER}: by the geometry")
     damping.add_argument("--damping-ratio", type=float, metavar="R", help="of critical, in the first mode that sways")
@@ -69,6 +70,7 @@ def add_calibrate_command(commands: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument("--channel", metavar="NAME", help="column of --free-vibration (default: the second)")
     parser.add_argument("--begin", type=float, metavar="S", help="of the decay in --free-vibration, s")
     parser.add_argument("--end", type=float, metavar="S", help="of the decay, s")
+    # output
     parser.add_argument("--json", action="store_true", help="print all that was found as JSON")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE.json", help="write that to a file")
     add_force(parser)
@@ -228,6 +230,7 @@ def _found(column: Column, release: float, decay: FreeVibration | None, fit: Mod
         "free_vibration": None,
         "frequencies": None,
     }
+    # fitted frequencies, decay and restitution
     if fit is not None:
         found["frequencies"] = {
             "measured": [value if math.isfinite(value) else None for value in fit.measured.tolist()],

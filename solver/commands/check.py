@@ -41,6 +41,7 @@ def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument(
         "--across", type=Path, nargs="+", metavar="FILE", help="the other horizontal ones, of a structure in space"
     )
+    # in space, in the plane, or in both directions
     way = parser.add_mutually_exclusive_group()
     add_space(way)
     way.add_argument(
@@ -63,6 +64,7 @@ def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
         metavar="FILE.toml",
         help="another file, checked beside; may be repeated",
     )
+    # output
     parser.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the table, with each motion")
     parser.add_argument("--report", type=Path, metavar="FILE.html", help="write a report with pictures, to be printed")
     parser.add_argument(
@@ -81,6 +83,7 @@ def _add_action(parser: argparse.ArgumentParser) -> None:
     one.add_argument("--pga", type=float, metavar="G", help="largest horizontal acceleration of each record, g")
     one.add_argument("--sa", type=float, metavar="G", help="spectral acceleration of each at the first period, g")
     add_spectrum(one)
+    # options of the target and of made motions
     action.add_argument("--vertical-pga", type=float, metavar="G", help="with --pga: of the vertical components, g")
     add_code_options(action)
     action.add_argument(
@@ -128,6 +131,7 @@ def _add_plan(parser: argparse.ArgumentParser) -> None:
         help=f"of the varied data (default: {UNCERTAIN.stiffness:g} {UNCERTAIN.damping:g} {UNCERTAIN.motion:g})",
     )
     plan.add_argument("--spread-seed", type=int, default=UNCERTAIN.seed, metavar="N", help="(default: 0)")
+    # parts of the check that may be skipped
     plan.add_argument("--no-margin", action="store_true", help="do not look for the factor at which it begins to fall")
     plan.add_argument(
         "--no-joints", action="store_true", help="do not repeat the runs with other moduli and dampings of the joints"
@@ -248,6 +252,7 @@ def _checked(path: Path, subject: Subject, action: Action, plan: Plan) -> Check:
 
 def _plan(options: argparse.Namespace) -> Plan:
     known = {item.name for item in fields(Limits)}
+    # limits from KEY=VALUE
     limits: dict[str, float] = {}
     for text in options.limit:
         key, _, value = text.partition("=")
@@ -294,6 +299,7 @@ def _motions(options: argparse.Namespace) -> Mapping[str, Motion]:
     paths = [*options.records, *beside["across"], *beside["vertical"]]
     if paths:
         check_file_options(paths, options)
+    # read the files and merge the components of each record
     found: dict[str, Motion] = {}
     for k, path in enumerate(options.records):
         if path in options.records[:k]:

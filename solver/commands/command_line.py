@@ -93,6 +93,7 @@ def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None
     """
     if hasattr(sys.stdout, "reconfigure"):  # a file name may not be decodable as text
         sys.stdout.reconfigure(errors="backslashreplace")
+    # the command prints warnings as it goes; errors end it with one line
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("always", InputWarning)
@@ -161,6 +162,7 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     _add_run_options(run)
     add_force(run)
 
+    # `record`
     record = commands.add_parser("record", help="how strong records are: peaks, Arias intensity, response spectrum")
     record.set_defaults(command=_record)
     record.add_argument("records", type=Path, nargs="+", metavar="FILE", help=FORMATS)
@@ -168,6 +170,7 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     record.add_argument("--plot", type=Path, metavar="FILE.png", help=f"draw them ({', '.join(PICTURES)})")
     add_force(record)
 
+    # `convert`
     convert = commands.add_parser("convert", help="record -> the CSV that `fmpy simulate --input-file` takes")
     convert.set_defaults(command=_convert, paths=("motion", "output"))
     add_motion_options(convert)
@@ -307,11 +310,13 @@ def _summary(response: Response) -> str:
     ]
     if "N" in response.peaks:
         lines += _peaks(response)
+    # slip and cracks
     if column.slides:
         left = ", ".join(f"{1e3 * slip:.5g}" for slip in response.slip[-1])
         lines.append(f"slip of each block at the end (mm): {left}; friction took {stats['friction_work']:.4g} J")
     bonds = range(1, response.column.n + 1) if response.column.is_brittle else ()
     lines += cracks([f"joint {i}" for i in bonds], response.peaks.get("bond", np.empty(0)))
+    # verdict and accuracy
     lines.append(_verdict(response))
     if response.estimated_error is not None and response.horizon is not None:
         error = response.estimated_error

@@ -1,4 +1,4 @@
-"""Report on joints that bear tension or cohesion until they break."""
+"""The report on joints that bear tension or cohesion until they break."""
 
 from __future__ import annotations
 

@@ -44,6 +44,7 @@ def add_motion_options(parser: argparse.ArgumentParser) -> None:
     strength.add_argument(
         "--pga", type=float, metavar="G", help="largest horizontal acceleration, g; vertical goes along"
     )
+    # wavelets
     group = parser.add_argument_group("in place of a record")
     group.add_argument("--wavelet", metavar="NAME", help=", ".join(WAVELETS))
     group.add_argument("--frequency", type=float, metavar="HZ", help="Hz; of noise: of the ground it is filtered by")

@@ -304,6 +304,7 @@ def column_text(
         f"# strength = {found.strength!r}  # Pa, of the material: pressure at the edge is compared with it",
     ]
     lines += rim_lines(touching) + sliding_lines(found, friction, dowel)
+    # the blocks from the top down
     why = origin_of_stiffness(found)
     for place, block in enumerate(blocks):
         lines += ["", "[[block]]"]

@@ -1,4 +1,4 @@
-"""Progress of a long run on a terminal."""
+"""The progress of a long run on a terminal."""
 
 from __future__ import annotations
 

@@ -112,6 +112,7 @@ def statics_report(rest: Rest, curve: CapacityCurve) -> str:
         f"{rest.column.name}: settles by {1e3 * float(np.sum(rest.settlement)):.4g} mm",
         f"joint  settlement (mm)  N (kN)      stress (MPa)  opens at ({unit})",
     ]
+    # a row for each joint
     for i in range(rest.column.n):
         opens = f"{curve.uplift[i] / g:.5g}"
         if math.isnan(curve.uplift[i]):

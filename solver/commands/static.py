@@ -47,6 +47,7 @@ def add_static_commands(commands: argparse._SubParsersAction[Any]) -> None:
         parser.add_argument("--plot", type=Path, metavar="FILE.png", help=f"draw it ({', '.join(PICTURES)})")
         add_space(parser)
         add_force(parser)
+    # options of `statics` alone
     words = (
         f"of the push on a structure, degrees from x to y (default: every {EVERY}, and the least is written and drawn)"
     )

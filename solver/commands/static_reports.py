@@ -46,6 +46,7 @@ def rest_in_space_report(found: PushOver) -> str:
         f"{structure.name}: {n} blocks, weight {1e-3 * structure.weight:.5g} kN, settles by {1e3 * settled:.4g} mm",
         "joint at rest                N (kN)  pressure (MPa)  contact  friction used",
     ]
+    # joints at rest
     used = _friction_used(found)
     for j, name in enumerate(structure.joint_names[:MOST_LINES]):
         part = "cannot slide" if math.isnan(used[j]) else f"{used[j]:.3f}"
@@ -57,6 +58,7 @@ def rest_in_space_report(found: PushOver) -> str:
     lines += [f"... {left} more joints"] if left > 0 else []
     if structure.ties:
         lines.append("ties: forces (kN) " + ", ".join(f"{1e-3 * force:.4g}" for force in found.tie[0]))
+    # head of the table of pushes
     unit = "g" if found.pattern is None else "1"
     pushed = f"first opening ({unit})  first sliding ({unit})  largest ({unit})  which moves (mm)"
     lines.append(f"push towards (deg)  {pushed}")

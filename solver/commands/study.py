@@ -46,6 +46,7 @@ def add_command(commands: Any) -> None:
     run.add_argument("--samples", type=int, metavar="N", help="of the random parameters, in place of the file's")
     words = f"s of work at once ({CHUNK_SECONDS:g})"
     run.add_argument("--chunk", type=float, default=CHUNK_SECONDS, metavar="S", help=words)
+    # `show` and `plot`
     show = actions.add_parser("show", help="print what came out, also while it runs")
     show.set_defaults(command=_show)
     _add_study(show)

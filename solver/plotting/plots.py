@@ -340,6 +340,7 @@ def _draw_panel(axes: Axes, panel: _Panel, shown: _Shown, ensemble: FloatArray |
         axes.set_ylabel(panel.label)
         axes.text(0.5, 0.5, "no gravity", transform=axes.transAxes, ha="center", va="center")
         return
+    # lines, over the band of an ensemble
     values = shown.histories[panel.name]
     if panel.name == "ux" and np.max(np.abs(values[: shown.gone])) >= 1.0:
         panel = _IN_METRES
@@ -350,6 +351,7 @@ def _draw_panel(axes: Axes, panel: _Panel, shown: _Shown, ensemble: FloatArray |
     if panel.name == "T/N":
         note = f"where N > {percent(COUNTS_FROM)} of the weight"
         axes.text(0.01, 0.98, note, transform=axes.transAxes, va="top", fontsize=7, color=GREY)
+    # range and peaks
     _limit(axes, panel, shown)
     _mark_peak(axes, panel, shown)
     if panel.name == "T/N":

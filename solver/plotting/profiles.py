@@ -49,6 +49,7 @@ def draw_profiles(
         place = tops if name == "ux" else tops - heights
         if name in largest:
             values = factor * largest[name]
+            # clip the friction demand, which is unbounded as N vanishes
             if name == "friction" and np.nanmax(values, initial=0.0) > MOST_FRICTION:
                 axes.set_xlim(right=MOST_FRICTION)
                 values = np.minimum(values, MOST_FRICTION)  # on the edge

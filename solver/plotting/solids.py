@@ -29,6 +29,7 @@ class Solids(PolyCollection):
     def __init__(self, bodies: Sequence[Body]) -> None:
         super().__init__([], linewidths=0.5, edgecolors=EDGE, zorder=1.0)
         self._centre = np.array([body.centroid for body in bodies])
+        # faces of all blocks; rims of drums as pairs of points
         faces, normals, edged = [], [], []
         for i, body in enumerate(bodies):
             for surface in body.surfaces:
@@ -40,6 +41,7 @@ class Solids(PolyCollection):
                     faces += (i, face[:2]), (i, face[2:])
                     normals += normal, normal
                     edged += True, True
+        # flat arrays over faces and corners
         self._n = len(bodies)
         self._owner = np.array([i for i, _ in faces])
         self._edged = np.array(edged)

@@ -145,6 +145,7 @@ class _Scene:
         tidy(ground)
         ground.set_xlim(response.time[0], end)
         mark_fall(ground, response.overturn_time)
+        # titles, and the artists that change from frame to frame
         colour = _head(self.figure, response)
         factor = "to scale" if scale == 1.0 else rf"deformation $\times$ {scale:g}"
         axes.text2D(0.0, 1.02, factor, transform=axes.transAxes, color=RED)
@@ -323,6 +324,7 @@ def plot_response(response: SpatialResponse, path: str | os.PathLike[str] | None
     figure = Figure(figsize=(7.5, 8.4), layout="constrained")
     ground, top, middle, bottom = figure.subplots(4, 1, sharex=True)
     draw_ground(ground, response.motion)
+    # displacement of the block that moves most, rotation, contact
     largest, i = largest_displacement(response)
     for name in ("ux", "uy", "uz"):
         top.plot(response.time, 1e3 * getattr(response, name)[:, i], linewidth=0.9, label=f"$u_{name[1]}$")

@@ -25,6 +25,7 @@ def plot_table(frame: Frame, path: str | os.PathLike[str] | None) -> Figure:
     name = next((name for name in MOVES if name in frame.columns), None)
     if name is None:
         raise InputError(f"keep: must have one of {', '.join(MOVES)} for a picture")
+    # largest displacement of each run, NaN if it was not made
     runs, peaks = frame.index[1], 1e3 * np.atleast_2d(frame.columns[name].T).T
     moved = np.max(np.where(np.isnan(peaks), -math.inf, peaks), axis=1)
     moved[np.isinf(moved)] = math.nan  # not made
@@ -32,6 +33,7 @@ def plot_table(frame: Frame, path: str | os.PathLike[str] | None) -> Figure:
     figure = Figure(figsize=(8.0, 4.2), layout="constrained")
     axes = figure.add_subplot()
     fell = verdicts == "overturned"
+    # one marker for each verdict; overturned runs at the top
     for verdict in sorted(set(verdicts.tolist())):
         here = verdicts == verdict
         colour = VERDICT_COLOURS.get(verdict, INK)

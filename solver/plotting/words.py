@@ -52,6 +52,7 @@ def verdict_of(response: Any) -> tuple[str, str]:
         text = f"Stands: {moved}" if word == "standing" else f"Undecided, {response.reason}; {moved}"
     else:
         return "", ""
+    # share of an ensemble
     ensemble = getattr(response, "ensemble", None)
     if ensemble is not None:
         text += f"; {ensemble.overturned} of {ensemble.size} varied runs overturn"

@@ -39,7 +39,7 @@ STOPPED_LANES = "could not go on in lanes"  # the same
 
 @dataclass(frozen=True)
 class Chunk:
-    """Consecutive runs of columns or structures, with the results to keep."""
+    """A chunk of consecutive runs of columns or structures, with the results to keep."""
 
     first: int  # number of the first run
     runs: Sequence[Run]

@@ -115,6 +115,7 @@ def simulate_many(
     except ExecutorError as lost:
         lost.finished = parts
         raise
+    # in the order of the runs
     parts.sort(key=lambda part: part.first)
     table = joined(parts)
     table.stats = summary.as_dict()
@@ -236,6 +237,7 @@ def _iterated(given: dict[str, Any], several: dict[str, Any]) -> Iterator[Run]:
             raise InputError(f"{ended[0]}: ends after {k}, {longer[0]} does not: must be as many of each")
         if ended:
             return
+        # a model with its tolerance is validated once for consecutive runs
         column, motion, duration, tolerance = values
         if last[0] is not column or last[1] != tolerance:
             last = column, tolerance
@@ -286,6 +288,7 @@ def _chunks(
         places = tuple(k for k in range(len(taken)) if first + k in whole)
         return Chunk(first, taken, keep, settle, places, weight)
 
+    # a chunk ends at its cost, or at the most samples of its records
     for run in runs:
         taken.append(run)
         if run.model is not model:

@@ -246,6 +246,7 @@ def _of_block(
         found: FloatArray = np.column_stack([x, y, height - x * math.tan(oblique)]) @ turned.T
         return found
 
+    # bottom, top, hole and rims of the joint
     low, high = (ring(*end, z, oblique, is_drum) for end, z, oblique in zip(ends, heights, (below, above), strict=True))
     hole = block.bore or 0.0
     bore = [ring(hole, hole, z, o) for z, o in zip(heights, (below, above), strict=True)] if hole else []
