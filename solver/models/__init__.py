@@ -1,1 +1,1 @@
-"""One column in motion: stepping it, its response, and whether it can still fall."""
+"""Models in motion: columns and structures, their responses, and whether they can still fall."""

@@ -1,4 +1,4 @@
-"""Models whose motion is followed in Python, from call to call: over a motion, and as their FMUs follow it."""
+"""Models that are stepped in Python, from call to call: over a motion, and by their FMUs."""
 
 from __future__ import annotations
 
@@ -16,12 +16,22 @@ from .outputs import FloatArray, peaks_by_name
 from .protocol import Kept, Kind, Plan, kept_peaks
 from .still_base import Settling, settled
 
-NOT_YET = -1.0  # s, in the place of the time of a fall
-INPUTS = 2  # acceleration of the base and its slope
+NOT_YET = -1.0  # s, the value that stands for no fall
+INPUTS = 2  # the acceleration of the base and its slope
 
 
 class Shaking(NamedTuple):
-    """Acceleration of the base in one piece of the time, m/s2: from `begin`, value, slope; amplitude, omega, start."""
+    """The acceleration of the base in one interval: a line plus a harmonic.
+
+    Attributes
+    ----------
+    begin : float
+        The time at which the line has its value (s).
+    value, slope : float
+        The line (m/s2, m/s3).
+    amplitude, omega, start : float
+        The harmonic (m/s2, rad/s) and the time of its zero phase (s).
+    """
 
     begin: float
     value: float
@@ -31,13 +41,13 @@ class Shaking(NamedTuple):
     start: float = 0.0
 
     def at(self, t: float) -> float:
-        """Its value, m/s2."""
+        """Return the acceleration at time t (m/s2)."""
         wave = self.amplitude * math.sin(self.omega * (t - self.start))
         return self.value + self.slope * (t - self.begin) + wave
 
 
 def pieces(motion: Motion | None, t: float, end: float) -> Iterator[tuple[float, Shaking]]:
-    """The motion from t to `end`, s: where each piece ends, and the shaking in it; zero beyond the last sample."""
+    """Yield the end of each interval of a motion from t to `end` (s), and its shaking; zero beyond the samples."""
     if motion is None:
         yield end, Shaking(t, 0.0, 0.0)
         return
@@ -56,13 +66,22 @@ def pieces(motion: Motion | None, t: float, end: float) -> Iterator[tuple[float,
 
 
 class Driven(Settling):
-    """A model between two calls; the caller owns the time. Its whole state is in `arrays`: copying them saves it.
+    """A model between two calls; the caller owns the time.
 
-    A class of its own has `size`, `follow`, `at_rest`, `seen`, `visible_peaks` and `why_it_stands`.
-    record: followed beside the inputs.
+    Its whole state is in `arrays`: copying them saves it. A subclass defines `size`, `follow`, `at_rest`, `seen`,
+    `visible_peaks` and `why_it_stands`.
+
+    Attributes
+    ----------
+    model : object
+        The model.
+    arrays : SimpleNamespace
+        state (the last number is the time of the fall, s), counts and base (inputs and their time, s).
+    record : Motion or None
+        The motion that is followed in addition to the inputs.
     """
 
-    size = 0  # of its state, but for the time of a fall
+    size = 0  # length of the state without the time of the fall
 
     def __init__(self, model: Any) -> None:
         self.model = model
@@ -72,12 +91,15 @@ class Driven(Settling):
         self.record: Motion | None = None
 
     def follow(self, shaking: Shaking, t: float, end: float) -> None:
-        """Go from t to `end`, s, in one piece of the motion. Raises SolverError."""
+        """Advance from t to `end` (s) in one interval of the motion.
+
+        Raises SolverError.
+        """
         raise NotImplementedError
 
     @property
     def at_rest(self) -> bool:
-        """Whether nothing moves."""
+        """True if nothing moves."""
         raise NotImplementedError
 
     @property
@@ -87,15 +109,18 @@ class Driven(Settling):
 
     @property
     def visible_peaks(self) -> FloatArray:
-        """Extremes so far, in the order of the outputs."""
+        """The extremes so far, in the order of the outputs."""
         raise NotImplementedError
 
     def drive(self, t: float, *inputs: float, since: float | None = None) -> None:
-        """Set the acceleration of the base, m/s2, and its slope, m/s3, that count from time `since`; None: t."""
+        """Set the acceleration of the base (m/s2) and its slope (m/s3), given for time `since` (s); None means t."""
         self.arrays.base[:] = t if since is None else since, *inputs
 
     def advance(self, t: float, h: float) -> None:
-        """Go from t to t + h, s. Raises SolverError."""
+        """Advance from t to t + h (s).
+
+        Raises SolverError.
+        """
         since, value, slope = self.arrays.base.tolist()
         begin = t
         for end, shaking in pieces(self.record, t, t + h):
@@ -106,24 +131,24 @@ class Driven(Settling):
             begin = end
 
     def observe(self, t: float) -> FloatArray:
-        """The output row."""
+        """Return the output row at time t."""
         return self.seen
 
     def stand_on_base(self) -> None:
-        """It does already: its base does not rotate."""
+        """Do nothing: the base cannot rotate."""
 
     def retune(self, model: Any) -> None:
-        """Go on as this model."""
+        """Replace the model and continue from the present state."""
         self.model = model
 
     @property
     def counts(self) -> SimpleNamespace:
-        """resting: whether it was at rest on a still base at the end of the last step; steps: made."""
+        """The counts: `resting`, whether it was at rest on a still base at the end of the last step, and `steps`."""
         return SimpleNamespace(resting=int(self.arrays.counts[0]), steps=int(self.arrays.counts[1]))
 
     @property
     def fall_time(self) -> float:
-        """When it fell, s; NaN: it has not."""
+        """The time of the fall (s); NaN if it has not fallen."""
         when = float(self.arrays.state[-1])
         return math.nan if when == NOT_YET else when
 
@@ -133,16 +158,27 @@ class Driven(Settling):
 
     @property
     def fallen(self) -> str:
-        """What has."""
+        """The word for the model if it has fallen, or ""."""
         return "" if math.isnan(self.fall_time) else f"the {self.model.kind.word}"
 
     def rest_until(self, t: float, end: float) -> None:
-        """Without acceleration."""
+        """Advance from t to `end` (s) without base acceleration.
+
+        Raises SolverError.
+        """
         self.follow(Shaking(t, 0.0, 0.0), t, end)
 
 
 class Driving(Kind):
-    """A kind of such models: `stepper` follows one, `response` is the class of its results, with a table of outputs."""
+    """A kind of models that are stepped in Python.
+
+    Attributes
+    ----------
+    stepper : type
+        The class that steps a model.
+    response : type
+        The class of its results, with a table of outputs.
+    """
 
     stepper: type[Driven]
     response: type[Any]
@@ -153,18 +189,23 @@ class Driving(Kind):
         cls.kept = {**kept_peaks(cls.outputs), **results, "steps": Kept(kind=np.int64)}
 
     def single_run(self, model: Any, plan: Plan) -> tuple[Any, FloatArray]:
-        """Follow the motion, and then the still base. Raises InputError, SolverError."""
+        """Follow a model through the motion, then on the still base.
+
+        Raises InputError if the plan has an initial state, SolverError.
+        """
         if plan.initial is not None:
             raise InputError(f"initial: must be left out, a {self.word} begins at rest")
         body, t, rows = self.stepper(model), plan.motion.start, []
         body.record, stop = plan.motion, t + plan.duration
         for time in plan.times.tolist():
+            # rows at the times of the plan
             body.advance(t, time - t)
             rows.append(body.seen)
             t = time
             if plan.callback is not None:
                 plan.callback(t, body)
         body.advance(t, stop - t)
+        # the verdict, on a still base
         peaks = peaks_by_name(self.outputs, model.sizes, body.visible_peaks)
         verdict = settled(body, stop, plan.settle)
         stats = {"steps": body.counts.steps, "settled_for": verdict.time - stop}

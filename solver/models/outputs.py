@@ -1,7 +1,7 @@
-"""Outputs of a model: what can be seen of it at an instant, and the extremes of a motion.
+"""Outputs of a model: the observable quantities at an instant, and the extremes of a motion.
 
 Each kind of model has one table of them, in the order of its kernels: `Histories` of its outputs.py. Attributes of
-responses, names in files, units, peaks, what many runs can keep, variables of FMUs and their pages follow from it.
+responses, names in files, units, peaks, results of many runs, variables of FMUs and their pages are derived from it.
 """
 
 from __future__ import annotations
@@ -21,20 +21,39 @@ from ..common.files import whole_file
 FloatArray = NDArray[np.float64]
 Columns = Mapping[str, FloatArray]
 
-BLOCK, JOINT, TIE, BASE = "block", "joint", "tie", "base"  # what an output is of
+BLOCK, JOINT, TIE, BASE = "block", "joint", "tie", "base"  # owners of an output
 BEARING, BOND, CONTACT, PORT = "bearing", "bond", "contact", "port"
-DIGITS = 9  # significant ones of histories as text: far more than a run is exact to
-MOST_DIGITS = 17  # with which every float64 is read back to the bit
+DIGITS = 9  # significant digits of histories as text: far more than the accuracy of a run
+MOST_DIGITS = 17  # digits with which every float64 is restored to the bit
 
 
 @dataclass(eq=False)
 class Output:
-    """A row of a table: an output of every block, joint or tie, or of the base. As an attribute it is the history.
+    """A row of a table of outputs: one quantity of every block, joint or tie, or of the base.
 
-    text: what it is, with {i}, the number of the block, joint or tie, or {it}, its name. least, most: range of values.
-    Its peak is the largest absolute value, or the least value (by_least), for which kernels store the largest of 1 -
-    value. only_peak: it has no history. parts: several numbers of the base under one name, each an output. name: in
-    files and FMUs, if it is not that of the attribute.
+    As an attribute of `Histories` it is the history.
+
+    Attributes
+    ----------
+    owner : str
+        The owner: BLOCK, JOINT, TIE, BASE, ...
+    unit : str
+        The unit; "" for a pure number.
+    text : str
+        The description, with {i} for the number of the owner, or {it} for its name.
+    least, most : float or None
+        The range of values.
+    by_least : bool
+        Whether the extreme is the least value, for which kernels store the largest of 1 - value; otherwise it is the
+        largest absolute value.
+    only_peak : bool
+        Whether there is a peak but no history.
+    parts : tuple of Output
+        The components of the base under one name, each an output.
+    name : str
+        The name in files and FMUs; by default that of the attribute.
+    field : str
+        The name of the attribute, and in `peaks`.
     """
 
     owner: str
@@ -46,7 +65,7 @@ class Output:
     only_peak: bool = False
     parts: tuple[Output, ...] = ()
     name: str = ""
-    field: str = ""  # the attribute, and the name in `peaks`
+    field: str = ""  # the name of the attribute, and in `peaks`
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.field, self.name = name, self.name or name
@@ -65,34 +84,34 @@ class Output:
 
     @property
     def is_single(self) -> bool:
-        """Whether it is one number."""
+        """True if it is a single number."""
         return self.owner == BASE and not self.parts
 
     @property
     def each(self) -> tuple[Output, ...]:
-        """Its parts, or itself."""
+        """The parts, or the output itself if it has none."""
         return self.parts or (self,)
 
     @property
     def kept(self) -> str:
-        """Name of its extreme among the results of many runs."""
+        """The name of its extreme among the results of many runs."""
         return f"least_{self.field}" if self.by_least else f"peak_{self.field}"
 
     def name_of(self, label: object) -> str:
-        """Name of one of its numbers, as block[2].ux or base.Fx."""
+        """Return the name of the number with this label, such as block[2].ux or base.Fx."""
         return f"base.{self.name}" if self.owner == BASE else f"{self.owner}[{label}].{self.name}"
 
     def peak_of(self, label: object) -> str:
-        """Name of its extreme, as block[2].ux_peak."""
+        """Return the name of its extreme, such as block[2].ux_peak."""
         return f"{self.name_of(label)}_{'least' if self.by_least else 'peak'}"
 
 
 class Histories:
-    """Output rows (rows, numbers) of a model, by the names of its outputs, which a subclass has in its body."""
+    """The output rows (rows, numbers) of a model; the outputs that a subclass declares are attributes."""
 
     outputs: ClassVar[tuple[Output, ...]] = ()
-    line_end = "\r\n"  # of a CSV
-    rows: FloatArray  # the outputs that have histories, in the order of the table
+    line_end = "\r\n"  # line terminator of a CSV
+    rows: FloatArray  # outputs that have histories, in the order of the table
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -106,18 +125,21 @@ class Histories:
 
     @property
     def labels(self) -> dict[str, Sequence[object]]:
-        """What blocks, joints and ties are called: by their numbers, from 1."""
+        """The labels of blocks, joints and ties, by owner: their numbers, from 1."""
         return {owner: range(1, count + 1) for owner, count in self.model.sizes.items()}
 
     @property
     def row_names(self) -> list[str]:
-        """Names of the numbers of a row, as in a CSV."""
+        """The names of the numbers of a row, as in a CSV."""
         labels = {**self.labels, BASE: ("",)}
         seen = (output for output in self.outputs if not output.only_peak)
         return [one.name_of(label) for output in seen for one in output.each for label in labels[output.owner]]
 
     def _write(self, path: str | os.PathLike[str], digits: int, before: Columns, behind: Columns | None = None) -> None:
-        """Write a CSV of the rows, between other columns (rows,) by name. Raises InputError, OSError."""
+        """Write the rows as a CSV, between other columns (rows,) by name.
+
+        Raises InputError for invalid `digits`, OSError.
+        """
         check_digits("digits", digits)
         behind = behind or {}
         table = np.column_stack([*before.values(), self.rows, *behind.values()])
@@ -128,12 +150,27 @@ class Histories:
 
 
 def check_digits(key: str, digits: int) -> int:
-    """Return a number of significant digits, 1 to 17. Raises InputError."""
+    """Return `digits` if it is a number of significant digits from 1 to 17.
+
+    Raises InputError otherwise.
+    """
     return check_whole(key, digits, 1, MOST_DIGITS, f"a whole number from 1 to {MOST_DIGITS}")
 
 
 def places_of(outputs: Sequence[Output], sizes: Mapping[str, int]) -> Mapping[str, slice]:
-    """Where each field lies in an output row, or in the peaks, of a model; sizes: as of Model."""
+    """Return the slice of each field in an output row, or in the peaks.
+
+    Parameters
+    ----------
+    outputs : sequence of Output
+        The table of outputs.
+    sizes : mapping of str to int
+        The number of owners of each kind, as in `Model.sizes`.
+
+    Returns
+    -------
+    mapping of str to slice
+    """
     return _places(tuple(outputs), tuple(sizes.items()))
 
 
@@ -148,7 +185,17 @@ def _places(outputs: tuple[Output, ...], sizes: tuple[tuple[str, int], ...]) -> 
 
 
 def visible_peaks(outputs: Sequence[Output], sizes: Mapping[str, int], peaks: FloatArray) -> FloatArray:
-    """Peaks as they are shown, a copy, from what the kernels store of them."""
+    """Convert the peaks that kernels store to those shown to users; a copy.
+
+    Parameters
+    ----------
+    outputs : sequence of Output
+        The table of outputs.
+    sizes : mapping of str to int
+        The number of owners of each kind, as in `Model.sizes`.
+    peaks : ndarray
+        The peaks of the kernels, in the order of the outputs; 1 - value for outputs `by_least`.
+    """
     visible, places = peaks.copy(), places_of(outputs, sizes)
     for field in (output.field for output in outputs if output.by_least):
         visible[places[field]] = 1.0 - visible[places[field]]
@@ -156,11 +203,11 @@ def visible_peaks(outputs: Sequence[Output], sizes: Mapping[str, int], peaks: Fl
 
 
 def peaks_by_name(outputs: Sequence[Output], sizes: Mapping[str, int], peaks: FloatArray) -> dict[str, FloatArray]:
-    """Peaks as they are shown, by field."""
+    """Return the `visible_peaks` by field."""
     visible = visible_peaks(outputs, sizes, peaks)
     return {field: visible[place] for field, place in places_of(outputs, sizes).items()}
 
 
 def units_of(outputs: Iterable[Output]) -> dict[str, str]:
-    """Units of the histories and peaks that have one, by field, and of time."""
+    """Return the units of time and of the outputs that have one, by field."""
     return {"time": "s"} | {output.field: output.unit for output in outputs if output.unit}

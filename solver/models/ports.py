@@ -1,4 +1,4 @@
-"""Ports: points of blocks at which loads act, and whose motion is an output (ground/loads.py)."""
+"""Ports: points of blocks at which loads act and whose motion is an output (ground/loads.py)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..common.tables import check_table
 from ..ground.records.record import FloatArray
 
 KEYS = ("name", "block", "at")
-Point = Callable[[str, object, int], Sequence[float]]  # from key, value (None: none is given) and number of the block
+Point = Callable[[str, object, int], Sequence[float]]  # of the key, the value (None if absent) and the block's index
 
 
 @dataclass(frozen=True)
@@ -20,19 +20,34 @@ class Port:
     """A point of a block at which loads act, and whose motion is an output."""
 
     name: str
-    body: int  # number of the block, from 0
+    body: int  # index of the block, from 0
     # m, from its centroid: x, y, z along the axes of the base, as built; in the plane x, z along those of the block
     at: tuple[float, ...]
 
 
 class Released(NamedTuple):
-    """An initial state: rest under loads on the ports, (6, ports) N and N m, which are let go at the start."""
+    """An initial state: rest under loads on the ports, (6, ports) N and N m, which are removed at the start."""
 
     loads: FloatArray
 
 
 def ports_from(data: Mapping[str, Any], names: Sequence[str], point: Point) -> tuple[Port, ...]:
-    """The ports that `data` has tables of, on blocks of these names. Raises InputError."""
+    """Read the ports in the tables `port` of a file.
+
+    Parameters
+    ----------
+    data : mapping
+        The content of the file.
+    names : sequence of str
+        The names of the blocks.
+    point : callable
+        Converts the value of `at` to coordinates (m).
+
+    Raises
+    ------
+    InputError
+        If a table or name is invalid.
+    """
     found: dict[str, Port] = {}
     tables = data.get("port", [])
     if not isinstance(tables, list):

@@ -1,7 +1,7 @@
-"""What everything else knows of a model, whichever it is: a column in its plane, a structure in space.
+"""The protocol of all models: a column in its plane, a structure in space.
 
-A model is data. Its `kind` is what all models of that kind share: how they run, alone or eight at once in lanes, and
-what of their runs can be kept.
+A model is data. Its `kind` has what all models of that kind share: how they run, alone or eight at once in lanes, and
+which results of their runs can be stored.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 OVERTURNED, STANDING, UNDECIDED = "overturned", "standing", "undecided"
-SCALAR, LANES = "scalar", "lanes"  # how a run is made: alone, or beside seven others
-LOADED = "loads on ports"  # why it is made alone
-# results that are words, which a table stores as numbers: 10^6 words would take as much memory as all the rest
+SCALAR, LANES = "scalar", "lanes"  # how a run is made: alone, or with seven others
+LOADED = "loads on ports"  # the reason to run it alone
+# results that are words, which a table stores as codes: 10^6 words would take as much memory as all the rest
 WORDS: dict[str, tuple[str, ...]] = {"verdict": (UNDECIDED, STANDING, OVERTURNED), "path": (SCALAR, LANES)}
 
-OUTPUT_STEP = 0.005  # s between the rows of a response, where none is asked for
+OUTPUT_STEP = 0.005  # s between the rows of a response by default
 MOST_ROWS = 10**8
-SETTLE = 60.0  # s, the longest that a model is followed after the motion, where no time is asked for
+SETTLE = 60.0  # s, the default maximum time that a model is followed after the motion
 
 
 class NoRestError(InputError):
-    """A model does not stand under its weight."""
+    """A model that does not stand under its weight."""
 
 
 class Run(NamedTuple):
@@ -46,18 +46,18 @@ class Run(NamedTuple):
 
 
 class Plan(NamedTuple):
-    """A run of whichever model: its motion, how long it takes, s, and the times of its rows, s."""
+    """The plan of a run: its motion, duration (s), the times of its rows (s)."""
 
     motion: Motion
     duration: float
     times: FloatArray
-    initial: Any = None  # None: rest; else what the kind of model has
-    settle: float = 0.0  # s, the longest that the model is followed after the duration
-    callback: Callable[[float, Any], object] | None = None  # called with the time, s, and a glance at the state
+    initial: Any = None  # None: rest; else an initial state of the kind of model
+    settle: float = 0.0  # s, the longest time that the model is followed after the duration
+    callback: Callable[[float, Any], object] | None = None  # called with the time (s) and a view of the state
 
 
 class Verdict(NamedTuple):
-    """Whether a run overturns, the sentence that says why, and the time at which it was clear, s."""
+    """The verdict on a run: the word, the reason as a sentence, and the time at which it was known (s)."""
 
     word: str
     reason: str
@@ -65,7 +65,17 @@ class Verdict(NamedTuple):
 
 
 class Kept(NamedTuple):
-    """A result that can be kept of a run: the unit; the type, or None for a number of each of `of`."""
+    """A result of a run that can be stored.
+
+    Attributes
+    ----------
+    unit : str
+        The unit.
+    kind : type or None
+        The type of a single value, or None for a number of each owner.
+    of : str
+        The owner: block, joint, tie or base (`Model.sizes`).
+    """
 
     unit: str = ""
     kind: Any = None
@@ -73,7 +83,7 @@ class Kept(NamedTuple):
 
 
 def kept_peaks(outputs: Sequence[Output]) -> dict[str, Kept]:
-    """The extremes of outputs as results that can be kept, those of the base last."""
+    """Return the extremes of outputs as results that can be stored, by name; those of the base last."""
     return {
         output.kept: Kept(output.unit, np.float64 if output.is_single else None, output.owner)
         for output in sorted(outputs, key=lambda output: output.owner == BASE)
@@ -81,7 +91,17 @@ def kept_peaks(outputs: Sequence[Output]) -> dict[str, Kept]:
 
 
 class Lanes(NamedTuple):
-    """Whether runs of a model are made in lanes: why not, "" if they are; which may share them; first step, s."""
+    """The use of lanes for runs of a model.
+
+    Attributes
+    ----------
+    why_not : str
+        The reason against lanes, "" if they are used.
+    share : hashable
+        The key that runs in common lanes share.
+    first_step : float
+        The length of the first step (s).
+    """
 
     why_not: str
     share: Hashable
@@ -89,19 +109,29 @@ class Lanes(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Rough cost of a run and of each second of its duration; 1: a block of a column for a second in lanes."""
+    """The approximate cost of a run and of each second of it; 1 is a block of a column for a second in lanes."""
 
     run: float
     second: float
 
     def of(self, duration: float) -> float:
-        """Of a run of this duration, s."""
+        """Return the cost of a run of this duration (s)."""
         return self.run + self.second * duration
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What every model has: tolerance of a run, its integrator, and what is left out, of the kind's own words."""
+    """The settings of every model.
+
+    Attributes
+    ----------
+    tolerance : float
+        The relative error of a run.
+    integrator : str
+        The integrator.
+    without : tuple of str
+        The omitted features, in the words of the kind.
+    """
 
     tolerance: float = 1e-6
     integrator: str = ""
@@ -109,7 +139,7 @@ class Settings:
 
 
 class Law(Protocol):
-    """Modulus, N/m3, damping, s, and coefficient of friction, None without sliding, of a joint."""
+    """The law of a joint: modulus (N/m3), damping (s) and coefficient of friction, None without sliding."""
 
     @property
     def stiffness(self) -> float: ...
@@ -120,7 +150,7 @@ class Law(Protocol):
 
 
 class Model(Protocol):
-    """A structure that moves. It is never changed, only copied with other values."""
+    """A structure that moves. It is immutable: changes make copies."""
 
     @property
     def name(self) -> str: ...
@@ -128,34 +158,40 @@ class Model(Protocol):
     def kind(self) -> Kind: ...
     @property
     def n(self) -> int:
-        """Number of blocks."""
+        """The number of blocks."""
 
     @property
     def sizes(self) -> Mapping[str, int]:
-        """How many blocks, joints, ties and components of the base there are: the lengths of what is kept."""
+        """The numbers of blocks, joints, ties and components of the base: the lengths of results."""
 
     @property
     def laws(self) -> Sequence[Law]:
-        """Of the joints, in their order."""
+        """The laws of the joints, in their order."""
 
     @property
     def settings(self) -> Any:
-        """What `Settings` has, and what else a kind has."""
+        """The settings: `Settings` and those of the kind."""
 
     @property
     def with_settings(self) -> Callable[..., Self]:
-        """A copy with other settings, by their names; None keeps the present one. Raises InputError."""
+        """The method that returns a copy with other settings, by name; None keeps the present one.
+
+        Raises InputError for an invalid value.
+        """
 
     def to_dict(self) -> dict[str, Any]:
-        """What its file holds. Raises InputError if it was not made from one."""
+        """Return the content of its file.
+
+        Raises InputError if it was not made from one.
+        """
 
     def with_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Self:
-        """A copy whose joints have these moduli, N/m3, and dampings, s."""
+        """Return a copy whose joints have these moduli (N/m3) and dampings (s)."""
 
 
 @dataclass(frozen=True)
 class PlainModel:
-    """A model of one block without joints: the rest of what `Model` asks for."""
+    """A model of one block without joints, with defaults for the rest of `Model`."""
 
     settings: Settings = field(default_factory=Settings, kw_only=True)
     n: ClassVar[int] = 1
@@ -163,45 +199,48 @@ class PlainModel:
     sizes: ClassVar[Mapping[str, int]] = {"block": 1, "joint": 0, "tie": 0, "bearing": 0, "base": 0}
 
     def with_settings(self, **changes: Any) -> Self:
-        """As of `Model`."""
+        """Return a copy with other settings, by name; None keeps the present one."""
         return replace(self, settings=replace(self.settings, **{k: v for k, v in changes.items() if v is not None}))
 
     def with_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Self:
-        """Itself."""
+        """Return the model itself: it has no joints."""
         return self
 
     def to_dict(self) -> dict[str, Any]:
-        """Its fields, and those of its settings."""
+        """Return its fields, with those of its settings."""
         return asdict(self)
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """From what `to_dict` gives, also by way of JSON."""
+        """Make the model from the result of `to_dict`, also after JSON."""
         settings = {**data["settings"], "without": tuple(data["settings"]["without"])}
         return cls(**{**data, "settings": Settings(**settings)})
 
 
 class Kind:
-    """What all models of a kind share. As it stands: without lanes, files and warnings.
+    """The functions that all models of a kind share; by default without lanes, files and warnings.
 
-    A kind of its own has at least `word`, `outputs`, `largest`, `kept` and `single_run`.
+    A subclass defines at least `word`, `outputs`, `largest`, `kept` and `single_run`.
     """
 
-    word: str  # for sentences
+    word: str  # the noun for sentences
     across = False  # whether motions have two horizontal components
     takes_loads = False  # whether models may have ports
-    settings: Collection[str] = ("tolerance", "without")  # names of those that `simulate` takes
+    settings: Collection[str] = ("tolerance", "without")  # names of the settings that `simulate` accepts
     outputs: Sequence[Output]  # in the order of output rows and peaks
-    largest: str  # name of the peaks that are the largest displacements
+    largest: str  # name of the peaks of displacements
     kept: Mapping[str, Kept]
-    numbers: Collection[str] = ()  # names of those that a study varies, as block.width: the model's field of that name
+    numbers: Collection[str] = ()  # names that a study can vary, such as block.width for the model's field width
 
     def warnings(self, model: Any, at_rest: bool = True) -> Sequence[str]:
-        """Values that are probably not intended, a line each; at_rest: also what follows from the rest."""
+        """Return a line for each value that is probably unintended; `at_rest`: include what follows from the rest."""
         return ()
 
     def check(self, model: Any, from_rest: bool) -> None:
-        """Raise InputError for a model that cannot run; from_rest: NoRestError where it has none, and falls at once."""
+        """Raise InputError for a model that cannot run.
+
+        With `from_rest`, raise NoRestError if it has no rest and falls at once.
+        """
 
     def check_motion(self, motion: Motion) -> None:
         """Raise InputError for a motion that such models cannot have."""
@@ -211,71 +250,147 @@ class Kind:
             raise InputError(f"loads: must be left out, a {self.word} has no ports; columns and structures have them")
 
     def simplest(self, model: Any, motion: Motion) -> Any:
-        """The simplest model that runs alike from rest under this motion: itself, unless there is one."""
+        """Return the simplest model that moves alike from rest under this motion: the model itself by default."""
         return model
 
     def single_run(self, model: Any, plan: Plan) -> tuple[Any, FloatArray]:
-        """A response, and the displacements at its rows, m (rows, any number). Raises InputError and SolverError."""
+        """Run a model.
+
+        Parameters
+        ----------
+        model : Model
+            The model.
+        plan : Plan
+            The motion, the duration and the times of the rows.
+
+        Returns
+        -------
+        response : Result
+            The response.
+        places : ndarray of shape (rows, any)
+            The displacements at the rows (m).
+
+        Raises
+        ------
+        InputError
+            If the plan does not suit the model.
+        SolverError
+            If the motion cannot be followed.
+        """
         raise NotImplementedError
 
     def largest_of(self, response: Any, places: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Largest displacements and their histories, m (n,), (rows, n), of what `single_run` has returned."""
+        """Return the largest displacements (n,) and their histories (rows, n), m, from the result of `single_run`."""
         return response.peaks[self.largest], places
 
     # --- an ensemble
 
     def in_lanes(self, response: Any, plan: Plan) -> bool:
-        """Whether runs with rows around one that gave a response are made in lanes, and that is faster."""
+        """Return True if runs with rows like that of `response` can be made in lanes, and are faster there."""
         return False
 
     def varied_in_lanes(self, pairs: Sequence[tuple[Any, Motion]], plan: Plan) -> list[Varied | None]:
-        """Runs of varied models and motions by a plan; None where lanes do not go on."""
+        """Run varied models and motions by a plan in lanes; None for runs that lanes cannot finish."""
         return [None for _ in pairs]
 
     # --- many
 
     def check_kept(self, model: Any, keep: Collection[str]) -> None:
-        """Raise InputError for a model that does not compute what is to be kept."""
+        """Raise InputError for a model that does not compute the results in `keep`."""
 
     def lanes(self, model: Any, keep: Collection[str]) -> Lanes:
-        """Whether runs of a model of which this is kept are made in lanes."""
+        """Return how runs of a model are made in lanes if the results in `keep` are stored."""
         return Lanes("a model without lanes", None, 1.0)
 
     def under(self, model: Any, motion: Motion) -> tuple[str, Hashable]:
-        """Why not under a motion, "" if they are; and what else runs that share lanes have in common."""
+        """Return the reason against lanes under a motion, or "", and a further key that runs in common lanes share."""
         return "", None
 
     def load(self, model: Any, keep: Collection[str]) -> None:
-        """Load what runs of a model in lanes need into this process, which may take as long as many runs."""
+        """Load the kernels for runs of a model in lanes into this process, which may take as long as many runs."""
 
     def follow(
         self, runs: Sequence[Run], keep: Collection[str], settle: float, flag: FloatArray
     ) -> tuple[dict[str, NDArray[Any]], NDArray[np.bool_]]:
-        """Results of runs that share lanes, by name, and which of them lanes finish; ends soon once flag[0] is set."""
+        """Run models in common lanes.
+
+        Parameters
+        ----------
+        runs : sequence of Run
+            The runs, all with equal keys of `lanes` and `under`.
+        keep : collection of str
+            The names of the results.
+        settle : float
+            The longest time that a model is followed after the motion (s).
+        flag : ndarray
+            A flag shared with other threads: once flag[0] is set, the call returns soon.
+
+        Returns
+        -------
+        results : dict of str to ndarray
+            The results by name.
+        finished : ndarray of bool
+            The mask of the runs that lanes have finished.
+        """
         return {}, np.zeros(len(runs), dtype=bool)
 
     def alone(self, run: Run, keep: Collection[str], settle: float, look: Callable[..., object]) -> dict[str, Any]:
-        """Results of a run by name; look: called some times a second. Raises NoRestError and SolverError."""
+        """Run one model alone.
+
+        Parameters
+        ----------
+        run : Run
+            The run.
+        keep : collection of str
+            The names of the results.
+        settle : float
+            The longest time that the model is followed after the motion (s).
+        look : callable
+            Called several times per second with the time and a view of the state.
+
+        Returns
+        -------
+        dict
+            The results by name.
+
+        Raises
+        ------
+        NoRestError, SolverError
+            If the model does not stand, or cannot be followed.
+        """
         end = np.array([run.motion.start + run.duration])
         found, _ = self.single_run(run.model, Plan(run.motion, run.duration, end, None, settle, look))
         return {name: found.kept(name) for name in keep}
 
     def work(self, model: Any, keep: Collection[str]) -> Work:
-        """Rough cost of the runs of a model."""
+        """Return the approximate cost of the runs of a model."""
         return Work(SETTLE, 1.0)
 
     # --- numbers by name
 
     def has_number(self, model: Any, name: str) -> bool:
-        """Whether a dotted name, as joint.stiffness or block[1].height, is of a number of a model."""
+        """Return True if a dotted name, such as joint.stiffness or block[1].height, is that of a number of a model."""
         return name in self.numbers
 
     def numbers_of(self, model: Any, name: str) -> list[str]:
-        """The names of the numbers that a name refers to, one for each block, joint or tie."""
+        """Return the names of the single numbers that a name refers to, one for each block, joint or tie."""
         return [name]
 
     def with_numbers(self, model: Any, values: Mapping[str, tuple[float, bool]]) -> Any:
-        """A model with numbers set: name -> (number, whether it multiplies what is there). Raises InputError."""
+        """Return a copy of a model with other numbers.
+
+        Parameters
+        ----------
+        model : Model
+            The model.
+        values : mapping
+            Name -> (number, whether it is a factor on the present value).
+
+        Raises
+        ------
+        InputError
+            If a name or number is invalid.
+        """
         fields = {name.rpartition(".")[2]: value for name, value in values.items()}
         missing = next((key for key, (_, times) in fields.items() if times and getattr(model, key) is None), None)
         if missing is not None:
@@ -284,7 +399,10 @@ class Kind:
 
 
 def output_times(motion: Motion, duration: float, step: float = OUTPUT_STEP) -> FloatArray:
-    """Times of the rows of a response, s. Raises InputError for too many rows."""
+    """Return the times of the rows of a response (s), `step` apart from the start of the motion.
+
+    Raises InputError for more than 1e8 rows.
+    """
     if duration / step > MOST_ROWS:
         raise InputError(f"output_step = {step}: must be larger, for at most {MOST_ROWS} rows in {duration} s")
     count = math.floor(duration / step + 1e-9) + 1
@@ -292,10 +410,10 @@ def output_times(motion: Motion, duration: float, step: float = OUTPUT_STEP) -> 
 
 
 def code_of(name: str, word: str) -> int:
-    """The number by which a table stores a word."""
+    """Return the code of a word in the results `name`."""
     return WORDS[name].index(word)
 
 
 def table_entry(name: str, value: Any) -> Any:
-    """A result as a table stores it."""
+    """Return a result as a table stores it: a code for a word."""
     return code_of(name, value) if name in WORDS else value

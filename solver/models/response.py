@@ -1,4 +1,4 @@
-"""What the responses of all models have in common: the verdict, what is known of its errors, frames, a line of text."""
+"""The responses of all models: verdict, error estimates, conversion to frames and files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,29 @@ from .uncertainty import Ensemble, ErrorEstimate
 
 @dataclass(eq=False, repr=False, kw_only=True)
 class Result(Histories, Framed, Shown):
-    """The result of a run of whichever model. peaks: by name, those of ux among them, m."""
+    """The result of a run of any model.
+
+    Attributes
+    ----------
+    time : ndarray of shape (rows,)
+        The times of the rows (s).
+    peaks : dict of str to ndarray
+        The peaks by name, those of ux (m) among them.
+    stats : dict
+        The statistics of the run.
+    overturn_time : float
+        The time of the fall (s), NaN if there is none.
+    verdict, reason : str
+        The verdict and its reason.
+    estimated_error : ErrorEstimate or None
+        The estimate of the error, if it was made.
+    horizon : float or None
+        The time up to which the motion is predictable (s), if it was computed.
+    ensemble : Ensemble or None
+        The runs with varied data, if they were made.
+    motion : Motion or None
+        The motion of the base.
+    """
 
     time: FloatArray  # s
     peaks: dict[str, FloatArray]
@@ -32,45 +54,48 @@ class Result(Histories, Framed, Shown):
     horizon: float | None = None  # s
     ensemble: Ensemble | None = None
     motion: Motion | None = None  # of the base
-    dimensions: ClassVar[Mapping[str, str]] = {JOINT: "block"}  # what owners of outputs are called in a frame
+    dimensions: ClassVar[Mapping[str, str]] = {JOINT: "block"}  # the name of the dimension of an owner in a frame
 
     @property
     def overturned(self) -> bool:
-        """Whether it has fallen, within the run or after it."""
+        """True if it has fallen, within the run or after it."""
         return not math.isnan(self.overturn_time)
 
     @property
     def peak_ux(self) -> FloatArray:
-        """The peaks of ux, m (n,): of a column of its top faces, of a structure of the centroids."""
+        """The peaks of ux (n,), m: of the top faces of a column, of the centroids of a structure."""
         return self.peaks["ux"]
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What `simulate` warns of, in sentences."""
+        """The sentences of which `simulate` warns."""
         return ()
 
     @property
     def _fall(self) -> str:
-        """What has fallen, and when."""
+        """The phrase for a fall: what has fallen, and when."""
         raise NotImplementedError
 
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
-        """Write time and every history. Raises InputError, OSError."""
+        """Write time and every history with `digits` significant digits.
+
+        Raises InputError for invalid `digits`, OSError.
+        """
         self._write(path, digits, {"time": self.time})
 
     def view(self, path: str | os.PathLike[str], scale: float | None = None) -> None:
         """Write one HTML page that plays the motion in any browser and fetches nothing.
 
-        scale: the factor on the deformation that it begins with; None: chosen. Raises InputError, OSError.
+        `scale` is the initial factor on the deformation; None means automatic. Raises InputError, OSError.
         """
         from ..plotting.scene.page import write_view
 
         write_view(self, path, scale)
 
     def to_gltf(self, path: str | os.PathLike[str]) -> None:
-        """Write the blocks and their motion, relative to the base, as binary glTF 2.0 (.glb), for Blender and others.
+        """Write the blocks and their motion relative to the base as binary glTF 2.0 (.glb), for Blender and others.
 
-        30 pictures a second at most. Raises InputError, OSError.
+        At most 30 frames per second. Raises InputError, OSError.
         """
         from ..plotting.scene.gltf import write_gltf
 
@@ -82,17 +107,17 @@ class Result(Histories, Framed, Shown):
         return f"<div>{super()._repr_html_()}{frame_of(self)}</div>"
 
     def to_vtk(self, folder: str | os.PathLike[str], fps: float = 30.0) -> None:
-        """Write blocks.pvd and joints.pvd, for ParaView: the blocks, and the loaded parts of joints, over time.
+        """Write blocks.pvd and joints.pvd for ParaView: the blocks, and the loaded parts of joints, over time.
 
-        fps: rows a second at most. Blocks and joints have their outputs as data of cells, loaded parts the elastic
-        pressure (Pa) at their corners. Raises InputError, OSError.
+        Blocks and joints have their outputs as cell data, loaded parts the elastic pressure (Pa) at their corners.
+        `fps` is the largest number of rows per second. Raises InputError, OSError.
         """
         from ..plotting.scene.vtk import write_vtk
 
         write_vtk(self, folder, fps)
 
     def kept(self, name: str) -> Any:
-        """A result that many runs can keep (Kind.kept), of this one."""
+        """Return the result of this name among those that many runs can store (`Kind.kept`)."""
         if name == "path":
             return SCALAR
         if name in self.stats:

@@ -8,7 +8,7 @@ from typing import Protocol
 from ..common.errors import SolverError
 from .protocol import OVERTURNED, STANDING, UNDECIDED, Verdict
 
-BETWEEN_LOOKS = 0.25  # s, after the motion, where a model does not know better
+BETWEEN_LOOKS = 0.25  # s, interval of checks after the motion by default
 
 
 class Settling(Protocol):
@@ -16,30 +16,43 @@ class Settling(Protocol):
 
     @property
     def fallen(self) -> str:
-        """What has fallen, or over what; "" if nothing has."""
+        """The description of the fall, such as the joint; "" without a fall."""
 
     @property
     def fall_time(self) -> float:
-        """When it fell, s."""
+        """The time of the fall (s)."""
 
     @property
     def unclear(self) -> str:
-        """What is said of it where it neither falls nor surely stands."""
+        """The predicate for a model that neither falls nor surely stands."""
 
     @abstractmethod
     def why_it_stands(self) -> str:
-        """Why it cannot fall any more; "" if it may."""
+        """Return the reason why it cannot fall any more; "" if it may."""
 
     def next_look(self, t: float, stop: float, settle: float) -> float:
-        """When to look again after time t, s; stop + settle at most."""
+        """Return the time of the next check after time t (s), at most stop + settle."""
         return min(t + BETWEEN_LOOKS, stop + settle)
 
     def rest_until(self, t: float, end: float) -> object:
-        """Follow it from t to `end`, s. Raises SolverError."""
+        """Advance from t to `end` (s) on a still base.
+
+        Raises SolverError.
+        """
 
 
 def settled(model: Settling, stop: float, settle: float) -> Verdict:
-    """The verdict on a run that ended at time `stop`, s, found `settle` s later at most."""
+    """Determine the verdict on a run.
+
+    Parameters
+    ----------
+    model : Settling
+        The model at the end of the run.
+    stop : float
+        The time of the end of the run (s).
+    settle : float
+        The longest time that the model is followed after the end (s).
+    """
     t = stop
     while not model.fallen:
         why = model.why_it_stands()

@@ -22,11 +22,17 @@ HALVINGS = 60
 
 @dataclass(frozen=True)
 class ErrorEstimate:
-    """Difference of a run from a closer one: an estimate of its error.
+    """The difference of a run from a more accurate one: an estimate of its error.
 
-    ux: largest difference of any ux at the rows while both stand, up to 0.1 s before a fall, in parts of the largest
-    |ux| until then. peaks: of each of `Response.peaks`, in parts of itself; of the least contact as it is.
-    overturn_time s: NaN unless both fall.
+    Attributes
+    ----------
+    ux : float
+        The largest difference of any ux at the rows while both stand, up to 0.1 s before a fall, relative to the
+        largest |ux| until then.
+    peaks : dict of str to ndarray
+        The difference of each of `Response.peaks`, relative to its value; of the least contact absolute.
+    overturn_time : float
+        The difference of the times of overturning (s); NaN unless both fall.
     """
 
     ux: float
@@ -35,16 +41,16 @@ class ErrorEstimate:
 
     @property
     def peak_ux(self) -> FloatArray:
-        """The estimate of the peaks of ux, (n,)."""
+        """The estimated errors of the peaks of ux (n,)."""
         return self.peaks["ux"]
 
 
 @dataclass(frozen=True)
 class Spread:
-    """Spread of the runs of an ensemble: standard deviations of the logarithms of factors, and their seed.
+    """The spread of the runs of an ensemble: standard deviations of the logarithms of factors, and their seed.
 
-    The stiffness and the damping of every joint have a factor of their own, the motion has one. The defaults are
-    smaller than the uncertainty of any real column: results that they already spread cannot be predicted by one run.
+    The stiffness and the damping of every joint have independent factors, the motion has one. The defaults are smaller
+    than the uncertainty of any real column: results that they already spread cannot be predicted by one run.
     """
 
     stiffness: float = 0.01
@@ -61,18 +67,33 @@ class Spread:
 
     @property
     def size(self) -> float:
-        """The whole spread: the root of the sum of the squares."""
+        """The total spread: the root of the sum of the squares."""
         return math.hypot(self.stiffness, self.damping, self.motion)
 
 
 @dataclass(frozen=True)
 class Ensemble:
-    """Results of runs with varied uncertain data.
+    """The results of runs with varied uncertain data.
 
-    verdicts, peak_ux (runs, n) m, overturn_time (runs,) s (NaN while it stands): run by run. peaks (3, n) and ux (3,
-    nt, n), m: the 16, 50 and 84 % points, over the runs that do not fall for peaks, and that have not yet fallen for
-    ux; NaN if there are none. amplification: half the distance between the 16 and 84 % points of the largest peak, in
-    parts of its 50 % point, over the size of the spread; NaN if all fall.
+    Attributes
+    ----------
+    spread : Spread
+        The spread of the data.
+    verdicts : tuple of str
+        The verdict of each run.
+    peak_ux : ndarray of shape (runs, n)
+        The peaks of ux of each run (m).
+    overturn_time : ndarray of shape (runs,)
+        The time of overturning of each run (s), NaN while it stands.
+    peaks : ndarray of shape (3, n)
+        The 16, 50 and 84 % points of peak_ux over the runs that do not fall (m), NaN if there are none.
+    ux : ndarray of shape (3, nt, n)
+        The same points of ux over the runs that have not yet fallen (m), NaN if there are none.
+    amplification : float
+        Half the distance between the 16 and 84 % points of the largest peak, relative to its 50 % point, divided by the
+        size of the spread; NaN if all fall.
+    in_lanes : bool
+        Whether eight runs were made at once.
     """
 
     spread: Spread
@@ -86,40 +107,52 @@ class Ensemble:
 
     @property
     def size(self) -> int:
-        """Number of runs."""
+        """The number of runs."""
         return len(self.verdicts)
 
     @property
     def overturned(self) -> int:
-        """Number of runs that overturn."""
+        """The number of runs that overturn."""
         return self.verdicts.count("overturned")
 
     @property
     def undecided(self) -> int:
-        """Number of runs without a verdict."""
+        """The number of runs without a verdict."""
         return self.verdicts.count("undecided")
 
     @property
     def share(self) -> float:
-        """Share of the runs that overturns."""
+        """The fraction of the runs that overturn."""
         return self.overturned / self.size
 
     @property
     def share_bounds(self) -> tuple[float, float]:
-        """Bounds of the share among very many runs, at 95 % confidence (Clopper and Pearson).
+        """The bounds of the fraction among very many runs, at 95 % confidence (Clopper and Pearson).
 
-        Runs that are undecided count as standing for the lower bound and as overturned for the upper one.
+        Undecided runs count as standing for the lower bound and as overturned for the upper one.
         """
         low, _ = share_bounds(self.overturned, self.size)
         _, high = share_bounds(self.overturned + self.undecided, self.size)
         return low, high
 
 
-LEAST_CHANGE, MOST_CHANGE = 1e-3, 1e3  # of a value by its factor: a model may hold a wider range
+LEAST_CHANGE, MOST_CHANGE = 1e-3, 1e3  # of a value by its factor; the valid range of a model may be wider
 
 
 def vary(model: Any, motion: Motion, spread: Spread, rng: np.random.Generator) -> tuple[Any, Motion]:
-    """A model (protocol.py) and a motion with varied data, all as likely as the given ones."""
+    """Return a model (protocol.py) and a motion with varied data, all as likely as the given ones.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    motion : Motion
+        The motion of the base.
+    spread : Spread
+        The standard deviations of the factors.
+    rng : numpy.random.Generator
+        The source of random numbers.
+    """
 
     def factors(size: float, count: int) -> list[float]:
         return np.clip(np.exp(size * rng.standard_normal(count)), LEAST_CHANGE, MOST_CHANGE).tolist()
@@ -131,7 +164,7 @@ def vary(model: Any, motion: Motion, spread: Spread, rng: np.random.Generator) -
 
 
 class Varied(NamedTuple):
-    """What one run of an ensemble gives: its verdict, time of overturning s, peaks (n,) and history (nt, n), m."""
+    """The result of one run of an ensemble: its verdict, time of overturning (s), peaks (n,) and history (nt, n), m."""
 
     verdict: str
     overturn_time: float
@@ -140,13 +173,25 @@ class Varied(NamedTuple):
 
 
 def ensemble_from(runs: Sequence[Varied], spread: Spread, time: FloatArray, in_lanes: bool) -> Ensemble:
-    """The ensemble of runs that vary by a spread; time: s, of their rows, (nt,)."""
+    """Make the ensemble of varied runs.
+
+    Parameters
+    ----------
+    runs : sequence of Varied
+        The runs.
+    spread : Spread
+        The spread of their data.
+    time : ndarray of shape (nt,)
+        The times of their rows (s).
+    in_lanes : bool
+        Whether they were made in lanes.
+    """
     peak_ux, overturn_time = (np.array([getattr(run, name) for run in runs]) for name in ("peaks", "overturn_time"))
     stands = np.array([run.verdict != "overturned" for run in runs])
     ux = np.array([run.ux for run in runs])
     ux[overturn_time[:, None] <= time] = math.nan
     low, middle, high = percentiles_of(np.where(stands, np.max(peak_ux, axis=1), math.nan))
-    relative = 0.5 * (high - low) / (middle or math.nan)  # none of models that rest
+    relative = 0.5 * (high - low) / (middle or math.nan)  # NaN instead of a division by zero if the model rests
     return Ensemble(
         spread=spread,
         verdicts=tuple(run.verdict for run in runs),
@@ -160,8 +205,8 @@ def ensemble_from(runs: Sequence[Varied], spread: Spread, time: FloatArray, in_l
 
 
 def percentiles_of(values: FloatArray) -> FloatArray:
-    """The points of `PERCENTILES` over the first axis, without NaN, as numpy.nanpercentile but faster."""
-    ordered = np.sort(values, axis=0)  # NaN comes last
+    """Return the `PERCENTILES` over the first axis, ignoring NaN, as numpy.nanpercentile does but faster."""
+    ordered = np.sort(values, axis=0)  # NaN is sorted last
     last = np.maximum(np.sum(~np.isnan(ordered), axis=0) - 1, 0)
     found = []
     for percent in PERCENTILES:
@@ -173,7 +218,7 @@ def percentiles_of(values: FloatArray) -> FloatArray:
 
 
 def share_bounds(count: int, size: int) -> tuple[float, float]:
-    """The bounds of Clopper and Pearson on a probability, from `count` successes in `size` trials, at 95 %."""
+    """Return the bounds of Clopper and Pearson on a probability, from `count` successes in `size` trials, at 95 %."""
     tail = 0.5 * (1.0 - CONFIDENCE)
     low = 0.0 if count == 0 else _share_with(size, count - 1, 1.0 - tail)
     high = 1.0 if count == size else _share_with(size, count, tail)
@@ -181,9 +226,9 @@ def share_bounds(count: int, size: int) -> tuple[float, float]:
 
 
 def _share_with(size: int, count: int, probability: float) -> float:
-    """The share of successes at which `size` trials have at most `count` of them with this probability."""
+    """Return the success probability at which `size` trials have at most `count` successes with this probability."""
     k = np.arange(1.0, count + 1.0)
-    ways = np.concatenate([[0.0], np.cumsum(np.log((size + 1.0 - k) / k))])  # logarithms, to choose 0 to `count` trials
+    ways = np.concatenate([[0.0], np.cumsum(np.log((size + 1.0 - k) / k))])  # logs of binomial coefficients to `count`
     k = np.arange(count + 1.0)
     low, high = 0.0, 1.0
     for _ in range(HALVINGS):

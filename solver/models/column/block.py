@@ -1,4 +1,4 @@
-"""Blocks, the joints under them, and what both are held to."""
+"""Blocks, the joints under them, and their valid values."""
 
 from __future__ import annotations
 
@@ -14,14 +14,20 @@ from ...kernels.layout.spaces import LAW, MOST_STRIPS, OTHER_LAW
 from ...kernels.sections import faces
 from ...kernels.sections.faces import ANNULUS, SECTIONS, STRIPS, Face, face_of
 
-BLOCK_SECTIONS = tuple(name for name in SECTIONS if name != "strips")  # strips are of contacts only
+BLOCK_SECTIONS = tuple(name for name in SECTIONS if name != "strips")  # strips are sections of contacts only
 
 
 def of_law(least: float, most: float, meaning: str, sections: Collection[str] = SECTIONS) -> Any:
-    """A field of `Joint` by which, where it is not 0, the law is another one than the linear one (OTHER_LAW).
+    """Declare a field of `Joint` that, if it is not 0, makes the law other than the linear one (OTHER_LAW).
 
-    least, most: the range of its key, 0 within it, and how a value beyond is answered, as in ranges.py; sections: of
-    the contacts that this law is written for.
+    Parameters
+    ----------
+    least, most : float
+        The range of its key, which includes 0.
+    meaning : str
+        The end of the message for a value out of range, as in ranges.py.
+    sections : collection of str
+        The sections of contacts for which this law is written.
     """
     return field(default=0.0, metadata={"range": ((least, most), meaning), "sections": sections})
 
@@ -31,40 +37,40 @@ class Joint:
     """The no-tension elastic joint under a block."""
 
     stiffness: float  # N/m3, Winkler modulus: pressure per penetration
-    damping: float  # s, eta of the Kelvin-Voigt law; 0 is none, which makes a rocking column chaotic
+    damping: float  # s, eta of the Kelvin-Voigt law; 0 is undamped, which makes a rocking column chaotic
     width: float | None = (
         None  # m, of the contact face along the motion, the diameter of a round one; None: the block's
     )
     depth: float | None = None  # m, of the contact face across the motion, not of a round one; None: the block's
     section: str | None = None  # of the contact, one of SECTIONS; None: the block's
     bore: float | None = None  # m, inner diameter of an annulus; None: the block's
-    strips: tuple[float, ...] | None = None  # m, depths of equal strips from -x to +x, 0 where nothing touches
+    strips: tuple[float, ...] | None = None  # m, depths of equal strips from -x to +x, 0 for no contact
     friction: float | None = None  # Coulomb's coefficient; None: the joint never slides
-    dowel: float | None = None  # N, shear that the joint bears beside friction, and goes on bearing as it slides
+    dowel: float | None = None  # N, shear capacity beside friction, which remains as the joint slides
     offset: float | None = None  # m, of the block over what is under it as built, along the joint to +x
     inclination: float | None = None  # rad, of the joint against the base as built, clockwise
-    strength: float | None = None  # Pa, pressure that the faces bear; compared with by checks, the motion ignores it
-    tensile_strength: float = 0.0  # Pa, tension that mortar bears until it breaks, for good
-    cohesion: float = 0.0  # Pa, shear that mortar bears beside friction, until the joint slides
+    strength: float | None = None  # Pa, strength of the faces in compression; only checks use it, the motion ignores it
+    tensile_strength: float = 0.0  # Pa, tensile strength of mortar until it breaks, for good
+    cohesion: float = 0.0  # Pa, shear strength of mortar beside friction, until the joint slides
     rim: float | None = None  # m, width of the band along the edges in which the faces touch; None: all over
 
     def __post_init__(self) -> None:
-        if isinstance(self.strips, list):  # as TOML and JSON have it
+        if isinstance(self.strips, list):  # TOML and JSON have lists
             object.__setattr__(self, "strips", tuple(self.strips))
 
     @property
     def is_brittle(self) -> bool:
-        """Whether it is bonded until it breaks (kernels/joint/bond.py)."""
+        """True if it is bonded until it breaks (kernels/joint/bond.py)."""
         return bool(self.tensile_strength or self.cohesion)
 
     @property
     def brittle_key(self) -> str:
-        """Key of what makes it brittle, if it is."""
+        """The key of the strength that makes it brittle, if it is."""
         return "tensile_strength" if self.tensile_strength else "cohesion"
 
     @property
     def other_law(self) -> str:
-        """Key of what makes its law another one than the linear one; empty where nothing does."""
+        """The key of the parameter that makes its law other than the linear one; "" without one."""
         return next((key for key in OTHER_LAW if getattr(self, key)), "")
 
 
@@ -77,8 +83,8 @@ NUMBERS.update({key: law["range"] for key, law in _LAWS.items()})
 class Block:
     """A rigid block and the joint under it.
 
-    What follows from the shape is worked out once, also for blocks that differ in `joint.stiffness` and `joint.damping`
-    alone (Column.with_joints).
+    Quantities that follow from the shape are computed once, also for blocks that differ in `joint.stiffness` and
+    `joint.damping` alone (Column.with_joints).
     """
 
     height: float  # m
@@ -89,19 +95,19 @@ class Block:
     centroid: float | None = None  # m above the bottom face; None: that of a homogeneous block
     inertia: float | None = None  # kg m2 about the centroid; None: that of a homogeneous block
     section: str = "rectangle"  # one of BLOCK_SECTIONS
-    top_width: float | None = None  # m, of the top face of a block that tapers; None: that of the bottom face
+    top_width: float | None = None  # m, of the top face of a tapered block; None: that of the bottom face
     top_depth: float | None = None
     bore: float | None = None  # m, inner diameter of a hollow drum, section annulus
     tilt: float | None = None  # rad, of the block against the normal of the joint under it as built, clockwise
 
     @cached_property
     def shape(self) -> tuple[float, float, float, float]:
-        """Code of the section, inner diameter m, width and depth of the top face m; 0 where it is like the bottom."""
+        """The code of the section, inner diameter, top width and depth (m); 0 where equal to the bottom face."""
         return float(SECTIONS.index(self.section)), self.bore or 0.0, self.top_width or 0.0, self.top_depth or 0.0
 
     @property
     def volume(self) -> float:
-        """Volume of the block, m3."""
+        """The volume of the block (m3)."""
         if self.is_cuboid:
             return self.height * self.width * self.depth
         section, bore, *top = self.shape
@@ -109,7 +115,7 @@ class Block:
 
     @cached_property
     def homogeneous(self) -> tuple[float, float]:
-        """Centroid m above the bottom face and inertia kg m2 about it, if the block is homogeneous."""
+        """The centroid (m above the bottom face) and the inertia about it (kg m2) of the homogeneous block."""
         section, bore, *top = self.shape
         middle: float
         turning: float
@@ -118,27 +124,27 @@ class Block:
 
     @property
     def is_cuboid(self) -> bool:
-        """Whether the block is a rectangle all the way up."""
+        """True if the block is a rectangle over its whole height."""
         return self.section == "rectangle" and self.top_width is None and self.top_depth is None
 
     @cached_property
     def resolved_centroid(self) -> float:
-        """Height of the centroid above the bottom face, m."""
+        """The height of the centroid above the bottom face (m)."""
         return self.homogeneous[0] if self.centroid is None else self.centroid
 
     @cached_property
     def resolved_inertia(self) -> float:
-        """Moment of inertia about the centroid, kg m2."""
+        """The moment of inertia about the centroid (kg m2)."""
         return self.homogeneous[1] if self.inertia is None else self.inertia
 
     @cached_property
     def joint_section(self) -> int:
-        """Code of the section of the block's contact face, of which the face below may bear a part (contact.py)."""
+        """The code of the section of the block's contact face; the face below may cut it (contact.py)."""
         return SECTIONS.index(self.joint.section or self.section)
 
     @cached_property
     def joint_bore(self) -> float:
-        """Inner diameter of the contact face, m; 0 where it is not an annulus."""
+        """The inner diameter of the contact face (m); 0 if it is not an annulus."""
         return (self.joint.bore or self.bore or 0.0) if self.joint_section == ANNULUS else 0.0
 
     @property
@@ -148,40 +154,40 @@ class Block:
 
     @property
     def bottom_face(self) -> Face:
-        """All of the face that the block stands on."""
+        """The whole bottom face."""
         return face_of(self.shape[0], self.width, self.depth, self.bore or 0.0)
 
     @property
     def top_face(self) -> Face:
-        """The face that may bear a block on this one."""
+        """The face that may carry a block on this one."""
         width, depth = self.top_width or self.width, self.top_depth or self.depth
         return face_of(self.shape[0], width, depth, self.bore or 0.0)
 
     @cached_property
     def is_off_axis(self) -> bool:
-        """Whether the block does not stand upright on the middle of what is under it."""
+        """True if the block does not stand upright on the middle of the body under it."""
         strips = self.joint.strips
         return bool(self.tilt or self.joint.offset or self.joint.inclination or (strips and strips != strips[::-1]))
 
     @property
     def joint_width(self) -> float:
-        """Width of the contact face, m."""
+        """The width of the contact face (m)."""
         return self.width if self.joint.width is None else self.joint.width
 
     @property
     def joint_depth(self) -> float:
-        """Depth of the contact face, m."""
+        """The depth of the contact face (m)."""
         return self.depth if self.joint.depth is None else self.joint.depth
 
 
 @dataclass(frozen=True)
 class Rule:
-    """Limits of a number of a block, or of its joint, beside the range of its key in NUMBERS."""
+    """The limits of a number of a block, or of its joint, beside the range of its key in NUMBERS."""
 
     key: str
     of_joint: bool = False
-    optional: bool = False  # follows from others where it is not given
-    bound: str = ""  # key of the block that it may not exceed, or with `strict` not reach
+    optional: bool = False  # follows from other numbers by default
+    bound: str = ""  # key of the upper bound among the numbers of the block, exclusive if `strict`
     strict: bool = False
     relation: str = ""
 
@@ -189,7 +195,7 @@ class Rule:
 BORE_RELATION = "must be less than the outer diameter"
 STRIP_RELATION = "must not exceed the block's depth"
 DOWEL_RELATION = "needs friction; a joint without friction never slides"
-# kinds of misfits (faces.py) -> the number of the joint that is at fault and what it is held to
+# kinds of misfits (faces.py) -> the number of the joint that is wrong and its requirement
 MISFITS = {
     faces.WIDE: ("width", "must not exceed that of the face below"),
     faces.DEEP: ("depth", "must not exceed that of the face below"),
@@ -203,7 +209,7 @@ MISFITS = {
     faces.WITHIN: ("reach", "nothing touches, must exceed the bore of the face below"),
     faces.AROUND: ("bore", "nothing touches, must be less than the face below"),
 }
-# in the order in which they are checked
+# in the order of the checks
 BLOCK_RULES = (
     *(Rule(key) for key in ("height", "width", "depth", "mass")),
     Rule("centroid", False, True, "height", True, "must lie below the top face, height"),
@@ -245,14 +251,14 @@ def check_block(key: str, block: object) -> None:
 
 
 def no_rim(block: Block) -> str:
-    """Return why the joint under a block can have no rim, or ""."""
+    """Return the reason why the joint under a block can have no rim, or ""."""
     if block.joint_section == STRIPS:
         return 'left out beside section = "strips", which says where the faces touch'
     return "left out of a joint that bears tension or cohesion" if block.joint.is_brittle else ""
 
 
 def knows_section(name: str, block: Block) -> bool:
-    """Whether the law of joints with this parameter is written for the section of the contact under a block."""
+    """Return True if the law with the parameter `name` is written for the section of the contact under a block."""
     return SECTIONS[block.joint_section] in _LAWS[name]["sections"]
 
 
@@ -273,7 +279,7 @@ def _check_bore(owner: str, bore: float | None, section: str, width: float) -> N
 
 
 def _check_section(key: str, block: Block) -> None:
-    """That names of sections are known, and that what goes with them are numbers."""
+    """Check the names of sections, and that the sizes of the faces are numbers."""
     check_choice(f"{key}.section", block.section, BLOCK_SECTIONS)
     if block.joint.section is not None:
         check_choice(f"{key}.joint.section", block.joint.section, SECTIONS)
@@ -282,7 +288,7 @@ def _check_section(key: str, block: Block) -> None:
 
 
 def _check_given(key: str, part: Block | Joint, *names: str) -> None:
-    """Check numbers that may be left out."""
+    """Check the range of numbers that may be None."""
     for name in names:
         if (value := getattr(part, name)) is not None:
             check(f"{key}.{name}", value)
@@ -305,7 +311,7 @@ def _check_strips(key: str, block: Block) -> None:
 
 
 def _resolved(block: Block, rule: Rule) -> object:
-    """The value that a rule is about, as the block has it or as it follows from others."""
+    """Return the number that a rule applies to, given or derived from others."""
     if rule.of_joint:
         return getattr(block, f"joint_{rule.key}") if rule.optional else getattr(block.joint, rule.key)
     return getattr(block, f"resolved_{rule.key}" if rule.optional else rule.key)

@@ -1,4 +1,4 @@
-"""The contact under each block: its contact face as far as the face below reaches, middle over middle as built."""
+"""The contact under each block: its contact face within the face below, centred as built."""
 
 from __future__ import annotations
 
@@ -19,41 +19,41 @@ BASE = Face(float(RECTANGLE), ENDLESS, ENDLESS, 0.0)
 
 @dataclass(frozen=True)
 class Contact:
-    """The contact under a block without slip, and what of it counts; numbers about the middle of the block."""
+    """The contact under a block without slip; coordinates and moments are about the middle of the block."""
 
     section: int  # code of SECTIONS, or FRAME, ON_RING or ON_BAND (kernels/sections/faces.py)
-    slipped: int  # the same once there is a slip
+    slipped: int  # the code of the section after a slip
     left: float  # m, ends along the motion
     right: float  # m
-    depth: float  # m, across the motion at most; the diameter of a round one
+    depth: float  # m, across the motion, its maximum; the diameter of a round one
     bore: float  # m
-    rim: float  # m, in which the faces touch; 0: all over
+    rim: float  # m, width of the band in which the faces touch; 0: all over
     area: float  # m2
-    first: float  # m3
-    second: float  # m4
+    first: float  # m3, first moment
+    second: float  # m4, second moment
 
     @property
     def width(self) -> float:
-        """From end to end, m."""
+        """The length from end to end (m)."""
         return self.right - self.left
 
     @property
     def moments(self) -> tuple[float, float, float]:
-        """Area m2 and first and second moment (m3, m4)."""
+        """The area (m2) and the first and second moments (m3, m4)."""
         return self.area, self.first, self.second
 
     def stiffness(self, modulus: float) -> float:
-        """In full contact, N/m, of a joint of this Winkler modulus, N/m3."""
+        """Return the stiffness in full contact (N/m) for a Winkler modulus (N/m3)."""
         return modulus * self.width * self.depth if self.section == RECTANGLE else modulus * self.area
 
 
 def contacts_of(blocks: Sequence[Block]) -> tuple[Contact, ...]:
-    """The contact under each block, from the top down; the last one stands on an endless base."""
+    """Return the contact under each block, from the top down; the base of the last one is unbounded."""
     return tuple(_contact(block, below) for block, below in zip(blocks, _faces_below(blocks), strict=True))
 
 
 def check_contacts(blocks: Sequence[Block]) -> None:
-    """Raise InputError where a contact face is larger than the faces that meet, or nothing touches."""
+    """Raise InputError if a contact face is larger than one of the two faces, or nothing touches."""
     for number, (block, below) in enumerate(zip(blocks, _faces_below(blocks), strict=True), start=1):
         strips, joint = block.joint.strips or (), block.joint
         is_wide, is_deep = joint.width is not None, joint.depth is not None
@@ -69,7 +69,7 @@ def _faces_below(blocks: Sequence[Block]) -> list[Face]:
 
 
 def _contact(block: Block, below: Face) -> Contact:
-    """From the kernels, but for what is a whole face in closed form."""
+    """Return the contact from the kernels, or in closed form if it is a whole face."""
     own, strips = block.contact_face, block.joint.strips or ()
     shared = common(own, below)
     rim = block.joint.rim or 0.0

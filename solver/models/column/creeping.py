@@ -1,12 +1,12 @@
-"""Whether a column whose joints may slide can still fall on a still base, though it may still rock and creep.
+"""The test whether a column whose joints may slide can still fall on a still base, while it still rocks and creeps.
 
 Its energy never grows. Without slips the column needs the energy of the barrier to fall (verdict.py). The barrier is
 proportional to the square of the lever over which a group of blocks topples: half the width of the joint under the
 group, less the distance of its centroid from the middle of that joint. Slips shorten the levers, and further sliding
-takes energy. With the energy E left, a joint under the weight W slides by at most E / (mu W), if it bears that weight
-while it slides. `SHARE` of the weight is counted.
+takes energy. With the remaining energy E, a joint under the weight W slides by at most E / (mu W), if it carries that
+weight while it slides. The factor `SHARE` of the weight is assumed.
 
-This is no proof, for a joint may slide while it bears less. The creep of columns is measured (docs/sliding.md).
+This is no proof, for a joint may slide while it carries less. The creep of columns is measured (docs/sliding.md).
 """
 
 from __future__ import annotations
@@ -20,13 +20,20 @@ from .linearization import with_all_joints
 from .model import Column
 from .packing import FloatArray
 
-SHARE = 0.5  # of the weight on a joint, which it bears while it slides
+SHARE = 0.5  # fraction of the weight on a joint, assumed to act while it slides
 
 
 def levers_left(column: Column, slip: FloatArray, energy: float) -> float:
-    """Least part of the lever of any group of blocks that is left with these slips, m (n,), and energy, J.
+    """Return the least remaining fraction of the lever of any group of blocks, 0 if a group may lose all of it.
 
-    0 where a group may lose all of its lever.
+    Parameters
+    ----------
+    column : Column
+        The column.
+    slip : ndarray of shape (n,)
+        The slips (m).
+    energy : float
+        The energy above rest (J).
     """
     chain = chain_of(column)
     joints = [block.joint for block in column.blocks]
@@ -39,9 +46,9 @@ def levers_left(column: Column, slip: FloatArray, energy: float) -> float:
 
 @lru_cache(maxsize=256)
 def on_its_axis(column: Column) -> Column | None:
-    """The column without offsets, whose joints never slide; None for columns that are off axis in another way.
+    """Return the column without offsets, bonds and sliding; None if it is off its axis for another reason.
 
-    It has no bonds: tension only adds to what a column bears.
+    Without bonds, as tension only adds to the resistance of a column.
     """
     straight = with_all_joints(column, friction=None, dowel=None, offset=None, tensile_strength=0.0, cohesion=0.0)
     return None if straight.off_axis else straight

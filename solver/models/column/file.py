@@ -1,4 +1,4 @@
-"""A column as its TOML file describes it: tables, keys derived from others, repeated blocks, a profile."""
+"""The TOML file of a column: tables, keys derived from others, repeated blocks, a profile."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from .settings import Settings
 
 ROUND = ("circle", "annulus")
 
-MUCH_HIGHER = 10.0  # times the height of the column: a broken shaft may have the profile of the whole one, but not more
+MUCH_HIGHER = 10.0  # times the column's height, limit of the profile: a broken shaft may have that of the whole one
 
 # the keys of the tables of a TOML file
 _COLUMN_KEYS = ("name", "g", "material", "block", "joint", "solver", "profile", "port")
-# of a block: those of `Block`, and those from which others are derived
+# of a block: the fields of `Block`, and keys from which others are derived
 _BLOCK_KEYS = (
     *("height", "width", "depth", "mass", "density", "centroid", "inertia", "joint", "section", "diameter"),
     *("top_width", "top_depth", "top_diameter", "bore", "tilt", "load", "repeat", "material"),
 )
 _JOINT_KEYS = (*(item.name for item in fields(Joint)), "diameter")
-_WORDS = ("section", "strips")  # keys of a joint that are no number
-_LOAD_KEYS = ("mass", "above")  # of what rests on a block: kg, and m of its centroid above the top face
+_WORDS = ("section", "strips")  # keys of a joint that are not numbers
+_LOAD_KEYS = ("mass", "above")  # of the load on a block: kg, and m of its centroid above the top face
 _SETTINGS_KEYS = tuple(item.name for item in fields(Settings))
 
 # hints in the messages about missing keys, after the range of the key
@@ -38,9 +38,9 @@ _HINTS = {"damping": "; 0 if none is meant: an undamped rocking column is chaoti
 
 
 def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Name, blocks, settings and, where it is given, g of the column in `data`, which `Column.from_dict` describes.
+    """Return the arguments of `Column` from the mapping that `Column.from_dict` describes.
 
-    Raises InputError on an unknown, missing or wrong key.
+    These are name, blocks, settings, ports and, if given, g. Raises InputError on an unknown, missing or wrong key.
     """
     if has_blocks_in_space(data):
         raise InputError("is a structure in space, must be a column: Structure.from_toml and from_dict read structures")
@@ -52,7 +52,7 @@ def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
     if "name" not in data:
         raise InputError('name: missing, must be a file name: letters, digits, "_", "-", "." and space')
     joint_defaults = _table("joint", data, _JOINT_KEYS)
-    for key, value in joint_defaults.items():  # checked here, where the user wrote them
+    for key, value in joint_defaults.items():  # checked here to report the key that the user wrote
         if key not in _WORDS:
             check(f"joint.{key}", value)
     blocks = _blocks_from(data, joint_defaults)
@@ -68,12 +68,12 @@ def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def names_of(blocks: int) -> list[str]:
-    """What blocks are called where one is named: as in space, block1 the top one."""
+    """Return the names of the blocks, as in space: block1 is the top one."""
     return [f"block{number}" for number in range(1, blocks + 1)]
 
 
 def _point(key: str, value: object, body: int) -> list[float]:
-    """A point of the plane: [x, z], or [x, 0, z] as a structure has it."""
+    """Return a point in the plane, from [x, z], or [x, 0, z] as in a structure."""
     at = [0.0, 0.0] if value is None else value
     if isinstance(at, (list, tuple)) and len(at) == 3 and at[1] == 0:
         at = [at[0], at[2]]
@@ -83,14 +83,17 @@ def _point(key: str, value: object, body: int) -> list[float]:
 
 
 def has_blocks_in_space(data: Mapping[str, Any]) -> bool:
-    """Whether a block says what it stands on, or where, as those of a structure do."""
+    """Return True if a block has a position, a shape or the block that it stands on, as in a structure."""
     tables = data.get("block")
     blocks = [table for table in tables if isinstance(table, Mapping)] if isinstance(tables, list) else []
     return any({"on", "position", "shape"} & table.keys() for table in blocks)
 
 
 def _table(key: str, data: Mapping[str, Any], known: Collection[str]) -> Mapping[str, Any]:
-    """Return the optional table under the last part of `key`, empty if absent, with nothing but `known` keys."""
+    """Return the optional table under the last part of `key`, empty if absent.
+
+    Raises InputError if it has keys that are not `known`.
+    """
     table = data.get(key.rpartition(".")[2], {})
     if not isinstance(table, Mapping):
         raise InputError(f"{key} = {shown(table)}: must be a table with the keys {', '.join(known)}")
@@ -114,7 +117,7 @@ def _block_tables(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 
 
 def _blocks_from(data: Mapping[str, Any], joint_defaults: Mapping[str, Any]) -> tuple[Block, ...]:
-    """The blocks of the tables, repeated as often as the tables say; missing diameters are taken from the profile."""
+    """Return the blocks of the tables, repeated as the tables say; missing diameters are taken from the profile."""
     tables: list[tuple[str, Mapping[str, Any]]] = []
     for number, table in enumerate(_block_tables(data), start=1):
         key, times = f"block[{number}]", table.get("repeat", 1)
@@ -136,7 +139,7 @@ def _blocks_from(data: Mapping[str, Any], joint_defaults: Mapping[str, Any]) -> 
 
 
 def _material(key: str, table: Mapping[str, Any]) -> Material | None:
-    """The material that a table names, None if it names none."""
+    """Return the material that a table names, or None."""
     if "material" not in table:
         return None
     check_choice(key, table["material"], tuple(MATERIALS))
@@ -148,7 +151,7 @@ def _takes_profile(table: Mapping[str, Any]) -> bool:
 
 
 def _unused(data: Mapping[str, Any], blocks: tuple[Block, ...]) -> list[str]:
-    """Values that are given but used by no block, a line each."""
+    """Return a line for each value that is given but used by no block."""
     lines, tables = [], _block_tables(data)
     for name in data.get("joint", ()):
         if all(name in table.get("joint", ()) for table in tables):
@@ -164,7 +167,7 @@ def _unused(data: Mapping[str, Any], blocks: tuple[Block, ...]) -> list[str]:
 
 
 def _profile_from(data: Mapping[str, Any]) -> tuple[list[float], list[float]] | None:
-    """Heights above the base and diameters there, m."""
+    """Return the heights above the base and the diameters of the profile (m), or None."""
     if "profile" not in data:
         return None
     points = data["profile"]
@@ -186,7 +189,7 @@ def _profile_from(data: Mapping[str, Any]) -> tuple[list[float], list[float]] | 
 def _block_from(
     key: str, table: Mapping[str, Any], joint_defaults: Mapping[str, Any], material: Material | None
 ) -> Block:
-    """A block and the joint under it; density, stiffness and strength that are not given are those of the material."""
+    """Return a block and the joint under it; the material gives missing density, stiffness and strength."""
     joint_table = _table(f"{key}.joint", table, _JOINT_KEYS)
     shape: dict[str, Any] = {"height": _number(key, table, "height"), "section": table.get("section", "rectangle")}
     check_choice(f"{key}.section", shape["section"], BLOCK_SECTIONS)
@@ -210,7 +213,7 @@ def _block_from(
 
 
 def _faces_from(key: str, table: Mapping[str, Any], section: str) -> dict[str, float]:
-    """Width and depth of the bottom face, and of the top face and the bore where they are given."""
+    """Return width and depth of the bottom face, and those of the top face and the bore if given."""
     if section not in ROUND:
         for name in ("diameter", "top_diameter"):
             if name in table:
@@ -219,7 +222,7 @@ def _faces_from(key: str, table: Mapping[str, Any], section: str) -> dict[str, f
         return {name: _number(key, table, name) for name in names}
     found: dict[str, float] = {}
     for name, width, depth in (("diameter", "width", "depth"), ("top_diameter", "top_width", "top_depth")):
-        if width in table or depth in table:  # both, as `to_dict` writes them
+        if width in table or depth in table:  # `to_dict` writes both
             if not {width, depth} <= table.keys():
                 given = width if width in table else depth
                 raise InputError(f"{key}.{given}: must be left out, give {name}: a round block has no {given}")
@@ -236,7 +239,7 @@ def _faces_from(key: str, table: Mapping[str, Any], section: str) -> dict[str, f
 
 
 def _loaded(key: str, table: Mapping[str, Any], block: Block) -> Block:
-    """The block with a load that rests on it and turns with it."""
+    """Return the block with a load that rests on it and rotates with it."""
     load = table["load"]
     if not isinstance(load, Mapping):
         raise InputError(f"{key}.load = {shown(load)}: must be a table with the keys {', '.join(_LOAD_KEYS)}")
@@ -266,13 +269,23 @@ def _joint_from(key: str, table: Mapping[str, Any], section: str) -> Joint:
 
 
 def plain(items: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Make a dict of dataclass fields without those that are None, numpy's scalars as floats, names in lists."""
+    """Make a dict of dataclass fields, without None, with NumPy scalars as floats and tuples of names as lists."""
     plain: dict[str, Callable[[Any], Any]] = dict.fromkeys(NUMBERS, float) | {"without": list}
     return {key: plain[key](value) if key in plain else value for key, value in items if value is not None}
 
 
 def with_load(mass: float, centroid: float, inertia: float, load: float, place: float) -> tuple[float, float, float]:
-    """Mass kg, centroid m and inertia kg m2 of a body and a load: a point mass at a height of `place` m."""
+    """Return mass (kg), centroid (m) and inertia (kg m2) of a body with a load, a point mass.
+
+    Parameters
+    ----------
+    mass, centroid, inertia : float
+        The properties of the body (kg, m above its bottom face, kg m2).
+    load : float
+        The mass of the load (kg).
+    place : float
+        The height of the load above the bottom face (m).
+    """
     both = mass + load
     middle = (mass * centroid + load * place) / both
     return both, middle, inertia + mass * (centroid - middle) ** 2 + load * (place - middle) ** 2

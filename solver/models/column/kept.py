@@ -1,4 +1,4 @@
-"""Results that can be kept of each of many runs, by name."""
+"""The results of each of many runs that can be stored, by name."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from ..protocol import Kept, kept_peaks
 from .outputs import OUTPUTS
 
 WATCHED = {output.kept for output in OUTPUTS if output.field != "ux"}  # peaks that lanes do not watch
-# peaks: of the absolute values within the duration; docs/studies.md says what each is. verdict, path: numbers of
+# peaks: of the absolute values within the duration; docs/studies.md defines each. verdict, path: codes of
 # protocol.WORDS.
 KEPT: dict[str, Kept] = {
-    # a joint goes with its block
+    # the entries of a joint are listed by its block
     **{
         name: kept if kept.of in (PORT, BOND) else kept._replace(of="block")
         for name, kept in kept_peaks(OUTPUTS).items()

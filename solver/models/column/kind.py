@@ -1,4 +1,4 @@
-"""Columns as a kind of model (models/protocol.py): their runs alone and in lanes, and what can be kept of them."""
+"""Columns as a kind of model (models/protocol.py): their runs alone and in lanes, and their results."""
 
 from __future__ import annotations
 
@@ -35,16 +35,26 @@ from .rest import check_stable, known_warnings, warnings_of
 from .run import outcome, single_run
 from .settling import outcomes_of
 
-LEFT = ("residual_ux", "residual_theta", "residual_slip", "energy")  # results from the phase at the end
-MOST_DAMPED = 0.5  # of the steps implicit: beyond it lanes, which step explicitly, gain nothing
-ALONE = 10.0  # work of a run alone, over that in lanes
+LEFT = ("residual_ux", "residual_theta", "residual_slip", "energy")  # results that follow from the phase at the end
+MOST_DAMPED = 0.5  # fraction of implicit steps above which lanes, whose steps are explicit, are no faster
+ALONE = 10.0  # cost of a run alone, relative to lanes
 
 
 class Columns(Kind):
-    """Columns in their plane, with finite rotations; models/paper/kind.py has other equations.
+    """The kind of columns in their plane, with finite rotations; models/paper/kind.py has other equations.
 
-    entries: module of the kernels; spaces: that of their spaces; chain: what a phase means; own_lanes: all that it has,
-    None: those of lanes.py; fixed: whether the steps are those of the settings.
+    Attributes
+    ----------
+    entries : module
+        The kernels.
+    spaces : module
+        The layout of their arrays.
+    chain : type
+        The interpretation of a phase.
+    own_lanes : LaneKernels or None
+        The only kind of lanes; None: those of lanes.py.
+    fixed : bool
+        Whether the steps are those of the settings.
     """
 
     entries: ModuleType = entries
@@ -62,25 +72,25 @@ class Columns(Kind):
     kept = KEPT
 
     def snapshot_size(self, model: Column) -> int:
-        """Numbers of a snapshot."""
+        """Return the length of a snapshot."""
         return spaces.snapshot_size(model.n, model.has_slips)
 
     def warnings(self, model: Column, at_rest: bool = True) -> Sequence[str]:
-        """As of rest.py; at_rest: kept for a column that is asked about again."""
+        """Return the warnings of rest.py; those `at_rest` are cached for repeated calls."""
         return known_warnings(model) if at_rest else warnings_of(model)
 
     def check(self, model: Column, from_rest: bool) -> None:
-        """Its rest is stable."""
+        """Raise InputError with `from_rest` if the rest is not stable."""
         if from_rest:
             check_stable(model)
 
     def check_motion(self, motion: Motion) -> None:
-        """It stays in the plane, and so do loads."""
+        """Raise InputError for a motion or loads that leave the plane."""
         super().check_motion(motion)
         check_loads_in_plane(motion.loads)
 
     def single_run(self, model: Column, plan: Plan) -> tuple[Response, FloatArray]:
-        """A response, and ux of the tops."""
+        """Run a column; return the response and ux of the top faces at its rows, m (rows, n)."""
         load(self.entries.run.group)  # before the clock starts
         response, phases = single_run(model, plan)
         return response, chain_of(model).top_displacements(phases)
@@ -88,35 +98,36 @@ class Columns(Kind):
     # --- many
 
     def check_kept(self, model: Column, keep: Collection[str]) -> None:
-        """It computes the peaks that are asked for."""
+        """Raise InputError if the column does not compute the peaks in `keep`."""
         asked = [name for name in keep if name in WATCHED]
         if asked and "peaks" in model.settings.without:
             raise InputError(f'solver.without has "peaks", must not where {asked[0]} is kept')
 
     def lanes(self, model: Column, keep: Collection[str]) -> Lanes:
-        """Lanes watch the peaks of ux alone."""
+        """Return how runs are made in lanes, which watch the peaks of ux only."""
         return Lanes(self.why_alone(model, keep), (model.n, kind_of(model)), first_step_of(model))
 
     def why_alone(self, model: Column, keep: Collection[str]) -> str:
-        """Why runs of a column are not made in lanes; empty where they are, unless the motion has HELD samples."""
+        """Return the reason against lanes; "" if they are used, unless the motion has HELD samples."""
         return self.why_not(model) or ("" if WATCHED.isdisjoint(keep) else "peaks of more than ux")
 
     def under(self, model: Column, motion: Motion) -> tuple[str, Hashable]:
-        """Lanes know no held samples and no loads."""
+        """Return the reason against lanes under a motion: loads or held samples."""
         return LOADED if motion.loads else HELD if motion.hold else "", None
 
     def load(self, model: Column, keep: Collection[str]) -> None:
-        """The kernels of its kind of lanes."""
+        """Load the kernels of the column's kind of lanes."""
         load_kernels(kind_of(model))
 
     def follow(
         self, runs: Sequence[Run], keep: Collection[str], settle: float, flag: FloatArray
     ) -> tuple[dict[str, NDArray[Any]], NDArray[np.bool_]]:
-        """Runs of columns of equal numbers of blocks, in lanes of one kind."""
+        """Run columns of equal numbers of blocks in lanes of one kind; see `Kind.follow`."""
         columns, motions, durations = zip(*runs, strict=True)
         batch = follow_in_lanes(columns, motions, durations, flag=flag)
         if flag[0]:
             return {}, batch.finished
+        # results from the phases at the end
         if lanes_of(columns).slips:
             chain = None
             chains = [chain_of(column) for column in columns]
@@ -140,18 +151,18 @@ class Columns(Kind):
         return made, batch.finished
 
     def alone(self, run: Run, keep: Collection[str], settle: float, look: Callable[..., object]) -> dict[str, Any]:
-        """Without peaks that are not kept."""
+        """Run one column alone, without the peaks that are not stored; see `Kind.alone`."""
         end = np.array([run.motion.start + run.duration])
         column = run.model
         if WATCHED.isdisjoint(keep):
-            column = column.with_settings(without=(*column.settings.without, "peaks"))  # but those of ux
+            column = column.with_settings(without=(*column.settings.without, "peaks"))  # except those of ux
         response, phases = single_run(column, Plan(run.motion, run.duration, end, None, settle, look))
         stands = not response.overturn_time <= end[0]
         left = {name: _at_the_end(name, chain_of(run.model), phases[0]) if stands else math.nan for name in _left(keep)}
         return {name: left[name] if name in left else response.kept(name) for name in keep}
 
     def work(self, model: Column, keep: Collection[str]) -> Work:
-        """By whether it is in lanes."""
+        """Return the approximate cost, which depends on the use of lanes."""
         return Work(0.0, model.n * (ALONE if self.why_alone(model, keep) else 1.0))
 
     # --- numbers by name
@@ -168,7 +179,7 @@ class Columns(Kind):
     # --- an ensemble
 
     def in_lanes(self, response: Response, plan: Plan) -> bool:
-        """Those of the linear law whose steps are mostly explicit, from rest."""
+        """Return True for the linear law if most steps are explicit and the run starts from rest."""
         column = response.column
         fits = not (column.other_law or column.is_brittle or column.has_bands) and set(column.settings.without) <= {
             "peaks"
@@ -177,7 +188,7 @@ class Columns(Kind):
         return fits and explicit and not self.under(column, plan.motion)[0] and plan.initial is None
 
     def varied_in_lanes(self, pairs: Sequence[tuple[Column, Motion]], plan: Plan) -> list[Varied | None]:
-        """With the histories of ux at the rows of the plan."""
+        """Run varied columns in lanes, with the histories of ux at the rows of the plan."""
         columns, motions = zip(*pairs, strict=True)
         start, duration = plan.motion.start, plan.duration
         times = np.append(plan.times - start, duration)
@@ -196,19 +207,19 @@ class Columns(Kind):
 
 
 class ColumnsWithPorts(Columns):
-    """Columns with points at which loads act, and kernels that know these."""
+    """The kind of columns with ports at which loads act, and their kernels."""
 
     entries = with_ports
 
 
 class BrittleColumns(Columns):
-    """Columns with joints that are bonded until they break, and kernels that know these."""
+    """The kind of columns with joints that are bonded until they break, and their kernels."""
 
     entries = with_bonds
     spaces = of_bonds
 
     def snapshot_size(self, model: Column) -> int:
-        """With what is bonded."""
+        """Return the length of a snapshot, which includes the bonds."""
         return of_bonds.snapshot_size(model.n)
 
 
@@ -222,12 +233,32 @@ def _left(keep: Collection[str]) -> list[str]:
 def _verdicts(
     runs: Sequence[Run], batch: BatchResult, chain: Chain | None, settle: float, flag: FloatArray
 ) -> tuple[IntArray, FloatArray, IntArray]:
-    """Numbers of the words, times of overturning (NaN: it stands) and joints; undecided runs are followed further.
+    """Determine the verdicts after runs in lanes; undecided runs are followed further.
 
-    chain: None for columns that have slips, which are followed one by one.
+    Parameters
+    ----------
+    runs : sequence of Run
+        The runs.
+    batch : BatchResult
+        Their results.
+    chain : Chain or None
+        The data of the columns; None for columns with slips, which are followed one by one.
+    settle : float
+        The longest time that a column is followed after the run (s).
+    flag : ndarray
+        Once flag[0] is set, the call returns soon.
+
+    Returns
+    -------
+    words : ndarray of int
+        The codes of the verdicts.
+    times : ndarray
+        The times of overturning (s), NaN if a column stands.
+    joints : ndarray of int
+        The joints over which columns fell, 0 if they stand.
     """
     joints, times = batch.overturned_joint.copy(), batch.overturn_time.copy()
-    words = np.full(len(runs), code_of("verdict", OVERTURNED))  # or not finished: such runs are made again alone
+    words = np.full(len(runs), code_of("verdict", OVERTURNED))  # also unfinished runs, repeated alone later
     ended = np.flatnonzero(batch.finished & (joints == 0))
     stops = np.array([run.motion.start + run.duration for run in runs])
     if chain is not None and ended.size:
@@ -244,7 +275,7 @@ def _verdicts(
 
 
 def _at_the_end(name: str, chain: Chain, phase: FloatArray) -> Any:
-    """One of LEFT, of a column with this phase, or of many with a phase each."""
+    """Return a result of LEFT from the phase of a column, or from the phases of many."""
     if name == "energy":
         return chain.energies(phase)
     if name == "residual_ux":

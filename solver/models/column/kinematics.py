@@ -1,10 +1,10 @@
-"""A column as a chain of rigid bodies, in numpy: positions of its blocks, and their energy (theory.md section 4).
+"""A column as a chain of rigid bodies in NumPy: positions of its blocks, and their energy (theory.md section 4).
 
-A phase is coordinates and rates as in the stepper, (4 n,) or (rows, 4 n). A column whose joints may slide adds slips
-and their rates, (6 n,) or (rows, 6 n); one that has brittle joints also the ends of what is bonded, 8 n numbers in all.
+A phase has the coordinates and rates of the stepper, (4 n,) or (rows, 4 n). A column whose joints may slide adds slips
+and their rates, (6 n,) or (rows, 6 n); one that has brittle joints also the ends of the bonds, 8 n numbers in all.
 
 Vectors in the plane are complex numbers: up is the real part, +x the imaginary one, so that exp(i theta) is a unit
-vector that points up, turned clockwise by theta.
+vector that points up, rotated clockwise by theta.
 """
 
 from __future__ import annotations
@@ -22,19 +22,20 @@ from ...kernels.sections.faces import RECTANGLE
 from .model import Column
 from .packing import FloatArray, IntArray, arrays_of, pack_model, settlements
 
-PARALLEL = 1e-30  # rad: faces are taken as parallel below this
+PARALLEL = 1e-30  # rad: faces are parallel if the slope is smaller
 
 
-_OF_BLOCKS = (  # fields of the packed model; the last four: as built, which are 0 on the axis
+_OF_BLOCKS = (  # fields of the packed model; the last four describe the column as built, 0 on the axis
     *("height", "centroid", "mass", "inertia", "width", "stiffness", "bore", "fall_angle"),
     *("lean", "tilt", "offset", "built_x"),
 )
 
 
 class Places(NamedTuple):
-    """Rotations rad, openings m and slips m of the blocks and the joints under them, and their rates: (..., n) each.
+    """The rotations (rad) of blocks, openings and slips (m) of the joints under them, and their rates, (..., n).
 
-    And the ends of what is bonded, m from the middle of the block; nothing where left is not below right.
+    bond_left and bond_right are the ends of the bonds (m from the middle of the block); a bond with left >= right is
+    broken.
     """
 
     theta: FloatArray
@@ -50,8 +51,14 @@ class Places(NamedTuple):
 class Joints(NamedTuple):
     """The joints in the plane, (..., n) each.
 
-    half_turn: rotation of the block over the body below (rad); normal: unit vectors; step: from the lower face to the
-    upper (m).
+    Attributes
+    ----------
+    half_turn : ndarray
+        Half the rotation of the block relative to the body below (rad).
+    normal : ndarray of complex
+        The unit normals.
+    step : ndarray of complex
+        The vectors from the lower face to the upper (m).
     """
 
     half_turn: FloatArray
@@ -60,11 +67,11 @@ class Joints(NamedTuple):
 
 
 class Chain:
-    """The data of a column as rows of n numbers, the top block first."""
+    """The data of a column as arrays of n numbers, the top block first."""
 
-    safe = 0.97  # of a barrier: the largest energy of a column that is taken to stand (verdict.py)
+    safe = 0.97  # of a barrier: the largest energy of a column that stands for certain (verdict.py)
     rectangles: NDArray[np.bool_]
-    rest: FloatArray | None = None  # phase; the energy there is subtracted from others
+    rest: FloatArray | None = None  # phase at rest; its energy is subtracted
     reach: FloatArray | None = None  # m, stretch at which a brittle joint breaks
 
     def __init__(self, column: Column) -> None:
@@ -81,9 +88,9 @@ class Chain:
 
     @classmethod
     def of_many(cls, models: FloatArray, n: int) -> Chain:
-        """The data of many columns of n blocks, none with slips: arrays (columns, n).
+        """Return the data of many columns of n blocks, none with slips, as arrays (columns, n).
 
-        models: packed (packing.py), a row for each column; no joint is made of strips.
+        `models` are packed (packing.py), a row for each column; no joint is made of strips.
         """
         chain = cls.__new__(cls)
         chain._read(models, n)
@@ -99,17 +106,17 @@ class Chain:
         rows: list[FloatArray] = [getattr(blocks, name).T.copy() for name in _OF_BLOCKS]
         self.height, self.centroid, self.mass, self.inertia, self.width, self.stiffness, self.bore, *others = rows
         self.fall_angle, self.lean, self.tilt, self.offset, self.built_x = others
-        # of the linear law these have the closed form of the energy below
+        # with the linear law the energy of these has the closed form below
         self.rectangles = blocks.section.T == RECTANGLE
         self.rigidity = self.stiffness * blocks.depth.T  # N/m2: per metre of the joint's width, if it is a rectangle
         ring = 0.25 * np.pi * (self.width**2 - self.bore**2)
         # N/m, in full contact
         self.spring = np.where(self.rectangles, self.rigidity * self.width, self.stiffness * ring)
-        self.carried = np.cumsum(self.mass, axis=-1)  # kg, by the joint under each block
+        self.carried = np.cumsum(self.mass, axis=-1)  # kg, on the joint under each block
         self.weight = self.g * self.carried  # N
 
     def some(self, which: IntArray) -> Chain:
-        """The data of some of many columns."""
+        """Return the data of the columns with the indices `which`."""
         chain = copy(self)
         chain.__dict__.pop("toppling", None)
         for name, values in vars(chain).items():
@@ -118,44 +125,44 @@ class Chain:
         return chain
 
     def places(self, phase: FloatArray) -> Places:
-        """Rotations and openings of a phase."""
+        """Split a phase into rotations, openings, slips and their rates."""
         n = self.n
         return Places(*(phase[..., k : k + n] for k in range(0, phase.shape[-1], n)))
 
     @staticmethod
     def coordinates(height: FloatArray, theta: FloatArray, opening: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """The coordinates of a phase, or its rates, from rotations and openings, or theirs."""
+        """Return the coordinates of a phase, or their rates, from rotations and openings, or their rates."""
         return theta, opening
 
     def top_displacements(self, phase: FloatArray) -> FloatArray:
-        """Horizontal displacements of the top faces, relative to the base and from as built, m, (..., n)."""
+        """Return the horizontal displacements of the top faces relative to the base and from as built, m (..., n)."""
         theta, opening, _, _, slip, *_ = self.places(phase)
         mean = theta - 0.5 * over_below(theta) + self.lean
         steps = opening * np.sin(mean) + slip * np.cos(mean) + self.height * np.sin(theta + self.tilt)
         return from_base(steps) - self.built_x
 
     def top_velocities(self, phase: FloatArray) -> FloatArray:
-        """The rates of `top_displacements`, m/s, (..., n)."""
+        """Return the rates of `top_displacements`, m/s (..., n)."""
         places = self.places(phase)
         return self._tops(places, self.joints(places)).imag
 
     def gaps(self, phase: FloatArray) -> FloatArray:
-        """Largest gap of each joint, at an edge of its contact, m, (..., n); 0 where it is pressed all over."""
+        """Return the largest gap of each joint, at an edge of its contact, m (..., n); 0 in full contact."""
         places = self.places(phase)
         slope = 2.0 * np.sin(self.joints(places).half_turn)
         return np.maximum(places.opening - 0.5 * places.slip * slope + 0.5 * self.width * np.abs(slope), 0.0)
 
     def energy(self, phase: FloatArray) -> float:
-        """Kinetic, elastic and gravitational energy of one phase above that of the rest under gravity, J."""
+        """Return kinetic, elastic and gravitational energy of one phase above that of the rest under gravity (J)."""
         return float(self.energies(phase))
 
     def energies(self, phase: FloatArray) -> FloatArray:
-        """`energy` of several phases, one a row."""
+        """Return the `energy` of several phases, one in each row."""
         found = self._energies(phase)
         return found if self.rest is None else found - self._energies(self.rest)
 
     def _energies(self, phase: FloatArray) -> FloatArray:
-        """Energies above the straight column under its weight; of other columns above a fixed reference."""
+        """Return energies above the straight column under its weight; of other columns above a fixed reference."""
         places = self.places(phase)
         theta, opening, spin, _, slip, *_ = places
         joints = self.joints(places)
@@ -172,7 +179,7 @@ class Chain:
         return energy.sum(axis=-1)
 
     def _pulled(self, opening: FloatArray, slope: FloatArray, places: Places) -> FloatArray:
-        """Elastic energy of what is bonded and pulled, J, beside that of what is pressed; of rectangles."""
+        """Return the elastic energy of bonds in tension (J) beside that in compression; of rectangles."""
         reach = np.zeros(self.n) if self.reach is None else self.reach
         steep, rises = np.maximum(np.abs(slope), PARALLEL), slope >= 0.0
         left, right = np.asarray(places.bond_left), np.asarray(places.bond_right)
@@ -184,34 +191,45 @@ class Chain:
         return np.where((far > near) & (left < right), found, 0.0)
 
     def joints(self, places: Places) -> Joints:
-        """The joints in the plane."""
+        """Compute the joints in the plane."""
         half_turn = 0.5 * over_below(places.theta)
         normal = np.exp(1j * (places.theta - half_turn + self.lean))
         return Joints(half_turn, normal, (places.opening + 1j * places.slip) * normal)
 
     def velocities(self, places: Places, joints: Joints) -> NDArray[np.complex128]:
-        """Of the centroids, m/s, (..., n)."""
+        """Return the velocities of the centroids, m/s (..., n)."""
         return self._tops(places, joints) - (self.height - self.centroid) * self._turning(places)
 
     def _tops(self, places: Places, joints: Joints) -> NDArray[np.complex128]:
-        """Velocities of the middles of the top faces, m/s, (..., n)."""
+        """Return the velocities of the centres of the top faces, m/s (..., n)."""
         spin, rates = places.spin, places.opening_rate + 1j * places.slip_rate
         mean_spin = spin - 0.5 * over_below(spin)
         steps = rates * joints.normal + 1j * mean_spin * joints.step + self.height * self._turning(places)
         return from_base(steps)
 
     def _turning(self, places: Places) -> NDArray[np.complex128]:
-        """Times a length along a block: the rate of its end, 1/s, (..., n)."""
+        """Return the rate of the end of a unit length along each block, 1/s (..., n)."""
         return 1j * places.spin * np.exp(1j * (places.theta + self.tilt))
 
     def elastic(self, opening: FloatArray, slope: FloatArray, slip: FloatArray | float = 0.0) -> FloatArray:
-        """Elastic energy of each joint, J, from opening at the middle of the contact (m), slope (rad) and slip (m)."""
+        """Return the elastic energy of each joint (J).
+
+        Parameters
+        ----------
+        opening : ndarray of shape (..., n)
+            The opening at the middle of the contact (m).
+        slope : ndarray of shape (..., n)
+            The slope between the faces (rad).
+        slip : ndarray or float
+            The slip (m).
+        """
         steep = np.abs(slope)
         deepest = 0.5 * self.width * steep - opening
-        length = np.minimum(self.width, np.maximum(deepest, 0.0) / np.maximum(steep, PARALLEL))  # in contact
+        length = np.minimum(self.width, np.maximum(deepest, 0.0) / np.maximum(steep, PARALLEL))  # length in contact
         bent = steep * length
-        # half the square of the penetration over the length, from one end to the other
+        # half the square of the penetration, integrated over the length
         found: FloatArray = 0.5 * self.rigidity * length * (deepest * (deepest - bent) + bent**2 / 3.0)
+        # other sections and slipped joints
         simple = self.rectangles & (slip == 0.0)
         if not simple.all():
             others = np.zeros((opening.size // self.n, self.n))
@@ -224,15 +242,16 @@ class Chain:
         return found
 
     def joint_energy(self, i: int, turn: FloatArray, turn_below: FloatArray) -> FloatArray:
-        """Least energy, J above rest, of joint i and the weight it carries, for given rotations of the two bodies.
+        """Return the least energy above rest (J) of joint i and the weight it carries, for given rotations of the two
+        bodies.
 
-        It includes the rise of that weight by the opening; the opening minimizes the energy. Rotations, rad: grids of
-        two axes; one value for each of many columns.
+        It includes the rise of that weight by the opening; the opening minimizes the energy. `turn` and `turn_below`
+        are the rotations (rad): grids of two axes, or one value for each of many columns.
         """
         return self.bent_energy(i, 2.0 * np.abs(np.sin(0.5 * (turn - turn_below))), np.cos(0.5 * (turn + turn_below)))
 
     def bent_energy(self, i: int, slope: FloatArray, cosine: FloatArray) -> FloatArray:
-        """`joint_energy` from the slope of the joint, not below zero, and the cosine of the mean of both rotations."""
+        """Return `joint_energy` from the slope of the joint (>= 0) and the cosine of the mean of both rotations."""
         full_weight, width, rigidity = (
             values[..., i, None, None] for values in (self.weight, self.width, self.rigidity)
         )
@@ -243,7 +262,7 @@ class Chain:
             others = self._other_energy(i, slope, weight) - at_rest
             if not np.any(simple):
                 return others
-        length = np.sqrt(2.0 * weight / (rigidity * np.maximum(slope, PARALLEL)))  # in contact
+        length = np.sqrt(2.0 * weight / (rigidity * np.maximum(slope, PARALLEL)))  # length in contact
         partly = weight * slope * (0.5 * width - 2.0 / 3.0 * length)
         full = rigidity * width**3 * slope**2 / 24.0 - weight**2 / (2.0 * rigidity * width)
         rest = -(full_weight**2) / (2.0 * rigidity * width)
@@ -251,7 +270,7 @@ class Chain:
         return found if np.all(simple) else np.where(simple, found, others)
 
     def built_energy(self, i: int, turn: FloatArray, turn_below: FloatArray) -> FloatArray:
-        """`joint_energy` of a column off its axis, with the weight acting at its offset; not relative to rest.
+        """Return `joint_energy` of a column off its axis, with the weight acting at its offset; not relative to rest.
 
         Rotations of either sign count from the column as built.
         """
@@ -262,7 +281,7 @@ class Chain:
         return moved + self._other_energy(i, slope, weight, offset)
 
     def _other_energy(self, i: int, slope: FloatArray, weight: FloatArray, slip: float = 0.0) -> FloatArray:
-        """`joint_energy` of any joint from its slope (rad, signed) and the weight on it (N), not relative to rest."""
+        """Return `joint_energy` of any joint from its signed slope (rad) and weight (N), not relative to rest."""
         models = np.atleast_2d(self.model)
         found = np.zeros((len(models), slope.size // len(models)))
         slopes, weights = (np.array(values, np.float64, order="C").reshape(found.shape) for values in (slope, weight))
@@ -272,17 +291,22 @@ class Chain:
         return found.reshape(slope.shape)
 
     def grazed(self, part: float) -> tuple[FloatArray, FloatArray]:
-        """For joints of many columns in contact over this part of their width, (columns, n) each.
+        """Return the tangent of the energy of joints in contact over the fraction `part` of their width.
 
-        Distance of the resultant from the middle (m); and the excess of the elastic energy (J) over its tangent there,
-        divided by the square of the resultant, 1/(N/m) (verdict.py, `least_energies`).
+        Returns
+        -------
+        lever : ndarray of shape (columns, n)
+            The distance of the resultant from the middle (m).
+        gives : ndarray of shape (columns, n)
+            The excess of the elastic energy (J) over its tangent there, divided by the square of the resultant, 1/(N/m)
+            (verdict.py, `least_energies`).
         """
         lever, gives = self.width * (0.5 - part / 3.0), (2.0 / (3.0 * part) - 0.5) / (self.rigidity * self.width)
         if np.all(self.rectangles):
             return lever, gives
         half = 0.5 * self.width
         edge = half * (1.0 - 2.0 * part)
-        first, second = np.zeros(edge.shape), np.zeros(edge.shape)  # about the edge
+        first, second = np.zeros(edge.shape), np.zeros(edge.shape)  # moments about the edge
         rings_beyond(*(each.reshape(-1) for each in (half, 0.5 * self.bore, edge, first, second)))
         off = second / first
         others = 0.5 * off / (self.stiffness * first) - 0.5 / self.spring
@@ -290,7 +314,7 @@ class Chain:
 
     @cached_property
     def toppling(self) -> FloatArray:
-        """Decrease of gravitational energy as each block rotates by theta, over 1 - cos(theta), J, (n,)."""
+        """The decrease of gravitational energy as each block rotates by theta, divided by 1 - cos(theta), J (n,)."""
         above = self.carried - self.mass
         lever: FloatArray = self.mass * self.centroid + above * self.height
         return self.g * lever
@@ -298,17 +322,17 @@ class Chain:
 
 @lru_cache(maxsize=64)
 def chain_of(column: Column) -> Chain:
-    """The chain of a column, computed once; do not change it."""
+    """Return the chain of a column, cached; do not modify it."""
     return column.kind.chain(column)
 
 
 def over_below(values: FloatArray) -> FloatArray:
-    """Differences between each block and the block below; the base is zero."""
+    """Return the differences between each block and the block below; the base is zero."""
     result: FloatArray = values.copy()
     result[..., :-1] -= values[..., 1:]
     return result
 
 
 def from_base(steps: NDArray[Any]) -> NDArray[Any]:
-    """Sums from the base up to each block."""
+    """Return the cumulative sums from the base up to each block."""
     return steps[..., ::-1].cumsum(axis=-1)[..., ::-1]

@@ -1,4 +1,4 @@
-"""Whether runs of a column are made in lanes, in which kind of lanes, and how they begin there: policy alone."""
+"""The policy for lanes: whether runs of a column are made in lanes, of which kind, and how they enter them."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from ...ground.motion import Motion
 from ...kernels.integrators import dormand_prince
 from .model import Column
 
-MOST_BLOCKS = 64  # in lanes; the data of more do not fit into the cache
-TIGHTEST = 1e-7  # tolerance: below it, single runs with the explicit method of order 8 are no slower
-# Explicit steps of a joint damped beyond its critical damping are short: 1 / (0.25 damping frequency^2). Lanes gain
-# while there are no more of them than this a second, at a tolerance of 1e-3; at a tighter one all steps are shorter.
-# Measured (Phocas, eta 1e-3 to 5e-2 s): as fast as `simulate` at 5000 of them (1e-3) and 15000 (1e-5).
+MOST_BLOCKS = 64  # in lanes; the data of more exceed the cache
+TIGHTEST = 1e-7  # tolerance below which single runs with the explicit method of order 8 are as fast
+# Explicit steps of a joint damped beyond critical are short: 1 / (0.25 damping frequency^2). Lanes are faster up to
+# this number of steps per second at a tolerance of 1e-3; at a tighter one all steps are shorter. Measured (Phocas, eta
+# 1e-3 to 5e-2 s): as fast as `simulate` at 5000 steps per second (1e-3) and 15000 (1e-5).
 MOST_STEPS = 2500.0  # 1/s
 CRITICAL = 2.0  # damping times frequency
-# A modal step ends at every sample of a record, and costs as much as six in lanes: with more samples a second than
-# this, modes are slower, unless explicit steps are short. Measured (the shaft of Phocas in six drums, five records of
-# 50 to 200 samples a second): twice as slow, and five times where joints stay closed.
-SAMPLES, AT_ONCE = 20.0, 1500.0  # 1/s: of a record; explicit steps
-HELD = "held samples"  # why a run is not made in lanes
+# A modal step ends at every sample of a record, and costs as much as six steps in lanes: with more samples per second
+# than this, modes are slower, unless explicit steps are short. Measured (the shaft of Phocas in six drums, five records
+# of 50 to 200 samples per second): twice as slow, and five times if joints stay closed.
+SAMPLES, AT_ONCE = 20.0, 1500.0  # 1/s: samples of a record; explicit steps
+HELD = "held samples"  # the reason to run alone
 
 
 def why_not_in_lanes(column: Column) -> str:
-    """Why runs of a column are not made in lanes; empty where they are, unless the motion has HELD samples."""
+    """Return the reason against lanes for a column; "" if they are used, unless the motion has HELD samples."""
     settings = column.settings
     if why := why_no_lanes(column):
         return why
@@ -35,7 +35,7 @@ def why_not_in_lanes(column: Column) -> str:
 
 
 def why_no_lanes(column: Column) -> str:
-    """What of `why_not_in_lanes` holds for columns of any formulation."""
+    """Return the reason common to all formulations, or ""."""
     if set(column.settings.without) - {"peaks", "implicit"}:
         return "short cuts left out"
     if column.other_law:  # the kernels of lanes have the linear law only
@@ -46,12 +46,12 @@ def why_no_lanes(column: Column) -> str:
 
 
 def first_step_of(column: Column) -> float:
-    """A step, s, of about the length of the explicit ones."""
+    """Return a step (s) of about the length of the explicit ones."""
     return 0.1 / math.sqrt(2.0 * _dampers(column)[1])
 
 
 def kind_of(column: Column) -> str:
-    """The kind of lanes that makes the runs of a column, a name of KINDS."""
+    """Return the kind of lanes for the runs of a column, a name of KINDS."""
     if column.has_rims:
         return "rims, slipping"
     if column.has_strips:
@@ -62,7 +62,7 @@ def kind_of(column: Column) -> str:
 
 
 def _is_stiff(column: Column) -> bool:
-    """Whether damping makes explicit steps so short that single implicit runs are no slower."""
+    """Return True if damping makes explicit steps so short that single implicit runs are as fast."""
     damping, squares = _dampers(column)
     if damping * math.sqrt(2.0 * squares) <= CRITICAL:
         return False
@@ -71,7 +71,10 @@ def _is_stiff(column: Column) -> bool:
 
 
 def _dampers(column: Column) -> tuple[float, float]:
-    """The largest damping, s, and half the square of a bound of the frequencies, 1/s2 (kernels/column/assembly.py)."""
+    """Return the largest damping (s) and half the square of a bound of the frequencies (1/s2).
+
+    See kernels/column/assembly.py.
+    """
     squares, above = 0.0, 0.0
     for block, spring in zip(column.blocks, column.springs, strict=True):
         squares, above = max(squares, (spring + above) / block.mass), spring
@@ -79,7 +82,19 @@ def _dampers(column: Column) -> tuple[float, float]:
 
 
 def enters_at_once(column: Column, order: float, motion: Motion, samples: int) -> bool:
-    """Whether a run enters its lane at once, without a first part made by modes."""
+    """Return True if a run enters its lane at once, without a first part made by modes.
+
+    Parameters
+    ----------
+    column : Column
+        The column.
+    order : float
+        The order of its explicit method.
+    motion : Motion
+        The motion of the base.
+    samples : int
+        The number of samples that the kernels follow, 0 if there is only the harmonic part.
+    """
     if order != dormand_prince.ORDER:
         return False
     if samples:
@@ -90,11 +105,11 @@ def enters_at_once(column: Column, order: float, motion: Motion, samples: int) -
 
 
 def _opening_acceleration(column: Column) -> float:
-    """Steady base acceleration, m/s2, at which the first joint opens."""
+    """Return the steady base acceleration at which the first joint opens (m/s2)."""
     least, carried, moment = math.inf, 0.0, 0.0  # kg above the joint; kg m of them about it
     for block, contact in zip(column.blocks, column.contacts, strict=True):
         moment += carried * block.height + block.mass * block.resolved_centroid
         carried += block.mass
-        kern = contact.second / (0.5 * contact.width * contact.area)  # m, how far off the middle the load may be
+        kern = contact.second / (0.5 * contact.width * contact.area)  # m, largest eccentricity in full contact
         least = min(least, column.g * carried * kern / moment)
     return least

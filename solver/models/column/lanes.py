@@ -2,7 +2,7 @@
 
 Each run enters a lane, with its own column, motion, time and step (kernels/batch/): at once, or after a first part made
 alone by modes, up to the opening of a joint, if that is likely to be cheaper. The result of a run does not depend on
-the runs beside it, nor on their order.
+the other runs in the lanes, nor on their order.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ from .lane_policy import enters_at_once, kind_of
 from .model import Column
 from .packing import Arrays, FloatArray, arrays_at, coordinates_of, copied
 
-# The error of steps across changes of regime exceeds the estimate: they get this part of the tolerance.
-# Measured on columns of 1 and 3 blocks (eta 1e-3 and 5e-3 s; harmonics, three records at half scale; tolerances of 1e-3
-# to 1e-6; amplification below 100): errors of up to 11 tolerances without, 2.7 with it, for 1.3 times the steps.
+# The error of steps across changes of regime exceeds the estimate: they get this fraction of the tolerance. Measured on
+# columns of 1 and 3 blocks (eta 1e-3 and 5e-3 s; harmonics, three records at half scale; tolerances of 1e-3 to 1e-6;
+# amplification below 100): errors of up to 11 tolerances without, 2.7 with it, for 1.3 times the steps.
 TOLERANCE_PART = 0.3
 
-MOST_ASSEMBLED = 64  # columns whose arrays are kept for their other runs
-LINE = 64  # bytes that the processor reads at once: lanes that lie across two of them cost a tenth more
+MOST_ASSEMBLED = 64  # columns whose arrays are cached for their other runs
+LINE = 64  # bytes in a cache line: lanes that cross its boundary cost a tenth more
 
 
 class LaneKernels(NamedTuple):
@@ -43,11 +43,11 @@ class LaneKernels(NamedTuple):
 
     follow: Entry
     slips: bool = False  # whether the columns have slips
-    section: str = "rectangle"  # beside rectangles, that of some joint
-    stages: int = 6  # evaluations of a step
+    section: str = "rectangle"  # section of some joint other than rectangles
+    stages: int = 6  # evaluations per step
 
 
-# the later, the more sections; kinds with slips and without never share lanes
+# in the order of the sections that they support; kinds with slips and without never share lanes
 KINDS = {
     "plain": LaneKernels(run_lanes),
     "round": LaneKernels(run_round, section="circle"),
@@ -63,16 +63,16 @@ _NONE = np.empty(0)
 
 @dataclass(frozen=True)
 class BatchResult:
-    """Results of runs, in their order: peak_ux m (runs, n), overturned_joint (0 if not), overturn_time s (NaN)."""
+    """The results of runs, in their order: peak_ux m (runs, n), overturned_joint (0 if not), overturn_time s (NaN)."""
 
     peak_ux: FloatArray
     overturned_joint: NDArray[np.int64]
     overturn_time: FloatArray
-    finished: NDArray[np.bool_]  # False if the step needed for the tolerance became too small
+    finished: NDArray[np.bool_]  # False if the tolerance required too small a step
     steps: NDArray[np.int64]
     evaluations: NDArray[np.int64]
-    ends: FloatArray  # (runs, 4 n or 6 n) coordinates and rates at the end, as kinematics.py has them
-    phases: FloatArray  # (runs, rows, 4 n or 6 n) coordinates and rates at the times asked for
+    ends: FloatArray  # (runs, 4 n or 6 n) coordinates and rates at the end, as in kinematics.py
+    phases: FloatArray  # (runs, rows, 4 n or 6 n) coordinates and rates at the requested times
     models: FloatArray  # packed models, a row for each run
 
 
@@ -83,10 +83,20 @@ def follow_in_lanes(
     times: FloatArray | None = None,
     flag: FloatArray | None = None,
 ) -> BatchResult:
-    """Run column k under motion k, from rest, for duration k, s, in one thread; they are of one kind, unchecked.
+    """Run column k under motion k, from rest, for duration k, in one thread; they are of one kind, unchecked.
 
-    times: s after the start of a run, of the phases to store. Ends soon, without usable results, once flag[0] is not
-    zero.
+    Parameters
+    ----------
+    columns : sequence of Column
+        The columns, of equal numbers of blocks.
+    motions : sequence of Motion
+        The motions of the base.
+    durations : sequence of float
+        The durations (s).
+    times : ndarray, optional
+        The times of the phases to store, after the start of a run (s).
+    flag : ndarray, optional
+        Once flag[0] is set, the call returns soon, without usable results.
     """
     rows = _NONE if times is None else np.ascontiguousarray(times, dtype=np.float64)
     flag = np.zeros(1) if flag is None else flag
@@ -99,7 +109,7 @@ def follow_in_lanes(
 
 
 def lanes_of(columns: Sequence[Column]) -> LaneKernels:
-    """The kind of lanes with most sections, which has the same bits as the others for those that these know."""
+    """Return the kind of lanes with most sections; its results are bitwise those of simpler kinds."""
     own: LaneKernels | None = columns[0].kind.own_lanes
     return own or KINDS[max({kind_of(column) for column in columns}, key=KNOW.index)]
 
@@ -113,9 +123,22 @@ def rest_in_lanes(
     end: FloatArray,
     flag: FloatArray,
 ) -> BatchResult:
-    """Follow columns of n blocks on a still base, in one thread and unchecked; `flag` as for `follow_in_lanes`.
+    """Follow columns of n blocks on a still base, in one thread and unchecked.
 
-    models: as of BatchResult. phases: (columns, 4 n) at the times `begin`, s.
+    Parameters
+    ----------
+    models : ndarray
+        The packed models, a row for each column.
+    n : int
+        The number of blocks.
+    kind : LaneKernels
+        The kind of lanes.
+    phases : ndarray of shape (columns, 4 n)
+        The phases at the times `begin`.
+    begin, end : ndarray of shape (columns,)
+        The start and end of each run (s).
+    flag : ndarray
+        Once flag[0] is set, the call returns soon, without usable results.
     """
     batch = _Batch(n, len(phases), _Records((), ()), _NONE, kind)
     batch.go_on(models, phases, begin, end)
@@ -124,10 +147,10 @@ def rest_in_lanes(
 
 
 class _Records:
-    """The samples of all motions, each motion once, one after the other."""
+    """The samples of all motions, each motion once, concatenated."""
 
     def __init__(self, motions: Sequence[Motion], durations: Sequence[float]) -> None:
-        self._places: dict[int, tuple[int, int]] = {}  # of a motion: first sample, number of them
+        self._places: dict[int, tuple[int, int]] = {}  # of a motion: first sample, number of samples
         silent: dict[int, bool] = {}
         samples, first = [], 0
         for motion, duration in zip(motions, durations, strict=True):
@@ -141,12 +164,12 @@ class _Records:
         self.rows = [np.concatenate(parts) for parts in zip(*samples, strict=True)] if samples else [np.zeros(1)] * 3
 
     def place(self, motion: Motion) -> tuple[int, int]:
-        """First sample and number of samples; 0 and 0 if there is only the harmonic part."""
+        """Return the first sample and the number of samples of a motion; 0 and 0 if there is only the harmonic part."""
         return self._places.get(id(motion), (0, 0))
 
 
 class _Batch:
-    """Runs as rows for the kernels (kernels/batch/runs.py), and room for the first part of one run at a time."""
+    """The runs as rows for the kernels (kernels/batch/runs.py), and buffers for the first part of one run at a time."""
 
     def __init__(self, n: int, count: int, records: _Records, rows: FloatArray, kind: LaneKernels) -> None:
         self.n, self._kind = n, kind
@@ -164,7 +187,7 @@ class _Batch:
         self._assembled: dict[int, Arrays] = {}  # by the id of the column, of some columns
 
     def begin(self, k: int, column: Column, motion: Motion, duration: float) -> None:
-        """Let run k wait for a lane, from rest or from the opening of a joint; or finish it here."""
+        """Put run k in the queue for a lane, from rest or from the opening of a joint; or finish it here."""
         n, start, stop = self.n, motion.start, motion.start + duration
         fresh = self._at_rest(column)
         model, phase = fresh.model, fresh.state[at.CONTROL.beside :]
@@ -177,6 +200,7 @@ class _Batch:
             self._outcomes[k, OUTCOME.beside + n :] = phase[: 4 * n]
             self._waits(k, phase[: 4 * n], (start, start, stop, 1.0, *wave, first, size, 0, 0.0, 0.0))
             return
+        # first part alone, by modes, up to the opening of a joint
         arrays = copied(fresh)
         control, counts, base = at.CONTROL.see(arrays.state), at.COUNTS.see(arrays.counts), at.BASE.see(arrays.base)
         base.wave_amplitude, base.wave_omega, base.wave_phase = wave
@@ -201,7 +225,7 @@ class _Batch:
             self._waits(k, phase, entering)
 
     def _at_rest(self, column: Column) -> Arrays:
-        """The arrays of a column at rest, not to be modified."""
+        """Return the arrays of a column at rest, cached, not to be modified."""
         found = self._assembled.get(id(column))
         if found is None:
             if len(self._assembled) == MOST_ASSEMBLED:
@@ -211,7 +235,7 @@ class _Batch:
         return found
 
     def go_on(self, models: FloatArray, phases: FloatArray, begin: FloatArray, end: FloatArray) -> None:
-        """Let all runs wait for a lane, with these phases, on a base that is still."""
+        """Put all runs in the queue for a lane, with these phases, on a still base."""
         self._waiting = list(range(len(models)))
         self._models, self._phases = models, phases
         for name, values in (("origin", begin), ("start", begin), ("stop", end), ("scale", 1.0)):
@@ -219,17 +243,17 @@ class _Batch:
         self._outcomes[:, OUTCOME.beside + self.n :] = phases
 
     def _keep_slips(self, k: int, phase: FloatArray) -> None:
-        """Store the second part of a phase, if columns have slips, as that of run k."""
+        """Store the second part of a phase as that of run k, if columns have slips."""
         if self._kind.slips:
             self._slips[k] = phase[at.RIGID_FIELDS * self.n : at.PHASE_FIELDS * self.n]
 
     def _waits(self, k: int, phase: FloatArray, entering: tuple[float, ...]) -> None:
-        """Let run k wait for a lane."""
+        """Put run k in the queue for a lane."""
         self._waiting.append(k)
         self._phases[k], self._runs[k] = phase, entering
 
     def finish(self, flag: FloatArray) -> None:
-        """Let the runs that have begun pass through the lanes."""
+        """Run all queued runs through the lanes."""
         some = np.array(self._waiting, dtype=np.int64)
         if not some.size:
             return
@@ -249,7 +273,7 @@ class _Batch:
         self._outcomes[some], self._snapshots[some], self._slips[some] = outcomes, snapshots, slips
 
     def result(self) -> BatchResult:
-        """The results of the runs."""
+        """Return the results of the runs."""
         n = self.n
         code, time, joint, steps, _ = self._outcomes[:, : OUTCOME.beside].T
         return BatchResult(
@@ -274,7 +298,7 @@ _TRIED = [OUTCOME.parts["record"].fields.index(name) for name in ("steps", "reje
 
 
 def aligned(size: int) -> FloatArray:
-    """Zeros that begin where a line of memory does."""
+    """Return zeros that begin at a cache line."""
     room = np.zeros(size + LINE // 8)
     first = (-room.ctypes.data % LINE) // 8
     return room[first : first + size]

@@ -1,8 +1,8 @@
-"""Whether a column off its axis, whose joints never slide, can still fall on a still base.
+"""The test whether a column off its axis, whose joints never slide, can still fall on a still base.
 
 As in verdict.py, the energy never grows. So a column stands for ever if all its blocks are within limits and its energy
 is less than that of any column with one block at its limit and the others within theirs. Here the limits to either side
-are separate, and energies are counted from that of the bent rest (theory.md section 12).
+are separate, and energies count from that of the bent rest (theory.md section 12).
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from .kinematics import Chain, chain_of
 from .model import Column
 from .packing import FloatArray, IntArray
 
-# limits that are tried, as parts of the angles at which the blocks from the top to each one stand on their edge
+# the limits, as fractions of the angles at which the blocks from the top to each one stand on their edge
 PARTS = (0.8, 0.95, 0.6, 0.4, 0.2)
 GRID = 24  # rotations to either side, denser near upright, where joints are closed
-SAFE = 0.97  # of the least energy; the rest covers the error of the grid
+SAFE = 0.97  # of the least energy; the remainder covers the error of the grid
 
 
 def leans_for_good(column: Column, phase: FloatArray) -> bool:
-    """Whether a column with this phase (kinematics.py) stands for ever on a base that stays still."""
+    """Return True if a column with this phase (kinematics.py) stands for ever on a still base."""
     chain = chain_of(column)
     energy, turned = chain.energy(phase), np.abs(chain.places(phase).theta)
     found = (least_energy(column, part) for part in PARTS)
@@ -32,7 +32,22 @@ def leans_for_good(column: Column, phase: FloatArray) -> bool:
 
 @lru_cache(maxsize=64)
 def least_energy(column: Column, part: float) -> tuple[float, FloatArray]:
-    """Least energy, J above rest, with a block turned either way by its limit and the rest within; limits, rad (n,)."""
+    """Return the least energy above rest with a block at its limit to either side and the others within theirs.
+
+    Parameters
+    ----------
+    column : Column
+        The column.
+    part : float
+        The limits, as a fraction of the angles on edge.
+
+    Returns
+    -------
+    energy : float
+        The least energy (J).
+    limits : ndarray of shape (n,)
+        The limits (rad), rounded to the grid.
+    """
     chain = chain_of(column)
     most = limits_of(chain, part)
     side = float(np.max(most)) * np.linspace(0.0, 1.0, GRID + 1) ** 2
@@ -55,13 +70,22 @@ def least_of_chain(
     number: IntArray,
     last: IntArray,
 ) -> FloatArray:
-    """Least energy, J, with a block at its limit and the others within theirs, in one pass down the chain.
+    """Return the least energy with a block at its limit and the others within theirs (J), in one pass down the chain.
 
-    Over a grid of rotations: the energies of each block, `own`, and of the joint on the base, (..., grid); `between`
-    gives those of joint i, (..., grid, grid). number: of each rotation of the grid, counted from upright; last: that of
-    the limit of each block, (..., n).
+    Parameters
+    ----------
+    own : sequence of ndarray of shape (..., grid)
+        The energy of each block over a grid of rotations (J).
+    between : callable
+        Returns the energies of joint i (J), (..., grid, grid).
+    on_base : ndarray of shape (..., grid)
+        The energy of the joint on the base (J).
+    number : ndarray of int of shape (grid,)
+        The index of each rotation, counted from upright.
+    last : ndarray of int of shape (..., n)
+        The index of the limit of each block.
     """
-    # of all blocks above, by the rotation of a block: all within the limits, and at least one at its limit
+    # least energy of all blocks above, by the rotation of a block: all within the limits, and at least one at its limit
     within, reached = np.zeros_like(on_base), np.full_like(on_base, np.inf)
     for i, energy in enumerate(own):
         if i > 0:
@@ -75,13 +99,13 @@ def least_of_chain(
 
 
 def limits_of(chain: Chain, part: float) -> FloatArray:
-    """Limits of the blocks, rad (n,), below half of any angle of no return, so that joints stay below theirs too."""
+    """Return limits of the blocks, rad (n,): at most half of any angle of no return, so that joints keep theirs."""
     on_edge = chain.weight * 0.5 * chain.width / np.maximum(np.cumsum(chain.toppling), np.finfo(float).tiny)
     return np.minimum(part * on_edge, 0.5 * np.min(chain.fall_angle))
 
 
 def _at_rest(chain: Chain) -> float:
-    """The energy of the rest, in the sum of `least_energy`."""
+    """Return the energy of the rest (J), in the sum of `least_energy`."""
     assert chain.rest is not None
     theta = chain.places(chain.rest).theta
     below = np.append(theta[1:], 0.0)

@@ -1,4 +1,4 @@
-"""Accelerations of a column held still in any place; it is in equilibrium where all are zero."""
+"""The accelerations of a column held still in any position; it is in equilibrium if all are zero."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from .model import Column
 from .packing import FloatArray, settlements
 from .stepper import Stepper
 
-SHORT = 1e-9  # s, a fixed step: none is made, and this one is stable
+SHORT = 1e-9  # s, a fixed step that is stable; none is made
 
 
 class StillColumn:
-    """The accelerations of a column at rest in a given place, by the kernels' own evaluation.
+    """The accelerations of a column at rest in a given position, evaluated by the kernels.
 
     Coordinates q (2 n,) are those of the column's formulation: of the rotations, then of the openings. Raises
-    InputError without gravity, which leaves the joints open at rest.
+    InputError without gravity, as the joints are then open at rest.
     """
 
     def __init__(self, column: Column) -> None:
@@ -47,25 +47,45 @@ class StillColumn:
     def accelerations(
         self, q: FloatArray, ax: float = 0.0, az: float = 0.0, rates: FloatArray | None = None
     ) -> FloatArray:
-        """Second derivatives of the coordinates, (2 n,), where the base accelerates by ax and az m/s2."""
+        """Return the second derivatives of the coordinates.
+
+        Parameters
+        ----------
+        q : ndarray of shape (2 n,)
+            The coordinates.
+        ax, az : float
+            The accelerations of the base (m/s2).
+        rates : ndarray of shape (2 n,), optional
+            The rates of the coordinates, zero by default.
+
+        Returns
+        -------
+        ndarray of shape (2 n,)
+        """
         self._observe(q, ax, az, rates)
         return np.concatenate([self._between.theta_acceleration, self._between.opening_acceleration])
 
     def row(self, q: FloatArray, ax: float = 0.0, rates: FloatArray | None = None) -> Any:
-        """All outputs there, by the names of kernels/layout/spaces.py, ROW: a copy."""
+        """Return a copy of all outputs at q, by the names of kernels/layout/spaces.py, ROW."""
         return at.ROW.see(self._observe(q, ax, rates=rates).copy(), self.n)
 
     def stiffness(self, q: FloatArray, part: float, ax: float = 0.0) -> FloatArray:
-        """M^-1 K, (2 n, 2 n): minus the derivatives of the accelerations, from central differences by part * sizes."""
+        """Return M^-1 K, (2 n, 2 n): minus the derivatives of the accelerations by the coordinates.
+
+        They are central differences over `part` of `sizes`, at q (2 n,), with the base acceleration ax (m/s2).
+        """
         return self.derivatives(lambda change: self.accelerations(q + change, ax), part * self.sizes)
 
     def damping(self, q: FloatArray, part: float) -> FloatArray:
-        """M^-1 C, (2 n, 2 n): minus the derivatives of the accelerations by the rates."""
+        """Return M^-1 C, (2 n, 2 n): minus the derivatives of the accelerations by the rates.
+
+        They are central differences over `part` of `sizes`, divided by the largest damping (s), at least 1 s.
+        """
         slowest = max(1.0, *(block.joint.damping for block in self.column.blocks))  # s
         return self.derivatives(lambda change: self.accelerations(q, rates=change), part / slowest * self.sizes)
 
     def derivatives(self, of: Callable[[FloatArray], FloatArray], changes: FloatArray) -> FloatArray:
-        """Minus the derivatives of a row of numbers, a column for each coordinate, from central differences."""
+        """Return minus the derivatives of a vector function, a column for each coordinate, from central differences."""
         columns = []
         for change, size in zip(np.diag(changes), changes, strict=True):
             columns.append((of(-change) - of(change)) / (2.0 * size))
@@ -80,17 +100,17 @@ class StillColumn:
 
 
 def undamped(column: Column) -> Column:
-    """The column without damping, its joints rigid in shear and not bonded."""
+    """Return the column without damping, its joints rigid in shear and not bonded."""
     return with_all_joints(column, damping=0.0, friction=None, dowel=None, tensile_strength=0.0, cohesion=0.0)
 
 
 def stuck(column: Column) -> Column:
-    """The column with joints that never slide and are not bonded."""
+    """Return the column with joints that never slide and are not bonded."""
     return with_all_joints(column, friction=None, dowel=None, tensile_strength=0.0, cohesion=0.0)
 
 
 def with_all_joints(column: Column, **changes: float | None) -> Column:
-    """The column with other properties of all joints."""
+    """Return the column with other properties of all joints, by their names."""
     return replace(
         column,
         blocks=tuple(replace(block, joint=replace(block.joint, **changes)) for block in column.blocks),  # type: ignore

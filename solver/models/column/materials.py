@@ -1,29 +1,30 @@
-"""Materials: density, modulus, strength and friction, each with its source. To begin with; a measured value is better.
+"""Materials: default density, modulus, strength and friction, each with its source; a measured value is better.
 
-Of masonry (Circolare 21/01/2019 n. 7, table C8.5.I) the least strength and the mean modulus, as knowledge level LC1.
+For masonry (Circolare 21/01/2019 n. 7, table C8.5.I) the least strength and the mean modulus, as for knowledge level
+LC1.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-FRICTION_OF_MASONRY = 0.577  # Circolare C8.7.1.2.1.1, reference value
+FRICTION_OF_MASONRY = 0.577  # reference value of Circolare C8.7.1.2.1.1
 DRY_JOINT = 5e9  # N/m3, of a joint of dressed stone without mortar: an estimate, docs/materials.md has 1e9 to 1e10
 
 
 @dataclass(frozen=True)
 class Material:
-    """Values of a material, and where they are from."""
+    """The properties of a material, with their source."""
 
     density: float  # kg/m3
-    young: float  # Pa, of a block, or of masonry with its joints
+    young: float  # Pa, Young's modulus of a block, or of masonry with its joints
     strength: float  # Pa, in compression
-    friction: float  # coefficient, of a joint
+    friction: float  # coefficient of friction of a joint
     source: str
     has_joints: bool = False  # whether `young` includes the joints between blocks
 
     def modulus(self, height: float) -> float:
-        """Winkler modulus, N/m3, of a block of that height, m, and the joint under it: 1 / k = H / E + 1 / k_joint."""
+        """Return the Winkler modulus k (N/m3) of a block of height H (m) and its joint: 1 / k = H / E + 1 / k_joint."""
         return 1.0 / (height / self.young + (0.0 if self.has_joints else 1.0 / DRY_JOINT))
 
 

@@ -30,11 +30,11 @@ class Column(Shown):
     Raises InputError on a value out of range, however the column was made; keys count blocks from 1, the top one.
     """
 
-    name: str  # a file name (files.check_file_name); the FMU's model identifier is made from it
+    name: str  # a file name (files.check_file_name), from which the FMU's model identifier is made
     blocks: tuple[Block, ...]
     settings: Settings = field(default_factory=Settings)
     g: float = 9.80665  # m/s2
-    ports: tuple[Port, ...] = ()  # at: x, z
+    ports: tuple[Port, ...] = ()  # with `at` = (x, z)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "blocks", tuple(self.blocks))
@@ -54,11 +54,11 @@ class Column(Shown):
 
     @cached_property
     def _hash(self) -> int:
-        """Computed once: results kept for a column are looked up by it several times in a run."""
+        """The hash, cached as results stored for a column are looked up by it several times in a run."""
         return hash((self.name, self.blocks, self.settings, self.g, self.ports))
 
     def __getstate__(self) -> dict[str, Any]:
-        return {key: value for key, value in self.__dict__.items() if key != "_hash"}  # each process has its own
+        return {key: value for key, value in self.__dict__.items() if key != "_hash"}  # each process has its own hashes
 
     def _facts(self) -> tuple[str, ...]:
         height, mass = (sum(getattr(block, name) for block in self.blocks) for name in ("height", "mass"))
@@ -73,7 +73,7 @@ class Column(Shown):
 
     def _picture(self) -> str:
         shapes, foot, middle = [], 0.0, 0.0
-        for block in reversed(self.blocks):  # as if nothing leaned: a lean is too small to be seen
+        for block in reversed(self.blocks):  # without leans, which are too small to be visible
             middle += block.joint.offset or 0.0
             top, half, upper = foot + block.height, 0.5 * block.width, 0.5 * (block.top_width or block.width)
             left, right = middle - half, middle + half
@@ -83,24 +83,24 @@ class Column(Shown):
 
     @property
     def n(self) -> int:
-        """Number of blocks."""
+        """The number of blocks."""
         return len(self.blocks)
 
     @property
     def sizes(self) -> dict[str, int]:
-        """Numbers of blocks, joints, ties, ports and components of the base."""
+        """The numbers of blocks, joints, ties, ports and components of the base."""
         bonded = self.n if self.is_brittle else 0
         others = {"tie": 0, "bearing": 0, "port": len(self.ports), "bond": bonded, "base": 6}
         return {"block": self.n, "joint": self.n, **others}
 
     @property
     def laws(self) -> tuple[Joint, ...]:
-        """Of the joints, from the top."""
+        """The joints, from the top."""
         return tuple(block.joint for block in self.blocks)
 
     @property
     def kind(self) -> Any:
-        """What columns of their formulation, or with such joints, have in common (models/protocol.py)."""
+        """The kind of model (models/protocol.py), by formulation and joints."""
         if self.settings.formulation == "paper":
             from ..paper.kind import KIND as PAPER
 
@@ -111,22 +111,22 @@ class Column(Shown):
 
     @cached_property
     def contacts(self) -> tuple[Contact, ...]:
-        """The contact under each block as far as the face below reaches, without slips and offsets."""
+        """The contact under each block within the face below, without slips and offsets."""
         return contacts_of(self.blocks)
 
     @cached_property
     def has_rectangles_only(self) -> bool:
-        """Whether all contacts are rectangles, and stay so."""
+        """True if all contacts are rectangles, and remain so."""
         return self._sections <= {RECTANGLE}
 
     @cached_property
     def has_strips(self) -> bool:
-        """Whether some contact is made of strips."""
+        """True if some contact is made of strips."""
         return STRIPS in self._sections
 
     @cached_property
     def has_bands(self) -> bool:
-        """Whether some contact is the common part of a round face and a straight one, or may become that."""
+        """True if some contact is the intersection of a round face and a straight one, or may become one."""
         return not self._sections.isdisjoint((ON_RING, ON_BAND))
 
     @cached_property
@@ -136,18 +136,18 @@ class Column(Shown):
 
     @property
     def stands_on_edges(self) -> bool:
-        """True if the faces of some joint touch in a rim, or on strips that leave their middle open."""
+        """True if the faces of some joint touch in a rim, or on strips with a gap between them."""
         return self.has_rims or any(0.0 in (block.joint.strips or ())[1:-1] for block in self.blocks)
 
     @property
     def _sections(self) -> set[int]:
-        """Codes of the sections of the contacts; of columns that have slips also of those that slips lead to."""
+        """The codes of the sections of the contacts; of columns with slips also those after a slip."""
         found = {contact.section for contact in self.contacts}
         return found | {contact.slipped for contact in self.contacts} if self.has_slips else found
 
     @property
     def springs(self) -> tuple[float, ...]:
-        """Stiffness of each joint in full contact, N/m."""
+        """The stiffness of each joint in full contact (N/m)."""
         joined = zip(self.blocks, self.contacts, strict=True)
         return tuple(contact.stiffness(block.joint.stiffness) for block, contact in joined)
 
@@ -160,22 +160,22 @@ class Column(Shown):
         tolerance: float | None = None,
         without: Sequence[str] | None = None,
     ) -> Column:
-        """Return the column with other settings; None keeps the present one, or takes the integrator of a formulation.
+        """Return the column with other settings; None keeps the present one.
 
-        Raises InputError as `Column` does.
+        The integrator of a new formulation is its default. Raises InputError as `Column` does.
         """
         if formulation is not None and integrator is None:
-            integrator = ""  # its own
+            integrator = ""  # default of the formulation
         given = {"formulation": formulation, "integrator": integrator, "step": step, "tolerance": tolerance}
         changes = {key: value for key, value in (given | {"without": without}).items() if value is not None}
         if not changes:
-            return self  # with the contacts that it has found
+            return self  # itself, with its cached contacts
         changed = _changed(self, settings=replace(self.settings, **changes))  # type: ignore[arg-type]
         _check_settings(changed)
         return changed
 
     def with_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Column:
-        """Return a copy whose joints have these moduli, N/m3, and dampings, s, a number each from the top joint down.
+        """Return a copy whose joints have these moduli (N/m3) and dampings (s), each (n,) from the top joint down.
 
         Raises InputError as `Column` does.
         """
@@ -188,51 +188,54 @@ class Column(Shown):
 
     @cached_property
     def slides(self) -> bool:
-        """Whether some joint may slide."""
+        """True if some joint may slide."""
         return any(block.joint.friction is not None for block in self.blocks)
 
     @cached_property
     def off_axis(self) -> bool:
-        """Whether some block stands off its axis as built, so that the rest is not the straight column."""
+        """True if some block stands off its axis as built, so that the rest is not the straight column."""
         return any(block.is_off_axis for block in self.blocks)
 
     @cached_property
     def has_slips(self) -> bool:
-        """Whether slips are among the coordinates: of joints that slide, and of columns that are off their axis."""
+        """True if slips are among the coordinates: some joint may slide, or the column is off its axis."""
         return self.slides or self.off_axis
 
     @cached_property
     def is_brittle(self) -> bool:
-        """Whether some joint is bonded until it breaks."""
+        """True if some joint is bonded until it breaks."""
         return any(block.joint.is_brittle for block in self.blocks)
 
     @property
     def brittle_key(self) -> str:
-        """Key of what makes a joint brittle, for sentences."""
+        """The key of the strength that makes a joint brittle, for messages."""
         return next((block.joint.brittle_key for block in self.blocks if block.joint.is_brittle), "")
 
     @cached_property
     def other_law(self) -> str:
-        """Key of the property that makes the law of some joint another one than the linear law; empty without one.
+        """The key of the property that makes the law of some joint other than the linear law; "" without one.
 
         Code outside kernels/joint/law.py that assumes the linear law checks this first.
         """
         return next((block.joint.other_law for block in self.blocks if block.joint.other_law), "")
 
     def in_space(self) -> Structure:
-        """These blocks and joints as a structure in space (`Structure.stack`). Raises InputError."""
+        """Return these blocks and joints as a structure in space (`Structure.stack`).
+
+        Raises InputError if they cannot be one.
+        """
         from ..structure.model import Structure
 
         return Structure.stack(self)
 
     @property
     def rolls_in_space(self) -> bool:
-        """Whether a contact is round: in space it rolls on its rim, which motion in the plane leaves out."""
+        """True if a contact is round: in space it rolls on its rim, which motion in the plane excludes."""
         return any(is_round(block.joint_section) for block in self.blocks)
 
     @property
     def is_alike_across(self) -> bool:
-        """Whether widths and depths are the same."""
+        """True if widths and depths are equal."""
         return all(
             (block.width, block.joint_width, block.top_width or block.width)
             == (block.depth, block.joint_depth, block.top_depth or block.depth)
@@ -240,10 +243,10 @@ class Column(Shown):
         )
 
     def across(self) -> Column:
-        """The column as it moves in the other direction: widths and depths exchanged.
+        """Return the column as it moves in the other direction: widths and depths exchanged.
 
-        Inertia beyond that of a homogeneous block is taken as the same about both axes, as in space. Raises InputError
-        for what belongs to one direction: an offset, inclination or tilt, and strips.
+        Inertia beyond that of a homogeneous block is assumed equal about both axes, as in space. Raises InputError for
+        properties of one direction: an offset, inclination or tilt, and strips.
         """
         blocks = tuple(_across(f"block[{number}]", block) for number, block in enumerate(self.blocks, start=1))
         ports = tuple(replace(port, at=(0.0, port.at[1])) for port in self.ports)
@@ -253,30 +256,29 @@ class Column(Shown):
     def from_toml(cls, path: str | os.PathLike[str]) -> Column:
         """Read a column from a TOML file; its keys are those of `from_dict`.
 
-        Raises InputError that begins with `path` if the file cannot be read, is not TOML or is wrong in any key.
+        Raises InputError that begins with `path` if the file cannot be read, is not TOML or has an invalid key.
         """
         with reading(path):
             return cls.from_dict(toml_of(path))
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Column:
-        """Build a column from the mapping that the TOML file holds.
+        """Make a column from the mapping that the TOML file holds.
 
         name, g (optional), block: one table for each block from the top down with height, width, depth, mass or
-        density, centroid and inertia (optional) and the table joint; joint (optional): defaults for all joints;
-        solver (optional): the fields of Settings; port (optional): a table for each with name, block (block1 is the top
-        one) and at (optional: [x, z] m from its centroid along its own axes). Units as in `Block`, `Joint` and
-        `Settings`; density in kg/m3.
+        density, centroid and inertia (optional) and the table joint; joint (optional): defaults for all joints; solver
+        (optional): the fields of Settings; port (optional): a table for each with name, block (block1 is the top one)
+        and at (optional: [x, z] m from its centroid along its own axes). Units as in `Block`, `Joint` and `Settings`;
+        density in kg/m3.
 
         Raises InputError on an unknown, missing or wrong key.
         """
         return cls(**parts_from(data))
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the mapping that `from_dict` turns into this very column: plain numbers, strings, lists and dicts.
+        """Return the mapping that `from_dict` converts to an equal column: plain numbers, strings, lists and dicts.
 
-        Values left to their defaults are written out, except those that follow from other values (None) which stay
-        absent.
+        Defaults are written out, except those that follow from other values (None), which are absent.
         """
         data = asdict(self, dict_factory=plain)
         found = {"name": data["name"], "g": data["g"], "block": list(data["blocks"]), "solver": data["settings"]}
@@ -289,7 +291,7 @@ Part = TypeVar("Part", "Column", Block, Joint)
 
 
 def _changed(part: Part, **values: Any) -> Part:
-    """A copy with other values. Its other fields have been checked, and values computed from them hold for the copy.
+    """Return a copy with other values, without checks; values computed from its other fields hold for the copy.
 
     So no cached_property may depend on settings, moduli or dampings.
     """
@@ -300,7 +302,10 @@ def _changed(part: Part, **values: Any) -> Part:
 
 
 def _across(key: str, block: Block) -> Block:
-    """A block with width and depth exchanged."""
+    """Return a block with width and depth exchanged.
+
+    Raises InputError if it is off its axis, or on strips.
+    """
     if block.is_off_axis or block.joint_section == STRIPS:
         raise InputError(f"{key}: must stand on its axis, and not on strips, to be turned to the other direction")
     joint = block.joint
@@ -331,7 +336,7 @@ def _check_settings(column: Column) -> None:
 
 
 def _check_brittle(column: Column) -> None:
-    """Raise InputError for what brittle joints are not written for."""
+    """Raise InputError for features that brittle joints do not support."""
     for number, (block, contact) in enumerate(zip(column.blocks, column.contacts, strict=True), start=1):
         if block.joint.is_brittle:
             name = block.joint.brittle_key

@@ -1,4 +1,4 @@
-"""Natural frequencies, shapes and damping ratios of the column about its rest state, all joints in full contact."""
+"""Natural frequencies, shapes and damping ratios of the column about its rest, all joints in full contact."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ PART = 1e-2  # of the rotation that opens a joint: size of finite differences
 class Modes(Framed):
     """The 2 n modes of a column, by frequency. Shapes (2 n, n): block 1, the top block, first.
 
-    A shape is scaled so that the largest of its ux and uz is 1 m; block i then has the rotation theta rad.
+    A shape is scaled so that the largest of its ux and uz is 1 m; block i then has the rotation theta (rad).
     """
 
     column: Column
     frequency: FloatArray  # (2 n,) Hz, undamped, gravity included
-    damping_ratio: FloatArray  # (2 n,) of critical; dampers that couple modes are treated as uncoupled
-    sways: NDArray[np.bool_]  # (2 n,) whether blocks rotate, rather than go up and down
+    damping_ratio: FloatArray  # (2 n,) of critical; the coupling of modes by dampers is neglected
+    sways: NDArray[np.bool_]  # (2 n,) whether blocks rotate, rather than move up and down
     ux: FloatArray  # m, top faces
     uz: FloatArray  # m, centroids, up
     theta: FloatArray  # rad, clockwise
-    mass_x: FloatArray  # (2 n,) kg, effective mass under horizontal motion; the rest of the mass follows the base
+    mass_x: FloatArray  # (2 n,) kg, effective mass under horizontal motion; the remaining mass follows the base
     mass_z: FloatArray  # (2 n,) kg, under vertical motion
 
     def _frame(self) -> Frame:
@@ -47,7 +47,10 @@ class Modes(Framed):
         return Frame(("mode", np.arange(1, len(self.frequency) + 1)), columns, units, {"column": self.column.name})
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a row for each mode: frequency, damping ratio, effective masses, shape. Raises OSError."""
+        """Write a row for each mode: frequency, damping ratio, effective masses, shape.
+
+        Raises OSError if the file cannot be written.
+        """
         names = ["mode", "frequency", "damping_ratio", "mass_x", "mass_z"]
         names += [f"block[{i + 1}].{name}" for name in ("ux", "uz", "theta") for i in range(self.column.n)]
         parts = [self.frequency[:, None], self.damping_ratio[:, None], self.mass_x[:, None], self.mass_z[:, None]]
@@ -55,16 +58,20 @@ class Modes(Framed):
         write_table(path, names, ([k, *map(repr, map(float, row))] for k, row in enumerate(rows, start=1)))
 
     def plot(self, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:
-        """Draw the first `most` shapes; saved to `path` if given. Raises InputError without matplotlib, OSError."""
+        """Draw the first `most` shapes, and save them to `path` if given.
+
+        Raises InputError without matplotlib, OSError.
+        """
         with needing("plot", "matplotlib"):
             from ...statics.static_plots import plot_modes
         return plot_modes(self, path, most)
 
 
 def natural_frequencies(column: Column, formulation: str | None = None) -> FloatArray:
-    """Undamped natural frequencies in Hz, ascending, (2 n,), gravity included.
+    """Compute the undamped natural frequencies (Hz), ascending, (2 n,), gravity included.
 
-    Raises InputError without gravity, which leaves the joints open at rest; SolverError if the rest state is unstable.
+    `formulation` replaces that of the column. Raises InputError without gravity, as the joints are then open at rest;
+    SolverError if the rest is unstable.
     """
     _check_bonds(column)
     still = StillColumn(undamped(column.with_settings(formulation=formulation)))
@@ -72,44 +79,50 @@ def natural_frequencies(column: Column, formulation: str | None = None) -> Float
 
 
 def natural_modes(column: Column, formulation: str | None = None) -> Modes:
-    """Frequencies, shapes, damping ratios and effective masses about rest.
+    """Compute frequencies, shapes, damping ratios and effective masses about rest.
 
-    Warns (InputWarning) as `simulate` does. Raises as `natural_frequencies` does.
+    `formulation` replaces that of the column. Warns (InputWarning) as `simulate` does. Raises as `natural_frequencies`
+    does.
     """
     check_rest(column, from_rest=False)
     return modes_about_rest(column, formulation)
 
 
 def modes_about_rest(column: Column, formulation: str | None = None) -> Modes:
-    """The modes without a warning, for columns whose joints are looked for. Raises as `natural_frequencies` does."""
+    """Compute the modes without warnings, for columns whose joints are being identified.
+
+    Raises as `natural_frequencies` does.
+    """
     _check_bonds(column)
     column = column.with_settings(formulation=formulation)
     still, damped = StillColumn(undamped(column)), StillColumn(stuck(column))
     n, rest, blocks = column.n, still.rest, still.blocks
+    # undamped frequencies, and damping in modal coordinates
     squares, vectors = np.linalg.eig(still.stiffness(rest, PART))
     frequency = _frequencies(squares)
     order = np.argsort(frequency, kind="stable")
     frequency, vectors = frequency[order], vectors[:, order].real
     damping = np.linalg.solve(vectors, damped.damping(rest, PART) @ vectors)
     ux, uz, theta = (np.empty((2 * n, n)) for _ in range(3))
+    # shapes, by central differences of the outputs along each mode
     for k in range(2 * n):
         step = PART * vectors[:, k] / np.max(np.abs(vectors[:, k]) / still.sizes)
         ahead, behind = still.row(rest + step).joints, still.row(rest - step).joints
         shape = np.array([getattr(ahead, name) - getattr(behind, name) for name in ("ux", "uz", "theta")])
-        # terms of second order in one direction cancel, or are rounding errors
+        # second-order terms in one direction cancel, or are rounding errors
         largest = shape[:2].flat[np.argmax(np.abs(shape[:2]))]
         ux[k], uz[k], theta[k] = shape / largest
         vectors[:, k] *= 2.0 * PART / np.max(np.abs(vectors[:, k]) / still.sizes) / largest
-    # participation of each mode under a base acceleration of 1 m/s2, and the inertia force of that mode
+    # participation of each mode under a base acceleration of 1 m/s2, and its inertia force
     along = -np.linalg.solve(vectors, still.accelerations(rest, 1.0) - still.accelerations(rest, 0.0))
     upwards = -np.linalg.solve(vectors, still.accelerations(rest, 0.0, az=1.0) - still.accelerations(rest, 0.0))
-    # of the centroids, which are under the tops along the blocks as they stand
+    # ux of the centroids, which are below the tops along the blocks as they stand
     below, angle = blocks.height - blocks.centroid, still.row(rest).joints.theta + blocks.tilt
     sway = ux - below * np.cos(angle) * theta
     return Modes(
         column,
         frequency,
-        np.maximum(np.diag(damping), 0.0) / (4.0 * math.pi * frequency) + 0.0,  # no negative zero
+        np.maximum(np.diag(damping), 0.0) / (4.0 * math.pi * frequency) + 0.0,  # avoids negative zero
         np.max(np.abs(ux), axis=1) > np.max(np.abs(uz), axis=1),
         ux,
         uz,
@@ -120,13 +133,16 @@ def modes_about_rest(column: Column, formulation: str | None = None) -> Modes:
 
 
 def _check_bonds(column: Column) -> None:
-    """On the axis, pressed all over, bonds change nothing. Raises InputError."""
+    """Raise InputError for bonds off the axis; on it, in full contact, bonds change nothing."""
     if column.is_brittle and column.off_axis:
         raise InputError(f"joint.{column.brittle_key}: must be left out of modes of a column off its axis")
 
 
 def _frequencies(squares: NDArray[Any]) -> FloatArray:
-    """Hz, from eigenvalues of M^-1 K, 1/s2. Raises SolverError."""
+    """Convert eigenvalues of M^-1 K (1/s2) to frequencies (Hz).
+
+    Raises SolverError if one is not positive.
+    """
     if np.min(squares.real) <= 0.0:
         raise SolverError("the rest state is not stable: the joints are too soft for the weight above them")
     return np.sqrt(squares.real) / (2.0 * math.pi)

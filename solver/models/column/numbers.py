@@ -1,11 +1,11 @@
-"""Numbers of a column by their dotted names, so that a study can set any of them, whatever keys columns have.
+"""Numbers of a column by their dotted names, so that a study can vary any of them, independent of the keys of columns.
 
 joint.stiffness     of every joint
 joint[3].damping    of the joint under block 3, counted from 1, the top one
 block[1].height     of a block
 g, solver.tolerance
-column.size         factor on every length; masses grow with its cube, given moments of inertia with its fifth power
-column.slenderness  all heights over the width of the lowest block: widths and depths are changed until it is so
+column.size         factor on every length; masses scale with its cube, given moments of inertia with its fifth power
+column.slenderness  sum of heights divided by the width of the lowest block; widths and depths are scaled to match
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ SHAPES = (SIZE, "column.slenderness")
 _OWN = ("stiffness", "damping")  # numbers of a joint on which no other value of a column depends
 _TOLERANCE = "solver.tolerance"
 _UPRIGHT = ("height", "centroid")  # lengths along the axis of the column
-_EITHER = {"mass": "density", "density": "mass"}  # one replaces the other
+_EITHER = {"mass": "density", "density": "mass"}  # each replaces the other
 
 
 def is_of_column(name: str) -> bool:
-    """Whether a dotted name belongs to the column."""
+    """Return True if a dotted name is that of a number of the column."""
     return name in _WHOLE or name in SHAPES or _parts(name) is not None
 
 
 def single_names(name: str, blocks: int) -> list[str]:
-    """`joint.stiffness` as `joint[1].stiffness`, `joint[2].stiffness` ...; a name of one number as it is."""
+    """Expand `joint.stiffness` to `joint[1].stiffness`, `joint[2].stiffness` ...; keep the name of one number."""
     found = _parts(name)
     if found is None or found[1]:
         return [name]
@@ -44,9 +44,19 @@ def single_names(name: str, blocks: int) -> list[str]:
 
 
 def column_with(column: Column, values: Mapping[str, tuple[float, bool]]) -> Column:
-    """The column with numbers set: name -> (number, whether it multiplies what the column has).
+    """Return the column with other numbers; shapes are set first, then the others in their order.
 
-    Shapes come first, then the others in their order. Raises InputError on a name or a number that is wrong.
+    Parameters
+    ----------
+    column : Column
+        The column.
+    values : mapping
+        Name -> (number, whether it is a factor on the present value).
+
+    Raises
+    ------
+    InputError
+        If a name or number is invalid.
     """
     if not values:
         return column
@@ -60,7 +70,7 @@ def column_with(column: Column, values: Mapping[str, tuple[float, bool]]) -> Col
 
 
 def _written(column: Column) -> dict[str, Any]:
-    """`Column.to_dict`, its tables to be changed."""
+    """Return a copy of `Column.to_dict` whose tables may be modified."""
     data = _to_dict(column)
     blocks = [{**block, "joint": dict(block["joint"])} for block in data["block"]]
     return {**data, "block": blocks, "solver": dict(data["solver"])}
@@ -73,7 +83,7 @@ def _to_dict(column: Column) -> dict[str, Any]:
 
 @lru_cache(maxsize=1024)
 def _parts(name: str) -> tuple[str, int, str] | None:
-    """`block` or `joint`, number (0: of all), key; None for what is of the column as a whole."""
+    """Split a name into `block` or `joint`, number (0: all) and key; None for a name of the whole column."""
     found = _PARTS.fullmatch(name)
     return None if found is None else (found[1], int(found[2] or 0), found[3])
 
@@ -84,7 +94,7 @@ def _joint_number(name: str) -> str:
 
 
 def _with_own(column: Column, values: Mapping[str, tuple[float, bool]]) -> Column:
-    """The column with numbers set that are all independent of others, without converting it to a dict and back."""
+    """Return the column with independent numbers changed, without the conversion to a dict and back."""
     own = {key: [getattr(block.joint, key) for block in column.blocks] for key in _OWN}
     for name, (number, relative) in values.items():
         if name == _TOLERANCE:
@@ -97,7 +107,10 @@ def _with_own(column: Column, values: Mapping[str, tuple[float, bool]]) -> Colum
 
 
 def _which(name: str, blocks: int) -> range:
-    """Places of the blocks that a name refers to. Raises InputError if there are fewer blocks."""
+    """Return the indices of the blocks that a name refers to.
+
+    Raises InputError if there are fewer blocks.
+    """
     found = _parts(name)
     if found is None or not found[1]:
         return range(blocks)

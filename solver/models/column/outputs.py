@@ -1,7 +1,7 @@
-"""The outputs of a column, in the order of kernels/layout/spaces.py (PEAKS): each a row here.
+"""The outputs of a column, in the order of kernels/layout/spaces.py (PEAKS): one in each row here.
 
-Those of ports (kernels/ports/) or bonds (kernels/bonds/) stand behind an output row; as peaks they stand before those
-of `friction`.
+Those of ports (kernels/ports/) or bonds (kernels/bonds/) follow an output row; as peaks they precede those of
+`friction`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from ..outputs import BASE, BLOCK, BOND, JOINT, PORT, Histories, Output, units_o
 
 
 class ColumnHistories(Histories):
-    """Outputs of blocks and joints, block and joint 1 (the top) first, and of the base."""
+    """The outputs of blocks and joints, block and joint 1 (the top) first, and of the base."""
 
     ux = Output(BLOCK, "m", "Top face of block {i} relative to the base, positive to +x")
     uz = Output(BLOCK, "m", "Centroid of block {i} from the unloaded geometry, positive up")
@@ -45,7 +45,7 @@ class ColumnHistories(Histories):
 
     @property
     def labels(self) -> dict[str, Sequence[object]]:
-        """Blocks and joints by their numbers, ports by their names."""
+        """The labels: numbers of blocks and joints, names of ports."""
         return {**super().labels, PORT: [port.name for port in self.model.ports]}
 
 

@@ -32,9 +32,16 @@ _TOLERANCE, _WITHOUT = GIVEN_SETTINGS.fields.index("tolerance"), GIVEN_SETTINGS.
 class InitialState:
     """The start of a run; None is rest, static equilibrium under gravity.
 
-    Sequences of n numbers, block 1 (the top) first, counted from the column as built: `rotation` rad clockwise,
-    `rotation_rate` rad/s, `opening` m of the joint under each block along its normal (negative: compressed),
-    `opening_rate` m/s, `slip` m of the block over what is under it, to +x, `slip_rate` m/s.
+    All are sequences of n numbers, block 1 (the top) first, relative to the column as built.
+
+    Attributes
+    ----------
+    rotation, rotation_rate
+        The clockwise rotations (rad) and their rates (rad/s).
+    opening, opening_rate
+        The openings of the joint under each block along its normal (m, negative: compressed) and their rates (m/s).
+    slip, slip_rate
+        The slips of each block over the body under it, to +x (m), and their rates (m/s).
     """
 
     rotation: Sequence[float] | FloatArray | None = None
@@ -48,7 +55,7 @@ class InitialState:
 class Arrays(NamedTuple):
     """The flat arrays of a column or structure in motion: copying `state`, `counts` and `base` saves it.
 
-    What lies where: kernels/layout/spaces.py, kernels/structure/layout.py.
+    Their layout: kernels/layout/spaces.py, kernels/structure/layout.py.
     """
 
     model: FloatArray
@@ -59,28 +66,38 @@ class Arrays(NamedTuple):
 
 
 def arrays_of(column: Column) -> Arrays:
-    """The arrays of a column at rest. Raises InputError for a fixed step that is not stable."""
+    """Return the arrays of a column at rest.
+
+    Raises InputError for a fixed step that is not stable, or a column that cannot stand.
+    """
     return copied(_assembled(column))
 
 
 def arrays_at(column: Column, tolerance: float, without: int) -> Arrays:
-    """The arrays at another tolerance, without the short cuts in `without`, a sum of codes; unchecked, not cached."""
+    """Return the arrays at another tolerance, without the features whose codes sum to `without`; not cached."""
     given = described(column)
     given[_TOLERANCE], given[_WITHOUT] = tolerance, without
     return _assemble(column, given)
 
 
 def copied(arrays: Arrays) -> Arrays:
-    """Arrays of their own with the same numbers."""
+    """Return a copy of the arrays."""
     return Arrays(
         arrays.model.copy(), arrays.state.copy(), arrays.counts.copy(), arrays.base.copy(), arrays.work.copy()
     )
 
 
 def coordinates_of(rigid: FloatArray, slips: FloatArray, n: int) -> FloatArray:
-    """Coordinates and rates as models/column/kinematics.py has them, (..., 4 n), or (..., 6 n) where there are slips.
+    """Return coordinates and rates as in models/column/kinematics.py, (..., 4 n), or (..., 6 n) with slips.
 
-    rigid, slips: arrays that begin with the first and with the second part of phases; the latter may be empty.
+    Parameters
+    ----------
+    rigid : ndarray
+        Arrays that begin with the first part of phases.
+    slips : ndarray
+        Arrays that begin with the second part of phases; may be empty.
+    n : int
+        The number of blocks.
     """
     moving = rigid[..., : 4 * n]
     if not slips.shape[-1]:
@@ -90,20 +107,20 @@ def coordinates_of(rigid: FloatArray, slips: FloatArray, n: int) -> FloatArray:
 
 
 def pack_model(column: Column) -> FloatArray:
-    """The packed model, read-only (layout/spaces.py, MODEL). Raises InputError for a fixed step that is not stable."""
+    """Return the packed model, read-only (layout/spaces.py, MODEL).
+
+    Raises InputError for a fixed step that is not stable, or a column that cannot stand.
+    """
     return _assembled(column).model
 
 
 def model_of(column: Column) -> Any:
-    """The packed model by names: settings, blocks."""
+    """Return the packed model by names: settings, blocks."""
     return at.MODEL.see(pack_model(column), column.n)
 
 
 def unwritten(n: int, ports: int = 0, spaces: Any = at) -> Arrays:
-    """Arrays for n blocks, and as many ports behind, that nothing has been written to (kernels/ports/).
-
-    spaces: module that has those of the kernels.
-    """
+    """Return zero arrays for n blocks and `ports` ports (kernels/ports/); `spaces` is the module with their layout."""
     return Arrays(
         np.zeros(model_room(n)),
         np.zeros(spaces.STATE.size(n) + at.SPOTS.size(ports)),
@@ -131,7 +148,7 @@ def _assemble(column: Column, given: FloatArray) -> Arrays:
         if column.other_law:
             as_they_are = f"with joint.{column.other_law} as it is a joint does not carry the weight above it at rest"
         raise InputError(f"{column.name} cannot stand: {as_they_are}")
-    if code != at.OK:  # the other checks are those of the column
+    if code != at.OK:  # the column has made the other checks
         raise InputError(f"block[{int(detail[0])}].inertia: beyond the range of float64")
     if column.kind.fixed:
         column.kind.check_step(column)
@@ -139,7 +156,7 @@ def _assemble(column: Column, given: FloatArray) -> Arrays:
 
 
 def described(column: Column) -> FloatArray:
-    """The column as `engine.assemble` is given it: settings, then a record for each block."""
+    """Return the column as `engine.assemble` reads it: settings, then a record for each block."""
     settings = column.settings
     values = {
         "g": column.g,
@@ -161,30 +178,33 @@ def described(column: Column) -> FloatArray:
 
 
 def shape_of(block: Block) -> list[float]:
-    """The numbers of a block's shape and of the contact under it (description.py, GIVEN_SHAPE)."""
+    """Return the numbers of a block's shape and of the contact under it (description.py, GIVEN_SHAPE)."""
     strips = block.joint.strips or ()
     unused = [0.0] * (at.MOST_STRIPS - len(strips))
     return [*block.shape, float(block.joint_section), block.joint_bore, float(len(strips)), *strips, *unused]
 
 
 def carried_weights(column: Column) -> FloatArray:
-    """Weight that each joint carries at rest, N, (n,) from the top joint down."""
+    """Return the weight that each joint carries at rest, N (n,) from the top joint down."""
     return column.g * np.cumsum([block.mass for block in column.blocks])
 
 
 def settlements(column: Column) -> FloatArray:
-    """Compression of each joint at rest under gravity, m, (n,) from the top joint down."""
+    """Return the compression of each joint at rest under gravity, m (n,) from the top joint down."""
     return carried_weights(column) / np.array(column.springs)
 
 
 def ports_of(column: Column) -> FloatArray:
-    """The ports of a column as the kernels read them (layout/spaces.py, PORTS)."""
+    """Return the ports of a column as the kernels read them (layout/spaces.py, PORTS)."""
     rows = [[float(port.body), *port.at] for port in column.ports]
     return np.array(rows).reshape(-1, at.PORTS.per_n).T.ravel()
 
 
 def set_initial(column: Column, state: FloatArray, initial: InitialState) -> None:
-    """Let the state, at rest as assembled, be another one. Raises InputError if `initial` does not fit the column."""
+    """Set an initial state in `state`, which holds the rest as assembled.
+
+    Raises InputError if `initial` does not suit the column.
+    """
     if not isinstance(initial, InitialState):
         raise InputError(f"initial = {shown(initial)}: must be an InitialState")
     n = column.n

@@ -1,8 +1,9 @@
-"""The curve of places where a column balances under a steady horizontal push, followed by its arc length.
+"""The curve of equilibria of a column under a steady horizontal push, followed by its arc length.
 
-Balance is 2 n equations (zero accelerations) for 2 n coordinates and the push. A step goes along the curve and then
-back onto it across its direction (Newton's method), so that neither the largest push nor a displacement that turns back
-ends the curve. Coordinates are scaled; only the rotations and the push measure the length, since openings follow them.
+Equilibrium is 2 n equations (zero accelerations) for 2 n coordinates and the push. A step goes along the tangent and
+then back onto the curve normal to it (Newton's method), so that neither the largest push nor a displacement that turns
+back ends the curve. Coordinates are scaled; only the rotations and the push measure the length, since openings follow
+them.
 """
 
 from __future__ import annotations
@@ -23,19 +24,19 @@ from .packing import FloatArray
 from .rest import warnings_of
 from .under_loads import in_plane
 
-LONGEST = 0.02  # step along the curve, in parts of the rigid column's largest push and of its rotation on the edge
+LONGEST = 0.02  # longest step along the curve, relative to the rigid column's largest push and its rotation on the edge
 SHORTEST = 1e-9
 MOST_POINTS = 5000
-ITERATIONS = 30  # for one point
-SLOW = 0.3  # of the correction before: derivatives are renewed
-FEW = 2  # renewals of the derivatives, up to which the step may grow
-NEAR = 1e-4  # of the length of the curve: a correction below this cannot reach another branch
-CONVERGED = 1e-9  # last correction, in parts of what opens a joint
-ROUNDED = 1e-5  # last correction with new derivatives, if rounding stops the convergence
+ITERATIONS = 30  # maximum for one point
+SLOW = 0.3  # reduction of the correction above which the derivatives are renewed
+FEW = 2  # renewals of the derivatives up to which the step may grow
+NEAR = 1e-4  # of the length of the curve: a smaller correction cannot reach another branch
+CONVERGED = 1e-9  # last correction, relative to the coordinates that open a joint
+ROUNDED = 1e-5  # last correction with new derivatives if rounding stops the convergence
 PART = 1e-3  # of the coordinates at which a joint opens: size of finite differences
-CORNER = 1e-5  # step from a corner on
-BEYOND = (1e-4, 1e-3, 1e-2, 0.1)  # of what opens a joint: how far behind a corner derivatives are taken
-TURN = 0.97  # least cosine between the directions of the curve at two points
+CORNER = 1e-5  # first step behind a corner
+BEYOND = (1e-4, 1e-3, 1e-2, 0.1)  # of what opens a joint: distances of derivatives behind a corner
+TURN = 0.97  # least cosine between the tangents at two points
 WITHOUT_BONDS = "computed without mortar, as once all bonds have broken"  # of a brittle column
 NARROWED = 1e-9  # of a step: accuracy of a point at which a regime changes
 
@@ -44,23 +45,23 @@ _NONE = np.empty((0, 0))
 
 
 class Balanced(NamedTuple):
-    """A place of balance."""
+    """A point of equilibrium on the curve."""
 
     q: FloatArray  # (2 n,), coordinates of the exact formulation
     push: float  # m/s2, acceleration of the base towards -x (direction 1)
-    along: FloatArray  # (2 n + 1,), unit direction of the curve in the scaled coordinates and the push
-    inverse: FloatArray  # of the derivatives by these, with the direction as last row; empty when no longer needed
+    along: FloatArray  # (2 n + 1,), unit tangent of the curve in the scaled coordinates and the push
+    inverse: FloatArray  # of the derivatives by these, with the tangent as last row; empty when no longer needed
 
 
 class _LostError(Exception):
-    """The next point was not found; a shorter step may find it."""
+    """A failure to find the next point; a shorter step may find it."""
 
 
 class BalanceCurve:
     """The curve of a column without damping, pushed towards +x (direction 1) or -x (-1).
 
-    loads: on its ports, (6, ports) N and N m, which push in place of the base; then the push is a factor on them, and
-    direction -1 turns them round. Raises InputError without gravity.
+    With loads on its ports, (6, ports) N and N m, these push instead of the base; then the push is a factor on them,
+    and direction -1 reverses them. Raises InputError without gravity.
     """
 
     def __init__(self, column: Column, direction: int = 1, loads: FloatArray | None = None) -> None:
@@ -78,10 +79,10 @@ class BalanceCurve:
         self._weight = np.concatenate([np.full(self.n, 1.0 / self.n), np.zeros(self.n), [1.0]])
 
     def follow(self) -> list[Balanced]:
-        """Places from rest to the next one with zero push.
+        """Return the points from rest to the next one with zero push.
 
-        Among them are the first with each joint open, and that of the largest push. Raises SolverError if the curve
-        cannot be followed, and names values of the column that are probably not intended.
+        Among them are the first with each joint open, and that of the largest push. Raises SolverError, with the values
+        of the column that are probably unintended, if the curve cannot be followed.
         """
         try:
             return self._followed()
@@ -93,6 +94,7 @@ class BalanceCurve:
 
     def _followed(self) -> list[Balanced]:
         upwards = np.append(np.zeros(2 * self.n), 1.0)
+        # the first point, at rest
         q = self.still.rest
         try:
             start = Balanced(q, 0.0, upwards, _inverse(self._matrix(q, 0.0, upwards)))
@@ -101,6 +103,7 @@ class BalanceCurve:
             raise SolverError("no balance was found at rest") from None
         opened = self._opened(places[0])
         while len(places) < MOST_POINTS:
+            # a step, shorter if it fails, until the push vanishes
             last = places[-1]
             try:
                 place, renewals = self._step(last, step)
@@ -110,6 +113,7 @@ class BalanceCurve:
                     places[-1], step = self._round(last), CORNER
                 continue
             places[-1] = last._replace(inverse=_NONE)
+            # points between two steps: a joint opens, the largest push, zero push
             between = []
             for i in np.flatnonzero(self._opened(place) & ~opened):
                 between.append(self._first(last, step, partial(self._joint_opened, int(i))))
@@ -128,10 +132,10 @@ class BalanceCurve:
         raise SolverError(f"the curve of balance does not come to an end within {MOST_POINTS} points")
 
     def _round(self, last: Balanced) -> Balanced:
-        """Return the place with the direction of the curve behind a corner, where a narrow strip has just opened.
+        """Return the point with the tangent of the curve behind a corner, where a narrow strip has just opened.
 
         The derivatives are taken a little further on, with the rotations and openings as they change before it. Raises
-        SolverError if the curve goes on nowhere.
+        SolverError if the curve continues nowhere.
         """
         moves = last.along * self._scale
         moves[-1] = 0.0
@@ -150,7 +154,10 @@ class BalanceCurve:
         raise SolverError(f"the balance is lost beyond a push of {last.push:.6g} m/s2")
 
     def _step(self, last: Balanced, step: float) -> tuple[Balanced, int]:
-        """The place one step further along the curve, and the number of renewals of derivatives. Raises _LostError."""
+        """Return the point one step further along the curve, and the number of renewals of derivatives.
+
+        Raises _LostError.
+        """
         q, push, renewals = self._beside(last, step)
         place = self._pointed(q, push, last.along)
         if float(np.sum(self._weight * place.along * last.along)) < TURN:
@@ -162,7 +169,7 @@ class BalanceCurve:
         return self._onto(last.q + change[:-1], last.push + float(change[-1]), last, step)
 
     def _first(self, last: Balanced, step: float, passed: Callable[[Balanced], bool]) -> tuple[float, Balanced]:
-        """Distance beyond `last`, within the step, of the first place at which `passed` holds, and that place.
+        """Return the distance from `last`, within the step, of the first point at which `passed` holds, and that point.
 
         Raises SolverError if the curve is lost on the way.
         """
@@ -180,10 +187,10 @@ class BalanceCurve:
             raise SolverError(f"the balance is lost beyond a push of {last.push:.6g} m/s2") from None
 
     def _onto(self, q: FloatArray, push: float, last: Balanced, most: float) -> tuple[FloatArray, float, int]:
-        """Newton's method onto the curve, across the direction at `last`, by at most `most`.
+        """Move onto the curve by Newton's method, normal to the tangent at `last`, by at most `most`.
 
-        Begins with the derivatives at `last`; returns coordinates, push and the number of renewals of derivatives.
-        Raises _LostError.
+        It begins with the derivatives at `last` and returns coordinates, push and the number of renewals of
+        derivatives. Raises _LostError.
         """
         inverse, renewals, before, near = last.inverse, 0, math.inf, False
         for _ in range(ITERATIONS):
@@ -205,7 +212,7 @@ class BalanceCurve:
         raise _LostError
 
     def _pointed(self, q: FloatArray, push: float, along: FloatArray) -> Balanced:
-        """The place with the direction of the curve there, in the sense of `along`, and the derivatives."""
+        """Return the point with its tangent, in the sense of `along`, and its derivatives."""
         matrix = self._matrix(q, push, along)
         ahead = _inverse(matrix)[:, -1]
         ahead = ahead / self._length(ahead)
@@ -216,11 +223,11 @@ class BalanceCurve:
         return math.sqrt(float(np.sum(self._weight * moved * moved)))
 
     def row(self, place: Balanced) -> Any:
-        """All outputs at a place: as of `StillColumn`."""
+        """Return all outputs at a point, as `StillColumn.row`."""
         return self.still.row(place.q, self._pushed(place.push))
 
     def _pushed(self, push: float) -> float:
-        """Put a push on the ports, or return the acceleration of the base that it is, m/s2."""
+        """Apply a push to the ports and return 0, or return the acceleration of the base that it is (m/s2)."""
         if self.loads is None:
             return -self.direction * push
         self.still.loads = self.direction * push * self.loads
@@ -230,7 +237,7 @@ class BalanceCurve:
         return self.still.accelerations(q, self._pushed(push))
 
     def _matrix(self, q: FloatArray, push: float, along: FloatArray) -> FloatArray:
-        """Derivatives of the accelerations by the scaled unknowns; the last row is the direction of the curve."""
+        """Return the derivatives of the accelerations by the scaled unknowns; the last row is the tangent."""
         n = 2 * self.n
         matrix = np.empty((n + 1, n + 1))
         matrix[:n, :n] = -self.still.stiffness(q, PART, self._pushed(push)) * self._scale[:-1]
@@ -239,7 +246,7 @@ class BalanceCurve:
         return matrix
 
     def _opened(self, place: Balanced) -> NDArray[np.bool_]:
-        """Whether each joint is not in full contact, (n,)."""
+        """Return the mask of joints that are not in full contact, (n,)."""
         joints = self.row(place).joints
         return np.asarray(joints.contact < 1.0)
 
@@ -248,10 +255,11 @@ class BalanceCurve:
 
 
 def _least_factor(still: StillColumn, loads: FloatArray) -> float:
-    """By which loads on the ports turn the part above some joint about its edge; or weigh as much as the column."""
+    """Return the least factor at which loads turn a part of the column about an edge, or equal its weight."""
     blocks, column = still.blocks, still.column
     x, z, couples = loads.reshape(3, -1)
     foot, weight, least = 0.0, column.g * float(np.sum(blocks.mass)), math.inf
+    # moment about the joint under block i
     for i in range(still.n - 1, -1, -1):
         turning, place = 0.0, foot
         for k in range(i, -1, -1):
@@ -268,7 +276,7 @@ def _least_factor(still: StillColumn, loads: FloatArray) -> float:
 
 
 def _slenderness(still: StillColumn) -> float:
-    """Least ratio, over the joints, of half the joint's width to the height of the part above it."""
+    """Return the least ratio, over the joints, of half the joint's width to the height of the centroid above it."""
     blocks, carried, height, least = still.blocks, 0.0, 0.0, math.inf
     for i in range(still.n):
         own = blocks.mass[i]
@@ -279,7 +287,10 @@ def _slenderness(still: StillColumn) -> float:
 
 
 def _inverse(matrix: FloatArray) -> FloatArray:
-    """The inverse, used many times: no factorization is faster for matrices of this size. Raises _LostError."""
+    """Return the inverse, used many times: no factorization is faster for matrices of this size.
+
+    Raises _LostError if the matrix is singular.
+    """
     try:
         found = np.linalg.inv(matrix)
     except np.linalg.LinAlgError:

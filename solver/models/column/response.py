@@ -27,50 +27,76 @@ if TYPE_CHECKING:
 
 @dataclass(eq=False, repr=False)
 class Response(ColumnHistories, Result):
-    """Histories (nt, n), block and joint 1 (the top) first; base reaction (nt,).
+    """The result of a run: histories (nt, n), block and joint 1 (the top) first; base reaction (nt,).
 
-    time (s); ux (m), top face relative to the base, +x; uz (m), centroid, up, from the unloaded geometry; theta (rad),
-    clockwise; N (N), compression; M (N m), restoring; S (N), horizontal, and T (N), along the joint, of the part above
-    on the part below; contact, 0..1 of the joint's width; sigma_max (Pa); slip (m), of the block relative to the body
-    under it, to +x; Fx, Fz (N) and My (N m, clockwise), of the column on the base at the centre of joint n.
+    Histories are computed from the motion when one of them is first used, which may raise SolverError. Peaks are those
+    of the continuous motion, independent of the rows. The verdict includes the time after the histories: a column that
+    falls later has `overturned` and an `overturn_time` after the last row.
 
-    peaks: largest absolute values of the continuous motion by these names, (n,), or (1,) of the base reaction; the
-    least of contact; friction: |T| / N where N is above 0.05 of the weight carried at rest. They do not depend on the
-    rows. A column that is run without "peaks" has those of ux only. peak_ux: peaks["ux"]. overturned, overturn_time (s,
-    NaN if not), overturned_joint (0 if not).
-
-    stats: steps, implicit_steps and elastic_steps (of these), why_no_modes (words; empty where elastic steps are taken
-    while nothing opens or slides), rejected, events (steps cut off where the contact of a joint changes), evaluations,
-    sweeps, looks (evaluations for peaks and snapshots, not counted in evaluations); full_contact, rocking, flight:
-    parts of the time; at_rest: part that was not stepped; undamped_joints; observed_rows; wall_time (s); settled_for
-    (s): time that the column was followed after the histories' end.
-
-    verdict: "overturned", "standing" (it cannot fall any more) or "undecided"; reason: why, in words. It includes the
-    time after the histories: a column that falls later has `overturned` and an `overturn_time` after the last row.
-    estimated_error (uncertainty.py) and horizon (s): None unless the run was checked. ensemble (uncertainty.py): None
-    without one. motion: of the base; drawn above the histories.
-
-    Histories are computed from the motion when one of them is first used, which may raise SolverError.
+    Attributes
+    ----------
+    time
+        The times of the rows (s).
+    ux
+        The displacement of the top face relative to the base, to +x (m).
+    uz
+        The displacement of the centroid, up, from the unloaded geometry (m).
+    theta
+        The rotation, clockwise (rad).
+    N, M
+        The normal force, in compression (N), and the moment, restoring (N m).
+    S, T
+        The forces of the part above on the part below: horizontal, and along the joint (N).
+    contact
+        The fraction of the joint's width in contact.
+    sigma_max
+        The largest pressure (Pa).
+    slip
+        The slip of the block relative to the body under it, to +x (m).
+    Fx, Fz, My
+        The forces (N) and the clockwise moment (N m) of the column on the base at the centre of joint n.
+    peaks
+        The largest absolute values by these names, (n,), or (1,) of the base reaction; the least of contact; friction:
+        |T| / N where N is above 0.05 of the weight carried at rest. Those of ux only if the column is run without
+        "peaks".
+    peak_ux
+        peaks["ux"].
+    overturned, overturn_time, overturned_joint
+        Whether, when (s, NaN if not) and over which joint (0 if not) the column falls.
+    stats
+        steps, implicit_steps and elastic_steps (of these), why_no_modes (words; "" if elastic steps are taken while
+        nothing opens or slides), rejected, events (steps cut off where the contact of a joint changes), evaluations,
+        sweeps, looks (evaluations for peaks and snapshots, not counted in evaluations); full_contact, rocking, flight:
+        fractions of the time; at_rest: fraction that was not stepped; undamped_joints; observed_rows; wall_time (s);
+        settled_for (s): time that the column was followed after the histories' end.
+    verdict, reason
+        "overturned", "standing" (it cannot fall any more) or "undecided", and the reason as a sentence.
+    estimated_error, horizon
+        The estimate of the error (uncertainty.py) and the horizon of prediction (s); None unless the run was checked.
+    ensemble
+        The ensemble (uncertainty.py), None without one.
+    motion
+        The motion of the base, drawn above the histories.
     """
 
     column: Column
     _observe: Callable[[], FloatArray]  # returns the output rows (nt, ROW of layout/spaces.py)
     overturned_joint: int
-    _phases: FloatArray  # as of kinematics.py, (nt, 4 n) or (nt, 6 n)
+    _phases: FloatArray  # as in kinematics.py, (nt, 4 n) or (nt, 6 n)
 
     @property
     def velocity(self) -> FloatArray:
-        """Horizontal velocities of the top faces relative to the base, the rates of ux, m/s (nt, n)."""
+        """The horizontal velocities of the top faces relative to the base, the rates of ux, m/s (nt, n)."""
         return chain_of(self.column).top_velocities(self._phases)
 
     @property
     def opening(self) -> FloatArray:
-        """Largest gap of each joint, at an edge of its contact, m (nt, n); 0 where it is pressed all over."""
+        """The largest gap of each joint, at an edge of its contact, m (nt, n); 0 in full contact."""
         return chain_of(self.column).gaps(self._phases)
 
     @cached_property
     def energy(self) -> FloatArray:
-        """Kinetic, elastic and gravitational energy above that at rest, of the motion relative to the base, J (nt,)."""
+        """The kinetic, elastic and gravitational energy of the relative motion above that at rest, J (nt,)."""
         return chain_of(self.column).energies(self._phases)
 
     @property
@@ -87,12 +113,18 @@ class Response(ColumnHistories, Result):
         return history(self.time, 1e3 * self.ux[:, 0], "top (mm)")
 
     def __getstate__(self) -> dict[str, Any]:
-        """For pickle and copy: the histories themselves, not the solver that computes them. Raises SolverError."""
+        """Return the state for pickle and copy: the histories, not the solver that computes them.
+
+        Raises SolverError if they cannot be computed.
+        """
         self.observe()
         return {name: value for name, value in vars(self).items() if name != "_observe"}
 
     def observe(self) -> None:
-        """Compute all histories now. Raises SolverError."""
+        """Compute all histories now.
+
+        Raises SolverError if they cannot be computed.
+        """
         self.rows  # noqa: B018
 
     @cached_property
@@ -106,11 +138,11 @@ class Response(ColumnHistories, Result):
         return self.column
 
     def friction_demand(self, part: float = at.COUNTS_FROM) -> FloatArray:
-        """Largest |T| / N of each joint over the rows, (n,), where N is above `part` of the weight carried."""
+        """Return the largest |T| / N of each joint over the rows, (n,), where N exceeds `part` of that at rest."""
         return np.max(self._friction(part), axis=0)
 
     def time_exceeded(self, mu: float, part: float = at.COUNTS_FROM) -> FloatArray:
-        """Time for which each joint needs more friction than mu, s (n,); N as in `friction_demand`."""
+        """Return the time for which each joint needs more friction than mu, s (n,); `part` as in `friction_demand`."""
         mu = check_number("mu", mu, NOT_NEGATIVE, "a coefficient of friction, zero or positive")
         over = self._friction(part) - mu
         first, last = over[:-1], over[1:]  # linear between rows
@@ -125,9 +157,9 @@ class Response(ColumnHistories, Result):
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
         """Write every history under the name of the FMU's output, in the order of the FMU's outputs.
 
-        digits: significant ones of every number, 1 to 17; 17 give every float64 in full.
         With an ensemble, the percentiles of its ux follow as ensemble.block[i].ux.p16, p50, p84: nan after all have
-        fallen.
+        fallen. `digits` is the number of significant digits, 1 to 17; 17 give every float64 in full. Raises InputError
+        for invalid `digits`, OSError.
         """
         behind: dict[str, FloatArray] = {}
         if self.ensemble is not None:
@@ -137,7 +169,7 @@ class Response(ColumnHistories, Result):
         self._write(path, digits, {"time": self.time}, behind)
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
-        """Draw ground motion, displacements, rotations, forces and contact over time; saved to `path` if given.
+        """Draw ground motion, displacements, rotations, forces and contact over time, and save them to `path` if given.
 
         Raises InputError without matplotlib (the extra `plot`).
         """
@@ -148,9 +180,21 @@ class Response(ColumnHistories, Result):
     def plot_column(
         self, path: str | os.PathLike[str] | None = None, at: float | None = None, scale: float | None = None
     ) -> Figure:
-        """Draw the deformed column at time `at`, s (None: its peak), deformation times `scale` (None: chosen).
+        """Draw the deformed column.
 
-        Raises InputError without matplotlib (the extra `plot`).
+        Parameters
+        ----------
+        path : path-like, optional
+            The file to save it to.
+        at : float, optional
+            The time (s); by default that of its peak.
+        scale : float, optional
+            The factor on the deformation; automatic by default.
+
+        Raises
+        ------
+        InputError
+            Without matplotlib (the extra `plot`).
         """
         with needing("plot", "matplotlib"):
             from ...plotting.drawings import plot_column
@@ -164,10 +208,25 @@ class Response(ColumnHistories, Result):
         speed: float = 1.0,
         callback: Callable[[int, int], object] | None = None,
     ) -> None:
-        """Write a film of the column, a GIF or, if ffmpeg is installed, an MP4; `speed`: s of motion in a s of film.
+        """Write a film of the column, a GIF or, if ffmpeg is installed, an MP4.
 
-        callback: is given the number of pictures made, and of all.
-        Raises InputError without matplotlib (the extra `plot`).
+        Parameters
+        ----------
+        path : path-like
+            The file.
+        scale : float, optional
+            The factor on the deformation; automatic by default.
+        fps : int
+            The number of frames per second.
+        speed : float
+            The seconds of motion in a second of film.
+        callback : callable, optional
+            Called with the number of frames made, and of all.
+
+        Raises
+        ------
+        InputError
+            Without matplotlib (the extra `plot`).
         """
         with needing("plot", "matplotlib"):
             from ...plotting.film import film
@@ -175,12 +234,28 @@ class Response(ColumnHistories, Result):
 
 
 def friction_history(T: FloatArray, N: FloatArray, carried: FloatArray, part: float = at.COUNTS_FROM) -> FloatArray:
-    """Friction needed to prevent sliding: |T| / N of forces of the joints (nt, n), N, else 0; (nt, n).
+    """Return the friction needed to prevent sliding, |T| / N where N counts, else 0.
 
     N vanishes where a joint is about to open, and in flight the model still keeps the blocks in line: T / N has no
-    meaning there. N counts where it is above `part` of the weight carried at rest, N (n,).
+    meaning there. N counts if it is above `part` of the weight carried at rest.
 
-    Raises InputError unless part is from 0.001 to 1 and every joint carries something.
+    Parameters
+    ----------
+    T, N : ndarray of shape (nt, n)
+        The forces of the joints (N).
+    carried : ndarray of shape (n,)
+        The weight carried at rest (N).
+    part : float
+        The threshold, from 0.001 to 1.
+
+    Returns
+    -------
+    ndarray of shape (nt, n)
+
+    Raises
+    ------
+    InputError
+        Unless part is in range and every joint carries a weight.
     """
     part = check_number("part", part, (1e-3, 1.0), "a part of the weight carried at rest, from 0.001 to 1")
     if not np.all(carried > 0.0):

@@ -1,4 +1,4 @@
-"""The column at rest under its own weight: whether it is stable there, and signs of mistaken units."""
+"""The column at rest under its own weight: its stability there, and signs of mistaken units."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ...common.errors import InputError
 from .model import Column
 from .packing import FloatArray, carried_weights, settlements
 
-ITERATIONS = 4  # to the first mode, from a rigid rotation of the column
+ITERATIONS = 4  # inverse iterations to the first mode, from a rigid rotation of the column
 
 
 def check_rest(column: Column, from_rest: bool = True) -> None:
@@ -27,7 +27,7 @@ def check_rest(column: Column, from_rest: bool = True) -> None:
 
 @lru_cache(maxsize=64)
 def known_warnings(column: Column) -> tuple[str, ...]:
-    """`warnings_of`, kept for columns that are asked about again."""
+    """Return `warnings_of`, cached for repeated calls."""
     return tuple(warnings_of(column))
 
 
@@ -38,7 +38,7 @@ def check_stable(column: Column) -> None:
 
 
 def instability(column: Column) -> str:
-    """Why a column whose rest is not stable cannot stand, in one line."""
+    """Return the reason why a column whose rest is not stable cannot stand, in one line."""
     i = int(np.argmax(settlements(column))) + 1
     return (
         f"{column.name} cannot stand: its rest under gravity is not stable, the joints are too soft for the weight "
@@ -48,12 +48,12 @@ def instability(column: Column) -> str:
 
 
 def warnings_of(column: Column) -> list[str]:
-    """Values that can be computed with but are probably not intended, a line each; mostly none.
+    """Return a line for each kind of value that is valid but probably unintended; mostly none.
 
     Of all blocks or joints with the same mistake, the line is about the worst.
     """
     laws = [block.joint for block in column.blocks]
-    # a block that carries a load, whose mass is included, has a centroid and an inertia of its own
+    # a block whose mass includes a load has its own centroid and inertia
     return plausible.lines_of(
         plausible.Facts(
             block_key=lambda i: f"block[{i + 1}]",
@@ -79,14 +79,14 @@ def warnings_of(column: Column) -> list[str]:
 
 
 def is_stable(column: Column) -> bool:
-    """Whether the rest under gravity, all joints in full contact, is a minimum of the potential energy.
+    """Return True if the rest under gravity, all joints in full contact, is a minimum of the potential energy.
 
     A column off its axis always passes: without a stable rest no model of it can be made.
 
     The energy is always a minimum over the openings. The rest is stable if elimination of the rotations leaves positive
     pivots only.
     """
-    if column.off_axis:  # packing.py finds its rest and checks the stability when it makes the model
+    if column.off_axis:  # packing.py computes its rest and checks the stability when it makes the model
         return True
     pivot, coupling = math.inf, 0.0
     for diagonal, beside in zip(*_rocking_stiffness(column), strict=True):
@@ -98,7 +98,7 @@ def is_stable(column: Column) -> bool:
 
 
 def _rocking_stiffness(column: Column) -> tuple[list[float], list[float]]:
-    """Diagonal and off-diagonal of the stiffness against the rotations of the blocks, gravity included, N m.
+    """Return diagonal and off-diagonal of the stiffness against the rotations of the blocks, gravity included (N m).
 
     With the openings of theory.md, section 4, the second derivatives of the potential energy with respect to the
     rotations form a symmetric tridiagonal matrix. The last off-diagonal entry couples the lowest block to the base.
@@ -119,7 +119,7 @@ def _rocking_stiffness(column: Column) -> tuple[list[float], list[float]]:
 
 
 def _may_be_damped_much(column: Column) -> bool:
-    """Whether the damping ratio is worth computing, which takes as long as a tenth of a short run.
+    """Return True if the damping ratio may be large, as its computation takes a tenth of a short run.
 
     One rigid block on the lowest joint is stiffer than the column in its first mode, and so has more damping.
     """
@@ -138,9 +138,9 @@ def _may_be_damped_much(column: Column) -> bool:
 
 
 def first_damping_ratio(column: Column) -> float:
-    """Damping ratio of the first sway mode, as if on its axis and stuck; 0 without damping or a stable rest.
+    """Return the damping ratio of the first sway mode, on its axis and without sliding; 0 if undamped or unstable.
 
-    Found by inverse iteration, accurate enough for a warning; `modes.natural_modes` has it exactly.
+    It is computed by inverse iteration, accurate enough for a warning; `modes.natural_modes` has it exactly.
     """
     eta = np.array([block.joint.damping for block in column.blocks])
     if not column.g or not np.any(eta) or not is_stable(column):

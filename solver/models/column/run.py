@@ -1,4 +1,4 @@
-"""One run: a column under a motion, and then on the still base until it is known whether it stands."""
+"""One run: a column under a motion, and then on the still base until its verdict is known."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ COUNTED = ("steps", "implicit_steps", "elastic_steps", "rejected", "events", "ev
 
 
 class Glance(NamedTuple):
-    """The state of a run under way, for a callback: ux m, theta rad, the peaks of |ux| so far m, (n,) each."""
+    """The state of a run in progress, for a callback: ux (m), theta (rad), the peaks of |ux| so far (m), (n,) each."""
 
     ux: FloatArray
     theta: FloatArray
@@ -37,7 +37,10 @@ Callback = Callable[[float, Glance], object]
 
 
 def single_run(column: Column, plan: Plan) -> tuple[Response, FloatArray]:
-    """The response of a column, and its phases (kinematics.py) at the times of the rows. Raises SolverError."""
+    """Run a column; return its response, and its phases (kinematics.py) at the times of the rows.
+
+    Raises InputError for an invalid initial state, SolverError if the motion cannot be followed.
+    """
     initial = rest_under(column, plan.initial.loads) if isinstance(plan.initial, Released) else plan.initial
     stepper = Stepper(column, initial)
     stop = plan.motion.start + plan.duration
@@ -74,18 +77,18 @@ def single_run(column: Column, plan: Plan) -> tuple[Response, FloatArray]:
 
 
 def phase_of(stepper: Stepper) -> FloatArray:
-    """Coordinates and rates of a stepper as models/column/kinematics.py has them, a copy."""
+    """Return a copy of the coordinates and rates of a stepper, as in models/column/kinematics.py."""
     return _coordinates(stepper.arrays.state[at.CONTROL.beside :], stepper.column).copy()
 
 
 def _coordinates(phases: FloatArray, column: Column) -> FloatArray:
-    """Coordinates and rates from arrays that begin with a phase of the stepper."""
+    """Return coordinates and rates from arrays that begin with a phase of the stepper."""
     n = column.n
     slips, behind = phases[..., at.RIGID_FIELDS * n :], phases[..., at.PHASE_FIELDS * n :]
     found = coordinates_of(phases, slips if column.has_slips else slips[..., :0], n)
     if not column.is_brittle:
         return found
-    still = np.zeros((*found.shape[:-1], 6 * n - found.shape[-1]))  # without slips there is scratch in their places
+    still = np.zeros((*found.shape[:-1], 6 * n - found.shape[-1]))  # without slips their places hold scratch data
     return np.concatenate([found, still, behind[..., : 2 * n]], axis=-1)
 
 
@@ -112,7 +115,7 @@ class _Settling(Settling):
 
     @property
     def _law_without_barrier(self) -> str:
-        """Key of what leaves a column without one."""
+        """The key of the law for which there is no energy barrier, or ""."""
         column = self._column
         brittle = column.is_brittle and column.off_axis
         return column.other_law or (column.brittle_key if brittle else "")
@@ -128,14 +131,32 @@ class _Settling(Settling):
 
 
 def settled_verdict(stepper: Stepper, stop: float, settle: float) -> Verdict:
-    """The verdict on a run that ended at time `stop`, s, found `settle` s later at most."""
+    """Determine the verdict on a run that ended at time `stop` (s), at most `settle` (s) later."""
     return settled(_Settling(stepper), stop, settle)
 
 
 def outcome(column: Column, phase: FloatArray, stop: float, settle: float) -> tuple[str, float, int]:
-    """The outcome of a column that has this phase (kinematics.py) at time `stop`, s, and a still base from then on.
+    """Determine the outcome of a column on a base that is still from time `stop` on.
 
-    Returns the word, the time of overturning, s, and the joint; NaN and 0 where it stands.
+    Parameters
+    ----------
+    column : Column
+        The column.
+    phase : ndarray
+        Its phase at time `stop` (kinematics.py).
+    stop : float
+        The time at which the base is still (s).
+    settle : float
+        The longest time that the column is followed after it (s).
+
+    Returns
+    -------
+    word : str
+        The verdict.
+    time : float
+        The time of overturning (s), NaN if it stands.
+    joint : int
+        The joint over which it falls, 0 if it stands.
     """
     chain = chain_of(column)
     places = chain.places(phase)
@@ -146,7 +167,9 @@ def outcome(column: Column, phase: FloatArray, stop: float, settle: float) -> tu
 
 
 def why_no_modes(stepper: Stepper) -> str:
-    """Why no step was by modes, whatever the motion; empty where they are taken as long as nothing opens or slides."""
+    """Return the reason why no step is made by modes, under any motion; "" if modes are used while nothing opens or
+    slides.
+    """
     settings = stepper.column.settings
     if stepper.column.kind.fixed:
         return f"formulation {settings.formulation}"

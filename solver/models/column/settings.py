@@ -1,4 +1,4 @@
-"""How the equations of a column are written and integrated."""
+"""The formulation of the equations of a column, and their integration."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from ...common.errors import InputError, shown
 from ...common.ranges import check, check_choice
 from ...kernels.layout import spaces as at
 
-OWN_INTEGRATOR = {"exact": "auto", "paper": "central-difference"}  # formulation -> how it is integrated
+OWN_INTEGRATOR = {"exact": "auto", "paper": "central-difference"}  # formulation -> its integrator
 FORMULATIONS, INTEGRATORS = tuple(OWN_INTEGRATOR), tuple(OWN_INTEGRATOR.values())
 # names -> codes of the kernels
-SKIP_CODES = {  # what can be left out: short cuts, to check or to measure them, and the peaks of all but ux
+SKIP_CODES = {  # features that can be omitted: short cuts, to check or to measure them, and the peaks of all but ux
     "elastic": at.ELASTIC,
     "rest": at.REST,
     "dashpots": at.DASHPOTS,
@@ -24,16 +24,16 @@ SKIPS = tuple(SKIP_CODES)
 
 @dataclass(frozen=True)
 class Settings:
-    """How the equations are written and integrated."""
+    """The formulation of the equations, and their integration."""
 
     formulation: str = "exact"  # one of FORMULATIONS
-    integrator: str = ""  # that of the formulation (OWN_INTEGRATOR); may be left out
+    integrator: str = ""  # that of the formulation (OWN_INTEGRATOR) by default
     step: float = 1e-4  # s, of the fixed steps of paper
-    tolerance: float = 1e-5  # relative error of exact, which chooses its steps
-    without: tuple[str, ...] = ()  # of SKIPS: what is not to be done
+    tolerance: float = 1e-5  # relative error of exact, which adapts its steps
+    without: tuple[str, ...] = ()  # names of SKIPS: the features that are omitted
 
     def __post_init__(self) -> None:
-        if isinstance(self.without, list):  # as TOML and JSON have it
+        if isinstance(self.without, list):  # TOML and JSON have lists
             object.__setattr__(self, "without", tuple(self.without))
         if self.integrator == "":
             object.__setattr__(self, "integrator", OWN_INTEGRATOR.get(self.formulation, ""))

@@ -20,7 +20,17 @@ from .verdict import Barriers, surely_stand
 
 
 class Outcomes(NamedTuple):
-    """Numbers of the words of verdict.py, times of overturning s, joints; NaN and 0 where a column stands."""
+    """The outcomes of columns.
+
+    Attributes
+    ----------
+    words : ndarray of int
+        The codes of the verdicts (protocol.WORDS).
+    times : ndarray
+        The times of overturning (s), NaN if a column stands.
+    joints : ndarray of int
+        The joints over which columns fall, 0 if they stand.
+    """
 
     words: IntArray
     times: FloatArray
@@ -35,10 +45,24 @@ def outcomes_of(
     settle: float,
     flag: FloatArray,
 ) -> Outcomes:
-    """The outcome of columns of n blocks, all of one kind of lanes, on a base that is still from now on.
+    """Determine the outcomes of columns of n blocks, all of one kind of lanes, on a base that is still.
 
-    chain: their data (Chain.of_many). phases: (columns, 4 n) at the times `stops`, s. settle: s, how long to follow at
-    most. Once flag[0] is not zero it ends soon, without usable results. The outcome of a column depends on no other.
+    The outcome of a column does not depend on the others.
+
+    Parameters
+    ----------
+    columns : sequence of Column
+        The columns.
+    chain : Chain
+        Their data (Chain.of_many).
+    phases : ndarray of shape (columns, 4 n)
+        Their phases at the times `stops`.
+    stops : ndarray of shape (columns,)
+        The times from which the base is still (s).
+    settle : float
+        The longest time that a column is followed (s).
+    flag : ndarray
+        Once flag[0] is set, the call returns soon, without usable results.
     """
     count, code = len(columns), partial(code_of, "verdict")
     found = Outcomes(np.full(count, code(UNDECIDED)), np.full(count, math.nan), np.zeros(count, dtype=np.int64))
@@ -48,11 +72,12 @@ def outcomes_of(
     if not left.size:
         return found
     columns, chain, phases, stops = [columns[k] for k in left], chain.some(left), phases[left], stops[left]
-    first, same = _alike(columns)  # one column may be listed for many motions
+    first, same = _alike(columns)  # one column may occur for many motions
     barriers = Barriers(chain.some(first))
-    numbers, some = left, np.arange(len(left))  # of the columns left: places among those given, and among the rows here
+    numbers, some = left, np.arange(len(left))  # remaining indices among the arguments, and here
     looks = 0
     while some.size and not flag[0]:
+        # drop those that the barrier holds
         part = chain.some(some)
         held = barriers.hold(same[some], part.energies(phases[some]), np.abs(part.places(phases[some]).theta))
         some = some[~held]
@@ -61,12 +86,13 @@ def outcomes_of(
             found.words[numbers[some]] = code(UNDECIDED)
             break
         begins, ends = stops[some] + begin, stops[some] + end
+        # follow the others to the next check
         made = rest_in_lanes(chain.model[some], chain.n, kind, phases[some], begins, ends, flag)
         fell = made.overturned_joint > 0
         which = numbers[some[fell]]
         found.words[which] = code(OVERTURNED)
         found.times[which], found.joints[which] = made.overturn_time[fell], made.overturned_joint[fell]
-        for k in some[~made.finished]:  # alone, from the state before
+        for k in some[~made.finished]:  # alone, from the previous state
             word, time, joint = outcome(columns[k], phases[k], float(stops[k] + begin), settle - begin)
             number = numbers[k]
             found.words[number], found.times[number], found.joints[number] = code(word), time, joint
@@ -77,13 +103,13 @@ def outcomes_of(
 
 
 def _alike(columns: Sequence[Column]) -> tuple[IntArray, IntArray]:
-    """Places of columns that differ, and for each of all columns which of these it is."""
+    """Return the indices of distinct columns, and for each column the index among these."""
     known: dict[int, int] = {}
     same = np.array([known.setdefault(id(column), len(known)) for column in columns])
     return np.unique(same, return_index=True)[1], same
 
 
 def _not_standing(chain: Chain, phases: FloatArray) -> IntArray:
-    """Places of the columns that no quick bound shows to stand."""
+    """Return the indices of the columns that no quick bound proves to stand."""
     turned = np.abs(chain.places(phases).theta)
     return np.flatnonzero(~surely_stand(chain, chain.energies(phases), turned))

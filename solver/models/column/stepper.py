@@ -41,31 +41,42 @@ REASONS = {
     at.ROTATES: 'the base rotates: formulation = "paper" has no such motion, "exact" has',
 }
 
-# A run is followed in chunks, after each of which an interruption is noticed: evaluations times blocks in each, about
-# 0.03 s. They are counted, not timed, so that chunks end at equal instants on every machine: the steps end on them.
+# A run is made in chunks, after each of which an interrupt is handled: evaluations times blocks in each, about 0.03 s.
+# They are counted, not timed, so that chunks end at equal instants on every machine: the steps end on them.
 CHUNK = 4e5
-EVALUATIONS_PER_FIRST_STEP = 4.0  # estimate for the first chunk; a rocking column needs less
-LEAST_CHANGE, MOST_CHANGE = 0.125, 2.0  # of the length of a chunk, from one to the next
+EVALUATIONS_PER_FIRST_STEP = 4.0  # estimate for the first chunk; a rocking column needs fewer
+LEAST_CHANGE, MOST_CHANGE = 0.125, 2.0  # range of the ratio of the lengths of successive chunks
 ROWS_AT_ONCE = 10_000
 
 _NONE = np.empty(0)
 _TURN = 8 * at.BASE.fields.index("theta")  # bytes
 _MOVED, _TURNED = struct.Struct("5d"), struct.Struct("3d")  # numpy takes thrice as long for a few numbers
-_T, _T_H = struct.Struct("=d"), struct.Struct("=2d")  # in the buffers of calls, t and h side by side
-_T_OF_RUN, _T_OF_LOOK = offset(entries.run, "t"), offset(entries.observe_state, "t")  # the same of all kinds of columns
+_T, _T_H = struct.Struct("=d"), struct.Struct("=2d")  # in the buffers of calls, t and h are adjacent
+_T_OF_RUN, _T_OF_LOOK = offset(entries.run, "t"), offset(entries.observe_state, "t")  # equal for all kinds of columns
 _OF_PLANE = [name in IN_PLANE for name in COMPONENTS]
 
 
 def _plain(row: ArrayLike) -> FloatArray:
-    """Return the row as kernels read it: contiguous."""
+    """Return the row as a contiguous float64 array, as kernels read it."""
     return np.require(row, dtype=np.float64, requirements=["C"])
 
 
 class Record:
-    """Samples of the base acceleration for the kernels: times s, ax and az m/s2, a factor, held or joined.
+    """The samples of the base motion, and of loads, for the kernels.
 
-    loads: on the ports of a column that has some, on each of the intervals of `time`, which may go on after the base:
-    Fx, Fz, My, then their slopes, a number for each port (kernels/ports/).
+    Parameters
+    ----------
+    time : array-like of shape (m,)
+        The times (s), which may continue after the base motion.
+    ax, az : array-like
+        The accelerations of the base (m/s2).
+    scale : float
+        The factor on the accelerations.
+    held : bool
+        Whether samples are held rather than linear.
+    loads : array-like
+        On each interval of `time` the loads on the ports: Fx, Fz, My, then their slopes, a number for each port
+        (kernels/ports/).
     """
 
     def __init__(
@@ -84,11 +95,11 @@ SILENCE = Record(_NONE, _NONE, _NONE)
 
 
 class Stepper:
-    """A column between two calls. The caller owns the time and passes it in.
+    """A column between two calls; the caller owns the time and passes it in.
 
     The whole state of a run is in `arrays.state`, `arrays.counts` and `arrays.base`: copying them saves it. `model`,
-    `state`, `counts` and `base` name the same numbers (layout/spaces.py); writing to them takes effect. `record` is
-    followed in addition to `base`. Raises InputError for a fixed step that is not stable.
+    `state`, `counts` and `base` are views of the same numbers (layout/spaces.py); writing to them takes effect.
+    `record` is followed in addition to `base`. Raises InputError for a fixed step that is not stable.
     """
 
     def __init__(self, column: Column, initial: InitialState | None = None) -> None:
@@ -103,8 +114,8 @@ class Stepper:
         self.counts = at.COUNTS.see(self.arrays.counts)
         self.base = at.BASE.see(self.arrays.base)
         self.followed = SILENCE  # by the last run
-        self._is_driven = False  # whether bodies drive the base, and
-        self.lacks_mass = False  # whether these have forces, and no mass
+        self._is_driven = False  # whether bodies drive the base
+        self.lacks_mass = False  # whether these have forces but no mass
         self._base = self.arrays.base.data
         self._ports = ports_of(column)
         row = at.ROW.size(self.n) + at.SPOTS.size(len(column.ports)) + column.sizes[BOND]
@@ -116,7 +127,7 @@ class Stepper:
 
     @property
     def record(self) -> Record:
-        """What is followed in addition to `base`."""
+        """The samples that are followed in addition to `base`."""
         return self._record
 
     @record.setter
@@ -139,12 +150,29 @@ class Stepper:
         *behind: float,
         since: float | None = None,
     ) -> None:
-        """Set the motion of the base from time t on: accelerations m/s2, slopes m/s3, rotation rad, rad/s, rad/s2.
+        """Set the motion of the base from time t on.
 
-        since: s, the time that all of these are given for; None: t. behind: the loads on the ports if there are any (N,
-        N m), Fx of each, Fz, My, then their slopes, none: no load; then what drives a base that is `driven_by` bodies,
-        at time t: of each F0x to Mtt (kernels/formulations/coupled_base.py, BODY); the column adds R0 and m. Raises
-        SolverError where nothing at the base has a mass.
+        Parameters
+        ----------
+        t : float
+            The time (s).
+        ax, az : float
+            The accelerations (m/s2).
+        jx, jz : float
+            Their slopes (m/s3).
+        theta, omega, alpha : float
+            The rotation (rad), its rate (rad/s) and acceleration (rad/s2).
+        *behind : float
+            The loads on the ports, if there are any: Fx of each (N), Fz, My (N m), then their slopes; none means no
+            load. Then, if the base is `driven_by` bodies, for each body its F0x to Mtt at time t
+            (kernels/formulations/coupled_base.py, BODY); the column adds R0 and m.
+        since : float, optional
+            The time for which all of these are given (s), by default t.
+
+        Raises
+        ------
+        SolverError
+            If nothing at the base has a mass.
         """
         elapsed = 0.0 if since is None else t - since
         loads: Sequence[float] = ()
@@ -160,15 +188,20 @@ class Stepper:
         _TURNED.pack_into(self._base, _TURN, turn, omega + elapsed * alpha, alpha)
 
     def _load(self, loads: Sequence[float], past: float) -> None:
-        """Set the loads on the ports, `past` s after they were as given, and their slopes; none: no load."""
+        """Set the loads on the ports and their slopes, `past` (s) after the time of the given values; none: no load."""
         if self.column.ports:
             values, slopes = np.reshape(loads or np.zeros(self._inputs.size), (2, -1))
             self._inputs[:] = np.concatenate([values + slopes * past, slopes])
 
     def driven_by(self, drive: str, slope: str, bodies: int) -> None:
-        """Let `bodies` at the base drive it, by words of DRIVES and SLOPES (kernels/layout/spaces.py).
+        """Let bodies at the base drive it.
 
-        bodies: 0 where none ever does; else `seen` ends with the motion of the base.
+        Parameters
+        ----------
+        drive, slope : str
+            Words of DRIVES and SLOPES (kernels/layout/spaces.py).
+        bodies : int
+            The number of bodies, 0 if there are never any; otherwise `seen` ends with the motion of the base.
         """
         settings = self.model.settings
         settings.drive, settings.slope, settings.bodies = at.DRIVES[drive], at.SLOPES[slope], bodies
@@ -186,7 +219,10 @@ class Stepper:
         self.lacks_mass = self._entries.couple_base(self.n, model, base, inputs, self._split) < at.OK
 
     def advance(self, t: float, h: float) -> None:
-        """Advance from t to t + h, s, under `base` and `record`; all peaks are kept. Raises SolverError."""
+        """Advance from t to t + h (s) under `base` and `record`; all peaks are tracked.
+
+        Raises SolverError.
+        """
         if self.lacks_mass:
             self._check(at.BODY_LACKING, t)
         if self._is_driven:
@@ -197,7 +233,10 @@ class Stepper:
             self._check(code, t)
 
     def observe(self, t: float) -> FloatArray:
-        """The output row at time t (layout/spaces.py, ROW); overwritten by the next call. Raises SolverError."""
+        """Return the output row at time t (layout/spaces.py, ROW); the next call overwrites it.
+
+        Raises SolverError.
+        """
         _T.pack_into(self._observe.buffer, _T_OF_LOOK, t)
         code = self._observe()
         if code < at.OK:
@@ -206,7 +245,7 @@ class Stepper:
 
     @property
     def split(self) -> FloatArray:
-        """Base reaction of the row last observed as R0 - M a: R0 and the effective mass M (layout/spaces.py, SPLIT)."""
+        """The base reaction of the last row as R0 - M a: R0 and the effective mass M (layout/spaces.py, SPLIT)."""
         return self._split[: at.SPLIT.beside]
 
     @property
@@ -215,7 +254,7 @@ class Stepper:
         return self.arrays.base[at.BASE.beside :]
 
     def stand_on_base(self) -> None:
-        """Start upright on the base in its present rotation and rate, instead of upright in space."""
+        """Start upright on the base at its present rotation and rate, instead of upright in space."""
         self.state.control.base_theta = self.base.theta
         self.state.control.base_omega = self.base.omega
 
@@ -226,10 +265,24 @@ class Stepper:
         times: FloatArray,
         after_chunk: Callable[[float], None] | None = None,
     ) -> FloatArray:
-        """Follow a motion from its start to time `stop`, s; a snapshot for each of `times`. Raises SolverError.
+        """Follow a motion from its start and return a snapshot at each of `times`.
 
-        `after_chunk` is called with the time reached, several times per second of the clock; an exception it raises
-        ends the run.
+        Parameters
+        ----------
+        motion : Motion
+            The motion of the base.
+        stop : float
+            The time of the end (s).
+        times : ndarray
+            The times of the snapshots (s).
+        after_chunk : callable, optional
+            Called with the time reached, several times per second of the clock; an exception that it raises ends the
+            run.
+
+        Raises
+        ------
+        SolverError
+            If the motion cannot be followed.
         """
         snapshots = np.zeros((times.size, self.column.kind.snapshot_size(self.column)))
         time, ax, az = motion.time, motion.ax, motion.az
@@ -249,7 +302,10 @@ class Stepper:
         return snapshots
 
     def rest_until(self, t: float, stop: float) -> None:
-        """Advance from t to time `stop`, s, on a base that does not accelerate. Raises SolverError."""
+        """Advance from t to `stop` (s) on a base that does not accelerate.
+
+        Raises SolverError.
+        """
         self.drive(t)
         self.base.wave_amplitude = 0.0
         self._follow(t, stop, SILENCE, _NONE, _NONE, False, None)
@@ -266,19 +322,19 @@ class Stepper:
     ) -> None:
         settings = self.model.settings
         step = settings.step if self.column.kind.fixed else settings.first_step
-        if self.base.wave_amplitude:  # no step is longer (kernels/stepping/control.py)
+        if self.base.wave_amplitude:  # an upper bound of steps (kernels/stepping/control.py)
             step = min(step, 1.0 / self.base.wave_omega)
         chunk = CHUNK * float(step) / (EVALUATIONS_PER_FIRST_STEP * self.n)
         done = begun = self._work_done
         whole = stop - t
-        most = most_work(settings, whole)  # of all chunks: each has its own in the kernel
+        most = most_work(settings, whole)  # of all chunks: each has its own limit in the kernel
         while t < stop:
             left = stop - t
             pieces = math.ceil(left / chunk)
-            end = stop if pieces <= 1 else t + (left / pieces if pieces <= 4 else chunk)  # no tiny step at the end
+            end = stop if pieces <= 1 else t + (left / pieces if pieces <= 4 else chunk)  # avoids a tiny last step
             before = done
             code = self._run(t, end - t, record, times, snapshots, peaks)
-            if code == at.TOO_MUCH_WORK:  # its own limit, of a chunk
+            if code == at.TOO_MUCH_WORK:  # the limit of a chunk
                 raise self._too_much(self._work_done, 1.0 - (stop - t) / whole)
             self._check(code, None)
             t = end
@@ -294,7 +350,7 @@ class Stepper:
         return TooMuchWorkError(f"after {self.time_spent:.6g} s: {effort.slowness(done, part, self._causes())}")
 
     def _causes(self) -> Iterator[effort.Cause]:
-        """What may make steps short."""
+        """Yield the possible causes of short steps."""
         column = self.column
         for i, (block, contact) in enumerate(zip(column.blocks, column.contacts, strict=True), start=1):
             law = block.joint
@@ -311,9 +367,9 @@ class Stepper:
         return int(self.counts.evaluations + self.counts.sweeps)
 
     def rows_of(self, snapshots: FloatArray, times: FloatArray = _NONE) -> FloatArray:
-        """The output row that belongs to each snapshot; their times are needed where there are ports.
+        """Return the output row of each snapshot; their times are needed if there are ports.
 
-        Raises SolverError.
+        Raises SolverError if one cannot be computed.
         """
         rows, done = np.zeros((len(snapshots), len(self._row))), np.zeros(1, dtype=np.int64)
         arrays = self.arrays._replace(counts=self.arrays.counts.copy(), base=self.arrays.base.copy())
@@ -328,7 +384,10 @@ class Stepper:
         return rows
 
     def retune(self, column: Column) -> None:
-        """Continue from the present coordinates and rates with new parameters of the same blocks. Raises InputError."""
+        """Replace the parameters of the blocks, and continue from the present coordinates and rates.
+
+        Raises InputError if the column is invalid.
+        """
         before = self.model.settings
         self.arrays = self.arrays._replace(model=pack_model(column).copy())
         self.column, self.record = column, self.record  # over the new model
@@ -337,32 +396,32 @@ class Stepper:
         settings.drive, settings.slope, settings.bodies = before.drive, before.slope, before.bodies
         self.arrays.work[:] = 0.0  # the responses of the modes belong to the previous model
         if not self.overturned_joint:
-            self.state.control.base_ax = math.nan  # matches no input, so that the accelerations are evaluated
+            self.state.control.base_ax = math.nan  # differs from any input, so that the accelerations are evaluated
 
     @property
     def time_spent(self) -> float:
-        """Time for which the column has been advanced while it stood, s."""
+        """The time for which the column has been advanced while it stood (s)."""
         control = self.state.control
         return float(control.time_full + control.time_rocking + control.time_flight)
 
     @property
     def overturned_joint(self) -> int:
-        """Number of the joint over which the column has fallen; 0 while it stands."""
+        """The number of the joint over which the column has fallen; 0 while it stands."""
         return int(self.counts.overturned)
 
     @property
     def overturn_time(self) -> float:
-        """Time of overturning, s; NaN while the column stands."""
+        """The time of overturning (s); NaN while the column stands."""
         return float(self.state.control.overturn_time) if self.overturned_joint else math.nan
 
     @property
     def peak_ux(self) -> NDArray[np.float64]:
-        """Largest |u_x| of each top face so far, m (n,)."""
+        """The largest |ux| of each top face so far, m (n,)."""
         return self.state.peaks[: self.n]
 
     @property
     def peaks(self) -> dict[str, FloatArray]:
-        """Largest absolute values so far by name, copies: (n,) of blocks and joints, (1,) of the base.
+        """The largest absolute values so far by name, copies: (n,) of blocks and joints, (1,) of the base.
 
         `contact` has the least; `friction` is |T| / N while N counts (layout/spaces.py, PEAKS). Only those of ux with
         `without = ["peaks"]`.
@@ -373,12 +432,12 @@ class Stepper:
 
     @property
     def visible_peaks(self) -> FloatArray:
-        """`peaks` as an array, in the order of kernels/layout/spaces.py, PEAKS."""
+        """The `peaks` as an array, in the order of kernels/layout/spaces.py, PEAKS."""
         return visible_peaks(OUTPUTS, self.column.sizes, self._peaks)
 
     @property
     def _peaks(self) -> FloatArray:
-        """Those of the kernels, with those of ports and bonds in their place among the outputs."""
+        """The peaks of the kernels, with those of ports and bonds at their positions among the outputs."""
         column, peaks = self.column, self.state.peaks
         if not (column.ports or column.is_brittle):
             return peaks
@@ -392,7 +451,7 @@ class Stepper:
         return code
 
     def _arguments(self, record: Record) -> tuple[Any, ...]:
-        """A record as the entries take it."""
+        """Return the arguments of the entries for a record."""
         return *record.arguments, self._ports
 
     def _check(self, code: int, t: float | None) -> None:

@@ -1,10 +1,10 @@
-"""Whether a column whose joints may slide has come to rest for good.
+"""The test whether a column whose joints may slide has come to rest for good.
 
-Slips change the barrier, so the energy alone decides nothing (verdict.py). But a column that sticks moves as
-one that is off its axis by its slips and never slides. In full contact it swings about its rest, and this is linear:
-its motion is a sum of modes, each of which keeps or loses its energy; pressures at the edges and forces along the
-joints are linear in them. So the energies of the modes bound each. If all modes together take no more than a part of
-the pressure at any edge, and leave every joint some of its shear capacity, none opens or slides ever again.
+Slips change the barrier, so the energy alone decides nothing (verdict.py). But a column that sticks moves as one that
+is off its axis by its slips and never slides. In full contact it swings about its rest, and this is linear: its motion
+is a sum of modes, each of which keeps or loses its energy; pressures at the edges and forces along the joints are
+linear in them. So the energies of the modes bound each. If all modes together take no more than a part of the pressure
+at any edge, and leave every joint some of its shear capacity, none opens or slides ever again.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from .packing import FloatArray
 
 SAFE = 0.8  # of the margins at rest; the remainder covers nonlinear effects
 PART = 1e-3  # of the motion that opens a joint: step of finite differences
-MOST_BLOCKS = 200  # with more, the matrices take too long
-ALIKE = 1e-6  # dampings that differ by less than this part: each mode loses its energy independently
+MOST_BLOCKS = 200  # limit beyond which the matrices take too long
+ALIKE = 1e-6  # relative difference of dampings below which each mode loses its energy independently
 
 
 class _Swinging(NamedTuple):
@@ -34,12 +34,12 @@ class _Swinging(NamedTuple):
     into_modes: FloatArray  # of coordinates or rates, (m, 2 n)
     omega: FloatArray  # rad/s (m,)
     left: FloatArray  # margin of each limit at rest
-    taken: FloatArray  # (limits, m), largest amount that a mode takes from a limit if twice its energy is 1
+    taken: FloatArray  # (limits, m), largest amount that a mode with half a unit of energy takes from a limit
     apart: bool  # whether the modes exchange no energy
 
 
 def sticks_for_good(column: Column, phase: FloatArray) -> bool:
-    """Whether no joint of a column with this phase (kinematics.py) slides or opens ever again on a still base."""
+    """Return True if no joint of a column with this phase (kinematics.py) ever slides or opens on a still base."""
     place = chain_of(column).places(phase)
     if column.n > MOST_BLOCKS or np.any(place.slip_rate != 0.0):
         return False
@@ -58,15 +58,16 @@ def sticks_for_good(column: Column, phase: FloatArray) -> bool:
 
 @lru_cache(maxsize=32)
 def _swinging(column: Column, slips: tuple[float, ...]) -> _Swinging | None:
-    """The column that sticks with these slips, m; None if it is not stable, or not closed and stuck at rest.
+    """Return the column that sticks with these slips (m); None if it is not stable, or not closed and stuck at rest.
 
-    Raises InputError or SolverError where it does not stand at all.
+    Raises InputError or SolverError if it does not stand at all.
     """
     blocks = tuple(
         replace(block, joint=replace(block.joint, offset=slip or None))
         for block, slip in zip(stuck(column).blocks, slips, strict=True)
     )
     still = StillColumn(replace(column, blocks=blocks))
+    # modes about the rest
     mass = _mass(Chain(still.column), still.rest)
     stiffness = mass @ still.stiffness(still.rest, PART)
     root = np.linalg.inv(np.linalg.cholesky(mass))
@@ -74,6 +75,7 @@ def _swinging(column: Column, slips: tuple[float, ...]) -> _Swinging | None:
     if squares[0] <= 0.0:
         return None
     omega, shapes = np.sqrt(squares), root.T @ turned
+    # margins of pressure and shear at rest, and the amounts that modes take from them
     pressed, by_place = _penetrations(still)
     eta = np.array([block.joint.damping for block in column.blocks])
     held, held_by_place, held_by_rate = _borne(column, still)
@@ -87,7 +89,7 @@ def _swinging(column: Column, slips: tuple[float, ...]) -> _Swinging | None:
 
 
 def _mass(chain: Chain, rest: FloatArray) -> FloatArray:
-    """The mass matrix about the rest (2 n, 2 n), from the velocities that each rate gives."""
+    """Return the mass matrix about the rest, (2 n, 2 n), from the velocities that each rate gives."""
     n = chain.n
     count = 4 * n + (2 * n if chain.off_axis else 0)
     phases = np.zeros((2 * n, count))
@@ -102,7 +104,7 @@ def _mass(chain: Chain, rest: FloatArray) -> FloatArray:
 
 
 def _penetrations(still: StillColumn) -> tuple[FloatArray, FloatArray]:
-    """Of both ends of all contacts at rest, m (2 n,), and its derivatives by the coordinates (2 n, 2 n)."""
+    """Return the penetrations at both ends of all contacts at rest, m (2 n,), and their derivatives (2 n, 2 n)."""
     n, blocks = still.n, still.blocks
     slip = np.array([block.joint.offset or 0.0 for block in still.column.blocks])
     turning = np.eye(n) - np.eye(n, k=1)
@@ -115,11 +117,14 @@ def _penetrations(still: StillColumn) -> tuple[FloatArray, FloatArray]:
 
 
 def _borne(column: Column, still: StillColumn) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Margins of shear capacity at rest of joints that may slide, N, either way; derivatives by place, by rate."""
+    """Return the margins of shear capacity at rest, both ways (N), and their derivatives by coordinates and by rates.
+
+    Only joints that may slide have them.
+    """
     sliding = np.array([block.joint.friction is not None for block in column.blocks])
     friction = np.array([block.joint.friction or 0.0 for block in column.blocks])
     dowel = np.array([block.joint.dowel or 0.0 for block in column.blocks])
-    # a rim pushes along the joint by at most this, a small force: four times the one at rest
+    # bound of the force of a rim along the joint, a small force: four times the one at rest
     rims = np.array([2.0 * block.joint.stiffness for block in column.blocks]) * still.blocks.depth
     rims = rims * np.max(_penetrations(still)[0].reshape(2, -1), axis=0) ** 2
 

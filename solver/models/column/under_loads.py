@@ -1,4 +1,4 @@
-"""A column at rest under loads on its ports, from which it can be let go."""
+"""The rest of a column under loads on its ports, from which it can be released."""
 
 from __future__ import annotations
 
@@ -11,16 +11,19 @@ from .model import Column
 from .packing import FloatArray, InitialState
 from .rest import check_stable
 
-FIRST, LEAST = 0.25, 1e-3  # of the loads: steps in which they are put on, shorter where no balance is found
-ITERATIONS = 50  # of Newton's method in each
+FIRST, LEAST = 0.25, 1e-3  # of the loads: first and least step, halved where no equilibrium is found
+ITERATIONS = 50  # of Newton's method in each step
 PART = 1e-3  # of the coordinates at which a joint opens: size of finite differences
-CONVERGED = 1e-11  # last correction, in parts of these
-ROUNDED = 1e-8  # the same where rounding stops the convergence
-SHORTENED = 12  # times that a correction is halved until it reduces what is unbalanced
+CONVERGED = 1e-11  # last correction, relative to these
+ROUNDED = 1e-8  # the same if rounding stops the convergence
+SHORTENED = 12  # halvings of a correction until it reduces the residual
 
 
 def rest_under(column: Column, loads: FloatArray) -> InitialState:
-    """The rest under loads on the ports, (6, ports) N and N m, put on in steps; no joint slides. Raises InputError."""
+    """Return the rest under loads on the ports, (6, ports) N and N m, applied in steps.
+
+    Raises InputError if there is no stable rest, or a joint slides.
+    """
     whole = in_plane("release", loads)
     check_stable(column)
     still, n = StillColumn(stuck(column)), column.n
@@ -49,7 +52,10 @@ def rest_under(column: Column, loads: FloatArray) -> InitialState:
 
 
 def in_plane(key: str, loads: FloatArray) -> FloatArray:
-    """Loads (6, ports) as the kernels of columns take them: Fx of each port, Fz, My. Raises InputError for others."""
+    """Return loads (6, ports) as the kernels of columns read them: Fx of each port, Fz, My.
+
+    Raises InputError if other components are not zero.
+    """
     for name, row in zip(COMPONENTS, loads, strict=True):
         if np.any(row) and name not in IN_PLANE:
             raise InputError(f"{key}: {name}: a column in its plane has {', '.join(IN_PLANE)} only (--space has all)")
@@ -57,7 +63,7 @@ def in_plane(key: str, loads: FloatArray) -> FloatArray:
 
 
 def _balanced(still: StillColumn, q: FloatArray) -> FloatArray | None:
-    """A place of balance near q, by Newton's method; None where none is found."""
+    """Return the equilibrium near q by Newton's method, or None if none is found."""
     unbalanced = still.accelerations(q)
     for _ in range(ITERATIONS):
         try:

@@ -1,19 +1,19 @@
-"""Overturned, standing or undecided: whether a column whose base has come to rest can still fall.
+"""The verdict: overturned, standing or undecided; whether a column whose base has come to rest can still fall.
 
 On a still base the mechanical energy of a column never grows: its joints return at most the energy they took. To fall,
-some block has to turn beyond its angle of no return. So let every block i have a limit alpha_i below that angle. A
+some block has to turn beyond its angle of no return. For every block i choose a limit alpha_i below that angle. A
 column stands for ever if all blocks are within their limits and its energy is less than that of any column with one
 block at its limit and the others within theirs. The barrier is that least energy, for the limits that make it largest.
 
 With rigid joints the energy above rest is a sum over blocks and joints of x = sin(theta),
 -A_i (1 - sqrt(1 - x_i^2)) + B_i |x_i - x_(i+1)|. A_i is the toppling moment of the block and the load on it, B_i the
 weight on the joint times half its width. The sum is concave wherever the order of the x does not change, so its minimum
-is at a corner: a group of blocks on its edge, the rest upright. Elastic joints give way a little; the minimum is then
+is at a corner: a group of blocks on its edge, the rest upright. Elastic joints deform a little; the minimum is then
 found over a grid of rotations, in one pass down the chain, since the energy of a joint depends on its two blocks only.
 Rotations of both signs need more energy than their absolute values.
 
-What is bonded only adds to what a joint bears, and loses energy where it breaks. So the barrier is that of the column
-without bonds, and the energy includes what they hold.
+Bonds only add to the resistance of a joint, and lose energy where they break. So the barrier is that of the column
+without bonds, and the energy includes theirs.
 """
 
 from __future__ import annotations
@@ -32,33 +32,33 @@ from .model import Column
 from .packing import FloatArray, IntArray, pack_model
 from .sticking import sticks_for_good
 
-# limits that are tried, as parts of the angles at which the blocks from the top to each one stand on their edge; first
-# those that are most often the best
+# the limits, as fractions of the angles at which the blocks from the top to each one stand on their edge; the most
+# frequent optimum first
 PARTS = (0.9, 1.0, 0.8, 0.65, 0.5, 0.35, 0.2, 0.1)
 GRID = 32  # rotations up to the largest limit, denser near upright, where joints are closed
-# The largest energy of a column that is taken to stand is the barrier times `Chain.safe`: the rest covers the grid
-# (measured: at most 1 % too high), the error of the motion, and what its equations neglect.
+# The largest energy of a column that stands for certain is the barrier times `Chain.safe`: the remainder covers the
+# grid (measured: at most 1 % too high), the error of the motion, and effects that its equations neglect.
 CREEPS = 0.9  # factor on that for a column whose joints may slide
-SHARES = (0.25, 1.0)  # limits that are tried for many columns, as `least_energies` counts them
-GRAZED = (0.2, 0.7)  # and lengths of the contact
+SHARES = (0.25, 1.0)  # limits for many columns, as `part` of `least_energies`
+GRAZED = (0.2, 0.7)  # lengths of the contact, as `grazed` of `least_energies`
 MOST_TURNED = 0.25  # rad, less than half of any angle of no return (kernels/column/assembly.py, LEAST_FALL)
-TOGETHER = 32  # columns whose barriers are found at once: their data fit into the cache
+TOGETHER = 32  # columns whose barriers are computed at once: their data fit into the cache
 NEXT = 1.0 + 1e-9  # of a limit, which a grid may round up a little (`_grid`)
-REST = 1e-12  # of the energy that would lift the column by a width: rounding
+REST = 1e-12  # rounding error, relative to the energy that would lift the column by a width
 
 
 class Barrier(NamedTuple):
-    """Least energy J of a column in which some block is turned as far as its limit, rad (n,); or of many columns."""
+    """The least energy (J) of a column in which some block is turned by its limit, rad (n,); or of many columns."""
 
     energy: Any
     limits: FloatArray
 
 
 def cannot_fall(column: Column, phase: FloatArray) -> bool:
-    """Whether a column with this phase, (4 n,), stands for ever on a base that stays still."""
+    """Return True if a column with this phase, (4 n,), stands for ever on a still base."""
     if column.other_law:  # the barrier assumes the linear law; with another the column may fall with less energy
         return False
-    if column.is_brittle and column.off_axis:  # its rest depends on what is bonded, and energies count from there
+    if column.is_brittle and column.off_axis:  # its rest depends on the bonds, and energies count from there
         return False
     if column.slides:  # slips lower the barrier, and may grow
         return creeps_no_further(column, phase) or sticks_for_good(column, phase)
@@ -69,12 +69,12 @@ def cannot_fall(column: Column, phase: FloatArray) -> bool:
 
 
 def is_held(column: Column, energy: float, turned: FloatArray) -> bool:
-    """Whether a column with this energy, J, and blocks turned by `turned` either way, rad (n,), stands for ever."""
+    """Return True if a column with this energy (J) and absolute rotations, rad (n,), stands for ever."""
     return _barriers(column).hold_first(energy, turned)
 
 
 def creeps_no_further(column: Column, phase: FloatArray) -> bool:
-    """Whether a column whose joints may slide has too little energy to fall from any place it may slide to."""
+    """Return True if a column with sliding joints lacks the energy to fall from any position it may slide to."""
     straight = on_its_axis(column)
     if straight is None:
         return False
@@ -85,9 +85,16 @@ def creeps_no_further(column: Column, phase: FloatArray) -> bool:
 
 
 def surely_stand(chain: Chain, energy: FloatArray, turned: FloatArray) -> NDArray[np.bool_]:
-    """Mask of those of many columns (Chain.of_many) that a quick bound shows to stand for ever.
+    """Return the mask of the columns that a quick bound proves to stand for ever.
 
-    energy: (columns,), turned: rad either way, (columns, n).
+    Parameters
+    ----------
+    chain : Chain
+        The data of the columns (Chain.of_many).
+    energy : ndarray of shape (columns,)
+        Their energies above rest (J).
+    turned : ndarray of shape (columns, n)
+        Their absolute rotations (rad).
     """
     theta = np.max(turned, axis=-1)
     stands = np.zeros(len(energy), dtype=bool)
@@ -98,14 +105,30 @@ def surely_stand(chain: Chain, energy: FloatArray, turned: FloatArray) -> NDArra
 
 
 def least_energies(chain: Chain, part: float, grazed: float) -> tuple[FloatArray, FloatArray]:
-    """A lower bound of the energy J for a block of each of many columns to turn by a limit, rad; (columns,) each.
+    """Return a lower bound of the energy for a block of each of many columns to turn by a limit.
 
     To turn block i by alpha, the joints under it have to turn by alpha together. Under a weight W the energy of a joint
     over the sine of its turn is convex, and lies above each of its tangents: where the contact has the part c =
     `grazed` of the width, that of slope W x, which passes W^2 ((x - e) / (2 k S) - 1 / (2 k A)) below the origin; x and
-    e are how far the resultant and the edge are from the middle, S is the first moment about the edge, A the whole
-    area. In a rectangle of the width b that is W b (1/2 - c/3) and W^2 / (k A) (2/(3 c) - 1/2). The blocks give back
-    (1 - cos alpha) of their toppling moments. part: alpha, as a part of that with the largest bound.
+    e are the distances of the resultant and the edge from the middle, S is the first moment about the edge, A the whole
+    area. In a rectangle of the width b that is W b (1/2 - c/3) and W^2 / (k A) (2/(3 c) - 1/2). The blocks give back (1
+    - cos alpha) of their toppling moments.
+
+    Parameters
+    ----------
+    chain : Chain
+        The data of the columns (Chain.of_many).
+    part : float
+        alpha, as a fraction of that with the largest bound.
+    grazed : float
+        c, the fraction of the width in contact.
+
+    Returns
+    -------
+    energy : ndarray of shape (columns,)
+        The bounds (J).
+    alpha : ndarray of shape (columns,)
+        The limits (rad).
     """
     toppling = np.sum(chain.toppling, axis=-1)
     weight = chain.weight
@@ -119,7 +142,7 @@ def least_energies(chain: Chain, part: float, grazed: float) -> tuple[FloatArray
 
 
 class Barriers:
-    """The barriers of many columns, whose data `chain` has (Chain.of_many); each is computed when it is needed."""
+    """The barriers of many columns, whose data are in `chain` (Chain.of_many); each is computed when it is needed."""
 
     def __init__(self, chain: Chain) -> None:
         self._chain = chain
@@ -129,14 +152,21 @@ class Barriers:
         self._energies = np.full(self._ceilings.shape, np.nan)
 
     def hold(self, some: IntArray, energy: FloatArray, turned: FloatArray) -> NDArray[np.bool_]:
-        """`is_held` of some of the columns, each with its energy, J, and rotations either way, rad (n,).
+        """Return the mask of columns that stand for ever, as `is_held`.
 
-        A column may be listed more than once, with several of these.
+        Parameters
+        ----------
+        some : ndarray of int
+            The indices of the columns; one may occur more than once.
+        energy : ndarray
+            The energy of each (J).
+        turned : ndarray of shape (some, n)
+            The absolute rotations of each (rad).
         """
         held = np.zeros(len(some), dtype=bool)
         safe = self._chain.safe
         rounding = self._rounding[some]
-        within = energy <= safe * self._ceilings[:, some] + rounding  # of each of the parts
+        within = energy <= safe * self._ceilings[:, some] + rounding  # for each of the parts
         within &= np.all(turned < NEXT * self._limits[:, some], axis=-1)
         for k, possible in enumerate(within):
             if held.all():
@@ -152,7 +182,7 @@ class Barriers:
         return held
 
     def hold_first(self, energy: float, turned: FloatArray) -> bool:
-        """`hold` of the first column alone, without the cost of arrays: every run asks once a look."""
+        """Return `hold` of the first column alone, without the overhead of arrays: every run calls it at each check."""
         safe, rounding = self._chain.safe, self._rounding[0]
         for k, ceiling in enumerate(self._ceilings[:, 0].tolist()):
             if energy > safe * ceiling + rounding:
@@ -173,12 +203,12 @@ class Barriers:
 
 @lru_cache(maxsize=256)
 def _barriers(column: Column) -> Barriers:
-    """Those of one column."""
+    """Return the barriers of one column."""
     return Barriers(column.kind.chain.of_many(pack_model(column)[None], column.n))
 
 
 def limits_at(chain: Chain, part: float) -> FloatArray:
-    """Limits of the blocks that are this part of the angles on edge, rad (..., n), of one column or of many."""
+    """Return limits of the blocks, `part` of the angles on edge, rad (..., n), of one column or of many."""
     most = chain.fall_angle.copy()
     # a joint reaches its limit only if one of its two blocks has turned by half of it
     half = 0.5 * most[..., :-1]
@@ -190,9 +220,9 @@ def limits_at(chain: Chain, part: float) -> FloatArray:
 
 
 def turned_together(chain: Chain, limits: FloatArray) -> FloatArray:
-    """Energy, J (columns,), of many columns with all blocks turned by their least limit: the barrier is less.
+    """Return the energy of many columns with all blocks turned by their least limit, J (columns,): the barrier is less.
 
-    A quick bound, where `least_energy` takes its time.
+    It is a quick bound, as `least_energy` is slow.
     """
     angles, last = _grid(limits)
     angle = np.take_along_axis(angles, np.min(last, axis=-1, keepdims=True), axis=-1)[..., None]
@@ -204,21 +234,21 @@ def turned_together(chain: Chain, limits: FloatArray) -> FloatArray:
 
 
 def _grid(limits: FloatArray) -> tuple[FloatArray, IntArray]:
-    """The rotations of the grid, rad (..., GRID + 1), and the number of the largest one of each block, (..., n)."""
+    """Return the rotations of the grid, rad (..., GRID + 1), and the index of the limit of each block, (..., n)."""
     angles = np.max(limits, axis=-1, keepdims=True) * np.linspace(0.0, 1.0, GRID + 1) ** 2
     within_limit = angles[..., None, :] <= limits[..., None] * (1.0 + 1e-12)
     return angles, np.maximum(1, np.count_nonzero(within_limit, axis=-1) - 1)
 
 
 _FIRST, _SECOND = np.tril_indices(GRID + 1)  # all pairs of rotations of a grid, each once
-_PAIR = np.zeros((GRID + 1, GRID + 1), dtype=np.int64)  # number of the pair that two rotations form
+_PAIR = np.zeros((GRID + 1, GRID + 1), dtype=np.int64)  # index of the pair of two rotations
 _PAIR[_FIRST, _SECOND] = _PAIR[_SECOND, _FIRST] = np.arange(len(_FIRST))
 
 
 def _bends(angles: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Slopes of a joint and cosines of the mean rotation for all pairs of such rotations, (..., 1, pairs).
+    """Return the slopes of a joint and cosines of the mean rotation for all pairs of rotations, (..., 1, pairs).
 
-    Computed with the addition theorems: functions of every pair would take as long as all the rest.
+    The addition theorems are used: functions of every pair would take as long as all the rest.
     """
     sine, cosine = np.sin(0.5 * angles)[..., None, :], np.cos(0.5 * angles)[..., None, :]
     sines, cosines = ((values[..., _FIRST], values[..., _SECOND]) for values in (sine, cosine))
@@ -227,9 +257,9 @@ def _bends(angles: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def least_energy(chain: Chain, limits: FloatArray) -> Barrier:
-    """Least energy, J above rest, with a block at its limit, rounded to the grid, and the others within theirs.
+    """Return the least energy above rest with a block at its limit, rounded to the grid, and the others within theirs.
 
-    For one column, or for many: limits rad, (..., n).
+    `limits` are in rad, (..., n), of one column or of many.
     """
     angles, last = _grid(limits)
     slope, cosine = _bends(angles)

@@ -15,12 +15,12 @@ from ..protocol import Lanes, Plan, Work
 from .kinematics import PaperChain
 from .stability import check_step
 
-# work of a run alone, over that of one of the usual columns in lanes; and s, the same over its step in lanes
+# cost of a run alone, relative to a column of the exact formulation in lanes; and s, the same times the step in lanes
 ALONE, IN_LANES = 300.0, 1.3e-3
 
 
 class PaperColumns(Columns):
-    """Columns with settings.formulation "paper"."""
+    """The kind of columns with settings.formulation "paper"."""
 
     entries = entries
     chain = PaperChain
@@ -29,25 +29,25 @@ class PaperColumns(Columns):
     check_step = staticmethod(check_step)
 
     def lanes(self, model: Column, keep: Collection[str]) -> Lanes:
-        """All of as many blocks share lanes."""
+        """Return how runs are made in lanes: all columns of equal numbers of blocks share them."""
         return Lanes(self.why_alone(model, keep), (model.n, "paper"), model.settings.step)
 
     @staticmethod
     def why_not(model: Column) -> str:
-        """Lanes know rectangles only."""
+        """Return the reason against lanes, which have rectangles only, or ""."""
         others = "" if model.has_rectangles_only else "formulation paper with other joints than rectangles"
         return why_no_lanes(model) or others
 
     def load(self, model: Column, keep: Collection[str]) -> None:
-        """The kernels of these lanes."""
+        """Load the kernels of these lanes."""
         load_lanes()
 
     def work(self, model: Column, keep: Collection[str]) -> Work:
-        """By the step in lanes."""
+        """Return the approximate cost, which depends on the step in lanes."""
         return Work(0.0, model.n * (ALONE if self.why_alone(model, keep) else IN_LANES / model.settings.step))
 
     def in_lanes(self, response: Response, plan: Plan) -> bool:
-        """Lanes keep no rows."""
+        """Return False: lanes store no rows."""
         return False
 
 

@@ -1,4 +1,4 @@
-"""What a phase of the paper means: displacements v of the top faces and settlements w of the blocks, m."""
+"""The coordinates of the paper: displacements v of the top faces and settlements w of the blocks (m)."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ from ..column.packing import FloatArray
 
 
 class PaperChain(Chain):
-    """A column whose rotations and openings are those of v and w, to the first order."""
+    """A column whose rotations and openings follow from v and w to first order."""
 
-    safe = 0.9  # terms that the first order neglects
+    safe = 0.9  # part of the barrier, for the terms that the first order neglects
 
     def places(self, phase: FloatArray) -> Places:
-        """Rotations and openings of a phase."""
+        """Return the rotations and openings of a phase, and their rates."""
         v, w, v_rate, w_rate = (over_below(phase[..., k : k + self.n]) for k in range(0, 4 * self.n, self.n))
         return Places(v / self.height, -w, v_rate / self.height, -w_rate)
 
     @staticmethod
     def coordinates(height: FloatArray, theta: FloatArray, opening: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """v and w, or their rates, from rotations and openings, or theirs."""
+        """Return v and w, or their rates, from rotations and openings, or their rates."""
         return from_base(height * theta), -from_base(opening)
 
     def top_displacements(self, phase: FloatArray) -> FloatArray:
-        """v, (..., n)."""
+        """Return v (m), (..., n)."""
         return phase[..., : self.n].copy()
 
     def top_velocities(self, phase: FloatArray) -> FloatArray:
-        """The rates of v, (..., n)."""
+        """Return the rates of v (m/s), (..., n)."""
         return phase[..., 2 * self.n : 3 * self.n].copy()

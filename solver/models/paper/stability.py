@@ -14,7 +14,7 @@ from ..column.linearization import SHORT, StillColumn, undamped
 from ..column.model import Column
 from ..column.modes import PART
 
-SLACK = 1e-6  # the accuracy of the limit
+SLACK = 1e-6  # relative accuracy of the limit
 
 
 def check_step(column: Column) -> None:
@@ -26,11 +26,12 @@ def check_step(column: Column) -> None:
 
 @lru_cache(maxsize=64)
 def longest_stable_step(column: Column) -> float:
-    """s, of the column in full contact: 2 / (omega (sqrt(1 + d^2) + d)), omega that of the highest mode.
+    """Return the stable limit of the step (s), 2 / (omega (sqrt(1 + d^2) + d)), of the column in full contact.
 
-    d = eta omega counts because rates are extrapolated explicitly: a mode x'' + eta omega^2 x' + omega^2 x = 0, stepped
-    as in kernels/paper/stepping.py, reaches the amplification factor -1 where (omega h)^2 / 4 + d omega h = 1.
-    Joints that open only become softer. Without gravity they are taken to be closed.
+    omega is the angular frequency of the highest mode, and d = eta omega counts because rates are extrapolated
+    explicitly: a mode x'' + eta omega^2 x' + omega^2 x = 0, stepped as in kernels/paper/stepping.py, reaches the
+    amplification factor -1 where (omega h)^2 / 4 + d omega h = 1. Joints that open only become softer. Without gravity
+    they are assumed closed.
     """
     still = StillColumn(undamped(replace(column, g=column.g or STANDARD_GRAVITY)))
     omega = math.sqrt(np.max(np.abs(np.linalg.eigvals(still.stiffness(still.rest, PART)))))
