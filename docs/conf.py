@@ -17,7 +17,6 @@ release = version = multiblock.__version__
 extensions = [
     "myst_nb",
     "sphinx.ext.autodoc",
-    "sphinx.ext.napoleon",
     "sphinx_argparse_cli",
     "sphinxcontrib.mermaid",
     "sphinx_copybutton",
@@ -37,8 +36,6 @@ nb_execution_mode = "off"  # notebooks are kept with their results, which a test
 autodoc_default_options = {"members": True, "member-order": "bysource"}
 autodoc_typehints = "none"  # docstrings say units and shapes, which types do not
 autodoc_class_signature = "mixed"
-napoleon_google_docstring = False
-napoleon_use_param = napoleon_use_rtype = False  # types of arguments are prose: shapes, alternatives
 add_module_names = False
 default_role = "code"
 
@@ -52,14 +49,20 @@ html_show_copyright = False
 
 
 def _with_sections(app, what, name, obj, options, lines):
-    """Read the sections of numpydoc, which napoleon would look for in descriptions of attributes too."""
-    if what in ("class", "function", "method"):
-        lines[:] = NumpyDocstring(lines, Config(napoleon_use_rtype=False), app, what, name, obj, options).lines()
+    """Make restructured text of a docstring: of its plain text, then of its numpydoc sections."""
+    first = next((k for k in range(len(lines) - 1) if lines[k + 1] and not lines[k + 1].strip("-")), len(lines))
+    text, sections = lines[:first], [line.replace("|", r"\|") for line in lines[first:]]
+    tables.as_restructured_text(app, what, name, obj, options, text)
+    if sections:
+        # types of arguments and attributes are prose
+        as_list = [("Attributes", "params_style")]
+        config = Config(napoleon_use_param=False, napoleon_use_rtype=False, napoleon_custom_sections=as_list)
+        sections = NumpyDocstring(sections, config, app, what, name, obj, options).lines()
+    lines[:] = [*text, "", *sections, ""]
 
 
 def setup(app):
     """What this project adds to Sphinx."""
     app.connect("source-read", tables.fill_in)
     app.connect("autodoc-process-docstring", _with_sections)
-    app.connect("autodoc-process-docstring", tables.as_restructured_text)
     app.connect("builder-inited", tables.copy_notebooks)
