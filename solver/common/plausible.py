@@ -101,6 +101,7 @@ def _at_rest(facts: Facts) -> list[str]:
     if not len(facts.carried):
         return lines
     each = list(zip(facts.carried, facts.area, facts.stiffness, facts.upper, strict=True))
+    # settlement relative to the height of the block
     settled = [carried / (stiffness * area) for carried, area, stiffness, _ in each]
     part = [own / facts.height[upper] for own, (_, _, _, upper) in zip(settled, each, strict=True)]
     i = part.index(max(part))
@@ -109,6 +110,7 @@ def _at_rest(facts: Facts) -> list[str]:
             f"{facts.joint_key(i)}.stiffness = {facts.stiffness[i]:g}: {facts.block_name(facts.upper[i])} settles by "
             f"{settled[i]:.3g} m at rest, {part[i]:.2g} of its height; {UNITS_OF_STIFFNESS}"
         )
+    # pressure
     pressure = [carried / area for carried, area, _, _ in each]
     i = pressure.index(max(pressure))
     if pressure[i] > MOST_PRESSED:
@@ -122,6 +124,7 @@ def _at_rest(facts: Facts) -> list[str]:
 def _of_laws(facts: Facts) -> list[str]:
     """Check friction and strength."""
     lines = []
+    # the largest coefficient of friction
     friction = [value or 0.0 for value in facts.friction]
     i = friction.index(max(friction)) if friction else 0
     if friction and friction[i] > MOST_FRICTION:
@@ -129,6 +132,7 @@ def _of_laws(facts: Facts) -> list[str]:
             f"{facts.joint_key(i)}.friction = {friction[i]:g}: should be {MOST_FRICTION:g} at most; it is a "
             "coefficient, not an angle in degrees"
         )
+    # the least strength
     strength = [math.inf if value is None else value for value in facts.strength]
     i = strength.index(min(strength)) if strength else 0
     if strength and strength[i] < LEAST_STRENGTH:

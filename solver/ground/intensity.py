@@ -188,6 +188,7 @@ def intensity(motion: Motion, component: Component = "ax") -> Intensity:
     arias = float(base.husid[-1])
     if not arias > 0.0:
         raise InputError(f"{component}: is zero throughout, must be an acceleration")
+    # significant duration
     start, end = (float(np.interp(part * arias, base.husid, base.time)) for part in (0.05, 0.95))
     return Intensity(
         pga=peak(motion, component),

@@ -56,6 +56,7 @@ class Motion(Framed, Shown):
     loads: Mapping[str, Load] = field(default_factory=dict, kw_only=True)  # on the ports, by name
 
     def __post_init__(self) -> None:
+        # samples
         if self.ay is _NONE:
             object.__setattr__(self, "ay", np.zeros_like(self.ax, dtype=np.float64))
         for key, unit in (("time", "s"), ("ax", "m/s2"), ("ay", "m/s2"), ("az", "m/s2")):
@@ -66,6 +67,7 @@ class Motion(Framed, Shown):
                 raise InputError(f"{key}: {count} samples, must be {len(self.time)}, one for each time")
             k = int(np.argmax(np.abs(getattr(self, key))))
             check_number(f"{key}[{k}]", float(getattr(self, key)[k]), *ACCELERATION)
+        # times
         if not self.hold and len(self.time) < 2:
             raise InputError("time: 1 sample, must be at least 2 unless samples are held")
         late = self.time[1:] <= self.time[:-1]
@@ -74,12 +76,14 @@ class Motion(Framed, Shown):
             raise InputError(
                 f"time[{k + 1}] = {self.time[k + 1]}: must be later than the sample before, {self.time[k]} s"
             )
+        # hold and the harmonic part
         if not isinstance(self.hold, (bool, np.bool_)):
             raise InputError(f"hold = {shown(self.hold)}: must be True or False")
         check_number("amplitude", self.amplitude, *ACCELERATION)
         check_number("amplitude_y", self.amplitude_y, *ACCELERATION)
         limits = POSITIVE if self.amplitude or self.amplitude_y else NOT_NEGATIVE
         check_number("frequency", self.frequency, limits, "a positive frequency in Hz")
+        # the duration: that of linear samples is given by their times
         check_number("duration", self.duration, POSITIVE, "a positive time in s")
         sampled = float(self.time[-1] - self.time[0])
         if self.hold and not self.duration > sampled:

@@ -55,6 +55,7 @@ def ports_from(data: Mapping[str, Any], names: Sequence[str], point: Point) -> t
     for number, table in enumerate(tables, start=1):
         key = f"port[{number}]"
         check_table(f"{key}.", table, KEYS)
+        # a unique printable name without separators, on a known block
         name = table.get("name")
         if not isinstance(name, str) or not name or not name.isprintable() or set(name) & set('[].=,"'):
             raise InputError(f'{key}.name = {shown(name)}: must be a word that can be printed, without [ ] . = , and "')

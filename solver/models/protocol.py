@@ -53,7 +53,7 @@ class Plan(NamedTuple):
     times: FloatArray
     initial: Any = None  # None: rest; else an initial state of the kind of model
     settle: float = 0.0  # s, the longest time that the model is followed after the duration
-    callback: Callable[[float, Any], object] | None = None  # called with the time (s) and a view of the state
+    callback: Callable[[float, Any], object] | None = None  # called with the time (s) and a summary of the state
 
 
 class Verdict(NamedTuple):
@@ -346,7 +346,7 @@ class Kind:
         settle : float
             The longest time that the model is followed after the motion (s).
         look : callable
-            Called several times per second with the time and a view of the state.
+            Called several times per second with the time and a summary of the state.
 
         Returns
         -------

@@ -54,6 +54,7 @@ def settled(model: Settling, stop: float, settle: float) -> Verdict:
         The longest time that the model is followed after the end (s).
     """
     t = stop
+    # alternate checks of the energy and pieces of motion
     while not model.fallen:
         why = model.why_it_stands()
         if why:

@@ -90,6 +90,7 @@ def _accelerations(lines: list[str]) -> list[_Block]:
             title = channel["direction"].strip()
         if reals := _REALS.match(line):
             step = _real_header(lines, k + 1, reals)
+        # the sampling interval is in the descriptive line or the real header
         heading = _heading(line)
         stated = {} if heading is None else heading.groupdict()
         if "dt" in stated:

@@ -25,17 +25,20 @@ def read(lines: list[str], channel: int | None = None) -> Record:
 
     Raises InputError if the channel is missing or ambiguous, or its data are invalid.
     """
+    # the channel
     first = [k for k, line in enumerate(lines) if _FIRST.match(line)]
     if channel is None and len(first) > 1:
         listed = ", ".join(f"{n} {_direction(lines, k)}" for n, k in enumerate(first, start=1))
         raise InputError(f"{len(first)} channels: channel must be given, one of {listed[:200]}")
     channel = 1 if channel is None else check_whole("channel", channel, 1, len(first), f"1 to {len(first)}")
     k = first[channel - 1]
+    # its header
     header = lines[k : k + _HEADER]
     counts = fixed_columns(k + _INTEGERS + 1, header[_INTEGERS], 8) if len(header) == _HEADER else []
     steps = fixed_columns(k + _REALS + 1, header[_REALS], 8) if len(header) == _HEADER else []
     if len(counts) <= _COUNT or len(steps) <= _STEP:
         raise InputError(f"line {k + 1}: a channel without its {_HEADER} lines of header")
+    # its samples
     count, at = int(counts[_COUNT]), k + _HEADER
     samples: list[float] = []
     while len(samples) < count and at < len(lines):

@@ -40,17 +40,20 @@ def read(lines: list[str]) -> Record:
     """
     if not lines[_HEADER - 1 : _HEADER] or not lines[_HEADER - 1].startswith("Memo"):
         raise InputError(f"line {_HEADER}: must begin with 'Memo', the last of {_HEADER} header lines")
+    # the header
     (frequency,), (duration,) = _values(lines, _FREQUENCY), _values(lines, _DURATION)
     full, unit, counts = _values(lines, _SCALE)
     per_second = _positive(lines, _FREQUENCY, frequency)
     factor = _positive(lines, _SCALE, full) / _positive(lines, _SCALE, counts)
     factor *= factor_of(unit, _SCALE + 1)
+    # the samples
     samples = np.array(rows_of_numbers(lines, _HEADER))
     wanted = per_second * _positive(lines, _DURATION, duration)
     if len(samples) != wanted:
         raise InputError(
             f"{len(samples)} samples found, must be {wanted:g} as lines {_FREQUENCY + 1} and {_DURATION + 1} say"
         )
+    # the zero of the recorder
     mean = float(np.mean(samples))
     note = f"mean of {mean:g} counts ({factor * mean:.4g} m/s2) taken away"
     title = " ".join(lines[k].removeprefix(key) for key, k in _TITLE)

@@ -47,6 +47,7 @@ def read_record(
         name = _format(lines)
         if name == columns.PLAIN:
             others.check_is_none(lines, units)
+        # arguments that the format does not need are refused
         for key, value, used in (
             ("dt", dt, name == columns.PLAIN),
             ("units", units, name == columns.PLAIN),

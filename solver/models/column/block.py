@@ -224,6 +224,7 @@ def check_block(key: str, block: object) -> None:
         raise InputError(f"{key} = {shown(block)}: must be a Block")
     if not isinstance(block.joint, Joint):
         raise InputError(f"{key}.joint = {shown(block.joint)}: must be a Joint")
+    # sizes of the faces
     _check_section(key, block)
     sizes = tuple(rule for rule in BLOCK_RULES if not (rule.of_joint or rule.optional))
     _check_rules(key, block, sizes)
@@ -232,6 +233,7 @@ def check_block(key: str, block: object) -> None:
     narrowest = min(block.width, block.top_width or block.width)
     _check_bore(key, block.bore, block.section, narrowest)
     _check_rules(key, block, tuple(rule for rule in BLOCK_RULES if rule not in sizes))
+    # the contact face
     _check_bore(f"{key}.joint", block.joint.bore, SECTIONS[block.joint_section], block.joint_width)
     if block.joint_section == ANNULUS:
         if not block.joint_bore:
@@ -239,10 +241,12 @@ def check_block(key: str, block: object) -> None:
             raise InputError(f"{key}.joint.bore: must be an inner diameter in m, less than {width} m")
         _check_bore(f"{key}.joint", block.joint_bore, "annulus", block.joint_width)
     _check_strips(f"{key}.joint.strips", block)
+    # numbers of the joint and the tilt
     _check_given(f"{key}.joint", block.joint, "offset", "inclination", "rim")
     if block.joint.rim is not None and (why := no_rim(block)):
         raise InputError(f"{key}.joint.rim = {shown(block.joint.rim)}: must be {why}")
     _check_given(key, block, "tilt")
+    # other laws are written for some sections only
     for name in OTHER_LAW:
         value = getattr(block.joint, name)
         if value and not knows_section(name, block):

@@ -173,6 +173,7 @@ def _profile_from(data: Mapping[str, Any]) -> tuple[list[float], list[float]] | 
     points = data["profile"]
     meaning = "must be a list of at least two pairs [height above the base, diameter] in m, from the bottom up"
     if not isinstance(points, list) or len(points) < 2:
+        # heights have to increase
         raise InputError(f"profile = {shown(points)}: {meaning}")
     heights, diameters = [], []
     for k, point in enumerate(points):
@@ -194,6 +195,7 @@ def _block_from(
     shape: dict[str, Any] = {"height": _number(key, table, "height"), "section": table.get("section", "rectangle")}
     check_choice(f"{key}.section", shape["section"], BLOCK_SECTIONS)
     shape |= _faces_from(key, table, shape["section"])
+    # the material gives the values that the tables leave out
     if material is not None:
         if "mass" not in table:
             table = {"density": material.density, **table}
@@ -205,6 +207,7 @@ def _block_from(
     joint = _joint_from(f"{key}.joint", {**joint_defaults, **joint_table}, shape["section"])
     shape |= {name: _number(key, table, name) for name in ("centroid", "inertia", "tilt") if name in table}
     block = Block(mass=_number(key, table, "mass") if "mass" in table else 1.0, joint=joint, **shape)
+    # the mass follows from the volume, which needs a valid shape
     if "density" in table:
         if not block.is_cuboid:
             check_block(key, block)

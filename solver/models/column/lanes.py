@@ -268,6 +268,7 @@ class _Batch:
                 self.n, lanes, some.size, models, phases, slips.reshape(-1), runs, found, *self._records.rows,
                 self._rows, snapshots.reshape(-1), flag,
             )  # fmt: skip
+        # the kernels count steps; evaluations follow from them
         tried = np.sum(outcomes[:, _TRIED] - self._outcomes[some][:, _TRIED], axis=1)
         self._evaluations[some] += (self._kind.stages * tried).astype(np.int64)
         self._outcomes[some], self._snapshots[some], self._slips[some] = outcomes, snapshots, slips

@@ -320,6 +320,7 @@ def _across(key: str, block: Block) -> Block:
         joint=joint,
         inertia=None,
     )
+    # the inertia beyond that of a homogeneous block is kept
     if block.inertia is None:
         return turned
     return replace(turned, inertia=block.inertia - block.homogeneous[1] + turned.homogeneous[1])

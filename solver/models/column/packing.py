@@ -158,6 +158,7 @@ def _assemble(column: Column, given: FloatArray) -> Arrays:
 def described(column: Column) -> FloatArray:
     """Return the column as `engine.assemble` reads it: settings, then a record for each block."""
     settings = column.settings
+    # settings
     values = {
         "g": column.g,
         "step": settings.step,
@@ -168,6 +169,7 @@ def described(column: Column) -> FloatArray:
         "bodies": 0.0,
     }
     given = [values[name] for name in GIVEN_SETTINGS.fields]
+    # a record for each block, then the bonds
     for block in column.blocks:
         given += [value or 0.0 for value in (*_of_block(block), *_of_joint(block.joint))]
         given += shape_of(block)
@@ -209,6 +211,7 @@ def set_initial(column: Column, state: FloatArray, initial: InitialState) -> Non
         raise InputError(f"initial = {shown(initial)}: must be an InitialState")
     n = column.n
     phase = column.kind.spaces.STATE.see(state, n).phase
+    # values that are not given are those at rest
     at_rest = (np.zeros(n), -settlements(column))
     if column.off_axis:
         at_rest = (phase.theta.copy(), phase.opening.copy())
@@ -219,6 +222,7 @@ def set_initial(column: Column, state: FloatArray, initial: InitialState) -> Non
     heights = np.array([block.height for block in column.blocks])
     _within("opening", np.minimum(opening, 0.0), heights, "no deeper than the block is high, in m")
     opening_rate = _given("opening_rate", initial.opening_rate, np.zeros(n))
+    # slips, relative to the offsets as built
     for key in ("slip", "slip_rate"):
         given = _given(key, getattr(initial, key), np.zeros(n))
         free = [math.inf if block.joint.friction is not None else 0.0 for block in column.blocks]
@@ -226,6 +230,7 @@ def set_initial(column: Column, state: FloatArray, initial: InitialState) -> Non
         getattr(phase, key)[:] = given
     phase.slip += np.array([block.joint.offset or 0.0 for block in column.blocks])
     phase.sliding[:] = np.sign(phase.slip_rate)
+    # conversion to the coordinates of the formulation
     coordinates = column.kind.chain.coordinates
     phase.theta[:], phase.opening[:] = coordinates(heights, rotation, opening)
     phase.theta_rate[:], phase.opening_rate[:] = coordinates(heights, spin, opening_rate)

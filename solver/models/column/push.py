@@ -175,6 +175,7 @@ class BalanceCurve:
         """
         low, high = 0.0, step
         try:
+            # bisection on the step length
             while high - low > NARROWED * step:
                 middle = 0.5 * (low + high)
                 q, push, _ = self._beside(last, middle)
@@ -200,8 +201,10 @@ class BalanceCurve:
             change = moved * self._scale
             q, push = q + change[:-1], push + float(change[-1])
             size = float(np.max(np.abs(change) / self._opens))
+            # converged
             if size < self._converged:
                 return q, push, renewals
+            # slow: renew the derivatives, or accept the rounding error
             if size > SLOW * before:
                 if near and size < ROUNDED:
                     self._converged = min(ROUNDED, 3.0 * size)

@@ -51,10 +51,12 @@ def single_run(column: Column, plan: Plan) -> tuple[Response, FloatArray]:
             places = chain.places(phase)
             plan.callback(t, Glance(chain.top_displacements(phase), places.theta.copy(), stepper.peak_ux.copy()))
 
+    # the motion
     begin = clock.perf_counter()
     snapshots = stepper.run(plan.motion, stop, plan.times, after_chunk)
     stats = _stats(stepper, clock.perf_counter() - begin)
     peaks = stepper.peaks
+    # the verdict, on a still base
     verdict = settled_verdict(stepper, stop, plan.settle)
     stats["settled_for"] = verdict.time - stop
     phases = _coordinates(at.phases_in(snapshots), column)

@@ -29,6 +29,7 @@ def rest_under(column: Column, loads: FloatArray) -> InitialState:
     still, n = StillColumn(stuck(column)), column.n
     q = still.rest
     done, step = 0.0, FIRST
+    # increase the loads, in smaller steps where no equilibrium is found
     while done < 1.0:
         ahead = min(1.0, done + step)
         still.loads = ahead * whole
@@ -39,8 +40,10 @@ def rest_under(column: Column, loads: FloatArray) -> InitialState:
         step *= 0.5
         if step < LEAST:
             raise InputError(f"release: {column.name} has no rest under this load, it must balance it")
+    # the stiffness has to be positive at the end
     if np.min(np.linalg.eigvals(still.stiffness(q, PART)).real) <= 0.0:
         raise InputError(f"release: {column.name} has no stable rest under this load, it must balance it")
+    # no joint may exceed its shear capacity
     if column.slides:
         own = StillColumn(column)
         own.loads = whole
@@ -73,6 +76,7 @@ def _balanced(still: StillColumn, q: FloatArray) -> FloatArray | None:
         size = float(np.max(np.abs(change) / still.sizes))
         if not np.isfinite(size):
             return None
+        # halve the correction until the residual decreases
         for _ in range(SHORTENED):
             left = still.accelerations(q + change)
             if np.linalg.norm(left * still.sizes) < np.linalg.norm(unbalanced * still.sizes) or size < ROUNDED:
