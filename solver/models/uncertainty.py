@@ -28,7 +28,7 @@ class ErrorEstimate:
     ----------
     ux : float
         The largest difference of any ux at the rows while both stand, up to 0.1 s before a fall, relative to the
-        largest `|ux|` until then.
+        largest |ux| until then.
     peaks : dict of str to ndarray
         The difference of each of `Response.peaks`, relative to its value; of the least contact absolute.
     overturn_time : float

@@ -57,7 +57,7 @@ class Response(ColumnHistories, Result):
         The forces (N) and the clockwise moment (N m) of the column on the base at the centre of joint n.
     peaks
         The largest absolute values by these names, (n,), or (1,) of the base reaction; the least of contact; friction:
-        `|T| / N` where N is above 0.05 of the weight carried at rest. Those of ux only if the column is run without
+        |T| / N where N is above 0.05 of the weight carried at rest. Those of ux only if the column is run without
         "peaks".
     overturned, overturn_time, overturned_joint
         Whether, when (s, NaN if not) and over which joint (0 if not) the column falls.
