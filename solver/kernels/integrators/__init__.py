@@ -1,6 +1,6 @@
-"""Integrators: one file each, one function `attempt` each.
+"""The integrators: a module each, with a function `attempt`.
 
-attempt(column, t, h) makes one step from work.start to work.end, accelerations included, and returns the estimated
-error in parts of the tolerance; that by modes returns (code, error). traits.py lists the properties of the methods; the
-stepping loop (stepping/) accepts the step and chooses the next.
+`attempt(column, t, h)` makes one step from `work.start` to `work.end`, accelerations included, and returns the
+estimated error in tolerances; that of the modal method returns (code, error). traits.py lists the properties of the
+methods; the stepping loop (stepping/) accepts the step and chooses the next.
 """

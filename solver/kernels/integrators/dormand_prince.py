@@ -1,9 +1,9 @@
-"""Dormand and Prince's explicit Runge-Kutta pair of orders 5(4) with the larger region of stability.
+"""The explicit Runge-Kutta pair of Dormand and Prince of orders 5(4) with the larger region of stability.
 
 J. R. Dormand, P. J. Prince, A family of embedded Runge-Kutta formulae, J. Comp. Appl. Math. 6 (1980) 19-26, RK5(4)7S.
 Its steps may be 12 % longer than those of RK5(4)7M for joint modes at 0.6 of the critical damping, 70 % for modes
-damped critically. The last stage is the first of the next step. Sums are taken over eight unknowns at
-once, those of one column or one of eight columns.
+damped critically. The last stage is the first of the next step. Sums are taken over packs of eight numbers: eight
+unknowns of one column, or one unknown of eight columns.
 """
 
 from ..formulations.dispatch import evaluate_at
@@ -34,10 +34,11 @@ ERROR_0, ERROR_2, ERROR_3, ERROR_4, ERROR_5, ERROR_LAST = (
 
 @kernel
 def attempt(column, t, h):
-    """One step of h seconds from work.start to work.end; returns the error in tolerances."""
+    """Make one step of h s from `work.start` to `work.end`; return the error in tolerances."""
     work = column.work
     one, two, three, four, five = stage(work, 1), stage(work, 2), stage(work, 3), stage(work, 4), stage(work, 5)
     count = packs(work.start.row, summed(work))  # coordinates and rates, whose slopes are rates and accelerations
+    # packs of the values y and slopes f of the stages
     y, f0 = packs_of(work.start.row), packs_of(work.start.rates)
     y1, f1 = packs_of(one.row), packs_of(one.rates)
     y2, f2 = packs_of(two.row), packs_of(two.rates)
@@ -45,6 +46,7 @@ def attempt(column, t, h):
     y4, f4 = packs_of(four.row), packs_of(four.rates)
     y5, f5 = packs_of(five.row), packs_of(five.rates)
     end, last = packs_of(work.end.row), packs_of(work.end.rates)
+    # stages 1 to 5
     for i in range(count):
         y1[i] = y[i] + h * (A1_0 * f0[i])
     evaluate_at(column, one, t + C1 * h)
@@ -60,9 +62,11 @@ def attempt(column, t, h):
     for i in range(count):
         y5[i] = y[i] + h * (A5_0 * f0[i] + A5_1 * f1[i] + A5_2 * f2[i] + A5_3 * f3[i] + A5_4 * f4[i])
     evaluate_at(column, five, t + C5 * h)
+    # the end, of order 5
     for i in range(count):
         end[i] = y[i] + h * (B_0 * f0[i] + B_2 * f2[i] + B_3 * f3[i] + B_4 * f4[i] + B_5 * f5[i])
     evaluate_at(column, work.end, t + h)
+    # embedded error estimate
     error = packs_of(work.between.row)
     for i in range(count):
         error[i] = h * (

@@ -1,7 +1,7 @@
-"""The response inside a step of any integrator.
+"""Interpolation of the response within a step of any integrator.
 
 Coordinates, rates and accelerations at both ends define one quintic Hermite polynomial per coordinate; its error is of
-order six in the step, and the accelerations are continuous inside a step because the inputs are. Long steps of a high
+order six in the step, and the accelerations are continuous within a step because the inputs are. Long steps of a high
 order need more: `refine` evaluates the accelerations half-way and adds to the quintic the bump c s^3 (1 - s)^3, which
 leaves the ends unchanged and matches that acceleration.
 """
@@ -14,7 +14,7 @@ from ..numba_ext.jit import kernel, leaf
 
 
 class Quintic(NamedTuple):
-    """q = c0 + c1 s + ... + c5 s^5 + bump s^3 (1 - s)^3 over 0 <= s <= 1, s = time times per_step."""
+    """The polynomial q = c0 + c1 s + ... + c5 s^5 + bump s^3 (1 - s)^3 over 0 <= s <= 1; s is time times `per_step`."""
 
     per_step: float
     c0: float
@@ -28,12 +28,13 @@ class Quintic(NamedTuple):
 
 @leaf
 def quintic_through(h, q0, v0, a0, q1, v1, a1, bump):
-    """The quintic through coordinates, rates and accelerations at both ends of h seconds."""
+    """Return the quintic through coordinates q, rates v and accelerations a at both ends of `h` s."""
     c1, c2 = h * v0, 0.5 * h * h * a0
     # difference at the end from a parabola through the start, in displacement, velocity and acceleration
     miss_q = (q1 - q0) - (c1 + c2)
     miss_v = h * v1 - (c1 + 2.0 * c2)
     miss_a = h * h * a1 - 2.0 * c2
+    # coefficients that remove the differences
     c3 = 10.0 * miss_q - 4.0 * miss_v + 0.5 * miss_a
     c4 = -15.0 * miss_q + 7.0 * miss_v - miss_a
     c5 = 6.0 * miss_q - 3.0 * miss_v + 0.5 * miss_a
@@ -41,7 +42,7 @@ def quintic_through(h, q0, v0, a0, q1, v1, a1, bump):
 
 
 class Weights(NamedTuple):
-    """Coefficients of a coordinate or rate within a step: for the rise, the rates, the accelerations and the bump."""
+    """The coefficients of a coordinate or rate within a step: of its rise, and of rates, accelerations and bump."""
 
     rise: float
     v0: float
@@ -53,10 +54,14 @@ class Weights(NamedTuple):
 
 @leaf
 def weights_at(h, s):
-    """`value_of` as sums over the values at both ends: (of a coordinate less its start, of its rate)."""
+    """Return the weights of a coordinate less its start, and of its rate, at fraction s of a step of `h` s.
+
+    They give `value_of` as sums over the values at both ends.
+    """
     r = 1.0 - s
     hill = s * r
     cube, square = s * s * s, 0.5 * h * h
+    # of the coordinate
     q = Weights(
         cube * (10.0 + s * (6.0 * s - 15.0)),
         h * (s - cube * (6.0 + s * (3.0 * s - 8.0))),
@@ -65,6 +70,7 @@ def weights_at(h, s):
         square * cube * r * r,
         hill * hill * hill,
     )
+    # of the rate: derivatives of the former, over h
     v = Weights(
         30.0 * hill * hill / h,
         1.0 - s * s * (18.0 + s * (15.0 * s - 32.0)),
@@ -78,8 +84,9 @@ def weights_at(h, s):
 
 @leaf
 def value_of(quintic, s):
-    """A coordinate and its rate at fraction s of the step."""
+    """Return a coordinate and its rate at fraction s of the step."""
     q, v = value_without_bump(quintic, s)
+    # bump s^3 (1 - s)^3 and its derivative
     if quintic.bump != 0.0:
         hill = s * (1.0 - s)
         q += quintic.bump * hill * hill * hill
@@ -89,7 +96,7 @@ def value_of(quintic, s):
 
 @leaf
 def value_without_bump(quintic, s):
-    """Value and rate per step of the quintic alone, without bump: in one step, or in one of each of eight lanes."""
+    """Return the value and the rate per step of the quintic without bump, for one step or one step per lane."""
     _, c0, c1, c2, c3, c4, c5, _ = quintic
     q = c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5))))
     return q, c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))
@@ -97,26 +104,27 @@ def value_without_bump(quintic, s):
 
 @leaf
 def _difference(row, i, less):
-    """Number i of a row, less number `less` if that is not negative."""
+    """Return row[i] - row[less], or row[i] if less < 0."""
     return row[i] - row[less] if less >= 0 else row[i]
 
 
 @leaf
 def slips_of(work):
-    """Range of the slips that move in a phase: (first place, place after the last)."""
+    """Return the range of the slips in a phase that are integrated: (first place, place after the last)."""
     first = RIGID_FIELDS * work.n
     return first, first + int(work.slips.count)
 
 
 @leaf
 def bump_of(work, i):
-    """Place of the bump of the coordinate at place i of a phase."""
+    """Return the index in `work.bump` of the coordinate at place i of a phase."""
     return i if i < 2 * work.n else i - 4 * work.n
 
 
 @leaf
 def quintic_of(work, i, less, h):
-    """The quintic of the coordinate at place i in the step of h seconds, less that at place `less`, -1: of none."""
+    """Return the quintic of the coordinate at place i, less that at place `less` if >= 0, over a step of `h` s."""
+    # without bump where `refine` has not added one
     start, end = work.start, work.end
     bump = _difference(work.bump, bump_of(work, i), less) if work.interpolation.has_bump != 0.0 else 0.0
     return quintic_through(
@@ -133,20 +141,21 @@ def quintic_of(work, i, less, h):
 
 @leaf
 def interpolate_one(work, i, h, s):
-    """The coordinate at place i and its rate at fraction s of the step of h seconds."""
+    """Return the coordinate at place i and its rate at fraction s of the step of `h` s."""
     return value_of(quintic_of(work, i, -1, h), s)
 
 
 @leaf
 def interpolate_acceleration(work, i, s):
-    """A guess of the acceleration of the coordinate at place i at fraction s of the step: on a line from end to end."""
+    """Return a first guess of the acceleration of the coordinate at place i: linear between the ends of the step."""
     return (1.0 - s) * work.start.accelerations[i] + s * work.end.accelerations[i]
 
 
 @kernel
 def interpolate_phase(work, h, fraction):
-    """Fill work.between at this fraction of the step of h seconds; its accelerations are guesses only."""
+    """Fill `work.between` with the phase at a fraction of the step of `h` s; its accelerations are guesses only."""
     size, between = 2 * work.n, work.between
+    # rotations and openings, and their rates
     q, v = weights_at(h, fraction)
     _weigh(work.start, work.end, q, v, between, size)
     if work.interpolation.has_bump != 0.0:
@@ -155,6 +164,7 @@ def interpolate_phase(work, h, fraction):
             between.rates[i] += v.bump * work.bump[i]
     for i in range(size):
         between.accelerations[i] = interpolate_acceleration(work, i, fraction)
+    # slips and friction work
     first, end = slips_of(work)
     for i in range(first, end):
         between.coordinates[i], between.rates[i] = interpolate_one(work, i, h, fraction)
@@ -163,7 +173,7 @@ def interpolate_phase(work, h, fraction):
 
 @leaf
 def _weigh(start, end, q, v, between, size):
-    """Coordinates and rates within a step, without the bump: the quintic for all coordinates at one instant."""
+    """Fill coordinates and rates of `between` with the quintics without bump, by the weights of one instant."""
     for i in range(size):
         q0, v0, a0 = start.coordinates[i], start.rates[i], start.accelerations[i]
         v1, a1 = end.rates[i], end.accelerations[i]
@@ -174,15 +184,16 @@ def _weigh(start, end, q, v, between, size):
 
 @leaf
 def spent(work, i, h, s):
-    """The friction work at place i at fraction s of the step: the cubic through it and its rates at both ends."""
+    """Return the friction work (J) at place i at fraction s of the step: the cubic by values and rates at its ends."""
     start, end = work.start.coordinates[i], work.end.coordinates[i]
+    # rise over the step, and the rates times h
     rise, p0, p1 = end - start, h * work.start.rates[i], h * work.end.rates[i]
     return start + s * (p0 + s * ((3.0 * rise - 2.0 * p0 - p1) + s * (p0 + p1 - 2.0 * rise)))
 
 
 @leaf
 def begin(work, fine):
-    """Begin with the quintic alone; `fine`: whether `refine` improves it where the step is evaluated inside."""
+    """Start a step with the quintic alone; `fine`: `refine` adds the bump if the step is evaluated within."""
     work.interpolation.has_bump = 0.0
     work.interpolation.knows_middle = 0.0
     work.interpolation.wants_bump = 1.0 if fine else 0.0
@@ -190,23 +201,26 @@ def begin(work, fine):
 
 @leaf
 def _add_bump(work, i, h):
-    """The bump of the coordinate at place i; its acceleration half-way is in work.between."""
+    """Set the bump of the coordinate at place i from its acceleration half-way, which is in `work.between`."""
     v0, a0 = work.start.rates[i], work.start.accelerations[i]
     v1, a1 = work.end.rates[i], work.end.accelerations[i]
     quintic = 1.5 * h * (v1 - v0) - 0.25 * h * h * (a0 + a1)  # its second derivative half-way, times h^2
+    # the second derivative of s^3 (1 - s)^3 is -3/8 at s = 1/2
     work.bump[bump_of(work, i)] = -8.0 / 3.0 * (h * h * work.between.accelerations[i] - quintic)
 
 
 @kernel
 def refine(column, t, h):
-    """Add the bump, once, if the step from t to t + h needs one; costs an evaluation."""
+    """Add the bump, once, if the step from t to t + h needs it; this costs one evaluation."""
     work = column.work
     if work.interpolation.wants_bump == 0.0:
         return
     work.interpolation.wants_bump = 0.0
+    # accelerations half-way
     size = 2 * work.n
     interpolate_phase(work, h, 0.5)
     evaluate_at(column, work.between, t + 0.5 * h)
+    # bumps of all coordinates
     for i in range(size):
         _add_bump(work, i, h)
     first, behind = slips_of(work)
@@ -217,10 +231,11 @@ def refine(column, t, h):
 
 @kernel
 def refinement(work, h, s):
-    """The part that `refine` added to coordinates and rates at fraction s of the step: left in work.between."""
+    """Fill `work.between` with what `refine` added to coordinates and rates at fraction s of the step of `h` s."""
     size, between = 2 * work.n, work.between
     hill = s * (1.0 - s)
     first, behind = slips_of(work)
+    # coordinates of rotations and openings, then slips
     for i in range(size + behind - first):
         place = i if i < size else first + i - size
         bump = work.bump[i] if work.interpolation.has_bump != 0.0 else 0.0
@@ -230,7 +245,7 @@ def refinement(work, h, s):
 
 @kernel
 def turning_point(d0, v0, d1, v1, h):
-    """Fraction of the step where the cubic through two displacements and velocities turns; v0 * v1 < 0."""
+    """Return the fraction of a step of `h` s where the cubic by displacements d and velocities v turns; v0 * v1 < 0."""
     # velocity of the cubic: v0 + 2 b s + 3 c s^2 over a step of unit length
     rise = (d1 - d0) / h
     b = 3.0 * rise - 2.0 * v0 - v1

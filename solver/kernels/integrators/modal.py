@@ -1,6 +1,6 @@
 """Exact propagation of the linear column while every joint is in full contact (modal_steps.py).
 
-About rest the column is 2 n modes, under the base along x, and along z with gravity.
+About its rest the column has 2 n modes, excited by the base along x, and along z with gravity.
 """
 
 from ..formulations.base_motion import base_line, base_motion_beside, wave, wave_amplitude
@@ -23,13 +23,13 @@ _segments = Table(first=2, second=2, third=2).over_begin  # of 2 n numbers
 
 @leaf
 def available(model):
-    """Whether the column may be propagated by modes."""
+    """Return True if the model has modal data."""
     return model.settings.has_modes != 0.0
 
 
 @kernel
 def _multiply(model, matrices, x, y, segments):
-    """Multiply one to three segments of 2 n numbers of the row x by the matrices of all parts, into the row y."""
+    """Multiply one to three segments of 2 n numbers of row x by the matrices of all parts; fill row y."""
     n, parts = model.n, parts_of(model)
     m = 2 * n // parts
     for part in range(parts):
@@ -38,7 +38,8 @@ def _multiply(model, matrices, x, y, segments):
 
 @leaf
 def _dips(c_0, rate_0, c_1, rate_1, h):
-    """Whether the cubic through values and rates at both ends of h s may reach zero."""
+    """Return True if the cubic through values and rates at both ends of `h` s may reach zero."""
+    # a cubic falls below its ends by 4/27 of h times the change of the rate at most
     lowest = min(c_0, c_1)
     if rate_0 < 0.0 and rate_1 > 0.0:
         lowest -= 4.0 / 27.0 * h * (rate_1 - rate_0)
@@ -47,7 +48,8 @@ def _dips(c_0, rate_0, c_1, rate_1, h):
 
 @leaf
 def _joint_turn(phase, i, n):
-    """Rotation of a joint, its rate and acceleration."""
+    """Return the rotation of joint i (rad), its rate and its acceleration."""
+    # the joint over the base
     if i + 1 == n:
         return phase.theta[i], phase.theta_rate[i], phase.theta_acceleration[i]
     return (
@@ -59,13 +61,14 @@ def _joint_turn(phase, i, n):
 
 @kernel
 def _opens(model, p, q, h):
-    """Whether a corner of a joint may open, or lose its pressure, in the h s between the phases p and q.
+    """Return True if a corner of a joint may open or lose its pressure in the `h` s between the phases p and q.
 
-    The corner at +-width/2 is pressed by -opening -+ width/2 * slope, with the slope bounded from above. The corners of
-    a contact that has slipped, or is off its axis, are its ends, seen from the middle of the joint.
+    The corner at +-width/2 is pressed by -opening -+ width/2 * slope, with an upper bound of the slope. The corners of
+    a contact that has slipped, or is off its axis, are its ends, measured from the middle of the joint.
     """
     n = model.n
     for i in range(n):
+        # corners of the contact, m
         eta = model.blocks.damping[i]
         half = 0.5 * model.blocks.width[i]
         corner, other = half, -half
@@ -84,6 +87,7 @@ def _opens(model, p, q, h):
             reach += h * eta * (half * max(abs(turned_p), abs(turned_q)) + opened)
         if -max(p.opening[i], q.opening[i]) - half * max(abs(turn_p), abs(turn_q)) > reach:
             continue
+        # each corner: depth and, with damping, pressure over the stiffness
         for _ in range(2):
             c_p = corner * turn_p - p.opening[i]
             c_q = corner * turn_q - q.opening[i]
@@ -102,7 +106,7 @@ def _opens(model, p, q, h):
 
 @leaf
 def _least_margin(work):
-    """Least margin of shear capacity over force along the joint, N, among the joints."""
+    """Return the least margin of shear capacity over tangential force (N) among the joints."""
     least = shear_margin(work.joints, 0)
     for i in range(1, work.n):
         least = min(least, shear_margin(work.joints, i))
@@ -111,7 +115,7 @@ def _least_margin(work):
 
 @leaf
 def _keep_joints(work):
-    """Store the resultants of the middle of the step, now evaluated."""
+    """Copy the resultants of the joints, just evaluated, to those of the middle of the step."""
     joints, halfway = work.joints, work.joints_halfway
     for i in range(work.n):
         halfway.normal[i], halfway.tangential[i] = joints.normal[i], joints.tangential[i]
@@ -121,19 +125,19 @@ def _keep_joints(work):
 
 @kernel
 def suits(column):
-    """Whether a step may be tried: every joint is in full contact at its start, and sticks."""
+    """Return True if a modal step may be attempted: every joint is in full contact at its start and sticks."""
     return not something_slides(column.work) and not _opens(column.model, column.work.start, column.work.start, 0.0)
 
 
 @leaf
 def forget(work):
-    """Mark the trend of the remainder as unknown: this is the first step of a call, or follows other methods."""
+    """Mark the trend of the remainder as unknown: at the first step of a call, or after other methods."""
     work.trend.known = 0.0
 
 
 @leaf
 def longest_step(model):
-    """Longest step, s; beyond it the coupling of the modes is not small."""
+    """Return the longest step (s); beyond it the coupling of the modes is not small."""
     return limits_of(model).longest
 
 
@@ -149,6 +153,7 @@ def _drive(column, t):
     base, samples = column.base, column.samples
     amplitude = wave_amplitude(base, samples)
     omega = base.wave_omega if amplitude != 0.0 else 0.0
+    # straight line and harmonic part of the base acceleration
     ax, jx, az, jz = base_line(base, samples, t)
     sine, cosine = wave(base, t) if amplitude != 0.0 else (0.0, 0.0)
     line = ax, column.model.settings.gravity + az
@@ -162,10 +167,12 @@ def _begin(column, modal):
 
 @kernel
 def _reach(column, modal, half, t, h, sine):
-    """Evaluate the column where the modes are, and check its joints (modal_steps.py, `sweep_of`)."""
+    """Evaluate the column at the modal state in the middle (half 0) or at the end; check its joints (`sweep_of`)."""
     model, work = column.model, column.work
+    # from modal to block coordinates
     here, to = (stage(work, 1), modal.mean) if half == 0 else (work.end, modal.last)
     _multiply(model, shapes_of(model), to.row, here.row, 2)
+    # evaluate on the base
     motion = base_motion_beside(column.base, column.samples, t, sine)
     then = motion.ax, model.settings.gravity + motion.az
     evaluate(column, here, motion)
@@ -173,11 +180,13 @@ def _reach(column, modal, half, t, h, sine):
         return OPENS, then
     if half == 0:
         _keep_joints(work)
+    # margin against sliding
     if can_slide(model):
         before, margin = work.trend.margin, _least_margin(work)
         work.trend.margin = margin
         if not margin > 0.0 or (half == 1 and min(margin, before) <= CHANGES * abs(margin - before)):
             return OPENS, then
+    # accelerations of the modes
     _multiply(model, inverses_of(model), here.accelerations, to.accelerations, 1)
     return OK, then
 
@@ -192,11 +201,12 @@ _attempt = attempt_of(sweep_of(_begin, _reach, _end))
 
 @kernel
 def attempt(column, t, h):
-    """One step of h seconds from work.start to work.end; returns (code, error in tolerances)."""
+    """Make one step of `h` s from `work.start` to `work.end`; return (code, error in tolerances)."""
     model, work, control = column.model, column.work, column.state.control
     if can_slide(model):
         keep_slips(work, stage(work, 1))
         keep_slips(work, work.end)
+    # error bounds of the step
     limits = limits_of(model)
     scales = control.rotation_scale, control.rate_scale
     bounds = bounds_of(limits, model.settings.tolerance, *scales, INTERPOLATION_PART)

@@ -1,4 +1,4 @@
-"""Responses of modes over a step, in closed form, and kept for the steps that follow.
+"""The responses of modes over a step, in closed form, stored for the steps that follow.
 
 Over a step h, with g the response of a mode to a unit impulse, I_0 its integral and I_k = integral of I_(k-1): they
 satisfy omega^2 I_k + beta I_(k-1) + I_(k-2) = h^k / k! with I_(-1) = g, I_(-2) = g'.
@@ -53,9 +53,20 @@ GRID = 2.0**40  # 1/s: responses are those of a step on this grid; the differenc
 
 @kernel
 def respond(square, beta, h, omega, out):
-    """Responses of a mode (omega^2 = square, 1/s2; beta, 1/s) over h s, to a record of HALF.
+    """Fill `out`, a record HALF, with the responses of a mode over h s.
 
-    omega: that of the base, 1/s; omega * h is at most about 1.
+    Parameters
+    ----------
+    square : float
+        omega_k^2 of the mode (1/s2).
+    beta : float
+        Damping of the mode (1/s).
+    h : float
+        Step (s).
+    omega : float
+        Angular frequency of the base (1/s); omega * h is at most about 1.
+    out : record HALF
+        Filled.
     """
     x = square * h * h
     d = beta * h
@@ -67,6 +78,7 @@ def respond(square, beta, h, omega, out):
         for k in range(TERMS, 1, -1):
             i_0, i_1, i_2 = INVERSE_FACTORIALS[k] - d * i_0 - x * i_1, i_0, i_1
             even, odd = i_0 - y * y * odd, even
+        # the recurrence for k = 0 and -1 gives the impulse and its rate
         impulse = 1.0 - d * i_0 - x * i_1
         out.impulse = h * impulse
         out.impulse_rate = 1.0 - d * impulse - x * i_0
@@ -77,6 +89,7 @@ def respond(square, beta, h, omega, out):
         out.sine = h * h * y * odd
         out.parabola = h * h * h * h * i_2
         return
+    # closed form: underdamped, or overdamped by the slow and the fast root
     half = 0.5 * beta
     split = half * half - square
     if split < 0.0:
@@ -95,6 +108,7 @@ def respond(square, beta, h, omega, out):
         impulse = left * sine
         impulse_rate = left * (1.0 - (half + root) * sine)
         rest = left * (1.0 + slow * sine)
+    # I_0 and I_1 by the recurrence
     steady = (1.0 - rest) / square
     ramp = (h - beta * steady - impulse) / square
     out.rest = rest
@@ -115,36 +129,38 @@ def respond(square, beta, h, omega, out):
 
 @leaf
 def missed(x):
-    """Largest error of the quintic between two steps for a motion of amplitude 1 that turns by x rad in the step."""
+    """Return the largest error of the quintic for a motion of amplitude 1 that turns by x rad in the step."""
     cube = x * x * x
     return min(cube * cube / INTERPOLATION_BOUND, 2.0 + x * x / 40.0)
 
 
 @leaf
 def _stored_at(store, room, k):
-    """Stored data of a step, one of RESPONSES; `room`: number of modes that there is room for."""
+    """Return stored data number k of RESPONSES; `room`: largest number of modes."""
     return _stored(store[(_STORED_PER_N * room + _STORED_BESIDE) * k :], room)
 
 
 @leaf
 def response_of(stored, k):
-    """Stored responses of mode k."""
+    """Return the stored responses of mode k."""
     return _response(stored.modes[RESPONSE_FIELDS * k :], 0)
 
 
 @kernel
 def responses_over(modal, h, omega):
-    """The responses over h s (on the grid), as STORED; computed if they are not stored.
+    """Return the responses over `h` s (on the grid), as STORED; compute them if they are not stored.
 
     They follow from the modes, h and omega alone, so that the results do not depend, to the last bit, on which are
     stored.
     """
     store, latest, room, count = modal.responses, modal.latest, modal.room, modal.active
+    # reuse stored responses of this step
     for k in range(RESPONSES):
         stored = _stored_at(store, room, k)
         if stored.made_for.step == h and stored.made_for.omega == omega and stored.made_for.count == count:
             latest.response = k
             return stored
+    # replace the responses that were not used last
     used = (int(latest.response) + 1) % RESPONSES
     latest.response = used
     stored = _stored_at(store, room, used)
@@ -153,6 +169,7 @@ def responses_over(modal, h, omega):
     stored.made_for.omega = omega
     stored.made_for.sine, stored.made_for.cosine = math.sin(0.5 * h * omega), math.cos(0.5 * h * omega)
     for k in range(count):
+        # responses over half the step and the whole step
         mode = mode_at(modal.modes, k)
         out = response_of(stored, k)
         respond(mode.square, mode.damping, 0.5 * h, omega, out.half)
@@ -161,6 +178,7 @@ def responses_over(modal, h, omega):
         fastest = math.sqrt(mode.square)
         steady.sine = 0.0
         steady.cosine = 0.0
+        # steady harmonic motion, where the mode is fast enough to separate it
         if fastest > SPLIT * omega:
             away = mode.square - omega * omega
             across = mode.damping * omega
@@ -169,6 +187,7 @@ def responses_over(modal, h, omega):
             steady.cosine = -across * per
         else:
             fastest = max(fastest, omega)
+        # bounds of the interpolation error
         steady.free = mode.size * missed(fastest * h)
         pushed = abs(mode.push) + abs(mode.across)
         steady.forced = mode.size * pushed * math.hypot(steady.sine, steady.cosine) * missed(omega * h)

@@ -29,7 +29,7 @@ THIRD_DIFFERENCE = 2.0 * 8.0 / (72.0 * math.sqrt(3.0))
 
 
 class Modal(NamedTuple):
-    """The modes of a body, and its motion in their coordinates."""
+    """The modes of a column or structure, and its motion in modal coordinates."""
 
     active: int  # number of modes that move
     room: int  # number of modes that there is room for
@@ -45,7 +45,7 @@ class Modal(NamedTuple):
 
 
 class Drive(NamedTuple):
-    """The base over a step, its components in the order of those of a mode (push, lift, across); and the step."""
+    """The base motion over a step, its components in the order of those of a mode (push, lift, across)."""
 
     line: tuple[float, ...]  # m/s2, at the start
     slopes: tuple[float, ...]  # m/s3
@@ -58,7 +58,7 @@ class Drive(NamedTuple):
 
 
 class Bounds(NamedTuple):
-    """What a step may err by: rad and rad/s, or what modes count in; rad between its ends. The third difference."""
+    """The error bounds of a step: coordinates, rates, coordinates between its ends; `third` as in MODAL_LIMITS."""
 
     place: float
     rate: float
@@ -83,20 +83,35 @@ def _by_three(force, mode, components, factor):
 
 @by_width
 def _with_push(force, mode, components, factor):
-    """A force on a mode, and that by the given components of the acceleration of the base."""
+    """Return a force on a mode plus that of the given components of the base acceleration, times a factor."""
     by = (_by_one, _by_two, _by_three)[len(components) - 1]
     return lambda force, mode, components, factor: by(force, mode, components, factor)
 
 
 @leaf
 def pushed(mode, components, factor):
-    """Force on a mode by components of the acceleration of the base, times a factor."""
+    """Return the force on a mode by components of the base acceleration, times a factor."""
     return _with_push(-0.0, mode, components, factor)  # which leaves the sign of a zero
 
 
 @leaf
 def set_limits(limits, tolerance, part, longest, damped):
-    """The limits of steps: of this tolerance, `part` of which they may err by between their ends; s, the longest."""
+    """Fill `limits` with the limits of steps.
+
+    Parameters
+    ----------
+    limits : record MODAL_LIMITS
+        Filled.
+    tolerance : float
+        Tolerance of a step.
+    part : float
+        Interpolation error allowed between the ends of a step, in tolerances.
+    longest : float
+        Longest step (s).
+    damped : bool
+        True if a joint is damped: one sweep, else two.
+    """
+    # phase (rad) of the fastest motion, per step, that the interpolation resolves
     resolved = (INTERPOLATION_BOUND * part * tolerance) ** (1.0 / 6.0)
     limits.third = min(1.0, THIRD_DIFFERENCE * resolved)
     limits.longest = longest
@@ -105,21 +120,25 @@ def set_limits(limits, tolerance, part, longest, damped):
 
 @leaf
 def pays(limits, square):
-    """Whether steps may be long enough, beside the fastest mode (1/s2), to pay."""
+    """Return True if steps may be long enough, relative to the fastest mode (square: 1/s2), to be worth it."""
     return limits.longest * math.sqrt(square) >= LEAST_TURN
 
 
 @leaf
 def bounds_of(limits, tolerance, place, rate, part):
-    """The bounds of a step, for a tolerance relative to the largest place and rate so far."""
+    """Return the error bounds of a step, for a tolerance relative to the largest coordinate and rate so far."""
     allowed = tolerance * place
     return Bounds(allowed, tolerance * rate, part * allowed, limits.third)
 
 
 @leaf
 def multiply(matrix, x, y, begin, m, segments):
-    """Multiply one to three segments of x, from `begin` on, by an m x m matrix, into y."""
+    """Multiply one to three segments of x by an m x m matrix; fill the same segments of y.
+
+    begin: index of the first element in each segment.
+    """
     for i in range(m):
+        # element i of each product
         first, second, third = 0.0, 0.0, 0.0
         for j in range(m):
             factor = matrix[m * i + j]
@@ -139,7 +158,7 @@ def multiply(matrix, x, y, begin, m, segments):
 
 @kernel
 def _respond_to(modal, drive, responses, span, half, is_first):
-    """Modal coordinates and rates in the middle of the step (half 0), or at its end by the values known by then."""
+    """Fill modal coordinates and rates in the middle of the step (half 0) or at its end, by the known remainders."""
     first, mean, known = modal.first, modal.mean, modal.trend.known != 0.0
     to = mean if half == 0 else modal.last
     omega, per_step = drive.omega, 1.0 / span
@@ -152,6 +171,7 @@ def _respond_to(modal, drive, responses, span, half, is_first):
         force = pushed(mode, drive.line, 1.0)
         slope = pushed(mode, drive.slopes, 1.0)
         force_sine, force_cosine = pushed(mode, drive.sines, 1.0), pushed(mode, drive.cosines, 1.0)
+        # remainder at the start: acceleration less the linear terms and the base
         if half == 0 and is_first:
             first.accelerations[k] += mode.damping * v + square * p - (force + force_sine)
         remainder = first.accelerations[k]
@@ -162,6 +182,7 @@ def _respond_to(modal, drive, responses, span, half, is_first):
             slope += 2.0 * (mean.accelerations[k] - remainder) * per_step - 0.25 * span * curvature
         elif known:
             slope += modal.slopes[k]
+        # superposition of the responses to start, force, slope, curvature and wave
         force += remainder
         to.coordinates[k] = (
             (over.rest * p + over.impulse * v)
@@ -177,7 +198,7 @@ def _respond_to(modal, drive, responses, span, half, is_first):
 
 @leaf
 def take_linear_part(modal, to, then):
-    """From accelerations of the modes to remainders; `then`: components of the acceleration of the base."""
+    """Turn the accelerations of the modes in `to` into remainders; `then`: components of the base acceleration."""
     for k in range(modal.active):
         mode = mode_at(modal.modes, k)
         force = pushed(mode, then, 1.0)
@@ -186,7 +207,7 @@ def take_linear_part(modal, to, then):
 
 @kernel
 def _correct(modal, drive, responses, bounds, then, span, excess, is_last):
-    """Correct the end for the remainder as a parabola; the error in tolerances, of that or of interpolation."""
+    """Correct the end for the remainder as a parabola; return the error in tolerances, of that or of interpolation."""
     first, mean, last, known = modal.first, modal.mean, modal.last, modal.trend.known != 0.0
     omega, per_step = drive.omega, 1.0 / span
     wrong, wrong_rate, hidden = 0.0, 0.0, 0.0
@@ -204,12 +225,14 @@ def _correct(modal, drive, responses, bounds, then, span, excess, is_last):
         p = last.coordinates[k] + change * (parabola - 0.5 * line)
         v = last.rates[k] + change * (parabola_rate - 0.5 * line_rate)
         force = pushed(mode, then, 1.0) + r_1
+        # advance from the grid to the end of the step
         v += excess * (force - beta * v - square * p)
         p += excess * v
         last.coordinates[k] = p
         last.rates[k] = v
         last.accelerations[k] = force - beta * v - square * p
 
+        # error: response to the bend of the remainder
         wrong += mode.size * abs(bend * (line - parabola))
         wrong_rate += mode.size * abs(bend * (line_rate - parabola_rate))
         # the free motion: without the response to the forces
@@ -232,17 +255,26 @@ def _correct(modal, drive, responses, bounds, then, span, excess, is_last):
 
 
 def sweep_of(begin: Any, reach: Any, end: Any) -> Any:
-    """Kernel: one sweep over a step of a body, which returns (code, error in tolerances).
+    """Return a kernel: one sweep over a step of a body, which returns (code, error in tolerances).
 
-    begin(body, modal): fills modal.first from the start of the step; reach(body, modal, half, t, h, sine): puts the
-    body where the modes are in the middle (half 0) or at the end, evaluates it and fills in the accelerations of the
-    modes, and returns a code and the components of the acceleration of the base; end(body, modal): puts it at the end.
-    The remainder that a sweep finds serves the next one, that of the last sweep the next step.
+    The remainder found by a sweep serves the next one, that of the last sweep the next step.
+
+    Parameters
+    ----------
+    begin : kernel
+        `begin(body, modal)` fills `modal.first` from the start of the step.
+    reach : kernel
+        `reach(body, modal, half, t, h, sine)` moves the body to the modal state in the middle (half 0) or at the end,
+        evaluates it, fills in the accelerations of the modes, and returns a code and the components of the base
+        acceleration.
+    end : kernel
+        `end(body, modal)` moves the body to the end of the step.
     """
 
     @kernel
     def sweep(body, modal, drive, bounds, t, h, is_first, is_last):
         known = modal.trend.known
+        # length of the step on the grid, and the excess of the step over it
         span = math.floor(h * GRID + 0.5) / GRID
         excess = h - span
         responses = responses_over(modal, span, drive.omega)
@@ -250,6 +282,7 @@ def sweep_of(begin: Any, reach: Any, end: Any) -> Any:
             copy(modal.first.row, modal.last.row, 3 * modal.room)
         elif is_first:
             begin(body, modal)
+        # turn of the wave in half the step
         late = 0.5 * drive.omega * excess
         turn_sine = responses.made_for.sine + late * responses.made_for.cosine
         turn_cosine = responses.made_for.cosine - late * responses.made_for.sine
@@ -271,7 +304,7 @@ def sweep_of(begin: Any, reach: Any, end: Any) -> Any:
 
 
 def attempt_of(sweep: Any) -> Any:
-    """Kernel: one step by `sweep_of`, which returns (code, error in tolerances).
+    """Return a kernel: one step by a kernel of `sweep_of`, which returns (code, error in tolerances).
 
     The error is that of the correction or of interpolation, whichever limits the step more. The code is OPENS where a
     joint does not stay in full contact. If no joint is damped a second sweep makes the step symmetric in time, which
@@ -281,6 +314,7 @@ def attempt_of(sweep: Any) -> Any:
     @kernel
     def attempt(body, modal, drive, bounds, sweeps, t, h):
         code, error = OK, 0.0
+        # sweeps, as long as each succeeds
         for number in range(sweeps):
             if code == OK and error <= 1.0:
                 code, error = sweep(body, modal, drive, bounds, t, h, number == 0, number + 1 == sweeps)

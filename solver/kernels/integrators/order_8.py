@@ -1,4 +1,4 @@
-"""Dormand and Prince's explicit Runge-Kutta method of order 8 with the error estimate of Hairer, Norsett and Wanner.
+"""The Runge-Kutta method of order 8 of Dormand and Prince with the error estimate of Hairer, Norsett and Wanner.
 
 P. J. Prince, J. R. Dormand, High order embedded Runge-Kutta formulae, J. Comp. Appl. Math. 7 (1981) 67-75; E. Hairer,
 S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993), section II.10: DOP853. The
@@ -62,14 +62,16 @@ for _row, (_of_first, *_latest) in enumerate(_SUMS, start=1):
 
 
 def sum_by(row: int, slope: Callable[..., Any]) -> Any:
-    """Leaf: pack i of the sum of slopes by a row of WEIGHTS; slope(work, k) is the slope at stage k, 0 the first.
+    """Return a leaf (work, i): pack i of the sum of slopes by a row of WEIGHTS.
 
-    Compiled once a row, with its weights as constants and the sum unrolled: a loop over rows takes 2 % of a run.
+    slope(work, k) returns the slope at stage k, 0 the start. Compiled once a row, with its weights as constants and the
+    sum unrolled: a loop over rows takes 2 % of a run.
     """
     first, last = int(FIRST[row]), min(row, STAGES + 1)
 
     @leaf
     def sum_of(work, i):
+        # weight of the start, then of the latest stages; those in between are zero
         found = WEIGHTS[row, 0] * packs_of(slope(work, 0))[i]
         for k in range(first, last):
             found += WEIGHTS[row, k] * packs_of(slope(work, k))[i]
@@ -80,23 +82,25 @@ def sum_by(row: int, slope: Callable[..., Any]) -> Any:
 
 @leaf
 def _slope(work, k):
-    """Rates and accelerations at a stage."""
+    """Return rates and accelerations at stage k; the start is stage 0."""
     return work.start.rates if k == 0 else stage(work, k).rates
 
 
 def _step_to(row: int) -> Any:
-    """Leaf: the stages of a step up to this one, or to the END."""
+    """Return a leaf (column, t, h) that computes the stages of a step up to number `row`, or to the END."""
     before = _step_to(row - 1) if row > 1 else _nothing
     sum_of, node, ends = sum_by(row, _slope), NODES[min(row, STAGES)], row == END
 
     @leaf
     def step_to(column, t, h):
         before(column, t, h)
+        # phase of this stage
         work = column.work
         phase = work.end if ends else stage(work, row)
         y, found = packs_of(work.start.row), packs_of(phase.row)
         for i in range(packs(phase.row, summed(work))):
             found[i] = y[i] + h * sum_of(work, i)
+        # its slopes
         evaluate_at(column, phase, t + node * h)
 
     return step_to
@@ -108,7 +112,7 @@ def _nothing(column, t, h):
 
 
 def _error_by(row: int) -> Any:
-    """Kernel: the error by the sum of a row, in tolerances."""
+    """Return a kernel (column, h): the error, in tolerances, by a row of WEIGHTS."""
     sum_of = sum_by(row, _slope)
 
     @kernel
@@ -127,14 +131,14 @@ _step, _error_5, _error_3 = _step_to(END), _error_by(ERROR_5), _error_by(ERROR_3
 
 @kernel
 def attempt(column, t, h):
-    """One step of h seconds from work.start to work.end; returns the error in tolerances."""
+    """Make one step of `h` s from `work.start` to `work.end`; return the error in tolerances."""
     _step(column, t, h)
     return error_of(_error_5(column, h), _error_3(column, h))
 
 
 @leaf
 def error_of(error_5, error_3):
-    """The estimate from both embedded ones."""
+    """Return the error estimate from the two embedded ones."""
     if error_5 == 0.0:
         return 0.0
     return error_5 * error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3) / LEEWAY

@@ -1,7 +1,7 @@
 """A linearly implicit W-method of order 3 with an embedded order 2, L-stable and stiffly accurate: ROS34PW2.
 
 J. Rang, L. Angermann, New Rosenbrock W-methods of order 3 for partial differential algebraic equations of index 1, BIT
-45 (2005) 761-787. A W-method keeps its order with any approximation of the Jacobian; here it is that of the joints'
+45 (2005) 761-787. A W-method keeps its order with any approximation of the Jacobian; here it is that of the joint
 forces alone, which make a column stiff, so that a stage costs one evaluation and one O(n) solution (implicit.py).
 Slips, if there are any, stay constant: no step is made while a joint slides.
 
@@ -47,7 +47,7 @@ EMBEDDED = np.array([3.7810903145819369e-01, -9.6042292212423178e-02, 0.5, 2.179
 
 
 def _over_gammas(rows: np.ndarray) -> np.ndarray:
-    """rows @ inverse(GAMMAS), by back substitution: equal bits on every machine."""
+    """Return rows @ inverse(GAMMAS), by back substitution: equal bits on every machine."""
     result = np.zeros_like(rows)
     for i in range(len(rows)):
         for j in range(STAGES - 1, -1, -1):
@@ -67,8 +67,9 @@ E = _over_gammas((WEIGHTS - EMBEDDED)[None, :])[0]
 
 @leaf
 def _solve(column, u, part):
-    """Finish an inner stage; its F_q, and h gamma F_v in the place of u_v, are known."""
+    """Solve for an inner stage u; its F_q and, in the place of u_v, h gamma F_v are known."""
     n = column.work.n
+    # u_v, then u_q (eq. 7.25)
     solve(column.model, column.work.tangent, u.rates, u.accelerations, part)
     for i in range(2 * n):
         u.coordinates[i] = part * (u.rates[i] + u.accelerations[i])
@@ -76,7 +77,7 @@ def _solve(column, u, part):
 
 @leaf
 def _summed(work, weights, count, i):
-    """Element i of the sum of the inner stages up to `count`."""
+    """Return pack i of the weighted sum of inner stages 1 to `count`."""
     found = weights[0] * packs_of(stage(work, 1).row)[i]
     for k in range(1, count):
         found += weights[k] * packs_of(stage(work, k + 1).row)[i]
@@ -85,7 +86,7 @@ def _summed(work, weights, count, i):
 
 @leaf
 def _summed_rates(work, weights, count, i):
-    """As `_summed`, of what stands in the place of the rates."""
+    """Return pack i of the weighted sum of the rates (u_v) of inner stages 1 to `count`."""
     found = weights[0] * packs_of(stage(work, 1).rates)[i]
     for k in range(1, count):
         found += weights[k] * packs_of(stage(work, k + 1).rates)[i]
@@ -94,7 +95,7 @@ def _summed_rates(work, weights, count, i):
 
 @kernel
 def attempt(column, t, h):
-    """One step of h seconds from work.start to work.end; returns the error in tolerances."""
+    """Make one step of `h` s from `work.start` to `work.end`; return the error in tolerances."""
     work = column.work
     n = work.n
     # an inner stage keeps (u_q, u_v, F_q); the phase at which its accelerations are taken is the fifth
@@ -104,11 +105,13 @@ def attempt(column, t, h):
     y_here, v_here, f_here = packs_of(here.row), packs_of(here.rates), packs_of(here.accelerations)
     end, error = packs_of(work.end.row), packs_of(work.between.row)
     part, per = h * GAMMA, 1.0 / h
+    # factorize M + G at the start
     factorize(column.model, work.start, work.tangent, part)
     for k in range(STAGES):
         one = stage(work, k + 1)
         u_v, f_q = packs_of(one.rates), packs_of(one.accelerations)
         # F_q after u_v; the last pack of eight reaches beyond its end
+        # right-hand sides h gamma F_v and F_q of the stage
         if k == 0:
             for i in range(half):
                 u_v[i] = part * f[i]
@@ -122,11 +125,14 @@ def attempt(column, t, h):
                 u_v[i] = part * (f_here[i] + per * _summed_rates(work, C[k], k, i))
             for i in range(half):
                 f_q[i] = v_here[i] + per * _summed(work, C[k], k, i)
+        # u of the stage
         _solve(column, one, part)
+    # end and embedded error
     for i in range(every):
         end[i] = y[i] + _summed(work, M, STAGES, i)
         error[i] = _summed(work, E, STAGES, i)
     keep_slips(work, work.end)
+    # slips have no error
     for i in range(RIGID_FIELDS * n, phase_size(work)):
         work.between.row[i] = 0.0
     found = STRICTNESS * error_in_tolerances(column, work.between)

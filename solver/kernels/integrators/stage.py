@@ -1,4 +1,4 @@
-"""The phases inside a step: the inner stages of a Runge-Kutta method, and the numbers that its sums take."""
+"""The phases within a step: the inner stages of a Runge-Kutta method, and the numbers that its sums take."""
 
 from ..joint.sliding import has_no_slips
 from ..layout.spaces import PHASE, PHASE_FIELDS
@@ -10,14 +10,15 @@ _phase = PHASE.over
 
 @varied_leaf
 def stage(work, k):
-    """The phase of inner stage k, counted from 1."""
+    """Return the phase of inner stage k, counted from 1."""
     n = work.n
     return _phase(work.stages[PHASE_FIELDS * n * (k - 1) :], n)
 
 
 @by_width
 def summed(work):
-    """Number of leading values of a phase that a step sums, each with its rate 2 n places behind it."""
+    """Return the number of leading values of a phase that a step sums, each with its rate 2 n places behind it."""
+    # coordinates and rates of rotations and openings; slips, friction work and their rates too
     if has_no_slips(work):
         return lambda work: 4 * work.n
     if work.kind is LANES:

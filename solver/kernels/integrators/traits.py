@@ -1,4 +1,4 @@
-"""The methods and their properties, for the stepping loop."""
+"""The integration methods and their properties, for the stepping loop."""
 
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ MODES = 4
 
 
 class Traits(NamedTuple):
-    """Properties of a method with error control."""
+    """The properties of a method with error control."""
 
     order: int  # for the choice of step lengths
     implicit: bool
@@ -25,7 +25,7 @@ class Traits(NamedTuple):
 
 @leaf
 def traits_of(method):
-    """The traits of a general method."""
+    """Return the traits of a general method."""
     if method == ORDER_8:
         return Traits(order_8.ORDER, False, True, True, (4, 9, 10), (order_8.C4, order_8.C9, order_8.C10))
     if method == LINEARLY_IMPLICIT:
@@ -36,7 +36,7 @@ def traits_of(method):
 
 @kernel
 def attempt_by(method, column, t, h):
-    """One step of h seconds by this method; returns (code, error in tolerances)."""
+    """Make one step of `h` s by a method; return (code, error in tolerances)."""
     if method == ORDER_5:
         return OK, dormand_prince.attempt(column, t, h)
     if method == ORDER_8:

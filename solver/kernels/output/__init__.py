@@ -1,1 +1,1 @@
-"""Results kept of a run: peaks and snapshots."""
+"""The results kept of a run: peaks and snapshots."""

@@ -1,9 +1,9 @@
-"""Peaks of all outputs, also of the motion between the output rows.
+"""Peaks of all outputs, including those between the output rows.
 
-A step is seen at its ends and half-way, where its method may have evaluated it. Parabolas through the three show
-whether any quantity may pass its peak within the step; mostly none does. Otherwise the step is evaluated at the ends of
-its pieces. A polynomial through all of them gives the extremes of quantities that are smooth within the step; if it is
-not accurate enough, parabolic interpolation repeats until the predicted gain is below a part of the tolerance.
+A step is sampled at its ends and half-way, where its method may have evaluated it. Parabolas through the three samples
+show whether any quantity may exceed its peak within the step; mostly none does. Otherwise the step is evaluated at the
+ends of its pieces. A polynomial through all of them gives the extremes of quantities that are smooth within the step;
+if it is not accurate enough, parabolic interpolation repeats until the predicted gain is below a part of the tolerance.
 
 In columns whose joints can slide all steps are examined.
 """
@@ -39,16 +39,25 @@ CLOSE = 1e-4  # of a step: least distance of two evaluations
 
 @kernel
 def begin_extremes(column, motion, evaluated):
-    """See the start of a step that does not continue the last one, and raise the peaks by it.
+    """Sample the start of a step that does not continue the last one, and raise the peaks by it.
 
-    evaluated: work.joints belongs to the start.
+    Parameters
+    ----------
+    column : Column
+        The column, with the phase in `work.start`.
+    motion : Motion
+        The motion of the base.
+    evaluated : bool
+        True if `work.joints` belongs to the start.
     """
     model, work = column.model, column.work
     n, carried = model.n, 0.0
     for i in range(n):
+        # N below which friction is not evaluated: a part of the carried weight
         carried += model.settings.gravity * model.blocks.mass[i]
         work.counts_from[i] = COUNTS_FROM * carried
     end = _seen(work, PIECES)  # as if a step had ended there
+    # outputs at the start
     if evaluated:
         _show(column, work.start, work.joints, motion, end)
     else:
@@ -60,16 +69,19 @@ def begin_extremes(column, motion, evaluated):
 
 @kernel
 def track_extremes(column, t, h):
-    """Raise the peaks by the step just made from t to t + h; work.joints holds the resultants of its end."""
+    """Raise the peaks by the step just made from t to t + h (s); `work.joints` holds the resultants of its end."""
     work = column.work
     n = column.model.n
+    # samples at start, end and middle
     begin, end = _seen(work, 0), _seen(work, PIECES)
     for j in range(_PER_N * n + _BESIDE):
         begin[j] = end[j]
     _show(column, work.end, work.joints, base_as_shown(column, t + h), end)
     roughly = _see_middle(column, t, h)
+    # mostly no quantity can exceed its peak within
     if not _raise_by_end(column) and not examines_all(column):
         return
+    # samples at the ends of the pieces, and the extremes between them
     for k in range(1, PIECES):
         if k != MIDDLE or roughly:
             _see_within(column, t, h, k / PIECES, _seen(work, k))
@@ -83,7 +95,7 @@ def track_extremes(column, t, h):
 
 @leaf
 def _largest(peaks, first, end):
-    """Largest of peaks; by four maxima, since a chain of one would wait for each before the next."""
+    """Return the largest of peaks[first:end], by four maxima: a chain of one would wait for each before the next."""
     a, b, c, d = 0.0, 0.0, 0.0, 0.0
     for j in range(first, end - 3, 4):
         a, b, c, d = max(a, peaks[j]), max(b, peaks[j + 1]), max(c, peaks[j + 2]), max(d, peaks[j + 3])
@@ -94,12 +106,13 @@ def _largest(peaks, first, end):
 
 @kernel
 def _allow(column):
-    """Set by how much each quantity may pass its peak without a search."""
+    """Set the amount by which each quantity may exceed its peak without a search."""
     n, peaks, allowed = column.model.n, column.state.peaks, column.work.allowed
     part = PROMISE * column.model.settings.tolerance
     for field in range(_PER_N):
         first = field * n if field < _OF_JOINTS else field * n + _BESIDE
         largest = _largest(peaks, first, first + n)
+        # of each quantity, relative to its peak and to the largest one in the column
         for j in range(first, first + n):
             allowed[j] = part * max(peaks[j], QUIET * largest)
     for j in range(_OF_JOINTS * n, _OF_JOINTS * n + _BESIDE):
@@ -113,6 +126,7 @@ def _show(column, phase, resultants, motion, seen):
     show(column, phase, resultants, motion, _row(seen, n))
     visible = _peaks(seen, n)
     for i in range(n):
+        # |T| / N, and the part of the width out of contact
         normal = visible.joints.N[i]
         visible.friction[i] = abs(visible.joints.T[i]) / normal if normal > from_[i] else 0.0
         visible.joints.contact[i] = 1.0 - visible.joints.contact[i]
@@ -121,19 +135,19 @@ def _show(column, phase, resultants, motion, seen):
 
 @varied_leaf
 def raise_port_peaks(column, phase, motion):
-    """Raise the peaks of the ports by their motion in an evaluated phase: there are none."""
+    """Do nothing: no ports. Versions raise the peaks of the ports by their motion in an evaluated phase."""
     return
 
 
 @varied_leaf
 def examines_all(column):
-    """Whether every step is examined, since what may pass its peak is more than the row shows."""
+    """Return True if every step is examined, since more quantities than the row shows may exceed their peaks."""
     return can_slide(column.model)
 
 
 @kernel
 def _see(column, motion, seen):
-    """`_show` of work.between, evaluated on such a base; `seen` is unchanged if that fails."""
+    """Evaluate `work.between` on a base and fill `seen` with its outputs; leave `seen` unchanged if that fails."""
     between, joints = column.work.between, column.work.joints
     if evaluate_after_jump(column, between, motion) == OK:
         _show(column, between, joints, motion, seen)
@@ -141,7 +155,7 @@ def _see(column, motion, seen):
 
 @kernel
 def _see_within(column, t, h, s, seen):
-    """`_see` at fraction s of the step from t to t + h."""
+    """Fill `seen` with the outputs at fraction s of the step from t to t + h."""
     work = column.work
     interpolate_phase(work, h, s)
     copy(work.between.sliding, work.end.sliding, int(work.slips.count))  # the joints slide as during the step
@@ -159,7 +173,7 @@ def _raise_peaks(column, seen):
 
 @kernel
 def _look(column, t, h, s):
-    """Raise the peaks by the column at fraction s of the step; return its outputs there."""
+    """Raise the peaks by the outputs at fraction s of the step; return these."""
     trial = _seen(column.work, PIECES + 1)
     _see_within(column, t, h, s, trial)
     _raise_peaks(column, trial)
@@ -168,19 +182,20 @@ def _look(column, t, h, s):
 
 @leaf
 def _seen(work, k):
-    """Outputs at the end of piece k of the step, PEAKS; two more rows are for trials and for marks."""
+    """Return the row of outputs at the end of piece k of the step, PEAKS; two more rows are for trials and marks."""
     return work.seen[k * (_PER_N * work.n + _BESIDE) :]
 
 
 @kernel
 def _see_middle(column, t, h):
-    """See the middle of the step; return whether only roughly, as the method or `refine` has evaluated it."""
+    """Sample the middle of the step; return True if it is approximate, as the method or `refine` has evaluated it."""
     work, middle = column.work, _seen(column.work, MIDDLE)
     refines, known = work.interpolation.wants_bump != 0.0, work.interpolation.knows_middle != 0.0
     refine(column, t, h)
     if can_slide(column.model) or not (refines or known):
         _see_within(column, t, h, MIDDLE / PIECES, middle)
         return False
+    # outputs of the phase evaluated by the method or by `refine`
     motion = base_as_shown(column, t + h * (MIDDLE / PIECES))
     if known:
         _show(column, stage(work, 1), work.joints_halfway, motion, middle)
@@ -191,7 +206,7 @@ def _see_middle(column, t, h):
 
 @kernel
 def _raise_by_end(column):
-    """Raise the peaks by the end of the step; return whether any quantity may pass its peak within.
+    """Raise the peaks by the end of the step; return True if any quantity may exceed its peak within.
 
     Loops without branches: a processor takes eight quantities at a time.
     """
@@ -200,6 +215,7 @@ def _raise_by_end(column):
     first, middle, last = _seen(work, 0), _seen(work, MIDDLE), _seen(work, PIECES)
     found = 0
     for j in range(n, _PER_N * n + _BESIDE):
+        # parabola through the three samples, the middle one taken positive
         f_0, f_1, f_2 = first[j], middle[j], last[j]
         sign = -1.0 if f_1 < 0.0 else 1.0
         bend, rise = sign * (2.0 * f_1 - f_0 - f_2), f_2 - f_0
@@ -219,7 +235,8 @@ def _raise_by_end(column):
 
 @leaf
 def vertex(a, f_a, b, f_b, c, f_c):
-    """(place, height) of the top of the parabola through three points; the best of them if no top is inside."""
+    """Return (place, height) of the top of the parabola through three points; of the best one if no top is inside."""
+    # slopes of the two intervals, and the second difference
     left, right = (f_b - f_a) / (b - a), (f_c - f_b) / (c - b)
     bend = (left - right) / (c - a)
     curved, slope = bend > 0.0, left - bend * (b - a)  # at b
@@ -232,14 +249,14 @@ def vertex(a, f_a, b, f_b, c, f_c):
 
 @leaf
 def apart(known, s):
-    """A place for the next trial, near s, but not too near the second of three known ones."""
+    """Return a trial point near s that keeps a least distance from the second of three known points."""
     a, _, b, _, c, _ = known
     return where(magnitude(s - b) < CLOSE, where(c - b > b - a, b + CLOSE, b - CLOSE), s)
 
 
 @leaf
 def nearer(known, s, f_s):
-    """The three places around the largest value, each with its own, after a trial at s."""
+    """Update the three points that bracket the maximum, each with its value, after a trial at s."""
     a, f_a, b, f_b, c, f_c = known
     before, better = s < b, f_s >= f_b
     first, last = better ^ before, better ^ opposite(before)  # s or b is the first; the last
@@ -255,7 +272,7 @@ def nearer(known, s, f_s):
 
 @leaf
 def _mark_tops(seen, peaks, allowed, first, size, marks):
-    """Fill `marks`, positive where a parabola through three neighbours of the values in a step may pass a peak.
+    """Fill `marks`, positive where a parabola through three neighbours of the samples in a step may exceed a peak.
 
     Inside, it exceeds the largest of them by a quarter of their range at most. One loop without a branch: a processor
     takes eight quantities at a time.
@@ -273,12 +290,14 @@ def _mark_tops(seen, peaks, allowed, first, size, marks):
 
 @leaf
 def _top(f_0, f_1, f_2, f_3, f_4, near):
-    """(place, height, its highest term there) of the top next to `near` of the quartic through values at 0, 1 ... 4."""
+    """Return (place, height, highest term) of the top next to `near` of the quartic through values at 0, 1 ... 4."""
     rise, fall = f_3 - f_1, f_4 - f_0
     sides, ends = f_1 + f_3, f_0 + f_4
+    # coefficients about the middle
     c1, c2 = (8.0 * rise - fall) / 12.0, (16.0 * sides - ends - 30.0 * f_2) / 24.0
     c3, c4 = (fall - 2.0 * rise) / 12.0, (ends - 4.0 * sides + 6.0 * f_2) / 24.0
     x = near - 2.0
+    # Newton's method for the zero of the slope
     for _ in range(3):
         bend = 2.0 * c2 + x * (6.0 * c3 + x * 12.0 * c4)
         if not bend < 0.0:
@@ -291,18 +310,20 @@ def _top(f_0, f_1, f_2, f_3, f_4, near):
 
 @kernel
 def _climb(column, t, h, j, sign, known, s, height):
-    """Find the extreme of quantity j in a step, expected at its fraction s, with this height.
+    """Search the extreme of quantity j in a step, expected at its fraction s with the value `height`.
 
-    known: three fractions of the step in their order, each with the value there; the second value is the largest.
+    known: three fractions of the step in ascending order, each with the value there; the second value is the largest.
     """
     work, peaks = column.work, column.state.peaks
     for _ in range(MOST_TRIALS):
         a, _, _, _, c, _ = known
+        # stop where the predicted gain is below the allowed one
         if not height > peaks[j] + work.allowed[j]:
             return
         s = apart(known, s)
         if not a < s < c:
             return
+        # evaluate, and predict the next top
         f_s = sign * _look(column, t, h, s)[j]
         known = nearer(known, s, f_s)
         s, height = vertex(*known)
@@ -312,6 +333,7 @@ def _climb(column, t, h, j, sign, known, s, height):
 def _find_top(column, t, h, j, size):
     """Raise the peak of quantity j by its highest top within the step."""
     n, seen, peaks, allowed = column.model.n, column.work.seen, column.state.peaks, column.work.allowed[j]
+    # highest top of the parabolas through three neighbours
     best, place, at, way = 0.0, 0.0, 0, 1.0
     for k in range(1, PIECES):
         sign = -1.0 if seen[k * size + j] < 0.0 else 1.0
@@ -321,6 +343,7 @@ def _find_top(column, t, h, j, size):
             best, place, at, way = height, x, k, sign
     if not best > peaks[j] + allowed:
         return
+    # accept the top of the quartic if its highest term is small
     f_0, f_1, f_2, f_3, f_4 = seen[j], seen[size + j], seen[2 * size + j], seen[3 * size + j], seen[4 * size + j]
     f = (way * f_0, way * f_1, way * f_2, way * f_3, way * f_4)
     x, height, term = _top(*f, place)
@@ -329,16 +352,18 @@ def _find_top(column, t, h, j, size):
     elif abs(term) <= SURE * allowed:
         peaks[j] = max(peaks[j], min(height, 1.0) if j // n == _CONTACT else height)
         return
+    # else evaluate near the top of the parabola
     known = ((at - 1) / PIECES, f[at - 1], at / PIECES, f[at], (at + 1) / PIECES, f[at + 1])
     _climb(column, t, h, j, way, known, x / PIECES, height)
 
 
 @kernel
 def _cross(column, t, h, i, weight, lo, f_lo, hi, f_hi):
-    """Evaluate at the moment when N of joint i passes `weight` in a piece of the step, where T / N begins to count."""
+    """Evaluate where N of joint i crosses `weight` (N) in a piece of the step: there T / N begins to count."""
     n = column.model.n
     enough = column.model.settings.tolerance * weight
     way = 1.0 if f_lo > 0.0 else -1.0
+    # bracketed root of N - weight
     known = bracket(lo, hi, way * f_lo, way * f_hi)
     for _ in range(2 * MOST_TRIALS):
         s = trial_within(known)
@@ -350,17 +375,19 @@ def _cross(column, t, h, i, weight, lo, f_lo, hi, f_hi):
 
 @kernel
 def _find_tops(column, t, h):
-    """Raise the peaks by the extremes between the values in work.seen."""
+    """Raise the peaks by the extremes between the samples in `work.seen`."""
     model, work, peaks = column.model, column.work, column.state.peaks
     n, seen = model.n, work.seen
     size = _PER_N * n + _BESIDE
     first = _FRICTION[0] * n + _FRICTION[1]
+    # tops of all quantities that may exceed their peaks
     marks = _seen(work, PIECES + 2)
     _mark_tops(seen, peaks, work.allowed, n, size, marks)
     for j in range(n, size):
         if marks[j] > 0.0:
             _find_top(column, t, h, j, size)
     for i in range(n):
+        # friction ratio at the instants from which on it counts
         weight = work.counts_from[i]
         for k in range(PIECES):
             here, there = _peaks(_seen(work, k), n).joints, _peaks(_seen(work, k + 1), n).joints

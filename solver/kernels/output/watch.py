@@ -1,6 +1,6 @@
-"""Results kept of a run: peaks, and snapshots at requested times.
+"""The results kept of a run: peaks, and snapshots at requested times.
 
-Watching never changes the steps. It costs evaluations of its own (`counts.looks`).
+Requests never change the steps. They cost evaluations of their own (`counts.looks`).
 """
 
 from typing import NamedTuple
@@ -34,7 +34,7 @@ _snapshot = SNAPSHOT.over_begin
 
 
 class Watch(NamedTuple):
-    """Rows of `size` times, s, and of as many snapshots."""
+    """The requested results: `size` times (s) with a row for a snapshot each, and whether peaks are kept."""
 
     size: int
     times: object
@@ -49,15 +49,17 @@ def _keeps_all(column, watch):
 
 @kernel
 def begin_watching(column, watch, motion, evaluated):
-    """Begin at the start of a run with this motion of the base; `evaluated`: work.joints belongs to it."""
+    """Start the peaks at the start of a run with this motion of the base; `evaluated`: `work.joints` belongs to it."""
     if not watch.peaks:
         return
     work, peaks = column.work, column.state.peaks
     tops = work.tops
+    # displacements and velocities of the tops
     top_motion(column, work.start, tops.start_ux, tops.start_rate, motion.theta, motion.omega)
     for i in range(column.model.n):
         peaks[i] = max(peaks[i], abs(tops.start_ux[i]))
     if _keeps_all(column, watch):
+        # all other outputs
         evaluations, sweeps = column.counts.evaluations, column.counts.sweeps
         begin_extremes(column, motion, evaluated)
         take_directions(work, work.start)
@@ -67,7 +69,7 @@ def begin_watching(column, watch, motion, evaluated):
 
 @kernel
 def watch_step(column, watch, t, h):
-    """Keep the requested results of the step just made from t to t + h."""
+    """Keep the requested results of the step just made from t to t + h (s)."""
     if not watch.peaks and watch.size == 0:
         return
     evaluations, sweeps = column.counts.evaluations, column.counts.sweeps
@@ -91,7 +93,7 @@ def _count_looks(counts, evaluations, sweeps):
 
 @kernel
 def track_peaks(column, t, h):
-    """Raise the peaks of |u_x| by the step just made from t to t + h, turning points inside it included."""
+    """Raise the peaks of |u_x| (m) by the step just made from t to t + h, including turning points inside."""
     model, work, peaks = column.model, column.work, column.state.peaks
     n, end = model.n, work.end
     # upper bound of the movement in the step: u_x is not evaluated unless that could reach a peak
@@ -108,6 +110,7 @@ def track_peaks(column, t, h):
         passed = passed or reach > peaks[i]
     if not passed:
         return
+    # displacements and velocities of the tops at both ends
     tops = work.tops
     base = column.base
     top_motion(column, work.start, tops.start_ux, tops.start_rate, base_turn(base, t), base_spin(base, t))
@@ -128,27 +131,29 @@ def track_peaks(column, t, h):
 
 @leaf
 def row_due(counts, watch, t, h):
-    """Whether a snapshot is due in the step from t to t + h."""
+    """Return True if a snapshot is due in the step from t to t + h (s)."""
     return counts.next_row < watch.size and watch.times[counts.next_row] <= t + h * (1.0 + SLACK)
 
 
 @leaf
 def _within_step(watch, k, t, per_step):
-    """Time k as a fraction of the step from t on, of 1 / per_step seconds."""
+    """Return time k as a fraction, from 0 to 1, of the step from t on, of 1 / per_step seconds."""
     return min(1.0, max(0.0, (watch.times[k] - t) * per_step))
 
 
 @kernel
 def take_snapshots(column, watch, t, h):
-    """Keep the state of the column at those times that are in the step from t to t + h."""
+    """Store the state of the column at the requested times in the step from t to t + h (s)."""
     work, counts = column.work, column.counts
     n = column.model.n
+    # snapshots that are due
     first_row = counts.next_row
     while row_due(counts, watch, t, h):
         counts.next_row += 1
     if counts.next_row == first_row:
         return
     refine(column, t, h)
+    # coordinates and rates, one coordinate at a time
     per_step, size = 1.0 / h, size_of_snapshot(work)
     first, behind = slips_of(work)
     for i in range(2 * n + behind - first):
@@ -158,6 +163,7 @@ def take_snapshots(column, watch, t, h):
             stored = _snapshot(watch.snapshots[size * k : size * (k + 1)], n).phase
             stored.coordinates[place], stored.rates[place] = value_of(course, _within_step(watch, k, t, per_step))
     for k in range(first_row, counts.next_row):
+        # what else belongs to a snapshot: directions of sliding, memory and the motion of the base
         snapshot, s = _snapshot(watch.snapshots[size * k : size * (k + 1)], n), _within_step(watch, k, t, per_step)
         for i in range(2 * n):  # a guess: they are computed with the row
             snapshot.phase.accelerations[i] = interpolate_acceleration(work, i, s)
@@ -170,7 +176,7 @@ def take_snapshots(column, watch, t, h):
 
 @kernel
 def take_held_snapshots(column, watch, t, h):
-    """`take_snapshots` for a column whose state is constant from t to t + h."""
+    """Store the state, which is constant from t to t + h (s), at the requested times in between."""
     state, counts, work = column.state, column.counts, column.work
     size = size_of_snapshot(work)
     while row_due(counts, watch, t, h):

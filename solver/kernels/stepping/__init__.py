@@ -1,1 +1,1 @@
-"""The one stepping loop and what it is made of."""
+"""The stepping loop, and the step control and event location that it uses."""

@@ -1,7 +1,7 @@
-"""The one stepping loop.
+"""The stepping loop, common to all methods.
 
-A step is planned (`plan_modal` or `plan_general`), tried by its method, judged, which may cut it short,
-and finished: scales and peaks are updated, requested results stored, and its end becomes the start of the next.
+A step is planned (`plan_modal` or `plan_general`), attempted by its method, and judged, which may shorten it. It is
+then finished: scales and peaks are updated, requested results stored, and its end becomes the start of the next step.
 """
 
 from typing import NamedTuple
@@ -76,7 +76,7 @@ ENDS = -1.0  # the same where the call is to end before
 
 @varied_leaf
 def belongs_to(control, motion):
-    """Whether the accelerations of the state are those under this motion of the base."""
+    """Return True if the accelerations of the state were computed for this motion of the base."""
     translates = motion.ax == control.base_ax and motion.az == control.base_az
     turns = motion.theta == control.base_theta and motion.omega == control.base_omega
     return translates and turns and motion.alpha == control.base_alpha
@@ -84,33 +84,34 @@ def belongs_to(control, motion):
 
 @leaf
 def keep_base(control, motion):
-    """Note the motion of the base that the phase of the state belongs to."""
+    """Store the motion of the base that the phase of the state belongs to."""
     control.base_ax, control.base_az = motion.ax, motion.az
     control.base_theta, control.base_omega, control.base_alpha = motion.theta, motion.omega, motion.alpha
 
 
 @leaf
 def base_jumps(before, motion):
-    """Whether the accelerations of the base jump, by more than rounding."""
+    """Return True if the base acceleration jumps between two motions, by more than rounding (1e-13 of its value)."""
     jump = max(abs(motion.ax - before.ax), abs(motion.az - before.az))
     return not jump <= ROUNDING * max(abs(motion.ax), abs(motion.az))
 
 
 @varied_leaf
 def jumps(before, motion):
-    """Whether what acts jumps from one motion to the other, by more than rounding."""
+    """Return True if base acceleration or loads jump from one motion to the other, by more than rounding."""
     return base_jumps(before, motion)
 
 
 @kernel
 def take_phase(column, motion, phase):
-    """The phase of the state, seen from the base as it stands: the rotation of the base may have been changed.
+    """Fill `phase` with the phase of the state, its rotations taken relative to the base of `motion`.
 
-    The blocks keep their places and velocities.
+    The positions and velocities of the blocks in space stay; the rotation of the base may have been changed.
     """
     state = column.state
     n = column.model.n
     copy(phase.row, state.phase.row, phase_size(column.work))
+    # change of the base rotation, rad, and of its rate, rad/s, since the phase was stored
     turn, spin = motion.theta - state.control.base_theta, motion.omega - state.control.base_omega
     if turn != 0.0 or spin != 0.0:
         for i in range(n):
@@ -122,7 +123,7 @@ def take_phase(column, motion, phase):
 
 
 class Plan(NamedTuple):
-    """The step to be tried next."""
+    """The step to be attempted next."""
 
     method: int
     step: float  # s
@@ -131,17 +132,29 @@ class Plan(NamedTuple):
 
 @kernel
 def plan_modal(column, step, left):
-    """A step by modes, of about `step` s."""
+    """Return the plan of a modal step of about `step` s, of which `left` s remain."""
     begin(column.work, False)
     return Plan(MODES, shared(step, left), False)
 
 
 @kernel
 def plan_general(column, t, left):
-    """A step by a general method; it ends just after a joint is expected to leave its regime."""
+    """Return the plan of a step by a general method that ends just after the first expected change of a joint's regime.
+
+    Parameters
+    ----------
+    column : Column
+        The column; its joints are held in their regimes if the method holds them.
+    t : float
+        Start of the step (s).
+    left : float
+        Time (s) that remains in the call.
+    """
     settings = column.model.settings
+    # method and step proposed by the error control
     method, step = general_step(column, left)
     traits = traits_of(method)
+    # longest step that the record allows
     reach = left
     if traits.implicit:  # of low order, and long: kinks would cost more than it estimates
         reach = to_next_sample(column.base, column.samples, t, left)
@@ -150,10 +163,12 @@ def plan_general(column, t, left):
         roughest = KINKS * settings.tolerance * column.state.control.rate_scale * length
         reach = smooth_reach(column.base, column.samples, t, step, left, roughest)
     step = shared(step, reach)
+    # end just after a joint is expected to leave its regime
     held = traits.holds and column.counts.unheld == 0
     if held:
         hold(column, step)
         step = min(step, expected_change(column, step))
+    # or to stop sliding
     if can_slide(column.model):
         step = min(step, JUST_AFTER * begin_step(column, step))
     begin(column.work, traits.long)
@@ -162,15 +177,40 @@ def plan_general(column, t, left):
 
 @kernel
 def judge_step(column, plan, t, code, error):
-    """Judge a step just tried. Returns (code, s made, whether it has to be repeated up to there)."""
+    """Accept, shorten or reject the step just attempted.
+
+    Parameters
+    ----------
+    column : Column
+        The column after the attempt.
+    plan : Plan
+        The step.
+    t : float
+        Start of the step (s).
+    code : int
+        Code that the modal method returned.
+    error : float
+        Estimated error, in tolerances.
+
+    Returns
+    -------
+    code : int
+        A code of layout/spaces.py.
+    made : float
+        Time advanced (s); `REJECTED` if the step is to be attempted again.
+    again : bool
+        True if the step has to be repeated with the length `made`.
+    """
     counts = column.counts
     method, step, held = plan
+    # modal steps: accepted or rejected, never shortened
     if method == MODES:
         control = column.state.control
         accepted = accepts_elastic(counts, control, step, code, error, ELASTIC_COST)
         return OK, step if accepted else REJECTED, False
     if not accepts(column, method, step, error):
         return _reject(column, t), REJECTED, False
+    # accepted: shorten it if a regime changes within
     counts.unheld = 0
     if counts.elastic_wait > 0:
         counts.elastic_wait -= 1
@@ -181,17 +221,19 @@ def judge_step(column, plan, t, code, error):
 
 @kernel
 def _end_at_change(column, plan, t, step):
-    """End a step where the first joint leaves its regime, begins or ceases to slide. Returns as `judge_step`.
+    """End the step where a joint first leaves its regime, or starts or stops sliding; release the joints.
 
-    The joints are no longer held in their regimes then.
+    Returns the values of `judge_step`.
     """
     work, counts = column.work, column.counts
     traits = traits_of(plan.method)
+    # first change of regime, as a fraction of the step
     first, second, third = traits.inside
     looked_at = (stage(work, first), stage(work, second), stage(work, third))
     cut = NO_CHANGE
     if plan.held:
         cut = first_change(column, looked_at, traits.nodes, t, step)
+    # a slip that starts or stops before that ends the step instead
     if can_slide(column.model):
         slides_at = first_slip_change(column, looked_at, traits.nodes, t, step)
         if slides_at <= min(cut, 1.0):
@@ -215,7 +257,7 @@ def _end_at_change(column, plan, t, step):
 
 @kernel
 def _end_at_slip(column, t, step, cut, fine):
-    """End a step where a joint begins or ceases to slide. Returns as `judge_step`."""
+    """End the step where a joint starts or stops sliding. Returns the values of `judge_step`."""
     work = column.work
     if work.interpolation.has_bump == 0.0 or _interpolates_well(column, step, cut):
         column.counts.events += 1
@@ -230,14 +272,14 @@ def _end_at_slip(column, t, step, cut, fine):
 
 @kernel
 def _interpolates_well(column, h, fraction):
-    """Whether the interpolation at this fraction of a step of h seconds is as accurate as the step."""
+    """Return True if the interpolation at a fraction of a step of `h` s is as accurate as the step."""
     refinement(column.work, h, fraction)
     return error_in_tolerances(column, column.work.between) <= WELL_ENOUGH
 
 
 @kernel
 def end_within(column, t, h, fraction, fine):
-    """End the step of h seconds at this fraction of it. Returns a code."""
+    """End the step of `h` s at a fraction of it and evaluate the column there. Returns a code."""
     work = column.work
     interpolate_phase(work, h, fraction)
     copy(work.end.row, work.between.row, phase_size(work))
@@ -247,7 +289,7 @@ def end_within(column, t, h, fraction, fine):
 
 @kernel
 def _reject(column, t):
-    """Have a step at time t tried again, as short as is now proposed. Returns a code."""
+    """Release the joints so that the step at time t (s) is attempted again. Returns `STEP_TOO_SMALL` or `OK`."""
     release(column)
     too_short = is_too_short(column.state.control.next_step, column.model.settings.first_step, t)
     return STEP_TOO_SMALL if too_short else OK
@@ -255,9 +297,9 @@ def _reject(column, t):
 
 @kernel
 def repeat_step(column, method, t, step):
-    """Repeat a step that was accurate enough, up to a change of regime. Returns (code, s made).
+    """Repeat an accurate step with the shorter length `step` (s), up to a change of regime. Returns (code, s made).
 
-    A joint that hardly moves may begin the shorter step in another regime: the step is judged again.
+    A joint that hardly moves may start the shorter step in another regime, so its error is judged again.
     """
     _, error = attempt_by(method, column, t, step)
     if not error <= 1.0:
@@ -269,13 +311,32 @@ def repeat_step(column, method, t, step):
 
 @kernel
 def finish_step(column, watch, t, step):
-    """Update scales and peaks after a step, store requested results, go on from its end. Returns (code, s made)."""
+    """Update scales and peaks after a step, store the requested results, and start the next step from its end.
+
+    Parameters
+    ----------
+    column : Column
+        The column, with the step just made in `work.start` and `work.end`.
+    watch : Watch
+        Requested results.
+    t, step : float
+        Start and length of the step (s).
+
+    Returns
+    -------
+    code : int
+        A code of layout/spaces.py.
+    made : float
+        Time advanced (s): `step`, or less if the column overturns within it.
+    """
     model, state, counts, work = column.model, column.state, column.counts, column.work
     counts.steps += 1
     counts.resting = 0
+    # scales of errors, and validity
     code = take_stock(column, work.end, step)
     if code != OK:
         return code, step
+    # shorten the step to the instant of overturning
     if has_fallen(model, work.end):
         fraction = moment_of_overturning(column, step)
         code = end_within(column, t, step, fraction, False)
@@ -284,12 +345,15 @@ def finish_step(column, watch, t, step):
         step *= fraction
         state.control.overturn_time = t + step
         counts.overturned = widest_joint(model, work.end)
+    # results within the step
     note_directions(work, work.end)
     note_memory(column, work.end)
     watch_step(column, watch, t, step)
+    # the end becomes the start of the next step
     copy(work.start.row, work.end.row, phase_size(work))
     take_directions(work, work.start)
     take_memory(work, work.start)
+    # decide sticking or sliding where a slip has changed
     if work.slips.change != 0.0:
         work.slips.change = 0.0
         motion = base_motion(column.base, column.samples, t + step)
@@ -302,11 +366,27 @@ def finish_step(column, watch, t, step):
 
 @varied
 def take_step(column, watch, t, left, to_sample):
-    """The next step, of which `left` s remain in all and `to_sample` in this segment. Returns (code, s made)."""
+    """Make the next step. Returns (code, s made), the latter `REJECTED` or `ENDS` where no step was made.
+
+    Parameters
+    ----------
+    column : Column
+        The column, advanced in place.
+    watch : Watch
+        Requested results.
+    t : float
+        Start of the step (s).
+    left : float
+        Time that remains in the call (s).
+    to_sample : float
+        Time that remains in the present segment of the record (s).
+    """
+    # a column at rest on a still base needs no steps
     quiet = is_quiet(column.base, column.samples) and not is_loaded(column.base, column.samples)
     if quiet and rests(column, column.work.start):
         _rest_until(column, watch, t, to_sample)
         return OK, to_sample
+    # plan a modal step, or else a general one
     anchor_wave(column.base, t)
     elastic = elastic_step(column, to_sample)
     if elastic > 0.0:
@@ -316,6 +396,7 @@ def take_step(column, watch, t, left, to_sample):
     else:
         modal.forget(column.work)
         plan = plan_general(column, t, left)
+    # attempt it, and repeat it shorter if a regime changes within
     code, error = attempt_by(plan.method, column, t, plan.step)
     code, made, again = judge_step(column, plan, t, code, error)
     if again:
@@ -330,7 +411,7 @@ def take_step(column, watch, t, left, to_sample):
 
 @kernel
 def _start(column, motion, t):
-    """First use of a state: sets the scales and the first steps to be tried. Returns a code."""
+    """Set the scales and the first trial steps at the first use of a state. Returns a code."""
     settings, control = column.model.settings, column.state.control
     column.counts.started = 1
     control.next_step = settings.first_step
@@ -344,7 +425,7 @@ def _start(column, motion, t):
 
 @kernel
 def _rest_until(column, watch, t, left):
-    """Leave a column that rests as it is, for `left` s."""
+    """Hold a column at rest for `left` s."""
     control = column.state.control
     column.counts.resting = 1
     copy(column.state.phase.row, column.work.start.row, phase_size(column.work))
@@ -356,22 +437,39 @@ def _rest_until(column, watch, t, left):
 
 @kernel
 def advance(column, t, h, watch):
-    """Take the column from t to t + h, landing there exactly; no further than `until_opening`. Returns a code.
+    """Advance the column from t to exactly t + h (s), or as far as `until_opening` allows. Returns a code.
 
-    Inputs of the base hold within the call; snapshots assume that the base does not rotate. Snapshots inside are taken
-    by interpolation. A column that has overturned keeps its state. On an error the phase in the state is that at t.
+    Inputs of the base hold within the call; snapshots assume that the base does not rotate. Snapshots within a step are
+    interpolated. A column that has overturned keeps its state. After an error the phase of the state is that at t.
+
+    Parameters
+    ----------
+    column : Column
+        The column, advanced in place.
+    t, h : float
+        Start and length (s).
+    watch : Watch
+        Requested results.
+
+    Returns
+    -------
+    int
+        A code of layout/spaces.py: `OK`, `HAS_OVERTURNED` or a negative one.
     """
     _, state, counts, base, samples, work = column
     if not inputs_are_bounded(base, t, h):
         return INPUT_TOO_LARGE
+    # end of the step: the call ends, or the record enters its next segment
     if counts.overturned > 0:
         take_held_snapshots(column, watch, t, h)
         return HAS_OVERTURNED
+    # start: the phase relative to the present base
     enter(base, samples, t)
     motion = base_motion(base, samples, t)
     take_phase(column, motion, work.start)
     take_directions(work, work.start)
     take_memory(work, work.start)
+    # recompute accelerations that belong to another motion of the base
     stale = counts.started == 0 or not belongs_to(state.control, motion)
     if stale:
         code = evaluate_after_jump(column, work.start, motion)
@@ -385,6 +483,7 @@ def advance(column, t, h, watch):
                 return code
     begin_watching(column, watch, motion, stale)
     modal.forget(work)
+    # limits of the work in this call
     elapsed = 0.0
     most = most_work(column.model.settings, h) + samples.size  # silent samples are passed one by one
     most_here = most_of_a_call(column.model.n) + WORK_OF_A_STEP * samples.size
@@ -397,6 +496,7 @@ def advance(column, t, h, watch):
             return TOO_MUCH_WORK
         if WORK_OF_A_STEP * rounds + spent > most_here:
             return CALL_TOO_LONG
+        # one step
         now = t + elapsed
         to_sample = to_next_sample(base, samples, now, h - elapsed)
         code, made = take_step(column, watch, now, h - elapsed, to_sample)
@@ -417,6 +517,7 @@ def advance(column, t, h, watch):
             if code != OK:
                 return code
 
+    # store the end in the state
     copy(state.phase.row, work.start.row, phase_size(work))
     motion = base_motion(base, samples, t + elapsed)
     state.control.reached = t + elapsed
@@ -429,10 +530,11 @@ def advance(column, t, h, watch):
 
 @kernel
 def _pass_samples(column, watch, t):
-    """Let the base follow the segment of the record at time t; accelerations jump where it does. Returns a code."""
+    """Enter the segment of the record at time t (s); re-evaluate where accelerations jump there. Returns a code."""
     base, samples = column.base, column.samples
     if samples.size == 0 or not ends_soon(base, t):
         return OK
+    # motion at the end of the old segment and at the start of the new one
     before = base_motion(base, samples, t)
     enter(base, samples, t)
     modal.forget(column.work)

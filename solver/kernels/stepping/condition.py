@@ -1,4 +1,4 @@
-"""The condition of the column: standing or fallen, at rest or not, in contact, rocking or in flight."""
+"""The condition of the column: standing or overturned, at rest or not, in contact, rocking or in flight."""
 
 import math
 
@@ -16,16 +16,17 @@ HALVINGS = 40  # of a step, to find the moment of overturning
 
 @varied_leaf
 def rotation(model, row, i):
-    """Rotation of block i relative to the base, rad clockwise, from the first coordinates; the base is block n."""
+    """Return the rotation of block i relative to the base (rad, clockwise) from the first coordinates; 0 if i = n."""
     return row[i] if i < model.n else 0.0
 
 
 @kernel
 def has_fallen(model, phase):
-    """Whether a block, or the joint under it, has turned beyond its angle of no return, or slid off its seat."""
+    """Return True if a block or its joint has turned beyond its angle of no return, or slid off its seat."""
     fallen = False
     below = 0.0
     for i in range(model.n - 1, -1, -1):
+        # rotation of the block, and of the joint under it
         turn = rotation(model, phase.theta, i)
         limit = model.blocks.fall_angle[i]
         fallen = fallen or abs(turn - below) > limit or abs(turn) > limit
@@ -38,7 +39,7 @@ def has_fallen(model, phase):
 
 @kernel
 def widest_joint(model, phase):
-    """Number of the joint with the largest rotation."""
+    """Return the number of the joint with the largest rotation, from 1."""
     widest = 0
     most = -1.0
     for i in range(model.n):
@@ -50,7 +51,7 @@ def widest_joint(model, phase):
 
 @kernel
 def moment_of_overturning(column, h):
-    """Fraction of the step at which the column passes the angle of no return; its phase is left in work.between."""
+    """Return the fraction of the step of `h` s at which the column overturns, by bisection; fill `work.between`."""
     lo, hi = 0.0, 1.0
     for _ in range(HALVINGS):
         middle = 0.5 * (lo + hi)
@@ -65,13 +66,17 @@ def moment_of_overturning(column, h):
 
 @kernel
 def take_stock(column, phase, h):
-    """Scales, regime and validity after a step of h seconds to a phase. Returns a code."""
+    """Update the scales of errors, the regime counters and the times in them after a step of `h` s to `phase`.
+
+    Returns `OK`, or `NOT_FINITE` if an acceleration is not finite.
+    """
     blocks, control, joints = column.model.blocks, column.state.control, column.work.joints
     turned = control.rotation_scale
     spun = control.rate_scale
     full, flight = True, False
     sum_all = 0.0
     for i in range(column.model.n):
+        # largest rotation, rad, and rate, rad/s; openings and slips as equivalent rotations
         turned = max(turned, abs(phase.theta[i]))
         spun = max(spun, abs(phase.theta_rate[i]))
         opening = phase.opening[i]
@@ -84,11 +89,13 @@ def take_stock(column, phase, h):
             turned = max(turned, abs(phase.slip[i] - blocks.offset[i]) * per_slip)
             spun = max(spun, abs(phase.slip_rate[i]) * per_slip)
             sum_all += phase.slip_acceleration[i]
+        # contact over the full length, partial or none
         length = joints.length[i]
         left, right = ends_of(blocks, i, slip_of(column.model, phase, i)[0])
         full = full and length >= right - left
         flight = flight or not length > 0.0
         sum_all += phase.theta_acceleration[i] + phase.opening_acceleration[i]
+    # store the scales, and the time spent in each kind of contact
     control.rotation_scale = turned
     control.rate_scale = spun
     column.counts.in_flight = 1 if flight else 0
@@ -104,10 +111,11 @@ def take_stock(column, phase, h):
 
 @leaf
 def is_quiet(base, samples):
-    """Whether the base neither accelerates nor rotates, nor is tilted, until the present segment ends."""
+    """Return True if the base neither accelerates nor rotates, nor is tilted, until the present segment ends."""
     steady = base.ax == 0.0 and base.az == 0.0 and base.jx == 0.0 and base.jz == 0.0 and not base_rotates(base)
     if samples.size == 0:
         return steady and base.wave_amplitude == 0.0
+    # the record: zero at both ends of the segment
     k = int(base.segment)
     if is_silent(samples, k):
         return steady
@@ -119,7 +127,7 @@ def is_quiet(base, samples):
 
 @kernel
 def rests(column, phase):
-    """Whether the column is at rest under its weight at a phase, except for a motion below the tolerance."""
+    """Return True if the column is at rest under its weight at `phase`, apart from a motion below the tolerance."""
     settings, blocks, control = column.model.settings, column.model.blocks, column.state.control
     if int(settings.without) & REST:
         return False
@@ -127,10 +135,12 @@ def rests(column, phase):
     spin = settings.tolerance * control.rate_scale
     weight = 0.0
     for i in range(column.model.n):
+        # rotation and opening of the joint under the weight above it
         weight += settings.gravity * blocks.mass[i]
         turned, settled = phase.theta[i], -weight / full_stiffness(blocks, i)
         if settings.off_axis != 0.0:
             turned, settled = turned - blocks.rest_turn[i], blocks.rest_opening[i]
+        # deviations from the rest
         size = blocks.open_size[i]
         if can_slide(column.model) and (phase.sliding[i] != 0.0 or phase.slip[i] != blocks.offset[i]):
             return False  # a slip changes the rest

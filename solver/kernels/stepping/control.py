@@ -1,4 +1,4 @@
-"""Step control: the method of the next step, acceptance of a step, and the length of the one after."""
+"""Step control: the method of the next step, acceptance of a step, and the length of the next one."""
 
 import math
 
@@ -45,22 +45,22 @@ WORK_OF_A_STEP = 8.0  # beside its evaluations
 
 @in_both
 def most_work(settings, h):
-    """Limit of evaluations and sweeps for h s; beyond it the motion cannot be followed."""
+    """Return the limit of evaluations and sweeps for h s; beyond it the motion cannot be followed."""
     return MOST_AT_ONCE + MOST_PER_FIRST_STEP * h / settings.first_step
 
 
 @in_both
 def most_of_a_call(blocks):
-    """Limit of evaluations, sweeps and steps, each of these WORK_OF_A_STEP, in a call for a number of blocks.
+    """Return the limit of the work in a call: evaluations and sweeps, plus WORK_OF_A_STEP for each step.
 
-    blocks: of a structure with its joints; all the work of its steps is in their evaluations.
+    blocks: number of blocks; of a structure, blocks and joints, all the work of whose steps is in their evaluations.
     """
     return MOST_OF_A_CALL / blocks
 
 
 @leaf
 def within_a_cycle(column, step):
-    """The step, s, shortened so that it does not skip over a cycle of a harmonic motion."""
+    """Return the step (s), limited to one radian of the harmonic base motion."""
     if wave_amplitude(column.base, column.samples) != 0.0:
         return min(step, 1.0 / column.base.wave_omega)
     return step
@@ -68,7 +68,7 @@ def within_a_cycle(column, step):
 
 @kernel
 def elastic_step(column, most):
-    """Next step of `auto`, s, if the modal method should make it with all joints in contact; else 0."""
+    """Return the next modal step of `auto` (s, at most `most`), or 0 if the modal method should not be attempted."""
     model, counts, control = column.model, column.counts, column.state.control
     if not modal.available(model) or is_loaded(column.base, column.samples):  # modes know of no loads
         return 0.0
@@ -83,23 +83,37 @@ def elastic_step(column, most):
 
 @leaf
 def may_be_elastic(counts, control, longest, most, cost):
-    """Whether a modal step of at most `longest` s is worth a trial, where `most` s remain; its cost: over another."""
+    """Return True if a modal step is worth an attempt.
+
+    Parameters
+    ----------
+    counts, control : record
+        Counters and step control of the state.
+    longest : float
+        Longest modal step (s).
+    most : float
+        Remaining time (s).
+    cost : float
+        Cost of a modal step relative to a step of the other methods.
+    """
+    # time left, no wait after a failure, and cheaper than the next general step
     return most >= LEAST_ELASTIC_STEP and counts.elastic_wait <= 0 and longest >= cost * control.next_step
 
 
 @kernel
 def general_step(column, left):
-    """(method, s) of the next step of `auto` where joints may open; `left` s remain.
+    """Return (method, step in s) of the next general step of `auto`, where joints may open; `left` s remain.
 
-    An implicit step costs about as much as an explicit one of order 5 and half as much as one of order 8, so the method
-    that makes the longer step at equal cost is better. The implicit one is given up when it is not; occasionally it is
-    tried with a longer step.
+    An implicit step costs about as much as an explicit one of order 5, and half as much as one of order 8: the method
+    with the longer step at equal cost is used. The implicit one is given up when its step is not longer; occasionally
+    it is attempted with a longer step.
     """
     counts, control = column.counts, column.state.control
     step = within_a_cycle(column, control.next_step)
     explicit = ORDER_8 if column.model.settings.explicit_order == 8.0 else ORDER_5
     if int(column.model.settings.without) & IMPLICIT or something_slides(column.work):
         return explicit, min(step, control.explicit_step) if counts.implicit == 1 else step
+    # relative cost, and length of a probe
     worth = 0.5 if explicit == ORDER_8 else 1.0
     many = column.model.n >= MANY
     probe = PROBE_OF_MANY if many and explicit == ORDER_8 else PROBE
@@ -116,35 +130,35 @@ def general_step(column, left):
 
 @leaf
 def growth(previous_error, error, per_order):
-    """Length of the next step over that of the one just made, from the errors of the last two, in tolerances."""
+    """Return the ratio of the next step to the last one, from the errors of the last two steps (in tolerances)."""
     factor = SAFETY * math.exp(per_order * (PROPORTIONAL * math.log(previous_error) - INTEGRAL * math.log(error)))
     return min(GROW, max(SHRINK, factor))
 
 
 @leaf
 def shared(step, left):
-    """The next step, s, where `left` s remain: two equal steps rather than one and a very short one."""
+    """Return the next step (s) of the `left` s that remain: all of them, two equal steps, or `step`."""
     return where(2.0 * step > left, where(step * (1.0 + SLACK) >= left, left, 0.5 * left), step)
 
 
 @leaf
 def is_too_short(step, first_step, t):
-    """Whether a next step, s, is so short at time t that the error control has failed."""
+    """Return True if the next step (s) is so short at time t (s) that the error control has failed."""
     return step < LEAST_STEP * greater(first_step, magnitude(t))
 
 
 @leaf
 def shorten(control, step, error, per_order):
-    """Set the next step after one that erred too much; an error that is no number shortens it most."""
+    """Set the next step (s) after a rejected one; an error that is not finite shortens it most."""
     factor = max(SHRINK, SAFETY * error**-per_order) if math.isfinite(error) else SHRINK
     control.next_step, control.previous_error = step * factor, 1.0
 
 
 @leaf
 def go_on(control, step, error, per_order):
-    """Set the next step after one that was accurate enough; returns whether that was as long as proposed.
+    """Set the next step (s) after an accepted one. Returns True if that was as long as proposed.
 
-    A step that was cut short does not change the longer one proposed before.
+    A step that was shortened does not change the longer one proposed before.
     """
     error = max(error, LEAST_ERROR)
     factor = growth(control.previous_error, error, per_order)
@@ -157,7 +171,7 @@ def go_on(control, step, error, per_order):
 
 @kernel
 def accepts(column, method, step, error):
-    """Whether a step just tried is accurate enough; sets the length of the next one either way."""
+    """Return True if the attempted step (s) is accurate enough; set the length of the next one in either case."""
     counts, control = column.counts, column.state.control
     traits = traits_of(method)
     per_order = 1.0 / traits.order
@@ -167,6 +181,7 @@ def accepts(column, method, step, error):
             return False
         shorten(control, step, error, per_order)
         return False
+    # accepted: next step, counters, and the mean length of explicit steps
     whole = go_on(control, step, error, per_order)
     if traits.implicit:
         counts.implicit_steps += 1
@@ -181,11 +196,13 @@ def accepts(column, method, step, error):
 
 @kernel
 def accepts_elastic(counts, control, step, code, error, cost):
-    """Whether a modal step just tried is accurate enough; sets the length of the next one either way."""
+    """Return True if the attempted modal step (s) is accurate enough; set the length of the next one in either case."""
+    # a joint opened or slid: wait before the next attempt
     if code != OK:
         counts.rejected += 1
         counts.elastic_wait = WAIT_OPEN
         return False
+    # shorten, and wait if steps of other methods are as good
     if error > 1.0:
         counts.rejected += 1
         control.elastic_step = step * max(SHRINK, SAFETY * error ** (-1.0 / modal.ORDER))

@@ -1,8 +1,8 @@
-"""Regimes of the joints, held constant within a step; then the first change of a regime in the step is located.
+"""Regimes of the joints, held constant within a step, and location of the first change of a regime in it.
 
-The law of a joint is smooth within a regime and has a kink at a change: an edge parts, a corner closes. A step that is
-held in the regimes of its start has smooth equations throughout, so that the order of the integrator and of the
-interpolation inside the step hold up to the moment of the change, where the step is cut off.
+The law of a joint is smooth within a regime and has a kink at a change: an edge parts, a corner closes. A step held in
+the regimes of its start has smooth equations throughout, so that integrator and interpolation keep their order up to
+the instant of the change, where the step is cut.
 """
 
 from typing import NamedTuple
@@ -33,13 +33,14 @@ AFTER = 0.01  # and by this part of the one proposed
 
 @kernel
 def hold(column, h):
-    """Hold every joint in its regime at the start of a step of h seconds."""
+    """Hold every joint in its regime at the start of a step of `h` s."""
     start, rows = column.work.start, column.work.hold
     slides = can_slide(column.model)
     ahead = AHEAD * h
     turn_below = 0.0
     spin_below = 0.0
     for i in range(column.model.n - 1, -1, -1):
+        # motion of the joint slightly after the start
         turn = start.theta[i] + ahead * start.theta_rate[i]
         spin = start.theta_rate[i] + ahead * start.theta_acceleration[i]
         opening = start.opening[i] + ahead * start.opening_rate[i]
@@ -52,6 +53,7 @@ def hold(column, h):
             slip_rate = start.slip_rate[i] + ahead * start.slip_acceleration[i]
             opening = opening_felt(opening, slip, 2.0 * sine)
             opening_rate = opening_rate_felt(opening_rate, slip, slip_rate, 2.0 * sine, slope_rate)
+        # hold that regime
         regime = regime_of(column, i, slip, opening, 2.0 * sine, opening_rate, slope_rate)
         rows.held[i] = regime
         rows.regime[i] = regime
@@ -62,14 +64,14 @@ def hold(column, h):
 
 @kernel
 def release(column):
-    """Release the joints; the regimes they were held in are stored."""
+    """Release the joints; keep the regimes that they were held in."""
     for i in range(column.model.n):
         column.work.hold.held[i] = ANY
 
 
 @varied_leaf
 def regime_of(column, i, slip, opening, slope, opening_rate, slope_rate):
-    """The regime of joint i in this motion of the middle of its contact."""
+    """Return the regime of joint i for a motion of the middle of its contact (m, m/s, and slope in rad, rad/s)."""
     blocks = column.model.blocks
     left, right = ends_of(blocks, i, slip)
     return contact_regime(left, right, blocks.damping[i], opening, slope, opening_rate, slope_rate)
@@ -77,7 +79,7 @@ def regime_of(column, i, slip, opening, slope, opening_rate, slope_rate):
 
 @varied_leaf
 def margin_of(column, i, regime, slip, opening, slope, opening_rate, slope_rate):
-    """How far joint i is from leaving a regime in this motion, m."""
+    """Return the distance (m) of joint i from leaving a regime, for a motion of the middle of its contact."""
     blocks = column.model.blocks
     left, right = ends_of(blocks, i, slip)
     return regime_margin(regime, left, right, blocks.damping[i], opening, slope, opening_rate, slope_rate)
@@ -85,7 +87,7 @@ def margin_of(column, i, regime, slip, opening, slope, opening_rate, slope_rate)
 
 @leaf
 def _margin(column, i, regime, turn, opening, slip, spin, opening_rate, slip_rate):
-    """Distance of joint i, at this rotation, from leaving a regime, m."""
+    """Return the distance (m) of joint i from leaving a regime at a joint rotation `turn` (rad) of rate `spin`."""
     sine, cosine = sine_cosine(0.5 * turn)
     slope, slope_rate = 2.0 * sine, cosine * spin
     felt = opening_felt(opening, slip, slope)
@@ -100,7 +102,7 @@ def less_below(row, i, n):
 
 @kernel
 def _stays(column, phase, i, regime):
-    """Whether joint i is in this regime at a phase."""
+    """Return True if joint i is in a regime at `phase`."""
     model = column.model
     turn = less_below(phase.theta, i, model.n)
     spin = less_below(phase.theta_rate, i, model.n)
@@ -110,11 +112,12 @@ def _stays(column, phase, i, regime):
 
 @kernel
 def _margin_ahead(column, start, i, regime, s):
-    """The margin of joint i in s seconds from a phase if its accelerations stay constant."""
+    """Return the margin (m) of joint i in `s` seconds after `start`, by constant accelerations."""
     model, n = column.model, column.model.n
     turn, spin = less_below(start.theta, i, n), less_below(start.theta_rate, i, n)
     spin_rate = less_below(start.theta_acceleration, i, n)
     opening, opening_rate, rate_of_rate = start.opening[i], start.opening_rate[i], start.opening_acceleration[i]
+    # parabolas
     turn += s * (spin + 0.5 * s * spin_rate)
     opening += s * (opening_rate + 0.5 * s * rate_of_rate)
     slip, slip_rate = slip_of(model, start, i)
@@ -127,14 +130,15 @@ def _margin_ahead(column, start, i, regime, s):
 
 @kernel
 def expected_change(column, h):
-    """Seconds until just after a joint is expected to leave its regime; h if not before that.
+    """Return the time (s) until just after a joint is expected to leave its regime, at most h.
 
-    The prediction takes constant accelerations. A step that ends there loses little when it is cut off, and its
+    The prediction takes constant accelerations. A step that ends there loses little when it is cut, and its
     interpolation is accurate near the change.
     """
     model, start = column.model, column.work.start
     first = h
     for i in range(model.n):
+        # is joint i expected to leave its regime before the earliest change so far?
         regime = column.work.hold.regime[i]
         hi = first
         at_hi = _margin_ahead(column, start, i, regime, hi)
@@ -144,6 +148,7 @@ def expected_change(column, h):
         at_lo = _margin_ahead(column, start, i, regime, lo)
         if at_lo <= 0.0:
             continue
+        # false position with halved weights
         for _ in range(PREDICTIONS):
             trial = (lo * at_hi - hi * at_lo) / (at_hi - at_lo)
             at_trial = _margin_ahead(column, start, i, regime, trial)
@@ -158,7 +163,7 @@ def expected_change(column, h):
 
 
 class Course(NamedTuple):
-    """The motion of a joint within a step."""
+    """The motion of a joint within a step: rotation (rad), opening (m) and slip (m)."""
 
     turn: Quintic
     opening: Quintic
@@ -167,8 +172,9 @@ class Course(NamedTuple):
 
 @leaf
 def course_of(column, i, h):
-    """The motion of joint i within the step."""
+    """Return the motion of joint i within the step of `h` s."""
     work, n = column.work, column.model.n
+    # a joint that cannot slide has zero slip
     slip = quintic_through(h, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     if can_slide(column.model):
         slip = quintic_of(work, slips_of(work)[0] + i, -1, h)
@@ -177,7 +183,7 @@ def course_of(column, i, h):
 
 @leaf
 def margin_within(column, i, regime, course, s):
-    """The margin of joint i at fraction s of the step."""
+    """Return the margin (m) of joint i at fraction s of the step."""
     q, v = value_of(course.turn, s)
     o, o_rate = value_of(course.opening, s)
     slip, slip_rate = value_of(course.slip, s)
@@ -186,7 +192,8 @@ def margin_within(column, i, regime, course, s):
 
 @kernel
 def end_of_regime(column, i, regime, course, lo, hi):
-    """Fraction of the step, after lo, where the margin of joint i reaches zero; it is negative at hi."""
+    """Return the fraction of the step in (lo, hi) where the margin of joint i crosses zero; it is negative at hi."""
+    # start the bracket where the margin is not negative
     at_lo = margin_within(column, i, regime, course, lo)
     if at_lo < 0.0:
         lo = 0.0
@@ -203,8 +210,12 @@ def end_of_regime(column, i, regime, course, lo, hi):
 
 @kernel
 def _bracket(column, looked_at, nodes, i, regime):
-    """(lo, hi) of the step between which joint i first leaves its regime, by the phases inside; hi NO_CHANGE if not."""
+    """Return the fractions (lo, hi) of the step between which joint i leaves its regime; hi is NO_CHANGE if it stays.
+
+    The three phases `looked_at` inside the step, at the fractions `nodes`, and its end are examined.
+    """
     lo = 0.0
+    # first phase inside at which the joint has left
     for k in range(3):
         if not _stays(column, looked_at[k], i, regime):
             return lo, nodes[k]
@@ -216,19 +227,30 @@ def _bracket(column, looked_at, nodes, i, regime):
 
 @kernel
 def first_change(column, looked_at, nodes, t, h):
-    """Fraction of the step at which a joint first leaves the regime that it was held in; NO_CHANGE if none does.
+    """Return the fraction of the step at which a joint first leaves its held regime; NO_CHANGE if none does.
 
-    looked_at: three phases inside the step, at the fractions `nodes`, for joints that leave and return.
+    Parameters
+    ----------
+    column : Column
+        The column after the attempted step.
+    looked_at : tuple of 3 phases
+        Phases inside the step, for joints that leave and return.
+    nodes : tuple of 3 floats
+        Fractions of the step at which these are.
+    t, h : float
+        Start and length of the step (s).
     """
     model, rows = column.model, column.work.hold
     first = NO_CHANGE
     for i in range(model.n):
         if rows.outside[i] == 0:
             continue
+        # only joints that an evaluation saw outside
         regime = rows.regime[i]
         lo, hi = _bracket(column, looked_at, nodes, i, regime)
         if hi == NO_CHANGE or lo >= first:
             continue
+        # locate the change on the interpolated motion
         refine(column, t, h)
         course = course_of(column, i, h)
         if hi < 1.0 and margin_within(column, i, regime, course, hi) >= 0.0:
@@ -242,5 +264,5 @@ def first_change(column, looked_at, nodes, t, h):
 
 @varied
 def first_turn(column, t, h, first):
-    """The fraction `first` of a step, or an earlier one where a joint leaves its regime unseen by the phases inside."""
+    """Return `first`, or an earlier fraction at which a joint leaves its regime unseen by the phases inside."""
     return first

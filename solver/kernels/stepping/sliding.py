@@ -1,8 +1,8 @@
-"""Start and end of sliding of joints within a step.
+"""Location of the start and end of sliding of joints within a step.
 
-Within a step each joint sticks, or slides one way, so that the equations are smooth. A joint stops where the rate of
-its slip passes zero, which the interpolation gives. It starts where sticking would need more than the shear capacity,
-which takes an evaluation at every trial. The step is cut off there, and `evaluate_after_jump` decides how it continues.
+Within a step each joint sticks or slides in one direction, so that the equations are smooth. A joint stops where its
+slip rate crosses zero, which the interpolation gives. It starts where sticking would need more than the shear capacity,
+which takes an evaluation at every trial. The step is cut there, and `evaluate_after_jump` decides how it continues.
 """
 
 from ..formulations.dispatch import evaluate_at
@@ -23,7 +23,7 @@ MOST_HALVINGS = 20
 
 @kernel
 def begin_step(column, h):
-    """Clear the results of the last step; seconds until just after a joint is expected to stop, at most h."""
+    """Clear the marks of the last step; return the time (s) until just after a joint is expected to stop, at most h."""
     work = column.work
     start, joints = work.start, work.joints
     first = h
@@ -37,14 +37,25 @@ def begin_step(column, h):
 
 @kernel
 def first_slip_change(column, looked_at, nodes, t, h):
-    """Fraction of the step at which a joint first starts or stops sliding; NEVER if none does.
+    """Return the fraction of the step at which a joint first starts or stops sliding; NEVER if none does.
 
-    looked_at: three phases inside the step, at the fractions `nodes`, for joints that turn twice.
+    Parameters
+    ----------
+    column : Column
+        The column after the attempted step.
+    looked_at : tuple of 3 phases
+        Phases inside the step, for joints that turn twice.
+    nodes : tuple of 3 floats
+        Fractions of the step at which these are.
+    t, h : float
+        Start and length of the step (s).
     """
     work, joints = column.work, column.work.joints
+    # joints that stop
     if any_passes_zero(work, looked_at):
         refine(column, t, h)
     first = first_stop(work, looked_at, nodes, h)
+    # joints that start: those seen beyond their shear capacity
     for i in range(work.n):
         if joints.sliding[i] == 0.0 and joints.overcome[i] != 0.0:
             first = min(first, _beginning(column, i, nodes, t, h, first))
@@ -53,7 +64,7 @@ def first_slip_change(column, looked_at, nodes, t, h):
 
 @leaf
 def any_passes_zero(work, looked_at):
-    """Whether a joint slides backwards at the end of the step, or at a phase inside: of one column or of eight."""
+    """Return True if a joint slides backwards at the end of the step or at a phase inside; a mask for lanes."""
     passes = work.joints.sliding[0] != work.joints.sliding[0]  # false in every lane
     first, second, third = looked_at
     for i in range(work.n):
@@ -65,12 +76,13 @@ def any_passes_zero(work, looked_at):
 
 @kernel
 def first_stop(work, looked_at, nodes, h):
-    """Fraction of the step of h seconds at which a joint first stops sliding; NEVER if none does."""
+    """Return the fraction of the step of `h` s at which a joint first stops sliding; NEVER if none does."""
     sliding = work.joints.sliding
     first = NEVER
     for i in range(work.n):
         if sliding[i] == 0.0:
             continue
+        # bracket the zero of the slip rate by the phases inside and the end
         lo, hi = 0.0, NEVER
         for k in range(3):
             if sliding[i] * looked_at[k].slip_rate[i] < 0.0:
@@ -86,7 +98,7 @@ def first_stop(work, looked_at, nodes, h):
 
 @kernel
 def _stop(work, i, lo, hi, h):
-    """Fraction of the step, between lo and hi, where the rate of slip i passes zero; NEVER if it does not."""
+    """Return the fraction of the step in (lo, hi) where the rate of slip i crosses zero; NEVER if it does not."""
     course = quintic_of(work, slips_of(work)[0] + i, -1, h)
     way = work.joints.sliding[i]
     at_hi = way * value_of(course, hi)[1]
@@ -102,6 +114,7 @@ def _stop(work, i, lo, hi, h):
         lo, at_lo = _moving(course, way, lo, hi)
         if at_lo == 0.0:
             return max(lo, LATE)
+    # bracketed root of the slip rate
     known = bracket(lo, hi, at_lo, at_hi)
     for _ in range(MOST_TRIALS):
         if known.hi - known.lo <= CLOSE_ENOUGH:
@@ -113,7 +126,7 @@ def _stop(work, i, lo, hi, h):
 
 @kernel
 def _moving(course, way, lo, hi):
-    """A place after and near `lo` at which a slip that is at rest at lo moves, and its rate; (lo, 0) if nowhere."""
+    """Return (fraction, slip rate) shortly after `lo` where a slip at rest at lo moves; (lo, 0) if none is found."""
     reach = hi - lo
     for _ in range(MOST_HALVINGS):
         reach *= 0.5
@@ -125,11 +138,12 @@ def _moving(course, way, lo, hi):
 
 @kernel
 def _beginning(column, i, nodes, t, h, before):
-    """Fraction of the step, below `before`, where joint i first exceeds its shear capacity; NEVER if it does not."""
+    """Return the fraction, below `before`, where joint i first exceeds its shear capacity; NEVER if it does not."""
     refine(column, t, h)
     lo, at_lo = 0.0, _margin_within(column, i, t, h, 0.0)
     if at_lo <= 0.0:
         return LATE
+    # bracket the zero of the margin by the phases inside and the end
     hi, at_hi = NEVER, 0.0
     for k in range(4):
         place = min(before, nodes[k] if k < 3 else 1.0)
@@ -147,13 +161,14 @@ def _beginning(column, i, nodes, t, h, before):
         if known.hi - known.lo <= NEAR:
             break
         trial = trial_within(known)
+        # bracketed root of the margin
         known = narrowed(known, trial, _margin_within(column, i, t, h, trial))
     return known.hi
 
 
 @kernel
 def _margin_within(column, i, t, h, s):
-    """Shear capacity of joint i less the force along it at fraction s of the step, N."""
+    """Return the shear capacity of joint i less its tangential force (N) at fraction s of the step."""
     interpolate_phase(column.work, h, s)
     evaluate_at(column, column.work.between, t + s * h)
     return shear_margin(column.work.joints, i)
