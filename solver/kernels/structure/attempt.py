@@ -1,6 +1,6 @@
-"""One step of a structure: Dormand and Prince's explicit methods of orders 5 and 8, and the size of their errors.
+"""One step of a structure by Dormand and Prince's explicit methods of orders 5 and 8, and the estimate of its error.
 
-Coefficients are those of the plane (integrators/dormand_prince.py, order_8.py). Quaternions are scaled to unit length
+The coefficients are those of the plane columns (integrators/dormand_prince.py, order_8.py). Quaternions are normalized
 at the end of a step.
 """
 
@@ -26,13 +26,13 @@ KINK = 0.3  # of the change of a rate times the step: the error of a step in whi
 
 @leaf
 def rate(scene, k):
-    """Rates at stage k of a step; those at its end are the last."""
+    """Return the row of rates at stage k of a step; the last row has the rates at its end."""
     return row(scene, RATES + k)
 
 
 @kernel
 def evaluate_at(scene, shaking, segment, y, f, t):
-    """Rates f of a state y at time t, s."""
+    """Fill `f` with the rates of the state `y` at time t (s) and count the evaluation."""
     scene.counts.evaluations += 1
     ax, ay, az = taken_at(scene, shaking, segment, t)
     evaluate_state(scene, y, f, ax, ay, az)
@@ -40,7 +40,7 @@ def evaluate_at(scene, shaking, segment, y, f, t):
 
 @kernel
 def scale_quaternions(n, phase):
-    """Scale the quaternions of n bodies to unit length."""
+    """Normalize the quaternions of n bodies in `phase`."""
     for i in range(n):
         q0, q1, q2, q3 = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
         per = 1.0 / square_root(q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
@@ -49,33 +49,43 @@ def scale_quaternions(n, phase):
 
 @kernel
 def attempt_5(scene, shaking, segment, t, h):
-    """One step of order 5 and of h seconds from the row START to END; returns the error in tolerances."""
+    """Make one step of order 5 over h seconds from row START to row END; return its error in tolerances.
+
+    The stages use the rows of rates and the row STAGE; the row BETWEEN is filled with the embedded errors of the state.
+    """
     begin, middle, ending = row(scene, START), row(scene, STAGE), row(scene, END)
     count = packs(begin, moving(scene))
     y, stage, end = packs_of(begin), packs_of(middle), packs_of(ending)
     f0, f1, f2 = packs_of(rate(scene, 0)), packs_of(rate(scene, 1)), packs_of(rate(scene, 2))
     f3, f4, f5 = packs_of(rate(scene, 3)), packs_of(rate(scene, 4)), packs_of(rate(scene, 5))
     last, error = packs_of(rate(scene, STAGES - 1)), packs_of(row(scene, BETWEEN))
+    # stage 1
     for i in range(count):
         stage[i] = y[i] + h * (dp.A1_0 * f0[i])
     evaluate_at(scene, shaking, segment, middle, rate(scene, 1), t + dp.C1 * h)
+    # stage 2
     for i in range(count):
         stage[i] = y[i] + h * (dp.A2_0 * f0[i] + dp.A2_1 * f1[i])
     evaluate_at(scene, shaking, segment, middle, rate(scene, 2), t + dp.C2 * h)
+    # stage 3
     for i in range(count):
         stage[i] = y[i] + h * (dp.A3_0 * f0[i] + dp.A3_1 * f1[i] + dp.A3_2 * f2[i])
     evaluate_at(scene, shaking, segment, middle, rate(scene, 3), t + dp.C3 * h)
+    # stage 4
     for i in range(count):
         stage[i] = y[i] + h * (dp.A4_0 * f0[i] + dp.A4_1 * f1[i] + dp.A4_2 * f2[i] + dp.A4_3 * f3[i])
     evaluate_at(scene, shaking, segment, middle, rate(scene, 4), t + dp.C4 * h)
+    # stage 5
     for i in range(count):
         early = dp.A5_0 * f0[i] + dp.A5_1 * f1[i] + dp.A5_2 * f2[i]
         stage[i] = y[i] + h * (early + dp.A5_3 * f3[i] + dp.A5_4 * f4[i])
     evaluate_at(scene, shaking, segment, middle, rate(scene, 5), t + dp.C5 * h)
+    # the state of order 5 at the end, and its rates
     for i in range(count):
         end[i] = y[i] + h * (dp.B_0 * f0[i] + dp.B_2 * f2[i] + dp.B_3 * f3[i] + dp.B_4 * f4[i] + dp.B_5 * f5[i])
     scale_quaternions(scene.n, _phase(ending, scene.n))
     evaluate_at(scene, shaking, segment, ending, rate(scene, STAGES - 1), t + h)
+    # the difference to the embedded method of order 4
     for i in range(count):
         early = dp.ERROR_0 * f0[i] + dp.ERROR_2 * f2[i] + dp.ERROR_3 * f3[i]
         error[i] = h * (early + dp.ERROR_4 * f4[i] + dp.ERROR_5 * f5[i] + dp.ERROR_LAST * last[i])
@@ -83,7 +93,7 @@ def attempt_5(scene, shaking, segment, t, h):
 
 
 def _step_to(table_row: int) -> Any:
-    """Leaf: the stages of a step of order 8 up to this one, or to its end."""
+    """Create the leaf that evaluates the stages of a step of order 8 up to `table_row`, or up to its end."""
     before = _step_to(table_row - 1) if table_row > 1 else _nothing
     sum_of, node = order_8.sum_by(table_row, rate), order_8.NODES[min(table_row, order_8.STAGES)]
     ends = table_row == order_8.END
@@ -94,6 +104,7 @@ def _step_to(table_row: int) -> Any:
         before(scene, shaking, segment, t, h)
         y, reached = packs_of(row(scene, START)), row(scene, to)
         found = packs_of(reached)
+        # the state of this stage, and its rates
         for i in range(packs(reached, moving(scene))):
             found[i] = y[i] + h * sum_of(scene, i)
         if ends:
@@ -109,7 +120,7 @@ def _nothing(scene, shaking, segment, t, h):
 
 
 def _error_by(table_row: int) -> Any:
-    """Kernel: the error by the sum of a row, in tolerances."""
+    """Create the kernel that fills row BETWEEN with errors by a row of the table and returns them in tolerances."""
     sum_of = order_8.sum_by(table_row, rate)
 
     @kernel
@@ -125,31 +136,34 @@ def _error_by(table_row: int) -> Any:
 
 @leaf
 def square_of(x, y, z):
-    """Square of the length of a vector."""
+    """Return the squared norm of a vector."""
     return x * x + y * y + z * z
 
 
 @leaf
 def size_of(x, y, z):
-    """Length of a vector."""
+    """Return the norm of a vector."""
     return square_root(square_of(x, y, z))
 
 
 @leaf
 def worse(largest, error):
-    """The larger of two errors; what is not a number stays."""
+    """Return the larger error, propagating NaN."""
     return where((error <= largest) | (largest != largest), largest, error)
 
 
 @leaf
 def _with_kink(error, changed, turns, h):
-    """The error of what is remembered; the stages of a step see little of a kink in it that lies between them."""
+    """Return the error of a remembered quantity, raised where its rate has a kink within the step (mask `turns`).
+
+    changed: the change of its rate over the step. The stages see little of a kink that lies between them.
+    """
     return where(turns, greater(error, KINK * h * changed), error)
 
 
 @leaf
 def _slides_anew(was, goes, j):
-    """Whether joint j begins or ceases to slide, or turns back, between two rates of what it remembers."""
+    """Return the mask of where joint j starts or stops sliding or reverses, by its slip rates `was` and `goes`."""
     zero = zero_like(was.p1[j])
     slides = size_of(was.p1[j], was.p2[j], zero) + size_of(goes.p1[j], goes.p2[j], zero) > 0.0
     return slides & (was.p1[j] * goes.p1[j] + was.p2[j] * goes.p2[j] <= 0.0)
@@ -162,15 +176,17 @@ def _twists_anew(was, goes, j):
 
 @kernel
 def _error_of_memory(scene, errors, allowed, h):
-    """Largest error of what joints and ties remember over the allowed one.
+    """Return the largest error of the slips, plastic stretches and pair stretches over the allowed one.
 
-    allowed: rad; slips count over the arm of a joint, plastic stretches over the extent of the structure. The direction
-    of friction hangs on elastic slips, so that their error stays a part of them at any tolerance.
+    allowed: rad; slips are scaled by the arm of the joint, plastic stretches by the extent of the structure. The
+    direction of friction depends on the elastic slips, so their error is bounded by a fixed fraction of them at any
+    tolerance.
     """
     slips, plastic = _memory(errors, scene.m), errors[_PER_JOINT * scene.m :]
     before, after = rate(scene, 0)[_PER_BODY * scene.n :], rate(scene, STAGES - 1)[_PER_BODY * scene.n :]
     was, goes, zero = _memory(before, scene.m), _memory(after, scene.m), zero_like(allowed)
     largest = zero
+    # slips and twist of each joint
     for j in range(scene.m):
         arm = scene.joints.arm[j]
         changed = size_of(goes.p1[j] - was.p1[j], goes.p2[j] - was.p2[j], zero)
@@ -178,6 +194,7 @@ def _error_of_memory(scene, errors, allowed, h):
         changed = magnitude(goes.p3[j] - was.p3[j])
         error += arm * _with_kink(magnitude(slips.p3[j]), changed, _twists_anew(was, goes, j), h)
         largest = worse(largest, error / lesser(RESOLVED * scene.joints.reach[j], arm * allowed))
+    # the plastic stretch of each tie
     for e in range(scene.k):
         begins, ends = before[_PER_JOINT * scene.m + e], after[_PER_JOINT * scene.m + e]
         turns = (magnitude(begins) + magnitude(ends) > 0.0) & (begins * ends <= 0.0)
@@ -189,7 +206,7 @@ def _error_of_memory(scene, errors, allowed, h):
 
 @kernel
 def _per_force(scene, one, other):
-    """1/(kg m): the most that a force between two bodies moves one of them, over its size."""
+    """Return the largest acceleration of one of two bodies per force between them, over its size, 1/(kg m)."""
     bodies, most = scene.bodies, zero_like(scene.settings.gravity)
     for body in (index_of(one), index_of(other)):
         if body < scene.n:
@@ -199,17 +216,19 @@ def _per_force(scene, one, other):
 
 @kernel
 def _error_by_kinks(scene, h):
-    """Largest error of a rate, rad/s, by a kink in a force within the step just made.
+    """Return the largest error of a rate, rad/s, by a kink in a force within the step just made.
 
-    A tie becomes taut or slack, a joint begins or ceases to slide.
+    Kinks: a tie becomes taut or slack; a joint starts or stops sliding.
     """
     largest, ties = zero_like(h), seen(scene, 0)[len(OF_BLOCK) * scene.n + len(OF_JOINT) * scene.m :]
+    # ties that became taut or slack
     for e in range(scene.k):
         was, goes = ties[e], scene.pulls.force[e]
         turns = ((was == 0.0) | (goes == 0.0)) & (was != goes)
         if any_of(turns):
             error = KINK * h * magnitude(goes - was) * _per_force(scene, scene.ties.one[e], scene.ties.other[e])
             largest = where(turns, worse(largest, error), largest)
+    # joints that started or stopped sliding, by the change of their shear force
     if any_of(scene.settings.gives_way != 0.0):
         first = len(OF_BLOCK) * scene.n + _TX * scene.m
         along, across, found = seen(scene, 0)[first:], seen(scene, 0)[first + scene.m :], scene.resultants
@@ -225,22 +244,25 @@ def _error_by_kinks(scene, h):
 
 @kernel
 def _error_in_tolerances(scene, errors, h):
-    """Largest error of a place or rate over the allowed one: the tolerance times the largest motion so far, in rad.
+    """Return the largest error of the state over the allowed one: the tolerance times the largest motion so far.
 
-    Displacements of a body count over its size.
+    Errors are compared in rad and rad/s; displacements of a body are divided by its size.
     """
     error, zero = _phase(errors, scene.n), zero_like(scene.settings.tolerance)
     place, rate = zero, zero  # their squares
+    # squares of the largest errors of a displacement or rotation, and of a velocity
     for i in range(scene.n):
         per = 1.0 / (scene.bodies.size[i] * scene.bodies.size[i])
         place = worse(place, per * square_of(error.ux[i], error.uy[i], error.uz[i]))
         place = worse(place, 4.0 * (error.q0[i] * error.q0[i] + square_of(error.q1[i], error.q2[i], error.q3[i])))
         rate = worse(rate, per * square_of(error.vx[i], error.vy[i], error.vz[i]))
         rate = worse(rate, square_of(error.wx[i], error.wy[i], error.wz[i]))
+    # relative to the largest motion and the largest rate so far
     place, rate = square_root(place), square_root(rate)
     rate = worse(_error_by_kinks(scene, h), rate)
     control, tolerance = scene.control, scene.settings.step_tolerance
     place = worse(rate / (tolerance * control.largest_rate), place / (tolerance * control.largest))
+    # slips and plastic stretches
     if any_of(scene.settings.gives_way != 0.0):
         allowed = tolerance * control.largest
         place = worse(_error_of_memory(scene, errors[_PER_BODY * scene.n :], allowed, h), place)
@@ -252,7 +274,7 @@ _step, _error_5, _error_3 = _step_to(order_8.END), _error_by(order_8.ERROR_5), _
 
 @kernel
 def attempt(scene, shaking, segment, t, h):
-    """One step of h seconds from the row START to END; returns the error in tolerances."""
+    """Make one explicit step over h seconds from row START to row END; return its error in tolerances."""
     if scene.settings.order == order_8.ORDER:
         _step(scene, shaking, segment, t, h)
         return order_8.error_of(_error_5(scene, h), _error_3(scene, h))
@@ -261,7 +283,7 @@ def attempt(scene, shaking, segment, t, h):
 
 @leaf
 def _with_forces(scene, error):
-    """Return the error of a step in tolerances, with that of the forces where their peaks are watched."""
+    """Return the error of a step in tolerances, including that of the joint forces where their peaks are recorded."""
     if scene.settings.watches != 0.0 and error <= 1.0:
         error = worse(error_of_forces(scene, row(scene, BETWEEN)), error)
     return error
@@ -269,5 +291,5 @@ def _with_forces(scene, error):
 
 @kernel
 def error_of_step(scene, h):
-    """Return the error, in tolerances, of a step of h seconds whose errors are in the row BETWEEN."""
+    """Return the error, in tolerances, of a step of h seconds whose state errors are in row BETWEEN."""
     return _with_forces(scene, _error_in_tolerances(scene, row(scene, BETWEEN), h))

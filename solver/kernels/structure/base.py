@@ -1,4 +1,4 @@
-"""The acceleration of the base in three components: samples, a horizontal harmonic with them, inputs beside both."""
+"""The base acceleration in three components: record samples, plus a horizontal harmonic, plus inputs."""
 
 import math
 from typing import NamedTuple
@@ -12,10 +12,26 @@ SLACK = 1e-9  # of a sampling interval: instants closer than this are equal
 
 
 class Shaking(NamedTuple):
-    """Samples of the base acceleration, m/s2, zero before the first and after the last; and the rest.
+    """The samples of the base acceleration and of the loads at ports, and the inputs added to them.
 
-    times: s, of the samples, and of those of the loads on ports, which may go on after the base. loads: from each time
-    on, for all ports, their values and slopes (port.py).
+    The acceleration is zero before the first and after the last sample.
+
+    Attributes
+    ----------
+    size, shaken : int
+        Number of `times`, and of those that have a sample of the base; loads may go on after the base.
+    times : row
+        Times of the samples, s.
+    ax, ay, az : row
+        Samples of the acceleration, m/s2.
+    base : record BASE
+        Harmonic part, inputs and rotation of the base.
+    loaded : int
+        1 if there are loads at ports.
+    loads : row
+        For each interval, the values of all loads at its start, then their slopes (port.py).
+    inputs : row
+        INPUT_LOADS at time t0 of `base`.
     """
 
     size: int  # of times
@@ -32,7 +48,7 @@ class Shaking(NamedTuple):
 
 @leaf
 def segment_after(shaking, t):
-    """Number of the sample from which a step that begins at time t goes on; -1 before the first."""
+    """Return the index of the sample from which a step that begins at time t continues; -1 before the first."""
     k = segment_at(shaking, t)
     if 0 <= k + 1 < shaking.size:
         width = shaking.times[1] - shaking.times[0] if k < 0 else shaking.times[k + 1] - shaking.times[k]
@@ -43,13 +59,16 @@ def segment_after(shaking, t):
 
 @leaf
 def is_still(shaking, k):
-    """Whether the samples are zero from sample k on until the next."""
+    """Return True if the record is zero on the interval from sample k to the next."""
     return k < 0 or k >= shaking.shaken - 1
 
 
 @by_width
 def acceleration(shaking, k, t):
-    """(ax, ay, az) of the base at time t on segment k, m/s2; of lanes each on its own segment (in_lanes.py)."""
+    """Return the base acceleration (ax, ay, az), m/s2, at time t (s) on segment k.
+
+    In lanes each lane has its own segment, whose line is in `shaking.base` (in_lanes.py); k is not used then.
+    """
     return _of_lanes if isinstance(t, LanesType) else _of_one
 
 
@@ -67,15 +86,18 @@ def _of_lanes(shaking, k, t):
 def _of_one(shaking, k, t):
     base = shaking.base
     past = t - base.t0
+    # inputs, linear in time
     beside = base.ax + base.jx * past, base.ay + base.jy * past, base.az + base.jz * past
     if is_still(shaking, k):
         return beside
+    # record: held samples, or straight lines between them
     ax, ay, az = base.scale * shaking.ax[k], base.scale * shaking.ay[k], base.scale * shaking.az[k]
     if base.held == 0.0:
         part = (t - shaking.times[k]) / (shaking.times[k + 1] - shaking.times[k])
         ax += part * (base.scale * shaking.ax[k + 1] - ax)
         ay += part * (base.scale * shaking.ay[k + 1] - ay)
         az += part * (base.scale * shaking.az[k + 1] - az)
+    # harmonic
     if base.omega != 0.0:
         sine = math.sin(base.omega * t + base.phase)
         ax += base.amplitude_x * sine
@@ -85,13 +107,21 @@ def _of_one(shaking, k, t):
 
 @leaf
 def line(shaking, k, t):
-    """The part of the acceleration that is linear in time from t on, on segment k, and its slope: three each."""
+    """Return the part of the base acceleration that is linear in time on segment k, and its slope.
+
+    Returns
+    -------
+    ax, ay, az, jx, jy, jz : float
+        Value at time t, m/s2, and slope, m/s3.
+    """
     base = shaking.base
     past = t - base.t0
+    # inputs
     ax, ay, az = base.ax + base.jx * past, base.ay + base.jy * past, base.az + base.jz * past
     jx, jy, jz = base.jx, base.jy, base.jz
     if is_still(shaking, k):
         return ax, ay, az, jx, jy, jz
+    # record
     ax, ay, az = ax + base.scale * shaking.ax[k], ay + base.scale * shaking.ay[k], az + base.scale * shaking.az[k]
     if base.held != 0.0:
         return ax, ay, az, jx, jy, jz
@@ -104,7 +134,7 @@ def line(shaking, k, t):
 
 @kernel
 def is_quiet(shaking, k):
-    """Whether base and inputs stay still, and no load acts any more, for good from segment k on."""
+    """Return True if the base and its inputs are still and no load acts from segment k on."""
     base = shaking.base
     pushed = base.ax != 0.0 or base.ay != 0.0 or base.az != 0.0
     pushed = pushed or base.jx != 0.0 or base.jy != 0.0 or base.jz != 0.0

@@ -1,6 +1,6 @@
-"""What a bearing adds to the joint: it bears at a point, and beside its slider (theory.md section 13).
+"""The terms that a bearing adds to its joint: contact at a point, and forces in parallel to the slider (theory.md 13).
 
-Each function leaves what it is given as it is where there is no bearing.
+Each function returns its argument unchanged if joint j is no bearing.
 """
 
 from ..numba_ext.jit import kernel, leaf
@@ -13,7 +13,7 @@ TINY = 1e-300  # m
 
 @leaf
 def bed_of_point(joints, j, p, q):
-    """The bed of a bearing: a spring without couples, which bears tension if it holds."""
+    """Return the bed of a bearing: a normal spring without couples, which bears tension if the bearing holds."""
     bears = ((p.at > 0.0) & (q.at > 0.0)) | (joints.holds[j] != 0.0)
     area, pressed, zero = where(bears, joints.area[j], 0.0), where(bears, q.at, 0.0), zero_like(q.at)
     return Bed(area * pressed, zero, zero, area, pressed)
@@ -21,9 +21,10 @@ def bed_of_point(joints, j, p, q):
 
 @leaf
 def lifted(scene, j, p, gap, by):
-    """The penetration p of joint j, m, or its rate, raised by the pendulum times the scalar product of two vectors.
+    """Return the penetration p of joint j, m, or its rate, increased by the rise of the pendulum.
 
-    A pendulum rises by u^2 / 2R as it moves, so that its force is conservative: gap times half of it, or its rate.
+    A pendulum of radius R rises by u^2 / 2R at the displacement u, so that its force is conservative. The rise is the
+    scalar product of `gap` and `by` over R; by: half of `gap` for the penetration, the rate of `gap` for its rate.
     """
     if any_of(scene.joints.section[j] == POINT):
         rises = gap[0] * by[0] + gap[1] * by[1]
@@ -33,17 +34,19 @@ def lifted(scene, j, p, gap, by):
 
 @leaf
 def _beyond_ring(joints, j, x, y):
-    """By how much the displacement of a bearing is beyond its ring, m, and its size, m."""
+    """Return how far the displacement (x, y) of bearing j is beyond its ring, and its size, both in m."""
     out = square_root(x * x + y * y)
     return greater(out - joints.ring[j], 0.0), greater(out, TINY)
 
 
 @leaf
 def _restoring(joints, j, motion, normal):
-    """What a bearing bears beside its slider, N: pendulum, spring, dashpot and ring."""
+    """Return the force (N) of pendulum, spring, dashpot and ring of a bearing, parallel to its slider."""
     x, y, v1, v2 = motion.gap[0], motion.gap[1], motion.gap_rate[0], motion.gap_rate[1]
+    # pendulum, spring and dashpot
     stiffness, dashpot = joints.pendulum[j] * normal + joints.spring[j], joints.dashpot[j]
     t1, t2 = -(stiffness * x + dashpot * v1), -(stiffness * y + dashpot * v2)
+    # the ring pushes radially inwards and never pulls
     beyond, out = _beyond_ring(joints, j, x, y)
     touches = beyond > 0.0
     if any_of(touches):
@@ -56,7 +59,7 @@ def _restoring(joints, j, motion, normal):
 
 @leaf
 def beside_slider(scene, j, motion, normal, t1, t2):
-    """The forces along joint j, N, of its slider, with what it bears beside that."""
+    """Return the slider forces (t1, t2) along joint j, N, plus those of a bearing in parallel."""
     if any_of(scene.joints.section[j] == POINT):
         beside = _restoring(scene.joints, j, motion, normal)
         t1, t2 = t1 + beside[0], t2 + beside[1]
@@ -65,7 +68,10 @@ def beside_slider(scene, j, motion, normal, t1, t2):
 
 @leaf
 def with_bearing(scene, j, doubled):
-    """Twice the elastic energy of joint j, J, with that of spring and ring; a pendulum's is that of the penetration."""
+    """Return twice the elastic energy of joint j, J, plus that of a bearing's spring and ring.
+
+    The energy of a pendulum is contained in that of the penetration.
+    """
     joints, found = scene.joints, scene.resultants
     if any_of(joints.section[j] == POINT):
         s1, s2 = found.s1[j], found.s2[j]
@@ -76,14 +82,14 @@ def with_bearing(scene, j, doubled):
 
 @leaf
 def stiffness_along(scene, j, normal):
-    """Stiffness along joint j while it sticks, N/m."""
+    """Return the stiffness along joint j while it sticks, N/m."""
     joints = scene.joints
     return joints.shear[j] + joints.spring[j] + joints.pendulum[j] * normal
 
 
 @kernel
 def come_off(scene, found):
-    """Number, from 1, of a block that has come off a bearing, by the place evaluated last; else `found`."""
+    """Return the number, from 1, of a block that has left its bearing at the last evaluation; else `found`."""
     for j in range(scene.m - scene.extras.b, scene.m):
         x, y, capacity = scene.resultants.s1[j], scene.resultants.s2[j], scene.joints.capacity[j]
         found = where(x * x + y * y > capacity * capacity, index_of(scene.joints.upper[j]) + 1.0, found)
@@ -92,7 +98,7 @@ def come_off(scene, found):
 
 @kernel
 def raise_displacements(scene, peaks, lanes):
-    """Raise the largest displacement of each bearing, m, of the lanes in a mask by the place evaluated last."""
+    """Raise the largest displacement of each bearing, m, in the lanes of a mask by the last evaluation."""
     first = scene.m - scene.extras.b
     for i in range(scene.extras.b):
         x, y = scene.resultants.s1[first + i], scene.resultants.s2[first + i]

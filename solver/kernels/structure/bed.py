@@ -1,8 +1,8 @@
-"""The pressure on a joint: its resultants over the part of the section that is loaded (theory.md section 13).
+"""The pressure on a joint and its integrals over the loaded part of the section (theory.md section 13).
 
-The penetration p and what the damper makes of it, q = p + damping dp/dt, are linear over the section. The pressure is
-stiffness times q where p and q are positive: the section cut by two half-planes. All integrals are sums of positive
-parts, so that slivers keep their digits.
+The penetration p and the damped penetration q = p + damping dp/dt are linear over the section. The pressure is
+stiffness times q where p and q are positive, so the section is cut by two half-planes. All integrals are sums of
+positive parts, so that slivers keep their digits.
 """
 
 from typing import Any, NamedTuple
@@ -12,7 +12,7 @@ from ..numba_ext.lanes import lane, where, zero_like
 
 
 class Plane(NamedTuple):
-    """at + along_x x + along_y y, over the section of a joint."""
+    """A linear function over the section of a joint: at + along_x x + along_y y."""
 
     at: Any
     along_x: Any
@@ -20,7 +20,7 @@ class Plane(NamedTuple):
 
 
 class Bed(NamedTuple):
-    """Integrals over the loaded part."""
+    """The integrals of the pressure over the loaded part of a section, divided by the stiffness."""
 
     force: Any  # of q, m3
     first_x: Any  # of q x and q y, m4
@@ -30,7 +30,7 @@ class Bed(NamedTuple):
 
 
 class Moments(NamedTuple):
-    """Integrals over a section of x, y (m3) and of x^2, x y, y^2 (m4)."""
+    """The integrals over a section of x, y (m3) and of x^2, x y, y^2 (m4)."""
 
     x: Any
     y: Any
@@ -41,14 +41,14 @@ class Moments(NamedTuple):
 
 @leaf
 def nothing(plane):
-    """A joint without contact."""
+    """Return the bed of a joint without contact."""
     zero = zero_like(plane.at)
     return Bed(zero, zero, zero, zero, zero)
 
 
 @leaf
 def chosen(condition, bed, other):
-    """A bed where the condition holds, else another one."""
+    """Return `bed` where the condition holds, else `other`."""
     return Bed(
         where(condition, bed.force, other.force),
         where(condition, bed.first_x, other.first_x),
@@ -60,13 +60,13 @@ def chosen(condition, bed, other):
 
 @leaf
 def value(plane, x, y):
-    """The function at a place."""
+    """Evaluate the linear function at (x, y)."""
     return plane.at + plane.along_x * x + plane.along_y * y
 
 
 @leaf
 def plane_of_lane(plane, k):
-    """The plane of lane k."""
+    """Extract the linear function of lane k."""
     return Plane(lane(plane.at, k), lane(plane.along_x, k), lane(plane.along_y, k))
 
 
@@ -85,6 +85,7 @@ def whole(area, moments, q, largest):
     largest : float or lanes
         Largest q, m.
     """
+    # integrals of q, q x and q y over the whole section
     force = q.at * area + (q.along_x * moments.x + q.along_y * moments.y)
     first_x = q.along_x * moments.xx + q.along_y * moments.xy + q.at * moments.x
     first_y = q.along_x * moments.xy + q.along_y * moments.yy + q.at * moments.y
@@ -93,7 +94,7 @@ def whole(area, moments, q, largest):
 
 @leaf
 def less(bed, other):
-    """Return a bed without that of a part of its section."""
+    """Subtract the bed of a part of its section from a bed; the largest q stays."""
     return Bed(
         bed.force - other.force,
         bed.first_x - other.first_x,
@@ -105,13 +106,23 @@ def less(bed, other):
 
 @leaf
 def triangle(x, y, q):
-    """Area of a triangle, and the integrals of a linear function q times 1, x and y; three corners each.
+    """Integrate a linear function over a triangle.
 
-    The first corner is where x and y count from.
+    Parameters
+    ----------
+    x, y, q : tuple
+        Coordinates of the three corners, m, and the values of the function there. The area is computed from differences
+        to the first corner.
+
+    Returns
+    -------
+    area, force, first_x, first_y : float or lanes
+        Area, and the integrals of q, q x and q y.
     """
     area = 0.5 * ((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]))
     total = q[0] + q[1] + q[2]
     third, twelfth = area / 3.0, area / 12.0
+    # products of two linear functions, from their values at the corners
     first_x = twelfth * (total * (x[0] + x[1] + x[2]) + (q[0] * x[0] + q[1] * x[1] + q[2] * x[2]))
     first_y = twelfth * (total * (y[0] + y[1] + y[2]) + (q[0] * y[0] + q[1] * y[1] + q[2] * y[2]))
     return area, third * total, first_x, first_y
@@ -119,7 +130,7 @@ def triangle(x, y, q):
 
 @leaf
 def add(bed, there, area, force, first_x, first_y):
-    """A bed with another part, where it is there."""
+    """Add a part to a bed where the mask `there` holds."""
     return Bed(
         bed.force + where(there, force, 0.0),
         bed.first_x + where(there, first_x, 0.0),

@@ -1,12 +1,11 @@
-"""A joint that bears tension and cohesion until it breaks, as of mortar (theory.md section 18).
+"""The bond of a joint that bears tension and cohesion until it breaks, as of mortar (theory.md section 18).
 
-What is left of its bond is a convex polygon within the section, which only shrinks. There the bed bears pressure and
-tension alike, stiffness times q; beside it the joint is as dry as any. The bond ends where stiffness times p, which has
-no damping in it, is below minus its strength; along the joint the limit of friction is raised by cohesion times its
-area.
+The bonded area is a convex polygon within the section, which only shrinks. On it the bed bears pressure and tension,
+stiffness times q; outside it the joint is dry. The bond breaks where stiffness times p, without damping, is below minus
+its strength; along the joint cohesion times the bonded area raises the limit of friction.
 
-In a step the polygon is that at its beginning. Held, it bears whatever tension comes, so that the step is smooth, and
-ends where the bond begins to break (cracking.py). Else the evaluation cuts it by where p is.
+Within a step the polygon is that at its start. While the bond is held, it bears any tension, so that the step is
+smooth, and the step ends where the bond starts to break (cracking.py). Otherwise the evaluation cuts it by p.
 """
 
 import math
@@ -42,20 +41,20 @@ NEARLY = 1.0 - 1e-12  # of the section: a bond that is larger is whole
 
 @leaf
 def bond_left(scene, e):
-    """What is left of bond e: its record, and its corners as a row."""
+    """Return the record and the row of corners of the polygon of bond e."""
     there = scene.extras.bonded[_EACH * e :]
     return _bonded(there, 0), there[_BONDED:]
 
 
 @leaf
 def joint_of(scene, e):
-    """Number of the joint of bond e."""
+    """Return the index of the joint of bond e."""
     return index_of(scene.extras.bonds.joint[e])
 
 
 @leaf
 def tip_of(scene, e, p):
-    """Zero where bond e breaks, positive where it holds, m, by the penetration."""
+    """Return the crack function of bond e, m, from the penetration p: zero where it breaks, positive where it holds."""
     reach = scene.extras.bonds.strength[e] / scene.joints.stiffness[joint_of(scene, e)]
     return Plane(p.at + reach, p.along_x, p.along_y)
 
@@ -74,20 +73,21 @@ def _repeat_last(room, counts):
 
 @kernel
 def put_bond(scene, e):
-    """Put what is left of bond e into the room; returns the number of its corners, which is one that has room."""
+    """Copy the polygon of bond e into the room; return the number of its corners, at most MOST_BONDED."""
     left, corners = bond_left(scene, e)
     counts = lesser(left.corners, zero_like(left.corners) + MOST_BONDED)
     for k in range(2 * most_of(counts)):
         scene.room[k] = corners[k]
+    # in lanes with fewer corners the last one is repeated
     _repeat_last(scene.room, counts)
     return counts
 
 
 @by_width
 def cut_bond(scene, counts, those, tip, most):
-    """Cut the polygon, where `those` holds, by where a plane is negative; returns the number of its corners.
+    """Remove the part of the polygon where `tip` is negative, where `those` holds; return the number of its corners.
 
-    Of more than `most` corners those go that hold least.
+    If more than `most` corners are left, those that enclose the least area are dropped.
     """
     return _cut_lanes if isinstance(those, MaskType) else _cut_one
 
@@ -100,6 +100,7 @@ def _cut_lanes(scene, counts, those, tip, most):
     which = bits(those)
     for k in range(WIDTH):
         if (which >> k) & 1:
+            # cut the polygon of this lane alone
             own = one_lane(scene.room, k)
             count = cut(own, int(lane(counts, k)), plane_of_lane(tip, k))
             counts = with_lane(counts, k, float(_fewer(own, count, most)))
@@ -109,20 +110,22 @@ def _cut_lanes(scene, counts, those, tip, most):
 
 @leaf
 def _doubled(room, a, b, c):
-    """Twice the area of a triangle of three corners."""
+    """Return twice the area of the triangle of three corners in the room."""
     x, y = room[2 * a], room[2 * a + 1]
     return abs((room[2 * b] - x) * (room[2 * c + 1] - y) - (room[2 * c] - x) * (room[2 * b + 1] - y))
 
 
 @kernel
 def _fewer(room, count, most):
-    """Leave out the corners that hold least until there is room for the others; returns their number."""
+    """Drop the corners that enclose the least area until at most `most` are left; return their number."""
     while count > most:
         least, gone = math.inf, 0
+        # the corner whose triangle with its neighbours is smallest
         for k in range(count):
             size = _doubled(room, (k + count - 1) % count, k, (k + 1) % count)
             if size < least:
                 least, gone = size, k
+        # close the gap
         for k in range(2 * gone, 2 * count - 2):
             room[k] = room[k + 2]
         count -= 1
@@ -131,7 +134,7 @@ def _fewer(room, count, most):
 
 @kernel
 def store_bond(scene, e, counts, those):
-    """Let the polygon in the room be what is left of bond e, where `those` holds."""
+    """Store the polygon in the room as that of bond e, where `those` holds."""
     left, corners = bond_left(scene, e)
     for k in range(2 * most_of(counts)):
         corners[k] = where(those, scene.room[k], corners[k])
@@ -140,9 +143,10 @@ def store_bond(scene, e, counts, those):
 
 @kernel
 def _all_of(room, count, q):
-    """The bed of a whole polygon, in tension too."""
+    """Return the bed of the whole polygon in the room, tension included."""
     bed = nothing(q)
     x0, y0 = room[0], room[1]
+    # a fan of triangles from the first corner
     for k in range(2, count):
         x1, y1, x2, y2 = room[2 * k - 2], room[2 * k - 1], room[2 * k], room[2 * k + 1]
         values = value(q, x0, y0), value(q, x1, y1), value(q, x2, y2)
@@ -153,8 +157,12 @@ def _all_of(room, count, q):
 
 @kernel
 def with_bond(scene, e, p, q, bed):
-    """A bed of a dry joint with the part of bond e that is not pressed."""
+    """Return the bed of a dry joint plus that of the unpressed part of bond e.
+
+    p, q: penetration and damped penetration, m. The bonded area (m2) is stored in `sound`.
+    """
     room, sound, j = scene.room, scene.extras.sound, joint_of(scene, e)
+    # the polygon at the start of the step, cut by p where the bond is not held
     counts = put_bond(scene, e)
     breaks = (counts > 0.0) & (sound.held[e] == 0.0)
     if any_of(breaks):
@@ -163,11 +171,13 @@ def with_bond(scene, e, p, q, bed):
     sound.area[e], sound.spare[e] = zero, zero + math.inf
     if not any_of(there):
         return bed
+    # the whole bond; one that fills the section is summed in closed form
     count = most_of(counts)
     own = _all_of(room, count, q)
     full = own.area > NEARLY * scene.joints.area[j]
     if any_of(full):
         own = chosen(full, whole(*bearing_area(scene, j), q, bed.largest), own)
+    # subtract the pressed part of the bond, which the dry bed contains
     dry = polygon_bed(room, count, own, p, q)
     sound.area[e] = where(there, own.area, 0.0)
     force, first_x, first_y = own.force - dry.force, own.first_x - dry.first_x, own.first_y - dry.first_y
@@ -178,7 +188,10 @@ def with_bond(scene, e, p, q, bed):
 
 @leaf
 def raised_by_bond(scene, j, normal, limit, couple):
-    """The limits of friction of joint j, N and N m, with what its bond bears beside."""
+    """Return the friction limits of joint j (N, N m), raised by dowel and cohesion where its bond holds.
+
+    limit, couple: the limits of the dry joint; normal: N.
+    """
     joints, e = scene.joints, index_of(scene.joints.bond[j]) - 1
     if e < 0:
         return limit, couple
@@ -190,7 +203,7 @@ def raised_by_bond(scene, j, normal, limit, couple):
 
 @leaf
 def with_strength(scene, j, pressure):
-    """The least pressure on joint j in full contact, Pa, over that at which it opens or its whole bond breaks."""
+    """Return `pressure`, the least on joint j in full contact (Pa), plus the strength of an unbroken bond."""
     if scene.joints.bond[j] != 0.0:
         e = int(scene.joints.bond[j]) - 1
         if scene.extras.sound.area[e] == scene.joints.area[j]:
@@ -200,15 +213,22 @@ def with_strength(scene, j, pressure):
 
 @leaf
 def limits_with_bond(scene, j, normal, limit, couple, stretch, twist):
-    """The limits of friction of joint j, N and N m; a bond lets nothing slide before it breaks.
+    """Return the friction limits of joint j (N, N m); where its bond holds they are infinite, since nothing slides.
 
-    stretch, twist: m and rad, what the joint is displaced and twisted by. How far the bond is from breaking along the
-    joint is kept.
+    Parameters
+    ----------
+    normal, limit, couple : float or lanes
+        Normal force, N, and limits of the dry joint, N and N m.
+    stretch, twist : float or lanes
+        Square of the displacement along the joint, m2, and its twist, rad.
+
+    The margin of the bond along the joint, as a fraction, is stored in `sound.spare`: 1 unloaded, 0 where it breaks.
     """
     joints, sound, e = scene.joints, scene.extras.sound, index_of(scene.joints.bond[j]) - 1
     if e < 0:
         return limit, couple
     there = sound.area[e] > 0.0
+    # load along the joint over the raised limits
     bears, _ = raised_by_bond(scene, j, normal, limit, couple)
     borne = greater(joints.shear[j] * square_root(stretch), joints.twist[j] / joints.arm[j] * magnitude(twist))
     sound.spare[e] = where(there, where(bears > 0.0, 1.0 - borne / bears, -1.0), sound.spare[e])
@@ -217,19 +237,19 @@ def limits_with_bond(scene, j, normal, limit, couple, stretch, twist):
 
 @kernel
 def show_bonds(scene, shown):
-    """Fill in what an output row has of bonds."""
+    """Fill `shown` with the bonded fraction of the section of each bond."""
     for e in range(scene.extras.glued):
         shown[e] = scene.extras.sound.area[e] / scene.joints.area[int(scene.extras.bonds.joint[e])]
 
 
 @kernel
 def let_bonds_go(scene):
-    """Hold no bond as it was: each ends where its strength does."""
+    """Mark all bonds as not held, so that each evaluation cuts them by their strength."""
     for e in range(scene.extras.glued):
         scene.extras.sound.held[e] = 0.0
 
 
 @kernel
 def copy_bonds(scene, behind):
-    """Copy what is left of bonds to where a state has it, behind what moves or is remembered."""
+    """Copy the polygons of all bonds into `behind`, the end of a state after phase and memory."""
     copy(behind, scene.extras.bonded, _EACH * scene.extras.glued)

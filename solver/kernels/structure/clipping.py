@@ -1,4 +1,4 @@
-"""Convex polygons, in `room`: the corners of one, then space for a cut."""
+"""Clipping of convex polygons in `room`: the corners of one, then scratch space for a cut."""
 
 import math
 
@@ -12,7 +12,7 @@ _MOST_LEFT = (ROOM - _CUT) // 2  # corners that a cut may leave; of convex polyg
 
 @leaf
 def put_square(room, x, y, half):
-    """Put a square about a point into the room; returns the number of its corners."""
+    """Fill the room with a square about (x, y) of half width `half`, m; return the number of its corners, 4."""
     room[0], room[1] = x - half, y - half
     room[2], room[3] = x + half, y - half
     room[4], room[5] = x + half, y + half
@@ -22,22 +22,25 @@ def put_square(room, x, y, half):
 
 @kernel
 def cut(room, count, plane):
-    """Leave the part of the polygon where a linear function is positive; returns the number of its corners.
+    """Clip the polygon in the room to where a linear function is positive; return the number of its corners.
 
-    Nothing is left of one that is so far from convex that there is no room for what a cut leaves, which is counted.
+    If a non-convex outline would leave more corners than the room holds, nothing is left and `room[NO_ROOM]` counts it.
     """
     least, most = math.inf, -math.inf
+    # extrema over the corners: nothing or everything may be left
     for k in range(count):
         here = value(plane, room[2 * k], room[2 * k + 1])
         least, most = min(least, here), max(most, here)
     if least > 0.0 or not most > 0.0:
         return count if least > 0.0 else 0
+    # walk along the edges
     kept, cut = 0, room[_CUT:]
     x0, y0 = room[2 * count - 2], room[2 * count - 1]
     before = value(plane, x0, y0)
     for k in range(count):
         x1, y1 = room[2 * k], room[2 * k + 1]
         here = value(plane, x1, y1)
+        # the edge crosses the line
         if (before > 0.0) != (here > 0.0):
             if kept == _MOST_LEFT:
                 room[NO_ROOM] += 1.0
@@ -45,6 +48,7 @@ def cut(room, count, plane):
             part = before / (before - here)
             cut[2 * kept], cut[2 * kept + 1] = x0 + part * (x1 - x0), y0 + part * (y1 - y0)
             kept += 1
+        # the corner stays
         if here > 0.0:
             if kept == _MOST_LEFT:
                 room[NO_ROOM] += 1.0

@@ -1,6 +1,6 @@
-"""Contact of neighbours in lanes: pairs that touch are loaded one lane after the other, by the law of one structure.
+"""Contact of neighbours in lanes: pairs that touch are loaded lane by lane, by the kernel of one structure.
 
-Few pairs touch at a time, and in few lanes. `alone` gives what they need of a lane, by the names of a scene.
+Few pairs touch at a time, and in few lanes. `alone` returns the view of one lane under the names of a scene.
 """
 
 from typing import NamedTuple
@@ -16,7 +16,7 @@ _pairs, _hits, _stretch = PAIRS.over, HITS.over, STRETCH.over
 
 
 class Met(NamedTuple):
-    """Pairs of a lane, as in Extras."""
+    """The pairs of one lane, with the names of Extras."""
 
     met: int
     pairs: object
@@ -26,7 +26,7 @@ class Met(NamedTuple):
 
 
 class Alone(NamedTuple):
-    """What neighbours need of a lane, as in Scene."""
+    """The view of one lane that the contact of neighbours needs, with the names of Scene."""
 
     n: int
     m: int
@@ -42,9 +42,10 @@ class Alone(NamedTuple):
 
 @leaf
 def alone(scene, k):
-    """The structure of lane k, for its pairs."""
+    """Return the view of lane k for its pairs."""
     n, extras = scene.n, scene.extras
     met = extras.met
+    # rows of this lane; sizes and the room are those of all lanes
     return Alone(
         n,
         scene.m,
@@ -73,9 +74,10 @@ def _load_lane(scene, phase, k, p):
 
 @kernel
 def load_pairs_in_lanes(scene, phase):
-    """Add the forces of all pairs that touch."""
+    """Add the forces of all pairs that touch in any lane."""
     touches, bears = scene.extras.stretches.touches, scene.extras.hits.bears
     for p in range(scene.extras.met):
+        # lanes in which the pair touches, or has forces to clear
         busy = bits((touches[p] != 0.0) | (bears[p] != 0.0))
         if busy != 0:
             for k in range(WIDTH):

@@ -1,6 +1,6 @@
-"""The base of a structure that inputs turn, or that bodies drive: an exchange without feedthrough (theory.md 15).
+"""The base of a structure moved by rotation inputs or coupled bodies: an exchange without feedthrough (theory.md 15).
 
-A structure has no mass of its own at its base, whose joints are elastic along themselves.
+A structure has no mass at its base, since its joints are elastic in shear.
 """
 
 from typing import NamedTuple
@@ -28,7 +28,7 @@ _driven, _driven_turn, _DRIVEN, _DRIVEN_TURN = DRIVEN.over, DRIVEN_TURN.over, DR
 
 @leaf
 def start_at(base, t):
-    """Let time t0 be t: the rotation of the base goes on from there."""
+    """Advance the rotation of the base to time t and set t0 = t."""
     base.theta_x, base.theta_y, base.omega_x, base.omega_y = rotation_at(base, t)
     past = t - base.t0
     base.alpha_x, base.alpha_y = base.alpha_x + past * base.jalpha_x, base.alpha_y + past * base.jalpha_y
@@ -37,27 +37,30 @@ def start_at(base, t):
 
 @leaf
 def turned_by(scene, inputs):
-    """The rotation that is given, rad and rad/s, and its acceleration."""
+    """Return the record ROTATION of the inputs: rotation, its rate and its acceleration (rad, rad/s, rad/s2)."""
     return _rotation(inputs[_INPUTS + 2 * _LOAD * scene.extras.spotted :], 0)
 
 
 @kernel
 def turn(scene, phase, base, inputs):
-    """Turn the base as its inputs say: where it has not come to this alone, beneath blocks that stay as they are.
+    """Set the rotation of the base to that of the inputs.
 
-    Before the first step all that stands on it is turned with it, and has no rate.
+    If the base did not arrive at it by its own acceleration, it jumps beneath blocks that stay where they are. Before
+    the first step everything on the base rotates with it, without a rate.
     """
     turned = turned_by(scene, inputs)
     x, y, u, v = turned.theta_x, turned.theta_y, turned.omega_x, turned.omega_y
+    # before the first step
     if scene.counts.started == 0:
         base.theta_x, base.theta_y, base.omega_x, base.omega_y = x, y, 0.0, 0.0
+    # a jump of angle or rate
     if x != base.theta_x or y != base.theta_y or u != base.omega_x or v != base.omega_y:
         turn_beneath(scene, phase, base, x, y, u, v)
 
 
 @leaf
 def _place_of(scene, k):
-    """Place among the inputs of what body k that drives the base says: it says more, where the base may turn."""
+    """Return the index among the inputs of the data of body k; it has more numbers if the base may turn."""
     turns = int(scene.settings.turns)
     first = _INPUTS + 2 * _LOAD * scene.extras.spotted + _ROTATION * turns
     return first + k * (_BODY + _TURNING_BODY * turns)
@@ -71,19 +74,22 @@ def _have_said_nothing(scene, inputs):
 
 @kernel
 def arrive(scene, phase, base, inputs, t):
-    """Let the base come to time t, and turn it as inputs say where bodies do not: before the structure is seen at t.
+    """Advance the base to time t, and rotate it by the inputs unless bodies do; called before outputs are taken at t.
 
-    Where time has gone on since the last exchange, the accelerations of that are kept.
+    If time has advanced since the last exchange, the acceleration history is shifted.
     """
+    # translation
     past = t - base.t0
     base.x, base.vx, _ = gone_on(base.x, base.vx, base.ax, base.jx, past)
     base.y, base.vy, _ = gone_on(base.y, base.vy, base.ay, base.jy, past)
     base.z, base.vz, _ = gone_on(base.z, base.vz, base.az, base.jz, past)
+    # acceleration history
     if goes_on(base, t):
         base.before_ax, base.before_ay, base.before_az = base.last_ax, base.last_ay, base.last_az
         base.before_alpha_x, base.before_alpha_y = base.last_alpha_x, base.last_alpha_y
         base.last_ax, base.last_ay, base.last_az = base.ax, base.ay, base.az
         base.last_alpha_x, base.last_alpha_y = base.alpha_x, base.alpha_y
+    # rotation
     start_at(base, t)
     if scene.settings.turns != 0.0 and (base.coupled == 0.0 or scene.settings.drive == HORIZONTAL):
         turn(scene, phase, base, inputs)
@@ -91,9 +97,9 @@ def arrive(scene, phase, base, inputs, t):
 
 @kernel
 def show_driven(settings, base, t, order, row):
-    """Fill a row with the motion of the base at time t (DRIVEN, DRIVEN_TURN), where bodies may drive it.
+    """Fill `row` with the motion of a base that bodies may drive, at time t (DRIVEN, DRIVEN_TURN).
 
-    It is all zeros while its own inputs move the base. order: 1 for the rates of these numbers.
+    It is zero while inputs move the base. order: 0 for the values, 1 for their rates.
     """
     if settings.bodies == 0.0:
         return
@@ -101,6 +107,7 @@ def show_driven(settings, base, t, order, row):
     clear(row, _DRIVEN + (_DRIVEN_TURN if turns else 0))
     if settings.drive == ACCELERATION:
         return
+    # translation
     shown = _driven(row, 0)
     x, vx, ax = gone_on(base.x, base.vx, base.ax, base.jx, past)
     y, vy, ay = gone_on(base.y, base.vy, base.ay, base.jy, past)
@@ -111,6 +118,7 @@ def show_driven(settings, base, t, order, row):
     else:
         shown.x, shown.y, shown.z, shown.vx, shown.vy, shown.vz = vx, vy, vz, ax, ay, az
         shown.ax, shown.ay, shown.az = base.jx, base.jy, base.jz
+    # rotation
     if turns:
         turned = _driven_turn(row[_DRIVEN:], 0)
         theta_x, theta_y, omega_x, omega_y = rotation_at(base, t)
@@ -124,7 +132,7 @@ def show_driven(settings, base, t, order, row):
 
 
 class Sums(NamedTuple):
-    """Forces and masses at the base, of all bodies and the structure: N, N m, kg, kg m, kg m2."""
+    """The sums of forces and masses at the base over all bodies and the structure: N, N m, kg, kg m, kg m2."""
 
     x: float
     y: float
@@ -141,9 +149,14 @@ class Sums(NamedTuple):
 
 @leaf
 def _sums(scene, inputs, flat, reaction):
-    """All that acts at the base; of a structure that moves in the plane x, z alone (flat) nothing across it."""
+    """Sum forces and masses at the base over all bodies and the structure.
+
+    reaction: force and couple of the structure on the base, N and N m; flat: True if the structure moves in the plane
+    x, z alone, so that components across it are zero.
+    """
     x, y, z, mass = reaction[0], 0.0 if flat else reaction[1], reaction[2], 0.0
     mx, my, with_y, with_x, xx, yy, xy = 0.0 if flat else reaction[3], reaction[4], 0.0, 0.0, 0.0, 0.0, 0.0
+    # forces and masses of the bodies
     for k in range(int(scene.settings.bodies)):
         said = inputs[_place_of(scene, k) :]
         body = _body(said, 0)
@@ -157,26 +170,32 @@ def _sums(scene, inputs, flat, reaction):
 
 @leaf
 def _turns_of(of):
-    """(code, alpha_x, alpha_y) of a base that bodies turn, rad/s2: without what moves along x and y with it."""
+    """Return (code, alpha_x, alpha_y): the angular acceleration of a base that bodies rotate, rad/s2.
+
+    Translation along x and y is eliminated from the equations first.
+    """
+    # moments and inertia after elimination of the translation
     mx, my = of.mx - of.with_x * of.y / of.mass, of.my - of.with_y * of.x / of.mass
     xx, yy = of.xx - of.with_x * of.with_x / of.mass, of.yy - of.with_y * of.with_y / of.mass
     whole = xx * yy
     left = whole - of.xy * of.xy
     if not (xx > 0.0 and yy > 0.0 and left > SINGULAR * whole):
         return BODY_LACKING, 0.0, 0.0
+    # solve the two equations
     return OK, (yy * mx - of.xy * my) / left, (xx * my - of.xy * mx) / left
 
 
 @kernel
 def examine_step(scene, base, h):
-    """Say in `base.allowed_step` how long a step may be where one of h s is too long for what stands on the base.
+    """Set `base.allowed_step` if a communication step of h s is too long for the structure on the base.
 
-    Along x, y and z (formulations/allowed_step.py): the blocks on the base move on their joints, along these with the
-    mass that a joint meets as its block turns, too. A block on several joints counts once.
+    Checked along x, y and z (formulations/allowed_step.py): the blocks on the base move on their joints, horizontally
+    with the effective mass at the joint of a block that also rotates. A block on several joints is counted once.
     """
     joints, bodies, n, settings = scene.joints, scene.bodies, scene.n, scene.settings
     if not base.mass > 0.0 or not is_new(base, h, base.mass):
         return
+    # sums over the joints on the base
     along, by_dashpots, across, across_by_dashpots, moved_x, moved_y, moved_z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(scene.m):
         if int(joints.lower[j]) != n:
@@ -186,6 +205,7 @@ def examine_step(scene, base, h):
         by_dashpots += joints.shear[j] * joints.shear_damping[j] + joints.dashpot[j]
         bed = joints.stiffness[j] * joints.area[j]
         across, across_by_dashpots = across + bed, across_by_dashpots + bed * joints.damping[j]
+        # effective masses, of each block once
         is_first = True
         for i in range(j):
             is_first = is_first and not (int(joints.lower[i]) == n and int(joints.upper[i]) == k)
@@ -194,6 +214,7 @@ def examine_step(scene, base, h):
             moved_x += 1.0 / (bodies.per_mass[k] + arm * arm * bodies.iyy[k])
             moved_y += 1.0 / (bodies.per_mass[k] + arm * arm * bodies.ixx[k])
             moved_z += bodies.mass[k]
+    # the shortest of the limits along the axes
     way, mass = settings.slope, base.mass
     found = longest_step(way, h, by_dashpots, along, moved_x, mass)
     found = min(found, longest_step(way, h, by_dashpots, along, moved_y, mass))
@@ -205,18 +226,31 @@ def examine_step(scene, base, h):
 
 @kernel
 def exchange(scene, base, inputs, flat, reaction):
-    """Let the base, which has arrived, go on as bodies and the structure drive it (formulations/coupled_base.py).
+    """Compute the acceleration of the base, which has arrived, from all forces and masses on it; return a code.
 
-    Returns a code. flat: whether the structure moves in the plane x, z alone. reaction: its force and couple on the
-    base, along fixed axes.
+    Parameters
+    ----------
+    inputs : row
+        INPUTS and the data of each body (formulations/coupled_base.py).
+    flat : bool
+        True if the structure moves in the plane x, z alone.
+    reaction : row
+        Force and couple of the structure on the base along fixed axes, N and N m.
+
+    Returns
+    -------
+    int
+        OK, or BODY_LACKING if the masses of the bodies do not determine the motion.
     """
     settings, given, of = scene.settings, _inputs(inputs, 0), _sums(scene, inputs, flat, reaction)
     turns, is_whole = settings.turns != 0.0, settings.drive != HORIZONTAL
     base.coupled, base.mass = 1.0, of.mass
+    # no mass: no acceleration
     if not of.mass > 0.0:  # without one it does not accelerate
         base.ax, base.ay, base.az, base.jx, base.jy, base.jz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         base.alpha_x, base.alpha_y, base.jalpha_x, base.jalpha_y = 0.0, 0.0, 0.0, 0.0
         return OK if _have_said_nothing(scene, inputs) else BODY_LACKING
+    # angular acceleration, by bodies or inputs
     way, steps, step, before = settings.slope, base.steps, base.last_step, base.before_step
     if turns and is_whole:
         code, alpha_x, alpha_y = _turns_of(of)
@@ -228,6 +262,7 @@ def exchange(scene, base, inputs, flat, reaction):
     elif turns:
         turned = turned_by(scene, inputs)
         base.alpha_x, base.alpha_y, base.jalpha_x, base.jalpha_y = turned.alpha_x, turned.alpha_y, 0.0, 0.0
+    # translation
     x, y = of.x - of.with_y * base.alpha_y, of.y - of.with_x * base.alpha_x
     base.ax, base.ay, base.az, base.jz = x / of.mass, y / of.mass, given.az, given.jz
     base.jx = slope_of(way, steps, step, before, base.ax, base.last_ax, base.before_ax)

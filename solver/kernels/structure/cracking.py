@@ -1,7 +1,7 @@
-"""Bonds break between two steps: a step ends where one begins to, and where a crack ceases to grow (bond.py).
+"""Bonds break between two steps: a step ends where one starts to break, and where a crack stops growing (bond.py).
 
-So the law is smooth within a step, and what a bond has been through is known from the ends of steps. Of one structure
-or of eight in lanes, of which a mask says which are meant.
+So the law is smooth within a step, and the history of a bond is known from the ends of steps. Kernels serve one
+structure, or eight in lanes, of which a mask selects some.
 """
 
 import math
@@ -43,13 +43,13 @@ PROMISE = 0.01  # of how near to breaking a bond may have come, from one trial t
 
 @leaf
 def _none(those):
-    """Those of which none is."""
+    """Return a mask of the same kind that holds nowhere."""
     return those & opposite(those)
 
 
 @kernel
 def _strain_of(scene, count, tip):
-    """The least of a bond's tip over the corners in the room, and the largest size, m."""
+    """Return the minimum of a bond's crack function over the corners in the room, and its largest |value|, m."""
     least, largest = math.inf + zero_like(tip.at), zero_like(tip.at)
     for k in range(count):
         here = value(tip, scene.room[2 * k], scene.room[2 * k + 1])
@@ -59,7 +59,7 @@ def _strain_of(scene, count, tip):
 
 @leaf
 def _reach(scene, e):
-    """What a bond may be stretched by, m; without strength a part of the settlement."""
+    """Return the stretch at which bond e breaks, m, or a fraction of the settlement if that is larger."""
     settings, bonds = scene.settings, scene.extras.bonds
     least = settings.motion_floor * settings.extent
     return greater(least, bonds.strength[e] / scene.joints.stiffness[joint_of(scene, e)])
@@ -67,13 +67,19 @@ def _reach(scene, e):
 
 @leaf
 def _strength_left(scene, e, least, largest):
-    """How far a bond is from the least of its tip that breaks it: a part."""
+    """Return the margin of bond e before its crack function vanishes, as a fraction of the stretch at which it breaks.
+
+    least, largest: minimum and largest size of the crack function over its corners, m.
+    """
     return (least + NEAR * largest) / _reach(scene, e)
 
 
 @kernel
 def _grows(scene, count, tip, pace):
-    """Whether the front of a crack, where the tip is zero within the bond in the room, moves on anywhere."""
+    """Return the mask of where a crack front advances: the crack function vanishes within the bond and decreases there.
+
+    tip: crack function, m; pace: its rate, m/s; the bond is the polygon of `count` corners in the room.
+    """
     room, last = scene.room, max(0, count - 1)  # of a bond that has broken nothing is left
     x0, y0 = room[2 * last], room[2 * last + 1]
     before = value(tip, x0, y0)
@@ -81,6 +87,7 @@ def _grows(scene, count, tip, pace):
     for k in range(count):
         x1, y1 = room[2 * k], room[2 * k + 1]
         here = value(tip, x1, y1)
+        # points at which the front meets the outline
         crosses = (before > 0.0) ^ (here > 0.0)
         if any_of(crosses):
             part = before / (before - here)
@@ -91,15 +98,17 @@ def _grows(scene, count, tip, pace):
 
 @kernel
 def _spare(scene, phase, e):
-    """How far bond e is from breaking, whose joint has just been loaded by a phase; of a crack that grows 1.
+    """Return the margin of bond e before it breaks, as a fraction; its joint has just been loaded by `phase`.
 
-    A part; below zero beyond, and where a crack has ceased to grow.
+    It is 1 while its crack grows, and negative beyond breaking or after the crack has stopped.
     """
     sound, j = scene.extras.sound, joint_of(scene, e)
     motion = relative_motion(scene, phase, j)
     tip, count = tip_of(scene, e, penetration(scene, j, motion)), most_of(put_bond(scene, e))
+    # margin of a held bond in tension
     least, largest = _strain_of(scene, count, tip)
     spare, held = _strength_left(scene, e, least, largest), sound.held[e] != 0.0
+    # a bond in which a crack grows
     if any_of(opposite(held)):
         spare = where(held, spare, where(_grows(scene, count, tip, penetration_rate(scene, j, motion)), 1.0, -1.0))
     return lesser(sound.spare[e], spare)
@@ -107,28 +116,31 @@ def _spare(scene, phase, e):
 
 @leaf
 def _spare_between(scene, h, s, e):
-    """`_spare` at fraction s of a step."""
+    """Return `_spare` at fraction s of a step."""
     return _spare(scene, load_joint_between(scene, h, s, joint_of(scene, e)), e)
 
 
 @kernel
 def until_broken(scene, h, those):
-    """The part of a step of h s, just made, after which no bond has begun to break.
+    """Return the fraction of the step of h s just made after which the first bond starts to break; 1 if none does.
 
-    Resultants and the force on the base are left as they are at the end of the step.
+    The resultants and the force on the base are left as at the end of the step.
     """
     extras, part = scene.extras, zero_like(h) + 1.0
     if extras.glued == 0:
         return part
     phase, poses, n = _phase(row(scene, END), scene.n), scene.poses, scene.n
     force, moment = (poses.fx[n], poses.fy[n], poses.fz[n]), (poses.mx[n], poses.my[n], poses.mz[n])
+    # margins at the end of the step
     for e in range(extras.glued):
         _pose_ends(scene, phase, e)
         extras.sound.ends[e] = _spare(scene, phase, e)
+    # the first bond to break
     for e in range(extras.glued):
         there = those & (bond_left(scene, e)[0].corners != 0.0)
         if any_of(there):
             part = lesser(_breaking(scene, h, e, there), part)
+    # restore the forces at the end
     if not any_of(part < 1.0):
         for e in range(extras.glued):
             _pose_ends(scene, phase, e)
@@ -146,7 +158,7 @@ def _pose_ends(scene, phase, e):
 
 @kernel
 def _load(scene, state, e):
-    """Load the joint of bond e, whose bodies have been placed, by a state."""
+    """Load the joint of bond e, whose bodies have been placed, with the memory of `state`."""
     j, remembered = joint_of(scene, e), state[_PER_BODY * scene.n :]
     if any_of(scene.settings.gives_way != 0.0):
         for place in range(j, _PER_JOINT * scene.m, scene.m):
@@ -156,16 +168,18 @@ def _load(scene, state, e):
 
 @kernel
 def _breaking(scene, h, e, there):
-    """The part of a step after which bond e begins to break; 1 where it does not, or is not `there`.
+    """Return the fraction of a step after which bond e starts to break; 1 where it does not or `there` is False.
 
-    It is seen in the middle, at the end and, by parabolas, where it may come nearest to breaking between.
+    The margin is evaluated in the middle, at the end and, by parabolas, at its minimum between.
     """
     begins, ends = scene.extras.sound.begins[e], scene.extras.sound.ends[e]
     zero = zero_like(h)
+    # a bracket from the values at the start, in the middle and at the end
     middle = _spare_between(scene, h, zero + 0.5, e)
     early, late = there & opposite(middle > 0.0), there & opposite(ends > 0.0)
     low, high = where(early, 0.0, zero + 0.5), where(early, 0.5, where(late, 1.0, zero + math.inf))
     bend, rise = begins - 2.0 * middle + ends, ends - begins
+    # parabolas where the minimum may be negative
     seeks = there & opposite(early | late) & (magnitude(rise) < NEARLY * bend)
     if any_of(seeks):
         known = zero, -begins, zero + 0.5, -middle, zero + 1.0, -ends
@@ -175,6 +189,7 @@ def _breaking(scene, h, e, there):
             if not any_of(seeks):
                 break
             found = _spare_between(scene, h, where(seeks, s, 0.5), e)
+            # a negative value ends the search, and brackets the instant
             breaks = seeks & opposite(found > 0.0)
             low = where(breaks, where(s < known[2], known[0], known[2]), low)
             high = where(breaks, s, high)
@@ -182,6 +197,7 @@ def _breaking(scene, h, e, there):
             known = nearer(known, s, -found)
             s, height = vertex(*known)
             s, bend = apart(known, s), PROMISE * bend
+    # bisection
     for _ in range(HALVINGS):
         breaks = high < math.inf
         if not any_of(breaks):
@@ -194,7 +210,7 @@ def _breaking(scene, h, e, there):
 
 @leaf
 def _tip_between(scene, h, s, e):
-    """The tip of bond e at fraction s of a step."""
+    """Return the crack function of bond e at fraction s of a step, m."""
     j = joint_of(scene, e)
     phase = pose_between(scene, h, s, index_of(scene.joints.upper[j]), index_of(scene.joints.lower[j]))
     return tip_of(scene, e, penetration(scene, j, relative_motion(scene, phase, j)))
@@ -202,7 +218,7 @@ def _tip_between(scene, h, s, e):
 
 @kernel
 def crack_within(scene, h, those):
-    """Let bonds break by what a front that turns has passed within a step of h s; where one has."""
+    """Cut bonds along the rotating crack fronts of a step of h s; return the mask of where one was cut."""
     passed, allowed = _none(those), TURN * square_root(scene.settings.tolerance)
     for e in range(scene.extras.glued):
         growing = those & (bond_left(scene, e)[0].corners != 0.0) & (scene.extras.sound.held[e] == 0.0)
@@ -213,14 +229,19 @@ def crack_within(scene, h, those):
 
 @kernel
 def _cut_along(scene, h, e, growing, allowed):
-    """Cut bond e at places within a step between which the front of its crack turns by what is allowed, rad."""
+    """Cut bond e at instants of a step between which its crack front rotates by at most `allowed` rad.
+
+    Return the mask of where it was cut.
+    """
     a, b = _tip_between(scene, h, zero_like(h), e), _tip_between(scene, h, zero_like(h) + 1.0, e)
+    # rotation of the front, and the number of cuts
     sine, cosine = a.along_x * b.along_y - a.along_y * b.along_x, a.along_x * b.along_x + a.along_y * b.along_y
     below = square_root(sine * sine + cosine * cosine) + cosine
     turn = where(below > 0.0, 2.0 * magnitude(sine) / below, 0.0)  # twice the tangent of half the angle: no less
     cuts = where(growing, nearest(lesser(turn / allowed - 0.5, MOST_CUTS)), 0.0)
     passed = cuts > 0.0
     if any_of(passed):
+        # equally spaced instants
         counts = put_bond(scene, e)
         for k in range(most_of(cuts)):
             tip = _tip_between(scene, h, (k + 1.0) / (cuts + 1.0), e)
@@ -231,7 +252,7 @@ def _cut_along(scene, h, e, growing, allowed):
 
 @kernel
 def crack(scene, state, those):
-    """Let bonds break as a state says, and hold those that no crack grows in; where one broke whole."""
+    """Break bonds by a state, and hold those without a growing crack; return the mask of where one broke whole."""
     broke, phase = _none(those), _phase(state, scene.n)
     for e in range(scene.extras.glued):
         there = those & (bond_left(scene, e)[0].corners != 0.0)
@@ -245,8 +266,12 @@ def crack(scene, state, those):
 
 @kernel
 def _crack_bond(scene, phase, e, there):
-    """`crack` of bond e, whose joint has just been loaded."""
+    """Break bond e by the last evaluation of its joint, or hold it; return the mask of where it broke whole.
+
+    there: mask of where the bond exists.
+    """
     sound, j, left = scene.extras.sound, joint_of(scene, e), bond_left(scene, e)[0]
+    # broken along the joint, or nothing left
     holds = (sound.spare[e] > 0.0) & (sound.area[e] > LEAST * scene.joints.area[j])
     broke = there & opposite(holds)
     left.corners = where(broke, 0.0, left.corners)
@@ -254,6 +279,7 @@ def _crack_bond(scene, phase, e, there):
     there = there & holds
     if not any_of(there):
         return broke
+    # cut the part beyond its strength
     motion = relative_motion(scene, phase, j)
     tip, pace = tip_of(scene, e, penetration(scene, j, motion)), penetration_rate(scene, j, motion)
     counts = put_bond(scene, e)
@@ -263,10 +289,12 @@ def _crack_bond(scene, phase, e, there):
         counts = cut_bond(scene, counts, cuts, tip, MOST_BONDED)
         store_bond(scene, e, counts, cuts)
         least, largest = _strain_of(scene, most_of(counts), tip)
+    # the crack grows where a corner on its front opens further
     grows = _none(there)
     for k in range(most_of(counts)):
         x, y = scene.room[2 * k], scene.room[2 * k + 1]
         grows = grows | ((value(tip, x, y) <= NEAR * largest) & (value(pace, x, y) < 0.0))
+    # margin at the start of the step
     spare = lesser(sound.spare[e], where(grows, 1.0, _strength_left(scene, e, least, largest)))
     sound.held[e] = where(there, where(grows, 0.0, 1.0), sound.held[e])
     sound.begins[e] = where(there, spare, sound.begins[e])
@@ -275,7 +303,7 @@ def _crack_bond(scene, phase, e, there):
 
 @kernel
 def settle_bonds(scene, state):
-    """Let bonds break as the state says that has just been evaluated; whether it has to be evaluated again."""
+    """Break bonds by the state just evaluated; return True if it has to be evaluated again."""
     recall(scene, state)
     crack(scene, state, True)
     let_bonds_go(scene)

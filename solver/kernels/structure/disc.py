@@ -1,8 +1,8 @@
-"""The bed of a disc or a ring: a disc cut by two chords that need not be parallel, in closed form.
+"""The bed of a disc or ring: a disc cut by two chords that need not be parallel, in closed form.
 
-What two half-planes leave of a disc is a polygon between points of its rim and, beyond each of its sides that joins the
-ends of an arc, a segment of the disc (sections/circle.py). Along a segment's chord its second moment is that of
-theory.md section 10 across: R^4 times the integral 2/3 sin^4.
+Two half-planes leave of a disc a polygon between points of its rim, and a circular segment (sections/circle.py) beyond
+each of its sides that joins the ends of an arc. The second moment of a segment along its chord is that of theory.md
+section 10 across: R^4 times the integral 2/3 sin^4.
 """
 
 import math
@@ -22,12 +22,14 @@ PARALLEL = 1e-14  # sine of the angle between two chords that are taken as paral
 
 @leaf
 def _across(sine, cosine):
-    """2/3 of the integral of sin^4 from 0 to the angle with this sine and cosine, 0 to pi."""
+    """Return 2/3 of the integral of sin^4 from 0 to the angle with this sine and cosine, 0 to pi."""
     square = sine * sine
     angle = angle_of(sine, magnitude(cosine))
     angle = where(cosine >= 0.0, angle, math.pi - angle)
+    # closed form
     closed = 0.25 * (angle - sine * cosine) - sine * cosine * square / 6.0
     small = (sine < SMALL) & (cosine > 0.0)
+    # series for small angles
     if any_of(small):
         total = 0.0 * square
         for coefficient in ACROSS:
@@ -38,10 +40,24 @@ def _across(sine, cosine):
 
 @kernel
 def with_segment(bed, there, radius, q, out_x, out_y, cut):
-    """A bed with the segment beyond a chord, whose normal away from the centre is (out_x, out_y), `cut` m from it."""
+    """Add to a bed the circular segment beyond a chord, where `there` holds.
+
+    Parameters
+    ----------
+    radius : float or lanes
+        Radius of the disc about the origin, m.
+    q : Plane
+        Damped penetration, m.
+    out_x, out_y : float or lanes
+        Unit normal of the chord, away from the centre if `cut` is positive.
+    cut : float or lanes
+        Distance of the chord from the centre along the normal, m.
+    """
+    # moments of the segment across and along its chord
     about, area, first, second = circle_part(radius, cut, radius)
     half = square_root(greater((radius - cut) * (radius + cut), 0.0))
     across = _across(half / radius, cut / radius) * (radius * radius) * (radius * radius)
+    # q in the frame of the chord
     rise = q.along_x * out_x + q.along_y * out_y
     slope = q.along_y * out_x - q.along_x * out_y
     middle = q.at + rise * about
@@ -53,16 +69,16 @@ def with_segment(bed, there, radius, q, out_x, out_y, cut):
 
 @leaf
 def _with_triangle(bed, there, q, a, b, c):
-    """A bed with the triangle of three points."""
+    """Add to a bed the triangle of three points, where `there` holds."""
     values = value(q, a[0], a[1]), value(q, b[0], b[1]), value(q, c[0], c[1])
     area, force, first_x, first_y = triangle((a[0], b[0], c[0]), (a[1], b[1], c[1]), values)
     return add(bed, there, area, force, first_x, first_y)
 
 
 class _Chord(NamedTuple):
-    """Where a function passes zero in the disc: normal to the positive side, distance, the chord's two ends.
+    """The chord on which a function vanishes in the disc: normal to the positive side, distance, both ends.
 
-    The positive side is on the left from its beginning to its end.
+    The positive side lies to the left of the direction from `begin` to `end`.
     """
 
     x: object
@@ -74,7 +90,7 @@ class _Chord(NamedTuple):
 
 @leaf
 def _chord(radius, slope, plane):
-    """slope: of the function, not 0."""
+    """Return the chord of the linear function `plane` in a disc; slope: its gradient's norm, not 0."""
     nx, ny = plane.along_x / slope, plane.along_y / slope
     off = -plane.at / slope
     half = square_root(greater((radius - off) * (radius + off), 0.0))
@@ -90,11 +106,12 @@ def _point(condition, a, b):
 
 @leaf
 def _with_arc(bed, there, radius, q, own, begins, ends):
-    """A bed with the segment of an arc, anticlockwise from the end of chord `own` to its beginning, if `begins`.
+    """Add to a bed the segment of an arc that starts at the end of chord `own`, anticlockwise.
 
-    Else to `ends`, the beginning of the other chord.
+    The arc ends at the start of the same chord where `begins` holds, else at `ends`, the start of the other chord.
     """
     out_x, out_y, cut = own.x, own.y, own.off
+    # the chord of an arc to the other chord
     further = there & opposite(begins)
     if any_of(further):
         dx, dy = ends[0] - own.end[0], ends[1] - own.end[1]
@@ -108,10 +125,11 @@ def _with_arc(bed, there, radius, q, own, begins, ends):
 
 @kernel
 def _cut_disc(radius, p, q, slope_p, slope_q, some, cuts_p, cuts_q):
-    """The bed of a disc whose rim p or q cut: its part where both are positive, if there is `some`.
+    """Return the bed of the part of a disc, cut by p, q or both, where both are positive.
 
-    The part lies between arcs that begin at the ends of the chords, and the chords: both, if they do not meet and leave
-    a strip, or from where they meet.
+    The part is bounded by arcs that start at the ends of the chords, and by the chords: both whole if they do not meet
+    and leave a strip, else from where they meet. some: mask of where there is such a part; cuts_p, cuts_q: of where p
+    and q cut the disc.
     """
     of_p, of_q = _chord(radius, slope_p, p), _chord(radius, slope_q, q)
     turn = of_p.x * of_q.y - of_p.y * of_q.x  # sine of the angle between the chords
@@ -128,10 +146,12 @@ def _cut_disc(radius, p, q, slope_p, slope_q, some, cuts_p, cuts_q):
     begins_q = alone_q | (both & (value(p, of_q.begin[0], of_q.begin[1]) > 0.0))
     ends_q = alone_q | (both & (value(p, of_q.end[0], of_q.end[1]) > 0.0))
     bed = nothing(p)
+    # circular segments beyond the arcs
     if any_of(ends_p):
         bed = _with_arc(bed, ends_p, radius, q, of_p, begins_p & opposite(begins_q), of_q.begin)
     if any_of(ends_q):
         bed = _with_arc(bed, ends_q, radius, q, of_q, begins_q & opposite(begins_p), of_p.begin)
+    # the polygon between the chords
     strip = begins_p & ends_p & begins_q & ends_q
     meet = (begins_p & opposite(ends_p)) | (ends_p & opposite(begins_p))
     if any_of(strip | meet):
@@ -146,7 +166,7 @@ def _cut_disc(radius, p, q, slope_p, slope_q, some, cuts_p, cuts_q):
 
 @leaf
 def whole_disc(radius, q):
-    """The bed of a disc about the origin that is pressed as a whole, without its largest q."""
+    """Return the bed of a fully pressed disc about the origin; its largest q is left 0."""
     area = math.pi * radius * radius
     second = 0.25 * area * radius * radius
     return Bed(q.at * area, q.along_x * second, q.along_y * second, area, 0.0 * area)
@@ -154,7 +174,7 @@ def whole_disc(radius, q):
 
 @kernel
 def _disc(radius, p, q, slope_p, slope_q):
-    """The bed of a disc: of its part where p and q are positive."""
+    """Return the bed of the part of a disc where p and q are positive."""
     some = (p.at + radius * slope_p > 0.0) & (q.at + radius * slope_q > 0.0)
     same = (p.along_x == q.along_x) & (p.along_y == q.along_y) & (p.at == q.at)
     cuts_p, cuts_q = p.at < radius * slope_p, (q.at < radius * slope_q) & opposite(same)
@@ -167,13 +187,13 @@ def _disc(radius, p, q, slope_p, slope_q):
 
 @leaf
 def slope_of(plane):
-    """The steepest slope of a linear function."""
+    """Return the norm of the gradient of a linear function."""
     return square_root(plane.along_x * plane.along_x + plane.along_y * plane.along_y)
 
 
 @kernel
 def _highest(radius, p, q, slope_p, slope_q):
-    """The largest q where p is not negative, in a disc: at the rim, or where the chord of p meets it."""
+    """Return the largest q in the disc where p is not negative: at the rim, or where the chord of p meets the rim."""
     top = q.at + radius * slope_q
     x, y = radius * q.along_x / slope_q, radius * q.along_y / slope_q
     below = (slope_q > 0.0) & (slope_p > 0.0) & (value(p, x, y) < 0.0)
@@ -186,10 +206,24 @@ def _highest(radius, p, q, slope_p, slope_q):
 
 @kernel
 def round_bed(outer, inner, area, moments, p, q):
-    """Return the bed of a disc or ring about the centre of its joint: radii, m; area, m2; `Moments`."""
+    """Return the bed of a disc or ring about the centre of its joint.
+
+    Parameters
+    ----------
+    outer, inner : float or lanes
+        Radii, m; inner is 0 of a disc.
+    area : float or lanes
+        Area, m2.
+    moments : Moments
+        Other integrals over the section.
+    p, q : Plane
+        Penetration and damped penetration, m.
+    """
+    # full contact
     slope_p, slope_q = slope_of(p), slope_of(q)
     full = (p.at >= outer * slope_p) & (q.at >= outer * slope_q)
     bed = whole(area, moments, q, q.at + outer * slope_q)
+    # partial contact: the outer disc less the bore
     if any_of(opposite(full)):
         part = nothing(p)
         for k in range(2):  # which is compiled once

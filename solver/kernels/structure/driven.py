@@ -1,7 +1,7 @@
-"""A structure under inputs that a caller sets from call to call: the engine behind its FMUs.
+"""A structure under inputs that the caller sets at each call: the engine behind its FMUs.
 
-All that it is lies in the flat rows of layout.py. The joints are elastic along themselves, so that everything seen of a
-structure follows from its state, and nothing from the acceleration of the same instant; but the accelerations of ports.
+Its whole state is in the flat rows of layout.py. The joints are elastic in shear, so that all outputs follow from the
+state, without dependence on the acceleration of the same instant; only accelerations of ports have feedthrough.
 """
 
 import math
@@ -60,12 +60,23 @@ _DRIVEN, _DRIVEN_TURN = DRIVEN.beside, DRIVEN_TURN.beside
 
 @kernel
 def assemble(model, state, counts, base, work, given, from_rest):
-    """The model that `given` describes; the structure at rest with `from_rest`. Returns OK."""
+    """Fill `model` from its description and prepare the modes; initialize `state` and `base` if asked. Return OK.
+
+    Parameters
+    ----------
+    model, state, counts, base, work : row
+        The arrays of a structure (layout.py).
+    given : row
+        GIVEN, then MODEL, then a state at rest.
+    from_rest : int
+        1: set the state at rest and clear counts and base.
+    """
     described, packed = _given(given, 0), given[_GIVEN:]
     sizes = sizes_in(packed)
     made = _model(model, sizes)
     copy(model, packed, made.total)
     settings, joints = made.settings, made.joints
+    # settings
     settings.tolerance = described.tolerance
     settings.step_tolerance = step_tolerance(settings.order, settings.tolerance)
     settings.stabilizes = stabilizes(settings.order, settings.tolerance)
@@ -76,6 +87,7 @@ def assemble(model, state, counts, base, work, given, from_rest):
         settings.stabilizes = 0.0
     settings.drive, settings.slope, settings.bodies = described.drive, described.slope, described.bodies
     settings.turns = described.turns
+    # damping, scaled; a joint that may slide keeps the least damping in shear
     for j in range(sizes.m):
         joints.damping[j] *= described.damping_scale
         least = settings.relaxation if joints.friction[j] != math.inf else 0.0
@@ -88,12 +100,14 @@ def assemble(model, state, counts, base, work, given, from_rest):
         made.pairs.damping[p] *= described.damping_scale
         made.pairs.decay[p] /= described.damping_scale
     scene = scene_of(model, state, counts, work)
+    # initial state
     if from_rest != 0:
         lasting = _state(state, sizes)
         clear(state, lasting.total)
         copy(lasting.phase.buffer, packed[made.total :], sizes.state)
         clear(counts, _COUNTS)
         clear(base, _input(base, sizes).total)
+    # modes
     let_go(scene)
     prepare(scene, _shaking(base, sizes, 0, given, given, given, given, 1.0))
     return OK
@@ -108,7 +122,7 @@ def _shaking(base, sizes, count, times, ax, ay, az, scale):
 
 @leaf
 def _load(scene, shaking, inputs, elapsed, t):
-    """Set the inputs at the ports, which were set `elapsed` s before time t."""
+    """Set the inputs at the ports, which the caller set `elapsed` s before time t, and their slopes."""
     count, given = _LOAD * scene.extras.spotted, inputs[_INPUTS:]
     past = elapsed - (t - shaking.base.t0)
     for i in range(count):
@@ -118,7 +132,7 @@ def _load(scene, shaking, inputs, elapsed, t):
 
 @kernel
 def _drive(scene, base, inputs, elapsed, t):
-    """Set the inputs that the base follows from time t on; they were set `elapsed` s before."""
+    """Set the inputs that the base follows from time t on, which the caller set `elapsed` s before."""
     given = _inputs(inputs, 0)
     start_at(base, t)
     if scene.settings.turns != 0.0:
@@ -132,7 +146,7 @@ def _drive(scene, base, inputs, elapsed, t):
 
 @kernel
 def _see(scene, base, phase, t, visible):
-    """Fill an output row with the outputs of the state at time t."""
+    """Fill the output row `visible` from the state at time t, on a base without acceleration."""
     recall(scene, phase.buffer)
     turn_base(scene, base, t, 0.0, 0.0, 0.0)
     evaluate(scene, phase, _phase(row(scene, RATES), scene.n), 0.0, 0.0, 0.0)
@@ -142,7 +156,10 @@ def _see(scene, base, phase, t, visible):
 
 @kernel
 def _see_pushed(scene, shaking, phase, t, visible):
-    """Fill an output row with the outputs of the state and of what acts at time t: accelerations follow from both."""
+    """Fill the output row `visible` from the state, the base acceleration and the loads at time t.
+
+    Accelerations of ports depend on all three.
+    """
     pushed = taken_at(scene, shaking, segment_after(shaking, t), t)
     recall(scene, phase.buffer)
     evaluate(scene, phase, _phase(row(scene, RATES), scene.n), pushed[0], pushed[1], pushed[2])
@@ -152,7 +169,7 @@ def _see_pushed(scene, shaking, phase, t, visible):
 
 @leaf
 def _are_bounded(base, h):
-    """Whether every input is at most MOST_INPUT, m/s2, and the rotation at most MOST_TURN, now and h s later."""
+    """Return True if all inputs stay within MOST_INPUT, m/s2, and the rotation within MOST_TURN, now and h s later."""
     bounded = abs(base.ax) <= MOST_INPUT and abs(base.ay) <= MOST_INPUT and abs(base.az) <= MOST_INPUT
     bounded = bounded and abs(base.ax + base.jx * h) <= MOST_INPUT and abs(base.ay + base.jy * h) <= MOST_INPUT
     bounded = bounded and abs(base.az + base.jz * h) <= MOST_INPUT
@@ -163,14 +180,16 @@ def _are_bounded(base, h):
 
 @kernel
 def _is_flat(scene, shaking, phase, t, stop):
-    """Whether neither the state nor base and ports until `stop` have a part across the plane x, z."""
+    """Return True if neither the state nor base, record and ports until `stop` move anything across the plane x, z."""
     n, ports = scene.n, scene.extras.spotted
     if shaking.base.ay != 0.0 or shaking.base.jy != 0.0:
         return False
+    # loads at ports across the plane
     for way in (1, 3, 5):  # fy, mx, mz, and their slopes
         for p in range(way * ports, (way + 1) * ports):
             if shaking.inputs[p] != 0.0 or shaking.inputs[_LOAD * ports + p] != 0.0:
                 return False
+    # samples of the record
     for k in range(max(0, segment_after(shaking, t)), shaking.size):
         if shaking.ay[k] != 0.0:
             return False
@@ -181,7 +200,7 @@ def _is_flat(scene, shaking, phase, t, stop):
 
 @leaf
 def _lies_flat(base, phase, n):
-    """Whether neither the state nor the rotation of the base has a part across the plane x, z."""
+    """Return True if neither the state nor the rotation of the base has a component across the plane x, z."""
     if is_turned_across(base):
         return False
     for i in range(n):
@@ -193,16 +212,33 @@ def _lies_flat(base, phase, n):
 
 @kernel
 def follow(model, state, counts, base, work, inputs, start, h, count, times, ax, ay, az, scale, visible):
-    """Take the structure from `start` to start + h, s, under inputs that begin there, and the record. Returns a code.
+    """Advance the structure from time `start` over h, s, under inputs that begin there, and the record; return a code.
 
-    visible: room for an output row.
+    A structure that is its own mirror image in the plane x, z stays exactly in it while nothing moves it across.
 
-    A structure that is its own mirror image in the plane x, z stays in it exactly as long as nothing moves it across.
+    Parameters
+    ----------
+    model, state, counts, base, work : row
+        The arrays of a structure (layout.py).
+    inputs : row
+        INPUTS, loads at ports, and where they apply rotation and bodies (coupled.py).
+    start, h : float
+        Time and length of the communication step, s.
+    count, times, ax, ay, az, scale : int, rows, float
+        Number of samples of the record, their times (s), accelerations (m/s2), and a factor on these.
+    visible : row
+        Scratch space for an output row.
+
+    Returns
+    -------
+    int
+        OK or the code of an error (layout/spaces.py).
     """
     sizes = sizes_in(model)
     scene, shaking = scene_of(model, state, counts, work), _shaking(base, sizes, count, times, ax, ay, az, scale)
     phase, stop = _state(state, sizes).phase, start + h
     is_plane = _head(model, 0).is_plane != 0.0
+    # motion of the base: by inputs, or by the forces of bodies and structure
     if scene.settings.drive == ACCELERATION:
         _drive(scene, shaking.base, inputs, 0.0, start)
         if scene.settings.turns != 0.0:
@@ -217,14 +253,17 @@ def follow(model, state, counts, base, work, inputs, start, h, count, times, ax,
         if code != OK:
             return code
         examine_step(scene, shaking.base, h)
+    # loads
     _load(scene, shaking, inputs, 0.0, start)
     if not _are_bounded(shaking.base, h):
         return INPUT_TOO_LARGE
+    # plane motion, and the most steps of this call
     scene.counts.resting = 0
     flat = is_plane and _is_flat(scene, shaking, phase, start, stop)
     most, bounded = most_work(scene.settings, h), most_of_a_call(HEAVIER * (scene.n + scene.m))
     code_beyond = TOO_MUCH_WORK if most <= bounded else CALL_TOO_LONG
     scene.settings.in_plane = 1.0 if flat else 0.0
+    # steps
     state_row, nothing = phase.buffer, Watch(0, work, work, 0)
     code = advance(scene, shaking, nothing, state_row, start, stop, int(min(most, bounded)) // STAGES)
     scene.settings.in_plane = 0.0  # of this step, no part of the model
@@ -235,16 +274,30 @@ def follow(model, state, counts, base, work, inputs, start, h, count, times, ax,
 def look(
     model, state, counts, base, work, inputs, new_inputs, elapsed, t, count, times, ax, ay, az, scale, visible, driven
 ):
-    """Fill an output row with the outputs of the state. Returns OK.
+    """Fill an output row from the state. Return OK.
 
-    With `new_inputs` base and ports follow, from time t on, the inputs set `elapsed` s before. driven: filled with the
-    motion of the base where bodies may drive it, as the last step has left it.
+    Parameters
+    ----------
+    model, state, counts, base, work : row
+        The arrays of a structure (layout.py).
+    inputs, new_inputs, elapsed : row, int, float
+        With `new_inputs` 1 base and ports follow these inputs from time t on; they were set `elapsed` s before.
+    t : float
+        Time, s.
+    count, times, ax, ay, az, scale : int, rows, float
+        The record, as of `follow`.
+    visible : row
+        The output row to fill.
+    driven : row
+        Filled with the motion of the base, where bodies may drive it, as the last step left it.
     """
     sizes, scene = sizes_in(model), scene_of(model, state, counts, work)
     phase = _state(state, sizes).phase
+    # motion of the base
     show_driven(scene.settings, _input(base, sizes).motion, t, 0, driven)
     if new_inputs != 0 and scene.settings.drive == ACCELERATION:  # else no output depends on them
         _drive(scene, _input(base, sizes).motion, inputs, elapsed, t)
+    # without ports no output depends on inputs
     if scene.extras.spotted == 0:
         _see(scene, _input(base, sizes).motion, phase, t, visible)
         return OK
@@ -257,9 +310,10 @@ def look(
 
 @kernel
 def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, visible, driven):
-    """Fill an output row with the rate of every output at time t, 1/s; `look` has been called then. Returns OK.
+    """Fill an output row with the rates of all outputs at time t, 1/s. Return OK. `look` has been called at t.
 
-    Central differences along the rates of the state, over a fraction of the first step.
+    The rates are central differences of the outputs along the rates of the state, over a fraction of the first step.
+    The arguments are those of `look`; driven: filled with the rates of the motion of the base.
     """
     sizes = sizes_in(model)
     scene, shaking = scene_of(model, state, counts, work), _shaking(base, sizes, count, times, ax, ay, az, scale)
@@ -268,10 +322,12 @@ def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, 
     show_driven(scene.settings, shaking.base, t, 1, driven)
     if scene.counts.fallen > 0:
         return OK
+    # rates of the state
     pace, segment = row(scene, RATES), segment_after(shaking, t)
     pushed = taken_at(scene, shaking, segment, t)
     recall(scene, here)
     evaluate_state(scene, here, pace, pushed[0], pushed[1], pushed[2])
+    # outputs on both sides of time t
     past = RATE_PART * scene.settings.first_step
     for _ in range(2):
         for i in range(moving(scene)):
@@ -279,6 +335,7 @@ def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, 
         pushed = taken_at(scene, shaking, segment, t + past)
         evaluate_state(scene, between, row(scene, RATES + 1), pushed[0], pushed[1], pushed[2])
         show(scene, _phase(between, scene.n), seen(scene, 0))
+        # half of the difference quotient
         for i in range(size):
             visible[i] += 0.5 / past * seen(scene, 0)[i]
         past = -past
@@ -296,10 +353,22 @@ def _driven_size(settings):
 
 @kernel
 def feedthrough(model, state, counts, base, work, seeds, elapsed, t, visible, driven):
-    """Fill an output row with the derivatives of the outputs at time t along inputs, the seeds. Returns OK.
+    """Fill an output row with the directional derivatives of the outputs at time t along input seeds. Return OK.
 
-    Only accelerations of ports depend on these, by straight lines; the motion of the base (driven) does not. elapsed:
-    s, since the inputs were set.
+    Only accelerations of ports depend on inputs, linearly; the motion of the base (`driven`, cleared) does not.
+
+    Parameters
+    ----------
+    model, state, counts, base, work : row
+        The arrays of a structure (layout.py).
+    seeds : row
+        Directions of the inputs, laid out as these.
+    elapsed : float
+        Time since the inputs were set, s.
+    t : float
+        Time, s.
+    visible, driven : row
+        The rows to fill.
     """
     sizes, scene = sizes_in(model), scene_of(model, state, counts, work)
     clear(visible, sizes.visible)
@@ -308,11 +377,13 @@ def feedthrough(model, state, counts, base, work, seeds, elapsed, t, visible, dr
         return OK
     phase, pace, inputs = _state(state, sizes).phase, _phase(row(scene, RATES), scene.n), _inputs(seeds, 0)
     motion, loads = _input(base, sizes).motion, seeds[_INPUTS:]
+    # outputs without inputs
     recall(scene, phase.buffer)
     let_go(scene)
     turn_base(scene, motion, t, 0.0, 0.0, 0.0)
     evaluate(scene, phase, pace, 0.0, 0.0, 0.0)
     show(scene, phase, seen(scene, 0))
+    # outputs with the seeds as loads and base acceleration
     count = _LOAD * scene.extras.spotted
     for i in range(count):
         scene.extras.pushes.row[i] = loads[i] + elapsed * loads[count + i]
@@ -323,6 +394,7 @@ def feedthrough(model, state, counts, base, work, seeds, elapsed, t, visible, dr
     evaluate(scene, phase, pace, ax, ay, az)
     show(scene, phase, visible)
     let_go(scene)
+    # the difference is the derivative, since outputs are linear in inputs
     for i in range(sizes.visible):
         visible[i] -= seen(scene, 0)[i]
     return OK

@@ -1,8 +1,8 @@
-"""A drum beside a drum, and a drum before a plane face (theory.md section 17).
+"""Contact of two drums, and of a drum and a plane face (theory.md section 17).
 
 Along the axis of the first drum, s from its middle, both sides overlap by delta(s). The force per length is stiffness
-times q = delta + damping d(delta)/dt where that is positive. Its ends are in closed form; where the end of the other
-drum, or an edge of the face, sets one, the energy changes as that end moves, which is a force there.
+times q = delta + damping d(delta)/dt where that is positive. The ends of the loaded interval are in closed form; if the
+end of the other drum or an edge of the face sets one, the energy changes as that end moves, which is a force there.
 """
 
 import math
@@ -19,7 +19,7 @@ WEIGHTS = (0.5688888888888889, 0.47862867049936647, 0.47862867049936647, 0.23692
 
 
 class Part(NamedTuple):
-    """A part of the axis of the first drum."""
+    """An interval of the axis of the first drum, m from its middle; empty if low > high."""
 
     low: float
     high: float
@@ -29,7 +29,7 @@ class Part(NamedTuple):
 
 @leaf
 def _cut(part, level, slope, edge):
-    """The part where level + slope s is positive; edge: outwards across what ends it there."""
+    """Clip the interval to where level + slope s is positive; edge: outward normal of what sets the new end."""
     if slope > 0.0:
         s = -level / slope
         return Part(s, part.high, edge, part.by_high) if s > part.low else part
@@ -44,9 +44,10 @@ def _cut(part, level, slope, edge):
 
 @leaf
 def _beside_drum(sides, half_a, half_b):
-    """The part of the axis of the first drum that lies between the ends of both."""
+    """Return the interval of the axis of the first drum that lies between the ends of both drums."""
     t0, c = dot(sides.between, sides.v), dot(sides.u, sides.v)
     part = Part(-half_a, half_a, NOTHING, NOTHING)
+    # perpendicular axes: all or nothing
     if abs(c) < ALONG:
         return part if abs(t0) < half_b else Part(1.0, -1.0, NOTHING, NOTHING)
     part = _cut(part, half_b - t0, -c, sides.v)
@@ -54,7 +55,7 @@ def _beside_drum(sides, half_a, half_b):
 
 
 class _Axes(NamedTuple):
-    """From the axis of the other drum, across it, to a point of that of the first one: at + s along."""
+    """The vector across the axis of the other drum, from it to point s of the first axis: at + s along, m."""
 
     at: object
     along: object
@@ -72,16 +73,18 @@ def _axes(sides):
 
 @leaf
 def _nearer_than(axes, part, distance):
-    """What of a part of the axis is nearer to the other one than that, m."""
+    """Return the sub-interval of the axis within `distance` (m) of the other axis."""
     beyond = axes.level - distance * distance
     if axes.square <= PARALLEL:
         return part if beyond < 0.0 else Part(1.0, -1.0, part.by_low, part.by_high)
+    # roots of the quadratic square s^2 + 2 product s + beyond
     found = axes.product * axes.product - axes.square * beyond
     if found <= 0.0:
         return Part(1.0, -1.0, part.by_low, part.by_high)
     far = -(axes.product + math.copysign(math.sqrt(found), axes.product))
     one, other = far / axes.square, beyond / far
     low, high = min(one, other), max(one, other)
+    # ends set by the distance are no edges
     by_low = NOTHING if low > part.low else part.by_low
     by_high = NOTHING if high < part.high else part.by_high
     return Part(max(low, part.low), min(high, part.high), by_low, by_high)
@@ -89,7 +92,7 @@ def _nearer_than(axes, part, distance):
 
 @leaf
 def _outwards(axes, s):
-    """Unit vector and distance, m, from the axis of the other drum to place s of that of the first one."""
+    """Return the unit vector and the distance (m) from the axis of the other drum to point s of the first axis."""
     w = plus(axes.at, axes.along, s)
     rho = math.sqrt(dot(w, w))
     return (w[0] / rho, w[1] / rho, w[2] / rho), rho
@@ -97,9 +100,9 @@ def _outwards(axes, s):
 
 @leaf
 def _push_ends(scene, sides, stiffness, part, at_low, at_high):
-    """Add the forces of the ends of the loaded part that the other block sets; both overlap there by so much, m.
+    """Add the forces of those ends of the loaded interval that the other block sets; return their sum, N.
 
-    Returns their sum, N.
+    at_low, at_high: overlap at both ends, m.
     """
     total = NOTHING
     for way in (-1.0, 1.0):
@@ -113,16 +116,19 @@ def _push_ends(scene, sides, stiffness, part, at_low, at_high):
 
 @leaf
 def load_drums(scene, phase, pairs, p, sides):
-    """Add the forces across of two drums."""
+    """Add the normal forces of two drums; return their contact (`Touch`)."""
     k, eta, reach = pairs.stiffness[p], pairs.damping[p], pairs.radius_a[p] + pairs.radius_b[p]
+    # the interval in which the drums overlap
     axes, c, t0 = _axes(sides), dot(sides.u, sides.v), dot(sides.between, sides.v)
     part = _nearer_than(axes, _beside_drum(sides, pairs.half_a[p], pairs.half_b[p]), reach + SLACK)
     total, first, energy, resultant = 0.0, 0.0, 0.0, NOTHING
     if part.high > part.low:
         middle, half = 0.5 * (part.high + part.low), 0.5 * (part.high - part.low)
+        # relative velocity along the interval, linear in s
         on_a, on_b, along_b = sides.arm_a, plus(sides.arm_b, sides.v, t0), scaled(sides.v, c)
         moves = minus(velocity_of(scene, phase, sides.a, on_a), velocity_of(scene, phase, sides.b, on_b))
         turns = minus(cross(spin_of(scene, sides.a), sides.u), cross(spin_of(scene, sides.b), along_b))
+        # integrate the force by Gauss and Legendre
         pushed, times_s = NOTHING, NOTHING  # sums of the force, and of s times it
         for g in range(len(NODES)):
             s = middle + half * NODES[g]
@@ -133,10 +139,12 @@ def load_drums(scene, phase, pairs, p, sides):
             pushed, times_s = plus(pushed, n, force), plus(times_s, n, s * force)
             total, first = total + force, first + s * force
             energy += 0.5 * k * half * WEIGHTS[g] * max(delta, 0.0) ** 2
+        # forces of the pressure, then of the ends
         push(scene.poses, sides.a, on_a, pushed, cross(sides.u, times_s), 1.0)
         push(scene.poses, sides.b, on_b, pushed, scaled(cross(along_b, times_s), -1.0), -1.0)
         at_low, at_high = reach - _outwards(axes, part.low)[1], reach - _outwards(axes, part.high)[1]
         resultant = plus(pushed, _push_ends(scene, sides, k, part, at_low, at_high), 1.0)
+    # the centre of the pressure
     place = NOTHING
     if total > 0.0:
         s = first / total
@@ -147,11 +155,12 @@ def load_drums(scene, phase, pairs, p, sides):
 
 @leaf
 def gap_of_drums(pairs, p, sides):
-    """Distance of two drums, m, below 0 by the deepest overlap; beside their ends that of these."""
+    """Return the distance of two drums, m: negative by the deepest overlap, beyond the ends that to them."""
     half, axes = pairs.half_a[p], _axes(sides)
     part = _beside_drum(sides, half, pairs.half_b[p])
     low, high = max(min(part.low, half), -half), min(max(part.high, -half), half)
     beside = max(low - high, 0.0) * abs(dot(sides.u, sides.v))
+    # the point of the first axis nearest to the other one
     s = -axes.product / axes.square if axes.square > PARALLEL else 0.0
     s = min(max(s, min(low, high)), max(low, high))
     return apart(_outwards(axes, s)[1] - pairs.radius_a[p] - pairs.radius_b[p], beside)
@@ -162,11 +171,12 @@ def gap_of_drums(pairs, p, sides):
 
 @leaf
 def _before_face(scene, pairs, p, sides, part):
-    """What of a part of the axis lies within the edges of the face."""
+    """Clip the interval of the axis to the edges of the face."""
     e1 = standing(scene.poses, sides.b, pairs.e1x[p], pairs.e1y[p], pairs.e1z[p])
     e2 = cross(sides.v, e1)
     x0, x1 = dot(sides.between, e1), dot(sides.u, e1)
     y0, y1 = dot(sides.between, e2), dot(sides.u, e2)
+    # each edge clips it
     for k in range(int(pairs.corners[p])):
         ax, ay, dx, dy = edge_of(scene, pairs, p, k)
         edge = plus(scaled(e1, dy), e2, -dx)  # outwards
@@ -176,7 +186,7 @@ def _before_face(scene, pairs, p, sides, part):
 
 
 class _Lowest(NamedTuple):
-    """The line of a drum that is nearest to a face: its overlap at + along s, and where it is from the axis, m."""
+    """The generatrix of a drum nearest to a face: overlap at + along s, m, and its vector from the axis, m."""
 
     at: float
     along: float
@@ -193,22 +203,26 @@ def _lowest(sides, radius):
 
 @leaf
 def load_drum_before_face(scene, phase, pairs, p, sides):
-    """Add the forces across of a drum before a face."""
+    """Add the normal forces of a drum and a face; return their contact (`Touch`)."""
     k, eta, half, n = pairs.stiffness[p], pairs.damping[p], pairs.half_a[p], sides.v
+    # the interval in which they overlap
     line = _lowest(sides, pairs.radius_a[p])
     total, energy, resultant, place = 0.0, 0.0, NOTHING, NOTHING
     part = Part(-half, half, NOTHING, NOTHING)
     if line.at < pairs.radius_a[p] and line.at + abs(line.along) * half > -SLACK:
         part = _cut(_before_face(scene, pairs, p, sides, part), line.at + SLACK, line.along, NOTHING)
         if part.high > part.low:
+            # damped overlap, linear in s
             on_a, on_b = arms_to(sides, line.off)
             rate = rate_along(scene, phase, sides, n, on_a, on_b)
             pace = rate_along(scene, phase, sides, n, plus(on_a, sides.u, 1.0), plus(on_b, sides.u, 1.0)) - rate
             at, along = line.at + eta * rate, line.along + eta * pace
             low, high = part.low, part.high
+            # forces of the ends, and the energy
             d0, d1 = max(line.at + line.along * low, 0.0), max(line.at + line.along * high, 0.0)
             resultant = _push_ends(scene, sides, k, part, d0, d1)
             energy = k * (high - low) * (d0 * d0 + d0 * d1 + d1 * d1) / 6.0
+            # force of the pressure, where the damped overlap is positive
             pressed = _cut(part, at, along, NOTHING)
             low, high = pressed.low, pressed.high
             if high > low:
@@ -224,7 +238,7 @@ def load_drum_before_face(scene, phase, pairs, p, sides):
 
 @leaf
 def gap_before_face(scene, pairs, p, sides):
-    """Distance of a drum from a face, m, likewise."""
+    """Return the distance of a drum from a face, m: negative by the deepest overlap, beyond an edge that to it."""
     half, line = pairs.half_a[p], _lowest(sides, pairs.radius_a[p])
     part = _before_face(scene, pairs, p, sides, Part(-half, half, NOTHING, NOTHING))
     low, high = max(min(part.low, half), -half), min(max(part.high, -half), half)

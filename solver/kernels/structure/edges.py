@@ -1,4 +1,4 @@
-"""Line integrals of a pressure along straight edges, exactly."""
+"""Line integrals of a pressure along straight edges, exact for linear p and q."""
 
 from ..numba_ext.jit import kernel
 from ..numba_ext.lanes import any_of, greater, lesser, where, zero_like
@@ -25,6 +25,7 @@ def edge_integrals(x0, y0, dx, dy, p, q):
     x, y : float or lanes
         Middle of that part, m.
     """
+    # clip the edge to where p and q are positive
     p0, q0 = value(p, x0, y0), value(q, x0, y0)
     p_rise, q_rise = p.along_x * dx + p.along_y * dy, q.along_x * dx + q.along_y * dy
     zero = zero_like(p0)
@@ -35,6 +36,7 @@ def edge_integrals(x0, y0, dx, dy, p, q):
             root = -first / where(rise == 0.0, 1.0, rise)
             low = where(rise > 0.0, greater(low, root), low)
             high = where(rise < 0.0, lesser(high, root), where((rise == 0.0) & (first <= 0.0), 0.0, high))
+    # integrate by Simpson's rule
     length = greater(high - low, 0.0)
     total, moment = zero, zero
     for part, weight in SIMPSON:

@@ -1,4 +1,4 @@
-"""Entries: a structure over flat buffers."""
+"""Entry points: the kernels of a structure over flat buffers."""
 
 from ..machine.entry import entry
 from ..machine.kinds import Int, Ints, Real, Reals, SizedReals
@@ -19,16 +19,18 @@ _phase, _input, _state = PHASE.over, INPUT_MOTION.over, STATE.over
 @kernel
 def see(model, state, counts, work):
     """Return the scene of a structure, and its state as a row."""
+    # the state without its padding
     sizes, scene = sizes_in(model), scene_of(model, state, counts, work)
     return scene, _state(state, sizes).phase.buffer[: sizes.state]
 
 
 @kernel
 def _turn(phase, i, axis, angle):
-    """Turn body i by an angle, rad, about an axis of the base, to the second order."""
+    """Rotate body i by an angle, rad, about an axis of the base, to second order in the angle."""
     half = 0.5 * angle
     x, y, z = half if axis == 0 else 0.0, half if axis == 1 else 0.0, half if axis == 2 else 0.0
     scalar = (1.0 - half * half) ** 0.5
+    # product of both quaternions
     q0, q1, q2, q3 = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
     phase.q0[i] = scalar * q0 - x * q1 - y * q2 - z * q3
     phase.q1[i] = scalar * q1 + x * q0 + y * q3 - z * q2
@@ -38,7 +40,7 @@ def _turn(phase, i, axis, angle):
 
 @kernel
 def _find_stiffness(scene, from_, scratch, rates, delta, matrix):
-    """Compute the tangent stiffness by central differences of `delta`, N and N m per m and rad, by rows."""
+    """Fill `matrix` with the tangent stiffness by rows, N and N m per m and rad, by central differences of `delta`."""
     n = scene.n
     size = 6 * n
     turned, poses = _phase(scratch, n), scene.poses
@@ -75,14 +77,31 @@ def run_structure(
     model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, times: SizedReals, ax: SizedReals,
     ay: Reals, az: Reals, loads: SizedReals, at: SizedReals, rows: SizedReals, t: Real, stop: Real, most: Int,
 ) -> Int:  # fmt: skip
-    """Run `stepping.advance` over a record (base.py), with an output row at each time of `at`.
+    """Run `stepping.advance` over a record (base.py), with an output row at each time of `at`; return its code.
 
-    rows: with room for a state behind each, that is filled in too, as far as it moves.
+    Parameters
+    ----------
+    model, state, counts, base, work : row
+        The arrays of a structure (layout.py).
+    times, ax, ay, az : row
+        Times of the samples, s, and accelerations of the base, m/s2.
+    loads : row
+        Loads at ports, values and slopes of each interval (port.py), or empty.
+    at : row
+        Times of the output rows, s.
+    rows : row
+        The output rows to fill; if they are wider, each is followed by the integrated part of the state.
+    t, stop : float
+        Time interval, s.
+    most : int
+        Largest number of steps.
     """
     scene, phase = see(model, state, counts, work)
     inputs = _input(base, sizes_in(model))
+    # the record, with loads where there are any
     of_loads = 1 if loads.size > 0 else 0, loads.row, inputs.loads.row
     shaking = Shaking(times.size, ax.size, times.row, ax.row, ay, az, inputs.motion, *of_loads)
+    # output rows
     watch = Watch(at.size, at.row, rows.row, rows.size // max(1, at.size))
     return advance(scene, shaking, watch, phase, t, stop, most)
 
@@ -92,14 +111,31 @@ def observe_structure(
     model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, rates: Reals, ax: Real, ay: Real, az: Real,
     row: Reals, keep: Int,
 ) -> Real:  # fmt: skip
-    """Evaluate the state under an acceleration of the base, m/s2, and the loads in WORK: its rates and output row.
+    """Evaluate the state under a base acceleration and the loads in WORK; fill its rates and output row.
 
-    Returns its energy, J. keep: 1 if joints and ties remember this state, as after a long rest.
+    Parameters
+    ----------
+    model, state, counts, base, work : row
+        The arrays of a structure (layout.py).
+    rates : row
+        Rates of the phase to fill.
+    ax, ay, az : float
+        Acceleration of the base, m/s2.
+    row : row
+        Output row to fill.
+    keep : int
+        1: the memory of joints and ties is set to this state, as after a long rest.
+
+    Returns
+    -------
+    float
+        Mechanical energy, J.
     """
     scene, phase = see(model, state, counts, work)
     seen = _phase(phase, scene.n)
     recall(scene, phase)
     evaluate(scene, seen, _phase(rates, scene.n), ax, ay, az)
+    # plastic parts are set to what exceeds the limits, and bonds are broken
     if keep:
         settle_memory(scene, phase)
         if settle_bonds(scene, phase):
@@ -113,10 +149,10 @@ def stiffness_of(
     model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, scratch: Reals, rates: Reals, delta: Reals,
     matrix: Reals,
 ):  # fmt: skip
-    """Compute the tangent stiffness about the state, which has no rates: matrix (6 n x 6 n) by rows.
+    """Fill `matrix` (6 n x 6 n, by rows) with the tangent stiffness about the state, which has no rates.
 
-    Forces on the centroids by displacements and rotations about the axes of the base. delta: a difference, m or
-    rad, for each coordinate. Joints and ties remember what the state says.
+    Its entries are forces and couples on the centroids by displacements and rotations about the axes of the base, N and
+    N m per m and rad. delta: step of each coordinate, m or rad. The memory of joints and ties is that of the state.
     """
     scene, phase = see(model, state, counts, work)
     _find_stiffness(scene, phase, scratch, rates, delta, matrix)
@@ -127,7 +163,7 @@ def run_structures_in_lanes(
     buffer: Reals, size: Int, models: Reals, states: Reals, runs: Reals, outcomes: Reals, peaks: Reals,
     times: Reals, ax: Reals, ay: Reals, az: Reals, flag: Reals,
 ):  # fmt: skip
-    """Run `in_lanes.follow_queue`; buffer: eight numbers for each of a lane."""
+    """Run `in_lanes.follow_queue`; buffer: scratch space, eight numbers for each of one lane."""
     queue = Queue(size, models, states, runs, outcomes, peaks, times, ax, ay, az, flag)
     follow_queue(batch_over(sizes_in(models), lanes_of(buffer), queue))
 

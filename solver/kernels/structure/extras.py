@@ -1,7 +1,7 @@
-"""What only some structures have: bearings, ports with loads, neighbours that meet, bonds that break, a turning base.
+"""Features that only some structures have: bearings, ports, neighbours in contact, bonds, a rotating base.
 
-Their numbers are zero in all others (layout.py, Extras). In lanes ports are not loaded and the base does not turn:
-functions whose first version does less are those of lanes.
+Their counts are zero in all others (layout.py, Extras). In lanes ports are not loaded and the base does not rotate: the
+first version of each varied function is that of lanes, and does less.
 """
 
 import math
@@ -19,7 +19,10 @@ from .turning import is_turned, load_turned, show_turned, stop_turning, turn_bas
 
 @varied
 def taken_at(scene, shaking, k, t):
-    """(ax, ay, az) of the base at time t, s, on segment k, m/s2; take what else acts, until something else is taken."""
+    """Return the base acceleration (ax, ay, az), m/s2, at time t (s) on segment k.
+
+    Alone, not in lanes, also set the loads at ports and the rotation of the base, which stay until they are set again.
+    """
     return acceleration(shaking, k, t)
 
 
@@ -33,7 +36,7 @@ def _take(scene, shaking, k, t):
 
 @kernel
 def let_go(scene):
-    """Leave nothing that acts on the structure."""
+    """Clear all loads, the rotation of the base and the holds of bonds."""
     let_bonds_go(scene)
     let_ports_go(scene)
     stop_turning(scene)
@@ -41,13 +44,13 @@ def let_go(scene):
 
 @kernel
 def is_loaded(scene, shaking, k):
-    """Whether something acts on the structure on segment k, beside the acceleration of the base."""
+    """Return True if a load at a port or a rotation of the base acts on segment k."""
     return is_pushed(scene, shaking, k) or is_turned(shaking.base)
 
 
 @varied
 def load_extras(scene, phase):
-    """Add the forces of extras to those on the bodies; joints and ties have been loaded."""
+    """Add the forces of extras to those on the bodies, after joints and ties."""
     load_pairs_in_lanes(scene, phase)
 
 
@@ -60,19 +63,19 @@ def _load(scene, phase):
 
 @kernel
 def error_of_extras(scene, errors):
-    """Largest error, m, of what extras remember, of those of all that joints and the rest remember."""
+    """Return the largest error, m, of what extras remember, from the errors of all that is remembered."""
     return error_of_pairs(scene, errors)
 
 
 @kernel
 def extras_energy(scene):
-    """Elastic energy of extras, J, of the last evaluation, but that of bearings, which are joints."""
+    """Return the elastic energy of extras at the last evaluation, J, without bearings, which are joints."""
     return pairs_energy(scene)
 
 
 @varied
 def see_extras(scene, phase, rates):
-    """Fill in what is seen of extras, of a phase and its rates."""
+    """Fill the motion of the ports from a phase and its rates; nothing in lanes."""
     return
 
 
@@ -83,13 +86,16 @@ def _see(scene, phase, rates):
 
 @kernel
 def show_extras(scene, phase, shown):
-    """Fill in what an output row has of extras: between ties and base, from `shown` on."""
+    """Fill `shown`, the part of an output row between ties and base, with bearings, bonds, pairs and ports."""
     m, b = scene.m, scene.extras.b
+    # displacements of bearings
     for i in range(b):
         x, y = scene.resultants.s1[m - b + i], scene.resultants.s2[m - b + i]
         shown[i], shown[b + i], shown[2 * b + i] = x, y, math.hypot(x, y)
+    # bonded fractions
     of_bonds, met = shown[len(OF_BEARING) * b :], scene.extras.met
     show_bonds(scene, of_bonds)
+    # gaps and contact forces of pairs, then the motion of ports
     of_pairs = of_bonds[len(OF_BOND) * scene.extras.glued :]
     for p in range(met):
         of_pairs[p], of_pairs[met + p] = gap_of(scene, phase, scene.extras.pairs, p), scene.extras.hits.force[p]
@@ -98,7 +104,7 @@ def show_extras(scene, phase, shown):
 
 @varied
 def see_from_ground(scene, phase, row):
-    """Turn an output row to fixed axes, where those of the base turn."""
+    """Transform an output row from the axes of a rotating base to fixed axes; nothing in lanes."""
     return
 
 

@@ -1,9 +1,9 @@
-"""Two plane faces across a gap (theory.md section 17).
+"""Contact of two plane faces across a gap (theory.md section 17).
 
-Over the plane of the other face, x and y from its middle, the plane of the first one overlaps by delta(x, y). The
-pressure is stiffness times q = delta + damping d(delta)/dt where both are positive, over what both faces share as they
+Over the plane of the other face, x and y from its middle, the first one overlaps by delta(x, y). The pressure is
+stiffness times q = delta + damping d(delta)/dt where both are positive, over the intersection of the faces as they
 stand. The energy is half the stiffness times the integral of delta squared. It also changes as the edges of the first
-face move over the other one, which is a force there; so undamped contact without friction keeps it.
+face move over the other one, which is a force there; so undamped contact without friction conserves energy.
 """
 
 import math
@@ -20,7 +20,7 @@ FACING = -0.1  # cosine of the angle between the normals of faces that face each
 
 
 class _Facing(NamedTuple):
-    """The first face over the plane of the other one."""
+    """The first face projected on the plane of the other one."""
 
     e1: object  # axes of that plane
     e2: object
@@ -43,7 +43,7 @@ def _facing(scene, pairs, p, sides):
 
 @leaf
 def _corner(scene, pairs, p, sides, facing, k):
-    """Corner k of the first face over the plane of the other one, those around it clockwise: x, y."""
+    """Return (x, y) of corner k of the first face in the plane of the other one, m; the corners run clockwise there."""
     place = int(pairs.first_a[p]) + 2 * k
     on_a = plus(sides.between, facing.f1, scene.corners[place])
     on_a = plus(on_a, facing.f2, scene.corners[place + 1])
@@ -52,17 +52,19 @@ def _corner(scene, pairs, p, sides, facing, k):
 
 @leaf
 def _edge(scene, pairs, p, k):
-    """A linear function that is positive inside of edge k of the other face, m2, and the length of the edge, m."""
+    """Return the linear function that is positive inside of edge k of the other face, m2, and the edge's length, m."""
     ax, ay, dx, dy = edge_of(scene, pairs, p, k)
     return Plane(dy * ax - dx * ay, -dy, dx), math.sqrt(dx * dx + dy * dy)
 
 
 @kernel
 def _share(scene, pairs, p, sides, facing):
-    """Put what both faces share into the room, as x and y; returns the number of its corners."""
+    """Fill the room with the intersection of both faces, as x and y; return the number of its corners."""
     room, count = scene.room, int(pairs.corners_a[p])
+    # the first face, anticlockwise
     for k in range(count):
         room[2 * k], room[2 * k + 1] = _corner(scene, pairs, p, sides, facing, count - 1 - k)
+    # clipped by each edge of the other face
     for k in range(int(pairs.corners[p])):
         count = cut(room, count, _edge(scene, pairs, p, k)[0])
     return count
@@ -70,7 +72,7 @@ def _share(scene, pairs, p, sides, facing):
 
 @leaf
 def _above(sides, facing, x, y):
-    """The place of the first face over (x, y), from the middle of the first face, m."""
+    """Return the point of the first face over (x, y), m from the middle of that face."""
     on_b = plus(scaled(facing.e1, x), facing.e2, y)
     rise = facing.shift - value(facing.delta, x, y)
     return minus(plus(on_b, sides.v, rise), sides.between)
@@ -78,9 +80,10 @@ def _above(sides, facing, x, y):
 
 @leaf
 def _rate(scene, phase, sides, facing):
-    """The rate of the overlap, m/s."""
+    """Return the rate of the overlap, m/s, as a linear function of x and y."""
     place = plus(_above(sides, facing, 0.0, 0.0), sides.between, 1.0)  # from the middle of the other face
     on_a, on_b = plus(plus(sides.arm_a, place, 1.0), sides.between, -1.0), plus(sides.arm_b, place, 1.0)
+    # velocity at the middle, then its gradient by the relative rotation
     moves = minus(velocity_of(scene, phase, sides.a, on_a), velocity_of(scene, phase, sides.b, on_b))
     spin = minus(spin_of(scene, sides.a), spin_of(scene, sides.b))
     along_x = cross(spin, plus(facing.e1, sides.v, -facing.delta.along_x))
@@ -90,18 +93,18 @@ def _rate(scene, phase, sides, facing):
 
 @leaf
 def _linear(plane, x0, y0, x1, y1, x2, y2):
-    """Values of a linear function at three corners."""
+    """Return the values of a linear function at three corners."""
     return value(plane, x0, y0), value(plane, x1, y1), value(plane, x2, y2)
 
 
 @leaf
 def _product(a, b):
-    """Twelve times the mean over a triangle of the product of two linear functions, by their values at its corners."""
+    """Return twelve times the mean over a triangle of the product of two linear functions, from their corner values."""
     return (a[0] + a[1] + a[2]) * (b[0] + b[1] + b[2]) + a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 class _Sums(NamedTuple):
-    """Integrals over a polygon of a linear function f, and of its products with x, y and the overlap."""
+    """The integrals over a polygon of a linear function f, and of its products with x, y and the overlap."""
 
     force: float
     x: float
@@ -111,9 +114,10 @@ class _Sums(NamedTuple):
 
 @kernel
 def _integrals(room, count, f, delta):
-    """The integrals over the polygon in the room."""
+    """Integrate f, f x, f y and f delta over the polygon of `count` corners in the room."""
     force, first_x, first_y, product = 0.0, 0.0, 0.0, 0.0
     x0, y0 = room[0], room[1]
+    # a fan of triangles
     for k in range(2, count):
         x1, y1, x2, y2 = room[2 * k - 2], room[2 * k - 1], room[2 * k], room[2 * k + 1]
         twelfth = ((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)) / 24.0
@@ -127,15 +131,16 @@ def _integrals(room, count, f, delta):
 
 @kernel
 def _push_edges(scene, pairs, p, sides, facing, q):
-    """Add the forces of the edges of the first face, as far as they lie within the other one and overlap.
+    """Add the forces of the edges of the first face where they overlap the other one; return their sum, N.
 
-    q: damped overlap, m. Returns their sum, N.
+    q: damped overlap, m.
     """
     count, total = int(pairs.corners_a[p]), NOTHING
     for k in range(count):
         x0, y0 = _corner(scene, pairs, p, sides, facing, k)
         x1, y1 = _corner(scene, pairs, p, sides, facing, k + 1 if k + 1 < count else 0)
         dx, dy, low, high = x1 - x0, y1 - y0, 0.0, 1.0
+        # clip the edge to the other face and to where it overlaps
         for e in range(int(pairs.corners[p]) + 1):
             inside = facing.delta if e == int(pairs.corners[p]) else _edge(scene, pairs, p, e)[0]
             begin, end = value(inside, x0, y0), value(inside, x1, y1)
@@ -145,6 +150,7 @@ def _push_edges(scene, pairs, p, sides, facing, q):
                 low = max(low, begin / (begin - end))
             elif end < 0.0:
                 high = min(high, begin / (begin - end))
+        # integrate by Simpson's rule
         if high > low:
             out = plus(scaled(facing.e1, -dy), facing.e2, dx)  # of an outline that goes round clockwise
             for part, weight in SIMPSON:
@@ -159,20 +165,23 @@ def _push_edges(scene, pairs, p, sides, facing, q):
 
 @kernel
 def load_faces(scene, phase, pairs, p, sides):
-    """Add the forces across of two faces."""
+    """Add the normal forces of two faces; return their contact (`Touch`)."""
     if dot(sides.u, sides.v) > FACING:
         return Touch(0.0, 0.0, NOTHING, NOTHING)
     facing, room, k = _facing(scene, pairs, p, sides), scene.room, pairs.stiffness[p]
     force, energy, total, place = 0.0, 0.0, NOTHING, NOTHING
+    # the overlapping part
     count = _share(scene, pairs, p, sides, facing)
     delta = facing.delta
     count = cut(room, count, Plane(delta.at + SLACK, delta.along_x, delta.along_y))
     if count > 2:
+        # energy, and the damped overlap
         energy = 0.5 * k * _integrals(room, count, delta, delta).delta
         q = delta
         if pairs.damping[p] != 0.0:
             rate, eta = _rate(scene, phase, sides, facing), pairs.damping[p]
             q = Plane(delta.at + eta * rate.at, delta.along_x + eta * rate.along_x, delta.along_y + eta * rate.along_y)
+        # forces of edges, then of the pressure
         edges = _push_edges(scene, pairs, p, sides, facing, q)
         count = cut(room, count, q)
         if count > 2:
@@ -187,16 +196,18 @@ def load_faces(scene, phase, pairs, p, sides):
 
 @kernel
 def gap_of_faces(scene, pairs, p, sides):
-    """Distance of two faces, m, below 0 by the deepest overlap; beside their edges that of these."""
+    """Return the distance of two faces, m: negative by the deepest overlap, beyond their edges that to the edges."""
     if dot(sides.u, sides.v) > FACING:
         return math.sqrt(dot(sides.between, sides.between))
     facing = _facing(scene, pairs, p, sides)
     count, corners = _share(scene, pairs, p, sides, facing), int(pairs.corners_a[p])
+    # the deepest corner of the intersection
     if count > 2:
         deepest = value(facing.delta, scene.room[0], scene.room[1])
         for k in range(1, count):
             deepest = max(deepest, value(facing.delta, scene.room[2 * k], scene.room[2 * k + 1]))
         return -deepest
+    # faces that do not overlap in projection: the farthest edge that separates them
     beside, highest = 0.0, -facing.delta.at
     for e in range(int(pairs.corners[p])):
         inside, length = _edge(scene, pairs, p, e)

@@ -1,9 +1,8 @@
-"""Runs of structures pass through eight lanes: each with its own numbers, motion, time and step.
+"""Runs of structures in eight lanes, each with its own parameters, motion, time and step.
 
-All have the same bodies, joints and ties as to their number, order and kind. The equations and the step are those of
+All structures have the same number, order and kind of bodies, joints and ties. The equations and the step are those of
 one structure (evaluate.py, attempt.py), over lanes; the queue is that of columns (batch/follow.py). A run ends at its
-stop, or before if a block has fallen or, on a still base, nothing moves any more: on a still base a lane stops between
-for a look at that.
+stop, or before if a block falls or nothing moves on a still base; on a still base a lane stops regularly to check that.
 """
 
 import math
@@ -78,9 +77,9 @@ _OF_BLOCK, _OF_JOINT, _TX = len(OF_BLOCK), len(OF_JOINT), OF_JOINT.index("Tx")
 
 
 class Queue(NamedTuple):
-    """Rows of `size` runs and of their outcomes; the samples of all their records.
+    """The queue: rows of `size` runs and of their outcomes, and the samples of all their records.
 
-    Once the number at `flag` is not zero, no more runs are begun and those under way are abandoned.
+    Once the number at `flag` is not zero, no more runs are started and those under way are abandoned.
     """
 
     size: int
@@ -110,7 +109,7 @@ class Batch(NamedTuple):
 
 @leaf
 def batch_over(sizes, buffer, queue):
-    """The batch over a row of lanes, or of one of them."""
+    """Return the batch over a row of lanes, or over the row of one lane."""
     seen = _all(buffer, sizes)
     peaks = seen.peaks.buffer[: _PEAK * sizes.n + sizes.b + sizes.pairs]
     bonded = seen.work.states[place_of_bonds(sizes) : sizes.stride]  # of the row START
@@ -121,7 +120,7 @@ def batch_over(sizes, buffer, queue):
 
 @leaf
 def single(batch, k):
-    """The structure of lane k alone."""
+    """Return the batch of lane k alone."""
     return batch_over(batch.sizes, one_lane(batch.row, k), batch.queue)
 
 
@@ -140,7 +139,7 @@ def _outcome_of(batch, number):
 
 @leaf
 def _silence(one):
-    """Let the base of a lane be still."""
+    """Set the base motion of a lane to zero, without a next sample."""
     base = one.shaking.base
     base.ax, base.ay, base.az, base.jx, base.jy, base.jz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     base.amplitude_x, base.amplitude_y = 0.0, 0.0
@@ -156,12 +155,13 @@ def _record_of(batch, one, run):
 
 @kernel
 def follow_record(batch, one):
-    """Let the base of a lane move as its run says from the sample on at which its segment begins."""
+    """Set the base motion of a lane to that of its run on the current segment of the record."""
     base, own = one.shaking.base, one.lane
     run = _run_of(batch, int(own.run))
     record = _record_of(batch, one, run)
     k = int(own.segment)
     own.fresh = 1.0 if k <= 0 or run.held != 0.0 or is_still(record, k) else own.fresh
+    # before or after the record: regular stops after it, to check for rest
     if is_still(record, k):
         _silence(one)
         if k < 0:
@@ -169,6 +169,7 @@ def follow_record(batch, one):
         else:
             own.stop = min(run.stop, own.t + BETWEEN_LOOKS)
         return
+    # a held sample or a straight line, and the harmonic
     begin, end = record.times[k], record.times[k + 1]
     per = 0.0 if run.held != 0.0 else 1.0 / (end - begin)
     base.t0, own.piece_end = begin, end
@@ -180,21 +181,24 @@ def follow_record(batch, one):
 
 @kernel
 def load(batch, k, number):
-    """Put a run into lane k; the rates at its start are still missing."""
+    """Load run `number` into lane k; the rates at its start are still to be evaluated."""
     one, queue = single(batch, k), batch.queue
     seen, count = _all(one.row, batch.sizes), batch.sizes.state
     size = seen.model.total
+    # model and state
     clear(one.row, seen.total)
     copy(one.row, queue.models[size * number :], size)
     copy(row(one.scene, START), queue.states[count * number :], count)
     copy(row(one.scene, END), row(one.scene, START), count)
     recall(one.scene, row(one.scene, START))
     forget_gaps(one.scene, one.gaps)
+    # step control
     run, control, settings, own = _run_of(batch, number), one.scene.control, one.scene.settings, one.lane
     control.next_step, control.previous_error = settings.first_step, 1.0
     control.largest, control.largest_rate = settings.motion_floor, settings.rate_floor
     own.run, own.t, own.stop = number, run.start, run.stop
     own.fresh, own.due = 1.0, 0.0
+    # base motion
     one.shaking.base.omega, one.shaking.base.phase = run.omega, run.phase
     own.segment = segment_after(_record_of(batch, one, run), run.start)
     follow_record(batch, one)
@@ -203,12 +207,17 @@ def load(batch, k, number):
 
 @kernel
 def finish(batch, k, ends, time, block):
-    """Store how the run in lane k ends: its outcome, peaks and state. The lane is free then."""
+    """Store the outcome, the peaks and the state of the run in lane k, and free the lane.
+
+    ends: how it ends; time, block: of a fall, s and number from 1.
+    """
     one, queue, n = single(batch, k), batch.queue, batch.sizes.n
+    # outcome
     number, count = int(one.lane.run), batch.sizes.state
     outcome = _outcome_of(batch, number)
     outcome.ends, outcome.time, outcome.block = ends, time, block
     outcome.steps, outcome.rejected, outcome.looks = one.lane.steps, one.lane.rejected, one.lane.looks
+    # peaks and state
     found = _PEAK * n + batch.sizes.b + batch.sizes.pairs
     copy(queue.peaks[found * number :], one.scene.peaks, found)
     copy(queue.states[count * number :], row(one.scene, START), count)
@@ -217,19 +226,25 @@ def finish(batch, k, ends, time, block):
 
 @kernel
 def start(batch, fresh):
-    """Rates at the start of the lanes in the mask `fresh`, and looks that are due; the bits of lanes whose run ends."""
+    """Evaluate the rates at the start of the lanes in the mask `fresh`, and check runs that are due for rest.
+
+    Return the bits of the lanes whose run ends.
+    """
     scene, lanes = batch.scene, batch.lane
+    # rates, after bonds and pairs have changed
     begin, found = row(scene, START), row(scene, BETWEEN_RATES)
     crack(scene, begin, fresh)
     meet(scene, batch.gaps, fresh)
     evaluate_at(scene, batch.shaking, 0, begin, found, lanes.t)
     _keep(batch, found, fresh)
+    # peaks at this instant
     lanes.looks += where(fresh, 1.0, 0.0)
     _take_stock(batch, begin, fresh)
     phase = _phase(begin, scene.n)
     for i in range(scene.n):
         _raise(scene, phase, i, fresh)
     raise_displacements(scene, scene.peaks[_PEAK * scene.n :], fresh)
+    # runs at a stop
     due = bits(fresh & (lanes.due > 0.0))
     ended = 0
     if due != 0:
@@ -242,7 +257,7 @@ def start(batch, fresh):
 
 @kernel
 def _look(batch, k, rests):
-    """Decide about the run in lane k: 1 if it ends, else 0."""
+    """Decide at a stop whether the run in lane k ends: return 1 if it does, else 0 and set the next stop."""
     own, stop = single(batch, k).lane, _run_of(batch, int(single(batch, k).lane.run)).stop
     own.due = 0.0
     if rests or own.t >= stop:
@@ -257,12 +272,14 @@ def _look(batch, k, rests):
 
 @leaf
 def _keep(batch, found, lanes):
-    """Take rates, and forces that may have a kink in the next step, of the lanes in a mask from the last evaluation."""
+    """Store rates, shear and tie forces of the last evaluation in the lanes of a mask: forces may have a kink next."""
     scene = batch.scene
     n, m = scene.n, scene.m
     kept, forces = rate(scene, 0), seen(scene, 0)
+    # rates
     for i in range(moving(scene)):
         kept[i] = where(lanes, found[i], kept[i])
+    # shear forces of joints and forces of ties
     along, ties = forces[_OF_BLOCK * n + _TX * m :], forces[_OF_BLOCK * n + _OF_JOINT * m :]
     for j in range(m):
         along[j] = where(lanes, -scene.resultants.t1[j], along[j])
@@ -282,7 +299,7 @@ def _take_stock(batch, state, lanes):
 
 @leaf
 def _raise(scene, phase, i, lanes):
-    """Raise the peaks of block i of the lanes in a mask by where it is."""
+    """Raise the peaks of block i in the lanes of a mask by its present displacement."""
     peaks = _peaks(scene.peaks, scene.n)
     x, y, z = phase.ux[i], phase.uy[i], phase.uz[i]
     peaks.u[i] = where(lanes, greater(peaks.u[i], square_root(x * x + y * y)), peaks.u[i])
@@ -293,7 +310,7 @@ def _raise(scene, phase, i, lanes):
 
 @leaf
 def _out(phase, i):
-    """Horizontal displacement of block i, whichever way, m, and its rate."""
+    """Return the size of the horizontal displacement of block i, m, and its rate, m/s."""
     x, y = phase.ux[i], phase.uy[i]
     size = square_root(x * x + y * y)
     return size, (x * phase.vx[i] + y * phase.vy[i]) / greater(size, 1e-300)
@@ -301,7 +318,7 @@ def _out(phase, i):
 
 @kernel
 def track_peaks(batch, step, good):
-    """Raise the peaks of the lanes in a mask by their step, turning points within it included."""
+    """Raise the peaks of the lanes in the mask `good` by their step, turning points within it included."""
     scene = batch.scene
     n, peaks = scene.n, _peaks(scene.peaks, scene.n)
     begin, end = _phase(row(scene, START), n), _phase(row(scene, END), n)
@@ -315,10 +332,11 @@ def track_peaks(batch, step, good):
 
 @leaf
 def step_lengths(batch):
-    """The next step of each lane, s, and what is left to the next stop or sample; 0 for a lane without a run."""
+    """Return the next step of each lane, s, and the time to its next stop or sample; the step is 0 without a run."""
     scene, lanes, base = batch.scene, batch.lane, batch.shaking.base
     left = lesser(lanes.stop, lanes.piece_end) - lanes.t
     step = scene.control.next_step
+    # limits: the harmonic, sliding and yielding, contact
     shakes = (base.amplitude_x != 0.0) | (base.amplitude_y != 0.0)
     step = where(shakes, lesser(step, 1.0 / base.omega), step)
     if any_of(scene.settings.gives_way != 0.0):
@@ -329,18 +347,21 @@ def step_lengths(batch):
 
 @kernel
 def step_on(batch):
-    """One step of every lane that has a run. Returns the bits of the lanes whose run has ended, and one more bit.
+    """Make one step of every lane that has a run; return the bits of the lanes whose run has ended, and one more bit.
 
-    That bit is set if rates or a look are due.
+    That bit, WIDTH, is set if rates or a check for rest are due.
     """
     scene, lanes = batch.scene, batch.lane
+    # a step, accepted or rejected in each lane
     step, left = step_lengths(batch)
     busy = step > 0.0
     error = attempt_5(scene, batch.shaking, 0, lanes.t, step)
     good = busy & control_steps(scene.control, step, error)
     lanes.steps += where(good, 1.0, 0.0)
     lanes.rejected += where(busy & (error > 1.0), 1.0, 0.0)
+    # shorten it where a gap closes or a bond breaks
     step = until_closed(scene, batch.shaking, lanes.t, step, good)
+    # peaks, gaps, falls, cracks
     phase = _phase(row(scene, END), scene.n)
     track_peaks(batch, step, good)
     changed = watch_gaps(scene, batch.gaps, step, good)
@@ -348,11 +369,13 @@ def step_on(batch):
     _take_stock(batch, row(scene, END), good)
     block = where(good, fallen(scene, phase), 0.0)
     passed = crack_within(scene, step, good)
+    # the end of the step becomes the start of the next
     begin, end = row(scene, START), row(scene, END)
     for i in range(moving(scene)):
         begin[i] = where(good, end[i], begin[i])
     _keep(batch, rate(scene, STAGES - 1), good)
     changed |= bits(passed | crack(scene, begin, good))
+    # time
     reached = good & (step == left)
     there = lesser(lanes.stop, lanes.piece_end)
     lanes.t = where(reached, there, where(good, lanes.t + step, lanes.t))
@@ -360,12 +383,14 @@ def step_on(batch):
     over = block > 0.0
     if changed == 0 and not any_of(reached | over | stuck):
         return 0
+    # lanes to be evaluated again
     ended = 0
     for k in range(WIDTH):
         if (changed >> k) & 1:
             single(batch, k).lane.fresh = 1.0
             ended |= 1 << WIDTH
     for k in range(WIDTH):
+        # lanes that end, stop or reach a sample
         one = single(batch, k)
         if lane(block, k) > 0.0:
             finish(batch, k, FELL, one.lane.t, lane(block, k))
@@ -388,5 +413,5 @@ def step_on(batch):
 
 @kernel
 def follow_queue(batch):
-    """Let all runs of the queue pass through the eight lanes."""
+    """Run all runs of the queue in the eight lanes."""
     pass_queue(batch, load, start, step_on)

@@ -1,4 +1,4 @@
-"""The joint of six components: no-tension bed, elastic along itself up to Coulomb's limit (theory.md section 13)."""
+"""The joint of six components: a no-tension bed, elastic in shear up to Coulomb's limit (theory.md section 13)."""
 
 import math
 
@@ -36,9 +36,9 @@ def _has_slid(scene, j):
 
 @leaf
 def middle_of(scene, j):
-    """The middle of the contact after slips, m from half-way between the centres of both faces.
+    """Return the centre of the contact after slips, m from half-way between the centres of both faces.
 
-    It goes with the face that the other one holds; of equal faces it stays half-way.
+    It follows the face that lies within the other one; of equal faces it stays half-way.
     """
     p1, p2 = scene.slips.p1[j], scene.slips.p2[j]
     part = zero_like(p1)
@@ -52,9 +52,10 @@ def middle_of(scene, j):
 
 @leaf
 def bed_of_joint(scene, j, p, q):
-    """The bed of joint j: of the section as built until it has slid, then of what both faces share."""
+    """Return the bed of joint j from penetration p and damped penetration q (m), with bearing and bond."""
     bond = index_of(scene.joints.bond[j])
     if any_of(scene.joints.section[j] == POINT):
+        # a bearing, or faces
         bed = bed_of_point(scene.joints, j, p, q)
     else:
         bed = _bed_of_faces(scene, j, p, q)
@@ -85,7 +86,7 @@ def _bed_of_inside(scene, j, p, q):
 
 @leaf
 def _bed_of_section(scene, j, section, sign, p, q):
-    """Return the bed of a section of joint j: as built until it has slid, then of what both faces share.
+    """Return the bed of a section of joint j: as built until it has slid, then of the intersection of both faces.
 
     sign: 1 of its outline, -1 of its inside.
     """
@@ -107,24 +108,24 @@ def _bed_as_built(section, p, q):
 
 @leaf
 def penetration(scene, j, motion):
-    """The penetration over the section, m."""
+    """Return the penetration over the section of joint j, m, as a linear function."""
     gap = motion.gap
     return lifted(scene, j, Plane(-gap[2], motion.turn[1], -motion.turn[0]), gap, (0.5 * gap[0], 0.5 * gap[1]))
 
 
 @leaf
 def penetration_rate(scene, j, motion):
-    """Its rate, m/s."""
+    """Return the rate of the penetration over the section of joint j, m/s, as a linear function."""
     rate, moves = motion.turn_rate, motion.gap_rate
     return lifted(scene, j, Plane(-moves[2], rate[1], -rate[0]), motion.gap, (moves[0], moves[1]))
 
 
 @leaf
 def friction_limits(joints, j, normal, g1, g2):
-    """Largest force along a joint, N, and largest twisting couple, N m.
+    """Return the largest force along joint j, N, and the largest twisting couple, N m.
 
     The couple is that of friction about the centre: with the arm of a uniform pressure, or that of the resultant if it
-    is farther out.
+    is farther out. normal, g1, g2: resultants of the pressure about the centre, N and N m.
     """
     pressed = normal > 0.0
     force = where(pressed, joints.friction[j] * normal, 0.0) + joints.dowel[j]
@@ -137,24 +138,40 @@ def friction_limits(joints, j, normal, g1, g2):
 
 @leaf
 def _along_joint(scene, j, motion, p, q, normal, g1, g2, largest):
-    """Forces along a joint on the upper block, N, and the twisting couple on its energy, N m.
+    """Return the forces along joint j on the upper block, N, and the twisting couple on its energy, N m.
 
-    A slider in series with a spring and a dashpot: it moves so fast that both together bear the limit, beside what the
-    pressure has along the joint. Its rates are left in the scene. Both act in the middle of the contact.
+    A slider in series with a spring and a dashpot moves at the rate at which both together bear the limit of friction,
+    in addition to the shear of the pressure. Its rates are stored in the scene. Force and couple act at the centre of
+    the contact.
+
+    Parameters
+    ----------
+    motion : Relative
+        Relative motion of the faces.
+    p, q : Plane
+        Penetration and damped penetration, m.
+    normal, g1, g2 : float or lanes
+        Resultants of the pressure, N, N m.
+    largest : float or lanes
+        Largest q, m.
     """
     joints, slips, found, giving = scene.joints, scene.slips, scene.resultants, scene.giving_slips
     shear, twist, damping = joints.shear[j], joints.twist[j], joints.shear_damping[j]
+    # elastic slips and twist, and their rates, at the centre of the contact
     x, y = middle_of(scene, j)
     s1, s2, z3, v3 = motion.gap[0], motion.gap[1], motion.turn[2], motion.turn_rate[2]
     s3 = z3 + slips.p3[j]
     z1, z2 = s1 - slips.p1[j] - z3 * y, s2 - slips.p2[j] + z3 * x  # there
     v1, v2 = motion.gap_rate[0] - v3 * y, motion.gap_rate[1] + v3 * x
+    # spring and dashpot
     t1, t2 = -shear * (z1 + damping * v1), -shear * (z2 + damping * v2)
     g3 = twist * (z3 + damping * v3)
     r1, r2, r3 = zero_like(v1), zero_like(v2), zero_like(v3)
     if any_of(joints.friction[j] != math.inf):
+        # limits of friction
         limit, couple = friction_limits(joints, j, normal, g1 + normal * y, g2 - normal * x)
         limit, couple = limits_with_bond(scene, j, normal, limit, couple, z1 * z1 + z2 * z2, z3)
+        # shear of the pressure, evaluated only if friction may reach its limit
         w1, w2, w3 = z1 + damping * v1, z2 + damping * v2, z3 + damping * v3
         bound, turning = bound_of_pressure_shear(scene, j, p, normal, largest)
         least, square = greater(limit - bound, 0.0), shear * shear * greater(w1 * w1 + w2 * w2, z1 * z1 + z2 * z2)
@@ -167,12 +184,14 @@ def _along_joint(scene, j, motion, p, q, normal, g1, g2, largest):
         push3 += push1 * y - push2 * x
         f1, f2 = t1 - push1, t2 - push2  # what friction bears
         square = f1 * f1 + f2 * f2
+        # force beyond the limit: the slider moves
         slides = square > limit * limit
         if any_of(slides):
             part = limit / square_root(square)
             rate = (1.0 - part) / (shear * damping)
             r1, r2 = where(slides, -f1 * rate, r1), where(slides, -f2 * rate, r2)
             t1, t2 = where(slides, f1 * part + push1, t1), where(slides, f2 * part + push2, t2)
+        # elastic slip within the limit, for the energy and a rest
         f1, f2 = -(shear * z1) - push1, -(shear * z2) - push2
         square = f1 * f1 + f2 * f2
         beyond = square > limit * limit
@@ -180,6 +199,7 @@ def _along_joint(scene, j, motion, p, q, normal, g1, g2, largest):
             part = limit / square_root(square)
             z1 = where(beyond, -(f1 * part + push1) / shear, z1)
             z2 = where(beyond, -(f2 * part + push2) / shear, z2)
+        # likewise the twist
         f3 = g3 + push3
         size = magnitude(f3)
         twists = size > couple
@@ -193,6 +213,7 @@ def _along_joint(scene, j, motion, p, q, normal, g1, g2, largest):
     g3 += t1 * y - t2 * x  # about the place half-way
     t1, t2 = beside_slider(scene, j, motion, normal, t1, t2)
     turned = 0.5 * motion.per_scalar * motion.gap[2] * r3  # by the frame, as the slider twists
+    # store rates and resultants
     giving.p1[j], giving.p2[j] = r1 + r3 * y - turned * motion.vector[0], r2 - r3 * x - turned * motion.vector[1]
     giving.p3[j] = r3
     found.t1[j], found.t2[j], found.g3[j] = t1, t2, g3
@@ -203,8 +224,9 @@ def _along_joint(scene, j, motion, p, q, normal, g1, g2, largest):
 
 @kernel
 def load_joint(scene, phase, j):
-    """Add the forces of joint j to those on its two bodies; its resultants are kept."""
+    """Add the forces of joint j to those on its two bodies, and store its resultants in the scene."""
     joints, found = scene.joints, scene.resultants
+    # pressure and its resultants
     motion = relative_motion(scene, phase, j)
     p, rate = penetration(scene, j, motion), penetration_rate(scene, j, motion)
     eta, k = joints.damping[j], joints.stiffness[j]
@@ -213,14 +235,17 @@ def load_joint(scene, phase, j):
     normal, g1, g2 = k * bed.force, -k * bed.first_y, k * bed.first_x
     found.normal[j], found.g1[j], found.g2[j] = normal, g1, g2
     found.area[j], found.pressure[j] = bed.area, k * bed.largest
+    # forces along the joint
     t1, t2, g3 = _along_joint(scene, j, motion, p, q, normal, g1, g2, bed.largest)
     force, couple = (t1, t2, normal), (g1, g2, g3)
+    # couples about both faces' centres, from the derivatives of the energy by the rotation
     across = cross(motion.gap, force)
     vector, per = motion.vector, motion.per_scalar
     own = plus((-g1, -g2, -g3), vector, per * dot(vector, couple))
     lever = cross(across, vector)
     on_a = plus(plus(own, across, -0.5), lever, 0.5 * per)
     on_b = plus(plus((-own[0], -own[1], -own[2]), across, -0.5), lever, -0.5 * per)
+    # along the axes of the base
     e1, e2, e3 = motion.e1, motion.e2, motion.e3
     force = out_of(e1, e2, e3, force)
     push(scene.poses, index_of(joints.upper[j]), motion.arm_a, force, out_of(e1, e2, e3, on_a), 1.0)
@@ -229,14 +254,15 @@ def load_joint(scene, phase, j):
 
 @kernel
 def joint_energy(scene, phase, j):
-    """Return the elastic energy of joint j, J; its resultants are those of this phase.
+    """Return the elastic energy of joint j, J, for the phase of the last evaluation.
 
-    Along a pressed joint it is that of all of the elastic slip, also where its dashpot bears what is beyond friction.
+    Along a pressed joint it is that of the whole elastic slip, also where the dashpot bears what exceeds friction.
     """
     joints, found = scene.joints, scene.resultants
     p = penetration(scene, j, relative_motion(scene, phase, j))
     bed = bed_of_joint(scene, j, p, p)
     square = p.at * bed.force + p.along_x * bed.first_x + p.along_y * bed.first_y  # the integral of p times p
+    # elastic slips and twist at the centre of the contact
     (x, y), slips, pressed = middle_of(scene, j), scene.slips, found.normal[j] > 0.0
     z3 = where(pressed, found.s3[j] - slips.p3[j], found.z3[j])
     z1 = where(pressed, found.s1[j] - slips.p1[j], found.z1[j]) - z3 * y

@@ -1,4 +1,4 @@
-"""Bodies and joints in motion: rotations, and relative motion of the faces of a joint (theory.md section 13)."""
+"""Kinematics of bodies and joints: rotations, and the relative motion of joint faces (theory.md section 13)."""
 
 import math
 from typing import NamedTuple
@@ -10,7 +10,7 @@ from ..numba_ext.numbers import half_sine_cosine
 
 @kernel
 def pose_body(scene, phase, i):
-    """Fill in the rotation and angular velocity of body i."""
+    """Fill the rotation matrix (less the identity) and the angular velocity (rad/s) of body i in the scene."""
     poses = scene.poses
     q0, q1, q2, q3 = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
     wx, wy, wz = phase.wx[i], phase.wy[i], phase.wz[i]
@@ -21,6 +21,7 @@ def pose_body(scene, phase, i):
     poses.r11[i], poses.r12[i], poses.r13[i] = r11, r12, r13
     poses.r21[i], poses.r22[i], poses.r23[i] = r21, r22, r23
     poses.r31[i], poses.r32[i], poses.r33[i] = r31, r32, r33
+    # angular velocity along the axes of the base
     poses.wx[i] = wx + (r11 * wx + r12 * wy + r13 * wz)
     poses.wy[i] = wy + (r21 * wx + r22 * wy + r23 * wz)
     poses.wz[i] = wz + (r31 * wx + r32 * wy + r33 * wz)
@@ -28,7 +29,7 @@ def pose_body(scene, phase, i):
 
 @kernel
 def pose_two(scene, phase, one, other):
-    """`pose_body` of two bodies; the base stays where it is."""
+    """Fill the rotations and angular velocities of two bodies; the base has none."""
     for body in (one, other):
         if body < scene.n:
             pose_body(scene, phase, body)
@@ -36,7 +37,7 @@ def pose_two(scene, phase, one, other):
 
 @kernel
 def pose_bodies(scene, phase):
-    """Fill in the rotations and angular velocities of all bodies, and clear the forces on them."""
+    """Fill the rotations and angular velocities of all bodies, and clear the forces on them."""
     poses = scene.poses
     for i in range(scene.n):
         pose_body(scene, phase, i)
@@ -47,7 +48,7 @@ def pose_bodies(scene, phase):
 
 @leaf
 def turned(poses, i, x, y, z):
-    """By how much a vector that is fixed to body i has changed since it was built, m."""
+    """Return how far the rotation of body i has moved the end of a vector fixed to it, m."""
     return (
         poses.r11[i] * x + poses.r12[i] * y + poses.r13[i] * z,
         poses.r21[i] * x + poses.r22[i] * y + poses.r23[i] * z,
@@ -57,13 +58,13 @@ def turned(poses, i, x, y, z):
 
 @leaf
 def standing(poses, i, x, y, z):
-    """A vector that is fixed to body i, as it stands now, along the axes of the base."""
+    """Rotate a vector fixed to body i from the axes as built to those of the base."""
     return plus((x, y, z), turned(poses, i, x, y, z), 1.0)
 
 
 @leaf
 def seen_from(poses, i, a):
-    """A vector along the axes of the base, along those of body i."""
+    """Transform a vector from the axes of the base to those of body i."""
     return (
         a[0] + (poses.r11[i] * a[0] + poses.r21[i] * a[1] + poses.r31[i] * a[2]),
         a[1] + (poses.r12[i] * a[0] + poses.r22[i] * a[1] + poses.r32[i] * a[2]),
@@ -73,7 +74,7 @@ def seen_from(poses, i, a):
 
 @leaf
 def momentum(bodies, i, w):
-    """Inertia of body i times an angular velocity, along its own axes."""
+    """Multiply the inertia of body i by an angular velocity, in the axes of the body."""
     return (
         bodies.jxx[i] * w[0] + bodies.jxy[i] * w[1] + bodies.jxz[i] * w[2],
         bodies.jxy[i] * w[0] + bodies.jyy[i] * w[1] + bodies.jyz[i] * w[2],
@@ -83,27 +84,27 @@ def momentum(bodies, i, w):
 
 @leaf
 def cross(a, b):
-    """The vector product."""
+    """Return the vector product."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @leaf
 def dot(a, b):
-    """The scalar product."""
+    """Return the scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @leaf
 def minus(a, b):
-    """The difference of two vectors."""
+    """Return a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 @leaf
 def spin_of(q, p):
-    """Angular velocity, in the axes of the body, of a unit quaternion q that changes at the rate p.
+    """Return the angular velocity, in the axes of the body, of a unit quaternion q with the rate p.
 
-    Of its second derivative it is the angular acceleration.
+    With its second derivative as p it is the angular acceleration.
     """
     return (
         2.0 * (q[0] * p[1] - q[1] * p[0] - q[2] * p[3] + q[3] * p[2]),
@@ -114,7 +115,7 @@ def spin_of(q, p):
 
 @leaf
 def rotation_vector(q0, q1, q2, q3):
-    """Axis times angle, rad, of a unit quaternion."""
+    """Return the rotation vector (axis times angle, rad) of a unit quaternion."""
     sign = -1.0 if q0 < 0.0 else 1.0
     sine = math.sqrt(q1 * q1 + q2 * q2 + q3 * q3)
     per = sign * (2.0 * math.atan2(sine, sign * q0) / sine if sine > 1e-9 else 2.0)
@@ -123,13 +124,13 @@ def rotation_vector(q0, q1, q2, q3):
 
 @leaf
 def plus(a, b, factor):
-    """a + factor b."""
+    """Return a + factor b."""
     return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
 
 
 @leaf
 def quaternion(scene, phase, i):
-    """Rotation of a body since it was built."""
+    """Return the rotation of body i since it was built; that of the base is the identity."""
     if i < scene.n:
         return phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
     zero = zero_like(phase.q0[0])
@@ -146,10 +147,12 @@ class Point(NamedTuple):
 
 @leaf
 def point_of(scene, phase, i, x, y, z):
-    """The point of body i that was at (x, y, z) from its centroid as built."""
+    """Return the motion of the point of body i that was at (x, y, z), m, from its centroid as built."""
     if i == scene.n:
+        # the base does not move
         none = (zero_like(x), zero_like(x), zero_like(x))
         return Point(none, (x, y, z), none)
+    # displacement and velocity of the end of the arm
     turn = turned(scene.poses, i, x, y, z)
     arm = (x + turn[0], y + turn[1], z + turn[2])
     spin = (scene.poses.wx[i], scene.poses.wy[i], scene.poses.wz[i])
@@ -177,13 +180,13 @@ class Relative(NamedTuple):
 
 @leaf
 def along(e1, e2, e3, a):
-    """Components of a vector in a frame."""
+    """Return the components of a vector in a frame."""
     return dot(e1, a), dot(e2, a), dot(e3, a)
 
 
 @leaf
 def out_of(e1, e2, e3, a):
-    """The vector of these components in a frame."""
+    """Return the vector with the components `a` in a frame."""
     return (
         e1[0] * a[0] + e2[0] * a[1] + e3[0] * a[2],
         e1[1] * a[0] + e2[1] * a[1] + e3[1] * a[2],
@@ -193,7 +196,8 @@ def out_of(e1, e2, e3, a):
 
 @leaf
 def _frame(joints, j, q0, q1, q2, q3):
-    """The axes of joint j, turned by a unit quaternion."""
+    """Rotate the axes of joint j by a unit quaternion."""
+    # rotation matrix, then the first two axes
     s11, s12, s13 = 1.0 - 2.0 * (q2 * q2 + q3 * q3), 2.0 * (q1 * q2 - q0 * q3), 2.0 * (q1 * q3 + q0 * q2)
     s21, s22, s23 = 2.0 * (q1 * q2 + q0 * q3), 1.0 - 2.0 * (q1 * q1 + q3 * q3), 2.0 * (q2 * q3 - q0 * q1)
     s31, s32, s33 = 2.0 * (q1 * q3 - q0 * q2), 2.0 * (q2 * q3 + q0 * q1), 1.0 - 2.0 * (q1 * q1 + q2 * q2)
@@ -206,7 +210,7 @@ def _frame(joints, j, q0, q1, q2, q3):
 
 @leaf
 def _vector_between(a, b):
-    """The vector of conj(b) a; rounding of both quaternions cancels in it."""
+    """Return the vector of conj(b) a, in which the rounding of both quaternions cancels."""
     return (
         b[0] * a[1] - b[1] * a[0] - b[2] * a[3] + b[3] * a[2],
         b[0] * a[2] - b[2] * a[0] - b[3] * a[1] + b[1] * a[3],
@@ -216,10 +220,11 @@ def _vector_between(a, b):
 
 @leaf
 def is_tipped(scene, phase, j):
-    """Whether the faces of joint j are tilted against each other by more than a quarter turn; no twist counts."""
+    """Return True if the faces of joint j are tilted by more than 90 degrees, whatever their twist."""
     joints = scene.joints
     a = quaternion(scene, phase, index_of(joints.upper[j]))
     vector = _vector_between(a, quaternion(scene, phase, index_of(joints.lower[j])))
+    # components across the normal: the sum of their squares is sin^2 of half the tilt, whatever the twist
     x = dot((joints.e1x[j], joints.e1y[j], joints.e1z[j]), vector)
     y = dot((joints.e2x[j], joints.e2y[j], joints.e2z[j]), vector)
     return x * x + y * y > 0.5
@@ -227,7 +232,7 @@ def is_tipped(scene, phase, j):
 
 @leaf
 def _turned_about(q, axis, sine, cosine):
-    """Multiply a quaternion from the right by the rotation about an axis of this sine and cosine of half its angle."""
+    """Multiply a quaternion from the right by the rotation about an axis; sine, cosine: of half its angle."""
     v = (q[1], q[2], q[3])
     across, along_axis = cross(v, axis), dot(v, axis)
     return (
@@ -242,8 +247,8 @@ def _turned_about(q, axis, sine, cosine):
 def _faces_of(scene, phase, j):
     """Return the rotations of both faces of joint j since they were built, without the twist of its slider.
 
-    Each face takes half of that twist, so that what is left is tilt and elastic twist: nothing is singular however far
-    a block spins as it slides.
+    Each face is rotated back by half of that twist, so that tilt and elastic twist are left: nothing is singular
+    however far a block spins as it slides.
     """
     joints, p3 = scene.joints, scene.slips.p3[j]
     a = quaternion(scene, phase, index_of(joints.upper[j]))
@@ -257,14 +262,16 @@ def _faces_of(scene, phase, j):
 
 @leaf
 def relative_motion(scene, phase, j):
-    """The relative motion of joint j; its twist is the elastic part."""
+    """Return the relative motion of the faces of joint j (`Relative`); its twist is the elastic part."""
     joints, poses = scene.joints, scene.poses
     a, b = index_of(joints.upper[j]), index_of(joints.lower[j])
+    # the relative quaternion
     (a0, a1, a2, a3), (b0, b1, b2, b3) = _faces_of(scene, phase, j)
     scalar = a0 * b0 + a1 * b1 + a2 * b2 + a3 * b3
     sign = where(scalar < 0.0, -1.0, 1.0 + zero_like(scalar))  # of the two that mean the same rotation, the near one
     a0, a1, a2, a3, scalar = sign * a0, sign * a1, sign * a2, sign * a3, sign * scalar
     v1, v2, v3 = _vector_between((a0, a1, a2, a3), (b0, b1, b2, b3))
+    # the frame half-way, by the mean quaternion
     norm = 1.0 / square_root(2.0 + 2.0 * scalar)
     e1, e2, e3 = _frame(joints, j, norm * (a0 + b0), norm * (a1 + b1), norm * (a2 + b2), norm * (a3 + b3))
     vector = (
@@ -272,9 +279,11 @@ def relative_motion(scene, phase, j):
         joints.e2x[j] * v1 + joints.e2y[j] * v2 + joints.e2z[j] * v3,
         joints.e3x[j] * v1 + joints.e3y[j] * v2 + joints.e3z[j] * v3,
     )
+    # gap of the centres
     on_a = point_of(scene, phase, a, joints.ax[j], joints.ay[j], joints.az[j])
     on_b = point_of(scene, phase, b, joints.bx[j], joints.by[j], joints.bz[j])
     gap = along(e1, e2, e3, minus(on_a.moved, on_b.moved))
+    # relative angular velocity, and that of the frame
     spin_a = along(e1, e2, e3, (poses.wx[a], poses.wy[a], poses.wz[a]))
     spin_b = along(e1, e2, e3, (poses.wx[b], poses.wy[b], poses.wz[b]))
     spin = minus(spin_a, spin_b)
@@ -285,6 +294,7 @@ def relative_motion(scene, phase, j):
         0.5 * (spin_a[1] + spin_b[1] - per_scalar * lag[1]),
         0.5 * (spin_a[2] + spin_b[2] - per_scalar * lag[2]),
     )
+    # rates in the rotating frame
     gap_rate = minus(along(e1, e2, e3, minus(on_a.velocity, on_b.velocity)), cross(mean, gap))
     turn_rate = plus(spin, vector, -per_scalar * dot(vector, spin))
     turn = (2.0 * vector[0], 2.0 * vector[1], 2.0 * vector[2])
@@ -293,7 +303,10 @@ def relative_motion(scene, phase, j):
 
 @leaf
 def push(poses, i, arm, force, couple, sign):
-    """Add a force at the end of an arm, and a couple, to what acts on body i, along the axes of the base."""
+    """Add a force (N) at the end of an arm (m), and a couple (N m), to what acts on body i, along the axes of the base.
+
+    sign: factor on the force, not on the couple.
+    """
     moment = cross(arm, force)
     poses.fx[i] += sign * force[0]
     poses.fy[i] += sign * force[1]
@@ -305,17 +318,19 @@ def push(poses, i, arm, force, couple, sign):
 
 @kernel
 def accelerate_bodies(scene, phase, rates, ax, ay, az):
-    """Rates of the phase under the forces on the bodies and the acceleration of the base, m/s2."""
+    """Fill `rates` with the rates of the phase under the forces on the bodies and a base acceleration, m/s2."""
     bodies, poses, gravity = scene.bodies, scene.poses, scene.settings.gravity
     flat = any_of(scene.settings.in_plane != 0.0)
     for i in range(scene.n):
         q0, q1, q2, q3 = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
         w = phase.wx[i], phase.wy[i], phase.wz[i]
+        # kinematics
         rates.ux[i], rates.uy[i], rates.uz[i] = phase.vx[i], phase.vy[i], phase.vz[i]
         rates.q0[i] = -0.5 * (q1 * w[0] + q2 * w[1] + q3 * w[2])
         rates.q1[i] = 0.5 * (q0 * w[0] + q2 * w[2] - q3 * w[1])
         rates.q2[i] = 0.5 * (q0 * w[1] + q3 * w[0] - q1 * w[2])
         rates.q3[i] = 0.5 * (q0 * w[2] + q1 * w[1] - q2 * w[0])
+        # Newton's and Euler's equations
         per_mass = bodies.per_mass[i]
         rates.vx[i] = poses.fx[i] * per_mass - ax
         rates.vy[i] = poses.fy[i] * per_mass - ay

@@ -1,11 +1,11 @@
-"""The layout of the flat arrays of a structure in space, by name (numba_ext/views.py lays the names over them).
+"""The layout of the flat arrays of a structure in space, by name (numba_ext/views.py).
 
-n blocks, m joints, k ties, ports, pairs of neighbours. The base is body n: it has a place in the tables of bodies, and
-does not move relative to itself. Rotations count from the structure as built, so that the axes of a body are those of
-the base then.
+A structure has n blocks, m joints, k ties, ports and pairs of neighbours. The base is body n: it has a row in the
+tables of bodies and does not move relative to itself. Rotations count from the structure as built, when the axes of
+each body are those of the base.
 
-A structure is five arrays, as a column: MODEL, STATE, COUNTS, BASE, and WORK, which can be discarded between calls. Its
-sizes stand at the head of its model.
+As of a column there are five arrays: MODEL, STATE, COUNTS, BASE, and WORK, which may be discarded between calls. The
+head of the model holds the sizes.
 """
 
 from typing import Any, NamedTuple
@@ -16,7 +16,7 @@ from ..numba_ext.views import Numbers, Record, Space, Table
 
 
 class Sizes(NamedTuple):
-    """How many there are of what lies in the arrays."""
+    """The sizes of the tables in the arrays of a structure."""
 
     n: int  # blocks
     m: int  # joints
@@ -248,7 +248,7 @@ RINGING_ORDER = 8.0  # of the method then
 
 @in_both
 def step_tolerance(order: float, tolerance: float) -> float:
-    """The tolerance of a step of a method."""
+    """Return the tolerance of a step of the method of this order."""
     return max(LEAST_TOLERANCE, RINGING_PART * tolerance) if order == RINGING_ORDER else tolerance
 
 
@@ -257,7 +257,7 @@ LEAST_STABILIZED = 2e-5  # tolerance: below it order 2 needs shorter steps than 
 
 @in_both
 def stabilizes(order: float, tolerance: float) -> float:
-    """Return 1 if stabilized steps may pay beside a method at a tolerance, else 0."""
+    """Return 1 if stabilized steps may be faster than this method at this tolerance, else 0."""
     return 1.0 if order != RINGING_ORDER and tolerance >= LEAST_STABILIZED else 0.0
 
 
@@ -323,10 +323,27 @@ def sizes_of(
     modal: int = 0,
     modal_room: int = 0,
 ) -> Sizes:
-    """The sizes of n blocks, m joints, of them b bearings, k ties, the ports, the pairs of neighbours and the bonds."""
+    """Return the sizes of the arrays of a structure.
+
+    Parameters
+    ----------
+    n, m, k : int
+        Numbers of blocks, joints and ties.
+    b : int
+        Number of bearings, which are the last joints.
+    corners : int
+        Numbers that the corners of all sections need.
+    ports, pairs, bonds : int
+        Numbers of ports, of pairs of neighbours and of bonds.
+    modal, modal_room : int
+        Lengths of the modal data and of the room for steps by modes.
+    """
+    # phase, memory and bonds
     state = PHASE.size(n) + MEMORY.size(m) + k + STRETCH.size(pairs) + OF_POLYGON.size(bonds)
+    # an output row
     row = len(OF_BLOCK) * n + len(OF_JOINT) * m + k + len(OF_BASE)
     row += len(OF_BEARING) * b + len(OF_BOND) * bonds + len(OF_PAIR) * pairs + len(OF_PORT) * ports
+    # whole packs
     stride = (state + PACK - 1) // PACK * PACK
     return Sizes(n, m, k, b, corners, ports, pairs, bonds, modal, modal_room, state, stride, row)
 
@@ -336,20 +353,20 @@ _PER_BODY, _BONDED = PHASE.per_n, OF_POLYGON.size(1)
 
 @in_both
 def place_of_bonds(sizes: Any) -> int:
-    """Where a state has what is left of bonds."""
+    """Return the offset of the bond polygons in a state."""
     found: int = sizes.state - _BONDED * sizes.bonds
     return found
 
 
 @in_both
 def remembered(sizes: Any) -> int:
-    """Numbers that joints, ties and pairs remember, in a state behind its phase; bonds lie behind them."""
+    """Return the length of the memory of joints, ties and pairs, between phase and bonds of a state."""
     found: int = place_of_bonds(sizes) - _PER_BODY * sizes.n
     return found
 
 
 class Extras(NamedTuple):
-    """What only some structures have (extras.py)."""
+    """The tables of features that only some structures have (extras.py)."""
 
     b: int  # bearings, the last joints
     spotted: int  # ports
@@ -369,7 +386,7 @@ class Extras(NamedTuple):
 
 
 class Scene(NamedTuple):
-    """A structure as the kernels see it: sizes, what describes it, and room for an evaluation."""
+    """A structure as the kernels see it: sizes, parameters, and room for an evaluation."""
 
     n: int
     m: int
@@ -404,7 +421,10 @@ class Scene(NamedTuple):
 
 
 def acts_alone(scene: Any, *_: Any) -> bool:
-    """Whether it is no scene of lanes, in which nothing acts beside the base: for versions of kernels (`varied`)."""
+    """Return True if the scene is of one structure, not of lanes: selects the version of a varied kernel.
+
+    In lanes nothing but the base acceleration acts.
+    """
     acts: bool = scene.types[scene.fields.index("memory")].kind is not LANES
     return acts
 
@@ -414,7 +434,7 @@ _head, _model, _state, _counts, _work = HEAD.over, MODEL.over, STATE.over, COUNT
 
 @leaf
 def sizes_in(model):
-    """The sizes at the head of a model."""
+    """Return the sizes at the head of a model."""
     head = _head(model, 0)
     shape = int(head.n), int(head.m), int(head.k), int(head.b), int(head.corners)
     beside = int(head.ports), int(head.pairs), int(head.bonds), int(head.modal), int(head.modal_room)
@@ -423,7 +443,7 @@ def sizes_in(model):
 
 @leaf
 def scene_of(model, state, counts, work):
-    """The structure whose arrays these rows are."""
+    """Return the scene of the structure with these arrays."""
     sizes = sizes_in(model)
     lasting, counted, seen = _state(state, sizes), _counts(counts, 0), _work(work, sizes)
     return scene_over(sizes, _model(model, sizes), lasting.control, counted, lasting.peaks, lasting.bonded, seen)
@@ -431,7 +451,8 @@ def scene_of(model, state, counts, work):
 
 @leaf
 def scene_over(sizes, model, control, counts, peaks, bonded, work):
-    """The scene of MODEL and WORK; bonded: what is left of bonds."""
+    """Return the scene of MODEL and WORK, of control, counts and peaks, and of the row of bond polygons `bonded`."""
+    # tables of extras
     extras = Extras(
         sizes.b,
         sizes.ports,
@@ -449,6 +470,7 @@ def scene_over(sizes, model, control, counts, peaks, bonded, work):
         work.sound,
         work.turn,
     )
+    # parameters, memory and room
     return Scene(
         sizes.n,
         sizes.m,
