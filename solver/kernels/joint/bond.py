@@ -1,8 +1,8 @@
-"""A brittle joint: a part of its contact is bonded, and bears tension until it breaks (docs/mortar.md).
+"""A brittle joint: an interval of its contact is bonded and bears tension until it breaks (docs/mortar.md).
 
 A fibre is whole while it has never been stretched by more than the reach, strength over stiffness, without its damper.
-Those of one place of the joint that are whole lie on one side of a line: the bond is one interval, which only shrinks.
-It bears stiffness * (pen + damping * dpen/dt), pressed or pulled. Beside it, on either side, the joint is dry.
+The whole fibres at one opening and slope lie on one side of a line: the bond is one interval, which only shrinks. It
+bears stiffness * (pen + damping * dpen/dt), in compression or tension. The contact on either side of it is dry.
 
 A crack grows while the fibre at its front is pulled further: the bond then ends where the stretch is the reach. So the
 law is smooth in a regime: BONDED, GROWS_LEFT or GROWS_RIGHT, and of each dry side a regime of regimes.py, or NOTHING.
@@ -24,7 +24,15 @@ ROUNDING = 1e-12  # of the stretches: a front within it is at the end of the bon
 
 
 class Bond(NamedTuple):
-    """What is bonded of a joint: ends in m from the middle of the block, none if left is right; and its reach, m."""
+    """The bond of a joint: its ends, m from the middle of the block, and its reach (m); no bond unless left < right.
+
+    Attributes
+    ----------
+    left, right : float
+        Ends of the bonded interval, m.
+    reach : float
+        Stretch at which a fibre breaks, m: strength over stiffness.
+    """
 
     left: float
     right: float
@@ -36,7 +44,7 @@ BROKEN = 0.0, 0.0  # ends of what is not bonded
 
 @leaf
 def whole_part(bond, opening, slope):
-    """What is left of the bond in this place of the joint: its ends."""
+    """Return the ends (m) of the part of the bond that is whole at this opening (m) and slope (rad)."""
     spare = bond.reach - opening
     if slope == 0.0:
         return (bond.left, bond.right) if spare >= 0.0 else BROKEN
@@ -45,28 +53,50 @@ def whole_part(bond, opening, slope):
 
 @leaf
 def bonded_part(contact, bond, opening, slope):
-    """As `whole_part`; a remainder that is too short is broken."""
+    """Return `whole_part`, or BROKEN where it is not longer than LEAST times the contact."""
     left, right = whole_part(bond, opening, slope)
     return (left, right) if right - left > LEAST * (contact.right - contact.left) else BROKEN
 
 
 @leaf
 def _side(contact, left, right):
-    """A part of a contact."""
+    """Return the contact restricted to the interval from left to right, m."""
     _, _, _, depth, bore, strips, slip, around, round_bore, rim = contact
     return Contact(contact.section, left, right, depth, bore, strips, slip, around, round_bore, rim)
 
 
 @leaf
 def bonded_forces(contact, law, bond, opening, slope, opening_rate, slope_rate):
-    """N, M, length in contact, and the ends of the part that is bonded in this motion; `bond`: before it.
+    """Return N, M, the length in contact and the ends of the bonded interval in this motion.
 
-    In contact is what is bonded, and what else is loaded.
+    In contact are the bonded interval and the loaded parts of the dry sides.
+
+    Parameters
+    ----------
+    contact : Contact
+        The contact of the joint.
+    law : Law
+        Stiffness, N/m3, and damping, s.
+    bond : Bond
+        The bond before this motion.
+    opening, slope, opening_rate, slope_rate : float
+        Motion of the joint: m, rad, m/s, rad/s.
+
+    Returns
+    -------
+    force, moment : float
+        N, N (compression positive), and M, N m (restoring).
+    length : float
+        Length in contact, m.
+    left, right : float
+        Ends of the part of the bond that is left, m.
     """
+    # a broken bond leaves a dry joint
     left, right = bonded_part(contact, bond, opening, slope)
     if not left < right:
         force, moment, length = joint_forces(contact, law, opening, slope, opening_rate, slope_rate)
         return force, moment, length, left, right
+    # the bonded interval, in compression or tension
     motion = opening, slope, opening_rate, slope_rate
     force, moment = _pull(contact, law, left, right, *motion)
     # each side of its own, then their sum: mirror images have mirrored sums
@@ -76,27 +106,32 @@ def bonded_forces(contact, law, bond, opening, slope, opening_rate, slope_rate):
     if right < contact.right:
         after = joint_forces(_side(contact, right, contact.right), law, *motion)
     force, moment = force + (before[0] + after[0]), moment + (before[1] + after[1])
+    # sum of the three parts
     return force, moment, _in_contact(contact, left, right, before[2], after[2]), left, right
 
 
 @leaf
 def _in_contact(contact, left, right, before, after):
-    """Length in contact of a joint bonded from left to right; before, after: loaded of the sides."""
+    """Return the length in contact (m) of a joint bonded from left to right.
+
+    before, after: loaded lengths of the dry sides to the left and to the right, m.
+    """
     return (contact.right - contact.left) - (((left - contact.left) - before) + ((contact.right - right) - after))
 
 
 @leaf
 def _pull(contact, law, left, right, opening, slope, opening_rate, slope_rate):
-    """N and M of the bonded part, pressed or pulled."""
+    """Return N and M of the bonded interval from left to right, in compression or tension."""
     mean, gradient = opening + law.damping * opening_rate, slope + law.damping * slope_rate
     return pressure_forces(contact, law, left, right, right - left, mean, gradient)
 
 
 @leaf
 def bond_regime(contact, damping, bond, opening, slope, opening_rate, slope_rate):
-    """The regime of a bonded joint in this motion."""
+    """Return the regime of a bonded joint in this motion: bits of the bond and of both dry sides."""
     regime, left, right = BONDED, bond.left, bond.right
     near = ROUNDING * (abs(opening) + abs(slope) * max(-left, right) + bond.reach)
+    # a front grows where the stretch at an end has come to the reach and is increasing
     if slope > 0.0:
         front = (opening - bond.reach) / slope
         if left * slope - opening + bond.reach <= near and front * slope_rate - opening_rate < 0.0:
@@ -107,6 +142,7 @@ def bond_regime(contact, damping, bond, opening, slope, opening_rate, slope_rate
         if right * slope - opening + bond.reach <= near and front * slope_rate - opening_rate < 0.0:
             regime += GROWS_RIGHT
             right = front
+    # regimes of the dry sides
     if contact.left < left and not regime & GROWS_LEFT:
         regime += contact_regime(contact.left, left, damping, opening, slope, opening_rate, slope_rate)
     if right < contact.right and not regime & GROWS_RIGHT:
@@ -117,7 +153,7 @@ def bond_regime(contact, damping, bond, opening, slope, opening_rate, slope_rate
 
 @leaf
 def _front(regime, bond, opening, slope):
-    """Ends of the bonded part by a regime."""
+    """Return the ends of the bond (m) in a regime: a growing front lies where the stretch is the reach."""
     left, right = bond.left, bond.right
     if regime & GROWS_LEFT:
         left = (opening - bond.reach) / slope
@@ -128,7 +164,10 @@ def _front(regime, bond, opening, slope):
 
 @leaf
 def _margin_of_ends(regime, contact, bond, left, right, opening, slope, opening_rate, slope_rate):
-    """How far the ends of a bond are from giving way, m; of one that grows how fast its front is pulled, m/s."""
+    """Return the margin (m) before an end of the bond breaks, or the rate of stretch (m/s) at a growing front.
+
+    The margin of a growing crack is at most the length, m, that the bond has above LEAST times the contact.
+    """
     if regime & (GROWS_LEFT | GROWS_RIGHT):
         front = left if regime & GROWS_LEFT else right
         remains = (right - left) - LEAST * (contact.right - contact.left)
@@ -138,20 +177,23 @@ def _margin_of_ends(regime, contact, bond, left, right, opening, slope, opening_
 
 @leaf
 def held_bonded_forces(regime, contact, law, bond, opening, slope, opening_rate, slope_rate):
-    """As `bonded_forces`, by the formula of a regime even where it does not apply, and the margin left.
+    """Return `bonded_forces` by the formula of a regime, even where it does not apply, and the margin of the regime.
 
-    Of the length in contact only the bonded part and loaded sides.
+    The length in contact consists of the bonded interval and the loaded parts of the dry sides.
     """
+    # the bonded interval
     left, right = _front(regime, bond, opening, slope)
     motion = opening, slope, opening_rate, slope_rate
     force, moment = _pull(contact, law, left, right, *motion)
     margin = _margin_of_ends(regime, contact, bond, left, right, *motion)
     before, after = (0.0, 0.0, 0.0, margin), (0.0, 0.0, 0.0, margin)
+    # the dry sides, each in its own regime
     side, beyond = regime & OF_SIDE, (regime >> RIGHT_SIDE) & OF_SIDE
     if side != NOTHING:
         before = held_forces(side, _side(contact, contact.left, left), law, *motion)
     if beyond != NOTHING:
         after = held_forces(beyond, _side(contact, right, contact.right), law, *motion)
+    # sum, and the least margin
     force, moment = force + (before[0] + after[0]), moment + (before[1] + after[1])
     length, margin = _in_contact(contact, left, right, before[2], after[2]), min(margin, before[3], after[3])
     return force, moment, length, left, right, margin
@@ -159,10 +201,11 @@ def held_bonded_forces(regime, contact, law, bond, opening, slope, opening_rate,
 
 @leaf
 def bond_margin(regime, contact, damping, bond, opening, slope, opening_rate, slope_rate):
-    """How far a bonded joint is from leaving a regime: m, or m/s of a front; negative beyond."""
+    """Return the margin of a regime of a bonded joint (m, or m/s of a growing front); negative beyond it."""
     left, right = _front(regime, bond, opening, slope)
     motion = opening, slope, opening_rate, slope_rate
     margin = _margin_of_ends(regime, contact, bond, left, right, *motion)
+    # margins of the dry sides
     side, beyond = regime & OF_SIDE, (regime >> RIGHT_SIDE) & OF_SIDE
     if side != NOTHING:
         margin = min(margin, regime_margin(side, contact.left, left, damping, *motion))
@@ -173,7 +216,7 @@ def bond_margin(regime, contact, damping, bond, opening, slope, opening_rate, sl
 
 @leaf
 def bonded_peak_pressure(contact, law, left, right, opening, slope, opening_rate, slope_rate):
-    """Largest pressure on a joint of which the part from left to right is bonded, Pa: at an end of a part."""
+    """Return the largest pressure (Pa) on a joint bonded from left to right: at an end of bond or loaded part."""
     mean, gradient = opening + law.damping * opening_rate, slope + law.damping * slope_rate
     lo, hi = loaded_part(contact.left, contact.right, law.damping, opening, slope, opening_rate, slope_rate)
     most = max(gradient * left, gradient * right) - mean if left < right else 0.0

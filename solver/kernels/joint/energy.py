@@ -1,4 +1,4 @@
-"""Energy of a joint of any section: for the verdict on a column, not for its motion."""
+"""The energy of a joint of any section: for the verdict on a column, not for its motion."""
 
 from ..numba_ext.jit import kernel
 from ..sections.section import part_stiffness
@@ -10,10 +10,11 @@ CLOSE = 1e-15  # of the largest penetration
 
 @kernel
 def balanced_opening(contact, law, slope, weight):
-    """Opening, m, at which the joint, its faces turned by a slope either way, carries this weight, N > 0.
+    """Return the opening (m) at which the joint carries a weight (N, > 0) at a slope of either sign (rad).
 
-    Newton's method within bounds: the force falls with the opening, and is convex in it.
+    Newton's method between bounds: the force decreases with the opening, and is convex in it.
     """
+    # bounds of the opening: each fibre pressed by at least weight / stiffness, and none pressed
     stiffness = law.stiffness
     one, other = contact.left * slope, contact.right * slope
     low = -weight / part_stiffness(contact, stiffness, contact.left, contact.right)[0] + min(one, other)
@@ -25,9 +26,11 @@ def balanced_opening(contact, law, slope, weight):
             low = opening
         else:
             high = opening
+        # stiffness of the pressed part from lo to hi: the derivative of the force
         edge = min(max(contact.left, opening / slope), contact.right)  # of what is pressed
         lo, hi = (edge, contact.right) if slope > 0.0 else (contact.left, edge)
         steep = part_stiffness(contact, stiffness, lo, hi)[0]
+        # Newton step, or bisection where it leaves the bounds
         last, opening = opening, 0.5 * (low + high)
         if steep > 0.0 and low < last + (force - weight) / steep < high:
             opening = last + (force - weight) / steep
@@ -38,7 +41,7 @@ def balanced_opening(contact, law, slope, weight):
 
 @kernel
 def least_energy(contact, law, slope, weight):
-    """Least of elastic energy and weight * opening, J, over the openings of a joint turned by a slope: a linear one."""
+    """Return the minimum over the opening of elastic energy plus weight * opening (J), for the linear law."""
     if not weight > 0.0:
         return 0.0
     if slope == 0.0:

@@ -27,7 +27,7 @@ from .regimes import ANY, OPEN, open_margin, side_margin, sides
 
 
 class Law(NamedTuple):
-    """Parameters of the pressure on a joint, beside its contact and its motion: the fields LAW of spaces.py."""
+    """The parameters of the pressure on a joint, beside its contact and its motion: the fields LAW of spaces.py."""
 
     stiffness: float  # N/m3
     damping: float  # s
@@ -38,13 +38,13 @@ assert Law._fields == LAW
 
 @leaf
 def law_of(blocks, i):
-    """The law of joint i."""
+    """Return the law of joint i."""
     return Law(blocks.stiffness[i], blocks.damping[i])
 
 
 @leaf
 def positive_part(value, slope, lo, hi):
-    """The part (lo, hi) of an interval where value + slope * s > 0; lo >= hi when there is none."""
+    """Return the part (lo, hi) of an interval where value + slope * s > 0; lo >= hi if there is none."""
     if slope > 0.0:
         edge = -value / slope
         return edge if edge > lo else lo, hi
@@ -58,10 +58,11 @@ def positive_part(value, slope, lo, hi):
 
 @leaf
 def loaded_part(left, right, damping, opening, slope, opening_rate, slope_rate):
-    """The part (lo, hi) of the contact that carries pressure, m from the middle of the block; lo >= hi: there is none.
+    """Return the part (lo, hi) of the contact that carries pressure; lo >= hi if none does.
 
-    left, right: the ends of the contact, m.
+    lo, hi and the ends of the contact, left and right, in m from the middle of the block.
     """
+    # faces overlap; there the damper must not pull
     lo, hi = positive_part(-opening, slope, left, right)
     if damping > 0.0 and lo < hi:
         lo, hi = positive_part(-(opening + damping * opening_rate), slope + damping * slope_rate, lo, hi)
@@ -70,7 +71,7 @@ def loaded_part(left, right, damping, opening, slope, opening_rate, slope_rate):
 
 @by_width
 def pressed_part(left, right, opening, slope):
-    """The part (lo, hi) of the contact in which the faces press each other, of one joint or of lanes."""
+    """Return the part (lo, hi) of the contact (m) in which the faces overlap; lo >= hi if none. One joint or lanes."""
     if isinstance(slope, LanesType):
         return _pressed_part_of_lanes
     return lambda left, right, opening, slope: positive_part(-opening, slope, left, right)
@@ -84,17 +85,29 @@ def _pressed_part_of_lanes(left, right, opening, slope):
 
 @leaf
 def pressure_forces(contact, law, lo, hi, length, mean, gradient):
-    """N and M of the pressure on the loaded part, from lo to hi, of this length.
+    """Return N (N) and M (N m) of the pressure on the loaded part.
 
-    mean, gradient: opening and slope that the damper responds to; gradient * s - mean is not negative in that part,
-    unless the joint is held beyond its regime, where hi may be below lo too.
+    Parameters
+    ----------
+    contact : Contact
+        The contact of the joint.
+    law : Law
+        Stiffness, N/m3, and damping, s.
+    lo, hi, length : float
+        Ends of the loaded part and its length, m.
+    mean, gradient : float
+        Opening, m, and slope, rad, with the damper's part; gradient * s - mean is not negative in the loaded part,
+        unless the joint is held beyond its regime, where hi may be below lo too.
     """
+    # the integral over the section
     return forces_over(contact, law.stiffness, lo, hi, length, mean, gradient)
 
 
 @leaf
 def joint_tangent(contact, law, lo, hi, mean, gradient):
-    """Derivatives of these by mean and gradient, without signs, as `part_stiffness`; hi <= lo: nothing is loaded.
+    """Return the derivatives of `pressure_forces` by mean and gradient, without signs, as `part_stiffness`.
+
+    They are zero where nothing is loaded (hi <= lo).
 
     Implicit steps solve with them: an approximation keeps the order, but a poor one makes the steps short.
     """
@@ -103,14 +116,30 @@ def joint_tangent(contact, law, lo, hi, mean, gradient):
 
 @leaf
 def joint_forces(contact, law, opening, slope, opening_rate, slope_rate):
-    """Normal force N (N, compression positive), moment M (N m, restoring) and loaded length (m) of a joint.
+    """Return the normal force N, the moment M and the loaded length of a joint.
 
-    opening, slope: m and rad, their rates per s.
-    N = -dU/d(opening), M = dU/d(slope) of the potential below when damping = 0.
+    With damping = 0, N = -dU/d(opening) and M = dU/d(slope) of the potential U (`joint_potential`).
+
+    Parameters
+    ----------
+    contact : Contact
+        The contact of the joint.
+    law : Law
+        Stiffness, N/m3, and damping, s.
+    opening, slope, opening_rate, slope_rate : float
+        Motion of the joint: m, rad, m/s, rad/s.
+
+    Returns
+    -------
+    force, moment : float
+        N, N (compression positive), and M, N m (restoring).
+    length : float
+        Loaded length, m.
     """
     lo, hi = loaded_part(contact.left, contact.right, law.damping, opening, slope, opening_rate, slope_rate)
     if not hi > lo:
         return 0.0, 0.0, 0.0
+    # opening and slope with the damper's part
     mean = opening + law.damping * opening_rate
     gradient = slope + law.damping * slope_rate
     length = hi - lo
@@ -120,21 +149,36 @@ def joint_forces(contact, law, opening, slope, opening_rate, slope_rate):
 
 @leaf
 def _within(x, lo, hi):
-    """The nearest number to x from lo to hi; hi where x is not a number."""
+    """Clip x to the interval from lo to hi; return hi where x is NaN."""
     return greater(lesser(x, hi), lo)
 
 
 @leaf
 def loaded_part_in_lanes(near, far, damping, opening, slope, opening_rate, slope_rate):
-    """As `loaded_part`, for lanes, without a branch, in the mirror image where the slope is negative.
+    """Return the loaded part of a joint in lanes, without a branch, in the mirror image where the slope is negative.
 
-    In that image the slope rises, so that the faces touch between an edge and `far`; near, far: the ends of the contact
-    in that image. Returns the ends of the loaded part, the lower one first or last, then opening and slope that the
-    damper responds to.
+    In that image the slope is positive, so that the faces touch between an edge and `far`.
+
+    Parameters
+    ----------
+    near, far : lanes
+        Ends of the contact in that image, m.
+    damping : lanes
+        Damping, s.
+    opening, slope, opening_rate, slope_rate : lanes
+        Motion of the joint: m, rad, m/s, rad/s.
+
+    Returns
+    -------
+    one, other : lanes
+        Ends of the loaded part in that image, m, in either order.
+    mean, gradient : lanes
+        Opening, m, and slope, rad, with the damper's part.
     """
     steep = magnitude(slope)
     mean = opening + damping * opening_rate
     gradient = steep + damping * mirrored(slope_rate, slope)
+    # edge of the overlap, then the edge of the pressure
     edge = _within(opening / steep, near, far)
     pushed = _within(mean / gradient, edge, far)  # the same edge again where there is no damping
     return pushed, where(gradient >= 0.0, far, edge), mean, gradient
@@ -142,7 +186,7 @@ def loaded_part_in_lanes(near, far, damping, opening, slope, opening_rate, slope
 
 @leaf
 def joint_forces_in_lanes(near, far, rigidity, damping, opening, slope, opening_rate, slope_rate):
-    """As `joint_forces`, for lanes, of a rectangle; rigidity in N/m2; near, far: as above."""
+    """Return `joint_forces` of rectangles in lanes; rigidity in N/m2, near and far as in `loaded_part_in_lanes`."""
     one, other, mean, gradient = loaded_part_in_lanes(near, far, damping, opening, slope, opening_rate, slope_rate)
     length = magnitude(other - one)
     force, moment = rectangle_forces(one, other, length, rigidity, mean, gradient)
@@ -151,12 +195,13 @@ def joint_forces_in_lanes(near, far, rigidity, damping, opening, slope, opening_
 
 @leaf
 def held_forces(regime, contact, law, opening, slope, opening_rate, slope_rate):
-    """N, M, loaded length by the formula of a regime, even where it does not apply, and the margin left, m."""
+    """Return N, M and loaded length by the formula of a regime, even where it does not apply, and its margin (m)."""
     damping = law.damping
     mean = opening + damping * opening_rate
     gradient = slope + damping * slope_rate
     if regime == OPEN:
         return 0.0, 0.0, 0.0, open_margin(contact.left, contact.right, opening, slope, mean, gradient)
+    # ends of the loaded part by the bounds of the regime, and their margins
     left, right = sides(regime)
     lo, on_left = side_margin(left, contact.left, damping, opening, slope, mean, gradient)
     hi, on_right = side_margin(right, contact.right, damping, opening, slope, mean, gradient)
@@ -167,7 +212,7 @@ def held_forces(regime, contact, law, opening, slope, opening_rate, slope_rate):
 
 @by_width
 def resultants(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
-    """N, M and loaded length of joint i; one column notes in `hold` whether the joint is outside its regime."""
+    """Return N, M and loaded length of joint i; for one column, flag in `hold` that the joint has left its regime."""
     if not isinstance(opening, LanesType):
         return _resultants_of_one
     return _resultants_of_round_lanes if ROUND in blocks.names else _resultants_of_lanes
@@ -186,9 +231,13 @@ def _resultants_of_one(blocks, hold, i, opening, slope, opening_rate, slope_rate
 
 @by_width
 def _image(blocks, i, slope, slip):
-    """Ends of the contact and slip of joint i in lanes, in the mirror image where the slope is negative; the slope."""
+    """Return ends of the contact, slip and slope of joint i in lanes, in the mirror image where the slope is negative.
+
+    The slope itself is not mirrored.
+    """
     if isinstance(slip, LanesType):
         return _slipped_image
+    # without a slip the contact is its own mirror image
     return lambda blocks, i, slope, slip: (blocks.left[i], blocks.right[i], 0.0, slope)  # its own mirror image
 
 
@@ -210,6 +259,7 @@ def _resultants_of_round_lanes(blocks, hold, i, opening, slope, opening_rate, sl
     near, far, slip, slope = _image(blocks, i, slope, slip)
     damping = blocks.damping[i]
     one, other, mean, gradient = loaded_part_in_lanes(near, far, damping, opening, slope, opening_rate, slope_rate)
+    # unlike a rectangle, other sections need the ends in order
     lo, hi = lesser(one, other), greater(one, other)
     length = hi - lo
     force, moment = forces_over_in_lanes(blocks, i, slip, slope, (near, far), lo, hi, length, mean, gradient)
@@ -218,21 +268,24 @@ def _resultants_of_round_lanes(blocks, hold, i, opening, slope, opening_rate, sl
 
 @varied_leaf
 def resultants_of(model, joints, hold, i, opening, slope, opening_rate, slope_rate, slip):
-    """`resultants` of joint i, of a column whose `joints` remember nothing."""
+    """Return `resultants` of joint i of a column whose `joints` have no memory."""
     return resultants(model.blocks, hold, i, opening, slope, opening_rate, slope_rate, slip)
 
 
 @kernel
 def joint_peak_pressure(contact, law, length, opening, slope, opening_rate, slope_rate):
-    """Largest pressure on the joint, Pa: at an end of the loaded part, where a linear function has its maximum.
+    """Return the largest pressure on the joint (Pa).
 
-    length: m, that is loaded, as `joint_forces` has it.
+    It acts at an end of the loaded part, where a linear function has its maximum. length: loaded length, m, as
+    `joint_forces` returns it.
     """
     if not length > 0.0:
         return 0.0
+    # ends of the loaded part
     lo, hi = contact.left, contact.right
     if length < hi - lo:
         lo, hi = loaded_part(lo, hi, law.damping, opening, slope, opening_rate, slope_rate)
+    # the pressure is linear: evaluate it at its higher end
     mean = -(opening + law.damping * opening_rate)
     gradient = slope + law.damping * slope_rate
     return max(0.0, law.stiffness * (mean + gradient * (hi if gradient > 0.0 else lo)))
@@ -240,12 +293,12 @@ def joint_peak_pressure(contact, law, length, opening, slope, opening_rate, slop
 
 @varied_leaf
 def largest_pressure(joints, i, contact, law, length, opening, slope, opening_rate, slope_rate):
-    """`joint_peak_pressure` of joint i."""
+    """Return `joint_peak_pressure` of joint i."""
     return joint_peak_pressure(contact, law, length, opening, slope, opening_rate, slope_rate)
 
 
 @leaf
 def joint_potential(contact, law, opening, slope):
-    """Elastic energy of the joint, J: the integral of stiffness * pen^2 / 2 over the loaded area."""
+    """Return the elastic energy of the joint (J): the integral of stiffness * pen^2 / 2 over the loaded area."""
     lo, hi = loaded_part(contact.left, contact.right, 0.0, opening, slope, 0.0, 0.0)
     return energy_over(contact, law.stiffness, lo, hi, opening, slope) if hi > lo else 0.0

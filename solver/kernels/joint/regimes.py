@@ -18,10 +18,25 @@ PULL = 2  # the damper would pull there
 
 @leaf
 def contact_regime(left_end, right_end, damping, opening, slope, opening_rate, slope_rate):
-    """The regime of a joint in this motion: ends of its contact m, damping s, m, rad and their rates per s.
+    """Return the regime of a joint in this motion.
 
     As long as it is the same the forces are smooth functions of the joint's motion.
+
+    Parameters
+    ----------
+    left_end, right_end : float
+        Ends of the contact, m.
+    damping : float
+        Damping, s.
+    opening, slope, opening_rate, slope_rate : float
+        Motion of the joint: m, rad, m/s, rad/s.
+
+    Returns
+    -------
+    regime : int
+        OPEN, or FULL + left + RIGHT * right.
     """
+    # where the faces overlap
     lo, hi = left_end, right_end
     left = right = CORNER
     if slope > 0.0:
@@ -34,6 +49,7 @@ def contact_regime(left_end, right_end, damping, opening, slope, opening_rate, s
             hi, right = edge, TOUCH
     elif opening >= 0.0:
         return OPEN
+    # where the damper does not pull
     if damping > 0.0:
         mean = opening + damping * opening_rate
         gradient = slope + damping * slope_rate
@@ -54,30 +70,44 @@ def contact_regime(left_end, right_end, damping, opening, slope, opening_rate, s
 
 @leaf
 def sides(regime):
-    """The bounds of the loaded part on the left and on the right in a regime that is not OPEN."""
+    """Return the bounds of the loaded part on the left and on the right in a regime that is not OPEN."""
     return regime & 3, (regime >> 2) & 3
 
 
 @leaf
 def side_margin(bound, corner, damping, opening, slope, mean, gradient):
-    """End of the loaded part by this bound, m from the centre, and how far the bound is from giving way, m.
+    """Return the end of the loaded part by this bound (m) and the margin within which the bound holds (m).
 
-    mean, gradient: opening and slope as the damper feels them; corner: the end of the joint on that side, m.
+    Parameters
+    ----------
+    bound : int
+        CORNER, TOUCH or PULL.
+    corner : float
+        End of the contact on that side, m.
+    damping : float
+        Damping, s.
+    opening, slope : float
+        Motion of the joint: m, rad.
+    mean, gradient : float
+        Opening, m, and slope, rad, with the damper's part.
     """
+    # penetration of the corner, as it is and with the damper's part
     touching = corner * slope - opening
     pushing = corner * gradient - mean
     if bound == CORNER:
         return corner, min(touching, pushing) if damping > 0.0 else touching
+    # the faces part at the edge, whose penetration is zero
     if bound == TOUCH:
         edge = opening / slope
         return edge, min(-touching, edge * gradient - mean) if damping > 0.0 else -touching
+    # the pressure is zero at the edge
     edge = mean / gradient
     return edge, min(-pushing, edge * slope - opening)
 
 
 @leaf
 def open_margin(left_end, right_end, opening, slope, mean, gradient):
-    """How far an open joint with these ends of its contact is from closing, m."""
+    """Return the distance (m) by which an open joint with these ends of its contact is from closing."""
     # largest over the width of the lesser penetration: at a corner, or in between where they are the same
     most = min(left_end * slope - opening, left_end * gradient - mean)
     most = max(most, min(right_end * slope - opening, right_end * gradient - mean))
@@ -89,10 +119,11 @@ def open_margin(left_end, right_end, opening, slope, mean, gradient):
 
 @leaf
 def regime_margin(regime, left_end, right_end, damping, opening, slope, opening_rate, slope_rate):
-    """How far the joint is from leaving the regime, m: negative beyond, zero where another one begins.
+    """Return the margin (m) within which the joint stays in the regime: zero where another begins, negative beyond.
 
-    The least of the penetrations, as they are and as the damper feels them, that have to be positive.
+    It is the least of the penetrations, as they are and with the damper's part, that have to be positive.
     """
+    # opening and slope with the damper's part
     mean = opening + damping * opening_rate
     gradient = slope + damping * slope_rate
     if regime == OPEN:

@@ -1,9 +1,9 @@
-"""A joint that slides, or is built off its axis (theory.md section 9): where it touches, what it bears along itself.
+"""A joint that slides, or is built off its axis (theory.md section 9): its contact and the forces along it.
 
 The contact belongs to the block above: its middle has moved by half of the slip from the middle of the joint. Pressure
 acts along the normal of the lower face, which is turned by half of the joint's rotation against that of the joint. Its
-part along the joint, with what a rim adds that cuts the contact off, is the shear of the pressure. Friction and dowel
-bear the rest.
+component along the joint, plus the force of a rim that cuts the contact off, is the shear of the pressure. Friction and
+dowel bear the rest.
 """
 
 from ..layout.spaces import STRIP_NUMBERS
@@ -32,16 +32,17 @@ MARK = "slips_in_lanes"  # name of an empty part, in the spaces of lanes whose c
 
 
 def has_no_slips(space):
-    """Whether a space is that of lanes whose columns have no slips: known as they are compiled, so they cost nothing.
+    """Return True if a space is that of lanes whose columns have no slips.
 
-    space: numba's type of it.
+    It is known at compile time, so that slips cost nothing there. space: numba's type of it.
     """
     return space.kind is LANES and MARK not in space.names
 
 
 @by_width
 def can_slide(model):
-    """Whether slips are coordinates of the column: some joint may slide, or it is off its axis."""
+    """Return True if slips are coordinates of the column: some joint may slide, or the column is off its axis."""
+    # decided at compile time for lanes, at run time for one column
     if has_no_slips(model):
         return lambda model: False
     if model.kind is LANES:
@@ -51,7 +52,7 @@ def can_slide(model):
 
 @by_width
 def slip_if(slides, model, phase, i):
-    """Slip of joint i and its rate, where slips are coordinates."""
+    """Return the slip of joint i (m) and its rate (m/s), or zeros where slips are not coordinates."""
     if has_no_slips(model):
         return lambda slides, model, phase, i: (0.0, 0.0)
     if model.kind is LANES:
@@ -61,33 +62,33 @@ def slip_if(slides, model, phase, i):
 
 @leaf
 def slip_of(model, phase, i):
-    """Slip of joint i and its rate."""
+    """Return the slip of joint i (m) and its rate (m/s)."""
     return slip_if(can_slide(model), model, phase, i)
 
 
 @leaf
 def opening_felt(opening, slip, slope):
-    """Opening of a joint in the middle of its contact, m."""
+    """Return the opening of a joint in the middle of its contact (m)."""
     return opening - 0.5 * slip * slope
 
 
 @leaf
 def opening_rate_felt(opening_rate, slip, slip_rate, slope, slope_rate):
-    """Rate of that, m/s."""
+    """Return the rate of `opening_felt` (m/s)."""
     return opening_rate - 0.5 * (slip_rate * slope + slip * slope_rate)
 
 
 @leaf
 def pressure_shear(normal, sine, at_rim):
-    """Part of the pressure along the joint, N, on the block above; sine of half the joint's rotation."""
+    """Return the shear of the pressure (N) on the block above; sine of half the joint's rotation, at_rim in N."""
     return at_rim - normal * sine
 
 
 @by_width
 def rim_force(blocks, i, opening, slope, slip):
-    """Force of the rim that cuts off the contact of joint i on the block above, outwards, N, towards +x.
+    """Return the force (N, towards +x) on the block above of the rims that cut off the contact of joint i.
 
-    The elastic energy that a slip of a metre takes off the contact: else energy would be lost or won by it.
+    It is the decrease of the elastic energy per metre of slip: without it a slip would gain or lose energy.
     """
     if isinstance(slip, LanesType):
         return _rim_force_of_lanes
@@ -98,7 +99,7 @@ def rim_force(blocks, i, opening, slope, slip):
 
 @leaf
 def _lens_force(blocks, i, left, right, opening, slope, slip, rim):
-    """Return the force of the edges, N, on a round joint above a round face, both inset by a rim, m."""
+    """Return the force (N) of the edges on a round joint above a round face, both inset by a rim (m)."""
     own, bore = 0.5 * blocks.own_depth[i] - rim, 0.5 * inset_bore(blocks.own_bore[i], rim)
     below, bore_below = blocks.rim_right[i] - rim, 0.5 * inset_bore(blocks.bore_below[i], rim)
     lo, hi = pressed_part(left, right, opening, slope)
@@ -108,8 +109,10 @@ def _lens_force(blocks, i, left, right, opening, slope, slip, rim):
 
 def _rim_force_of_lanes(blocks, i, opening, slope, slip):
     left, right = ends_of(blocks, i, slip)
+    # only a slipped or overhanging contact is cut
     force, met = 0.0 * slope, left < right
     cut = ((slip != 0.0) | (blocks.overhangs[i] != 0.0)) & met
+    # straight edges: energy per metre of the strip at the right edge, then at the left one
     for ahead in (True, False):
         edge, own, rim = left, blocks.own_left[i], blocks.rim_left[i]
         if ahead:
@@ -119,6 +122,7 @@ def _rim_force_of_lanes(blocks, i, opening, slope, slip):
             pressed = greater(slope * edge - opening, 0.0)
             push = 0.5 * blocks.stiffness[i] * pressed * pressed * depth_in_lanes(blocks, i, left, right, edge)
             force += where(here, push if ahead else -push, 0.0)
+    # round faces instead
     if knows_round(blocks):
         lens = blocks.slipped[i] == LENS
         if any_of(lens & cut):
@@ -128,7 +132,7 @@ def _rim_force_of_lanes(blocks, i, opening, slope, slip):
 
 @by_width
 def less_insides(blocks, i, left, right, opening, slope, slip, cut, force):
-    """Return the force of edges in lanes, N, less that of the edges of insides, where the contact is cut."""
+    """Return the force of edges in lanes (N) less that of the edges of the open insides, where the contact is cut."""
     if RIMMED in blocks.names:
         return _less_insides
     return lambda blocks, i, left, right, opening, slope, slip, cut, force: force
@@ -136,6 +140,7 @@ def less_insides(blocks, i, left, right, opening, slope, slip, cut, force):
 
 def _less_insides(blocks, i, left, right, opening, slope, slip, cut, force):
     inside = inside_in_lanes(blocks, i, slip, left, right)
+    # where the rims leave an inside open
     open_ = cut & (blocks.rim[i] > 0.0) & (inside[0] < inside[1])
     if any_of(open_):
         less = _inside_force_of_lanes(blocks, i, left, right, inside, opening, slope, slip)
@@ -145,8 +150,9 @@ def _less_insides(blocks, i, left, right, opening, slope, slip, cut, force):
 
 @leaf
 def _inside_force_of_lanes(blocks, i, left, right, inside, opening, slope, slip):
-    """Return the force, N, of the edges of the inside of the lower face, in lanes in which it cuts the contact."""
+    """Return the force (N) of the edges of the inside of the lower face, in lanes in which it cuts the contact."""
     force, rim, (begin, end) = 0.0 * slope, blocks.rim[i], inside
+    # straight edges, inset by the rim: the right one, then the left one
     for ahead in (True, False):
         edge, own, below, place = left, blocks.own_left[i], blocks.rim_left[i], left + rim
         if ahead:
@@ -157,6 +163,7 @@ def _inside_force_of_lanes(blocks, i, left, right, inside, opening, slope, slip)
             depth = inside_depth_in_lanes(blocks, i, begin, end, place)
             push = 0.5 * blocks.stiffness[i] * pressed * pressed * depth
             force += where(here, push if ahead else -push, 0.0)
+    # round faces instead
     lens = blocks.slipped[i] == LENS
     if any_of(lens):
         force = where(lens, _lens_force(blocks, i, begin, end, opening, slope, slip, rim), force)
@@ -166,6 +173,7 @@ def _inside_force_of_lanes(blocks, i, left, right, inside, opening, slope, slip)
 def _rim_force_of_one(blocks, i, opening, slope, slip):
     if slip == 0.0 and blocks.overhangs[i] == 0.0:
         return 0.0
+    # edges of the outline
     contact = contact_of(blocks, i, slip)
     force = _force_of_edges(blocks, i, contact, 0.0, opening, slope, slip)
     if contact.rim > 0.0:  # what lies within them is open
@@ -175,17 +183,20 @@ def _rim_force_of_one(blocks, i, opening, slope, slip):
 
 @leaf
 def _force_of_edges(blocks, i, contact, rim, opening, slope, slip):
-    """Return the force, N, of the edges of the lower face of joint i where both faces are inset by a rim, m."""
+    """Return the force (N) of the edges of the lower face of joint i where both faces are inset by a rim (m)."""
     part, section, stiffness, force = inset(contact, rim), blocks.slipped[i], blocks.stiffness[i], 0.0
     if not part.left < part.right:
         return 0.0
+    # round face over a round one
     if section == LENS:
         return _lens_force(blocks, i, part.left, part.right, opening, slope, slip, rim)
+    # straight face over a round one
     if section == ON_RING:
         outer, inner = blocks.rim_right[i] - rim, 0.5 * inset_bore(blocks.bore_below[i], rim)
         lo, hi = pressed_part(part.left, part.right, opening, slope)
         strips = blocks.strips[STRIP_NUMBERS * i + (INSIDE if rim > 0.0 else 0) :]
         return band_push(strips, outer, inner, slip, lo, hi, stiffness, opening, slope) if lo < hi else 0.0
+    # straight edges that cut the contact: on the right, on the left
     if blocks.rim_right[i] - slip == contact.right != blocks.own_right[i]:
         force += _push_at(part, stiffness, contact.right - rim, opening, slope)
     if blocks.rim_left[i] - slip == contact.left != blocks.own_left[i]:
@@ -195,12 +206,12 @@ def _force_of_edges(blocks, i, contact, rim, opening, slope, slip):
 
 @leaf
 def _push_at(contact, stiffness, edge, opening, slope):
-    """The force, N, of a straight rim at this edge of the contact, outwards."""
+    """Return the outward force (N) of a straight rim at this edge of the contact."""
     pressed = max(0.0, slope * edge - opening)
     return 0.5 * stiffness * pressed * pressed * depth_at(contact, edge)
 
 
 @varied_leaf
 def shear_capacity(model, joints, i, normal):
-    """Shear capacity of joint i by friction and dowel, N: unbounded (RIGID) if it never slides."""
+    """Return the shear capacity of joint i by friction and dowel (N): unbounded (RIGID) if it never slides."""
     return model.blocks.friction[i] * normal + model.blocks.dowel[i]

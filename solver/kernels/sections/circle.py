@@ -25,12 +25,12 @@ TERMS = 8
 
 
 def _series() -> tuple[tuple[float, float, float], ...]:
-    """Coefficients of E / sin^3 d, G / sin^5 d and H / sin^7 d in powers of sin^2 d, the highest power first."""
+    """Return the coefficients of E / sin^3 d, G / sin^5 d and H / sin^7 d in powers of sin^2 d, highest power first."""
     # 1 / cos d = sum of these times sin^2k d
     secant = [Fraction(math.comb(2 * k, k), 4**k) for k in range(TERMS)]
 
     def integrated(factor: int, inner: list[Fraction], power: int) -> list[Fraction]:
-        """Of factor * inner / cos d, inner beginning at the power of sin d below `power`."""
+        """Integrate factor * inner / cos d; the series inner begins at the power of sin d below `power`."""
         terms = [[inner[j] * secant[k - j] for j in range(k + 1)] for k in range(TERMS)]
         return [factor * sum(parts, Fraction(0)) / (power + 2 * k) for k, parts in enumerate(terms)]
 
@@ -45,9 +45,10 @@ SERIES = _series()
 
 @leaf
 def _by_series(s):
-    """E, G and H for a small sin d."""
+    """Return E, G and H by their series, for a small sin d."""
     square = s * s
     e = g = h = 0.0
+    # Horner's rule for all three
     for coefficients in SERIES:
         e = e * square + coefficients[0]
         g = g * square + coefficients[1]
@@ -58,7 +59,7 @@ def _by_series(s):
 
 @leaf
 def _by_angle(s, c):
-    """E, G and H from sin d and cos d."""
+    """Return E, G and H from sin d and cos d in closed form."""
     angle = angle_of(s, c)
     cube = s * s * s
     e = 2.0 * (angle - s * c)
@@ -69,7 +70,7 @@ def _by_angle(s, c):
 
 @kernel
 def _curved(s, c):
-    """E, G and H; of lanes either form where any needs it."""
+    """Return E, G and H; in lanes either form is evaluated where any lane needs it."""
     e = g = h = 0.0
     small, large = s < SMALL, s >= SMALL
     if any_of(large):
@@ -82,7 +83,7 @@ def _curved(s, c):
 
 @leaf
 def _segment(radius, below, cut):
-    """sin d, cos d, sin m and cos m of the segment beyond a chord at `cut` from the centre, or of its mirror image."""
+    """Return sin d, cos d, sin m and cos m of the segment beyond a chord at `cut` (m), or of its mirror image."""
     per = 0.5 / radius
     s, c = square_root((radius - cut) * per), square_root((radius + cut) * per)
     return s, c, where(below, c, -c), s
@@ -90,7 +91,7 @@ def _segment(radius, below, cut):
 
 @kernel
 def _between(radius, lo, hi):
-    """sin d, cos d, sin m and cos m of the part between two chords."""
+    """Return sin d, cos d, sin m and cos m of the part between two chords."""
     ends = lo + hi
     chords = square_root((radius - lo) * (radius + lo)) + square_root((radius - hi) * (radius + hi))  # half of both
     span = square_root(ends * ends + chords * chords)  # 2 radius cos d
@@ -101,16 +102,18 @@ def _between(radius, lo, hi):
 
 @leaf
 def circle_part(radius, lo, hi):
-    """Middle, area, first and second moment about it, of the part of a circle between two abscissas, m from the centre.
+    """Return middle, area, first and second moment about it of the part of a circle between two abscissas.
 
-    Nothing lies beyond the rim. Of one circle or of lanes.
+    In m from the centre, m2, m3 and m4; of one circle or of lanes. The interval is clipped to the circle.
     """
     lo, hi = greater(lo, -radius), lesser(hi, radius)
+    # the whole circle
     ends, square = lo + hi, radius * radius
     area = math.pi * square
     first, second = 0.0 * area, 0.25 * area * square
     below, above = lo > -radius, hi < radius
     cut_off = below | above
+    # angles of a segment, or of a part between two chords
     if any_of(cut_off):
         s, c, sine, cosine = _segment(radius, below, where(below, lo, -hi))
         between = below & above
@@ -118,6 +121,7 @@ def circle_part(radius, lo, hi):
             found = _between(radius, lo, hi)
             s, c = where(between, found[0], s), where(between, found[1], c)
             sine, cosine = where(between, found[2], sine), where(between, found[3], cosine)
+        # moments by E, G and H as in the module's text
         u = cosine * cosine
         e, g, h = _curved(s, c)
         cube = 4.0 / 3.0 * u * (s * s * s)
@@ -130,10 +134,11 @@ def circle_part(radius, lo, hi):
 
 @kernel
 def ring_part(outer, inner, lo, hi):
-    """As `circle_part`, of an annulus between two radii: a circle less another one, which may be none."""
+    """Return `circle_part` of an annulus between two radii (m): a circle less another one, whose radius may be 0."""
     about = 0.5 * (greater(lo, -outer) + lesser(hi, outer))
     area = first = second = 0.0 * about
     hollow = inner > 0.0
+    # the outer circle, then the bore: a loop
     for k in range(2):  # which is compiled once
         if k == 1 and not any_of(hollow):
             break

@@ -1,9 +1,9 @@
-"""Two round faces, one slipped over the other: parts of what they share, in closed form (theory.md section 10).
+"""Two round faces, one slipped over the other: parts of their intersection, in closed form (theory.md section 10).
 
-The face of the block above is a circle about 0, that of the block below a circle about -slip. At a place along the
-motion the shorter of their chords bears, so that the contact is a lens: a part of the one circle, and from where both
-chords are equally long a part of the other. Bores likewise: there the longer chord is open. So nothing new is to be
-integrated. Of one joint or of lanes.
+The face of the block above is a circle about 0, that of the block below a circle about -slip. At each abscissa along
+the motion the shorter of their chords bears, so that the contact is a lens: a part of one circle up to the common
+chord, and a part of the other beyond. With bores the longer chord is open. So no other integrals are needed than those
+of circle.py. Of one joint or of lanes.
 """
 
 from ..numba_ext.jit import kernel, leaf
@@ -13,18 +13,20 @@ from .circle import circle_part
 
 @leaf
 def meeting(below, own, slip):
-    """Abscissa, m, of the common chord of a circle of the radius `below` about -slip and one of `own` about 0."""
+    """Return the abscissa (m) of the common chord of circles of radius `below` about -slip and `own` about 0."""
     return 0.5 * ((below - own) * (below + own) - slip * slip) / slip
 
 
 @kernel
 def _halves(below, own, slip, of_both, lo, hi):
-    """The parts from lo to hi that are those of the circle above and of that below: their ends, m.
+    """Return the ends (m) of the parts from lo to hi that belong to the circle above and to that below.
 
-    of_both: whether what lies in both circles is meant, or what lies in either of them.
+    of_both: True for the intersection of both circles, False for their union.
     """
+    # the common chord, clipped; which circle comes first from the left
     meet = greater(lesser(meeting(below, own, slip), hi), lo)
     own_first, own_alone = (slip > 0.0, own <= below) if of_both else (slip < 0.0, own >= below)
+    # concentric circles: one of them alone
     still = slip == 0.0
     meet, own_first = where(still, hi, meet), (still & own_alone) | ((slip != 0.0) & own_first)
     return (
@@ -37,7 +39,7 @@ def _halves(below, own, slip, of_both, lo, hi):
 
 @kernel
 def lens_part(own, bore, below, bore_below, slip, lo, hi):
-    """Middle, area, first and second moment about it, of the part between two abscissas; all four radii in m.
+    """Return middle, area, first and second moment about it of the part between two abscissas; all four radii in m.
 
     A loop over the four circles, which is compiled once.
     """
@@ -48,10 +50,12 @@ def lens_part(own, bore, below, bore_below, slip, lo, hi):
         outer, is_below = k < 2, k % 2 == 1
         if k == 2 and not any_of(hollow):
             break
+        # the circle below or above, of the outline or of the bores
         one, other = (below, own) if outer else (bore_below, bore)
         own_lo, own_hi, below_lo, below_hi = _halves(one, other, slip, outer, lo, hi)
         radius, centre = (one, -slip) if is_below else (other, 0.0 * slip)
         begin, end = (below_lo, below_hi) if is_below else (own_lo, own_hi)
+        # moments about the common middle; those of bores are subtracted
         middle, a, b, c = circle_part(radius, begin - centre, end - centre)
         off, sign = (middle + centre) - about, 1.0 if outer else -1.0
         area += sign * a  # nothing, where there is no bore
@@ -62,8 +66,9 @@ def lens_part(own, bore, below, bore_below, slip, lo, hi):
 
 @kernel
 def ends_of_rings(own, bore, below, bore_below, slip, left, right):
-    """Ends of the contact, m: where a bore reaches beyond the rim of the other face, the faces do not touch."""
+    """Return the ends of the contact (m), cut where a bore reaches beyond the rim of the other face."""
     ahead, moved = slip > 0.0, magnitude(slip)
+    # whether the bore above crosses the rim below, and the bore below the rim above
     cut = magnitude(below - moved) < bore
     cut_behind = magnitude(own - moved) < bore_below
     end, behind = meeting(below, bore, slip), meeting(bore_below, own, slip)
@@ -76,11 +81,13 @@ def ends_of_rings(own, bore, below, bore_below, slip, left, right):
 
 @kernel
 def push_of(radius, slip, lo, hi, stiffness, opening, slope):
-    """Decrease of the elastic energy over the part from lo to hi of a circle about -slip by a slip, J/m."""
+    """Return the decrease of elastic energy per metre of slip (J/m) over a part (lo, hi) of a circle about -slip."""
+    # chords and penetrations at both ends
     one, other = lo + slip, hi + slip
     chord = 2.0 * square_root(greater((radius - one) * (radius + one), 0.0))
     other_chord = 2.0 * square_root(greater((radius - other) * (radius + other), 0.0))
     at_one, at_other = slope * lo - opening, slope * hi - opening
+    # integral over the part between them
     middle, area, first, _ = circle_part(radius, one, other)
     force = (slope * (middle - slip) - opening) * area + slope * first
     return stiffness * (0.5 * (at_one * at_one * chord - at_other * at_other * other_chord) + slope * force)
@@ -88,9 +95,11 @@ def push_of(radius, slip, lo, hi, stiffness, opening, slope):
 
 @kernel
 def lens_push(own, bore, below, bore_below, slip, lo, hi, stiffness, opening, slope):
-    """The force of the rims on the block above, N, towards +x, by the pressed part of the contact, from lo to hi."""
+    """Return the force (N, towards +x) of the rims on the block above; pressed from lo to hi (m)."""
+    # the part that the circle below bounds
     _, _, first, last = _halves(below, own, slip, True, lo, hi)
     force = push_of(below, slip, first, last, stiffness, opening, slope)
+    # less that of the bore below
     hollow = bore_below > 0.0
     if any_of(hollow):
         _, _, first, last = _halves(bore_below, bore, slip, False, lo, hi)

@@ -1,6 +1,6 @@
-"""The shape of a contact, and what a linear pressure over a part of it comes to (theory.md sections 2 and 10).
+"""The shape of a contact, and the resultants of a linear pressure over a part of it (theory.md sections 2 and 10).
 
-A section is a code and a few numbers, kept in `blocks`. Elsewhere only its ends are known, between which the faces of
+A section is a code and a few numbers, kept in `blocks`. Other modules only know its ends, between which the faces of
 a joint can touch. Of a part of it, from lo to hi along the motion, three numbers are needed: area m2 and first and
 second moment m3, m4 about the middle of the part. Mirror images have mirrored moments, to the last bit.
 
@@ -62,7 +62,7 @@ class Contact(NamedTuple):
 
 @by_width
 def knows_round(blocks):
-    """Whether joints may be round: not in lanes of rectangles, which are compiled without."""
+    """Return True if joints may be round: not in lanes of rectangles, which are compiled without round sections."""
     if blocks.kind is LANES and ROUND not in blocks.names:
         return lambda blocks: False
     return lambda blocks: True
@@ -70,7 +70,7 @@ def knows_round(blocks):
 
 @by_width
 def knows_strips(blocks):
-    """Whether the joints of lanes may be made of strips."""
+    """Return True if the joints of lanes may be made of strips."""
     known = STRIPPED in blocks.names
     return lambda blocks: known
 
@@ -84,13 +84,15 @@ def knows_rims(blocks):
 
 @leaf
 def ends_of(blocks, i, slip):
-    """Ends of the contact of joint i, m from the middle of the block, which has slipped: the rims below cut it off.
+    """Return the ends of the contact of joint i after a slip (m): the rims below cut it off.
 
-    Of one joint or of lanes.
+    In m from the middle of the block; of one joint or of lanes.
     """
+    # as built
     left, right = blocks.left[i], blocks.right[i]
     moved = slip != 0.0
     if any_of(moved):
+        # straight rims, then bores
         left = where(moved, greater(blocks.own_left[i], blocks.rim_left[i] - slip), left)
         right = where(moved, lesser(blocks.own_right[i], blocks.rim_right[i] - slip), right)
         if knows_round(blocks):
@@ -101,7 +103,7 @@ def ends_of(blocks, i, slip):
 
 @by_width
 def ends_if_band(blocks, i, section, slip, left, right):
-    """Ends of the contact, cut off by a bore where a round face and a straight one share it; lanes have none."""
+    """Return the ends of the contact (m), cut off by a bore where one face is round and one straight; not in lanes."""
     if blocks.kind is LANES:
         return lambda blocks, i, section, slip, left, right: (left, right)
     return _ends_of_band
@@ -118,7 +120,7 @@ def _ends_of_band(blocks, i, section, slip, left, right):
 
 @kernel
 def _ends_of_rings(blocks, i, slip, left, right):
-    """Ends of the contact of joint i, cut off by bores where a round face has slipped over another one."""
+    """Return the ends of the contact of joint i (m), cut off by bores where a round face has slipped over another."""
     hollow = (blocks.own_bore[i] > 0.0) | (blocks.bore_below[i] > 0.0)
     rings = (slip != 0.0) & (blocks.slipped[i] == LENS) & hollow
     if any_of(rings):
@@ -130,13 +132,14 @@ def _ends_of_rings(blocks, i, slip, left, right):
 
 @leaf
 def contact_of(blocks, i, slip=0.0):
-    """The contact of joint i."""
+    """Return the contact of joint i after a slip (m)."""
     strips = blocks.strips[STRIP_NUMBERS * i :]
     left, right = ends_of(blocks, i, slip)
     section, depth, bore = blocks.section[i], blocks.depth[i], blocks.bore[i]
     below, bore_below = 0.0, 0.0
     if slip != 0.0:
         section = blocks.slipped[i]
+    # the other, round face
     if section >= LENS:
         depth, bore = blocks.own_depth[i], blocks.own_bore[i]
         below, bore_below = 2.0 * blocks.rim_right[i], blocks.bore_below[i]
@@ -147,13 +150,13 @@ def contact_of(blocks, i, slip=0.0):
 
 @leaf
 def inset_bore(bore, rim):
-    """Return the bore, m, of a face inset by a rim; 0 where it has none."""
+    """Return the bore (m) of a face inset by a rim; 0 where it has none."""
     return where(bore > 0.0, bore + 2.0 * rim, 0.0)
 
 
 @leaf
 def inset(contact, rim):
-    """Return a contact of which all touches, inset by a rim, m: what it leaves open; left >= right: nothing."""
+    """Return a contact that touches all over, inset by a rim (m): the part left open; nothing if left >= right."""
     section, left, right = contact.section, contact.left + rim, contact.right - rim
     depth, below = contact.depth - 2.0 * rim, contact.round - 2.0 * rim
     bore, bore_below = inset_bore(contact.bore, rim), inset_bore(contact.round_bore, rim)
@@ -177,7 +180,7 @@ def inset(contact, rim):
 
 @leaf
 def _part(contact, lo, hi):
-    """Middle of lo and hi, area and moments about it."""
+    """Return the middle of lo and hi, and area and moments about it of the part between them."""
     return _part_of_rim(contact, lo, hi) if contact.rim > 0.0 else _part_of_outline(contact, lo, hi)
 
 
@@ -185,6 +188,7 @@ def _part(contact, lo, hi):
 def _part_of_rim(contact, lo, hi):
     """Return `_part` of a contact that touches in a rim: of its outline less that of its inside."""
     about, area, first, second = _part_of_outline(contact, lo, hi)
+    # subtract the inside, about the same middle
     inside = inset(contact, contact.rim)
     left, right = inside.left, inside.right
     if left < right:
@@ -199,7 +203,8 @@ def _part_of_rim(contact, lo, hi):
 
 @kernel
 def _part_of_outline(contact, lo, hi):
-    """Return `_part` of a contact of which all touches."""
+    """Return `_part` of a contact that touches all over."""
+    # two faces of which one at least is round
     if contact.section >= LENS:
         outer, inner = 0.5 * contact.round, 0.5 * contact.round_bore
         if contact.section == LENS:
@@ -219,7 +224,7 @@ def _part_of_outline(contact, lo, hi):
 
 @leaf
 def rectangle_forces(lo, hi, length, rigidity, mean, gradient):
-    """N and M of the pressure gradient * s - mean over the part from lo to hi, of this length; rigidity in N/m2."""
+    """Return N and M of the pressure gradient * s - mean over a part of a rectangle; rigidity in N/m2, lengths in m."""
     middle = 0.5 * (lo + hi)  # its mirror image is minus it, to the last bit
     area = rigidity * length
     force = area * (gradient * middle - mean)
@@ -228,7 +233,20 @@ def rectangle_forces(lo, hi, length, rigidity, mean, gradient):
 
 @leaf
 def forces_over(contact, stiffness, lo, hi, length, mean, gradient):
-    """N and M of the pressure stiffness * (gradient * s - mean) over the part from lo to hi, of this length."""
+    """Return N (N) and M (N m) of the pressure stiffness * (gradient * s - mean) over a part of the contact.
+
+    Parameters
+    ----------
+    contact : Contact
+        The contact of the joint.
+    stiffness : float
+        Stiffness, N/m3.
+    lo, hi, length : float
+        Ends of the part and its length, m.
+    mean, gradient : float
+        Opening, m, and slope, rad, with the damper's part.
+    """
+    # in closed form for a rectangle
     if contact.section == RECTANGLE:
         return rectangle_forces(lo, hi, length, stiffness * contact.depth, mean, gradient)
     return _part_forces(_part(contact, lo, hi), stiffness, mean, gradient)
@@ -236,7 +254,7 @@ def forces_over(contact, stiffness, lo, hi, length, mean, gradient):
 
 @leaf
 def _part_forces(part, stiffness, mean, gradient):
-    """N and M of that pressure over a part whose middle, area and moments are known."""
+    """Return N and M of the pressure of `forces_over` over a part whose middle, area and moments are known."""
     middle, area, first, second = part
     pressure, steep = stiffness * (gradient * middle - mean), stiffness * gradient
     force = pressure * area + steep * first
@@ -245,7 +263,7 @@ def _part_forces(part, stiffness, mean, gradient):
 
 @by_width
 def part_in_lanes(blocks, i, slip, lo, hi):
-    """As `_part`, of joint i in lanes, of which each is a circle or an annulus."""
+    """Return `_part` of joint i in lanes in which each contact is a circle or an annulus."""
     return _part_in_lanes_that_slip if isinstance(slip, LanesType) else _part_in_lanes
 
 
@@ -256,6 +274,7 @@ def _part_in_lanes(blocks, i, slip, lo, hi):
 def _part_in_lanes_that_slip(blocks, i, slip, lo, hi):
     outer, inner = 0.5 * blocks.depth[i], 0.5 * blocks.bore[i]
     middle, area, first, second = ring_part(outer, inner, lo, hi)
+    # lanes that have slipped: lenses
     slipped = (slip != 0.0) & (blocks.slipped[i] == LENS)
     if any_of(slipped):
         outer, inner = 0.5 * blocks.own_depth[i], 0.5 * blocks.own_bore[i]
@@ -267,7 +286,7 @@ def _part_in_lanes_that_slip(blocks, i, slip, lo, hi):
 
 @leaf
 def _strips_in_image(blocks, i, slope, lo, hi):
-    """As `_part`, of joint i in lanes, of which each is made of strips; in the image of `forces_over_in_lanes`."""
+    """Return `_part` of joint i in lanes, each made of strips, in the mirror image of `forces_over_in_lanes`."""
     falls = slope < 0.0
     strips = blocks.strips[STRIP_NUMBERS * i :]
     middle, area, first, second = strips_part_in_lanes(strips, where(falls, -hi, lo), where(falls, -lo, hi))
@@ -276,12 +295,25 @@ def _strips_in_image(blocks, i, slope, lo, hi):
 
 @leaf
 def forces_over_in_lanes(blocks, i, slip, slope, ends, lo, hi, length, mean, gradient):
-    """As `forces_over`, of joint i in lanes, whichever section each has that these lanes know.
+    """Return `forces_over` of joint i in lanes, whichever of the sections known to these lanes each has.
 
-    Slip, ends of the contact, part and moment are those in the mirror image where the slope falls.
+    Parameters
+    ----------
+    slip, ends, lo, hi, length : lanes
+        Slip, ends of the contact, ends of the part and its length, m, in the mirror image where the slope is negative.
+    slope : lanes
+        Slope of the joint, rad, not mirrored.
+    mean, gradient : lanes
+        Opening, m, and slope, rad, with the damper's part, in that image.
+
+    Returns
+    -------
+    force, moment : lanes
+        N, N, and M, N m, in that image.
     """
     stiffness, section = blocks.stiffness[i], blocks.section[i]
     flat, force, moment = section == RECTANGLE, 0.0 * mean, 0.0 * mean
+    # strips, then circles and annuli
     if knows_strips(blocks):
         cut = section == STRIPS
         if any_of(cut):
@@ -292,15 +324,17 @@ def forces_over_in_lanes(blocks, i, slip, slope, ends, lo, hi, length, mean, gra
             force, moment = where(arched, arch[0], force), where(arched, arch[1], moment)
     elif any_of(section != RECTANGLE):
         force, moment = _part_forces(part_in_lanes(blocks, i, slip, lo, hi), stiffness, mean, gradient)
+    # rectangles
     if any_of(flat):
         flat_force, flat_moment = rectangle_forces(lo, hi, length, blocks.rigidity[i], mean, gradient)
         force, moment = where(flat, flat_force, force), where(flat, flat_moment, moment)
+    # contacts that touch in a rim
     return forces_of_rims(blocks, i, slip, ends, lo, hi, mean, gradient, force, moment)
 
 
 @by_width
 def forces_of_rims(blocks, i, slip, ends, lo, hi, mean, gradient, force, moment):
-    """Return N and M of joint i in lanes: those of rims, and these forces in the other lanes."""
+    """Return N and M of joint i in lanes: those of rims, and the given forces in the other lanes."""
     if RIMMED in blocks.names:
         return _forces_of_rims
     return lambda blocks, i, slip, ends, lo, hi, mean, gradient, force, moment: (force, moment)
@@ -317,7 +351,7 @@ def _forces_of_rims(blocks, i, slip, ends, lo, hi, mean, gradient, force, moment
 
 @leaf
 def _frame_part(depth, lo, hi):
-    """Middle, area, first and second moment about it, of a part of a rectangle."""
+    """Return middle, area, first and second moment about it of a part of a rectangle."""
     length = hi - lo
     area = depth * length
     return 0.5 * (lo + hi), area, 0.0 * area, area * (length * length) * (1.0 / 12.0)
@@ -325,9 +359,10 @@ def _frame_part(depth, lo, hi):
 
 @leaf
 def inside_in_lanes(blocks, i, slip, left, right):
-    """Return the ends of what rims leave open of joint i in lanes, as `inset` has them, from those of the contact."""
+    """Return the ends (m) of the inside that rims leave open of joint i in lanes, as `inset`, from the contact's."""
     rim = blocks.rim[i]
     left, right = left + rim, right - rim
+    # bores of round faces that have slipped over each other
     lens = (slip != 0.0) & (blocks.slipped[i] == LENS)
     bore, bore_below = inset_bore(blocks.own_bore[i], rim), inset_bore(blocks.bore_below[i], rim)
     hollow = lens & ((bore > 0.0) | (bore_below > 0.0))
@@ -335,20 +370,24 @@ def inside_in_lanes(blocks, i, slip, left, right):
         own, below = blocks.own_depth[i] - 2.0 * rim, 2.0 * (blocks.rim_right[i] - rim)
         first, last = ends_of_rings(0.5 * own, 0.5 * bore, 0.5 * below, 0.5 * bore_below, slip, left, right)
         left, right = where(hollow, first, left), where(hollow, last, right)
+        # one face lies within the bore of the other: no inside
         held = hollow & (greater(bore_below - own, bore - below) >= 2.0 * magnitude(slip))
         right = where(held, left, right)
+    # a rim wider than half of the ring: no inside
     solid = ~lens & (inset_bore(blocks.bore[i], rim) >= blocks.depth[i] - 2.0 * rim)
     return left, where(solid, left, right)
 
 
 @leaf
 def _part_of_rim_in_lanes(blocks, i, slip, ends, lo, hi):
-    """Return `_part_of_rim` of joint i in lanes; as `_part_of_outline`, but for strips."""
+    """Return `_part_of_rim` of joint i in lanes, of any section but strips."""
     rim, frame = blocks.rim[i], blocks.section[i] == FRAME
+    # the outline
     about, area, first, second = part_in_lanes(blocks, i, slip, lo, hi)
     flat = _frame_part(blocks.depth[i], lo, hi)
     about, area = where(frame, flat[0], about), where(frame, flat[1], area)
     first, second = where(frame, flat[2], first), where(frame, flat[3], second)
+    # the inside: an annulus, a lens or a rectangle
     left, right = inside_in_lanes(blocks, i, slip, ends[0], ends[1])
     some = left < right
     if any_of(some):
@@ -365,6 +404,7 @@ def _part_of_rim_in_lanes(blocks, i, slip, ends, lo, hi):
         flat = _frame_part(depth, lo, hi)
         middle, a = where(frame, flat[0], middle), where(frame, flat[1], a)
         b, c = where(frame, flat[2], b), where(frame, flat[3], c)
+        # subtract it, about the same middle
         off = middle - about
         area = where(some, area - a, area)
         first = where(some, first - (b + off * a), first)
@@ -374,7 +414,8 @@ def _part_of_rim_in_lanes(blocks, i, slip, ends, lo, hi):
 
 @leaf
 def energy_over(contact, stiffness, lo, hi, opening, slope):
-    """Elastic energy, J, of the penetration slope * s - opening over the part from lo to hi."""
+    """Return the elastic energy (J) of the penetration slope * s - opening over the part from lo to hi."""
+    # in closed form for a rectangle
     length = hi - lo
     if contact.section == RECTANGLE:
         middle = slope * 0.5 * (lo + hi) - opening
@@ -386,9 +427,9 @@ def energy_over(contact, stiffness, lo, hi, opening, slope):
 
 @leaf
 def part_stiffness(contact, stiffness, lo, hi):
-    """Stiffness of the part from lo to hi: (N/m, N, N m), by opening and by slope.
+    """Return the stiffness of the part from lo to hi by opening and by slope: (N/m, N, N m).
 
-    Derivatives of N by the opening, of N (or M) by the slope (or opening) and of M by the slope, signs aside.
+    The derivatives of N by the opening, of N (or M) by the slope (or opening) and of M by the slope, signs aside.
     """
     if contact.section != RECTANGLE:
         about, area, first, second = _part(contact, lo, hi)
@@ -402,23 +443,26 @@ def part_stiffness(contact, stiffness, lo, hi):
 
 @leaf
 def depth_at(contact, place):
-    """Depth of a contact at a place, m from the middle of the block."""
+    """Return the depth (m) of a contact at a place, m from the middle of the block."""
     if contact.section == RECTANGLE or (contact.section == FRAME and contact.rim == 0.0):
         return contact.depth
+    # mean over a short interval about the place
     near = NEAR * (contact.right - contact.left)
     return _part(contact, place - near, place + near)[1] / (2.0 * near)
 
 
 @leaf
 def depth_in_lanes(blocks, i, left, right, place):
-    """Depth at a place of joint i in lanes, between these ends, cut off along a straight line if at all."""
+    """Return the depth (m) at a place of joint i in lanes, between these ends; cut along a straight line, if at all."""
     depth, flat = blocks.depth[i], blocks.section[i] == RECTANGLE
     if knows_rims(blocks):
         flat = flat | (blocks.section[i] == FRAME)
     if knows_round(blocks) and any_of(blocks.section[i] != RECTANGLE):
+        # mean over a short interval about the place
         near = NEAR * (right - left)
         found = ring_part(0.5 * depth, 0.5 * blocks.bore[i], place - near, place + near)
         depth = where(flat, depth, found[1] / (2.0 * near))
+        # strips
         if knows_strips(blocks):
             cut = blocks.section[i] == STRIPS
             if any_of(cut):
@@ -429,7 +473,7 @@ def depth_in_lanes(blocks, i, left, right, place):
 
 @leaf
 def inside_depth_in_lanes(blocks, i, left, right, place):
-    """Return the depth, m, at a place of what rims leave open of joint i in lanes, between these ends of that."""
+    """Return the depth (m) at a place of the inside that rims leave open of joint i in lanes, between its ends."""
     rim = blocks.rim[i]
     depth, near = blocks.depth[i] - 2.0 * rim, NEAR * (right - left)
     found = ring_part(0.5 * depth, 0.5 * inset_bore(blocks.bore[i], rim), place - near, place + near)
@@ -438,7 +482,7 @@ def inside_depth_in_lanes(blocks, i, left, right, place):
 
 @leaf
 def strip_stiffness(contact, stiffness, place, width):
-    """As `part_stiffness`, of a narrow strip of this width at this place, m from the middle of the block."""
+    """Return `part_stiffness` of a narrow strip of this width (m) at this place, m from the middle of the block."""
     along = stiffness * depth_at(contact, place) * width
     return along, along * place, along * place * place
 
@@ -448,7 +492,7 @@ def strip_stiffness(contact, stiffness, place, width):
 
 @leaf
 def full_stiffness(blocks, i):
-    """Stiffness of joint i in full contact, N/m."""
+    """Return the stiffness of joint i in full contact (N/m)."""
     if blocks.section[i] == RECTANGLE:
         return blocks.stiffness[i] * blocks.width[i] * blocks.depth[i]
     return blocks.stiffness[i] * _part(contact_of(blocks, i), blocks.left[i], blocks.right[i])[1]
@@ -456,7 +500,7 @@ def full_stiffness(blocks, i):
 
 @leaf
 def full_turning_stiffness(blocks, i):
-    """Stiffness of joint i in full contact against rotation about the middle of the block, N m/rad."""
+    """Return the stiffness of joint i in full contact against rotation about the middle of the block (N m/rad)."""
     if blocks.section[i] == RECTANGLE:
         return full_stiffness(blocks, i) * (blocks.width[i] * blocks.width[i]) / 12.0
     about, area, first, second = _part(contact_of(blocks, i), blocks.left[i], blocks.right[i])
@@ -465,7 +509,7 @@ def full_turning_stiffness(blocks, i):
 
 @leaf
 def is_off_centre(count, depths):
-    """Whether strips do not read the same backwards."""
+    """Return True if the depths of the strips are not symmetric about the middle."""
     end, differs = int(count), False
     for k in range(end // 2):
         differs = differs or depths[k] != depths[end - 1 - k]
@@ -474,11 +518,21 @@ def is_off_centre(count, depths):
 
 @kernel
 def lay_out(blocks, i, own, count, depths, below, rim):
-    """Fill in the contact of joint i from the contact face of the block above and the face below (faces.py).
+    """Fill `blocks` with the contact of joint i from the contact face of the block above and the face below (faces.py).
 
-    count, depths: of the strips that the upper one may be made of, which lie over its width; a row, in m. rim: m, in
-    which the faces touch, 0: all over, as where one of them is no wider than its rim, or made of strips.
+    Parameters
+    ----------
+    own, below : Face
+        The contact face of the block above and the face below.
+    count : float
+        Number of strips that the contact face may be made of, which lie over its width; else 0.
+    depths : row
+        Depths of the strips, m.
+    rim : float
+        Width of the rim in which the faces touch, m; 0: all over, as where one of them is no wider than its rim, or
+        made of strips.
     """
+    # the faces, and their intersection
     strips = blocks.strips[STRIP_NUMBERS * i :]
     half = 0.5 * below.width
     blocks.rim_left[i], blocks.rim_right[i], blocks.bore_below[i] = -half, half, below.bore
@@ -486,12 +540,14 @@ def lay_out(blocks, i, own, count, depths, below, rim):
     shared = common(own, below)
     section, depth = shared.section, shared.depth
     slipped = after_a_slip(own, below, section)
+    # row of the strips
     first, end = 0, int(count)
     strips[COUNT] = count
     strips[PITCH] = own.width / max(count, 1.0)
     for k in range(MOST_STRIPS):
         strips[DEPTHS + k] = depths[k] if k < end else 0.0
     left, right = -0.5 * own.width, 0.5 * own.width
+    # a contact face of strips: from the first to the last that has a depth
     if own.section == STRIPS:
         depth, section = own.depth, STRIPS
         while first < end - 1 and not depths[first] > 0.0:
@@ -507,6 +563,7 @@ def lay_out(blocks, i, own, count, depths, below, rim):
     elif slipped >= ON_RING:  # the straight face is one strip
         strips[COUNT] = 1.0
         strips[DEPTHS] = below.depth if slipped == ON_BAND else own.depth
+    # a rim, and the inside of a straight face as one strip
     if own.section == STRIPS or not (has_inside(own, rim) and has_inside(below, rim)):
         rim = 0.0
     if rim > 0.0:
@@ -515,19 +572,21 @@ def lay_out(blocks, i, own, count, depths, below, rim):
         section = float(FRAME) if section == RECTANGLE else section
         slipped = float(FRAME) if slipped == RECTANGLE else slipped
     blocks.rim[i] = rim
+    # the results; a bore may cut off the ends
     blocks.own_left[i], blocks.own_right[i] = left, right
     blocks.section[i], blocks.depth[i], blocks.bore[i], blocks.slipped[i] = section, depth, shared.bore, slipped
     left, right = max(left, -half), min(right, half)
     left, right = ends_if_band(blocks, i, section, 0.0, left, right)
     blocks.left[i], blocks.right[i] = left, right
     blocks.width[i] = right - left
+    # a contact face that overhangs the face below
     wider = own.width > below.width * ALIKE or below.bore > own.bore * ALIKE
     blocks.overhangs[i] = 1.0 if wider or section == ON_RING else 0.0
 
 
 @leaf
 def _lie_within(strips, face):
-    """Whether strips lie within a round face."""
+    """Return True if strips lie within a round face."""
     count, within = int(strips[COUNT]), face.bore == 0.0
     for k in range(count):
         reach, half = max(-edge_of(strips, k), edge_of(strips, k + 1)), 0.5 * strips[DEPTHS + k]
@@ -537,7 +596,7 @@ def _lie_within(strips, face):
 
 @in_both
 def face(section: float, width: float, depth: float, bore: float) -> tuple[float, float]:
-    """Area m2 and second moment m4 about the middle, of a whole section that is not made of strips."""
+    """Return area (m2) and second moment about the middle (m4) of a whole section that is not made of strips."""
     if section == RECTANGLE:
         return width * depth, width * depth * width * width / 12.0
     outer, inner = width * width, bore * bore if section == ANNULUS else 0.0

@@ -1,7 +1,7 @@
 """A section made of strips of the same width, each with its own depth: any shape, whole or damaged.
 
-Its numbers are a row: how many strips, their width, then their depths from left to right. The strips lie symmetrically
-about the middle of the block; where the outermost have no depth, there is no contact.
+A section is a row: number of strips, their width, m, then their depths from left to right, m. The strips lie
+symmetrically about the middle of the block; where the outermost have no depth, there is no contact.
 """
 
 from ..layout.spaces import MOST_STRIPS
@@ -14,13 +14,14 @@ COUNT, PITCH, DEPTHS = 0, 1, 2  # places in the row
 
 @leaf
 def edge_of(strips, k):
-    """Beginning of strip k, m; its mirror image is minus it, to the last bit."""
+    """Return the left end of strip k (m); the ends of mirror images are opposite to the last bit."""
     return strips[PITCH] * (k - 0.5 * strips[COUNT])
 
 
 @leaf
 def _moments(strips, k, lo, hi, middle):
-    """Of what lies in strip k of the part from lo to hi."""
+    """Return area, first and second moment about the middle of the part of strip k between lo and hi."""
+    # clip the strip to the interval
     begin, end = max(lo, edge_of(strips, k)), min(hi, edge_of(strips, k + 1))
     length = end - begin
     if not length > 0.0:
@@ -32,13 +33,14 @@ def _moments(strips, k, lo, hi, middle):
 
 @kernel
 def strips_part(strips, lo, hi):
-    """Middle, area, first and second moment about it, of the part between two abscissas; strips are taken in pairs.
+    """Return middle, area (m2), first and second moment (m3, m4) about it, of the part between two abscissas (m).
 
-    So mirror images have mirrored moments.
+    Strips are summed in pairs from the outside, so that mirror images have mirrored moments.
     """
     middle = 0.5 * (lo + hi)
     area = first = second = 0.0
     count = int(strips[COUNT])
+    # strip k from the left with strip k from the right
     for k in range((count + 1) // 2):
         a, b, c = _moments(strips, k, lo, hi, middle)
         if 2 * k + 1 < count:
@@ -55,7 +57,7 @@ def strips_part(strips, lo, hi):
 
 @leaf
 def _count_in_all(count):
-    """Number of strips, where all lanes that have any have as many; else 0."""
+    """Return the number of strips if all lanes that have strips have the same number; else 0."""
     most = 0.0
     for i in range(WIDTH):
         most = max(most, lane(count, i))
@@ -64,9 +66,14 @@ def _count_in_all(count):
 
 @leaf
 def _depth_from_the_end(strips, k, count):
-    """Depth of strip k from the right, of any where there are fewer; count: of all lanes, 0 where it differs."""
+    """Return the depth (m) of strip k from the right, in lanes; undefined in lanes with fewer strips.
+
+    count: number of strips of all lanes, 0 where they differ.
+    """
+    # one index for all lanes
     if count > 0:
         return strips[DEPTHS + max(count - 1 - k, 0)]
+    # else one lane after the other
     depth = strips[DEPTHS]
     for i in range(WIDTH):
         own = one_lane(strips, i)
@@ -76,7 +83,7 @@ def _depth_from_the_end(strips, k, count):
 
 @leaf
 def _moments_in_lanes(place, length, depth, middle):
-    """As `_moments`, of what lies in a strip about a place."""
+    """Return `_moments` of the part of a strip with this middle (place), length and depth, in lanes."""
     area = depth * length
     off = place - middle
     return area, area * off, area * (off * off + length * length * (1.0 / 12.0))
@@ -84,7 +91,7 @@ def _moments_in_lanes(place, length, depth, middle):
 
 @leaf
 def _within_strip(strips, number, lo, hi):
-    """Middle and length of what of the part lies in the strip with this number, in lanes."""
+    """Return middle and length (m) of the intersection of the interval and the strip with this number, in lanes."""
     origin = 0.5 * strips[COUNT]
     begin, end = greater(lo, strips[PITCH] * (number - origin)), lesser(hi, strips[PITCH] * (number + 1.0 - origin))
     return 0.5 * (begin + end), greater(end - begin, 0.0)
@@ -92,19 +99,22 @@ def _within_strip(strips, number, lo, hi):
 
 @kernel
 def strips_part_in_lanes(strips, lo, hi):
-    """As `strips_part`, to the last bit."""
+    """Return `strips_part` in lanes, equal to the last bit."""
     middle = 0.5 * (lo + hi)
     area = first = second = 0.0 * middle
     count = strips[COUNT]
     in_all = _count_in_all(count)
     for k in range((MOST_STRIPS + 1) // 2):
+        # lanes that have strips k from either side
         some = count > 2.0 * k
         if not any_of(some):
             break
+        # strip k from the left, and strip k from the right where that is another one
         place, length = _within_strip(strips, 0.0 * count + k, lo, hi)
         other, other_length = _within_strip(strips, count - 1.0 - k, lo, hi)
         length = where(some, length, 0.0)
         other_length = where(count > 2.0 * k + 1.0, other_length, 0.0)
+        # add the moments of both
         if any_of(length + other_length > 0.0):
             a, b, c = _moments_in_lanes(place, length, strips[DEPTHS + k], middle)
             d, e, f = _moments_in_lanes(other, other_length, _depth_from_the_end(strips, k, in_all), middle)
