@@ -1,8 +1,8 @@
 """Entries of a column under inputs that a caller sets from call to call: with `assemble`, all that native FMUs call.
 
-Everything between the parameters of a column and its outputs is behind them, so that the caller calculates nothing. A
-record is samples of the base acceleration at `times`, s, times `scale`, with straight lines in between; there may be
-none.
+They contain everything between the parameters of a column and its outputs, so that the caller calculates nothing. A
+record is samples of the base acceleration at `times` (s), multiplied by `scale`, with straight lines in between; there
+may be none.
 """
 
 from ..formulations.base_motion import Samples
@@ -27,11 +27,11 @@ def driven_entries_of(group, module, column_over=engine.column_over, samples_of=
     Parameters
     ----------
     group, module : str
-        Where the entries belong (machine/groups.py), and the module that they are made for.
+        Group of the entries (machine/groups.py), and the module that they are made for.
     column_over : callable
-        A leaf, the column over its rows (engine.py, `column_in`).
+        A leaf that returns the column over its rows (engine.py, `column_in`).
     samples_of : callable
-        A leaf, what is followed beside the base: of the record, and of what lies behind the model.
+        A leaf that returns what the column follows besides its base inputs: the record, and what lies behind the model.
     """
 
     @entry(group, module)

@@ -1,6 +1,6 @@
 """Operations on a column, from its parameters to its motion: the one engine behind every caller.
 
-`Stepper`, both FMUs and programs without Python call these functions, with those of observing.py and slopes.py, through
+`Stepper`, both FMUs and programs without Python call these functions, and those of observing.py and slopes.py, through
 entries (entries.py, driven_entries.py). A column is the bundle of the spaces in layout/spaces.py.
 """
 
@@ -46,17 +46,18 @@ _COUNTS, _BASE = COUNTS.beside, BASE.beside
 
 @in_both
 def model_room(n: int) -> int:
-    """Length of the largest packed model of n blocks."""
+    """Return the length of the largest packed model of n blocks."""
     return _MODEL_PER_N * n + _MODEL_BESIDE + (modal_size(n) if n <= MODAL_MOST else 0)
 
 
 def scratch_room(n: int) -> int:
-    """Length of the scratch of `assemble`."""
+    """Return the length of the scratch row of `assemble`."""
     return modes_scratch(n) if n <= MODAL_MOST else 1
 
 
 def column_in(model_space, state_space, work_space):
-    """A leaf: the column of n blocks over its rows, in these spaces."""
+    """Return a leaf that returns the column of n blocks over its rows, in these spaces."""
+    # functions that lay names over rows
     _model, _state, _work = model_space.over, state_space.over, work_space.over
 
     @leaf
@@ -76,23 +77,44 @@ column_over = column_in(MODEL, STATE, WORK)
 
 @kernel
 def assemble(column, given, from_rest, scratch, detail):
-    """The packed model of the column that `given` describes; a column at rest with `from_rest`. Returns a code.
+    """Fill the packed model of the column that `given` describes; with `from_rest`, set it at rest. Returns a code.
 
-    Without `from_rest` the motion goes on from the present coordinates and rates. After an error the model may not be
-    used, and the rest is unchanged; but NO_REST leaves no motion either. given, scratch, detail: rows.
+    Without `from_rest` the motion continues from the present coordinates and rates. After an error the model must not
+    be used; state, counts and base are unchanged, except that NO_REST leaves no motion either.
+
+    Parameters
+    ----------
+    column : Column
+        The column; its model is filled.
+    given : row
+        Description of the column (column/description.py).
+    from_rest : int
+        1: reset the motion.
+    scratch : row
+        Of length `scratch_room`.
+    detail : row
+        Filled with the details of an error (column/description.py).
+
+    Returns
+    -------
+    int
+        `OK`, or a code of layout/spaces.py or column/description.py.
     """
     model, state, counts, work = column.model, column.state, column.counts, column.work
     n, settings = model.n, model.settings
+    # model
     code = describe(column, given, detail)
     if code != OK:
         return code
     if settings.slides != 0.0 and not is_linear(given, n):
         return NOT_LINEAR
+    # rest under the weight, and modes about it
     begin_slips(model, work)
     rest = work.between
     stands = rest_of(model, rest, work.room)
     if int(settings.without) & ELASTIC == 0 and n <= MODAL_MOST and stands:
         settings.has_modes = 1.0 if normal_modes(model, rest, scratch) else 0.0
+    # start at rest, or mark the accelerations as outdated
     if from_rest != 0:
         reset(column)
         if not stands:
@@ -105,7 +127,7 @@ def assemble(column, given, from_rest, scratch, detail):
 
 @kernel
 def reset(column):
-    """State, counts and base of a column that has not moved yet; the state is all zeros."""
+    """Reset state, counts and base to those of a column that has not moved yet; the state is all zeros."""
     base = column.base
     clear(column.state.row, column.state.total)
     clear(column.counts.row, _COUNTS)
@@ -120,8 +142,9 @@ def reset(column):
 
 @kernel
 def drive(base, inputs, elapsed, t):
-    """Set the inputs that the base follows from time t on; they were set `elapsed` s before."""
+    """Set the inputs that the base follows from time t (s) on; they were set `elapsed` s before."""
     given = _base_inputs(inputs, 0)
+    # accelerations and rotation at time t, and their slopes
     base.ax = given.ax + given.jx * elapsed
     base.jx = given.jx
     base.az = given.az + given.jz * elapsed
@@ -135,30 +158,43 @@ def drive(base, inputs, elapsed, t):
 
 @varied_leaf
 def beside_inputs(samples):
-    """How many inputs stand between those of the base and those of bodies: those of ports."""
+    """Return the number of inputs between those of the base and those of bodies, which are those of ports: 0."""
     return 0
 
 
 @varied_leaf
 def load(base, samples, inputs, elapsed, t):
-    """Set the inputs of the ports, which were set `elapsed` s before time t: there are none.
+    """Do nothing: no ports. Versions set their inputs, which were set `elapsed` s before time t.
 
-    They follow straight lines from the time `base.t0` on.
+    These follow straight lines from the time `base.t0` on.
     """
     return
 
 
 @kernel
 def exchange(column, inputs, elapsed, t, row, split):
-    """Let the base go on from time t as bodies drive it, by inputs of that instant. Returns a code.
+    """Set the base motion from time t (s) on as bodies drive it, by their inputs at that instant. Returns a code.
 
-    elapsed: s, since loads on ports were set. row, split: filled with the outputs at t, of the accelerations so far.
+    Parameters
+    ----------
+    column : Column
+        The column; its base is updated.
+    inputs : row
+        Inputs of base, ports and bodies.
+    elapsed : float
+        Time (s) since loads on ports were set.
+    t : float
+        Time (s).
+    row, split : space ROW, record SPLIT
+        Filled with the outputs at t, of the accelerations so far.
     """
     if column.samples.size > 0:
         return RECORD_BESIDE
     settings, given = column.model.settings, _base_inputs(inputs, 0)
+    # motion of the base up to t, and loads there
     arrive(column.base, settings, given, t)
     load(column.base, column.samples, inputs, elapsed, t)
+    # reaction at t, and the acceleration that it gives with the bodies
     code = see(column, base_of(column, t), row, split)
     first = _INPUTS + beside_inputs(column.samples)
     return couple(column.base, settings, given, inputs, first, split) if code == OK else code
@@ -169,9 +205,9 @@ def exchange(column, inputs, elapsed, t, row, split):
 
 @kernel
 def follow(column, inputs, start, h, watch, row, split):
-    """Take the column from `start` to start + h, s, under inputs that begin there, and the record. Returns a code.
+    """Advance the column from `start` to start + h (s) under inputs set at `start`, and the record. Returns a code.
 
-    row, split: room.
+    row, split: scratch for outputs.
     """
     if column.model.settings.drive == ACCELERATION:
         drive(column.base, inputs, 0.0, start)
@@ -186,10 +222,22 @@ def follow(column, inputs, start, h, watch, row, split):
 
 @kernel
 def look(column, inputs, new_inputs, upright, elapsed, t, row, split):
-    """Fill an output row and the split reaction with the outputs at time t. Returns a code.
+    """Fill an output row and the split reaction with the outputs at time t (s). Returns a code.
 
-    With `new_inputs` the inputs are those set `elapsed` s before; else those that the last step has left. With
-    `upright` the column stands on the base as it is turned and turning, instead of upright in space.
+    Parameters
+    ----------
+    column : Column
+        The column.
+    inputs : row
+        Inputs of base, ports and bodies.
+    new_inputs : int
+        1: use `inputs`, set `elapsed` s before; 0: those that the last step has left.
+    upright : int
+        1: the column stands on the base as it is rotated and rotating, instead of upright in space.
+    elapsed, t : float
+        Time since the inputs were set, and time (s).
+    row, split : space ROW, record SPLIT
+        Filled.
     """
     base, control = column.base, column.state.control
     if new_inputs != 0:
@@ -198,9 +246,11 @@ def look(column, inputs, new_inputs, upright, elapsed, t, row, split):
         else:  # before there is a mass at the base it does not move
             exchange(column, inputs, elapsed, t, row, split)
         load(base, column.samples, inputs, elapsed, t)
+    # the segment of the record at t
     enter(base, column.samples, t)
     if upright != 0:
         control.base_theta = base.theta
         control.base_omega = base.omega
+    # outputs
     show_driven(base, column.model.settings, t, split)
     return see(column, base_of(column, t), row, split)

@@ -2,8 +2,8 @@
 
 Native FMUs call `assemble` and the entries of driven_entries.py, Python the others.
 
-A column is (n, model, state, counts, base, work); what it follows (times, ax, az, scale, held, loads, ports): samples
-of the base, and behind them what a column with ports has (ports/entries.py); of others both are empty.
+A column is (n, model, state, counts, base, work). It follows (times, ax, az, scale, held, loads, ports): samples of the
+base, then what a column with ports has (ports/entries.py); of other columns both of these are empty.
 """
 
 from ..formulations.allowed_step import examine_step
@@ -45,13 +45,13 @@ def entries_of(group, module, column_over=engine.column_over, samples_of=_sample
     Parameters
     ----------
     group, module : str
-        Where the entries belong (machine/groups.py), and the module that they are made for.
+        Group of the entries (machine/groups.py), and the module that they are made for.
     column_over : callable
-        A leaf, the column over its rows (engine.py, `column_in`).
+        A leaf that returns the column over its rows (engine.py, `column_in`).
     samples_of : callable
-        A leaf, what is followed, with the row of the times of snapshots, s.
+        A leaf that returns what the column follows, with the row of the times (s) of snapshots.
     assembled : callable
-        As `engine.assemble`, but that it knows the size of what it is given.
+        A kernel as `engine.assemble`, but with the size of the description.
     """
 
     def assemble(
@@ -112,6 +112,7 @@ def entries_of(group, module, column_over=engine.column_over, samples_of=_sample
         """Run `allowed_step.examine_step`."""
         examine_step(_model(model, n), _base(base, 0), h)
 
+    # entries of the group
     every = assemble, run, observe_state, observe_snapshots, arrive_base, couple_base, examine_base
     return [entry(group, module)(made) for made in every]
 
@@ -125,7 +126,7 @@ driven_entries_of("column", __name__)
 
 @entry("statics")
 def joint_potentials(n: Int, model: Reals, openings: Reals, slopes: Reals, slips: Reals, found: Reals):
-    """Compute the elastic energy of every joint, J; openings in the middle of the contacts."""
+    """Fill `found` with the elastic energy of every joint (J); openings (m) are those in the middle of the contacts."""
     blocks = _model(model, n).blocks
     for i in range(n):
         found[i] = joint_potential(contact_of(blocks, i, slips[i]), law_of(blocks, i), openings[i], slopes[i])
@@ -133,8 +134,9 @@ def joint_potentials(n: Int, model: Reals, openings: Reals, slopes: Reals, slips
 
 @entry("statics")
 def joint_energies(n: Int, model: Reals, i: Int, slip: Real, slopes: SizedReals, weights: Reals, found: Reals):
-    """Compute `least_energy` of joint i, with the given slip, for every slope and weight."""
+    """Fill `found` with `least_energy` of joint i at the given slip (m), for every slope (rad) and weight (N)."""
     blocks = _model(model, n).blocks
+    # contact and law of the joint
     contact, law = contact_of(blocks, i, slip), law_of(blocks, i)
     for k in range(slopes.size):
         found[k] = least_energy(contact, law, slopes.row[k], weights[k])
@@ -144,9 +146,10 @@ def joint_energies(n: Int, model: Reals, i: Int, slip: Real, slopes: SizedReals,
 def lay_joint(own: Reals, depths: Reals, count: Real, below: Reals, rim: Real, model: Reals, found: Reals):
     """Lay out the contact of the only joint of a model (section.py, `lay_out`) from the numbers of its faces.
 
-    found: its area m2, and first and second moment about the middle of the block, m3 and m4.
+    found: filled with its area (m2), and its first and second moment about the middle of the block (m3, m4).
     """
     blocks = _model(model, 1).blocks
+    # faces of the block and of what is under it
     upper, lower = Face(own[0], own[1], own[2], own[3]), Face(below[0], below[1], below[2], below[3])
     lay_out(blocks, 0, upper, count, depths, lower, rim)
     found[0], found[1], found[2] = part_stiffness(contact_of(blocks, 0), 1.0, blocks.left[0], blocks.right[0])
@@ -154,13 +157,14 @@ def lay_joint(own: Reals, depths: Reals, count: Real, below: Reals, rim: Real, m
 
 @entry("statics")
 def rings_beyond(outer: Reals, inner: Reals, edges: SizedReals, first: Reals, second: Reals):
-    """Compute first and second moment (m3, m4), about an edge, of the part of each annulus beyond it.
+    """Fill `first` and `second` with the first and second moment (m3, m4), about an edge, of each annulus beyond it.
 
-    edges: m from the centre. outer, inner: radii, m; inner is 0 for a circle.
+    edges: distances from the centre (m). outer, inner: radii (m); inner is 0 for a circle.
     """
     for k in range(edges.size):
         edge = edges.row[k]
         middle, area, about, square = ring_part(outer[k], inner[k], edge, outer[k])
+        # from the middle of the part to the edge
         off = middle - edge
         first[k] = about + off * area
         second[k] = square + off * (2.0 * about + off * area)

@@ -1,4 +1,4 @@
-"""What is observed of a column: output rows, and the split reaction, of its state or of snapshots."""
+"""Observation of a column: output rows and the split reaction, of its state or of snapshots."""
 
 from ..formulations.base_motion import base_motion
 from ..formulations.exact import Motion
@@ -16,32 +16,33 @@ _ROW_FIELDS, _ROW_BESIDE = ROW.per_n, ROW.beside
 
 @varied_leaf
 def motion_held(samples, control):
-    """The motion of the base that the state belongs to; no load acts on what has fallen."""
+    """Return the motion of the base that the state belongs to; no load acts on an overturned column."""
     return Motion(control.base_ax, control.base_az, control.base_theta, control.base_omega, control.base_alpha)
 
 
 @varied_leaf
 def motion_of_snapshot(column, snapshot, k):
-    """The motion of the base that snapshot k belongs to, which does not rotate."""
+    """Return the motion of the base that snapshot k belongs to, without rotation."""
     return Motion(snapshot.base.ax, snapshot.base.az, 0.0, 0.0, 0.0)
 
 
 @varied_leaf
 def beside_row(column):
-    """How many numbers stand behind an output row: none."""
+    """Return the number of values behind an output row: 0."""
     return 0
 
 
 @leaf
 def row_length(column):
-    """Numbers of an output row, those of ports among them."""
+    """Return the length of an output row, including the outputs of ports."""
     return _ROW_FIELDS * column.model.n + _ROW_BESIDE + beside_row(column)
 
 
 @kernel
 def base_of(column, t):
-    """Motion of the base at time t; once the column has overturned, its motion at that moment."""
+    """Return the motion of the base at time t (s); once the column has overturned, the motion at that instant."""
     control = column.state.control
+    # an overturned column keeps the motion of that instant
     if column.counts.overturned > 0:
         return motion_held(column.samples, control)
     return base_motion(column.base, column.samples, t)
@@ -49,21 +50,24 @@ def base_of(column, t):
 
 @kernel
 def see(column, motion, row, split):
-    """Fill an output row and the split reaction with the outputs of the state on such a base. Returns a code.
+    """Fill an output row and the split reaction with the outputs of the state on a base. Returns a code.
 
-    The phase is left in work.between.
+    The phase is left in `work.between`.
     """
     between = column.work.between
+    # the state relative to this base
     take_phase(column, motion, between)
+    # outputs, then the split reaction
     code = observe(column, between, motion, row)
     return split_reaction(column, between, motion, row, split) if code == OK else code
 
 
 @kernel
 def observe_all(column, snapshots, rows, count):
-    """Fill every row with the outputs of the snapshot of that number. Returns (code, number of the last)."""
+    """Fill `count` rows with the outputs of the snapshots of the same number. Returns (code, number of rows filled)."""
     n, between, size, length = column.model.n, column.work.between, size_of_snapshot(column.work), row_length(column)
     for k in range(count):
+        # phase of the snapshot, and the motion that belongs to it
         snapshot = _snapshot(snapshots[size * k : size * (k + 1)], n)
         copy(between.row, snapshot.phase.buffer, phase_size(column.work))
         motion = motion_of_snapshot(column, snapshot, k)

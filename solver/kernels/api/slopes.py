@@ -1,4 +1,4 @@
-"""Derivatives of what is observed of a column: by time, and by the inputs of its base and ports."""
+"""Derivatives of the outputs of a column: by time, and by the inputs of its base and ports."""
 
 from ..formulations.base_motion import base_motion, moving
 from ..formulations.coupled_base import driven_along, show_driven_along, show_driven_rates
@@ -13,8 +13,8 @@ from ..numba_ext.views import clear, copy
 from .engine import BASE_INPUTS, beside_inputs
 from .observing import row_length, see
 
-PROBE_TURN = 1e-9  # rad, and
-PROBE_SPIN = 1e-6  # rad/s, by which the rotation of the base is varied
+PROBE_TURN = 1e-9  # rad, variation of the rotation of the base
+PROBE_SPIN = 1e-6  # rad/s, variation of its rate
 RATE_PART = 1e-4  # of the first step: half the time over which outputs are differenced
 
 _base_inputs, _INPUTS, _SPLIT = BASE_INPUTS.over, BASE_INPUTS.beside, SPLIT.beside
@@ -36,10 +36,21 @@ def _add(row, split, other, other_split, factor, length):
 
 @kernel
 def rates(column, t, row, split, other, other_split):
-    """Fill row and split with the rate of every output at time t, 1/s; `look` has been called then. Returns a code.
+    """Fill row and split with the rate (1/s) of every output at time t, for which `look` was called. Returns a code.
 
-    Central differences over a fraction of the period of the fastest mode, for which the first step is made too, on the
-    parabola given by coordinates, rates and accelerations. other, other_split: room for another row and split.
+    Central differences over a fraction of the period of the fastest mode, to which the first step is proportional, on
+    the parabola given by coordinates, rates and accelerations.
+
+    Parameters
+    ----------
+    column : Column
+        The column.
+    t : float
+        Time (s).
+    row, split : space ROW, record SPLIT
+        Filled.
+    other, other_split : space ROW, record SPLIT
+        Scratch.
     """
     model, work = column.model, column.work
     n, length = model.n, row_length(column)
@@ -47,9 +58,11 @@ def rates(column, t, row, split, other, other_split):
     show_driven_rates(column.base, model.settings, t, split)
     if column.counts.overturned > 0:
         return OK
+    # accelerations at t
     see(column, base_motion(column.base, column.samples, t), other, other_split)
     between, saved = work.between, work.end
     copy(saved.row, between.row, phase_size(work))
+    # half the time between the two observations, then its negative
     past = RATE_PART * model.settings.first_step
     for _ in range(2):
         for i in range(2 * n):
@@ -58,6 +71,7 @@ def rates(column, t, row, split, other, other_split):
         for i in range(behind - first):
             _go_on(saved, between, first + i, past)
             between.sliding[i] = saved.sliding[i]
+        # add or subtract the outputs there
         then = base_motion(column.base, column.samples, t + past)
         observe(column, work.between, then, other)
         split_reaction(column, work.between, then, other, other_split)
@@ -68,7 +82,7 @@ def rates(column, t, row, split, other, other_split):
 
 @leaf
 def _go_on(saved, to, i, past):
-    """Coordinate i of a phase `past` s later, its rate and acceleration."""
+    """Set coordinate i, its rate and acceleration in `to` to those of `saved`, `past` s later."""
     q, v, a = saved.coordinates[i], saved.rates[i], saved.accelerations[i]
     to.coordinates[i] = q + past * (v + 0.5 * past * a)
     to.rates[i] = v + past * a
@@ -77,17 +91,32 @@ def _go_on(saved, to, i, past):
 
 @kernel
 def feedthrough(column, inputs, seeds, elapsed, t, row, split, other, other_split):
-    """Fill row and split with the derivative of every output by the inputs, in the direction `seeds`.
+    """Fill row and split with the directional derivative of every output along the input seeds. Returns a code.
 
-    seeds: one for each of the inputs, which were set `elapsed` s before; at time t under the inputs that `look` has
-    left. Outputs that depend on accelerations of the base and loads at once are linear in them (`at_once`). Dependence
-    on the rotation of the base and its rate is differenced. Returns a code.
+    Outputs that depend at once on base accelerations and loads are linear in them (`at_once`). The dependence on the
+    rotation of the base and its rate is differenced. The inputs are those that `look` has left at time t.
+
+    Parameters
+    ----------
+    column : Column
+        The column.
+    inputs, seeds : row
+        Inputs of base, ports and bodies, and a seed for each.
+    elapsed : float
+        Time (s) since the inputs were set.
+    t : float
+        Time (s).
+    row, split : space ROW, record SPLIT
+        Filled.
+    other, other_split : space ROW, record SPLIT
+        Scratch.
     """
     base, samples, settings, length = column.base, column.samples, column.model.settings, row_length(column)
     _clear_output(row, split, length)
     show_driven_along(settings, 0.0, 0.0, 0.0, 0.0, 0.0, split)
     if column.counts.overturned > 0:
         return OK
+    # seeds of the motion of the base at time t
     seed = _base_inputs(seeds, 0)
     along_x = seed.ax + elapsed * seed.jx
     along_z = seed.az + elapsed * seed.jz
@@ -111,7 +140,7 @@ def feedthrough(column, inputs, seeds, elapsed, t, row, split, other, other_spli
             see(column, then, other, other_split)
             _add(row, split, other, other_split, 0.5 * spin / (way * PROBE_SPIN), length)
         way = -1.0
-    # loads, and the accelerations that bodies at the base follow with: they meet the changed split
+    # loads, and the accelerations of a driven base that result from the changed split
     see(column, motion, other, other_split)
     met_by_loads(column, motion, seeds, elapsed, other, split, other_split)
     if settings.drive != ACCELERATION:
@@ -126,25 +155,28 @@ def feedthrough(column, inputs, seeds, elapsed, t, row, split, other, other_spli
 
 @varied
 def met_by_loads(column, motion, seeds, elapsed, other, split, other_split):
-    """Add to split what R0 changes by as loads change by their seeds; without ports there are no loads.
+    """Add to `split` the directional derivative of R0 along the load seeds: nothing without ports.
 
-    The column was just seen on this motion, as other and other_split say, and is left so.
+    The column was just observed on this motion, with the outputs `other` and `other_split`, and is left so.
     """
     return
 
 
 @varied
 def at_once(column, motion, seeds, elapsed, along_x, along_z, alpha, row, other, other_split):
-    """Add to an output row what changes at once as the base accelerates by so much more, m/s2 and rad/s2.
+    """Add to an output row the derivatives along changes of base accelerations and loads that act at once.
 
-    Forces along the joints and reaction (formulations/feedthrough.py). The column was just seen on this motion, as
-    `other` says; it and other_split are room afterwards.
+    The accelerations along_x, along_z (m/s2) and alpha (rad/s2) change the forces along the joints and the reaction
+    (formulations/feedthrough.py). The column was just observed on this motion, with the output row `other`; `other` and
+    `other_split` may be overwritten.
     """
     model, work = column.model, column.work
     n, phase = model.n, work.between
+    # reaction: effective mass times the acceleration along the direction of the base
     g_x, g_z, g_m = base_direction(model, phase, motion.theta)
     met = g_x * along_x + g_z * along_z + g_m * alpha
     force = effective_mass(model, work) * met
+    # forces along the joints, and their horizontal parts
     gains = work.tops.start_ux
     tangential_gains(model, work, gains)
     turn_below = 0.0

@@ -1,4 +1,4 @@
-"""The entries that Python calls for many runs: a kind of lanes each, made only where it is needed."""
+"""Entries that Python calls for many runs, one for each kind of lanes, compiled where it is needed."""
 
 from ..machine.entry import entry
 from ..machine.kinds import Int, Reals, SizedReals
@@ -8,7 +8,7 @@ from .runs import RIMMED_SPACE, ROUND_SLIPPING_SPACE, ROUND_SPACE, SLIPPING_SPAC
 
 
 def lanes_entry(name, group, module, space, follow):
-    """Return the entry that follows all runs of columns of n blocks, eight at a time, in a space of names.
+    """Return the entry that follows all runs of columns of n blocks, eight at a time, over a space of names.
 
     follow: a kernel, `follow_queue` or another.
     """
@@ -19,6 +19,7 @@ def lanes_entry(name, group, module, space, follow):
         times: Reals, ax: Reals, az: Reals, row_times: SizedReals, snapshots: Reals, flag: Reals,
     ):  # fmt: skip
         """Follow all runs; buffer: eight numbers for each of a lane."""
+        # queue of the runs, and the batch over the buffer
         of_runs, record = (models, phases, slips, runs, outcomes), (times, ax, az)
         queue = Queue(count, *of_runs, *record, row_times.row, row_times.size, snapshots, flag)
         follow(batch_over(over(lanes_of(buffer), n), buffer, queue))

@@ -26,7 +26,7 @@ _space = SPACE.over
 
 
 class Batch(NamedTuple):
-    """Eight columns: the parts of SPACE over lanes by the names of a column, and the queue that they come from."""
+    """Eight columns: the parts of SPACE over lanes by the names of a column, and the queue of their runs."""
 
     model: object
     state: object
@@ -39,13 +39,13 @@ class Batch(NamedTuple):
 
 @varied_leaf
 def single(batch, k):
-    """The space of lane k alone."""
+    """Return the space of lane k alone."""
     return _space(one_lane(batch.row, k), batch.model.n)
 
 
 @leaf
 def anchor_waves(base, t):
-    """Compute the sines of the harmonic parts at the times t."""
+    """Compute the sines and cosines of the harmonic parts at the times t (s)."""
     if any_of(base.wave_amplitude != 0.0):
         base.anchor_sine, base.anchor_cosine = sine_cosine(base.wave_omega * t + base.wave_phase)
         base.anchor = t
@@ -53,7 +53,8 @@ def anchor_waves(base, t):
 
 @leaf
 def anchor_far_waves(base, t):
-    """Compute the sines in lanes whose last ones are too old; as formulations/base_motion.py, `anchor_wave`."""
+    """Recompute the sines in lanes whose anchor is too far from t, as formulations/base_motion.py, `anchor_wave`."""
+    # lanes with a harmonic part and an anchor too far from t
     far = (base.wave_amplitude != 0.0) & ~(magnitude(base.wave_omega * (t - base.anchor)) <= 0.5 * SOON)
     if any_of(far):
         sines, cosines = sine_cosine(base.wave_omega * t + base.wave_phase)
@@ -64,12 +65,14 @@ def anchor_far_waves(base, t):
 
 @leaf
 def wave_of_lanes(base, t):
-    """As formulations/base_motion.py, `wave`."""
+    """Return the sines of the harmonic parts at the times t (s), as formulations/base_motion.py, `wave`."""
+    # turn since the anchor, by the addition theorem with Taylor polynomials
     x = base.wave_omega * (t - base.anchor)
     y = x * x
     rise = x * (1.0 + y * (-1.0 / 6.0 + y * (1.0 / 120.0 + y * (-1.0 / 5040.0 + y * (1.0 / 362880.0)))))
     dip = y * (-0.5 + y * (1.0 / 24.0 + y * (-1.0 / 720.0 + y * (1.0 / 40320.0))))
     found = base.anchor_sine + (base.anchor_sine * dip + base.anchor_cosine * rise)
+    # far from the anchor
     far = magnitude(x) > SOON
     if any_of(far):
         found = where(far, sine(base.wave_omega * t + base.wave_phase), found)
@@ -78,8 +81,9 @@ def wave_of_lanes(base, t):
 
 @kernel
 def motion_of_lanes(batch, t):
-    """Motion of the eight bases at the times t; they do not rotate."""
+    """Return the motion of the eight bases at the times t (s); they do not rotate."""
     base = batch.base
+    # straight lines of the records
     within = t - base.piece_begin
     ax = base.piece_ax + base.piece_jx * within
     az = base.piece_az + base.piece_jz * within
@@ -95,6 +99,7 @@ def motion_of_lanes(batch, t):
                 line_ax, _, line_az, _ = record_line(samples, segment, lane(t, k))
                 ax = with_lane(ax, k, line_ax)
                 az = with_lane(az, k, line_az)
+    # harmonic parts
     if any_of(base.wave_amplitude != 0.0):
         ax += base.wave_amplitude * wave_of_lanes(base, t)
     zero = splat(0.0)
@@ -103,7 +108,7 @@ def motion_of_lanes(batch, t):
 
 @kernel
 def evaluate_lanes(batch, phase, t):
-    """Accelerations of the eight columns at a phase and at the times t. Returns OK."""
+    """Fill the accelerations of the eight columns at `phase` and the times t (s). Returns OK."""
     work = batch.work
     exact_accelerations(batch.model, phase, motion_of_lanes(batch, t), work.joints, work.hold, work.room)
     return OK

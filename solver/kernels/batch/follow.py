@@ -1,4 +1,4 @@
-"""Runs pass through eight lanes: each with its own column, motion, time and step; a lane that ends takes the next run.
+"""Runs in eight lanes, each with its own column, motion, time and step; a lane whose run ends takes the next one.
 
 Steps are those of integrators/dormand_prince.py, with a separate error control for every lane. Changes of regime are
 not located: the error of a step across one exceeds its estimate, and the tolerance of a batch allows for that
@@ -60,7 +60,7 @@ _MODEL_PER_N, _MODEL_BESIDE = MODEL.per_n, MODEL.beside
 
 @leaf
 def batch_over(space, buffer, queue):
-    """The batch of columns that `space` describes, over a buffer of lanes (runs.py)."""
+    """Return the batch of columns that `space` describes, over a buffer of lanes (runs.py)."""
     return Batch(space.model, space.state, space.base, space.work, space.lane, lanes_of(buffer), queue)
 
 
@@ -69,7 +69,8 @@ def batch_over(space, buffer, queue):
 
 @kernel
 def load(batch, k, number):
-    """Put a run into lane k; the accelerations at its start are still missing."""
+    """Load run number `number` into lane k; the accelerations at its start are computed by `start`."""
+    # model of the column
     queue = batch.queue
     one = single(batch, k)
     n = one.n
@@ -77,6 +78,7 @@ def load(batch, k, number):
     size = _MODEL_PER_N * n + _MODEL_BESIDE
     for i in range(size):
         one.model.row[i] = queue.models[size * number + i]
+    # phase that the run starts from
     begins = start_at(queue, number, n)
     copy(one.work.start.row, begins, 4 * n)
     if can_slide(batch.model):
@@ -84,6 +86,7 @@ def load(batch, k, number):
         slips = slips_at(queue, number, n)
         copy(one.work.start.slips, slips, SLIP_FIELDS * n)
         take_directions(one.work, one.work.start)
+    # times and record
     run = run_of(queue, number)
     one.lane.run = number
     one.lane.t = run.start
@@ -93,16 +96,19 @@ def load(batch, k, number):
     one.lane.scale = run.scale
     one.lane.next_row = run.row
     one.lane.fresh = 1.0
+    # motion of the base
     one.base.piece_end = math.inf
     one.base.wave_amplitude = run.wave_amplitude
     one.base.wave_omega = run.wave_omega
     one.base.wave_phase = run.wave_phase
     follow_record(batch, one, run.start)
+    # step control
     control, settings = one.state.control, one.model.settings
     control.next_step = settings.first_step
     control.previous_error = 1.0
     control.rotation_scale = max(settings.rotation_floor, run.rotation_scale)
     control.rate_scale = max(settings.rate_floor, run.rate_scale)
+    # counts and peaks so far
     so_far = outcome_of(queue, number, n)
     one.lane.steps = so_far.record.steps
     one.lane.rejected = so_far.record.rejected
@@ -112,7 +118,7 @@ def load(batch, k, number):
 
 @leaf
 def follow_record(batch, one, t):
-    """Let a lane follow the segment of its record at time t; outside the record the harmonic part is silent too."""
+    """Set the base of a lane to the segment of its record at time t (s); outside it the harmonic part is zero."""
     samples = samples_of(batch.queue, one.lane)
     if samples.size > 0:
         enter(one.base, samples, t)
@@ -123,16 +129,19 @@ def follow_record(batch, one, t):
 
 @kernel
 def start(batch, fresh):
-    """Accelerations and scales at the start of the lanes in the mask `fresh`. Returns 0: none of their runs ends."""
+    """Compute accelerations and scales at the start of the lanes in the mask `fresh`. Returns 0: no run ends."""
     work, n = batch.work, batch.model.n
     between, begin = work.between, work.start
+    # accelerations
     copy(between.row, begin.row, 4 * n)
     anchor_waves(batch.base, batch.lane.t)
     evaluate_lanes(batch, between, batch.lane.t)
     for i in range(2 * n):
         begin.accelerations[i] = where(fresh, between.accelerations[i], begin.accelerations[i])
+    # sticking or sliding, and scales of errors
     decide_slips(batch, fresh)
     take_stock(batch, begin, fresh)
+    # displacements and velocities of the tops, and their peaks
     tops = work.tops
     exact_top_motion(batch.model, begin, tops.between_ux, tops.between_rate)
     for i in range(n):
@@ -144,20 +153,23 @@ def start(batch, fresh):
 
 @kernel
 def finish(batch, k, code):
-    """Store the outcome of the run in lane k, which is free then."""
+    """Store the outcome of the run in lane k and free the lane."""
     one = single(batch, k)
     n = one.n
     outcome = outcome_of(batch.queue, int(one.lane.run), n)
+    # code, overturning and counts
     outcome.record.code = code
     outcome.record.time = one.state.control.overturn_time
     outcome.record.overturned = widest_joint(one.model, one.work.start) if code == HAS_OVERTURNED else 0
     outcome.record.steps = one.lane.steps
     outcome.record.rejected = one.lane.rejected
+    # peaks and phase
     copy(outcome.peaks, one.state.peaks, n)
     copy(outcome.phase, one.work.start.row, 4 * n)
     if can_slide(batch.model):
         slips = slips_at(batch.queue, int(one.lane.run), n)
         copy(slips, one.work.start.slips, SLIP_FIELDS * n)
+    # the lane without a run
     one.lane.run = NO_RUN
     one.lane.count = 0.0
     one.base.piece_end = math.inf
@@ -169,10 +181,11 @@ def finish(batch, k, code):
 
 @kernel
 def take_stock(batch, phase, lanes):
-    """Raise the scales against which errors are measured, of the lanes in a mask, by a phase."""
+    """Raise the scales of errors (rad, rad/s) of the lanes in the mask `lanes` by `phase`."""
     blocks, control = batch.model.blocks, batch.state.control
     turned, spun = control.rotation_scale, control.rate_scale
     for i in range(batch.model.n):
+        # rotations, openings and slips as equivalent rotations
         turned = greater(turned, magnitude(phase.theta[i]))
         spun = greater(spun, magnitude(phase.theta_rate[i]))
         opening = phase.opening[i]
@@ -191,10 +204,11 @@ def take_stock(batch, phase, lanes):
 
 @kernel
 def fallen(model, phase):
-    """Mask of the lanes in which a block, or the joint under it, has turned too far to come back, or slid off."""
+    """Return the mask of the lanes in which a block or its joint has turned too far to come back, or slid off."""
     n = model.n
     beyond = phase.theta[n - 1] != phase.theta[n - 1]  # true only for values that are not numbers
     for i in range(n):
+        # rotation of the block, and of the joint under it
         turn = phase.theta[i]
         joint = turn
         if i + 1 < n:
@@ -206,11 +220,12 @@ def fallen(model, phase):
 
 @kernel
 def end_at_falls(batch, fell, step):
-    """Shorten the steps of the lanes in the bit mask `fell` to where they overturn. Returns the steps, s."""
+    """Shorten the steps of the lanes in the bit mask `fell` to the instant of overturning. Returns the steps (s)."""
     if fell != 0:
         for k in range(WIDTH):
             if (fell >> k) & 1:
                 one = single(batch, k)
+                # the lane alone, by bisection
                 made = lane(step, k) * moment_of_overturning(one, lane(step, k))
                 one.state.control.overturn_time = one.lane.t + made
                 step = with_lane(step, k, made)
@@ -220,11 +235,13 @@ def end_at_falls(batch, fell, step):
 
 @kernel
 def step_lengths(batch):
-    """The next step of each lane, s; 0 for a lane without a run."""
+    """Return the next step of each lane (s); 0 for a lane without a run."""
     base, lanes, control = batch.base, batch.lane, batch.state.control
     left = lanes.stop - lanes.t
     step = control.next_step
+    # at most one radian of the harmonic motion
     step = where(base.wave_amplitude != 0.0, lesser(step, 1.0 / base.wave_omega), step)
+    # lanes near the end of their segment: how far the record is smooth
     near = bits((lanes.count > 0.0) & (base.piece_end - lanes.t < lesser(2.0 * step, left)))
     if near != 0:
         for k in range(WIDTH):
@@ -240,16 +257,18 @@ def step_lengths(batch):
 
 @kernel
 def control_steps(control, step, error):
-    """The mask of lanes whose step is accurate enough; proposes the next steps.
+    """Set the next steps (s) by the errors in tolerances; return the mask of lanes whose step is accurate enough.
 
     As stepping/control.py, with exponents that can be computed with roots: 5/8 and 5/16 over the order.
     """
     good = error <= 1.0
+    # roots of the last two errors
     least = greater(error, LEAST_ERROR)
     fourth = square_root(square_root(least))
     previous = square_root(square_root(square_root(square_root(control.previous_error))))
     grow = lesser(greater(SAFETY * previous / square_root(fourth), SHRINK), GROW)
     shrink = where(error < 1e300, greater(SAFETY / fourth, SHRINK), SHRINK)
+    # longer steps after accepted ones, shorter steps after rejected ones
     proposed = step * grow
     whole = step >= control.next_step * (1.0 - SLACK)
     longer = where(grow < 1.0, proposed, greater(proposed, control.next_step))
@@ -260,7 +279,10 @@ def control_steps(control, step, error):
 
 @leaf
 def peak_over(peak, d0, v0, d1, v1, step, good):
-    """The peak of |d| after a step of the good lanes between displacements and velocities, turning points included."""
+    """Return the peak of |d| (m) after a step (s) of the good lanes, turning points included.
+
+    d0, v0, d1, v1: displacements (m) and velocities (m/s) at start and end.
+    """
     most = greater(peak, magnitude(d1))
     turns = good & (v0 * v1 < 0.0)
     if any_of(turns):
@@ -280,10 +302,11 @@ def peak_over(peak, d0, v0, d1, v1, step, good):
 
 @kernel
 def track_peaks(batch, step, good):
-    """Raise the peaks of |u_x| of the good lanes by their step."""
+    """Raise the peaks of |u_x| (m) of the good lanes by their steps (s)."""
     tops, peaks = batch.work.tops, batch.state.peaks
     exact_top_motion(batch.model, batch.work.end, tops.end_ux, tops.end_rate)
     for i in range(batch.model.n):
+        # peak of the top of block i; the end becomes the start of the next step
         d0, d1, v0, v1 = tops.start_ux[i], tops.end_ux[i], tops.start_rate[i], tops.end_rate[i]
         peaks[i] = peak_over(peaks[i], d0, v0, d1, v1, step, good)
         tops.start_ux[i] = where(good, d1, d0)
@@ -292,13 +315,14 @@ def track_peaks(batch, step, good):
 
 @kernel
 def take_snapshots(batch, k, step):
-    """Store the column in lane k at the requested instants within its step."""
+    """Store the column in lane k at the requested times within its step (s)."""
     queue = batch.queue
     one = single(batch, k)
     n, number = one.n, int(one.lane.run)
     origin = run_of(queue, number).origin
     row = int(one.lane.next_row)
     while row < queue.rows and origin + queue.row_times[row] <= one.lane.t + step * (1.0 + SLACK):
+        # interpolate coordinates and rates, then slips
         snapshot = snapshot_of(queue, number, row, n)
         fraction = min(1.0, max(0.0, (origin + queue.row_times[row] - one.lane.t) / step))
         for i in range(2 * n):
@@ -312,34 +336,40 @@ def take_snapshots(batch, k, step):
 
 @kernel
 def step_on(batch):
-    """One step of every lane that has a run. Returns the bit mask of the lanes whose run has ended, and one more bit.
+    """Make one step of every lane that has a run. Returns the bit mask of the lanes whose run has ended.
 
-    That bit is set if the motion of some base has ended: its accelerations jump.
+    Its bit number WIDTH is set if the motion of some base has ended: its accelerations jump.
     """
     work, lanes, control = batch.work, batch.lane, batch.state.control
     n = batch.model.n
+    # attempt a step in every lane
     step = steps_to_stops(batch, step_lengths(batch))
     busy = step > 0.0
     anchor_waves(batch.base, lanes.t)
     error = dormand_prince.attempt(batch, lanes.t, step)
+    # accept or reject, and end steps at changes of sliding
     good = busy & control_steps(control, step, error)
     lanes.steps += where(good, 1.0, 0.0)
     lanes.rejected += where(busy & (error > 1.0), 1.0, 0.0)
     step, changed = end_at_changes(batch, step, good)
     take_stock(batch, work.end, good)
+    # lanes that overturn
     over = good & fallen(batch.model, work.end)
     fell, ended = bits(over), bits(over)
     step = end_at_falls(batch, fell, step)
+    # snapshots and peaks
     if batch.queue.rows > 0:
         moved = bits(good)
         for k in range(WIDTH):
             if (moved >> k) & 1:
                 take_snapshots(batch, k, lane(step, k))
     track_peaks(batch, step, good)
+    # the ends become the starts of the next steps
     for i in range((PHASE_FIELDS if can_slide(batch.model) else RIGID_FIELDS) * n):
         work.start.row[i] = where(good, work.end.row[i], work.start.row[i])
     at_stop = good & (step == lanes.stop - lanes.t)
     lanes.t = where(at_stop, lanes.stop, where(good, lanes.t + step, lanes.t))
+    # lanes that enter the next segment of their record
     passed = bits((lanes.count > 0.0) & ends_soon(batch.base, lanes.t))
     if passed != 0:
         for k in range(WIDTH):
@@ -349,6 +379,7 @@ def step_on(batch):
                 if one.lane.fresh > 0.0:
                     ended |= 1 << WIDTH
     decide_slips(batch, changed)
+    # finish runs that overturn, end or fail
     stuck = busy & is_too_short(control.next_step, batch.model.settings.first_step, lanes.t)
     stuck = stuck | (busy & (lanes.steps + lanes.rejected > lanes.most_tried))  # made alone, the run reports the reason
     if fell != 0:
@@ -370,13 +401,13 @@ def step_on(batch):
 
 @kernel
 def follow_queue(batch):
-    """Let all runs of the queue of a batch pass through its eight lanes."""
+    """Follow all runs of the queue of a batch in its eight lanes."""
     pass_queue(batch, load, start, step_on)
 
 
 @leaf
 def pass_queue(batch, load_run, start_lanes, step_lanes):
-    """As `follow_queue`, with functions that take the place of `load`, `start` and `step_on`.
+    """Follow all runs of the queue by functions that take the place of `load`, `start` and `step_on`.
 
     Always inlined: a call would pass the addresses of the functions, and numba does not cache code with addresses.
     """
@@ -384,11 +415,13 @@ def pass_queue(batch, load_run, start_lanes, step_lanes):
     batch.lane.run = splat(NO_RUN)
     waiting, running = 0, 0
     while (waiting < queue.size or running > 0) and queue.flag[0] == 0.0:
+        # load waiting runs into free lanes
         for k in range(WIDTH):
             if waiting < queue.size and lane(batch.lane.run, k) < 0.0:
                 load_run(batch, k, waiting)
                 waiting += 1
                 running += 1
+        # start these, and step until a run ends
         fresh = (batch.lane.fresh > 0.0) & (batch.lane.run >= 0.0)
         batch.lane.fresh = 0.0
         ended = start_lanes(batch, fresh)

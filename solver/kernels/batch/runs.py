@@ -12,7 +12,7 @@ from ..sections.section import RIMMED, ROUND, STRIPPED
 # one run, which may be under way: its record is `count` samples from number `first` on
 RUN = Record(
     "origin",  # s, start of its motion, which snapshots are counted from
-    "start",  # s, from where it is to be followed, and
+    "start",  # s, start and end of the interval that is to be followed
     "stop",
     "scale",
     "wave_amplitude",
@@ -57,7 +57,7 @@ SLIPPING_SPACE = Space(**{**SPACE.parts, **_marked})
 
 
 def _knowing(space: Space, *names: str) -> Space:
-    """A space for columns with joints other than rectangles, which the compiler recognizes by empty fields."""
+    """Return a space for columns with joints other than rectangles, which the compiler recognizes by empty fields."""
     model = space.parts["model"]
     assert isinstance(model, Space)
     blocks = Table(*BLOCKS.fields, strips=STRIP_NUMBERS, **dict.fromkeys(names, 0))  # type: ignore[arg-type]
@@ -73,7 +73,7 @@ SLIP_FIELDS = PHASE.per_n - RIGID_FIELDS  # the second part of a phase
 class Queue(NamedTuple):
     """Rows of `size` runs of columns of n blocks, and of their outcomes; the samples of all their records.
 
-    Once the number at `flag` is not zero, no more runs are begun and those under way are abandoned.
+    Once the number at `flag` is not zero, no more runs are started and those under way are abandoned.
     """
 
     size: int
@@ -98,36 +98,36 @@ _PHASE_PER_N, _START_PER_N = PHASE.per_n, OUTCOME.parts["phase"].per_n
 
 @leaf
 def run_of(queue, k):
-    """The record of run k."""
+    """Return the record of run k."""
     return _run(queue.runs[_RUN_SIZE * k :], 0)
 
 
 @leaf
 def start_at(queue, k, n):
-    """Coordinates and rates that run k starts from."""
+    """Return the row of coordinates and rates that run k starts from."""
     return queue.phases[_START_PER_N * n * k :]
 
 
 @leaf
 def slips_at(queue, k, n):
-    """The second part of the phase of run k."""
+    """Return the second part of the phase of run k."""
     return queue.slips[SLIP_FIELDS * n * k :]
 
 
 @leaf
 def outcome_of(queue, k, n):
-    """The outcome of run k."""
+    """Return the outcome of run k."""
     return _outcome(queue.outcomes[(_OUTCOME_PER_N * n + _OUTCOME_BESIDE) * k :], n)
 
 
 @leaf
 def snapshot_of(queue, k, row, n):
-    """The phase of a snapshot of run k."""
+    """Return the phase of snapshot number `row` of run k."""
     return _phase(queue.snapshots[_PHASE_PER_N * n * (queue.rows * k + row) :], n)
 
 
 @leaf
 def samples_of(queue, lane):
-    """The record that a lane follows."""
+    """Return the record that a lane follows."""
     first = int(lane.first)
     return Samples(int(lane.count), queue.times[first:], queue.ax[first:], queue.az[first:], lane.scale, False)

@@ -1,8 +1,8 @@
-"""Joints that slide in lanes: directions hold within a step, which ends where a joint begins or ceases to slide.
+"""Sliding joints in lanes: directions hold within a step, which ends where a joint starts or stops sliding.
 
-As stepping/sliding.py and formulations/slips.py do it for one column. Where a slip comes to rest is read from the
-interpolation of that lane alone; where a joint lets go takes evaluations, of all lanes at a time, each at its own
-instant. Lanes whose columns have no slips are compiled without any of it.
+As stepping/sliding.py and formulations/slips.py for one column. Where a slip stops is read from the interpolation of
+that lane alone; where a joint starts takes evaluations, of all lanes at a time, each at its own instant. Lanes whose
+columns have no slips are compiled without any of it.
 """
 
 from ..formulations.slips import change_directions, shear_margin, stop_what_is_still
@@ -18,32 +18,32 @@ from ..sections.section import ends_of
 from ..stepping.sliding import NEAR, NEVER, any_passes_zero, first_stop
 from .evaluate import evaluate_lanes, single
 
-JUST_AFTER = 1.02  # where a slip is expected to come to rest
-# Of the step: so late the moment of a beginning may be found. No force jumps there, and so the error is of the second
-# order in it.
+JUST_AFTER = 1.02  # factor on the time at which a slip is expected to stop
+# of the step: tolerance of the instant at which a joint starts sliding. No force jumps there, so that the error is of
+# second order in it
 LATE = 1e-3
 MOST_TRIALS = 30
-PROBES = (1.0 / 3.0, 2.0 / 3.0)  # of the step: where a joint that bears enough at its end is looked at
+PROBES = (1.0 / 3.0, 2.0 / 3.0)  # of the step: where a joint within its capacity at the end is examined
 PLENTY = 1e300  # N
-INSIDE = (2, 3, 4)  # stages, and
-NODES = (dormand_prince.C2, dormand_prince.C3, dormand_prince.C4)  # where they are
+INSIDE = (2, 3, 4)  # inner stages
+NODES = (dormand_prince.C2, dormand_prince.C3, dormand_prince.C4)  # their fractions of the step
 _SLIP, _SLIP_RATE, _POWER = (PHASE.places[name][0] for name in ("slip", "slip_rate", "friction_power"))  # fields
 
 
-# --- what the stepping of any lanes asks
+# --- called by the stepping of lanes with or without slips
 
 
 @by_width
 def steps_to_stops(batch, step):
-    """Steps shortened to just after a joint is expected to stop, s."""
+    """Return the steps (s), shortened to just after a joint is expected to stop."""
     return (lambda batch, step: step) if has_no_slips(batch.types[0]) else _steps_to_stops
 
 
 @by_width
 def end_at_changes(batch, step, good):
-    """Let the step of the good lanes end where a joint first begins or ceases to slide.
+    """End the steps of the good lanes where a joint first starts or stops sliding.
 
-    Returns the steps, s, and the mask of the lanes in which there is a change.
+    Returns the steps (s), and the mask of the lanes with a change.
     """
     if has_no_slips(batch.types[0]):
         return lambda batch, step, good: (step, good & ~good)
@@ -52,13 +52,13 @@ def end_at_changes(batch, step, good):
 
 @by_width
 def decide_slips(batch, changed):
-    """Let the joints of the lanes in a mask stick or slide as their forces want, and find their accelerations."""
+    """Let the joints of the lanes in a mask stick or slide according to their forces, and fill their accelerations."""
     return (lambda batch, changed: None) if has_no_slips(batch.types[0]) else _decide
 
 
 @by_width
 def slid_off(model, phase, i):
-    """Mask of the lanes in which block i has slid off what is under it."""
+    """Return the mask of the lanes in which block i has slid off its support."""
     if has_no_slips(model):
         return lambda model, phase, i: phase.theta[i] != phase.theta[i]
     return _slid_off
@@ -85,7 +85,9 @@ def _steps_to_stops(batch, step):
 @kernel
 def _end_at_changes(batch, step, good):
     work = batch.work
+    # fraction of the step at which a joint starts
     cut = greater(_first_begins(batch, step, good), NEAR)
+    # or stops, of the lanes in which one does
     looked_at = (stage(work, INSIDE[0]), stage(work, INSIDE[1]), stage(work, INSIDE[2]))
     passes = bits(good & any_passes_zero(work, looked_at))
     if passes != 0:
@@ -95,6 +97,7 @@ def _end_at_changes(batch, step, good):
                 inside = (stage(one, INSIDE[0]), stage(one, INSIDE[1]), stage(one, INSIDE[2]))
                 first = max(NEAR, first_stop(one, inside, NODES, lane(step, k)))
                 cut = with_lane(cut, k, min(lane(cut, k), first))
+    # cut the steps of these lanes: interpolated phase, evaluated there
     changed = good & (cut <= 1.0)
     if any_of(changed):
         end = work.end
@@ -114,7 +117,7 @@ def _end_at_changes(batch, step, good):
 
 @leaf
 def _take(to, row, lanes, count):
-    """Copy the first of a row into another in the lanes of a mask."""
+    """Copy the first `count` elements of `row` into `to` in the lanes of a mask."""
     for i in range(count):
         to[i] = where(lanes, row[i], to[i])
 
@@ -126,25 +129,27 @@ def _take_all(to, phase):
 
 @kernel
 def _interpolate(work, h, s):
-    """Coordinates, rates and friction work at fractions s of the steps of h seconds: left in work.between."""
+    """Fill `work.between` with coordinates, rates and friction work at fractions s of the steps of `h` s."""
     n = work.n
     start, end, between = work.start, work.end, work.between
+    # rotations, openings and slips
     for place in range(3 * n):
         i = place if place < 2 * n else 4 * n + place
         q0, v0, a0 = start.coordinates[i], start.rates[i], start.accelerations[i]
         q1, v1, a1 = end.coordinates[i], end.rates[i], end.accelerations[i]
         between.coordinates[i], rate = value_without_bump(quintic_through(h, q0, v0, a0, q1, v1, a1, 0.0), s)
         between.rates[i] = rate / h
+    # friction work
     for i in range(7 * n, 8 * n):
         between.coordinates[i] = spent(work, i, h, s)
 
 
-# --- beginnings
+# --- starts of sliding
 
 
 @leaf
 def _least_margin(joints, n):
-    """Least shear margin of the joints that stick, N."""
+    """Return the least shear margin (N) of the joints that stick."""
     least = 0.0 * joints.shear_capacity[0] + PLENTY
     for i in range(n):
         least = where(joints.sliding[i] == 0.0, lesser(shear_margin(joints, i), least), least)
@@ -153,7 +158,7 @@ def _least_margin(joints, n):
 
 @kernel
 def _margin_within(batch, step, s):
-    """Least shear margin of the joints that stick at fractions s of the steps, N."""
+    """Return the least shear margin (N) of the joints that stick at fractions s of the steps (s)."""
     work = batch.work
     _interpolate(work, step, s)
     evaluate_lanes(batch, work.between, batch.lane.t + s * step)
@@ -162,18 +167,20 @@ def _margin_within(batch, step, s):
 
 @kernel
 def _first_begins(batch, step, good):
-    """Fraction of the step at which a joint that sticks first bears too little; NEVER in lanes where none does."""
+    """Return the fraction of the step at which a sticking joint first exceeds its capacity; NEVER where none does."""
     work, n = batch.work, batch.work.n
     at_hi = _least_margin(work.joints, n)  # at the end, which was evaluated last
     batch.lane.shear_margin_ahead = at_hi
+    # lanes in which a joint is or was beyond its capacity
     flagged = at_hi < 0.0
     for i in range(n):
         flagged = flagged | ((work.joints.sliding[i] == 0.0) & (work.joints.overcome[i] != 0.0))
     flagged = good & flagged
+    # bracket of the zero of the margin
     lo, at_lo = 0.0 * step, greater(batch.lane.shear_margin, 0.0)
     hi = where(flagged & (at_hi < 0.0), 1.0 + lo, NEVER)
     unsure = flagged & (at_hi >= 0.0)
-    if any_of(unsure):  # a stage was beyond, the end is not: the joint may have let go in between
+    if any_of(unsure):  # beyond the capacity at a stage, not at the end: the joint may start sliding in between
         for k in range(2):
             value = _margin_within(batch, step, 0.0 * step + PROBES[k])
             found = unsure & (value < 0.0)
@@ -185,7 +192,7 @@ def _first_begins(batch, step, good):
 
 @kernel
 def _closed_in(batch, step, open_, lo, hi, at_lo, at_hi):
-    """The fractions hi, moved down to just after the shear margin is used up, as integrators/bracket.py does it."""
+    """Return the fractions hi, moved down to just after the zero of the shear margin, as in integrators/bracket.py."""
     moved = 0.0 * lo  # the end that moved last: -1 or 1
     for _ in range(MOST_TRIALS):
         width = hi - lo
@@ -195,6 +202,7 @@ def _closed_in(batch, step, open_, lo, hi, at_lo, at_hi):
         trial = lo + width * (at_lo / (at_lo - at_hi)) + 0.5 * LATE
         trial = where((trial > lo) & (trial < hi), trial, 0.5 * (lo + hi))
         value = _margin_within(batch, step, where(open_, trial, 1.0))
+        # narrow the brackets, halving the value of an end that stays
         below, above = open_ & (value < 0.0), open_ & ~(value < 0.0)
         at_lo = where(below & (moved > 0.0), 0.5 * at_lo, at_lo)
         at_hi = where(above & (moved < 0.0), 0.5 * at_hi, at_hi)
@@ -204,7 +212,7 @@ def _closed_in(batch, step, open_, lo, hi, at_lo, at_hi):
     return hi
 
 
-# --- directions from now on
+# --- directions of sliding after a change
 
 
 def _decide(batch, changed):
@@ -216,13 +224,16 @@ def _decide_for(batch, changed):
     work, n = batch.work, batch.work.n
     begin, between, joints = work.start, work.between, work.joints
     if any_of(changed):
+        # evaluate with the present directions
         _take_all(between, begin)
         stop_what_is_still(joints, between, n)
         evaluate_lanes(batch, between, batch.lane.t)
+        # change directions until forces and rates agree with them
         for _ in range(2 * n + 2):
             if not any_of(changed & change_directions(joints, between, n)):
                 break
             evaluate_lanes(batch, between, batch.lane.t)
+        # keep the result in the lanes of the mask
         _take(begin.accelerations, between.accelerations, changed, 2 * n)
         _take(begin.row[_SLIP_RATE * n :], between.row[_SLIP_RATE * n :], changed, 3 * n)  # rates, power, accelerations
         for i in range(n):

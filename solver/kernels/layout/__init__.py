@@ -1,1 +1,1 @@
-"""The places of all numbers in the flat arrays."""
+"""The layout of all numbers in the flat arrays."""

@@ -11,41 +11,44 @@ FIELDS = MODE.beside
 
 @leaf
 def limits_of(model):
-    """The record of the limits of the modal method."""
+    """Return the record of the limits of the modal method."""
     return _limits(model.modal, 0)
 
 
 @leaf
 def parts_of(model):
-    """Number of separate problems of the modes: 2 on the axis, rotations and openings, else 1."""
+    """Return the number of separate modal problems: 2 on the axis (rotations and openings), else 1."""
     return int(limits_of(model).parts)
 
 
 @leaf
 def mode_at(modes, k):
-    """Record k of a row of modes."""
+    """Return record k of a row of modes."""
     return _mode(modes[FIELDS * k :], 0)
 
 
 @leaf
 def modes_of(model):
-    """The row of the records of all 2 n modes: first those of the first part."""
+    """Return the row of the records of all 2 n modes, those of the first part first."""
+    # behind the limits
     return model.modal[LIMITS:]
 
 
 @leaf
 def mode_of(model, k):
-    """The record of mode k."""
+    """Return the record of mode k."""
     return mode_at(modes_of(model), k)
 
 
 @leaf
 def shapes_of(model):
-    """The row of the square matrices of shapes, by rows, a matrix for each part."""
+    """Return the row of the square matrices of shapes, by rows, a matrix for each part."""
+    # behind the limits and the 2 n modes
     return model.modal[LIMITS + FIELDS * 2 * model.n :]
 
 
 @leaf
 def inverses_of(model):
-    """The row of the inverses of the shapes, stored as `shapes_of`."""
+    """Return the row of the inverses of the shapes, stored as `shapes_of`."""
+    # behind the shapes
     return model.modal[LIMITS + FIELDS * 2 * model.n + 4 * model.n * model.n :]

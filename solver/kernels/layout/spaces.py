@@ -25,7 +25,7 @@ RESULTANTS = 8  # output rows only where they are asked for
 IMPLICIT = 16  # the implicit method where it goes further than the explicit one
 EXTREMES = 32  # no short cut: peaks of more than u_x
 
-# --- how the base moves: as its inputs say, or by what acts at it (formulations/coupled_base.py), along x alone or not
+# --- drive of the base: by its inputs, or by bodies at it (formulations/coupled_base.py), in the plane or along x alone
 ACCELERATION, BODY, HORIZONTAL = 0.0, 1.0, 2.0
 DRIVES = {"acceleration": ACCELERATION, "body": BODY, "horizontal": HORIZONTAL}
 SLOPE_PARABOLA, SLOPE_LINE, SLOPE_HELD = 0.0, 1.0, 2.0
@@ -48,7 +48,7 @@ SETTINGS = Record(
     "per_slip",  # 1/m, rotation of the column that moves its top as far as a slip
     "drive",  # how the base moves: a code of DRIVES
     "slope",  # how its acceleration goes on where a body drives it: a code of SLOPES
-    "bodies",  # that drive it
+    "bodies",  # number of bodies that drive it
 )
 MOST_STRIPS = 32  # of a section made of strips
 STRIP_NUMBERS = 2 + MOST_STRIPS  # how many strips, their width in m, their depths in m
@@ -176,7 +176,7 @@ COUNTS = Record(
     "rejected",
     "evaluations",
     "sweeps",
-    "overturned",  # number of the joint that let go, 0 while the column stands
+    "overturned",  # number of the joint that overturned, 0 while the column stands
     "started",  # 0 until the accelerations of the phase have been computed once
     "next_row",  # first output time not yet served
     "implicit",  # 1 while `auto` steps by its implicit method
@@ -229,7 +229,7 @@ BASE = Record(
     "before_alpha",
     *("x", "z", "vx", "vz"),  # m, m/s, at time t0: how far the base has moved since bodies drive it
     *("mass_x", "mass_z", "mass_turn"),  # kg, kg, kg m2: of all that moves with the base, at the last exchange
-    *("checked_step", "checked_mass"),  # s; their sum: of the steps so far the longest, and the least of them
+    *("checked_step", "checked_mass"),  # s, longest step so far; least sum of these masses so far
     "allowed_step",  # s, the longest stable step, once a step was longer; 0 while none was
 )
 
@@ -238,12 +238,12 @@ SNAPSHOT = Space(base=Record("ax", "az"), phase=PHASE)
 
 
 def snapshot_size(n: int, slips: bool) -> int:
-    """Numbers of a snapshot of n blocks."""
+    """Return the length of a snapshot of n blocks."""
     return SNAPSHOT.beside + (PHASE_FIELDS if slips else RIGID_FIELDS) * n
 
 
 def phases_in(snapshots: Any) -> Any:
-    """The phases of snapshots, one in a row."""
+    """Return the phases of snapshots, shape (snapshots, phase length)."""
     return snapshots[:, SNAPSHOT.beside :]
 
 
@@ -271,12 +271,12 @@ JOINTS = Table(
     "sliding",  # 1 or -1: the joint slides that way, 0: it sticks; an input of an evaluation
     "overcome",  # 1 once an evaluation found a joint that sticks beyond what it bears
 )
-# of one evaluation, which names its own
+# scratch of one evaluation, which names the rows
 ROOM = Table("a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n", "o")
 HOLD = Table(
-    "held",  # regime that the joint is held in; 0 is whichever applies
+    "held",  # regime that the joint is held in; 0: any
     "regime",  # that it was last held in
-    "outside",  # 1 if an evaluation found it outside
+    "outside",  # 1 if an evaluation found the joint outside it
     whole=True,
 )
 TOPS = Table("start_ux", "start_rate", "end_ux", "end_rate", "between_ux", "between_rate")  # of the top faces
@@ -302,7 +302,7 @@ WORK = Space(
     stages=Numbers(per_n=PHASE_FIELDS * (STAGES - 1)),
     end=PHASE,
     between=PHASE,
-    bump=Numbers(per_n=3, beside=8),  # what is summed up in eights may reach beyond `between`
+    bump=Numbers(per_n=3, beside=8),  # packs of eight may extend beyond `between`
     interpolation=INTERPOLATION,
     joints=JOINTS,
     joints_halfway=JOINTS,
@@ -311,10 +311,10 @@ WORK = Space(
     room=ROOM,
     tops=TOPS,
     counts_from=Numbers(per_n=1),  # N, from which on T / N counts
-    allowed=Numbers(PEAKS.per_n, PEAKS.beside),  # by how much each quantity may pass its peak unnoticed
+    allowed=Numbers(PEAKS.per_n, PEAKS.beside),  # excess over its peak up to which a quantity is not searched
     seen=Numbers(
         PEAKS.per_n * (PIECES + 3), PEAKS.beside * (PIECES + 3)
-    ),  # at the ends of the pieces, once more; marks
+    ),  # outputs at the ends of the pieces and of a trial; marks
     tangent=Numbers(per_n=TANGENT_FIELDS),
     trend=TREND,
     slopes=Numbers(per_n=2),
@@ -331,18 +331,18 @@ HAS_OVERTURNED = 1  # the state is held; not an error
 STEP_TOO_SMALL = -1
 NOT_CONVERGED = -2
 NOT_FINITE = -3
-ROTATES = -4  # the base, which the paper does not know
+ROTATES = -4  # the base rotates, which the paper's model lacks
 TOO_MUCH_WORK = -5  # more evaluations than any column takes
 INPUT_TOO_LARGE = -6
 CALL_TOO_LONG = -7  # shorter ones can be made
-BODY_LACKING = -8  # forces act at the base, and no mass
-RECORD_BESIDE = -9  # a record shakes the base beside the body that drives it
+BODY_LACKING = -8  # forces act at the base, which has no mass
+RECORD_BESIDE = -9  # a record is followed on a base that a body drives
 MOST_INPUT = 1e6  # of each input of the base, in its unit
 
 
 @in_both
 def modal_size(n: int) -> int:
-    """Length of the modal data of n blocks."""
+    """Return the length of the modal data of n blocks."""
     return _MODAL_BESIDE + 2 * n * _MODE_FIELDS + 8 * n * n
 
 

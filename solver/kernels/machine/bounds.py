@@ -1,6 +1,7 @@
-"""Whether kernels check the bounds of every row: where MULTIBLOCK_BOUNDS=1 is in the environment, on Linux and macOS.
+"""The switch of bounds checks of kernels: MULTIBLOCK_BOUNDS=1 in the environment, on Linux and macOS.
 
-What makes machine code and what runs it must agree: checked code is kept under an identifier of its own (sources.py).
+Processes that make machine code and those that run it must agree: checked code has an identifier of its own
+(sources.py).
 """
 
 import os

@@ -1,4 +1,4 @@
-"""From a module of LLVM as written to the code of any target: optimized once for all, then emitted for each."""
+"""Compilation of an LLVM module for any target: it is optimized once for all, then emitted for each."""
 
 import multiprocessing
 import os
@@ -16,11 +16,12 @@ SPEED = 1 if BOUNDS else 3  # of LLVM's levels: the branches of checks take the 
 
 
 def optimize(whole: llvm.ModuleRef, triple: str, cpu: str) -> None:
-    """Optimize, without functions that are never called."""
+    """Optimize a module, without functions that are never called."""
     machine = machine_for(whole, triple, cpu)
     for level in (0, SPEED):  # small functions into their callers first, as numba does
         builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=level))
         passes = builder.getModulePassManager()
+        # simplify small functions before they are inlined
         if not level:
             passes.add_loop_rotate_pass()
             passes.add_instruction_combine_pass()
@@ -29,7 +30,8 @@ def optimize(whole: llvm.ModuleRef, triple: str, cpu: str) -> None:
 
 
 def machine_for(whole: llvm.ModuleRef, triple: str, cpu: str) -> llvm.TargetMachine:
-    """Return the target machine; the module is set to its triple and layout."""
+    """Return the target machine, and set the module to its triple and data layout."""
+    # position-independent code
     machine = llvm.Target.from_triple(triple).create_target_machine(cpu=cpu, opt=3, reloc="pic", codemodel="default")
     whole.triple, whole.data_layout = triple, str(machine.target_data)
     return machine
@@ -38,10 +40,21 @@ def machine_for(whole: llvm.ModuleRef, triple: str, cpu: str) -> llvm.TargetMach
 def emit(bitcode: bytes, triple: str, cpu: str, prefix: str, file: str) -> None:
     """Write the object code, or assembly (.s), of an optimized module for one target.
 
-    prefix: of the names that it offers, hidden from all but what is linked with it; "": they are as they are.
+    Parameters
+    ----------
+    bitcode : bytes
+        The optimized module.
+    triple, cpu : str
+        The target, as LLVM names it.
+    prefix : str
+        Prefix of the exported names, which are then hidden from all but the code linked with it; "" leaves the names
+        as they are.
+    file : str
+        The file; its suffix decides the format.
     """
     initialize()
     whole = llvm.parse_bitcode(bitcode)
+    # prefix the exported functions
     for function in whole.functions if prefix else ():
         if not function.is_declaration and function.linkage == llvm.Linkage.external:
             function.name, function.visibility = prefix + function.name, "hidden"
@@ -51,7 +64,7 @@ def emit(bitcode: bytes, triple: str, cpu: str, prefix: str, file: str) -> None:
 
 
 def emit_all(bitcode: bytes, targets: Sequence[tuple[str, str, str, str]]) -> None:
-    """Write the code of an optimized module for (triple, processor, prefix, file) each, on all cores."""
+    """Write the code of an optimized module for each target (triple, processor, prefix, file), on all cores."""
     if len(targets) == 1:
         emit(bitcode, *targets[0])
         return
@@ -65,11 +78,11 @@ def emit_all(bitcode: bytes, targets: Sequence[tuple[str, str, str, str]]) -> No
 
 
 def initialize() -> None:
-    """Have LLVM's code for all targets."""
+    """Initialize LLVM's code generators of all targets."""
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
 
 
 def tell(text: str) -> None:
-    """Print a line of progress, with the processor time that this process has taken so far."""
+    """Print a line of progress, with the processor time (s) that this process has used so far."""
     print(f"{text} ({time.process_time():.0f} s)", file=sys.stderr, flush=True)

@@ -20,16 +20,19 @@ class Entry:
     function : callable
         The kernel, for the process that compiles it.
     group : str
-        The piece of machine code that it is in (groups.py).
+        The piece of machine code that contains it (groups.py).
     kinds : dict
         The kind of each argument, by name.
     result : type or None
         `Int`, `Real` or None.
+    slots : struct.Struct
+        The layout of the buffer of a call.
     """
 
     def __init__(self, function: Callable[..., Any], group: str, module: str) -> None:
         self.function, self.group = function, group
         self.__name__, self.__doc__, self.__module__ = function.__name__, function.__doc__, module
+        # kinds of the arguments and of the result
         annotations = dict(function.__annotations__)
         self.result: type[Kind] | None = annotations.pop("return", None)
         self.kinds: dict[str, type[Kind]] = annotations
@@ -37,6 +40,7 @@ class Entry:
         given = code.co_varnames[: code.co_argcount]
         if tuple(annotations) != given or self.result not in (None, Int, Real):
             raise TypeError(f"{module}.{self.__name__}: each argument needs a kind, the result Int, Real or None")
+        # layout of the buffer
         self._passed = tuple(kind.slots for kind in annotations.values())
         self.slots = struct.Struct("=" + "".join(kind.letters for kind in annotations.values()))
 
@@ -46,11 +50,11 @@ class Entry:
         return load(self.group)[self.__name__]
 
     def __call__(self, *arguments: Any) -> Any:
-        """Run it. Raises TypeError for arguments of another kind."""
+        """Run the kernel. Raises TypeError for arguments of another kind."""
         return Call(self, arguments)()
 
     def __reduce__(self) -> Any:
-        """Pickle it by its name."""
+        """Pickle the entry by its name."""
         return _entry_named, (self.__module__, self.__name__, self.group)
 
 
@@ -68,9 +72,11 @@ class Call:
         passed = entry._passed
         if len(arguments) != len(passed):
             raise TypeError(f"{entry.__name__}: takes {len(passed)} arguments, got {len(arguments)}")
+        # values of all slots
         slots: list[Any] = []
         for slots_of, argument in zip(passed, arguments, strict=True):
             slots += slots_of(argument)
+        # pack them into the buffer
         self.buffer = ctypes.create_string_buffer(entry.slots.size)
         try:
             entry.slots.pack_into(self.buffer, 0, *slots)
@@ -80,15 +86,17 @@ class Call:
         self._address = ctypes.addressof(self.buffer)
 
     def __call__(self) -> Any:
-        """Run it with what the buffer holds."""
+        """Run the kernel with the arguments in the buffer."""
         found, result = self._run(self._address), self.entry.result
         if result is Int:
             return found
+        # a float is returned by its bits
         return None if result is None else struct.unpack("=d", struct.pack("=q", found))[0]
 
 
 def offset(entry: Entry, name: str) -> int:
-    """Return the offset (bytes) of an argument in the buffers of calls, from which on it may be written to."""
+    """Return the offset (bytes) of an argument in the buffer of a call, at which it may be overwritten."""
+    # slots of the arguments before it
     before = list(entry.kinds.values())[: list(entry.kinds).index(name)]
     return 8 * sum(len(kind.letters) for kind in before)
 

@@ -1,4 +1,4 @@
-"""The folder of the user, and of no other, for what can be made again, machine code among it."""
+"""The private cache folder of the user: machine code and other files that can be recreated."""
 
 import hashlib
 import os
@@ -8,17 +8,18 @@ from contextlib import suppress
 from pathlib import Path
 
 OF_OTHERS = stat.S_IWGRP | stat.S_IWOTH
-DIGEST = 32  # bytes of a checksum, before what is kept
+DIGEST = 32  # bytes of the checksum before the content
 
 
 def user_folder() -> Path:
-    """The project's folder for what can be recreated: MULTIBLOCK_CACHE_DIR, or one in the cache folder of the user.
+    """Return the project's cache folder: MULTIBLOCK_CACHE_DIR, or one in the cache folder of the user.
 
     Raises RuntimeError if the user has no home.
     """
     given = os.environ.get("MULTIBLOCK_CACHE_DIR")
     if given:
         return Path(given).absolute()
+    # cache folder of the user on this system
     if sys.platform == "win32":
         parent = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
     elif sys.platform == "darwin":
@@ -29,20 +30,22 @@ def user_folder() -> Path:
 
 
 class NotPrivateError(OSError):
-    """Others can write to a folder, or could have: nothing in it is used."""
+    """The error of a folder that others can write to, or could have: nothing in it is used."""
 
 
 def make_private(folder: Path) -> None:
-    """Let the user alone write to a folder, and check those that it lies in. Raises OSError, NotPrivateError.
+    """Make a folder that the user alone can write to, and check its parents. Raises OSError, NotPrivateError.
 
     Where others may add folders but not replace those of the user (sticky), nothing is changed.
     """
+    # make missing folders
     for place in reversed([place for place in (folder, *folder.parents) if not place.exists()]):
         place.mkdir(mode=0o700, exist_ok=True)
     if not hasattr(os, "getuid"):  # folders of a user on Windows are his own
         return
     if folder.stat().st_uid == os.getuid() and not folder.stat().st_mode & stat.S_ISVTX:  # as /tmp, of root
         folder.chmod(folder.stat().st_mode & ~OF_OTHERS)
+    # no parent may be writable by others
     for place in (folder, *folder.resolve().parents):
         about = place.stat()
         if about.st_uid not in (os.getuid(), 0) or (about.st_mode & OF_OTHERS and not about.st_mode & stat.S_ISVTX):
@@ -50,7 +53,7 @@ def make_private(folder: Path) -> None:
 
 
 def is_private(folder: Path) -> bool:
-    """Whether a folder is the user's, no link, and closed to others, whatever the modes of the files inside."""
+    """Return True if a folder is the user's, no link, and closed to others, whatever the modes of the files inside."""
     about = folder.lstat()
     if stat.S_ISLNK(about.st_mode) or not hasattr(os, "getuid"):
         return not stat.S_ISLNK(about.st_mode)
@@ -58,7 +61,7 @@ def is_private(folder: Path) -> bool:
 
 
 def private_folder(name: str, parent: Path | None = None) -> Path:
-    """Return a folder in that of the user, or in `parent`, which only the user can enter; made if there is none.
+    """Return a folder, in that of the user or in `parent`, which only the user can enter; make it if there is none.
 
     Raises RuntimeError if the user has no home, OSError, NotPrivateError.
     """
@@ -71,7 +74,8 @@ def private_folder(name: str, parent: Path | None = None) -> Path:
 
 
 def write_whole(file: Path, content: bytes) -> None:
-    """Write a file, completely or not at all, whoever else writes it. Raises OSError."""
+    """Write a file completely or not at all, even if other processes write it too. Raises OSError."""
+    # write a file of this process, then rename it
     partial = file.with_name(f"{file.name}.{os.getpid()}")
     try:
         partial.write_bytes(content)
@@ -81,13 +85,13 @@ def write_whole(file: Path, content: bytes) -> None:
 
 
 def keep(kind: str, name: str, content: bytes) -> None:
-    """Leave what can be made again in the private folder `kind`. Without room nothing is kept."""
+    """Store content that can be recreated in the private folder `kind`. If that fails nothing is stored."""
     with suppress(OSError, RuntimeError):
         write_whole(private_folder(kind) / name, hashlib.sha256(content).digest() + content)
 
 
 def kept(kind: str, name: str) -> bytes | None:
-    """What `keep` was given; None if it is not there, is damaged, or others could have written it."""
+    """Return the content stored by `keep`; None if it is missing or damaged, or others could have written it."""
     try:
         data = (private_folder(kind) / name).read_bytes()
     except (OSError, RuntimeError):

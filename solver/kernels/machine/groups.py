@@ -1,4 +1,4 @@
-"""The groups of entries: each is typed, optimized and kept as one piece of machine code."""
+"""The groups of entries: each is typed, optimized and stored as one piece of machine code."""
 
 from typing import NamedTuple
 

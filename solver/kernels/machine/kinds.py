@@ -1,4 +1,4 @@
-"""Kinds of arguments of entries, which annotate them: how Python gives each, and what lies in the buffer of a call.
+"""The kinds of arguments of entries, which annotate them: how Python passes each in the buffer of a call.
 
 A call passes one address: of a buffer with slots of eight bytes, one for each argument, two for `SizedReals`; where
 kernels check their bounds (bounds.py), two for every array: its address and its size.
@@ -16,7 +16,7 @@ _first_byte, _address = ctypes.c_char.from_buffer, ctypes.addressof
 
 
 class Kind:
-    """A way to pass an argument: its letters for `struct`, and their values."""
+    """A way to pass an argument: its letters for `struct`, and the values of its slots."""
 
     letters: ClassVar[str]
 
@@ -49,10 +49,11 @@ class _Real(Kind):
 
 
 def address_of(array: Any, kind: np.dtype[Any] = _FLOAT) -> int:
-    """Return the address of the first number of an array. Raises TypeError for numbers of another type, and for gaps.
+    """Return the address of the first number of an array. Raises TypeError for another dtype, and for gaps.
 
-    Nothing else looks at what lies there: another type would be read as this one.
+    Nothing else checks the memory there: numbers of another type would be read as of this one.
     """
+    # the identity is compared first: it is faster
     if array.dtype is not kind and array.dtype != kind:
         raise TypeError(f"an array of {array.dtype}: must be of {kind}")
     if not array.flags.c_contiguous:

@@ -1,4 +1,4 @@
-"""Levels of processors: machine code is made for each, and the highest that this one has is run."""
+"""Levels of processors: machine code is made for each, and the highest that this processor has is run."""
 
 import os
 import platform
@@ -10,7 +10,7 @@ from pathlib import Path
 # from the highest to the one that every supported processor has, as LLVM names them
 X86 = ("x86-64-v4", "x86-64-v3", "x86-64-v2")
 ARM = ("arm64",)
-# what the two higher levels need beside the lower ones, as Linux names it
+# processor features that the two higher levels add, by their names in Linux
 _NEEDED = {
     "x86-64-v3": ("avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe"),
     "x86-64-v4": ("avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"),
@@ -19,13 +19,13 @@ _AVX2 = 40  # of Windows' IsProcessorFeaturePresent
 
 
 def is_arm() -> bool:
-    """Return True on a processor of 64 bits of ARM."""
+    """Return True on a 64-bit ARM processor."""
     return platform.machine().lower() in ("arm64", "aarch64")
 
 
 @lru_cache(maxsize=1)
 def levels() -> tuple[str, ...]:
-    """Return the levels that this processor runs, the highest first; MULTIBLOCK_LEVEL names a lower one to begin with.
+    """Return the levels that this processor runs, the highest first; MULTIBLOCK_LEVEL names a lower one to start with.
 
     Raises ValueError for a level that it does not run.
     """
@@ -56,4 +56,4 @@ def _has(level: str) -> bool:
         import ctypes
 
         return bool(ctypes.windll.kernel32.IsProcessorFeaturePresent(_AVX2))
-    return False  # Windows has a word for AVX2 alone; macOS: only processors of ARM are new
+    return False  # Windows reports AVX2 only; recent processors of macOS are ARM

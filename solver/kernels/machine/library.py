@@ -1,6 +1,6 @@
-"""Where the machine code of a group is found, and loaded: in the package, else kept for the user or made (making.py).
+"""Search and loading of the machine code of a group: from the package, else stored for the user or made (making.py).
 
-A package has shared libraries, or object code where nothing could link them when it was built. What is kept or made is
+A package has shared libraries, or object code where nothing could link them when it was built. Stored or made code is
 object code. Only that needs llvmlite in this process.
 """
 
@@ -26,7 +26,7 @@ Function = Callable[[int], int]
 _PROTOTYPE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p)
 _opened: dict[str, Callable[[str], int]] = {}
 _loaded: dict[str, dict[str, Function]] = {}
-_alive: list[Any] = []  # libraries and engines: the functions do not hold them
+_alive: list[Any] = []  # libraries and engines, to which the functions hold no reference
 _lock = threading.RLock()
 
 
@@ -40,6 +40,7 @@ def load(group: str) -> dict[str, Function]:
 
     Raises MachineCodeError.
     """
+    # one thread at a time opens a group
     with _lock:
         if group not in _loaded:
             address_of = _address_of(group)
@@ -52,6 +53,7 @@ def open_packaged() -> None:
 
     Raises MachineCodeError if a group is there for other systems or processors only.
     """
+    # groups of which the package has code for any system
     carried = {file.name.partition(".")[0] for file in PACKAGED.glob(f"*.{SOURCES}.*")}
     with _lock:
         for group in sorted(carried):
@@ -62,8 +64,9 @@ def open_packaged() -> None:
 
 
 def _address_of(group: str) -> Callable[[str], int]:
-    """Return what finds the address of a function of a group, whose code is opened."""
+    """Return a function name -> address of a group, and open its code at the first call."""
     if group not in _opened:
+        # a library of the package, else object code: packaged, stored or made
         file = _packaged(group)
         if file is not None and file.suffix != ".o":
             _opened[group] = _linked(file)
@@ -85,7 +88,7 @@ def _names(group: str) -> list[str]:
 
 
 def _checked(name: str, group: str, address: int) -> int:
-    """Return the address of a function. 0 stands for a name that is not there: calling it would end the process."""
+    """Return the address of a function; raise MachineCodeError for 0, a missing name: a call would end the process."""
     if not address:
         raise MachineCodeError(f"the machine code of {group} has no function {name}")
     return address
@@ -102,15 +105,16 @@ def _packaged(group: str) -> Path | None:
 
 
 def _linked(file: Path) -> Callable[[str], int]:
-    if sys.platform == "win32":  # keeps the file of a library open
+    if sys.platform == "win32":  # Windows keeps the file of a loaded library open
         file = _lasting(file)
     library = ctypes.CDLL(str(file))
     return lambda name: ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0
 
 
 def _lasting(file: Path) -> Path:
-    """Return a copy of a library that the user alone can write to; the file itself where there is none."""
+    """Return a copy of a library that the user alone can write to; the file itself where none can be made."""
     try:
+        # named by its content, so that versions do not collide
         content = file.read_bytes()
         copy = private_folder("loaded") / f"{hashlib.sha256(content).hexdigest()[:16]}-{file.name}"
         if not copy.is_file() or copy.read_bytes() != content:
@@ -121,7 +125,7 @@ def _lasting(file: Path) -> Path:
 
 
 def _from_object(code: bytes, group: str) -> Callable[[str], int]:
-    """Load object code."""
+    """Load object code; return a function name -> address."""
     try:
         from llvmlite import binding as llvm
     except ImportError:
@@ -131,6 +135,7 @@ def _from_object(code: bytes, group: str) -> Callable[[str], int]:
             getattr(llvm, begin)()
         except RuntimeError:  # deprecated since llvmlite 0.45, does it itself
             continue
+    # load it into an engine that lives as long as the process
     machine = llvm.Target.from_default_triple().create_target_machine()
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))

@@ -1,6 +1,6 @@
-"""Machine code made at need, by a process of its own (numba_ext/make.py), and kept in the private folder of the user.
+"""Machine code made on demand by a separate process (numba_ext/make.py), and stored in the private folder of the user.
 
-It is kept under an identifier of sources, level of the processor and compiler.
+It is stored under an identifier of sources, processor level and compiler.
 """
 
 import os
@@ -27,17 +27,18 @@ Found = TypeVar("Found")
 
 
 def kept_code(group: str) -> bytes | None:
-    """Return the object code of a group that is kept for this processor; None if there is none."""
+    """Return the object code of a group that is stored for this processor; None if there is none."""
     return kept(KEPT, _key(group))
 
 
 def make(groups: Iterable[str]) -> None:
-    """Make what is not kept of groups, on all cores. Raises MachineCodeError."""
+    """Make the code of those groups for which none is stored, on all cores. Raises MachineCodeError."""
     on_all_cores(made, [group for group in groups if kept_code(group) is None])
 
 
 def on_all_cores(make: Callable[[list[str]], Found], groups: Iterable[str]) -> list[Found]:
-    """Call `make` with lists of groups that share kernels, side by side, and return what it returns."""
+    """Call `make` in parallel with lists of groups that share kernels, and return its results."""
+    # groups of columns and of structures, each by one process
     families: dict[str, list[str]] = {}
     for group in groups:
         in_space = GROUPS[group].module.startswith("structure.")
@@ -52,7 +53,7 @@ def sources_of(group: str) -> str:
 
 
 def compilers() -> str:
-    """Return names and versions of what compiles, "none" where something is not installed."""
+    """Return names and versions of the compilers, "none" where one is not installed."""
     versions = []
     for name in COMPILERS:
         try:
@@ -63,16 +64,18 @@ def compilers() -> str:
 
 
 def _key(group: str) -> str:
-    """Return the name under which machine code is kept that is made on this machine."""
+    """Return the name under which machine code made on this machine is stored."""
     return f"{group}.{levels()[0]}.{sources_of(group)}.{compilers()}.o"
 
 
 def made(groups: list[str]) -> list[bytes]:
-    """Return the object code of groups for this processor, made by another process, and keep it."""
+    """Return the object code of groups for this processor, made by another process, and store it."""
+    # compile
     with tempfile.TemporaryDirectory(prefix="machine_code_") as folder:
         files = {group: Path(folder) / f"{group}.o" for group in groups}
         run_make({group: {levels()[0]: file} for group, file in files.items()})
         codes = {group: file.read_bytes() for group, file in files.items()}
+    # store
     try:
         private_folder(KEPT)
     except (OSError, RuntimeError) as error:
@@ -83,23 +86,26 @@ def made(groups: list[str]) -> list[bytes]:
 
 
 def run_make(wanted: Mapping[str, Mapping[str, Path]]) -> None:
-    """Let another process make machine code: group -> word for a target (make.py) -> file. Raises MachineCodeError."""
+    """Let another process make machine code: group -> target word (make.py) -> file. Raises MachineCodeError."""
     with tempfile.TemporaryDirectory(prefix="bitcode_") as folder:
+        # arguments: an optimized module that is stored is used again
         words, optimized_now = [], {}
         for group, files in wanted.items():
             bitcode, key = Path(folder) / f"{group}.bc", f"{group}.{sources_of(group)}.{compilers()}.bc"
-            if (optimized := kept(KEPT, key)) is not None:  # for another target
+            if (optimized := kept(KEPT, key)) is not None:  # stored when another target was made
                 bitcode.write_bytes(optimized)
             else:
                 optimized_now[key] = bitcode
                 announce(f"compiling the kernels of {GROUPS[group].purpose}, once: about {GROUPS[group].seconds} s")
             name = f"{GROUPS[group].whole_module}:{group}"
             words += ["--", name, str(bitcode), *(f"{word}={file}" for word, file in files.items())]
+        # compile, and store the optimized modules
         command = [_python(), "-P", "-m", MAKE, *words[1:]]
         done = subprocess.run(command, env=environment(), stdin=subprocess.DEVNULL, capture_output=True, text=True)
         for key, bitcode in optimized_now.items():
             if bitcode.is_file():
                 keep(KEPT, key, bitcode.read_bytes())
+        # report the last line of an error
         for group, files in wanted.items():
             if done.returncode or not all(file.is_file() for file in files.values()):
                 last = (done.stderr.strip().splitlines() or ["it was ended"])[-1]
@@ -109,7 +115,7 @@ def run_make(wanted: Mapping[str, Mapping[str, Path]]) -> None:
 
 
 def environment() -> dict[str, str]:
-    """Return the environment of a process that compiles: of this one, without numba's settings."""
+    """Return the environment of a process that compiles: that of this process, without numba's settings."""
     top = sys.modules[__package__.partition(".")[0]]
     paths = [str(Path(top.__path__[0]).parent), *filter(None, sys.path)]
     others = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}

@@ -1,4 +1,4 @@
-"""What is said of machine code: that it is made now, and that there is none."""
+"""Messages about machine code: that it is being made, and that none is available."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -6,11 +6,12 @@ from contextlib import contextmanager
 
 
 class MachineCodeError(ImportError):
-    """There is no machine code for this processor, and none can be made."""
+    """The error of missing machine code: there is none for this processor, and none can be made."""
 
 
 def on_terminal(line: str) -> None:
-    """Print a line on a terminal, but from worker processes."""
+    """Print a line if stderr is a terminal, except in worker processes."""
+    # worker processes share the terminal of their parent
     if sys.stderr and sys.stderr.isatty():
         from multiprocessing import parent_process
 
@@ -22,13 +23,14 @@ _announce: Callable[[str], None] = on_terminal
 
 
 def announce(line: str) -> None:
-    """Say what is going to be made, and how long it takes."""
+    """Report what is going to be made, and how long it takes."""
     _announce(line)
 
 
 @contextmanager
 def announcing(say: Callable[[str], None]) -> Iterator[None]:
-    """Let another function say what is made, within this context."""
+    """Send announcements to another function within this context."""
+    # the usual function returns at the end
     global _announce
     usual, _announce = _announce, say
     try:

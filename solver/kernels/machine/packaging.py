@@ -1,6 +1,6 @@
-"""Machine code of groups that others carry: libraries of packages for every platform, else object code for this one.
+"""Machine code of groups for distribution: libraries of packages for every platform, else object code for this one.
 
-And object code, or assembly, that native FMUs are linked with.
+Also object code, or assembly, that native FMUs are linked with.
 """
 
 import hashlib
@@ -38,8 +38,18 @@ PLATFORMS: Mapping[str, tuple[str, Mapping[str, Target]]] = {
 class _Part(NamedTuple):
     """The code of a group for one target.
 
-    word: for the target (numba_ext/make.py). target: what it is linked for, None: it stays object code. key: under what
-    it is kept. file: its name in a package.
+    Attributes
+    ----------
+    group : str
+        Name of the group.
+    word : str
+        Word for the target (numba_ext/make.py).
+    target : Target or None
+        The target that it is linked for; None: it stays object code.
+    key : str
+        Name under which it is stored.
+    file : str
+        Its name in a package.
     """
 
     group: str
@@ -50,9 +60,9 @@ class _Part(NamedTuple):
 
 
 def libraries(groups: Iterable[str] = GROUPS, platforms: Iterable[str] = PLATFORMS) -> dict[str, bytes]:
-    """Return the files of groups for platforms, name -> content; made on all cores, and kept.
+    """Return the files of groups for platforms, name -> content; they are made on all cores, and stored.
 
-    Without zig they are object code for the levels of this machine's processor: what runs it needs llvmlite.
+    Without zig they are object code for the levels of this machine's processor, which needs llvmlite to run.
     Raises MachineCodeError, OSError.
     """
     if BOUNDS:
@@ -65,6 +75,7 @@ def libraries(groups: Iterable[str] = GROUPS, platforms: Iterable[str] = PLATFOR
 def object_code(group: str, targets: Iterable[Target], suffix: str = ".o") -> list[bytes]:
     """Return object code, or assembly (.s), to be linked into native FMUs for targets. Raises MachineCodeError."""
     identity, parts = _made_with(sources_of(group)), []
+    # a part for each target
     for target in targets:
         word = f"{target.triple}/{target.cpu}/{PREFIX}"
         file = f"{word.replace('/', '-')}{suffix}"
@@ -84,23 +95,25 @@ def _linked_parts(group: str, platforms: tuple[str, ...]) -> Iterator[_Part]:
 
 
 def _object_parts(group: str) -> Iterator[_Part]:
-    """Return the parts of a group as object code for the processors of this machine's kind."""
+    """Return the parts of a group as object code for the processors of this machine's architecture."""
     identity = _made_with()
     for level in ARM if is_arm() else X86:
         yield _Part(group, level, None, f"{identity}-{group}-{level}.o", file_name(group, level, ".o"))
 
 
 def _made_with(*beside: str) -> str:
-    """Return an identifier of all that the files depend on beside group and target."""
+    """Return an identifier of all that the files depend on besides group and target."""
     source = Path(__file__).with_name("zig.py").read_bytes()
     return hashlib.sha256(" ".join((SOURCES, compilers(), *beside)).encode() + source).hexdigest()[:16]
 
 
 def _contents(parts: list[_Part]) -> dict[str, bytes]:
-    """Return the files of parts by name: kept, or made now."""
+    """Return the files of parts by name, stored or made now."""
+    # parts that are stored
     found = {part.file: content for part in parts if (content := kept(KEPT, part.key)) is not None}
     missing = [part for part in parts if part.file not in found]
     with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
+        # compile the others, all targets of a group at once
         objects: dict[_Part, Path] = {}
         wanted: dict[str, dict[str, Path]] = defaultdict(dict)
         for number, part in enumerate(missing):
@@ -110,6 +123,7 @@ def _contents(parts: list[_Part]) -> dict[str, bytes]:
             objects[part] = wanted[part.group][part.word] = folder / f"kernels{suffix}"
         if wanted:
             run_make(wanted)
+        # link and store them
         for part, file in objects.items():
             content = file.read_bytes() if part.target is None else _linked(part, part.target, file)
             found[part.file] = content
@@ -120,6 +134,7 @@ def _contents(parts: list[_Part]) -> dict[str, bytes]:
 def _linked(part: _Part, target: Target, file: Path) -> bytes:
     """Return the shared library of an object."""
     output = file.with_name(part.file)
+    # name by which macOS finds a library
     own = ["-Wl,-install_name,@rpath/" + part.file] if part.file.endswith(".dylib") else []
     link(target, [file], output, own)
     return output.read_bytes()

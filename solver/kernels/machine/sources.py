@@ -1,4 +1,4 @@
-"""The identifier of the kernels: machine code is kept by it, so that who changes a kernel gets new code."""
+"""The identifier of the kernel sources: machine code is stored by it, so that a changed kernel gets new code."""
 
 import hashlib
 from pathlib import Path

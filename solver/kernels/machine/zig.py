@@ -1,4 +1,4 @@
-"""From object code to shared libraries for any platform, on this one: by zig, the package ziglang."""
+"""Linking of object code to shared libraries for any platform, by zig (package ziglang)."""
 
 import importlib.util
 import subprocess
@@ -10,7 +10,7 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Target:
-    """One machine as the compiler of the kernels and the linker know it."""
+    """A target of the kernel compiler and the linker."""
 
     triple: str  # LLVM's
     cpu: str  # the oldest that the code runs on
@@ -44,6 +44,7 @@ def has_linker() -> bool:
 def link(target: Target, objects: Sequence[Path], output: Path, options: Sequence[str] = ()) -> None:
     """Link objects to a shared library with the system's own C library only. Raises OSError."""
     objects = list(objects)
+    # Windows: an import library for its C library, and the C functions that this lacks
     if target.linker == WINDOWS.linker:
         beside = output.parent / f"{BESIDE_WINDOWS.stem}.o"
         compile_file(target, BESIDE_WINDOWS, beside, PLAIN)
@@ -53,7 +54,7 @@ def link(target: Target, objects: Sequence[Path], output: Path, options: Sequenc
 
 
 def compile_file(target: Target, source: Path, output: Path, options: Sequence[str]) -> None:
-    """Compile a file of C to an object. Raises OSError."""
+    """Compile a C file to an object. Raises OSError."""
     _zig("cc", "-target", target.linker, *options, "-c", source, "-o", output)
 
 

@@ -1,1 +1,1 @@
-"""The parts of numba that kernels need: compilation, eight columns at once, names over flat buffers."""
+"""Extensions of numba for kernels: compilation, eight columns at once, names over flat buffers."""

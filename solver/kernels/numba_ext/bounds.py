@@ -1,8 +1,8 @@
-"""Rows as they are lowered: bare addresses, or in a checked build (machine/bounds.py) with what they may reach.
+"""The lowered form of rows: bare addresses, or in a checked build (machine/bounds.py) addresses with their bounds.
 
-There a row is its address, the count of its elements, and its room: how many elements there are up to the end of the
-buffer. An access beyond the count, or below zero, prints one line that names the kernel, and ends the process. Without
-checks nothing but the address is computed.
+In a checked build a row is its address, the count of its elements, and its room: the number of elements up to the end
+of the buffer. An access beyond the count, or below zero, prints one line that names the kernel, and ends the process.
+Without checks only the address is computed.
 """
 
 import sys
@@ -23,7 +23,7 @@ _LINE = b"out of bounds: %s %lld of %lld\n\0"
 
 
 class Lowered(NamedTuple):
-    """A row: its address; count and room in a checked build, else None."""
+    """A row: its address, and in a checked build its count and room, else None."""
 
     address: Any
     count: Any = None
@@ -31,7 +31,7 @@ class Lowered(NamedTuple):
 
 
 class BoundedModel(models.StructModel):  # type: ignore[misc]
-    """A row in a checked build."""
+    """The data model of a row in a checked build."""
 
     def __init__(self, manager: Any, fe_type: Any) -> None:
         number = types.int64 if fe_type.kind is types.int64 else types.float64
@@ -40,7 +40,7 @@ class BoundedModel(models.StructModel):  # type: ignore[misc]
 
 
 def opened(context: Any, builder: Any, kind: Any, value: Any) -> Lowered:
-    """Return the parts of a row of this type."""
+    """Return the parts of a row of type `kind`."""
     if not BOUNDS:
         return Lowered(value)
     row = context.make_helper(builder, kind, value)
@@ -48,7 +48,7 @@ def opened(context: Any, builder: Any, kind: Any, value: Any) -> Lowered:
 
 
 def closed(context: Any, builder: Any, kind: Any, row: Lowered) -> Any:
-    """Return the row of this type."""
+    """Return the row of type `kind` that consists of these parts."""
     if not BOUNDS:
         return row.address
     made = context.make_helper(builder, kind)
@@ -57,7 +57,7 @@ def closed(context: Any, builder: Any, kind: Any, row: Lowered) -> Any:
 
 
 def bounded(address: Any, count: Callable[[], Any], room: Callable[[], Any] | None = None) -> Lowered:
-    """Return the row with what it may reach, which is computed in a checked build only; room: else equal to count."""
+    """Return the row with its bounds, which are computed in a checked build only; room: equal to count if None."""
     if not BOUNDS:
         return Lowered(address)
     elements = count()
@@ -75,8 +75,9 @@ def scaled(builder: Any, row: Lowered, several: int, per: int) -> Lowered:
 
 
 def packed(builder: Any, row: Lowered, width: int) -> Lowered:
-    """Return the row with `width` of its numbers an element; the last one may reach beyond it within the buffer."""
+    """Return the row with `width` of its numbers per element; the last one may reach beyond it within the buffer."""
 
+    # begun packs, at most those that the buffer holds
     def packs() -> Any:
         begun = builder.sdiv(builder.add(row.count, INT64(width - 1)), INT64(width))
         return lesser(builder, begun, room())
@@ -88,47 +89,49 @@ def packed(builder: Any, row: Lowered, width: int) -> Lowered:
 
 
 def lesser(builder: Any, a: Any, b: Any) -> Any:
-    """Return the lesser of two whole numbers."""
+    """Return the lesser of two integers."""
     return builder.select(builder.icmp_signed("<", a, b), a, b)
 
 
 def greater(builder: Any, a: Any, b: Any) -> Any:
-    """Return the greater of two whole numbers."""
+    """Return the greater of two integers."""
     return builder.select(builder.icmp_signed(">", a, b), a, b)
 
 
 def check_element(context: Any, builder: Any, row: Lowered, index: Any) -> None:
-    """Let the process end, in a checked build, where a row has no element of this index."""
+    """Emit, in a checked build, the end of the process if a row has no element of this index."""
     if BOUNDS:
         _end_unless(context, builder, builder.icmp_unsigned("<", index, row.count), "element", index, row.count)
 
 
 def check_part(context: Any, builder: Any, what: str, reached: Callable[[], Any], row: Lowered) -> None:
-    """Let the process end, in a checked build, where a part of a row ends beyond it."""
+    """Emit, in a checked build, the end of the process if a part of a row ends beyond it."""
     if BOUNDS:
         end = reached()
         _end_unless(context, builder, builder.icmp_unsigned("<=", end, row.count), what, end, row.count)
 
 
 def check_lane(context: Any, builder: Any, k: Any, width: int) -> None:
-    """Let the process end, in a checked build, where there is no lane of this number."""
+    """Emit, in a checked build, the end of the process if there is no lane k."""
     if BOUNDS:
         _end_unless(context, builder, builder.icmp_unsigned("<", k, INT64(width)), "lane", k, INT64(width))
 
 
 def _end_unless(context: Any, builder: Any, holds: Any, what: str, reached: Any, count: Any) -> None:
     with cgutils.if_unlikely(builder, builder.not_(holds)):
+        # the line names the kernel
         text = context.insert_const_string(builder.module, f"{_kernel(builder)}: {what}")
         builder.call(_fault(builder.module), [text, reached, count])
         builder.unreachable()
 
 
 def _kernel(builder: Any) -> str:
-    """Return the name of the kernel that numba lowers now, and the line; its name in machine code where none is known.
+    """Return the name of the kernel that numba lowers now, with the line; its name in machine code if unknown.
 
-    Numba does not hand on which line it lowers: it stands in the frame of what does.
+    Numba does not pass on the line that it lowers: it is read from the frame of the lowering method.
     """
     frame = sys._getframe()
+    # search the stack for it
     while frame is not None:
         lower = frame.f_locals.get("self") if frame.f_code.co_name == "lower_block" else None
         if lower is not None and hasattr(lower, "loc"):
@@ -140,19 +143,23 @@ def _kernel(builder: Any) -> str:
 
 def _fault(module: Any) -> Any:
     """Return the function of a module that prints the line and ends the process."""
+    # once per module
     if _FAULT in module.globals:
         return module.globals[_FAULT]
+    # declare it, shared between modules and kept out of the hot path
     kind = ir.FunctionType(ir.VoidType(), [_BYTES, INT64, INT64])
     function = ir.Function(module, kind, name=_FAULT)
     function.linkage = "linkonce_odr"
     for attribute in ("cold", "noinline", "noreturn", "nounwind"):
         function.attributes.add(attribute)
+    # the line as a constant, and what is called
     line = ir.GlobalVariable(module, ir.ArrayType(ir.IntType(8), len(_LINE)), name=f"{_FAULT}.line")
     line.initializer, line.linkage = ir.Constant(line.value_type, bytearray(_LINE)), "internal"
     line.global_constant = True
     number = ir.IntType(32)
     prints = ir.Function(module, ir.FunctionType(number, [number, _BYTES], var_arg=True), name="dprintf")
     aborts = ir.Function(module, ir.FunctionType(ir.VoidType(), []), name="abort")
+    # print to stderr and abort
     builder = ir.IRBuilder(function.append_basic_block())
     builder.call(prints, [number(2), builder.bitcast(line, _BYTES), *function.args])
     builder.call(aborts, [])

@@ -33,20 +33,20 @@ in_both: Callable[..., Any] = register_jitable(forceinline=True, **_INSIDE)
 
 
 def from_python(function: Callable[..., Any]) -> Any:
-    """Compile a kernel, or a function for measurements and tests, that Python calls, in this process."""
+    """Compile, in this process, a kernel or a function for measurements and tests that Python calls."""
     return njit(**_OUTSIDE)(getattr(function, "py_func", function))
 
 
 def native(*signature: Any) -> Callable[..., Any]:
-    """Decorate a function that programs without Python call."""
+    """Return a decorator of functions that programs without Python call."""
     compiles: Callable[..., Any] = cfunc(*signature, **_OUTSIDE)
     return compiles
 
 
 def as_written(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[Any, str]:
-    """Return the LLVM module of a kernel for these types, with all that it calls, and its name in the module.
+    """Return the LLVM module of a kernel for these types, with all its callees, and its name in the module.
 
-    The function returns 0 and writes its result to an address that comes first, as numba's functions do.
+    The function returns 0 and writes its result to the address in its first argument, as numba's functions do.
     """
     typed: Any = kernel(function)
     typed.compile(arguments)

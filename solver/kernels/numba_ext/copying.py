@@ -1,4 +1,4 @@
-"""Copying and clearing rows; in a checked build (bounds.py) as a part of the kernel, which is then named."""
+"""Copying and clearing of rows; in a checked build (bounds.py) inlined into the kernel, which an error then names."""
 
 from collections.abc import Callable
 from typing import Any
@@ -17,23 +17,25 @@ _intrinsic: Callable[..., Any] = intrinsic  # called with one argument less than
 
 @leaf
 def copy(to, row, count):
-    """Copy the first `count` elements of a row into another one."""
+    """Copy the first `count` elements of `row` into `to`."""
     for i in range(count):
         to[i] = row[i]
 
 
 @leaf
 def clear(row, count):
-    """Make the first `count` elements of a row zero."""
+    """Set the first `count` elements of a row to zero."""
     for i in range(count):
         row[i] = 0.0
 
 
 def _fill(context: Any, builder: Any, to: Any, row: Any, count: Any, element: Callable[[Any], Any]) -> Any:
-    """Store what `element` gives by index in the first elements of a row of type `to`."""
+    """Emit code that stores `element(index)` in the first `count` elements of a row of type `to`."""
     lowered = opened(context, builder, to, row)
+    # bounds
     with builder.if_then(builder.icmp_signed(">", count, ir.Constant(count.type, 0))):
         check_part(context, builder, "copy to", lambda: count, lowered)
+    # loop over the elements
     with cgutils.for_range(builder, count) as loop:
         place = address_in(builder, to.kind, lowered.address, loop.index)
         store_element(builder, to.kind, place, element(loop.index))
@@ -44,6 +46,7 @@ def _fill(context: Any, builder: Any, to: Any, row: Any, count: Any, element: Ca
 def _checked_copy(typing, to, row, count):
     def generate(context, builder, signature, arguments):
         source, number = opened(context, builder, row, arguments[1]), arguments[2]
+        # bounds of the source
         with builder.if_then(builder.icmp_signed(">", number, ir.Constant(number.type, 0))):
             check_part(context, builder, "copy of", lambda: number, source)
 
@@ -59,6 +62,7 @@ def _checked_copy(typing, to, row, count):
 @_intrinsic
 def _checked_clear(typing, row, count):
     def generate(context, builder, signature, arguments):
+        # zero of the type of the elements
         zero = context.cast(builder, ir.Constant(ir.DoubleType(), 0.0), types.float64, value_of(row.kind))
         return _fill(context, builder, row, arguments[0], arguments[1], lambda index: zero)
 

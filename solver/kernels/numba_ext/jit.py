@@ -1,7 +1,7 @@
 """Decorators of kernels: numba's in a process that compiles, none in all others, which run machine code.
 
-A process compiles if MULTIBLOCK_COMPILES=1 is in its environment as it imports this module: make.py is started with it.
-Processes that it starts do not inherit it.
+A process compiles if MULTIBLOCK_COMPILES=1 is in its environment when it imports this module: make.py is started with
+it. Processes that it starts do not inherit it.
 """
 
 import os
@@ -13,7 +13,7 @@ COMPILES = os.environ.pop("MULTIBLOCK_COMPILES", "") == "1"
 
 
 def for_kernels(*_: Any, **__: Any) -> NoReturn:
-    """Stand in for what kernels alone can call."""
+    """Raise NotImplementedError, in place of a function that only kernels can call."""
     raise NotImplementedError("for kernels only")
 
 
@@ -29,7 +29,7 @@ else:
         return for_kernels
 
     def varied(function: Callable[..., Any], leaf: bool = False) -> Any:
-        """Return a stand-in whose versions are left as they are."""
+        """Return a stand-in whose versions remain plain functions."""
         stand_in: Any = partial(for_kernels)
         stand_in.version = lambda suits: _unchanged
         return stand_in

@@ -1,10 +1,10 @@
-"""A number for each of eight columns: `Lanes`, the vector that kernels compile for beside float64.
+"""A number for each of eight columns: `Lanes`, the vector type that kernels are compiled for besides float64.
 
-A kernel that gets lanes instead of floats does the same arithmetic for eight columns at once. The value of a lane is
+A kernel called with lanes instead of floats does the same arithmetic for eight columns at once. The value of a lane is
 independent of the others, so that a column has the same bits in any of them. Branches on numbers become
-`where(mask, a, b)`; `any_of(mask)` and `lane(x, k)` lead back to single numbers.
+`where(mask, a, b)`; `any_of(mask)` and `lane(x, k)` return single numbers again.
 
-Arithmetic may neither be reordered nor contracted, as everywhere (jit.py).
+Arithmetic must be neither reordered nor contracted, as everywhere (jit.py).
 """
 
 import math
@@ -30,22 +30,22 @@ _intrinsic: Callable[..., Any] = intrinsic  # called with one argument less than
 
 
 class LanesType(types.Type):
-    """Eight float64."""
+    """The type of eight float64."""
 
     def __init__(self) -> None:
         super().__init__(name=f"Lanes{WIDTH}")
 
     def can_convert_from(self, typingctx: Any, other: Any) -> Any:
-        """A number stands for eight equal ones."""
+        """Allow a scalar to be broadcast to all lanes."""
         return Conversion.promote if isinstance(other, (types.Float, types.Integer)) else None
 
     def unify(self, typingctx: Any, other: Any) -> Any:
-        """A variable that is a float here and lanes there is lanes."""
+        """Return lanes as the type of a variable that is a scalar in one branch and lanes in another."""
         return self if isinstance(other, (types.Float, types.Integer)) else None
 
 
 class MaskType(types.Type):
-    """Eight truth values."""
+    """The type of eight truth values."""
 
     def __init__(self) -> None:
         super().__init__(name=f"Mask{WIDTH}")
@@ -68,6 +68,7 @@ register_model(MaskType)(_model(_BITS))
 
 
 def _splat(builder: Any, value: Any) -> Any:
+    # element 0, repeated by a shuffle
     vector = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), value, _INT(0))
     return builder.shuffle_vector(
         vector, ir.Constant(_VECTOR, ir.Undefined), ir.Constant(ir.VectorType(_INT, WIDTH), [0] * WIDTH)
@@ -98,8 +99,9 @@ def _is_number(kind: Any) -> bool:
 
 
 def _register(function: Any, kinds: tuple[Any, ...], result: Any, emit: Callable[..., Any]) -> None:
-    """An operator of lanes or masks; numbers beside lanes become lanes."""
+    """Register an operator of lanes or masks; scalars beside lanes are broadcast."""
 
+    # typing
     @infer_global(function)
     class _Operator(AbstractTemplate):  # type: ignore[misc]
         def generic(self, args: Any, kws: Any) -> Any:
@@ -107,6 +109,7 @@ def _register(function: Any, kinds: tuple[Any, ...], result: Any, emit: Callable
             same = len(args) == len(kinds) and (numbers if LANES in kinds else args == kinds)
             return signature(result, *kinds) if same else None
 
+    # code
     @lower_builtin(function, *kinds)
     def _lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return emit(builder, *args)
@@ -125,7 +128,7 @@ _register(operator.invert, (MASK,), MASK, lambda builder, x: builder.not_(x))
 
 
 def _emits(result: Any, *kinds: Any) -> Callable[..., Any]:
-    """Decorator of what emits code from (builder, values of these types): a function of kernels with this result."""
+    """Return a decorator of emitters (builder, values of these types), which become functions of this result."""
 
     def decorate(emit: Callable[..., Any]) -> Any:
         @wraps(emit)  # numba takes the names behind the first argument from there
@@ -138,7 +141,7 @@ def _emits(result: Any, *kinds: Any) -> Callable[..., Any]:
 
 
 def _unary(name: str) -> Any:
-    """An LLVM intrinsic of one vector as a function of lanes."""
+    """Return an LLVM intrinsic of one vector as a function of lanes."""
 
     @_emits(LANES, LANES)
     def function(builder: Any, x: Any) -> Any:
@@ -160,7 +163,8 @@ def _select(builder, mask, a, b):
 
 @_emits(LANES, LANES, LANES)
 def mirrored(builder, x, by):
-    """Lanes x, with the sign changed where `by` is negative or minus zero."""
+    """Return lanes x, with the sign changed where `by` is negative or minus zero."""
+    # exclusive or of the sign bits
     whole = ir.VectorType(ir.IntType(64), WIDTH)
     sign = ir.Constant(whole, [-(2**63)] * WIDTH)
     number, other = builder.bitcast(x, whole), builder.bitcast(by, whole)
@@ -169,31 +173,31 @@ def mirrored(builder, x, by):
 
 @_emits(LANES, types.float64)
 def splat(builder, x):
-    """A number in all eight lanes."""
+    """Broadcast a scalar to all lanes."""
     return _splat(builder, x)
 
 
 @_emits(types.float64, LANES, types.intp)
 def lane(builder, x, k):
-    """Number k of the lanes."""
+    """Return element k of the lanes."""
     return builder.extract_element(x, builder.trunc(k, _INT))
 
 
 @_emits(LANES, LANES, types.intp, types.float64)
 def with_lane(builder, x, k, value):
-    """The lanes with number k replaced."""
+    """Return the lanes with element k replaced."""
     return builder.insert_element(x, value, builder.trunc(k, _INT))
 
 
 @_emits(types.int64, MASK)
 def bits(builder, mask):
-    """The mask as a whole number: bit k for lane k."""
+    """Return the mask as an integer: bit k for lane k."""
     return builder.zext(builder.bitcast(mask, ir.IntType(WIDTH)), ir.IntType(64))
 
 
 @_emits(types.boolean, types.boolean)
 def rarely(builder, condition):
-    """The truth value; the compiler assumes that it is nearly always false, and moves the code that follows aside."""
+    """Return the condition; the compiler assumes that it is nearly always false, and moves what depends on it aside."""
     bit = ir.IntType(1)
     expect = cgutils.get_or_insert_function(builder.module, ir.FunctionType(bit, [bit, bit]), "llvm.expect.i1")
     return builder.call(expect, [condition, bit(0)])
@@ -208,7 +212,7 @@ def _are_lanes(*kinds: Any) -> bool:
 
 @by_width
 def where(condition, a, b):
-    """a where the condition holds, else b; both are evaluated."""
+    """Return a where the condition holds, else b; both are evaluated."""
     if _are_lanes(condition, a, b):
         return lambda condition, a, b: _select(condition, a, b)
     return lambda condition, a, b: a if condition else b
@@ -222,60 +226,61 @@ def any_of(condition):
 
 @by_width
 def magnitude(x):
-    """|x|."""
+    """Return |x|."""
     return (lambda x: _abs(x)) if _are_lanes(x) else lambda x: abs(x)
 
 
 @by_width
 def square_root(x):
-    """Square root of x."""
+    """Return the square root of x."""
     return (lambda x: _sqrt(x)) if _are_lanes(x) else lambda x: np.sqrt(x)
 
 
 @by_width
 def lesser(a, b):
-    """The lesser of two numbers; b if one is NaN."""
+    """Return the lesser of two numbers; b if one is NaN."""
     return (lambda a, b: _select(a < b, a, b)) if _are_lanes(a, b) else lambda a, b: a if a < b else b
 
 
 @by_width
 def greater(a, b):
-    """The greater of two numbers; b if one is NaN."""
+    """Return the greater of two numbers; b if one is NaN."""
     return (lambda a, b: _select(a > b, a, b)) if _are_lanes(a, b) else lambda a, b: a if a > b else b
 
 
 @by_width
 def with_sign(x, by):
-    """x, which is not negative, with the sign of another number."""
+    """Return x, which is not negative, with the sign of another number."""
     return (lambda x, by: mirrored(x, by)) if _are_lanes(x, by) else lambda x, by: math.copysign(x, by)
 
 
 @by_width
 def opposite(condition):
-    """Return the opposite of a condition, or of each of a mask."""
+    """Return the negation of a condition or mask."""
     return (lambda condition: ~condition) if _are_lanes(condition) else lambda condition: not condition
 
 
 @by_width
 def zero_like(x):
-    """Zero, of a number or in all lanes."""
+    """Return zero, as a scalar or in all lanes."""
     return (lambda x: splat(0.0)) if _are_lanes(x) else lambda x: 0.0
 
 
 @by_width
 def index_of(x):
-    """A number as a whole one; of lanes that of the first, which all share."""
+    """Convert to int; of lanes, the first, as all must agree."""
     return (lambda x: int(lane(x, 0))) if _are_lanes(x) else lambda x: int(x)
 
 
 @by_width
 def most_of(x):
-    """A number as a whole one; of lanes the largest."""
+    """Convert to int; of lanes, the largest."""
     return _most if _are_lanes(x) else lambda x: int(x)
 
 
 def _most(x):
     found = lane(x, 0)
+    # one lane at a time
     for k in range(1, WIDTH):
         found = max(found, lane(x, k))
     return int(found)
@@ -283,5 +288,5 @@ def _most(x):
 
 @by_width
 def nearest(x):
-    """The nearest whole number."""
+    """Return the nearest integer, as a float."""
     return (lambda x: _rint(x)) if _are_lanes(x) else lambda x: np.rint(x)

@@ -1,4 +1,4 @@
-"""A number for each of eight columns: what kernels do with lanes (lane_types.py), stand-ins where nothing compiles."""
+"""A number for each of eight columns: functions on lanes (lane_types.py), or stand-ins where nothing compiles."""
 
 from .jit import COMPILES, for_kernels
 

@@ -1,6 +1,6 @@
-"""How kernels become machine code: typed one by one, optimized once, in the entry that Python calls.
+"""Compilation of kernels to machine code: typed one by one, optimized once, in the entry that Python calls.
 
-Numba alone optimizes a function with all that it calls and makes machine code of it, then does so again in its caller,
+Numba alone optimizes a function with all its callees and makes machine code of it, then does so again in its caller,
 and once more in the next: with entries of hundreds of kernels, ten levels deep, that was most of a first run. Here a
 kernel waits unoptimized; the entry links each one that it needs with internal linkage, so that the optimizer knows
 every caller, and optimizes the whole a single time.
@@ -46,7 +46,7 @@ def _defined(module: llvm.ModuleRef) -> Iterable[Any]:
 
 
 def _below(libraries: Iterable[Any], found: dict[Any, None]) -> dict[Any, None]:
-    """The libraries and those of all kernels below them, each once, in a fixed order."""
+    """Return the libraries and those of all their callees, each once, in a fixed order."""
     for library in libraries:
         if library not in found:
             found[library] = None
@@ -66,22 +66,23 @@ class WaitingLibrary(JITCodeLibrary):  # type: ignore[misc]
         self._finalized = True
 
     def alone(self) -> llvm.ModuleRef:
-        """A copy to link with, without its callees."""
+        """Return a copy to link with, without its callees."""
         module = self._final_module.clone()
+        # callers may each contain it: one copy is kept
         for function in _defined(module):
             if function.linkage == _EXTERNAL:
                 function.linkage = _SHARED
         return module
 
     def with_called(self) -> llvm.ModuleRef:
-        """A copy to link with, including its callees."""
+        """Return a copy to link with, including its callees."""
         whole = self.alone()
         for library in list(_below([self], {}))[1:]:
             whole.link_in(_module_of(library), preserve=True)
         return whole
 
     def _get_module_for_linking(self) -> llvm.ModuleRef:
-        """For functions that numba compiles in its own way."""
+        """Return the linked module, for functions that numba compiles in its own way."""
         if self._shared_module is None:
             self._shared_module = self.with_called()
         return self._shared_module
@@ -92,16 +93,18 @@ def _module_of(library: Any) -> llvm.ModuleRef:
 
 
 class WholeLibrary(JITCodeLibrary):  # type: ignore[misc]
-    """A function with all that it calls, optimized once."""
+    """A function with all its callees, optimized once."""
 
     def finalize(self) -> None:
         self._raise_if_finalized()
         module = self._final_module
+        # link all callees
         seen_from_outside = {item.name for item in (*_defined(module), *module.global_variables)}
         for library in _below(self._linking_libraries, {}):
             if hasattr(library, "_reload_init"):  # since numba 0.65
                 self._reload_init.update(library._reload_init)
             module.link_in(_module_of(library), preserve=True)
+        # hide them, so that the optimizer knows every caller
         for item in (*_defined(module), *module.global_variables):
             if not item.is_declaration and item.name not in seen_from_outside:
                 item.linkage = _OWN
@@ -112,7 +115,7 @@ class WholeLibrary(JITCodeLibrary):  # type: ignore[misc]
 
 @register_pass(mutates_CFG=False, analysis_only=True)
 class _StandIn(LoweringPass):  # type: ignore[misc]
-    """The object by which numba identifies a kernel, instead of a function that Python could call."""
+    """The pass that registers an object by which numba identifies a kernel that Python cannot call."""
 
     _name = "stand_in"
 
@@ -127,7 +130,7 @@ class _StandIn(LoweringPass):  # type: ignore[misc]
 
 
 def _passes(state: Any, own: Any = None) -> list[Any]:
-    """Return numba's pipeline without the passes that find nothing in kernels; own: one after the code is written."""
+    """Return numba's pipeline without the passes that find nothing in kernels; own: a pass after the lowering."""
     passes = DefaultPassBuilder.define_nopython_pipeline(state)
     passes.passes = [each for each in passes.passes if each[0].__name__ not in _NEEDLESS]
     if own is not None:
@@ -137,10 +140,10 @@ def _passes(state: Any, own: Any = None) -> list[Any]:
 
 
 class KernelCompiler(Compiler):  # type: ignore[misc]
-    """Compiles a kernel as far as it is typed; only other kernels can call it."""
+    """A compiler of kernels as far as they are typed; only other kernels can call them."""
 
     def define_pipelines(self) -> list[Any]:
-        """Return numba's own, without machine code at the end."""
+        """Return numba's pipelines, without machine code at the end."""
         flags = self.state.flags
         flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
         self.state.library = WaitingLibrary(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
@@ -159,7 +162,7 @@ def collecting_seldom() -> Iterator[None]:
 
 
 class WholeCompiler(Compiler):  # type: ignore[misc]
-    """Compiles a function that Python, or another program, calls, with all kernels below it."""
+    """A compiler of functions that Python, or another program, calls, with all kernels below them."""
 
     def compile_extra(self, func: Any) -> Any:
         """Compile as numba does."""
@@ -167,7 +170,7 @@ class WholeCompiler(Compiler):  # type: ignore[misc]
             return super().compile_extra(func)
 
     def define_pipelines(self) -> list[Any]:
-        """Return numba's own."""
+        """Return numba's pipelines."""
         flags = self.state.flags
         flags.no_cfunc_wrapper = not flags.no_cpython_wrapper  # either Python calls it or another program
         self.state.library = WholeLibrary(self.state.targetctx.codegen(), self.state.func_id.func_qualname)

@@ -1,9 +1,9 @@
 """Machine code of groups of entries: `python -m solver.kernels.numba_ext.make GROUP BITCODE TARGET... [-- GROUP ...]`.
 
 The entries are typed by numba, linked and optimized once, and emitted for each target. GROUP is MODULE:NAME. BITCODE is
-the file of the optimized module, written if it is not there. TARGET is LEVEL=FILE, or TRIPLE/CPU/PREFIX=FILE for
-another machine or under other names (emitting.py); the suffix of the file says what is written: object code, or
-assembly (.s). Groups in one process share the kernels that are typed.
+the file of the optimized module, written if it does not exist. TARGET is LEVEL=FILE, or TRIPLE/CPU/PREFIX=FILE for
+another machine or under other names (emitting.py); the suffix of the file decides the format: object code, or assembly
+(.s). Groups in one process share the kernels that are typed.
 """
 
 import importlib
@@ -50,16 +50,18 @@ BASELINE = X86[-1]
 
 
 def module_of(group: str) -> llvm.ModuleRef:
-    """Return the entries of a group and all functions that they call, each once, as written."""
+    """Return the module of the entries of a group and all their callees, each once, not optimized."""
     module, _, name = group.partition(":")
     importlib.import_module(module)
     whole, offered = llvm.parse_assembly(""), set()
+    # each entry, with its bridge
     for entry in entries_of(name):
         part, inside = as_written(entry.function, tuple(NUMBAS[kind] for kind in entry.kinds.values()))
         whole.link_in(part)
         whole.link_in(llvm.parse_assembly(str(bridge(entry, inside))))
         offered.add(entry.__name__)
         tell(f"kernels typed: {entry.__name__}")
+    # only the entries are exported
     for item in [*whole.functions, *whole.global_variables]:
         if not item.is_declaration:
             item.linkage = "external" if item.name in offered else "internal"
@@ -69,18 +71,28 @@ def module_of(group: str) -> llvm.ModuleRef:
 def bridge(entry: Entry, inside: str) -> ir.Module:
     """Return a function by the name of an entry that takes the address of a buffer, and calls numba's function.
 
-    Numba's returns 0, and takes the addresses of its result and of an exception before the arguments.
+    Numba's function returns 0, and takes the addresses of its result and of an exception before the arguments.
+
+    Parameters
+    ----------
+    entry : Entry
+        The entry.
+    inside : str
+        Name of numba's function.
     """
     module = ir.Module(name=f"bridge_{entry.__name__}")
+    # slots of the buffer, and which of them numba's function takes
     slots: list[ir.Type] = []
     taken: list[int] = []
     for kind in entry.kinds.values():
         taken += [len(slots) + place for place in _TAKEN[kind]]
         slots += _SLOTS[kind]
+    # declare both functions
     result = _DOUBLE if entry.result is Real else _I64
     called = ir.FunctionType(_I32, [result.as_pointer(), _BYTES.as_pointer(), *(slots[k] for k in taken)])
     numbas = ir.Function(module, called, name=inside)
     function = ir.Function(module, ir.FunctionType(_I64, [_I64.as_pointer()]), name=entry.__name__)
+    # load the slots, call, and return the bits of the result
     builder = ir.IRBuilder(function.append_basic_block())
     found, raised = builder.alloca(result), builder.alloca(_BYTES)
     passed = []
@@ -102,7 +114,7 @@ def local_triple() -> str:
 
 
 def target_of(word: str) -> tuple[str, str, str]:
-    """Return triple, processor and prefix of LEVEL or TRIPLE/CPU/PREFIX."""
+    """Return triple, processor and prefix of a target word: LEVEL or TRIPLE/CPU/PREFIX."""
     if "/" in word:
         triple, cpu, prefix = word.split("/")
         return triple, cpu, prefix
@@ -110,7 +122,7 @@ def target_of(word: str) -> tuple[str, str, str]:
 
 
 def make(group: str, bitcode: Path, targets: list[tuple[str, str, str, str]]) -> None:
-    """Write the code of a group for (triple, processor, prefix, file) each, and its optimized module."""
+    """Write the code of a group for each target (triple, processor, prefix, file), and its optimized module."""
     if not bitcode.is_file():
         with collecting_seldom():
             whole = module_of(group)
@@ -121,9 +133,10 @@ def make(group: str, bitcode: Path, targets: list[tuple[str, str, str, str]]) ->
 
 
 def main(arguments: list[str]) -> int:
-    """GROUP BITCODE TARGET=FILE ... [-- GROUP ...]: write the code of each target of each group."""
+    """Write the code of each target of each group; the arguments are GROUP BITCODE TARGET=FILE ... [-- GROUP ...]."""
     initialize()
     while arguments:
+        # the words of one group
         end = arguments.index("--") if "--" in arguments else len(arguments)
         (group, bitcode, *words), arguments = arguments[:end], arguments[end + 1 :]
         pairs = (word.partition("=") for word in words)

@@ -1,7 +1,7 @@
-"""The parts of numba and llvmlite that are not public. No other module of the solver imports one, but linking.py.
+"""The private parts of numba and llvmlite that the solver uses. Except for linking.py, no other module imports one.
 
-lane_types.py and rows.py define types of their own; they need the names imported here, the same ones since numba 0.61.
-linking.py needs the parts listed in `_LINKING`. tests/project/test_numba_parts.py names what a new numba lacks.
+lane_types.py and rows.py define types of their own; they need the names imported here, unchanged since numba 0.61.
+linking.py needs the parts listed in `_LINKING`. tests/project/test_numba_parts.py lists those that a new numba lacks.
 """
 
 import re
@@ -71,7 +71,7 @@ _LINKING: tuple[tuple[str, str, str], ...] = (
 
 
 def missing_for_linking() -> list[str]:
-    """The private parts that `linking.py` uses and this numba lacks, as "module.name" or "module.name.attribute"."""
+    """Return the parts that `linking.py` uses and this numba lacks, as "module.name" or "module.name.attribute"."""
     missing = []
     for place, name, attributes in _LINKING:
         try:
@@ -85,7 +85,7 @@ def missing_for_linking() -> list[str]:
 
 
 def _names(found: Any) -> set[str]:
-    """Attributes of a class, and every name that its methods use: those of instances are among them."""
+    """Return the attributes of a class and all names that its methods use, which include those of its instances."""
     known = set(dir(found))
     for kind in getattr(found, "__mro__", ()):
         for method in vars(kind).values():

@@ -35,7 +35,7 @@ def _short(x):
 
 @leaf
 def _long(x):
-    """Taylor polynomials of sine and cosine up to QUARTER."""
+    """Return sine and cosine by Taylor polynomials, for |x| up to QUARTER."""
     y = x * x
     sine = 1.0 / 6227020800.0 - y * (1.0 / 1307674368000.0 - y * (1.0 / 355687428096000.0))
     sine = -1.0 / 5040.0 + y * (1.0 / 362880.0 + y * (-1.0 / 39916800.0 + y * sine))
@@ -48,10 +48,11 @@ def _long(x):
 
 @leaf
 def angle_of(sine, cosine):
-    """The angle from 0 to half of pi, rad, of a sine and a cosine; numbers and lanes give equal bits."""
+    """Return the angle (rad), from 0 to half of pi, of a sine and a cosine; numbers and lanes give equal bits."""
     t = lesser(sine, cosine) / (1.0 + greater(sine, cosine))  # tangent of half of it, or of half of its complement
     y = t * t
     square = y * y
+    # polynomial of the arc tangent, in pairs
     rest = 0.0
     for odd, even in ARC:
         rest = rest * square + (odd + even * y)
@@ -61,25 +62,25 @@ def angle_of(sine, cosine):
 
 @by_width
 def sine_cosine(x):
-    """sin(x) and cos(x); polynomials where the rest of the series is below rounding."""
+    """Return sin(x) and cos(x); by polynomials where the rest of the series is below rounding."""
     return _sine_cosine_of_lanes if isinstance(x, LanesType) else _sine_cosine_of_one
 
 
 @by_width
 def sine(x):
-    """sin(x) for |x| up to 1e6."""
+    """Return sin(x) for |x| up to 1e6."""
     return _sine_of_lanes if isinstance(x, LanesType) else lambda x: math.sin(x)
 
 
 @by_width
 def half_sine_cosine(x):
-    """sin(x / 2) and cos(x / 2)."""
+    """Return sin(x / 2) and cos(x / 2)."""
     return _half_sine_cosine_of_lanes if isinstance(x, LanesType) else _half_sine_cosine_of_one
 
 
 @leaf
 def _short_half(x):
-    """`_short` of half of x: its coefficients times powers of two, hence equal bits without a product."""
+    """Return `_short` of x / 2: its coefficients times powers of two, hence equal bits without a product."""
     y = x * x
     sine = x * (0.5 + y * (-1.0 / 48.0 + y * (1.0 / 3840.0 - y * (1.0 / 645120.0))))
     cosine = 1.0 + y * (-0.125 + y * (1.0 / 384.0 - y * (1.0 / 46080.0)))
@@ -100,7 +101,7 @@ def _sine_cosine_of_one(x):
 
 @leaf
 def _reduced(x):
-    """x less the nearest multiple of half of pi, and the number of that multiple modulo 4 as a number."""
+    """Return x less the nearest multiple of half of pi, and the number of that multiple modulo 4 as a float."""
     turns = nearest(x * (2.0 / math.pi))
     rest = ((x - turns * HALF_PI_1) - turns * HALF_PI_2) - turns * HALF_PI_3
     return rest, turns - 4.0 * nearest(0.25 * turns - 0.125)
@@ -108,9 +109,10 @@ def _reduced(x):
 
 @leaf
 def _of_any_size(x):
-    """Sine and cosine of lanes, by the nearest multiple of half of pi."""
+    """Return sine and cosine of lanes, by the nearest multiple of half of pi."""
     rest, quarter = _reduced(x)
     s, c = _long(rest)
+    # odd quarters exchange sine and cosine
     odd = (quarter == 1.0) | (quarter == -1.0)
     back = quarter == 2.0
     return where(odd, quarter * c, where(back, -s, s)), where(odd, -(quarter * s), where(back, -c, c))
@@ -118,7 +120,7 @@ def _of_any_size(x):
 
 @leaf
 def _with_long(short, x, most):
-    """Sine and cosine of lanes, by the short polynomials where |x| is at most `most`."""
+    """Return sine and cosine of lanes: the short polynomials where |x| is at most `most`, else the long ones."""
     first, second = short
     large = magnitude(x) > most
     if rarely(any_of(large)):

@@ -1,4 +1,4 @@
-"""Types of numba for rows, records and spaces (views.py), and the functions of kernels over them."""
+"""The numba types of rows, records and spaces (views.py), and the functions of kernels over them."""
 
 import hashlib
 import operator
@@ -47,7 +47,7 @@ _intrinsic: Callable[..., Any] = intrinsic  # called with one argument less than
 
 
 class OneLaneType(types.Type):
-    """Kind of the elements of one lane: every eighth number of a buffer of lanes."""
+    """The kind of the elements of one lane: every eighth number of a buffer of lanes."""
 
     def __init__(self) -> None:
         super().__init__(name="OneLane")
@@ -57,12 +57,12 @@ ONE_LANE = OneLaneType()
 
 
 def distance(kind: Any) -> int:
-    """Distance, in numbers of the buffer, from one element to the next."""
+    """Return the distance, in numbers of the buffer, from one element to the next."""
     return WIDTH if kind in (LANES, ONE_LANE) else 1
 
 
 def value_of(kind: Any) -> Any:
-    """Type of an element when read."""
+    """Return the type of an element when read."""
     return types.float64 if kind is ONE_LANE else kind
 
 
@@ -71,12 +71,12 @@ def _pointee(kind: Any) -> Any:
 
 
 def _digest(parts: tuple[Any, ...]) -> str:
-    """Short hash, since the names of types become parts of those of machine code."""
+    """Return a short hash: the names of types become parts of those of machine code."""
     return hashlib.sha256(repr(parts).encode()).hexdigest()[:8]
 
 
 class RowType(types.Type):
-    """Address of numbers (float64, int64) or of lanes."""
+    """The type of a row: the address of numbers (float64, int64) or of lanes."""
 
     def __init__(self, kind: Any) -> None:
         self.kind = kind
@@ -84,14 +84,14 @@ class RowType(types.Type):
 
 
 class SizedType(types.Type):
-    """Address of numbers (float64) and their count: `row[i]`, `row.size`."""
+    """The type of a row with a size: the address of numbers (float64) and their count: `row[i]`, `row.size`."""
 
     def __init__(self) -> None:
         super().__init__(name="Sized")
 
 
 class RecordType(types.Type):
-    """Address of single numbers with names."""
+    """The type of a record: the address of single numbers with names."""
 
     def __init__(self, kind: Any, fields: tuple[str, ...]) -> None:
         self.kind = kind
@@ -99,15 +99,27 @@ class RecordType(types.Type):
         super().__init__(name=f"Record({kind}: {_digest(fields)})")
 
 
-Sum = tuple[int, ...]  # of sizes: a factor for each, and a number beside
+Sum = tuple[int, ...]  # a linear function of sizes: a factor for each, and a constant
 
 
 class SpaceType(types.Type):
-    """Address of parts whose lengths follow from sizes, and the sizes.
+    """The type of a space: the address of parts whose lengths follow from sizes, and the sizes.
 
-    `space.row` is all of it, `space.buffer` goes on to the end of the buffer; `space.n` is the size n, `space.total`
-    its length. parts: (name, type, first place, what the part has as its n, length or None: to the end of the buffer);
-    end: the length.
+    `space.row` is all of it, `space.buffer` extends to the end of the buffer; `space.n` is the size n, `space.total`
+    the length of the space.
+
+    Attributes
+    ----------
+    kind : numba type
+        The kind of the elements.
+    sizes : tuple of str
+        Names of the sizes.
+    parts : tuple
+        For each part: name, type, first place, the n of the part, and length, or None: to the end of the buffer.
+    end : tuple of int
+        The length, as a factor for each size and a constant.
+    names : dict
+        The parts by name.
     """
 
     def __init__(
@@ -147,12 +159,14 @@ class _SpaceModel(models.StructModel):  # type: ignore[misc]
 
 
 def address_in(builder: Any, kind: Any, start: Any, index: Any) -> Any:
+    # lanes are eight numbers apart
     if distance(kind) > 1:
         index = builder.mul(index, ir.Constant(index.type, distance(kind)))
     return builder.gep(start, [index])
 
 
 def load_element(builder: Any, kind: Any, address: Any) -> Any:
+    # lanes are a vector that is aligned as a single number
     if kind is LANES:
         address = builder.bitcast(address, ir.VectorType(_DOUBLE, WIDTH).as_pointer())
     value = builder.load(address)
@@ -194,15 +208,18 @@ def _row_get(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 @lower_builtin(operator.getitem, RowType, types.slice2_type)
 def _row_part(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    """`row[k:]`, or with an end, `row[k:end]`, which only a checked build looks at."""
+    """Lower `row[k:]`, or `row[k:end]`, whose end only a checked build examines."""
+    # address of the first element
     slice_ = context.make_helper(builder, types.slice2_type, args[1])
     begin, end = slice_.start, slice_.stop
     row = opened(context, builder, sig.args[0], args[0])
     address = address_in(builder, sig.args[0].kind, row.address, begin)
 
+    # the end of the slice, or that of the row
     def last(of_row: Any) -> Any:
         return builder.select(builder.icmp_signed("==", end, ENDLESS), of_row, end)
 
+    # bounds
     check_part(context, builder, "end of a part", lambda: last(row.count), row)
     check_part(
         context, builder, "beginning of a part", lambda: begin, row._replace(count=last(row.count)) if BOUNDS else row
@@ -244,7 +261,7 @@ def _record_get(context: Any, builder: Any, kind: Any, value: Any, name: str) ->
 
 
 def _to_the_end(context: Any, builder: Any, kind: RowType, value: Any) -> Any:
-    """The row that begins where one does, and goes on to the end of the buffer."""
+    """Return the row that begins with `value` and extends to the end of the buffer."""
     row = opened(context, builder, kind, value)
     return closed(context, builder, kind, bounded(row.address, lambda: row.room))
 
@@ -252,6 +269,7 @@ def _to_the_end(context: Any, builder: Any, kind: RowType, value: Any) -> Any:
 @lower_setattr_generic(RecordType)
 def _record_set(context: Any, builder: Any, sig: Any, args: Any, name: str) -> None:
     kind = sig.args[0]
+    # a name stands for a constant offset
     place = ir.Constant(_INT64, kind.fields.index(name))
     value = context.cast(builder, args[1], sig.args[1], value_of(kind.kind))
     start = opened(context, builder, kind, args[0]).address
@@ -273,14 +291,16 @@ def _space_get(context: Any, builder: Any, kind: Any, value: Any, name: str) -> 
     space = context.make_helper(builder, kind, value)
     sizes = [getattr(space, size) for size in kind.sizes]
     whole = RowType(kind.kind)
+    # the row, the buffer, a size or the total
     if name not in kind.names:
         if name == "buffer":
             return _to_the_end(context, builder, whole, space.row)
         return _summed(builder, kind.end, sizes) if name == "total" else getattr(space, name)
+    # address of a part, and its bounds
     part, first, count, length = kind.names[name]
     begin, row = _summed(builder, first, sizes), opened(context, builder, whole, space.row)
     address = address_in(builder, kind.kind, row.address, begin)
-    if part.kind is not kind.kind:  # whole numbers among floats
+    if part.kind is not kind.kind:  # integers among floats
         address = builder.bitcast(address, _pointee(part.kind).as_pointer())
 
     def room() -> Any:
@@ -292,6 +312,7 @@ def _space_get(context: Any, builder: Any, kind: Any, value: Any, name: str) -> 
         left = greater(builder, builder.sub(row.count, begin), _INT64(0))  # where the row ends before the last parts
         return lesser(builder, _summed(builder, length, sizes), left)
 
+    # the part as a row or a space
     found = bounded(address, reached, room)
     made = closed(context, builder, RowType(part.kind), found)
     if not isinstance(part, SpaceType):
@@ -301,6 +322,7 @@ def _space_get(context: Any, builder: Any, kind: Any, value: Any, name: str) -> 
 
 def _summed(builder: Any, factors: Sum, sizes: list[Any]) -> Any:
     found = ir.Constant(_INT64, factors[-1])
+    # factors that are zero add no instructions
     for factor, size in zip(factors, sizes, strict=False):
         if factor:
             found = builder.add(found, builder.mul(size, ir.Constant(_INT64, factor)))
@@ -308,7 +330,7 @@ def _summed(builder: Any, factors: Sum, sizes: list[Any]) -> Any:
 
 
 def _space(context: Any, builder: Any, kind: SpaceType, row: Any, sizes: list[Any]) -> Any:
-    """A space over a row."""
+    """Return a space over a row."""
     made = context.make_helper(builder, kind)
     made.row = row
     for name, size in zip(kind.sizes, sizes, strict=True):
@@ -336,7 +358,7 @@ def _sized_get(context: Any, builder: Any, kind: Any, value: Any, name: str) -> 
 
 
 def _first_of(array: Any, kind: Any) -> Any:
-    """A row of this kind over an array. Raises TypingError."""
+    """Return the signature and the code of a row of this kind over an array. Raises TypingError."""
     if array.ndim != 1 or array.layout != "C":
         raise TypingError(f"{array}: must be a contiguous array of one dimension")
 
@@ -349,7 +371,7 @@ def _first_of(array: Any, kind: Any) -> Any:
 
 
 def _taken_as(kind: RowType, row: RowType, change: Callable[..., Lowered]) -> Any:
-    """A row as one of another kind; change: what it may reach, from (builder, row)."""
+    """Return the signature and the code of a row as one of another kind; change: its bounds, from (builder, row)."""
 
     def generate(context: Any, builder: Any, _: Any, given: Any) -> Any:
         return closed(context, builder, kind, change(builder, opened(context, builder, row, given[0])))
@@ -359,13 +381,13 @@ def _taken_as(kind: RowType, row: RowType, change: Callable[..., Lowered]) -> An
 
 @_intrinsic
 def row_of(typing, array):
-    """The row over a whole one-dimensional array without gaps."""
+    """Return the row over a one-dimensional contiguous array."""
     return _first_of(array, array.dtype)
 
 
 @_intrinsic
 def lanes_of(typing, array):
-    """Return the row of lanes over a row, or a contiguous array, of float64: eight numbers an element."""
+    """Return the row of lanes over a row, or a contiguous array, of float64: eight numbers per element."""
     if isinstance(array, RowType):
         return _taken_as(RowType(LANES), array, lambda builder, row: scaled(builder, row, 1, WIDTH))
     return _first_of(array, LANES)
@@ -373,7 +395,7 @@ def lanes_of(typing, array):
 
 @_intrinsic
 def one_lane(typing, row, k):
-    """The numbers of lane k in a row of lanes."""
+    """Return the row of the numbers of lane k in a row of lanes."""
     own = RowType(ONE_LANE)
 
     def generate(context, builder, _, given):
@@ -386,7 +408,7 @@ def one_lane(typing, row, k):
 
 @_intrinsic
 def row_at(typing, pointer):
-    """The row that begins at a pointer."""
+    """Return the row that begins at a pointer."""
     row = RowType(pointer.dtype)
     return row(pointer), lambda context, builder, _, given: closed(
         context, builder, row, bounded(given[0], lambda: ENDLESS)
@@ -395,7 +417,7 @@ def row_at(typing, pointer):
 
 @_intrinsic
 def packs_of(typing, row):
-    """The row with eight neighbouring numbers an element, for operations common to all; lanes stay as they are."""
+    """Return the row with eight neighbouring numbers per element, for elementwise operations; lanes are unchanged."""
     if row.kind is LANES:
         return _taken_as(row, row, lambda builder, lanes: lanes)
     return _taken_as(RowType(LANES), row, lambda builder, numbers: packed(builder, numbers, WIDTH))
@@ -403,13 +425,13 @@ def packs_of(typing, row):
 
 @_intrinsic
 def numbers_of(typing, row):
-    """The row with one number an element; lanes become eight neighbouring ones."""
+    """Return the row with one number per element; lanes become eight neighbouring ones."""
     return _taken_as(RowType(types.float64), row, lambda builder, lanes: scaled(builder, lanes, distance(row.kind), 1))
 
 
 @by_width
 def packs(row, count):
-    """Number of elements of `packs_of(row)` that hold `count` of its numbers; the last may reach beyond them."""
+    """Return the number of elements of `packs_of(row)` that hold `count` numbers; the last may extend beyond them."""
     if row.kind is LANES:
         return lambda row, count: count
     return lambda row, count: (count + WIDTH - 1) // WIDTH
@@ -418,7 +440,7 @@ def packs(row, count):
 def over_part(part: Any, whole: bool) -> Any:
     """Return the function of kernels that lays the names of a part (views.py) over the beginning of a row.
 
-    whole: the row holds all of it, else the records at least.
+    whole: True if the row holds all of it, else the records at least.
     """
 
     @_intrinsic
@@ -427,6 +449,7 @@ def over_part(part: Any, whole: bool) -> Any:
         several, is_space = isinstance(n, types.BaseTuple), isinstance(kind, SpaceType)
 
         def generate(context, builder, signature, arguments):
+            # the row and the sizes
             given, sizes = opened(context, builder, row, arguments[0]), arguments[1]
             each = [builder.extract_value(sizes, k) for k in range(len(n))] if several else [sizes]
 
@@ -437,11 +460,13 @@ def over_part(part: Any, whole: bool) -> Any:
                 _, record, first, *_ = last
                 return builder.add(_summed(builder, first, each), _INT64(len(record.fields)))
 
+            # bounds: all of it, or each record
             ends = (
                 [total] if whole else [partial(needed, part) for part in kind.parts if isinstance(part[1], RecordType)]
             )
             for end in ends:
                 check_part(context, builder, "names over", end, given)
+            # the names over the row
             begun = closed(
                 context,
                 builder,

@@ -47,61 +47,61 @@ __all__ = [
     "row_of",
 ]
 
-Sum = tuple[int, ...]  # of sizes: a factor for each, and a number beside
+Sum = tuple[int, ...]  # a linear function of sizes: a factor for each, and a constant
 
 
 # --- the layout
 
 
 class Part:
-    """Neighbouring elements: `per_n` for each of n, and `beside` more."""
+    """A part of a layout: `per_n` neighbouring elements for each of n, and `beside` more."""
 
     per_n = 0
     beside = 0
-    whole = False  # whether the numbers are whole ones
+    whole = False  # whether the numbers are integers
 
     def type(self, kind: Any) -> Any:
-        """The numba type over elements of a kind: float64, lanes, int64."""
+        """Return the numba type over elements of a kind: float64, lanes, int64."""
         raise NotImplementedError
 
     def length(self, count: Sum) -> Sum:
-        """Length in elements by the sizes of a space around it; count: what the part has as its n."""
+        """Return the length in elements as a sum over the sizes of the enclosing space; count: the n of the part."""
         return (*(self.per_n * factor for factor in count[:-1]), self.per_n * count[-1] + self.beside)
 
     def reached(self, count: Sum) -> Sum | None:
-        """Length that kernels may reach; None: to the end of the buffer."""
+        """Return the length that kernels may access; None: to the end of the buffer."""
         return self.length(count)
 
     def size(self, n: int) -> int:
-        """Length in elements."""
+        """Return the length in elements."""
         return self.per_n * n + self.beside
 
     def see(self, array: Any, n: int) -> Any:
-        """The names over the beginning of an array, in Python."""
+        """Return the names over the beginning of an array, in Python."""
         raise NotImplementedError
 
 
 class Numbers(Part):
-    """A row without names; without a length all that is behind."""
+    """A row without names; without a length it extends to the end of the buffer."""
 
     def __init__(self, per_n: int = 0, beside: int = 0) -> None:
         self.per_n, self.beside = per_n, beside
 
     def reached(self, count: Sum) -> Sum | None:
-        """Length in elements, if it has one."""
+        """Return the length in elements, or None."""
         return self.length(count) if self.per_n or self.beside else None
 
     def type(self, kind: Any) -> Any:
-        """A row."""
+        """Return the type of a row."""
         return rows.RowType(kind)
 
     def see(self, array: Any, n: int) -> Any:
-        """The numbers of the array, without names."""
+        """Return the numbers of the array, without names."""
         return array[: self.size(n)]
 
 
 class Record(Part):
-    """Single numbers with names."""
+    """A record: single numbers with names."""
 
     def __init__(self, *fields: str) -> None:
         self.fields = fields
@@ -110,19 +110,29 @@ class Record(Part):
         self.over = _over(self)
 
     def type(self, kind: Any) -> Any:
-        """A record."""
+        """Return the type of a record."""
         return rows.RecordType(kind, self.fields)
 
     def see(self, array: Any, n: int = 0) -> Any:
-        """The names as attributes that can be read and written."""
+        """Return an object with the names as attributes that can be read and written."""
         return _Seen(self.places, array)
 
 
 class Table(Part):
-    """Fields of n numbers each; after them fields of several times n numbers: `several`.
+    """A table: fields of n numbers each, then fields of several times n numbers.
 
-    together: names of neighbouring fields as one row: name, fields in their order. reach: name -> times n numbers, from
-    its first one on, where kernels go on into the fields behind.
+    Parameters
+    ----------
+    *fields : str
+        Names of the fields of n numbers.
+    whole : bool
+        True if the numbers are integers.
+    together : dict
+        Rows over neighbouring fields: name -> fields in their order.
+    reach : dict
+        Name -> length in multiples of n, from its first number on, that kernels may access beyond the field.
+    **several : int
+        Fields of several times n numbers: name -> multiple.
     """
 
     def __init__(
@@ -138,6 +148,7 @@ class Table(Part):
         for name, times in several.items():
             self.places[name] = sum(length for _, length in self.places.values()), times
         self.per_n = sum(length for _, length in self.places.values())
+        # rows over neighbouring fields
         for name, parts in (together or {}).items():
             first = fields.index(parts[0])
             assert fields[first : first + len(parts)] == parts, f"{name}: {parts} are not neighbours"
@@ -148,22 +159,27 @@ class Table(Part):
         self.over_begin = _over(self, whole=False)
 
     def type(self, kind: Any) -> Any:
-        """A space of rows."""
+        """Return the type of a space of rows."""
         kind = rows.INT64 if self.whole else kind
         row, places = rows.RowType(kind), self.places.items()
         parts = ((name, row, (k, 0), (1, 0), (self.reach.get(name, times), 0)) for name, (k, times) in places)
         return rows.SpaceType(kind, ("n",), tuple(parts), (self.per_n, 0))
 
     def see(self, array: Any, n: int) -> Any:
-        """The fields as attributes, arrays of n numbers, or of several times n."""
+        """Return an object with the fields as attributes: arrays of n numbers, or of several times n."""
         places = self.places.items()
         return SimpleNamespace(**{name: array[begin * n : (begin + times) * n] for name, (begin, times) in places})
 
 
 class Space(Part):
-    """Parts one after the other, of n numbers each; of several sizes, each with the size that it has as its n.
+    """A space: parts one after the other, by one size n or by several sizes.
 
-    sizes: their names. parts: a part, or (part, size), or (part, size, how many more).
+    Parameters
+    ----------
+    *sizes : str
+        Names of the sizes; none: "n".
+    **parts : Part or tuple
+        A part, (part, size) or (part, size, more): the n of the part is its size plus `more`.
     """
 
     def __init__(self, *sizes: str, **parts: Part | tuple[Any, ...]) -> None:
@@ -171,6 +187,7 @@ class Space(Part):
         self.parts: dict[str, Part] = {}
         self.sums: dict[str, tuple[Sum, Sum]] = {}  # first place of each part, and its n
         end: Sum = (0,) * (len(self.sizes) + 1)
+        # first place and n of each part, as sums over the sizes
         for name, given in parts.items():
             part, size, more = (*given, 0)[:3] if isinstance(given, tuple) else (given, self.sizes[0], 0)
             count = (*(int(size == each) for each in self.sizes), more)
@@ -181,21 +198,21 @@ class Space(Part):
         self.over_begin = _over(self, whole=False)
 
     def length(self, count: Sum) -> Sum:
-        """Length in elements by the sizes of a space around it."""
+        """Return the length in elements as a sum over the sizes of the enclosing space."""
         return super().length(count) if len(self.sizes) == 1 else self.end
 
     def size(self, n: Any) -> int:
-        """Length in elements; n: the sizes, where there are several."""
+        """Return the length in elements; n: the sizes, as a tuple if there are several."""
         return _worth(self.end, n)
 
     def type(self, kind: Any) -> Any:
-        """A space of the parts' types."""
+        """Return the type of a space of the parts' types."""
         sums = self.sums
         parts = ((name, part.type(kind), *sums[name], part.reached(sums[name][1])) for name, part in self.parts.items())
         return rows.SpaceType(kind, self.sizes, tuple(parts), self.end)
 
     def see(self, array: Any, n: Any) -> Any:
-        """The parts as attributes."""
+        """Return an object with the parts as attributes."""
         return _Parts(self, array, n)
 
 
@@ -205,7 +222,7 @@ def _worth(factors: Sum, sizes: Any) -> int:
 
 
 class _Seen:
-    """Names over the first numbers of an array."""
+    """An object with names over the first numbers of an array."""
 
     def __init__(self, places: dict[str, int], array: Any) -> None:
         object.__setattr__(self, "_places", places)
@@ -224,7 +241,7 @@ class _Seen:
 
 
 class _Parts:
-    """Names over the parts of an array, each made on first use."""
+    """An object with names over the parts of an array, each made on first use."""
 
     def __init__(self, space: Space, array: Any, n: Any) -> None:
         self._space, self._array, self._n = space, array, n
@@ -242,6 +259,6 @@ class _Parts:
 def _over(part: Part, whole: bool = True) -> Any:
     """Return the function of kernels that lays the names of a part over the beginning of a row.
 
-    whole: the row holds all of it; else it may end before the last rows.
+    whole: True if the row holds all of it; else it may end before the last rows.
     """
     return rows.over_part(part, whole) if COMPILES else for_kernels

@@ -25,14 +25,14 @@ _peaks, _row = PEAKS.over, ROW.over
 _PER_N, _BESIDE = PEAKS.per_n, PEAKS.beside
 _OF_JOINTS = OUTPUTS.per_n
 _CONTACT = OUTPUTS.fields.index("contact")
-_FRICTION = (PEAKS.per_n - 1, PEAKS.beside)  # first place
+_FRICTION = (PEAKS.per_n - 1, PEAKS.beside)  # first place: per n, and beside
 
 MIDDLE = PIECES // 2
 MARGIN = 0.1  # of the bend of a parabola through three values: largest deviation of the curve above it
 NEAR = 2.6  # of the bend: a smaller rise may turn within the step; 2 on a parabola, 2.4 on a sine over 1.5 rad
 PROMISE = 0.1  # of the tolerance: a peak whose predicted rise is smaller has been found
 QUIET = 1e-3  # of the largest peak in the column: smaller peaks are searched to a tolerance relative to this
-SURE = 3.0  # of that tolerance: largest highest term of a polynomial that is accepted
+SURE = 3.0  # of that tolerance: largest highest term with which a polynomial is accepted
 MOST_TRIALS = 8
 CLOSE = 1e-4  # of a step: least distance of two evaluations
 

@@ -59,16 +59,16 @@ from .control import (
 from .holding import NO_CHANGE, expected_change, first_change, hold, release
 from .sliding import NEAR, begin_step, first_slip_change
 
-WELL_ENOUGH = 1.0  # tolerances: correction by `refine` up to which an interpolation may end a step
+WELL_ENOUGH = 1.0  # in tolerances: largest correction by `refine` with which an interpolation ends a step
 BEYOND = 1e-5  # of a step: distance beyond the change at which a repeated step ends; the error is its square
-JUST_BEFORE, JUST_AFTER = 0.98, 1.02  # where a joint is expected to begin or to cease to slide
+JUST_BEFORE, JUST_AFTER = 0.98, 1.02  # factors on the time at which a joint starts or stops sliding
 LEAST_CUT = 1e-4  # of a step: regimes that change sooner are not held
 # error of a step from the kinks of a record, in tolerances of a rate times the height of the lowest centroid
 KINKS = 20.0
 
-ROUNDING = 1e-13  # of the base acceleration: less is no jump
-REJECTED = 0.0  # s made by a step that is to be tried again
-ENDS = -1.0  # the same where the call is to end before
+ROUNDING = 1e-13  # of the base acceleration: smaller changes are rounding, not jumps
+REJECTED = 0.0  # s advanced by a step that is to be attempted again
+ENDS = -1.0  # returned as the time advanced where the call is to end before the step
 
 
 # --- the base under the state
@@ -156,7 +156,7 @@ def plan_general(column, t, left):
     traits = traits_of(method)
     # longest step that the record allows
     reach = left
-    if traits.implicit:  # of low order, and long: kinks would cost more than it estimates
+    if traits.implicit:  # long steps of low order: a kink costs more accuracy than the error estimate shows
         reach = to_next_sample(column.base, column.samples, t, left)
     elif column.samples.size > 0:
         length = column.model.blocks.centroid[column.model.n - 1]
@@ -263,7 +263,7 @@ def _end_at_slip(column, t, step, cut, fine):
         column.counts.events += 1
         work.slips.change = 1.0
         return end_within(column, t, step, cut, fine), cut * step, False
-    # a step of its own up to just before: the next one interpolates well at its beginning
+    # repeat the step up to just before the change: the next one interpolates well near its start
     step *= JUST_BEFORE * cut
     hold(column, step)
     begin(work, fine)

@@ -11,7 +11,7 @@ from ..sections.section import ends_of, full_stiffness
 
 # Weight of openings in the scale of errors: an error that is small in flight is large at the landing.
 FLIGHT_PART = 1e-3
-HALVINGS = 40  # of a step, to find the moment of overturning
+HALVINGS = 40  # bisections of a step to locate the instant of overturning
 
 
 @varied_leaf
@@ -80,7 +80,7 @@ def take_stock(column, phase, h):
         turned = max(turned, abs(phase.theta[i]))
         spun = max(spun, abs(phase.theta_rate[i]))
         opening = phase.opening[i]
-        if opening > 0.0:  # as the corner of a joint that rotates about the other one
+        if opening > 0.0:  # an opening counts as the rotation about the other corner
             half_width = 0.5 * blocks.width[i]
             turned = max(turned, FLIGHT_PART * opening / half_width)
             spun = max(spun, abs(phase.opening_rate[i]) / half_width)

@@ -24,23 +24,23 @@ LEAST_ERROR = 1e-4
 GAIN = 2.2  # ratio of implicit to explicit step from which the implicit method is used
 PROBE = 4.0  # times the explicit step: length of a trial step of the implicit method
 STEPS_PER_PROBE = 100  # explicit steps before such a trial
-MANY = 8  # blocks: from here on it mostly pays; it is tried sooner, and with shorter steps if order 8 is in use
+MANY = 8  # blocks from which the implicit method mostly pays: probed sooner, and with shorter steps besides order 8
 PROBE_OF_MANY = 1.5
 STEPS_OF_MANY = 40
 SMOOTHING = 0.2
 # when the modal method is used: a step of it costs half of one of the others
 ELASTIC_COST = 0.5
 WAIT_OPEN = 10  # steps of other methods before the next trial, after a joint was found open
-WAIT_SHORT = 30  # and after its steps had become too short
+WAIT_SHORT = 30  # the same after its steps had become too short
 LENGTHEN_BELOW = 0.3  # of the tolerance: with a smaller error the step becomes longer
 LEAST_ELASTIC_STEP = 1e-9  # s
 # limit of evaluations and sweeps in a call: a constant, plus a number for each `first_step` of its length. Scenes of
 # the benchmarks and columns of examples/ take 7 for each at most, at a tolerance of 1e-11
 MOST_AT_ONCE = 1e5
 MOST_PER_FIRST_STEP = 1e4
-# and, whatever its length, for all blocks together: a call answers within seconds. 30 to 190 ns each, measured
+# limit of evaluations times blocks in a call of any length, for an answer within seconds; 30 to 190 ns each, measured
 MOST_OF_A_CALL = 4e7
-WORK_OF_A_STEP = 8.0  # beside its evaluations
+WORK_OF_A_STEP = 8.0  # evaluations that a step costs besides its own
 
 
 @in_both
@@ -177,7 +177,7 @@ def accepts(column, method, step, error):
     per_order = 1.0 / traits.order
     if not error <= 1.0:
         counts.rejected += 1
-        if traits.implicit and counts.implicit == 0:  # a failed trial: continue as before
+        if traits.implicit and counts.implicit == 0:  # a failed probe: continue with the explicit method
             return False
         shorten(control, step, error, per_order)
         return False

@@ -23,7 +23,7 @@ from ..numba_ext.numbers import sine_cosine
 from ..sections.section import ends_of
 
 NO_CHANGE = 2.0  # a fraction of the step that is never reached
-AHEAD = 1e-7  # of the step: at a change, the regime is the one this much later
+AHEAD = 1e-7  # of the step: the regime at a change is taken this much later
 CLOSE_ENOUGH = 1e-6  # of the step: the error of continuing in the wrong regime is of the second order in it
 MOST_TRIALS = 40
 PREDICTIONS = 4  # trials

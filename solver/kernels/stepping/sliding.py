@@ -14,8 +14,8 @@ from ..numba_ext.jit import kernel, leaf
 NEVER = 2.0  # a fraction of the step that is not reached
 CLOSE_ENOUGH = 1e-12  # of the step: the remaining rate there is taken as zero
 NEAR = 1e-9  # of the step, for the start of sliding, at which no force jumps; also the least part that a step is cut to
-# Part of the step taken regardless where the held law stops a joint that starts sliding there by its own law, or starts
-# one that sticks: otherwise thousands of such tiny steps could follow each other.
+# least part of the step that is kept where the held law stops a joint that starts sliding there by its own law, or
+# starts one that sticks: otherwise thousands of such tiny steps could follow each other
 LATE = 1e-3
 MOST_TRIALS = 60
 MOST_HALVINGS = 20
