@@ -1,1 +1,1 @@
-"""Columns in their plane with brittle joints: what kernels of other columns leave out."""
+"""The columns in their plane with brittle joints: versions of kernels that are compiled for such columns only."""

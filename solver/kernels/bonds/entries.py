@@ -1,6 +1,7 @@
-"""Entries as those of the same names in api/entries.py, of a column with brittle joints.
+"""The entries of a column with brittle joints, named as those in api/entries.py.
 
-`given` ends with GIVEN_OF_BOND of all joints (layout.py). Behind an output row stands what is bonded of each joint.
+`given` ends with GIVEN_OF_BOND of all joints (layout.py). Behind an output row stands the share of each joint's
+bond that is left.
 """
 
 from ..api.driven_entries import driven_entries_of

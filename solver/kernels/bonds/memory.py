@@ -1,7 +1,7 @@
-"""What brittle joints remember, and what follows from it: versions of kernels for columns that have some.
+"""The memory of brittle joints, and what follows from it: versions of kernels for columns that have some.
 
-A phase holds what is bonded at its instant. An evaluation takes what is left of that (joint/bond.py). An accepted step
-stores it. A joint that begins to slide loses its bond.
+A phase holds the bonds at its instant. An evaluation computes the part of them that is left (joint/bond.py). An
+accepted step stores it. A joint that begins to slide loses its bond.
 """
 
 from ..api.observing import beside_row
@@ -56,11 +56,11 @@ from ..stepping.holding import (
 )
 from .layout import BONDS, PHASE
 
-# Of the first step that the column tries: a bond that is gone so soon is broken at once. In this time a uniform pull
-# may run over the whole joint, which no step could follow.
+# Relative to the first step of the column: a bond that would break within this time is broken at once. Uniform tension
+# may cross the whole joint in it, which no step could follow.
 SOON = 1e-6
-CUTS = 1000  # of bonds, until a column rests on what is left
-CUT = 1e-9  # of the contact: a cut that counts
+CUTS = 1000  # iterations at most, until a column rests on the bonds that are left
+CUT = 1e-9  # relative to the contact: a smaller cut is ignored
 
 _bonds, _phase = BONDS.over, PHASE.over
 _FIELDS, _BONDS = PHASE.per_n, BONDS.per_n
@@ -69,37 +69,37 @@ _ROW_PER_N, _ROW_BESIDE = ROW.per_n, ROW.beside
 
 
 def is_bonded(model, *_):
-    """Whether a model has brittle joints, from numba's type of it."""
+    """Return True if a model has brittle joints, from numba's type of it."""
     return "bonds" in model.names
 
 
 def of_bonds(column, *_):
-    """Whether that of a column has."""
+    """Return True if the model of a column has brittle joints, from numba's type of it."""
     return is_bonded(column.types[0])
 
 
 @leaf
 def bonds_of(phase, n):
-    """What is bonded, as a phase holds it."""
+    """Return the bonds (BONDS) that a phase holds."""
     return _bonds(phase.buffer[PHASE_FIELDS * n :], n)
 
 
 @leaf
 def _contact_as_built(blocks, i):
-    """The contact of joint i that is bonded as built."""
+    """Return the contact of joint i as built, all of which a brittle joint bonds."""
     return contact_of(blocks, i, blocks.offset[i])
 
 
 @leaf
 def _lost(model, i, left, right):
-    """Part of what is bonded of joint i as built that has broken where this is left; of a dry joint nothing."""
+    """Return the broken share of the bond of joint i as built, where left to right (m) remains; 0 for a dry joint."""
     first, last = ends_of(model.blocks, i, model.blocks.offset[i])
     return 1.0 - max(0.0, right - left) / (last - first) if model.bonds.reach[i] >= 0.0 else 0.0
 
 
 @leaf
 def _keep(bonds, model, i, left, right):
-    """Store what is bonded of joint i."""
+    """Store the bond of joint i, from left to right (m), and its broken share."""
     bonds.left[i], bonds.right[i], bonds.lost[i] = left, right, _lost(model, i, left, right)
 
 
@@ -110,10 +110,11 @@ def _keep(bonds, model, i, left, right):
 def _describe_bonds(model, given):
     n, blocks, bonds = model.n, model.blocks, model.bonds
     behind = given[_GIVEN_SETTINGS + _GIVEN_BLOCK * n :]
+    # reach: strength over stiffness, negative for a dry joint
     for i in range(n):
         bonds.reach[i] = behind[i] / blocks.stiffness[i] if behind[i] > 0.0 or behind[n + i] > 0.0 else -1.0
         bonds.cohesion[i] = behind[n + i]
-    # both know of no bonds
+    # neither method supports bonds
     model.settings.without = float(int(model.settings.without) | ELASTIC | IMPLICIT)
 
 
@@ -128,7 +129,10 @@ def _begin_memory(model, rest):
 
 @bearing_part.version(is_bonded)
 def _bearing_part(model, phase, i, left, right, opening, slope):
-    """A crack at rest is open on its side: what bears is one part."""
+    """Return the part of the contact that bears at rest: one interval, of the bond and the loaded part.
+
+    A crack at rest is open on its side.
+    """
     bonds = bonds_of(phase, model.n)
     lo, hi = loaded_part(left, right, 0.0, opening, slope, 0.0, 0.0)
     if not bonds.left[i] < bonds.right[i]:
@@ -140,7 +144,7 @@ def _bearing_part(model, phase, i, left, right, opening, slope):
 
 @find_rest.version(is_bonded)
 def _find_rest(model, phase, room):
-    """Bonds are cut until those that are left bear the weight."""
+    """Find the rest, cutting bonds until those that are left bear the weight; return True if a stable rest exists."""
     blocks, n, bonds = model.blocks, model.n, bonds_of(phase, model.n)
     for _ in range(CUTS):
         if not balance(model, phase, room):
@@ -149,12 +153,14 @@ def _find_rest(model, phase, room):
         for i in range(n):
             if not bonds.left[i] < bonds.right[i]:
                 continue
+            # the part of the bond that is whole in this phase
             contact, bond = (
                 contact_of(blocks, i, phase.slip[i]),
                 Bond(bonds.left[i], bonds.right[i], model.bonds.reach[i]),
             )
             opening, slope, _, _ = _motion_of(model, phase, i)
             left, right = bonded_part(contact, bond, opening, slope)
+            # cut the bond, and balance again
             if (right - left) < (bond.right - bond.left) - CUT * (contact.right - contact.left):
                 _keep(bonds, model, i, left, right)
                 cut = True
@@ -165,7 +171,7 @@ def _find_rest(model, phase, room):
 
 @leaf
 def _motion_of(model, phase, i):
-    """Opening in the middle of the contact of joint i, slope, and their rates."""
+    """Return the opening in the middle of the contact of joint i (m), the slope (rad), and their rates."""
     turn, spin = less_below(phase.theta, i, model.n), less_below(phase.theta_rate, i, model.n)
     sine, cosine = half_sine_cosine(turn)
     slope, slope_rate = 2.0 * sine, cosine * spin
@@ -182,8 +188,10 @@ def _resultants_of(model, joints, hold, i, opening, slope, opening_rate, slope_r
     blocks, left, right = model.blocks, joints.bond_left[i], joints.bond_right[i]
     joints.bonded_left[i], joints.bonded_right[i] = BROKEN
     motion = opening, slope, opening_rate, slope_rate
+    # a dry joint
     if not left < right:
         return resultants(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip)
+    # a bonded joint, freely or held in a regime
     contact, law, bond = contact_of(blocks, i, slip), law_of(blocks, i), Bond(left, right, model.bonds.reach[i])
     regime = hold.held[i]
     if regime == ANY:
@@ -215,6 +223,7 @@ def _evaluate_after_jump(column, phase, motion):
     take_memory(work, phase)
     if not can_slide(column.model):
         return evaluate(column, phase, motion)
+    # change directions until none is wrong; joints that slide lose their bonds
     stop_what_is_still(work.joints, phase, n)
     _break_what_slides(work)
     evaluate(column, phase, motion)
@@ -224,6 +233,7 @@ def _evaluate_after_jump(column, phase, motion):
         _break_what_slides(work)
         evaluate(column, phase, motion)
     note_directions(work, phase)
+    # store the bonds that broke
     bonds = bonds_of(phase, n)
     for i in range(n):
         if bonds.left[i] < bonds.right[i] and not work.joints.bond_left[i] < work.joints.bond_right[i]:
@@ -239,7 +249,7 @@ def _break_what_slides(work):
             joints.bond_left[i], joints.bond_right[i] = BROKEN
 
 
-# --- phases, and what they hold
+# --- memory in phases
 
 
 @phase_size.version(lambda work: "bonds" in work.names)
@@ -271,15 +281,17 @@ def _note_memory(column, phase):
     for i in range(model.n):
         left, right = work.joints.bond_left[i], work.joints.bond_right[i]
         if left < right:
+            # the part of the bond that is left
             contact, reach = contact_of(blocks, i, slip_of(model, phase, i)[0]), model.bonds.reach[i]
             opening, slope, opening_rate, slope_rate = _motion_of(model, phase, i)
             left, right = bonded_part(contact, Bond(left, right, reach), opening, slope)
             if left < right:
+                # a bond that would break within SOON is broken at once
                 then = opening + soon * opening_rate, slope + soon * slope_rate
                 first, last = bonded_part(contact, Bond(left, right, reach), *then)
                 if not first < last:
                     left, right = BROKEN
-                    work.slips.change = 1.0  # forces jump
+                    work.slips.change = 1.0  # the forces jump
         _keep(bonds, model, i, left, right)
 
 
@@ -290,6 +302,7 @@ def _note_memory(column, phase):
 def _regime_of(column, i, slip, opening, slope, opening_rate, slope_rate):
     blocks, joints = column.model.blocks, column.work.joints
     contact, damping = contact_of(blocks, i, slip), blocks.damping[i]
+    # a bonded joint, else a dry one
     if joints.bond_left[i] < joints.bond_right[i]:
         bond = Bond(joints.bond_left[i], joints.bond_right[i], column.model.bonds.reach[i])
         return bond_regime(contact, damping, bond, opening, slope, opening_rate, slope_rate)
@@ -300,6 +313,7 @@ def _regime_of(column, i, slip, opening, slope, opening_rate, slope_rate):
 def _margin_of(column, i, regime, slip, opening, slope, opening_rate, slope_rate):
     blocks, joints = column.model.blocks, column.work.joints
     contact, damping = contact_of(blocks, i, slip), blocks.damping[i]
+    # a bonded joint, else a dry one
     if joints.bond_left[i] < joints.bond_right[i]:
         bond = Bond(joints.bond_left[i], joints.bond_right[i], column.model.bonds.reach[i])
         return bond_margin(regime, contact, damping, bond, opening, slope, opening_rate, slope_rate)
@@ -308,15 +322,19 @@ def _margin_of(column, i, regime, slip, opening, slope, opening_rate, slope_rate
 
 @first_turn.version(of_bonds)
 def _first_turn(column, t, h, first):
-    """A fibre at an end of a bond may break, and its pull turn, between two phases that are looked at."""
+    """Return the fraction of the step at which a bond breaks between the phases that are examined, else `first`.
+
+    The stretch of a fibre at an end of a bond may exceed the reach and turn back within the step.
+    """
     work, joints = column.work, column.work.joints
     for i in range(column.model.n):
         if work.hold.regime[i] & (GROWS_LEFT | GROWS_RIGHT) or not joints.bond_left[i] < joints.bond_right[i]:
             continue
+        # stretch and its rate at both ends of the bond, at both ends of the step
         for place in (joints.bond_left[i], joints.bond_right[i]):
             here, pulls = _pulled(column, work.start, i, place)
             there, pulled = _pulled(column, work.end, i, place)
-            # it turns below the tangents of both ends
+            # upper bound of the stretch: where the tangents at both ends meet
             if pulls > 0.0 > pulled:
                 most = (there * pulls - here * pulled - h * pulls * pulled) / (pulls - pulled)
                 if most > column.model.bonds.reach[i]:
@@ -326,17 +344,18 @@ def _first_turn(column, t, h, first):
 
 @leaf
 def _pulled(column, phase, i, place):
-    """Stretch of the fibre at a place of joint i, m, and its rate."""
+    """Return the stretch (m) of the fibre at a place of joint i (m), and its rate (m/s)."""
     opening, slope, opening_rate, slope_rate = _motion_of(column.model, phase, i)
     return opening - place * slope, opening_rate - place * slope_rate
 
 
 @kernel
 def _turned_between(column, t, h, i, place, before):
-    """Fraction of the step where the regime of joint i ends, before the stretch at a place turns."""
+    """Return the fraction of the step where the regime of joint i ends, before the stretch at a place turns."""
     refine(column, t, h)
     regime, course = column.work.hold.regime[i], course_of(column, i, h)
     known = bracket(0.0, 1.0, 1.0, -1.0)
+    # bracket the maximum of the stretch: the zero of its rate
     for _ in range(MOST_TRIALS):
         if known.hi - known.lo <= CLOSE_ENOUGH:
             break
@@ -344,6 +363,7 @@ def _turned_between(column, t, h, i, place, before):
         _, spin = value_of(course.turn, trial)
         _, rate = value_of(course.opening, trial)
         known = narrowed(known, trial, rate - place * spin)
+    # the first end of the regime up to there
     if known.hi >= before or margin_within(column, i, regime, course, known.hi) >= 0.0:
         return before
     return end_of_regime(column, i, regime, course, 0.0, known.hi)

@@ -1,4 +1,4 @@
-"""Derived fields of the packed model, and the rest state, from the values that describe a column."""
+"""The derived fields of the packed model, and the rest state, from the values that describe a column."""
 
 import math
 
@@ -11,19 +11,19 @@ from ..sections.section import contact_of, full_stiffness, full_turning_stiffnes
 from ..stepping.control import LEAST_TOLERANCE
 from .rest import find_rest
 
-# The errors of steps add up: each is allowed this part of the tolerance that the user asks for.
+# The errors of steps add up: each may have this part of the user's tolerance.
 STEP_PART = 0.1
 
 # Order 8 is the cheaper explicit method where the tolerance is tight, or where joint modes keep ringing because they
 # are damped by less than this part of the critical damping.
 TIGHT = 2e-5
 LIGHTLY_DAMPED = 0.02
-RINGING_PART = 0.4  # of the tolerance of a step, where errors do not die out
+RINGING_PART = 0.4  # share of the tolerance of a step, where errors do not decay
 
 NO_DAMPING = 1e-300  # s: a dashpot without effect is computed with this value
 
-# Errors are measured against the largest rotation so far, and at least against this part of the rotation at which the
-# base joint opens: a column at rest, or nearly, need not be followed digit by digit.
+# Errors are relative to the largest rotation so far, and at least to this part of the rotation at which the base joint
+# opens: a column at rest, or nearly, needs no relative accuracy.
 FLOOR = 1e-2
 LEAST_FLOOR = 1e-9  # rad
 
@@ -33,7 +33,7 @@ LEAST_FLOOR = 1e-9  # rad
 FALL_MARGIN = 1.5
 LEAST_FALL = 0.5  # rad
 
-CARRIED = 1e-9  # of the weight: how exactly a joint carries it at rest
+CARRIED = 1e-9  # relative to the weight: tolerance of the force of a joint at rest
 
 
 @kernel
@@ -45,8 +45,9 @@ def derive(model):
     n, settings, blocks = model.n, model.settings, model.blocks
     tight = settings.tolerance <= TIGHT
     settings.tolerance = max(LEAST_TOLERANCE, STEP_PART * settings.tolerance)
-    height = 0.0  # of the top face of the block
-    built_x = 0.0  # x of its middle, as built
+    # geometry and derived constants of each block, from the base up
+    height = 0.0  # m, of the top face of the block
+    built_x = 0.0  # m, x of the middle of that face, as built
     for i in range(n - 1, -1, -1):
         height += blocks.height[i]
         built_x += blocks.offset[i] * math.cos(blocks.lean[i]) + blocks.height[i] * math.sin(blocks.tilt[i])
@@ -64,14 +65,14 @@ def derive(model):
             blocks.open_size[i] = math.sqrt(full_turning_stiffness(blocks, i) / full_stiffness(blocks, i))
         blocks.per_open_size[i] = 1.0 / blocks.open_size[i]
         left, right = blocks.left[i], blocks.right[i]
-        if settings.slides != 0.0:  # slips and offsets let it turn over any place of its own face
+        if settings.slides != 0.0:  # with slips and offsets it may turn about any point of its own face
             left, right = blocks.own_left[i], blocks.own_right[i]
         edge_angle = math.atan2(max(-left, right), blocks.centroid[i])
         blocks.fall_angle[i] = min(0.5 * math.pi, max(LEAST_FALL, FALL_MARGIN * edge_angle))
 
     # an upper bound of the joint modes' frequencies, from each block between two stiff joints
     fastest = 0.0
-    opening_rotation = math.inf  # least rotation at which a joint opens at rest
+    opening_rotation = math.inf  # rad, least rotation at which a joint opens at rest
     carried = 0.0
     spring_above = 0.0
     damping = 0.0  # s, the largest
@@ -83,6 +84,7 @@ def derive(model):
         carried += blocks.mass[i]
         opening_rotation = min(opening_rotation, 2.0 * (settings.gravity * carried / spring) / blocks.width[i])
     fastest = math.sqrt(2.0 * fastest)  # rad/s
+    # scales of the integrator
     settings.per_slip = 1.0 / height
     settings.first_step = 0.1 / fastest
     ringing = 0.5 * damping * fastest < LIGHTLY_DAMPED
@@ -95,7 +97,7 @@ def derive(model):
 
 @kernel
 def settle_joints(model, phase):
-    """Openings of a column at rest under gravity; other values stay."""
+    """Fill in the openings (m) of a column at rest under gravity; other values stay."""
     n, blocks = model.n, model.blocks
     carried = 0.0
     for i in range(n):
@@ -105,7 +107,7 @@ def settle_joints(model, phase):
 
 @kernel
 def rest_of(model, rest, room):
-    """Turn a phase of zeros into the rest of a column whose joints have not slid. Returns whether a stable one exists.
+    """Fill a phase of zeros with the rest of a column whose joints have not slid; return True if a stable rest exists.
 
     A column on its axis, of any law, is checked for joints that carry the weight there.
     """
@@ -114,26 +116,28 @@ def rest_of(model, rest, room):
     begin_memory(model, rest)
     if settings.off_axis == 0.0:
         return carries(model)
+    # off the axis: Newton's method from the straight column
     copy(rest.slip, blocks.offset, model.n)
     stands = not settings.gravity > 0.0 or find_rest(model, rest, room)
     for i in range(model.n):
-        blocks.rest_turn[i] = rest.theta[i] if stands else math.inf  # nowhere
+        blocks.rest_turn[i] = rest.theta[i] if stands else math.inf  # there is no rest
         blocks.rest_opening[i] = rest.opening[i]
     return stands
 
 
 @varied
 def begin_memory(model, rest):
-    """Store in a phase what the joints of a column as built remember: nothing."""
+    """Store in a phase the memory of the joints of a column as built: none here."""
     return
 
 
 @kernel
 def carries(model):
-    """Whether all joints carry the weight on them once they settle as far as their stiffness lets them."""
+    """Return True if all joints carry the weight on them once they settle as far as their stiffness lets them."""
     blocks, weight = model.blocks, 0.0
     for i in range(model.n):
         weight += model.settings.gravity * blocks.mass[i]
+        # opening of a linear spring under the weight, and the force of the law there
         opening = -weight / full_stiffness(blocks, i)
         normal, _, _ = joint_forces(contact_of(blocks, i), law_of(blocks, i), opening, 0.0, 0.0, 0.0)
         if not abs(normal - weight) <= CARRIED * weight:

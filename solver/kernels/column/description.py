@@ -1,4 +1,4 @@
-"""What describes a column, and from it a packed model, but for its rest and modes."""
+"""The description of a column, and from it a packed model without its rest and modes."""
 
 import math
 
@@ -11,23 +11,23 @@ from ..sections.section import is_off_centre, lay_out
 from .assembly import derive
 from .solids import homogeneous
 
-# description of a column: settings, then a record for each block; 0 for an optional value that is not given
+# description of a column: settings, then a record for each block; 0: the default of an optional value
 GIVEN_SETTINGS = Record("g", "step", "tolerance", "without", "drive", "slope", "bodies")
 GIVEN_BLOCK = ("height", "width", "depth", "mass", "centroid", "inertia", "tilt")
 GIVEN_JOINT = (*LAW, "width", "depth", "friction", "dowel", "offset", "inclination", "rim")
-# properties that no parameter of an FMU changes: of the block the code of the section, inner diameter m, sizes of the
-# top face m; of the joint the code of the section, inner diameter m, number of strips and their depths m
+# fields without a parameter of an FMU: of the block the code of the section, inner diameter m, sizes of the top face
+# m; of the joint the code of the section, inner diameter m, number of strips and their depths m
 GIVEN_SHAPE = (
     *("section", "bore", "top_width", "top_depth"),
     *("joint_section", "joint_bore", "strips", *(f"strip_{k}" for k in range(MOST_STRIPS))),
 )
 GIVEN = Record(*GIVEN_BLOCK, *(f"joint_{name}" for name in GIVEN_JOINT), *GIVEN_SHAPE)
-# codes of `assemble` (api/engine.py), beside those of layout/spaces.py
-TOO_LARGE = -10  # the moment of inertia of a block, whose number is left in the detail, is beyond float64
+# codes of `assemble` (api/engine.py), in addition to those of layout/spaces.py
+TOO_LARGE = -10  # the moment of inertia of a block exceeds float64; the detail holds its number
 NO_REST = -11  # a column that is off its axis, or has joints of another law, does not stand under its own weight
 NOT_LINEAR = -12  # a column that may slide or is off its axis has a joint of another law than the linear one
-MISFIT = -13  # a contact face does not suit the faces that meet: the detail holds the joint and why (faces.py, Misfit)
-DETAILS = 5  # numbers of the detail
+MISFIT = -13  # a contact face does not fit its faces: the detail holds the joint and the Misfit (faces.py)
+DETAILS = 5  # length of the detail
 
 
 _DEPTHS_GIVEN = GIVEN.fields.index("strip_0")
@@ -38,7 +38,7 @@ _SETTINGS_FIELDS, _BLOCK_FIELDS = GIVEN_SETTINGS.beside, GIVEN.beside
 
 @kernel
 def describe(column, given, detail):
-    """Fill in a model but for its rest and modes, and clear `work`. Returns a code."""
+    """Fill in a model without its rest and modes, and clear `work`; return a code."""
     model = column.model
     settings, described = model.settings, _given_settings(given, 0)
     settings.n = model.n
@@ -47,6 +47,7 @@ def describe(column, given, detail):
     settings.tolerance = described.tolerance
     settings.without = described.without
     settings.drive, settings.slope, settings.bodies = described.drive, described.slope, described.bodies
+    # flags that blocks may raise
     settings.has_modes = 0.0
     settings.slides = 0.0
     settings.off_axis = 0.0
@@ -57,30 +58,33 @@ def describe(column, given, detail):
     settings.slides = max(settings.slides, settings.off_axis)
     describe_more(model, given)
     derive(model)
-    clear(column.work.row, column.work.total)  # responses of the modes of another model
+    clear(column.work.row, column.work.total)  # modal responses of the previous model
     return OK
 
 
 @varied
 def describe_more(model, given):
-    """Fill in what a model has beside from what stands behind the blocks in `given`: nothing."""
+    """Fill in fields that a model has besides, from the values behind the blocks in `given`: none here."""
     return
 
 
 @kernel
 def _describe_block(model, given, i, detail):
-    """Take block i and the joint under it from what is given, and the contact from the faces. Returns a code."""
+    """Fill in block i and the joint under it from `given`, and the contact from the faces; return a code."""
     n, settings, blocks = model.n, model.settings, model.blocks
     row = given[_SETTINGS_FIELDS + _BLOCK_FIELDS * i :]
     block = _given_block(row, 0)
     blocks.height[i] = block.height
     blocks.mass[i] = block.mass
+    # centroid and inertia, those of a homogeneous block by default
     wide, deep, over = block.width, block.depth, (block.top_width, block.top_depth, block.bore)
     centroid, inertia = homogeneous(block.mass, block.section, block.height, wide, deep, *over)
     blocks.centroid[i] = centroid if block.centroid == 0.0 else block.centroid
     blocks.inertia[i] = inertia if block.inertia == 0.0 else block.inertia
+    # the law of the joint
     for k in range(_LAW_FIELDS):
         blocks.law[k * n + i] = row[_LAW_GIVEN + k]
+    # the face below, and the contact face
     below = Face(float(RECTANGLE), ENDLESS, ENDLESS, 0.0)
     if i + 1 < n:
         below = _top_face(given[_SETTINGS_FIELDS + _BLOCK_FIELDS * (i + 1) :])
@@ -89,12 +93,14 @@ def _describe_block(model, given, i, detail):
     bottom = face_of(block.section, wide, deep, block.bore)
     own, depths = face_of(block.joint_section, width, depth, block.joint_bore), row[_DEPTHS_GIVEN:]
     has_width, has_depth = block.joint_width != 0.0, block.joint_depth != 0.0
+    # the contact
     fault = misfit(own, bottom, below, has_width, has_depth, int(block.strips), depths)
     if fault.kind != FITS:
         detail[0], detail[1], detail[2] = i + 1.0, fault.kind, fault.strip
         detail[3], detail[4] = fault.value, fault.bound
         return MISFIT
     lay_out(blocks, i, own, block.strips, depths, below, block.joint_rim)
+    # sliding, and offsets and inclinations as built
     blocks.friction[i] = block.joint_friction
     blocks.dowel[i] = block.joint_dowel if block.joint_friction > 0.0 else RIGID
     settings.slides = 1.0 if block.joint_friction > 0.0 else settings.slides
@@ -104,6 +110,7 @@ def _describe_block(model, given, i, detail):
         settings.off_axis = 1.0
     if is_off_centre(block.strips, depths):
         settings.off_axis = 1.0
+    # inertia beyond the range of float64
     if not math.isfinite(blocks.inertia[i]):
         detail[0] = i + 1.0
         return TOO_LARGE
@@ -112,7 +119,7 @@ def _describe_block(model, given, i, detail):
 
 @leaf
 def _top_face(row):
-    """The top face of the block that a row describes."""
+    """Return the top face of the block that a row of `given` describes."""
     block = _given_block(row, 0)
     width = block.width if block.top_width == 0.0 else block.top_width
     return face_of(block.section, width, block.depth if block.top_depth == 0.0 else block.top_depth, block.bore)
@@ -120,7 +127,7 @@ def _top_face(row):
 
 @leaf
 def is_linear(given, n):
-    """Whether all joints have the linear law."""
+    """Return True if all joints have the linear law."""
     for i in range(n):
         row = given[_SETTINGS_FIELDS + _BLOCK_FIELDS * i :]
         for k in range(_LINEAR_FIELDS, _LAW_FIELDS):

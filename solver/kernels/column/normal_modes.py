@@ -1,4 +1,4 @@
-"""Normal modes of the column about its rest state, all joints in full contact, for the modal method.
+"""The normal modes of the column about its rest state, all joints in full contact, for the modal method.
 
 M y'' + C y' + K y = -b a is small, symmetric and written in closed form, with the negative stiffness of gravity.
 On the axis rotations and openings are uncoupled (theory.md section 4 to second order): there are n modes of rocking
@@ -22,7 +22,7 @@ from .rest import joint_about
 COUPLED_PART = 0.03
 
 JACOBI_SWEEPS = 60  # at most; six to nine are usual
-ROUNDING = 2.0**-54  # of the diagonal: a smaller element counts as zero
+ROUNDING = 2.0**-54  # relative to the diagonal: a smaller element counts as zero
 
 MATRICES = 4
 VECTORS = 6
@@ -30,25 +30,25 @@ DASHPOTS = 3
 
 
 class Scratch(NamedTuple):
-    """Rows: matrices of w x w by rows, vectors of w and of n; w = 2 n coordinates, rotations first."""
+    """The scratch rows: matrices of w x w by rows, vectors of w and of n; w = 2 n coordinates, rotations first."""
 
     masses: object  # M, upper part
     normal: object  # K, then the normal form, then its eigenvalues on the diagonal
-    vectors: object  # one a row
+    vectors: object  # eigenvectors, one per row
     lower: object  # the Cholesky factor of M
     own_x: object  # displacement of the centroid of a coordinate's own block per unit coordinate
     own_z: object
-    far_x: object  # and of those of all blocks above
+    far_x: object  # displacement of the centroids of all blocks above
     far_z: object
     push: object  # forces of base ax and az, of 1 m/s2
     lift: object
-    along: object  # of the dashpots of the joints, by the opening,
-    twist: object  # by opening and rotation,
-    turning: object  # by the rotation of the joint
+    along: object  # damping of the joints: by the opening
+    twist: object  # damping by opening and rotation
+    turning: object  # damping by the rotation of the joint
 
 
 def scratch_size(n: int) -> int:
-    """Length of the scratch that `normal_modes` needs for n blocks."""
+    """Return the length of the scratch that `normal_modes` needs for n blocks."""
     return MATRICES * 4 * n * n + VECTORS * 2 * n + DASHPOTS * n
 
 
@@ -67,10 +67,24 @@ def _scratch(row, n):
 
 @kernel
 def normal_modes(model, rest, scratch):
-    """Fill model.modal with the modal data listed in spaces.py; return whether there are any.
+    """Fill model.modal with the modal data listed in spaces.py; return True if there are any that pay.
 
-    rest: a phase; scratch: a row. There are none without gravity, which leaves the joints open, where a joint is not in
-    full contact at rest or the rest is not stable, and where damping couples the modes.
+    There are none without gravity, which leaves the joints open, where a joint is not in full contact at rest or the
+    rest is not stable, and where damping couples the modes.
+
+    Parameters
+    ----------
+    model : space
+        The packed model.
+    rest : phase
+        The rest state of the column.
+    scratch : row
+        Scratch of `scratch_size` values.
+
+    Returns
+    -------
+    bool
+        Whether the modal method applies and pays.
     """
     n = model.n
     w = 2 * n
@@ -83,12 +97,14 @@ def normal_modes(model, rest, scratch):
     coupled = 0.0
     damped = False
     fastest = 0.0
+    # rocking and vertical vibration one after the other, or both coupled
     for part in range(parts):
         begin = part * m
         if not _normal_form(s, begin, m, w):
             return False
         _diagonalize(s, begin, m, w)
         shapes, inverses = shapes_of(model)[part * m * m :], inverses_of(model)[part * m * m :]
+        # shape, participation and size of each mode
         for k in range(m):
             mode = mode_of(model, begin + k)
             least = _next_mode(s, begin, m, w, k)
@@ -110,12 +126,14 @@ def normal_modes(model, rest, scratch):
             mode.lift = lift
             mode.across = 0.0
             mode.size = largest
+        # inverse of the shapes: Phi' M
         for k in range(m):
             for j in range(m):
                 product = 0.0
                 for i in range(m):
                     product += shapes[m * i + k] * s.masses[_upper(begin + i, begin + j, w)]
                 inverses[m * k + j] = product
+        # damping of each mode, and its coupling to others
         for k in range(m):
             across = 0.0
             for j in range(m):
@@ -126,6 +144,7 @@ def normal_modes(model, rest, scratch):
                 else:
                     across += abs(rate)
             coupled = max(coupled, across)
+    # limits of the step of the modal method
     limits = limits_of(model)
     longest = COUPLED_PART / max(coupled, 1e-300)
     set_limits(limits, model.settings.tolerance, INTERPOLATION_PART, longest, damped)
@@ -137,7 +156,7 @@ def normal_modes(model, rest, scratch):
 
 @leaf
 def _upper(i, j, w):
-    """Index of element (i, j) of a symmetric matrix of which the upper part is stored."""
+    """Return the index of element (i, j) of a symmetric matrix whose upper part is stored."""
     return w * i + j if i <= j else w * j + i
 
 
@@ -151,11 +170,15 @@ def _add(matrix, w, i, j, value):
 
 @kernel
 def _linear_about(model, rest, s):
-    """M (upper part), K, the joints' dashpots, forces of the base; returns whether every joint is in full contact."""
+    """Fill in M (upper part), K, joint dashpots and forces of the base; return True if all joints are in full contact.
+
+    K in N m/rad, N and N/m; the forces are those of base accelerations of 1 m/s2.
+    """
     n, blocks, gravity = model.n, model.blocks, model.settings.gravity
     w = 2 * n
     clear(s.normal, w * w)
     carried = 0.0
+    # K: each joint couples its opening and the rotations of both blocks
     for i in range(n):
         lever = gravity * (carried * blocks.height[i] + blocks.mass[i] * blocks.centroid[i])
         carried += blocks.mass[i]
@@ -172,9 +195,10 @@ def _linear_about(model, rest, s):
             _add(s.normal, w, turn, turn + 1, joint.spread - joint.turning)
         eta = blocks.damping[i]
         s.along[i], s.twist[i], s.turning[i] = eta * joint.along, eta * joint.twist, eta * joint.elastic
+    # M and the forces of the base, by the displacements of the centroids
     _moved(model, rest, s)
     above = 0.0
-    for block in range(n):  # its rotation and its opening, with those of the block itself and of the blocks below
+    for block in range(n):  # rows of its rotation and opening; columns of the block and of those below
         own = blocks.mass[block]
         for at in (block, n + block):
             s.push[at] = own * s.own_x[at] + above * s.far_x[at]
@@ -196,16 +220,18 @@ def _linear_about(model, rest, s):
 
 @kernel
 def _moved(model, rest, s):
-    """Displacements, per unit of each coordinate, of the centroid of its own block and of those of all blocks above."""
+    """Fill in displacements per unit of each coordinate: of the centroids of its own block and of all blocks above."""
     n, blocks = model.n, model.blocks
     arm_x, arm_z = 0.0, 0.0  # contributions of half the rotation of the joint above
     for i in range(n):
         below = rest.theta[i + 1] if i + 1 < n else 0.0
+        # the joint: its opening turned by phi
         phi = 0.5 * (rest.theta[i] + below) + blocks.lean[i]
         sine, cosine = math.sin(phi), math.cos(phi)
         opening, slip = rest.opening[i], rest.slip[i]
         turned_x = 0.5 * (opening * cosine - slip * sine)
         turned_z = -0.5 * (opening * sine + slip * cosine)
+        # the block
         direction = rest.theta[i] + blocks.tilt[i]
         level, fall = math.cos(direction), -math.sin(direction)
         s.own_x[i], s.own_z[i] = turned_x + blocks.centroid[i] * level, turned_z + blocks.centroid[i] * fall
@@ -218,11 +244,12 @@ def _moved(model, rest, s):
 
 @kernel
 def _normal_form(s, begin, m, w):
-    """K becomes L^-1 K L^-T, with M = L L'; L is left below and on the diagonal of `lower`. Whether M is positive.
+    """Replace K by L^-1 K L^-T, with M = L L'; return True if M is positive definite.
 
-    Here and below only the m coordinates from `begin` on are used.
+    L is left below and on the diagonal of `lower`. Here and below only the m coordinates from `begin` on are used.
     """
     low, a, masses = s.lower[(w + 1) * begin :], s.normal[(w + 1) * begin :], s.masses[(w + 1) * begin :]
+    # Cholesky factor of M
     for i in range(m):
         for j in range(i + 1):
             rest = masses[w * j + i]
@@ -234,7 +261,7 @@ def _normal_form(s, begin, m, w):
                 if not rest > 0.0:  # ratio of the masses too large for float64
                     return False
                 low[w * i + i] = math.sqrt(rest)
-    for _ in range(2):  # L^-1 K, transposed, and again: K is symmetric
+    for _ in range(2):  # K becomes (L^-1 K)', twice: K is symmetric
         for j in range(m):
             for i in range(m):
                 rest = a[w * i + j]
@@ -244,6 +271,7 @@ def _normal_form(s, begin, m, w):
         for i in range(m):
             for j in range(i):
                 a[w * i + j], a[w * j + i] = a[w * j + i], a[w * i + j]
+    # make K symmetric to the last bit
     for i in range(m):
         for j in range(i):
             mean = 0.5 * (a[w * i + j] + a[w * j + i])
@@ -256,11 +284,13 @@ def _normal_form(s, begin, m, w):
 def _diagonalize(s, begin, m, w):
     """Rotate `normal` until its eigenvalues are on its diagonal; row k of `vectors` is eigenvector k."""
     a, v = s.normal[(w + 1) * begin :], s.vectors[(w + 1) * begin :]
+    # begin with the unit matrix
     for i in range(m):
         for j in range(m):
             v[w * i + j] = 1.0 if i == j else 0.0
     for _ in range(JACOBI_SWEEPS):
         turned = False
+        # one sweep of Jacobi rotations over all pairs (p, q)
         for p in range(m):
             for q in range(p + 1, m):
                 beside = a[w * p + q]
@@ -268,12 +298,14 @@ def _diagonalize(s, begin, m, w):
                 if not abs(beside) > ROUNDING * math.sqrt(abs(first * second)):
                     continue
                 turned = True
+                # the rotation that makes element (p, q) zero
                 slope = 0.5 * (second - first) / beside
                 tangent = 1.0 / (abs(slope) + math.sqrt(1.0 + slope * slope))
                 if slope < 0.0:
                     tangent = -tangent
                 cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
                 sine = tangent * cosine
+                # rows of the matrix and of the vectors
                 for k in range(m):
                     x, y = a[w * p + k], a[w * q + k]
                     a[w * p + k] = cosine * x - sine * y
@@ -281,6 +313,7 @@ def _diagonalize(s, begin, m, w):
                     x, y = v[w * p + k], v[w * q + k]
                     v[w * p + k] = cosine * x - sine * y
                     v[w * q + k] = sine * x + cosine * y
+                # columns by symmetry, and the 2 x 2 in closed form
                 for k in range(m):
                     a[w * k + p] = a[w * p + k]
                     a[w * k + q] = a[w * q + k]
@@ -294,7 +327,7 @@ def _diagonalize(s, begin, m, w):
 
 @kernel
 def _next_mode(s, begin, m, w, k):
-    """Number of the row of `vectors` that holds mode k, counted from the slowest."""
+    """Return the index of the row of `vectors` that holds mode k, counted from the slowest."""
     a = s.normal[(w + 1) * begin :]
     for i in range(m):
         square = a[w * i + i]
@@ -305,12 +338,12 @@ def _next_mode(s, begin, m, w, k):
                 before += 1
         if before == k:
             return i
-    return k  # if a value is NaN
+    return k  # a value is NaN
 
 
 @kernel
 def _shape(s, begin, m, w, vector, k, shapes):
-    """Column k of the shapes: L^-T times a vector, of unit modal mass."""
+    """Fill column k of the shapes with L^-T times a vector: a mode of unit modal mass."""
     low, v = s.lower[(w + 1) * begin :], s.vectors[(w + 1) * begin :]
     for i in range(m - 1, -1, -1):
         rest = v[w * vector + i]
@@ -321,10 +354,11 @@ def _shape(s, begin, m, w, vector, k, shapes):
 
 @kernel
 def _modal_damping(s, n, begin, m, shapes, j, k):
-    """Element (j, k) of Phi' C Phi, 1/s: C acts on the opening of a joint and on the difference of rotations."""
+    """Return element (j, k) of Phi' C Phi (1/s); C acts on the opening and on the rotation of a joint."""
     product = 0.0
     for i in range(n):
         turn_j, turn_k, opening_j, opening_k = 0.0, 0.0, 0.0, 0.0
+        # rotations are the first n coordinates, openings the others
         if begin == 0:
             turn_j, turn_k = shapes[m * i + j], shapes[m * i + k]
             if i + 1 < n:

@@ -1,4 +1,4 @@
-"""The rest of a column that is off its axis: the least potential energy, by Newton's method.
+"""The rest of a column that is off its axis: the minimum of the potential energy, by Newton's method.
 
 Only the two blocks at a joint and its opening enter the energy of that joint and of the weight it carries (theory.md
 section 12): with the openings eliminated, the second derivatives by the rotations are a symmetric tridiagonal matrix. A
@@ -15,19 +15,19 @@ from ..numba_ext.jit import kernel, varied, varied_leaf
 from ..sections.section import contact_of, forces_over, part_stiffness
 
 MOST_STEPS = 100
-CLOSE = 1e-7  # of the rotation floor: the last correction, after which the next one is below rounding
+CLOSE = 1e-7  # relative to the rotation floor: a last correction, as the next one would be below rounding
 
 
 class _Row(NamedTuple):
-    """Results of the pass down for the pass up, rows of n."""
+    """The results of the pass down for the pass up, rows of n."""
 
     pivot: Any
     right: Any
-    side: Any  # element beside the pivot
+    side: Any  # element next to the pivot
     along: Any  # N/m, by the opening
     unbalanced: Any  # N, on the opening
-    over: Any  # N, of the latter by the rotation of the block, and
-    under: Any  # by that of the body below
+    over: Any  # N, derivative of that by the rotation of the block
+    under: Any  # N, derivative by the rotation of the body below
 
 
 class JointAtRest(NamedTuple):
@@ -37,7 +37,7 @@ class JointAtRest(NamedTuple):
     is_full: bool  # whether the whole contact is pressed
     unbalanced: float  # N, on the opening
     couple: float  # N m, of the pressure, against the rotation of the joint
-    fall: float  # N m, of the weight, for the mean rotation of both faces
+    fall: float  # N m, of the weight, along the mean rotation of both faces
     along: float  # N/m, by the opening
     twist: float  # N, by the opening and the rotation of the joint
     elastic: float  # N m, by the rotation of the joint, of the stiffness alone
@@ -48,15 +48,16 @@ class JointAtRest(NamedTuple):
 
 @varied
 def find_rest(model, phase, room):
-    """Take a phase from the straight column to its rest; return whether a stable rest exists. Slips stay."""
+    """Move a phase from the straight column to its rest; return True if a stable rest exists. Slips stay."""
     return balance(model, phase, room)
 
 
 @kernel
 def balance(model, phase, room):
-    """`find_rest` from any place near the rest, with what joints remember as it is."""
+    """Find the rest from a phase near it, as `find_rest`, without changing what joints remember."""
     enough = CLOSE * model.settings.rotation_floor
     row = _Row(room.a, room.b, room.c, room.d, room.e, room.f, room.g)
+    # Newton's method: eliminate from the top down, then correct from the base up
     for _ in range(MOST_STEPS):
         if not _eliminate(model, phase, row):
             return False
@@ -68,6 +69,7 @@ def balance(model, phase, room):
             phase.opening[i] += opened
             size = max(size, abs(change), abs(opened) * model.blocks.per_open_size[i])
             below = change
+        # end at rounding, or where the correction diverges
         if not math.isfinite(size):
             return False
         if size <= enough:
@@ -77,21 +79,23 @@ def balance(model, phase, room):
 
 @varied_leaf
 def bearing_part(model, phase, i, left, right, opening, slope):
-    """The part (lo, hi) of the contact of joint i, from left to right, that bears at rest; lo >= hi: there is none."""
+    """Return the part (lo, hi) of the contact of joint i, left to right (m), that bears at rest; lo >= hi if none."""
     return loaded_part(left, right, 0.0, opening, slope, 0.0, 0.0)
 
 
 @kernel
 def joint_about(model, phase, i, carried):
-    """Joint i, which carries a mass of `carried` kg, at a phase at rest."""
+    """Return joint i at a phase at rest, with the mass that it carries (kg)."""
     blocks = model.blocks
     turn, slip, opening = phase.theta[i], phase.slip[i], phase.opening[i]
     below = phase.theta[i + 1] if i + 1 < model.n else 0.0
+    # motion of the joint
     sine, cosine = math.sin(0.5 * (turn - below)), math.cos(0.5 * (turn - below))
     slope = 2.0 * sine
     phi = 0.5 * (turn + below) + blocks.lean[i]
     contact, stiffness = contact_of(blocks, i, slip), blocks.stiffness[i]
     felt = opening_felt(opening, slip, slope)
+    # forces of the pressure
     lo, hi = bearing_part(model, phase, i, contact.left, contact.right, felt, slope)
     is_full = lo == contact.left and hi == contact.right
     normal, moment = 0.0, 0.0
@@ -99,11 +103,12 @@ def joint_about(model, phase, i, carried):
         normal, moment = forces_over(contact, stiffness, lo, hi, hi - lo, felt, slope)
     else:
         lo, hi = contact.left, contact.right
+    # second derivatives of the elastic energy
     along, mixed, second = part_stiffness(contact, stiffness, lo, hi)
     moment += 0.5 * slip * normal
     elastic = (second + slip * (mixed + 0.25 * slip * along)) * cosine * cosine
     twist = -(mixed + 0.5 * slip * along) * cosine
-    # the weight it carries
+    # the weight that the joint carries
     weight = model.settings.gravity * carried
     down, across = weight * math.cos(phi), weight * math.sin(phi)
     return JointAtRest(
@@ -123,7 +128,7 @@ def joint_about(model, phase, i, carried):
 
 @kernel
 def _eliminate(model, phase, row):
-    """From the top down: gradient and second derivatives of the energy; whether all pivots are positive."""
+    """Compute gradient and second derivatives of the energy, top down; return True if all pivots are positive."""
     n, blocks = model.n, model.blocks
     carried = 0.0
     diagonal, right = 0.0, 0.0  # contribution of the joint above to the row of the block
@@ -142,7 +147,7 @@ def _eliminate(model, phase, row):
         over, under = joint.twist - 0.5 * joint.across, -joint.twist - 0.5 * joint.across
         diagonal += turning + spread - over * over / along
         right += over * unbalanced / along - (joint.fall + joint.couple)
-        # without the block above
+        # eliminate the block above
         part = side / pivot
         diagonal -= part * side
         right -= part * last

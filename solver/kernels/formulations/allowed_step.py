@@ -1,7 +1,7 @@
-"""The longest communication step at which a base that bodies drive is stable with what stands on it (theory.md, 15).
+"""The longest communication step at which a base driven by bodies is stable with the column on it (theory.md, 15).
 
-What stands on the base vibrates on its joints: a mass m on a spring k and a dashpot c that move with the base. Within
-a step the model follows that exactly; the force on the base acts on its mass M at the exchanges alone, and goes on by
+The column on the base vibrates on its joints: a mass m on a spring k and a dashpot c that move with the base. Within
+a step the model follows that exactly; the force on the base acts on its mass M at the exchanges alone, and continues by
 the rule for the slope of the acceleration. With d for the deformation, and a + j s over a step,
 
     d'' = -(c d' + k d) / m - (a + j s),    a = (c d' + k d) / M  at the exchange
@@ -15,17 +15,20 @@ from ..layout.spaces import BODY, SLOPE_HELD, SLOPE_LINE
 from ..numba_ext.jit import kernel, leaf
 from ..sections.section import full_stiffness, full_turning_stiffness
 
-STEPS = 200  # over which growth is judged, in their second half
-GROWTH = 1.005  # a step
-SHORTEST, LONGEST, WIDER = 1e-5, 0.1, 1.05  # s, s: steps that are tried, each so much longer than the one before
+STEPS = 200  # number of steps of the recurrence; growth is measured over the second half
+GROWTH = 1.005  # per step
+SHORTEST, LONGEST, WIDER = 1e-5, 0.1, 1.05  # s, s, ratio: geometric series of the steps that are tried
 FAR = 1e100
-SOFTEST = 1e-8  # (frequency times step)^2: a softer spring is none within a step, and would round
-LONGER, LIGHTER = 1.0 + 1e-6, 0.99  # than any before: then a step is examined
+SOFTEST = 1e-8  # (frequency times step)^2: a softer spring has no effect within a step, and would be lost in rounding
+LONGER, LIGHTER = 1.0 + 1e-6, 0.99  # ratios to the step and mass examined before, beyond which a step is examined
 
 
 @leaf
 def is_new(base, h, mass):
-    """Whether a step of h s at such masses is to be examined, because it is longer, or they are less, than before."""
+    """Return True if a step of h s must be examined: longer, or at a lower mass (kg), than any before.
+
+    Notes both. No step is examined once `base.allowed_step` is set.
+    """
     if base.allowed_step != 0.0 or (h <= LONGER * base.checked_step and mass >= LIGHTER * base.checked_mass):
         return False
     base.checked_mass = mass if base.checked_step == 0.0 else min(mass, base.checked_mass)
@@ -35,11 +38,21 @@ def is_new(base, h, mass):
 
 @leaf
 def _grows(way, h, dashpot, spring, moved, mass):
-    """Whether the recurrence grows at steps of h s; kg, N/m and N s/m. way: a code of SLOPES."""
+    """Return True if the recurrence grows at steps of h s.
+
+    Parameters
+    ----------
+    way : float
+        Code of SLOPES: the rule for the slope of the acceleration.
+    h : float
+        Step, s.
+    dashpot, spring, moved, mass : float
+        N s/m, N/m and kg of the mass on the joint, and mass of the base, kg.
+    """
     decay, square = dashpot / moved, max(spring / moved, SOFTEST / (h * h))
     half = 0.5 * decay
     rest = half * half - square
-    # free motion over a step: d + v times these
+    # free motion over a step: coefficients of d and v
     if rest > 0.0:
         rate = math.sqrt(rest)
         slow, fast = math.exp((rate - half) * h), math.exp(-(rate + half) * h)
@@ -51,7 +64,7 @@ def _grows(way, h, dashpot, spring, moved, mass):
         of_rate = fading * (math.sin(rate * h) / rate if rate > 0.0 else h)
     d, v, last, last_line, middle, size = 1.0, 0.5 * math.sqrt(square), 0.0, 0.0, 0.0, 0.0
     for n in range(STEPS):
-        # the acceleration of the exchange and its slope
+        # the acceleration at the exchange and its slope
         a = (dashpot * v + spring * d) / mass
         line = (a - last) / h if n > 0 else 0.0
         slope = line
@@ -60,7 +73,7 @@ def _grows(way, h, dashpot, spring, moved, mass):
         elif way != SLOPE_LINE and n > 1:
             slope = (11.0 * line - 5.0 * last_line) / 6.0
         last, last_line = a, line
-        # particular solution place + rate s, and the free rest of the motion
+        # particular solution place + drift s, plus the free motion from the remainder (x, y)
         drift = -slope / square
         place = (-a - decay * drift) / square
         x, y = d - place, v - drift
@@ -76,13 +89,22 @@ def _grows(way, h, dashpot, spring, moved, mass):
 
 @kernel
 def longest_step(way, h, dashpot, spring, moved, mass):
-    """Return the longest stable step below h, s, where h is too long; else infinity.
+    """Return the longest stable step (s) below h where h is too long; else infinity.
 
-    dashpot N s/m, spring N/m, moved kg: of what stands on the base; mass of the base, kg. A quantity of rotation is one
-    of the same kind.
+    Rotations are treated alike, with N m s, N m and kg m2.
+
+    Parameters
+    ----------
+    way : float
+        Code of SLOPES: the rule for the slope of the acceleration.
+    h : float
+        Step that is asked for, s.
+    dashpot, spring, moved, mass : float
+        N s/m, N/m and kg of the mass on the joint, and mass of the base, kg.
     """
     if not (spring > 0.0 and moved > 0.0 and mass > 0.0) or not _grows(way, h, dashpot, spring, moved, mass):
         return math.inf
+    # the last stable one of a geometric series
     step = SHORTEST
     while step * WIDER < min(h, LONGEST) and not _grows(way, step * WIDER, dashpot, spring, moved, mass):
         step *= WIDER
@@ -91,17 +113,18 @@ def longest_step(way, h, dashpot, spring, moved, mass):
 
 @kernel
 def examine_step(model, base, h):
-    """Say in `base.allowed_step` how long a step may be where one of h s is too long for the column on its base.
+    """Store in `base.allowed_step` the longest stable step (s) if h is too long for the column on its base.
 
-    What vibrates is the lowest block on its joint: along x as it rocks, which moves the effective mass at the joint.
+    The lowest block vibrates on its joint: along x by rocking, which moves the effective mass at the joint.
     """
     settings, blocks, low = model.settings, model.blocks, model.n - 1
     if not base.mass_x > 0.0 or not is_new(base, h, base.mass_x + base.mass_z + base.mass_turn):
         return
     way, eta, above, mass = settings.slope, blocks.damping[low], blocks.centroid[low], blocks.mass[low]
     turning, inertia = full_turning_stiffness(blocks, low), blocks.inertia[low] + mass * above * above
-    by_turn = mass * above / inertia  # 1/m, rotation by which a unit of motion along x is met
+    by_turn = mass * above / inertia  # 1/m, rotation per unit of motion along x
     spring = turning * by_turn * by_turn
+    # along x; where bodies drive the whole base, also along z and in rotation
     found = longest_step(way, h, eta * spring, spring, inertia * by_turn * by_turn, base.mass_x)
     if settings.drive == BODY:
         spring = full_stiffness(blocks, low)

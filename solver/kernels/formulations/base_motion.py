@@ -13,23 +13,23 @@ from .exact import Motion
 
 
 class Samples(NamedTuple):
-    """A record: rows of `size` instants, s, and accelerations, m/s2; size is 0 without one."""
+    """A record: rows of `size` instants (s) and accelerations (m/s2); size is 0 without one."""
 
     size: int
     times: object
     ax: object
     az: object
     scale: float
-    held: int  # 1: each sample until the next
+    held: int  # 1: each sample is held until the next
 
 
-SOON = 0.1  # rad of the harmonic part: the polynomials are exact to rounding
-SAMPLE_SLACK = 1e-9  # of a sampling interval: times closer than this are equal
+SOON = 0.1  # rad of the harmonic part, within which the polynomials are exact to rounding
+SAMPLE_SLACK = 1e-9  # relative to a sampling interval: closer times are equal
 
 
 @leaf
 def segment_at(samples, t):
-    """Number of the last sample at time t or before; -1 if there is none."""
+    """Return the index of the last sample at time t (s) or before; -1 if there is none."""
     low, high = 0, samples.size
     while low < high:
         middle = (low + high) // 2
@@ -42,18 +42,19 @@ def segment_at(samples, t):
 
 @varied_leaf
 def is_silent(samples, k):
-    """Whether the record is zero from sample k on until the next."""
+    """Return True if the record is zero from sample k on until the next."""
     return k < 0 or k >= samples.size - 1
 
 
 @leaf
 def record_line(samples, k, t):
-    """Acceleration of the record at time t on segment k, and its slope: (ax, jx, az, jz), m/s2 and m/s3."""
+    """Return acceleration and slope of the record at time t on segment k: (ax, jx, az, jz), m/s2 and m/s3."""
     if is_silent(samples, k):
         return 0.0, 0.0, 0.0, 0.0
     ax, az = samples.scale * samples.ax[k], samples.scale * samples.az[k]
     if samples.held:
         return ax, 0.0, az, 0.0
+    # the straight line to the next sample
     begin = samples.times[k]
     per_width = 1.0 / (samples.times[k + 1] - begin)
     jx = (samples.scale * samples.ax[k + 1] - ax) * per_width
@@ -67,11 +68,13 @@ def enter(base, samples, t):
     if samples.size == 0:
         return
     k = segment_at(samples, t)
+    # a sample that follows within rounding counts as reached
     if k + 1 < samples.size:
         ahead = samples.times[k + 1] - t
         width = samples.times[k + 1] - samples.times[k] if k >= 0 else samples.times[1] - samples.times[0]
         if ahead <= SAMPLE_SLACK * width:
             k += 1
+    # the segment, its ends and its line
     base.segment = k
     base.piece_begin = samples.times[k] if k >= 0 else samples.times[0]
     base.piece_end = samples.times[k + 1] if k + 1 < samples.size else math.inf
@@ -80,17 +83,18 @@ def enter(base, samples, t):
 
 @leaf
 def ends_soon(base, t):
-    """Whether the present segment of the record ends at time t, or has ended."""
+    """Return True if the present segment of the record ends at time t, to rounding, or has ended."""
     return t >= base.piece_end - SAMPLE_SLACK * (base.piece_end - base.piece_begin)
 
 
 @leaf
 def base_line(base, samples, t):
-    """The part of the base acceleration linear in time from t on: (ax, jx, az, jz), m/s2 and m/s3."""
+    """Return the part of the base acceleration linear in time from t on: (ax, jx, az, jz), m/s2 and m/s3."""
     past = t - base.t0
     ax, az = base.ax + base.jx * past, base.az + base.jz * past
     if samples.size == 0:
         return ax, base.jx, az, base.jz
+    # the line of the record beside that of the inputs
     within = t - base.piece_begin
     ax += base.piece_ax + base.piece_jx * within
     az += base.piece_az + base.piece_jz * within
@@ -99,7 +103,7 @@ def base_line(base, samples, t):
 
 @leaf
 def wave_amplitude(base, samples):
-    """Amplitude of the harmonic part of ax from the present segment on, m/s2."""
+    """Return the amplitude (m/s2) of the harmonic part of ax from the present segment on."""
     if samples.size > 0 and is_silent(samples, int(base.segment)):
         return 0.0
     return base.wave_amplitude
@@ -117,40 +121,41 @@ def anchor_wave(base, t):
 
 @leaf
 def wave(base, t):
-    """(sine, cosine) of wave_omega t + wave_phase; near the anchor by the addition theorem, which is faster."""
+    """Return (sine, cosine) of wave_omega t + wave_phase; near the anchor by the addition theorem, which is faster."""
     x = base.wave_omega * (t - base.anchor)
     if not abs(x) <= SOON:
         angle = base.wave_omega * t + base.wave_phase
         return math.sin(angle), math.cos(angle)
+    # Taylor polynomials of sin x and cos x - 1
     y = x * x
     sine = x * (1.0 + y * (-1.0 / 6.0 + y * (1.0 / 120.0 + y * (-1.0 / 5040.0 + y * (1.0 / 362880.0)))))
-    dip = y * (-0.5 + y * (1.0 / 24.0 + y * (-1.0 / 720.0 + y * (1.0 / 40320.0))))  # cosine less 1
+    dip = y * (-0.5 + y * (1.0 / 24.0 + y * (-1.0 / 720.0 + y * (1.0 / 40320.0))))  # cos x - 1
     begun, across = base.anchor_sine, base.anchor_cosine
     return begun + (begun * dip + across * sine), across + (across * dip - begun * sine)
 
 
 @varied_leaf
 def moving(base, samples, t, ax, az, theta, omega, alpha):
-    """The motion of the base at time t by its numbers, with the loads at that time: there are none."""
+    """Return the motion of the base at time t from its components, with the loads at that time: none here."""
     return Motion(ax, az, theta, omega, alpha)
 
 
 @varied_leaf
 def is_loaded(base, samples):
-    """Whether a load acts on the present segment, or begins to: there are none."""
+    """Return True if a load acts on the present segment, or begins to: never here."""
     return False
 
 
 @leaf
 def base_motion(base, samples, t):
-    """Motion of the base at time t, within the step that began on the present segment or on one soon after."""
+    """Return the motion of the base at time t, within a step that began on the present segment or soon after."""
     sine = wave(base, t)[0] if base.wave_amplitude != 0.0 else 0.0
     return base_motion_beside(base, samples, t, sine)
 
 
 @leaf
 def base_motion_beside(base, samples, t, sine):
-    """`base_motion` with the value of `wave` at that time given."""
+    """Return `base_motion` from the value of `wave` at that time (sine)."""
     past = t - base.t0
     ax, _, az, _ = base_line(base, samples, t)
     if samples.size > 0 and t > base.piece_end and not samples.held:
@@ -159,6 +164,7 @@ def base_motion_beside(base, samples, t, sine):
             k += 1
         r_ax, _, r_az, _ = record_line(samples, k, t)
         ax, az = base.ax + base.jx * past + r_ax, base.az + base.jz * past + r_az
+    # the harmonic part
     amplitude = wave_amplitude(base, samples)
     if amplitude != 0.0:
         ax += amplitude * sine
@@ -168,28 +174,29 @@ def base_motion_beside(base, samples, t, sine):
 
 @leaf
 def base_turn(base, t):
-    """Rotation of the base at time t, rad clockwise."""
+    """Return the rotation of the base at time t (rad clockwise)."""
     past = t - base.t0
     return base.theta + past * (base.omega + (0.5 * past * base.alpha + past * past * (base.jalpha / 6.0)))
 
 
 @leaf
 def base_spin(base, t):
-    """Rate of rotation of the base at time t, rad/s."""
+    """Return the rate of rotation of the base at time t (rad/s)."""
     past = t - base.t0
     return base.omega + past * (base.alpha + 0.5 * past * base.jalpha)
 
 
 @leaf
 def base_rotates(base):
-    """Whether the base is turned or turning."""
+    """Return True if the base is turned or turning."""
     return base.theta != 0.0 or base.omega != 0.0 or base.alpha != 0.0 or base.jalpha != 0.0
 
 
 @leaf
 def inputs_are_bounded(base, t, h):
-    """Whether every input of the base is at most MOST_INPUT, in its unit, at time t and at time t + h."""
+    """Return True if every input of the base is at most MOST_INPUT, in its unit, at time t and at time t + h."""
     bounded = abs(base.wave_amplitude) <= MOST_INPUT and abs(base.alpha) <= MOST_INPUT
+    # at both ends of the step
     for k in range(2):
         end = t + k * h
         ax, az = base.ax + base.jx * (end - base.t0), base.az + base.jz * (end - base.t0)
@@ -200,21 +207,32 @@ def inputs_are_bounded(base, t, h):
 
 @leaf
 def to_next_sample(base, samples, t, left):
-    """Seconds from t to the end of the present segment; `left` if it does not end within these."""
+    """Return the time (s) from t to the end of the present segment; `left` if it does not end within `left` s."""
     k = int(base.segment) + 1
     if samples.size == 0 or k >= samples.size:
         return left
     ahead = base.piece_end - t
-    # a sample that equals the end of a call but for rounding must not leave a tiny step
+    # a sample at the end of a call, to rounding, must not leave a tiny step
     return ahead if ahead < left - SAMPLE_SLACK * (base.piece_end - base.piece_begin) else left
 
 
 @varied
 def smooth_reach(base, samples, t, step, left, roughest):
-    """Seconds from t over which a step may go: not beyond `left`, nor across a jump, nor across kinks that matter.
+    """Return the time (s) from t over which a step may go: at most `left`, not across a jump or kinks that matter.
 
     A step of h s across a kink of the straight lines, where their slope changes by j, has an error of about j h^2 in a
-    velocity; `roughest`, m/s, is the limit for all kinks together, within twice the `step`, s, asked for.
+    velocity.
+
+    Parameters
+    ----------
+    base, samples
+        The base and its record.
+    t : float
+        Time, s.
+    step, left : float
+        Step that is asked for, and time until the end of the call, s.
+    roughest : float
+        Limit of that error for all kinks together, m/s, within twice the step.
     """
     reach = to_next_sample(base, samples, t, left)
     if samples.held:
@@ -225,6 +243,7 @@ def smooth_reach(base, samples, t, step, left, roughest):
         k += 1
         if is_silent(samples, k) or is_silent(samples, k - 1):  # the record begins or ends: a jump
             return reach
+        # change of the slope at the kink
         _, before_x, _, before_z = record_line(samples, k - 1, t)
         _, jx, _, jz = record_line(samples, k, t)
         kinks += abs(jx - before_x) + abs(jz - before_z)

@@ -1,11 +1,11 @@
 """The base as a body that a partner moves too, which both solve for: a coupling without feedthrough (theory.md, 15).
 
-The partner says what its state determines, its force F0 and its mass M at the base, and the column R0 and m:
+The partner sends what its state determines, its force F0 and its mass M at the base, and the column R0 and m:
 
     (M + m) a = F0 + R0
 
-is the acceleration of the base at the instant of the exchange, the same on both sides. Over the step both go on with
-the same slope of it, by the accelerations at the steps before, so that the base is in one place for both.
+is the acceleration of the base at the instant of the exchange, the same on both sides. Over the step both extrapolate
+it with the same slope, from the accelerations at the steps before, so that the base is in one place for both.
 """
 
 from typing import NamedTuple
@@ -15,18 +15,18 @@ from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import Record, clear
 from .base_motion import base_spin, base_turn
 
-# what a caller sets for each body at the base: force, N and N m, and mass, kg, kg m and kg m2
+# inputs of each body at the base: force, N and N m, and mass, kg, kg m and kg m2
 BODY = Record("F0x", "F0z", "F0m", "Mxx", "Mxz", "Mxt", "Mzz", "Mzt", "Mtt")
-SINGULAR = 1e-12  # of a mass: what is left of it is none
-ALIKE = 1e-6  # of a step: steps that differ by less are the same
-ROUNDING = 1e-12  # of a time
+SINGULAR = 1e-12  # relative to a mass: a smaller remainder counts as zero
+ALIKE = 1e-6  # relative to a step: closer steps are equal
+ROUNDING = 1e-12  # relative to the time
 
 _body, _BODY = BODY.over, BODY.beside
 _driven, _DRIVEN, _SPLIT = DRIVEN.over, DRIVEN.beside, SPLIT.beside
 
 
 class Sums(NamedTuple):
-    """Forces and masses at the base, of all bodies and the column: N, N m, kg, kg m, kg m2."""
+    """The forces and masses at the base, of all bodies and the column: N, N m, kg, kg m, kg m2."""
 
     x: float
     z: float
@@ -41,7 +41,10 @@ class Sums(NamedTuple):
 
 @leaf
 def sums(bodies, inputs, first, split):
-    """All that acts at the base: `bodies` of the inputs from place `first` on, and R0 and m of the column."""
+    """Return forces and masses at the base, of the bodies in `inputs` from place `first` on and of the column.
+
+    Those of the column are R0 and m in `split`; bodies: their number.
+    """
     x, z, m = split.R0x, split.R0z, split.R0m
     xx, xz, xt, zz, zt, tt = split.mxx, split.mxz, split.mxt, split.mzz, split.mzt, split.mtt
     for k in range(bodies):
@@ -54,7 +57,7 @@ def sums(bodies, inputs, first, split):
 
 @leaf
 def are_silent(inputs, first, count):
-    """Whether the bodies have said nothing yet: hosts that exchange after steps alone begin with zeros."""
+    """Return True if the bodies have sent nothing yet: hosts that exchange after steps alone begin with zeros."""
     silent = True
     for k in range(first, first + count):
         silent = silent and inputs[k] == 0.0
@@ -63,13 +66,18 @@ def are_silent(inputs, first, count):
 
 @leaf
 def solve(drive, of, az, alpha):
-    """(code, ax, az, alpha) of the base, m/s2 and rad/s2; az and alpha are given where it is driven along x alone."""
+    """Return (code, ax, az, alpha) of the base, m/s2 and rad/s2.
+
+    az and alpha are given where it is driven along x alone.
+    """
+    # one equation along x
     if drive == HORIZONTAL:
         if not of.xx > 0.0:
             return BODY_LACKING, 0.0, 0.0, 0.0
         return OK, (of.x - of.xz * az - of.xt * alpha) / of.xx, az, alpha
     if not (of.xx > 0.0 and of.zz > 0.0 and of.tt > 0.0):
         return BODY_LACKING, 0.0, 0.0, 0.0
+    # eliminate x, then z
     by_z, by_t = of.xz / of.xx, of.xt / of.xx
     zz, zt = of.zz - by_z * of.xz, of.zt - by_z * of.xt
     if not zz > SINGULAR * of.zz:
@@ -78,6 +86,7 @@ def solve(drive, of, az, alpha):
     tt = of.tt - by_t * of.xt - by * zt
     if not tt > SINGULAR * of.tt:
         return BODY_LACKING, 0.0, 0.0, 0.0
+    # back substitution
     z, m = of.z - by_z * of.x, of.m - by_t * of.x
     turned = (m - by * z) / tt
     lifted = (z - zt * turned) / zz
@@ -86,12 +95,24 @@ def solve(drive, of, az, alpha):
 
 @leaf
 def slope_of(way, steps, step, before, here, last, earlier):
-    """Slope of an acceleration from here on, per s, by those at the `steps` steps before, which took such times, s.
+    """Return the slope (per s) of an acceleration from here on, from those at the `steps` steps before.
 
-    The parabola through three instants, as the line that gives the same velocity at the end of a step as long.
+    From three instants it is that of the line that gives the same velocity as their parabola after an equal step.
+
+    Parameters
+    ----------
+    way : float
+        Code of SLOPES.
+    steps : float
+        Number of steps before, at most 2.
+    step, before : float
+        Lengths of the last step and of the one before, s.
+    here, last, earlier : float
+        The acceleration now and at the two exchanges before.
     """
     if way == SLOPE_HELD or steps < 1.0:
         return 0.0
+    # slope of the last step
     line = (here - last) / step
     if way == SLOPE_LINE or steps < 2.0 or abs(before - step) > ALIKE * step:
         return line
@@ -100,7 +121,7 @@ def slope_of(way, steps, step, before, here, last, earlier):
 
 @leaf
 def goes_on(base, t):
-    """Whether time has gone on to t since the last exchange, by more than rounding: then that was a step more."""
+    """Return True if time has advanced to t since the last exchange, by more than rounding; then count a step more."""
     step = t - base.t0
     is_later = base.coupled != 0.0 and step > ALIKE * base.last_step + ROUNDING * abs(t)
     if is_later:
@@ -111,7 +132,7 @@ def goes_on(base, t):
 
 @leaf
 def gone_on(place, rate, acceleration, slope, past):
-    """Return (place, rate, acceleration) `past` s later, as the acceleration goes on with that slope."""
+    """Return (place, rate, acceleration) `past` s later, with a constant slope of the acceleration."""
     return (
         place + past * (rate + past * (0.5 * acceleration + past * (slope / 6.0))),
         rate + past * (acceleration + 0.5 * past * slope),
@@ -121,7 +142,7 @@ def gone_on(place, rate, acceleration, slope, past):
 
 @kernel
 def show_driven(base, settings, t, split):
-    """Fill what lies behind a split reaction with the motion of the base at time t (DRIVEN), where bodies may drive it.
+    """Fill the row behind a split reaction with the motion of the base at time t (DRIVEN), where bodies may drive it.
 
     It is all zeros while its own inputs move the base.
     """
@@ -138,11 +159,12 @@ def show_driven(base, settings, t, split):
 
 @kernel
 def show_driven_rates(base, settings, t, split):
-    """Fill what lies behind a split reaction with the rates of `show_driven`."""
+    """Fill the row behind a split reaction with the rates of `show_driven`."""
     if settings.bodies == 0.0:
         return
     show_driven(base, settings, t, split)
     shown = _driven(split.buffer[_SPLIT:], 0)
+    # rates of coordinates, of velocities, of accelerations
     shown.x, shown.z, shown.theta = shown.vx, shown.vz, shown.omega
     shown.vx, shown.vz, shown.omega = shown.ax, shown.az, shown.alpha
     shown.ax, shown.az, shown.alpha = 0.0, 0.0, 0.0
@@ -152,7 +174,7 @@ def show_driven_rates(base, settings, t, split):
 
 @kernel
 def show_driven_along(settings, turn, spin, along_x, along_z, alpha, split):
-    """Fill what lies behind a split reaction with what `show_driven` changes by as rotation and accelerations do."""
+    """Fill the row behind a split reaction with the derivative of `show_driven` along rotation and accelerations."""
     if settings.bodies == 0.0:
         return
     shown = _driven(split.buffer[_SPLIT:], 0)
@@ -163,18 +185,21 @@ def show_driven_along(settings, turn, spin, along_x, along_z, alpha, split):
 
 @kernel
 def arrive(base, settings, given, t):
-    """Let the base come to time t, and turn it as inputs say where bodies do not: before its column is seen at t.
+    """Advance the base to time t, and turn it by its inputs where bodies do not: before its column is observed at t.
 
-    Where time has gone on since the last exchange, the accelerations of that are kept. given: inputs of the base by
+    Where time has advanced since the last exchange, the accelerations of that are kept. given: inputs of the base by
     name.
     """
+    # displacements and velocities
     past = t - base.t0
     base.x, base.vx, _ = gone_on(base.x, base.vx, base.ax, base.jx, past)
     base.z, base.vz, _ = gone_on(base.z, base.vz, base.az, base.jz, past)
+    # shift the history of accelerations, and turn the base
     if goes_on(base, t):
         base.before_ax, base.before_az, base.before_alpha = base.last_ax, base.last_az, base.last_alpha
         base.last_ax, base.last_az, base.last_alpha = base.ax, base.az, base.alpha
         base.theta, base.omega = base_turn(base, t), base_spin(base, t)
+    # accelerations at t
     base.ax, base.az, base.alpha = base.ax + base.jx * past, base.az + base.jz * past, base.alpha + base.jalpha * past
     if settings.drive == HORIZONTAL or base.coupled == 0.0:
         base.theta, base.omega = given.theta, given.omega
@@ -183,18 +208,37 @@ def arrive(base, settings, given, t):
 
 @kernel
 def couple(base, settings, given, inputs, first, split):
-    """Let the base, which has arrived, go on as bodies and the column move it, whose split it is. Returns a code.
+    """Set the accelerations of the base, which has arrived, and their slopes from bodies and column; return a code.
 
-    given: inputs of the base by name; bodies from place `first` of `inputs` on. Without a mass, and before a body has
-    said anything, it does not accelerate.
+    Without a mass, and before a body has sent anything, the base does not accelerate.
+
+    Parameters
+    ----------
+    base, settings
+        The base, and the settings of the column.
+    given : record
+        Inputs of the base by name.
+    inputs : row
+        Inputs, those of the bodies from place `first` on.
+    first : int
+        Place of the first body.
+    split : record
+        R0 and m of the column.
+
+    Returns
+    -------
+    int
+        OK, or BODY_LACKING.
     """
     bodies, code, ax, az, alpha = int(settings.bodies), OK, 0.0, 0.0, 0.0
     base.mass_x, base.mass_z, base.mass_turn = 0.0, 0.0, 0.0
+    # accelerations: (M + m) a = F0 + R0
     if not are_silent(inputs, first, bodies * _BODY):
         of = sums(bodies, inputs, first, split)
         base.mass_x, base.mass_z, base.mass_turn = of.xx, of.zz, of.tt
         code, ax, az, alpha = solve(settings.drive, of, given.az, given.alpha)
     base.ax, base.az, base.alpha = ax, az, alpha
+    # their slopes until the next exchange
     way, steps, step, before = settings.slope, base.steps, base.last_step, base.before_step
     base.jx = slope_of(way, steps, step, before, ax, base.last_ax, base.before_ax)
     if settings.drive == HORIZONTAL:
@@ -208,12 +252,25 @@ def couple(base, settings, given, inputs, first, split):
 
 @kernel
 def driven_along(settings, inputs, seeds, first, split, met, motion, az, alpha):
-    """Return what (ax, az, alpha) of the base change by as its inputs change by `seeds`: m/s2, rad/s2.
+    """Return the change of (ax, az, alpha) of the base (m/s2, rad/s2) as its inputs change by `seeds`.
 
-    split: of the column, which the inputs meet; met: what it changes by. motion: of the base. az, alpha: what its own
-    inputs change by.
+    Parameters
+    ----------
+    settings
+        The settings of the column.
+    inputs, seeds : row
+        Inputs and their changes, those of the bodies from place `first` on.
+    first : int
+        Place of the first body.
+    split, met : record
+        R0 and m of the column, and their change.
+    motion : Motion
+        Motion of the base.
+    az, alpha : float
+        Changes of its own inputs, m/s2 and rad/s2.
     """
     bodies = int(settings.bodies)
+    # right side: change of the forces less change of the masses times the accelerations
     of, change = sums(bodies, inputs, first, split), sums(bodies, seeds, first, met)
     x, z, m = change.x, change.z, change.m
     xx, xz, xt, zz, zt, tt = change.xx, change.xz, change.xt, change.zz, change.zt, change.tt

@@ -1,4 +1,4 @@
-"""A column in motion, and what the kernels around its equations ask of them: here those of exact.py.
+"""The column in motion, and the equations that other kernels dispatch to: here those of exact.py.
 
 Where the type of its model is that of other equations, these have versions of their own (kernels/paper/).
 """
@@ -24,7 +24,10 @@ class Column(NamedTuple):
 
 @kernel
 def evaluate(column, phase, motion):
-    """Accelerations of a phase for a given motion of the base; work.joints holds the resultants. Returns a code."""
+    """Compute the accelerations of a phase for a motion of the base; return a code.
+
+    `work.joints` holds the resultants of its joints.
+    """
     work = column.work
     column.counts.evaluations += 1
     exact_accelerations(column.model, phase, motion, work.joints, work.hold, work.room)
@@ -33,19 +36,19 @@ def evaluate(column, phase, motion):
 
 @varied_leaf
 def evaluate_at(column, phase, t):
-    """`evaluate` under the motion of the base at time t, for one column or for lanes (batch/)."""
+    """Evaluate a phase under the motion of the base at time t, for one column or for lanes (batch/); return a code."""
     return evaluate(column, phase, base_motion(column.base, column.samples, t))
 
 
 @varied_leaf
 def base_as_shown(column, t):
-    """The motion of the base at time t as far as output rows show it: its rotation."""
+    """Return the motion of the base at time t as far as output rows show it: its rotation."""
     return Motion(0.0, 0.0, base_turn(column.base, t), 0.0, 0.0)
 
 
 @varied_leaf
 def top_motion(column, phase, ux, rate, turn, spin):
-    """Displacement (m) and velocity (m/s) of the top faces relative to the base: rows of n.
+    """Fill `ux` and `rate` with displacement (m) and velocity (m/s) of the top faces relative to the base: rows of n.
 
     turn, spin: rotation of the base, rad clockwise, and its rate.
     """
@@ -54,5 +57,8 @@ def top_motion(column, phase, ux, rate, turn, spin):
 
 @varied_leaf
 def reach_of(column, first, last, i):
-    """Upper bound of block i's part of |u_x|, m, from these rows of coordinates; of its rate from rows of rates."""
+    """Return an upper bound of block i's part of the magnitude of u_x (m).
+
+    first, last: rows of coordinates; with rows of rates, the bound of its rate (m/s).
+    """
     return column.model.blocks.height[i] * abs(first[i]) + abs(last[i])

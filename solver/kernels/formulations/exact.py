@@ -1,4 +1,4 @@
-"""Formulation `exact`: finite rotations (theory.md section 4) by the forces along the joints (section 8).
+"""The formulation `exact`: finite rotations (theory.md section 4) by the forces along the joints (section 8).
 
 N and M of every joint follow from its motion. The unknowns are the forces T along the joints, which keep each joint
 rigid in shear: a symmetric positive definite tridiagonal system. The joints are evaluated independently, which a
@@ -37,7 +37,7 @@ from ..numba_ext.views import Record
 
 
 class Motion(NamedTuple):
-    """Motion of the base at an instant: accelerations m/s2, rotation rad clockwise, its rate and acceleration."""
+    """The motion of the base at an instant: accelerations (m/s2), rotation (rad clockwise), its derivatives."""
 
     ax: float
     az: float
@@ -48,12 +48,12 @@ class Motion(NamedTuple):
 
 STILL = Motion(0.0, 0.0, 0.0, 0.0, 0.0)
 
-# of one joint
+# results of an evaluation for one joint
 JOINT_ROW = Record(
     # from the joint's motion
     "sine",  # of the angle of the block above to the normal of the joint
     "cosine",
-    "turned",  # N m, moment of the joint on the block above and, reversed, below: M cos sigma
+    "turned",  # N m, M cos sigma: moment of the joint on the block above and, reversed, on that below
     # of the elimination
     "part",  # coefficient of -T_i in T_(i-1)
     "alone",  # N, T_i without the part from T_(i+1)
@@ -75,13 +75,13 @@ _SIZE = JOINT_ROW.beside
 
 @leaf
 def joint_row(room, i):
-    """Results of an evaluation for joint i in `room`."""
+    """Return the results of an evaluation for joint i in `room`."""
     return _over(room.row[_SIZE * i :], 0)
 
 
 @leaf
 def exact_accelerations(model, phase, motion, joints, hold, room):
-    """Accelerations of a phase from its coordinates and rates, and the resultants of its joints; returns nothing."""
+    """Fill in the accelerations of a phase from its coordinates and rates, and the resultants of its joints."""
     if can_slide(model):  # compiled twice: the one without slips is a sixth faster
         _accelerations(model, phase, motion, joints, hold, room, True)
     else:
@@ -90,7 +90,7 @@ def exact_accelerations(model, phase, motion, joints, hold, room):
 
 @leaf
 def _accelerations(model, phase, motion, joints, hold, room, slides):
-    """`exact_accelerations` for either kind of column; slides: whether slips are coordinates."""
+    """Compute `exact_accelerations` for either kind of column; slides: whether slips are coordinates."""
     _turn(phase, room, model.n)
     _bear(model, phase, joints, hold, room, slides)
     right, opens = _downwards(model, phase, motion, joints, room, slides)
@@ -99,19 +99,19 @@ def _accelerations(model, phase, motion, joints, hold, room, slides):
 
 @varied_leaf
 def with_couple(motion, model, phase, i, couple):
-    """The couple on block i, N m, with that of the loads on it: there are none."""
+    """Return the couple on block i (N m) with that of the loads on it: none here."""
     return couple
 
 
 @varied_leaf
 def with_push(motion, model, phase, i, joint, right, opens):
-    """Right side and opening of the row of a joint of block i, with the part of the loads on it: there are none."""
+    """Return right side and opening of the row of a joint of block i, with the part of the loads on it: none here."""
     return right, opens
 
 
 @leaf
 def _turn(phase, room, n):
-    """Sine and cosine of half of the rotation of each joint: in a loop of its own, whose iterations are independent."""
+    """Compute sine and cosine of half the rotation of each joint: in a separate loop of independent iterations."""
     for i in range(n):
         here, turn = joint_row(room, i), phase.theta[i]
         if i + 1 < n:
@@ -121,12 +121,13 @@ def _turn(phase, room, n):
 
 @leaf
 def _bear(model, phase, joints, hold, room, slides):
-    """N and M of each joint, and T of those that slide, from the joint's motion alone."""
+    """Compute N and M of each joint, and T of those that slide, from the joint's motion alone."""
     n, blocks = model.n, model.blocks
     off_axis = slides and any_of(model.settings.off_axis != 0.0)
     for i in range(n):
         here = joint_row(room, i)
         sine, cosine = here.sine, here.cosine
+        # motion of the joint: slope, opening in the middle of the contact, slip
         spin = phase.theta_rate[i]
         if i + 1 < n:
             spin -= phase.theta_rate[i + 1]
@@ -136,15 +137,18 @@ def _bear(model, phase, joints, hold, room, slides):
         if slides:
             felt = opening_felt(felt, slip, slope)
             felt_rate = opening_rate_felt(felt_rate, slip, slip_rate, slope, slope_rate)
+        # forces of the pressure
         motion = felt, slope, felt_rate, slope_rate, slip
         normal, moment, length = resultants_of(model, joints, hold, i, *motion)
         if slides:
             here.under_sine, here.under_cosine = sine, cosine
+            # angles of both blocks to the normal of the joint, as built (section 12)
             if off_axis:
                 turn = phase.theta[i] - phase.theta[i + 1] if i + 1 < n else phase.theta[i]
                 lean, tilt_below = blocks.lean[i], blocks.tilt[i + 1] if i + 1 < n else 0.0
                 here.sine, here.cosine = sine_cosine(0.5 * turn + (blocks.tilt[i] - lean))
                 here.under_sine, here.under_cosine = sine_cosine(0.5 * turn + (lean - tilt_below))
+            # couple of N across half of the slip; friction (section 9)
             across = 0.5 * slip * normal
             moment += across
             here.across = across
@@ -159,16 +163,21 @@ def _bear(model, phase, joints, hold, room, slides):
 
 @leaf
 def _downwards(model, phase, motion, joints, room, slides):
-    """Finish the row of the joint above each block and eliminate it; row and opening of the base joint, unfinished."""
+    """Finish and eliminate the row of the joint above each block; return right side and opening of the base joint.
+
+    Both are without the acceleration of the base.
+    """
     n, blocks = model.n, model.blocks
     spin = phase.theta_rate[0] + motion.omega
     spin_below = _spin_below(phase, motion, 0, n)
+    # the top block
     half, _, _, diagonal, right, opens = _over_joint(
         model, phase, motion, joints, room, 0, spin, spin_below, 0.0, slides
     )
     for i in range(1, n):
         spin = spin_below
         spin_below = _spin_below(phase, motion, i, n)
+        # joints below and above block i
         here, above = joint_row(room, i), joint_row(room, i - 1)
         per_mass = blocks.per_mass[i]
         normal, normal_above = joints.normal[i], joints.normal[i - 1]
@@ -178,10 +187,12 @@ def _downwards(model, phase, motion, joints, room, slides):
         couple = above.turned - normal_above * upper_sine
         if slides:
             couple += above.across
+        # contribution of the block to the row of the joint below it
         half_above = half
         half, p, free_alpha, diagonal_below, right_below, opens_below = _over_joint(
             model, phase, motion, joints, room, i, spin, spin_below, couple, slides
         )
+        # and to the row of the joint above it
         q = upper_cosine + half_above
         q_turns = q * blocks.per_inertia[i]
         square = spin * spin
@@ -190,6 +201,7 @@ def _downwards(model, phase, motion, joints, room, slides):
         right += (upper_sine * square - normal * sine_beta) + q * free_alpha
         opens += upper_cosine * square - normal * cosine_beta
         right, opens = with_push(motion, model, phase, i, i - 1, right, opens)
+        # eliminate that row (section 8)
         pivot = 1.0 / (diagonal + q * q_turns)
         coupling = p * q_turns - cosine_beta
         part = coupling * pivot
@@ -199,11 +211,13 @@ def _downwards(model, phase, motion, joints, room, slides):
         here.part = part
         here.turn_above = q_turns
         here.sine_beta = sine_beta
+        # a joint that slides has a given T
         passed, taken = alone, part * coupling
         if slides:
             above.pivot = pivot
             slid = joints.sliding[i - 1] != 0.0
             passed, taken = where(slid, above.given, alone), where(slid, 0.0, taken)
+        # the row of the joint below
         diagonal = diagonal_below - taken
         right = right_below + (normal_above * sine_beta - coupling * passed)
         opens = opens_below - normal_above * cosine_beta
@@ -213,7 +227,7 @@ def _downwards(model, phase, motion, joints, room, slides):
 
 @leaf
 def _spin_below(phase, motion, i, n):
-    """Rate of rotation of the body below joint i, rad/s."""
+    """Return the rate of rotation of the body below joint i (rad/s)."""
     if i + 1 < n:
         return phase.theta_rate[i + 1] + motion.omega
     return motion.omega
@@ -221,9 +235,10 @@ def _spin_below(phase, motion, i, n):
 
 @leaf
 def _over_joint(model, phase, motion, joints, room, i, spin, spin_below, couple, slides):
-    """Contribution of block i to the row of the joint under it; couple: N m, on the block from above.
+    """Return the contribution of block i to the row of the joint under it; couple: N m, on the block from above.
 
-    Returns half of the opening, the lever of T_i, m, free alpha, and the block's part of diagonal, right side, opening.
+    Returns half of the opening (m), the lever of T_i (m), free alpha (rad/s2), and the block's part of diagonal, right
+    side and opening.
     """
     blocks, here = model.blocks, joint_row(room, i)
     normal, per_masses, per_inertia = joints.normal[i], blocks.per_masses[i], blocks.per_inertia[i]
@@ -234,11 +249,13 @@ def _over_joint(model, phase, motion, joints, room, i, spin, spin_below, couple,
     half = quarter + quarter
     p = lower_cosine + half
     p_turns = p * per_inertia
+    # rotation of the block without T
     couple = (normal * lower_sine - here.turned) + couple
     if slides:
         couple += here.across
     couple = with_couple(motion, model, phase, i, couple)
     free_alpha = per_inertia * couple
+    # its part of the row
     diagonal = per_masses + p * p_turns
     right = phase.opening_rate[i] * both_spins + (p * free_alpha - lower_sine * square)
     opens = normal * per_masses + (lower_cosine * square + quarter * both_spins * both_spins)
@@ -253,7 +270,7 @@ def _over_joint(model, phase, motion, joints, room, i, spin, spin_below, couple,
 
 @leaf
 def _under(row, slides):
-    """Sine and cosine of the angle of the block below to the normal of a joint."""
+    """Return sine and cosine of the angle of the block below to the normal of a joint."""
     if slides:
         return row.under_sine, row.under_cosine
     return row.sine, row.cosine
@@ -261,13 +278,13 @@ def _under(row, slides):
 
 @leaf
 def _upwards(model, phase, motion, joints, room, right, opens, slides):
-    """The forces along the joints from the base joint upwards, and the quantities that follow from them.
+    """Compute the forces along the joints from the base joint upwards, and the accelerations that follow from them.
 
     right, opens: of the base joint, without the acceleration of the base.
     """
     n, blocks = model.n, model.blocks
     last = joint_row(room, n - 1)
-    # the base: gravity is an upward acceleration; joint n is turned against it, by theta_n / 2 if upright
+    # the base: gravity is an upward acceleration; joint n is turned relative to the base, by theta_n / 2 if upright
     along, lift = motion.ax, motion.az + model.settings.gravity
     if any_of(motion.theta != 0.0):
         base_sine, base_cosine = sine_cosine(motion.theta)
@@ -281,6 +298,7 @@ def _upwards(model, phase, motion, joints, room, right, opens, slides):
 
     swung_below = 0.0  # alpha of the block below times the height of its top face above its centroid
     alpha_below = motion.alpha
+    # T of the joint above block i, then its rotation and opening
     for i in range(n - 1, 0, -1):
         here, above = joint_row(room, i), joint_row(room, i - 1)
         force_above = above.alone - here.part * force
@@ -293,6 +311,7 @@ def _upwards(model, phase, motion, joints, room, right, opens, slides):
         opens = above.free_opening - here.sine_beta * force
         swung_below = blocks.upper[i] * alpha
         force, alpha_below = force_above, alpha
+    # the top block
     here = joint_row(room, 0)
     alpha = here.free_alpha - here.turn_below * force
     _move(phase, motion, here, blocks, 0, alpha, alpha_below, swung_below, opens, slides)
@@ -311,9 +330,10 @@ def _move(phase, motion, here, blocks, i, alpha, alpha_below, swung_below, opens
 
 @leaf
 def _slide(phase, row, joints, i, needed):
-    """T of joint i and the acceleration of its slip; `needed`: the force that would prevent sliding."""
+    """Return T of joint i and store the acceleration of its slip; needed: the force that would prevent sliding (N)."""
     way, bears, given = joints.sliding[i], joints.shear_capacity[i], row.given
     sticks = way == 0.0
+    # flag a joint that sticks although its capacity is exceeded
     beyond = magnitude(needed - joints.pressure_shear[i]) > bears
     joints.overcome[i] = where(sticks & beyond, 1.0, joints.overcome[i])
     phase.slip_acceleration[i] = where(sticks, 0.0, (given - needed) / row.pivot)
@@ -323,28 +343,32 @@ def _slide(phase, row, joints, i, needed):
 
 @kernel
 def exact_top_motion(model, phase, ux, rate, turn=0.0, spin=0.0):
-    """Horizontal displacement (m) and velocity (m/s) of the top faces, as built and relative to the base: rows of n.
+    """Fill `ux` (m) and `rate` (m/s) with horizontal displacement and velocity of the top faces: rows of n.
 
-    turn, spin: rotation of the base, rad clockwise, and its rate.
+    Relative to the column as built and to the base. turn, spin: rotation of the base, rad clockwise, and its rate.
     """
     displacement = 0.0
     velocity = 0.0
     turn_below, spin_below = turn, spin
     slides = can_slide(model)
     for i in range(model.n - 1, -1, -1):
+        # rotations of block and joint
         height = model.blocks.height[i]
         theta = phase.theta[i] + turn
         omega = phase.theta_rate[i] + spin
         opening = phase.opening[i]
         phi = 0.5 * (theta + turn_below)
         turn_below, spin_under = theta, spin_below
+        # angles as built
         if slides:
             theta, phi = theta + model.blocks.tilt[i], phi + model.blocks.lean[i]
+        # opening along the normal of the joint, height along the block
         sine, cosine = sine_cosine(theta)
         sine_phi, cosine_phi = sine_cosine(phi)
         displacement += opening * sine_phi + height * sine
         velocity += phase.opening_rate[i] * sine_phi + opening * 0.5 * (omega + spin_under) * cosine_phi
         velocity += height * omega * cosine
+        # slip along the joint
         if slides:
             displacement += phase.slip[i] * cosine_phi
             velocity += phase.slip_rate[i] * cosine_phi - phase.slip[i] * 0.5 * (omega + spin_under) * sine_phi

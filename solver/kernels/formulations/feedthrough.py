@@ -1,4 +1,4 @@
-"""Direct feedthrough of the base: the reaction split into R0 and the part that follows the base acceleration at once.
+"""The direct feedthrough of the base: the reaction split into R0 and the part proportional to the base acceleration.
 
 The column is rigid along the tangent of every joint, so that its base reaction R = (Fx, Fz, My) and the forces along
 the joints depend on the base acceleration a = (a_x, a_z, alpha) of the same instant (theory.md section 7):
@@ -19,7 +19,7 @@ from .exact import joint_row
 
 @kernel
 def base_direction(model, phase, base_turn):
-    """g (1, 1, m): the acceleration of the base joint along its tangent is g . (a_x, a_z, alpha).
+    """Return g (1, 1, m): the acceleration of the base joint along its tangent is g . (a_x, a_z, alpha).
 
     base_turn: rotation of the base, rad.
     """
@@ -30,9 +30,9 @@ def base_direction(model, phase, base_turn):
 
 @kernel
 def effective_mass(model, work):
-    """mu, kg: mass that the column opposes to that acceleration, from the last evaluation.
+    """Return mu (kg): the mass that the column opposes to that acceleration, from the last evaluation.
 
-    None where the base joint slides: friction does not follow the acceleration at once.
+    It is 0 where the base joint slides: friction does not follow the acceleration at once.
     """
     if can_slide(model) and work.joints.sliding[model.n - 1] != 0.0:
         return 0.0
@@ -41,13 +41,14 @@ def effective_mass(model, work):
 
 @kernel
 def tangential_gains(model, work, gains):
-    """Derivatives of the tangential forces T_i, kg, by that acceleration, from the last evaluation: row of n.
+    """Fill `gains` (kg, row of n) with the derivatives of T_i by that acceleration, from the last evaluation.
 
     No other resultant (N, M) follows the acceleration of the base at once.
     """
     n = model.n
     gain = joint_row(work.room, n - 1).pivot
     for i in range(n - 1, -1, -1):
+        # nothing passes a joint that slides
         if can_slide(model) and work.joints.sliding[i] != 0.0:
             gain = 0.0
         gains[i] = gain
@@ -68,9 +69,10 @@ def split_reaction(column, phase, motion, row, split):
 
 @leaf
 def share_reaction(mu, direction, motion, row, split):
-    """`split_reaction` where mu and g, the direction, are known."""
+    """Split the base reaction as `split_reaction`, from mu (kg) and the direction g."""
     g_x, g_z, g_m = direction
     met = mu * (g_x * motion.ax + g_z * motion.az + g_m * motion.alpha)
+    # R0 = R + M a, then M = mu g g'
     split.R0x = row.base.Fx + g_x * met
     split.R0z = row.base.Fz + g_z * met
     split.R0m = row.base.My + g_m * met

@@ -18,7 +18,7 @@ from ..numba_ext.views import Table
 from ..sections.section import contact_of, strip_stiffness
 
 TANGENT = Table(
-    # force (couple, tangent, normal) needed by the part above: the part that passes a block and its joint
+    # matrix that passes the force (couple, tangent, normal) on the part above through a block and its joint
     "pass_aa",
     "pass_at",
     "pass_an",
@@ -26,35 +26,35 @@ TANGENT = Table(
     "pass_tn",
     "pass_nt",
     "pass_nn",
-    "turn_a",  # and the part due to a force on the joint against its relative rotation;
+    "turn_a",  # share of a force on the joint against its relative rotation
     "turn_t",
     "turn_n",
-    "open_a",  # the part due to a force against its opening
+    "open_a",  # share of a force against its opening
     "open_t",
     "open_n",
-    "lever_t",  # moment of the force above on the joint, beside its couple, and
+    "lever_t",  # moment of the force above about the joint, in addition to its couple
     "lever_n",
-    "lift_t",  # force that opens it
+    "lift_t",  # component of the force above that opens the joint
     "lift_n",
-    "d_11",  # inverse of the block's own 2 x 2
+    "d_11",  # inverse of the 2 x 2 matrix of the block's unknowns
     "d_12",
     "d_22",
     "k_11",  # second derivatives of the potential: by rotation, mixed, by opening
     "k_12",
     "k_22",
-    "u_1",  # the remaining forces on the joint
+    "u_1",  # the block's unknowns where the body below does not move
     "u_2",
     "edge_11",  # contribution to K of the moving edge where the faces part, without a dashpot of its own
     "edge_12",
     "edge_22",
 )
-WIDEST = 100.0  # times the width of the joint: limit of a strip's width, where the edge runs along the joint at once
+WIDEST = 100.0  # limit of the strip's width relative to the joint's: a slope near zero moves the edge along all of it
 _tangent = TANGENT.over
 
 
 @leaf
 def _edge_that_moves(contact, damping, opening, slope, opening_rate, slope_rate, lo, hi):
-    """(abscissa m, width m) of the strip of joint whose stiffness is that of the moving edge of the loaded part.
+    """Return (abscissa m, width m) of the strip whose stiffness is that of the moving edge of the loaded part.
 
     Where the faces part only the damper presses, by damping times the rate of penetration. As the joint closes by d
     the edge moves by d / slope: that pressure over that width is the force of a strip without a dashpot.
@@ -69,7 +69,7 @@ def _edge_that_moves(contact, damping, opening, slope, opening_rate, slope_rate,
 
 @leaf
 def _about(stiffness, beyond):
-    """A stiffness (joint/law.py, `joint_tangent`) about a middle that lies `beyond` m to the left."""
+    """Return a stiffness (joint/law.py, `joint_tangent`) about a middle that lies `beyond` m to the left."""
     along, mixed, second = stiffness
     if beyond == 0.0:
         return stiffness
@@ -77,7 +77,7 @@ def _about(stiffness, beyond):
 
 
 class _Stiffness(NamedTuple):
-    """Of a joint, as the rows of TANGENT name it."""
+    """The stiffness of a joint, as the rows of TANGENT name it."""
 
     k_11: float
     k_12: float
@@ -89,14 +89,16 @@ class _Stiffness(NamedTuple):
 
 @leaf
 def _stiffness_of(model, phase, i, slope, slope_rate, cos_half):
-    """Stiffness of the loaded part of joint i, and of its moving edge."""
+    """Return the stiffness of the loaded part of joint i, and of its moving edge."""
     blocks = model.blocks
     eta = blocks.damping[i]
+    # motion in the middle of the contact, and the loaded part
     slip, slip_rate = slip_of(model, phase, i)
     contact = contact_of(blocks, i, slip)
     felt = opening_felt(phase.opening[i], slip, slope)
     felt_rate = opening_rate_felt(phase.opening_rate[i], slip, slip_rate, slope, slope_rate)
     lo, hi = loaded_part(contact.left, contact.right, eta, felt, slope, felt_rate, slope_rate)
+    # stiffness of the loaded part, then of the moving edge
     mean, gradient = felt + eta * felt_rate, slope + eta * slope_rate
     k_22, k_12, k_11 = _about(joint_tangent(contact, law_of(blocks, i), lo, hi, mean, gradient), 0.5 * slip)
     edge, strip = _edge_that_moves(contact, eta, felt, slope, felt_rate, slope_rate, lo, hi)
@@ -108,7 +110,7 @@ def _stiffness_of(model, phase, i, slope, slope_rate, cos_half):
 
 
 class _Part(NamedTuple):
-    """Inertia of the part above a joint in its frame: by rotation, tangent and normal."""
+    """The inertia of the part above a joint in its frame: by rotation, tangent and normal."""
 
     aa: float
     at: float
@@ -120,8 +122,8 @@ class _Part(NamedTuple):
 
 @leaf
 def _with_block(part, cosine, sine, mass, inertia, arm_t, arm_n):
-    """The part turned into the frame of the joint below, with the block; its centroid is at the arm, m."""
-    # t' = c t + s n of the upper frame: components along this joint's t and n
+    """Return the part turned into the frame of the joint below, plus the block, whose centroid is at the arm (m)."""
+    # rotate the inertia: t' = c t + s n of the upper frame, along this joint's t and n
     t_t = part.tt * cosine + part.nt * sine
     t_n = part.nt * cosine + part.nn * sine
     n_t = part.nt * cosine - part.tt * sine
@@ -138,7 +140,7 @@ def _with_block(part, cosine, sine, mass, inertia, arm_t, arm_n):
 
 @leaf
 def _half_turns(model, phase, i):
-    """Sine and cosine of half the turn of joint i; of its tangent against the block above; and the body below."""
+    """Return (sine, cosine) of half the rotation of joint i, and of its tangent's angle to both blocks."""
     below = phase.theta[i + 1] if i + 1 < model.n else 0.0
     half = 0.5 * (phase.theta[i] - below)
     middle = sine_cosine(half)
@@ -151,18 +153,23 @@ def _half_turns(model, phase, i):
 
 @kernel
 def factorize(model, phase, tangent, step_part):
-    """Prepare the solution at a phase; joint i is weighted with step_part^2 + step_part * its damping."""
+    """Factorize M + G at a phase and store it in `tangent` (TANGENT).
+
+    The weight of joint i is step_part^2 + step_part * its damping (s2); step_part in s.
+    """
     n, blocks, rows = model.n, model.blocks, _tangent(tangent, model.n)
     part = _Part(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # above block i, in the frame of joint i - 1
     cos_above, sin_above = 1.0, 0.0
     square = step_part * step_part
     for i in range(n):
+        # stiffness of the joint, and angles of its blocks
         mass, over, opening = blocks.mass[i], blocks.upper[i], phase.opening[i]
         spin_below = phase.theta_rate[i + 1] if i + 1 < n else 0.0
         (sin_half, cos_half), (sin_over, cos_over), (sin_under, cos_under) = _half_turns(model, phase, i)
         slope_rate = cos_half * (phase.theta_rate[i] - spin_below)
         joint = _stiffness_of(model, phase, i, 2.0 * sin_half, slope_rate, cos_half)
         weight = step_part * (step_part + blocks.damping[i])
+        # the part above with the block, in the frame of the joint
         cos_beta = cos_above * cos_over - sin_above * sin_over
         sin_beta = sin_above * cos_over + cos_above * sin_over
         swing = mass * over
@@ -195,7 +202,7 @@ def factorize(model, phase, tangent, step_part):
         # refer to the top face of the body below
         up_t, up_n = j_t + (m_tt * e_t + m_nt * e_n), j_n + (m_nt * e_t + m_nn * e_n)
         part = _Part(j_aa + (e_t * (j_t + up_t) + e_n * (j_n + up_n)), up_t, up_n, m_tt, m_nt, m_nn)
-        # all of this as one matrix, which solutions apply faster
+        # combine these steps in one matrix, which `solve` applies faster
         lever_t, lever_n = b_t * cos_beta - b_n * sin_beta, b_t * sin_beta + b_n * cos_beta
         turn_a, open_a = -(w_a + e_t * w_t + e_n * w_n), -(v_a + e_t * v_t + e_n * v_n)
         rows.turn_a[i], rows.turn_t[i], rows.turn_n[i] = turn_a, -w_t, -w_n
@@ -228,12 +235,14 @@ def solve(model, tangent, a, v, step_part):
     p_t = 0.0
     p_n = 0.0
     square = step_part * step_part
+    # pass down
     for i in range(n):
         turn_a = a[i]
         turn_v = v[i]
         if i + 1 < n:
             turn_a -= a[i + 1]
             turn_v -= v[i + 1]
+        # forces of the joint's springs and dashpots
         weight = step_part * (step_part + blocks.damping[i])
         r_1 = weight * turn_a + square * turn_v
         r_2 = weight * a[n + i] + square * v[n + i]
@@ -243,6 +252,7 @@ def solve(model, tangent, a, v, step_part):
         edge_12 = rows.edge_12[i]
         f_1 = rows.k_11[i] * r_1 + k_12 * r_2 + (rows.edge_11[i] * e_1 + edge_12 * e_2)
         f_2 = k_12 * r_1 + rows.k_22[i] * r_2 + (edge_12 * e_1 + rows.edge_22[i] * e_2)
+        # the two unknowns of the joint, and the force on the part below
         turn_t, turn_n = rows.turn_t[i], rows.turn_n[i]
         u_1 = f_1 + (p_a + rows.lever_t[i] * p_t + rows.lever_n[i] * p_n)
         u_2 = f_2 + (rows.lift_t[i] * p_t + rows.lift_n[i] * p_n)
@@ -257,10 +267,11 @@ def solve(model, tangent, a, v, step_part):
     alpha = 0.0
     a_t = 0.0
     a_n = 0.0
+    # pass up: acceleration of the body below gives that of the block
     for i in range(n - 1, -1, -1):
         u_1, u_2 = rows.u_1[i], rows.u_2[i]
         opened = u_2 + (rows.open_a[i] * alpha + rows.open_t[i] * a_t + rows.open_n[i] * a_n)
-        # back through the transposed matrix
+        # the transposed matrix of the pass down
         alpha, a_t, a_n = (
             (rows.pass_aa[i] * alpha + rows.turn_t[i] * a_t) + (rows.turn_n[i] * a_n + u_1),
             (rows.pass_at[i] * alpha + rows.pass_tt[i] * a_t)

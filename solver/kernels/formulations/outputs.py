@@ -1,4 +1,4 @@
-"""One output row: all quantities of a column at one instant that a user can see."""
+"""The output row: all quantities of a column at one instant that a user can see."""
 
 from ..joint.law import largest_pressure, law_of
 from ..joint.sliding import can_slide, opening_felt, opening_rate_felt, slip_if
@@ -12,7 +12,7 @@ from .slips import evaluate_after_jump
 
 @kernel
 def observe(column, phase, motion, row):
-    """Fill an output row with all outputs of a phase, and the phase's accelerations. Returns a code."""
+    """Fill an output row with all outputs of a phase, and the phase with its accelerations; return a code."""
     code = evaluate_after_jump(column, phase, motion)
     if code == OK:
         top_motion(column, phase, row.joints.ux, column.work.tops.between_rate, motion.theta, motion.omega)
@@ -23,7 +23,7 @@ def observe(column, phase, motion, row):
 
 @varied_leaf
 def show_more(column, phase, motion, row):
-    """Fill in what stands behind the output row of an evaluated phase: nothing."""
+    """Fill in the values behind the output row of an evaluated phase: none here."""
     return
 
 
@@ -33,9 +33,10 @@ def show(column, phase, resultants, motion, row):
     model, joints, base = column.model, row.joints, row.base
     n, blocks = model.n, model.blocks
     slides = can_slide(model)
-    rise = 0.0  # of the top face of the block below
+    rise = 0.0  # m, of the top face of the block below
     turn_below, spin_below = 0.0, 0.0
     for i in range(n - 1, -1, -1):
+        # motion of block and joint
         turn, spin = phase.theta[i], phase.theta_rate[i]
         opening, opening_rate = phase.opening[i], phase.opening_rate[i]
         slip, slip_rate = slip_if(slides, model, phase, i)
@@ -45,6 +46,7 @@ def show(column, phase, resultants, motion, row):
         sine, cosine = sine_cosine(phi)
         sine_slope, cosine_slope = half_sine_cosine(turn - turn_below)
         slope, slope_rate = 2.0 * sine_slope, cosine_slope * (spin - spin_below)
+        # rise of the centroid, without the loss of digits in 1 - cos
         sine_half, _ = half_sine_cosine(theta)
         sine_built = sine_half
         rise += opening * cosine
@@ -52,15 +54,17 @@ def show(column, phase, resultants, motion, row):
             sine_built, _ = sine_cosine(blocks.tilt[i] + 0.5 * theta)
             sine_lean, _ = sine_cosine(blocks.lean[i])
             rise -= slip * sine - blocks.offset[i] * sine_lean
-        dip = -2.0 * sine_built * sine_half  # cosine of the rotation less that as built
+        dip = -2.0 * sine_built * sine_half  # cosine of the inclination less that as built
         joints.uz[i] = rise + blocks.centroid[i] * dip
         rise += blocks.height[i] * dip
+        # outputs of the joint
         felt, felt_rate = opening, opening_rate
         if slides:
             felt = opening_felt(opening, slip, slope)
             felt_rate = opening_rate_felt(opening_rate, slip, slip_rate, slope, slope_rate)
         joints.theta[i] = theta
         show_joint(blocks, i, resultants, sine, cosine, felt, slope, felt_rate, slope_rate, slip, joints)
+        # base reaction
         if i == n - 1:
             normal, moment, tangential = resultants.normal[i], resultants.moment[i], resultants.tangential[i]
             base.Fx = joints.S[i]
@@ -74,6 +78,7 @@ def show_joint(blocks, i, resultants, sine, cosine, opening, slope, opening_rate
     """Fill the outputs of joint i, whose normal is turned by an angle of this sine and cosine."""
     normal, moment, tangential = resultants.normal[i], resultants.moment[i], resultants.tangential[i]
     contact, law, length = contact_of(blocks, i, slip), law_of(blocks, i), resultants.length[i]
+    # forces, then contact, pressure and slip
     joints.N[i] = normal
     joints.M[i] = moment
     joints.S[i] = -(normal * sine + tangential * cosine)

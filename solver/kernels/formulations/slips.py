@@ -1,4 +1,4 @@
-"""Sliding joints and their directions: decided where forces may jump, kept within a step (theory.md section 9).
+"""The sliding joints and their directions: decided where forces may jump, kept within a step (theory.md section 9).
 
 The functions that decide serve one column and lanes of eight.
 """
@@ -15,19 +15,19 @@ _SNAPSHOT_BESIDE = SNAPSHOT.beside
 
 @varied_leaf
 def phase_size(work):
-    """Number of values of a phase to copy."""
+    """Return the number of values of a phase to copy."""
     return (PHASE_FIELDS if work.slips.count != 0.0 else RIGID_FIELDS) * work.n
 
 
 @leaf
 def size_of_snapshot(work):
-    """Number of values of a snapshot: as many as a phase holds."""
+    """Return the number of values of a snapshot: those of a phase and the scalars of SNAPSHOT."""
     return _SNAPSHOT_BESIDE + phase_size(work)
 
 
 @leaf
 def keep_slips(work, phase):
-    """Give a phase the slips, if there are any, of the start of the step."""
+    """Copy the slips of the start of the step, if there are any, to a phase."""
     copy(phase.slips, work.start.slips, phase_size(work) - RIGID_FIELDS * work.n)
 
 
@@ -45,31 +45,31 @@ def take_directions(work, phase):
 
 @kernel
 def note_directions(work, phase):
-    """Store in a phase how the joints slide."""
+    """Store in a phase the directions in which the joints slide."""
     copy(phase.sliding, work.joints.sliding, int(work.slips.count))
 
 
 @varied_leaf
 def take_memory(work, phase):
-    """Let the joints remember what a phase holds: nothing."""
+    """Load the memory of the joints from a phase: none here."""
     return
 
 
 @varied_leaf
 def keep_memory(work, phase):
-    """Store in a phase within a step what the joints remember at its start: nothing."""
+    """Store in a phase within a step the memory of the joints at its start: none here."""
     return
 
 
 @varied_leaf
 def note_memory(column, phase):
-    """Store in a phase, just evaluated, at the end of a step what its joints remember from then on: nothing."""
+    """Store in a phase, just evaluated, at the end of a step the memory of its joints from then on: none here."""
     return
 
 
 @leaf
 def something_slides(work):
-    """Whether any joint slides."""
+    """Return True if any joint slides."""
     slides = False
     for i in range(int(work.slips.count)):
         slides = slides or work.joints.sliding[i] != 0.0
@@ -78,13 +78,13 @@ def something_slides(work):
 
 @leaf
 def shear_margin(joints, i):
-    """Shear capacity of joint i less the force along it, N; negative where it slides."""
+    """Return the shear capacity of joint i less the force along it (N); negative where it slides."""
     return joints.shear_capacity[i] - magnitude(joints.tangential[i] - joints.pressure_shear[i])
 
 
 @varied
 def evaluate_after_jump(column, phase, motion):
-    """`evaluate` where forces may have jumped: every joint that does not move sticks or slides as its forces require.
+    """Evaluate a phase where forces may have jumped: joints at rest stick or slide as their forces require.
 
     The moving joints are those of the phase, which is changed where one of them has come to rest. Returns a code.
     """
@@ -93,6 +93,7 @@ def evaluate_after_jump(column, phase, motion):
     work = column.work
     stop_what_is_still(work.joints, phase, work.n)
     evaluate(column, phase, motion)
+    # each change of direction changes the forces: iterate
     for _ in range(2 * work.n + 2):
         if not change_directions(work.joints, phase, work.n):
             break
@@ -103,7 +104,7 @@ def evaluate_after_jump(column, phase, motion):
 
 @leaf
 def stop_what_is_still(joints, phase, n):
-    """Let the joints slide as a phase says, except those that no longer move that way: they stop."""
+    """Let the joints slide in the directions of a phase, and stop those that no longer move that way."""
     for i in range(n):
         moves = phase.sliding[i] * phase.slip_rate[i] > 0.0
         joints.sliding[i] = where(moves, phase.sliding[i], 0.0)
@@ -112,11 +113,12 @@ def stop_what_is_still(joints, phase, n):
 
 @leaf
 def change_directions(joints, phase, n):
-    """Let joints slide whose capacity is exceeded, and stop those that would slide backwards; whether any change."""
+    """Let joints slide whose capacity is exceeded, stop those that would slide backwards; return True if any change."""
     changed = joints.sliding[0] != joints.sliding[0]  # false in every lane
     for i in range(n):
         way = joints.sliding[i]
         sticks = way == 0.0
+        # joints that begin to slide, against the force along them, and those that stop
         goes = sticks & (shear_margin(joints, i) < 0.0)
         stops = (way != 0.0) & (phase.slip_rate[i] == 0.0) & (way * phase.slip_acceleration[i] < 0.0)
         to = where(joints.tangential[i] > joints.pressure_shear[i], -1.0, 1.0)

@@ -15,12 +15,12 @@ from ..sections.section import Contact
 from .law import held_forces, joint_forces, loaded_part, positive_part, pressure_forces
 from .regimes import contact_regime, regime_margin
 
-NOTHING = 0  # there is no dry part on that side
-OF_SIDE = 31  # mask of the regime of a dry side, the left one; that of the right one stands RIGHT_SIDE bits before it
+NOTHING = 0  # no dry part on that side
+OF_SIDE = 31  # mask of the regime of the left dry side; that of the right one is shifted by RIGHT_SIDE bits
 RIGHT_SIDE = 5
 GROWS_LEFT, GROWS_RIGHT, BONDED = 1 << 10, 1 << 11, 1 << 12
-LEAST = 1e-9  # of the contact: a bond that is shorter is broken
-ROUNDING = 1e-12  # of the stretches: a front within it is at the end of the bond
+LEAST = 1e-9  # relative to the contact: a shorter bond is broken
+ROUNDING = 1e-12  # relative to the stretches: a front this close is at the end of the bond
 
 
 class Bond(NamedTuple):
@@ -39,7 +39,7 @@ class Bond(NamedTuple):
     reach: float
 
 
-BROKEN = 0.0, 0.0  # ends of what is not bonded
+BROKEN = 0.0, 0.0  # ends of a joint without a bond
 
 
 @leaf
@@ -99,7 +99,7 @@ def bonded_forces(contact, law, bond, opening, slope, opening_rate, slope_rate):
     # the bonded interval, in compression or tension
     motion = opening, slope, opening_rate, slope_rate
     force, moment = _pull(contact, law, left, right, *motion)
-    # each side of its own, then their sum: mirror images have mirrored sums
+    # the dry sides separately, then their sum: mirror images have mirrored sums
     before, after = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     if contact.left < left:
         before = joint_forces(_side(contact, contact.left, left), law, *motion)

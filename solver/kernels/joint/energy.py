@@ -5,7 +5,7 @@ from ..sections.section import part_stiffness
 from .law import joint_forces, joint_potential
 
 MOST_TRIALS = 100
-CLOSE = 1e-15  # of the largest penetration
+CLOSE = 1e-15  # relative to the largest penetration
 
 
 @kernel
@@ -26,8 +26,8 @@ def balanced_opening(contact, law, slope, weight):
             low = opening
         else:
             high = opening
-        # stiffness of the pressed part from lo to hi: the derivative of the force
-        edge = min(max(contact.left, opening / slope), contact.right)  # of what is pressed
+        # stiffness of the pressed part, from lo to hi: minus the derivative of the force
+        edge = min(max(contact.left, opening / slope), contact.right)  # edge of the pressed part
         lo, hi = (edge, contact.right) if slope > 0.0 else (contact.left, edge)
         steep = part_stiffness(contact, stiffness, lo, hi)[0]
         # Newton step, or bisection where it leaves the bounds

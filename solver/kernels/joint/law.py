@@ -27,7 +27,7 @@ from .regimes import ANY, OPEN, open_margin, side_margin, sides
 
 
 class Law(NamedTuple):
-    """The parameters of the pressure on a joint, beside its contact and its motion: the fields LAW of spaces.py."""
+    """The parameters of the pressure on a joint, apart from its contact and its motion: the fields LAW of spaces.py."""
 
     stiffness: float  # N/m3
     damping: float  # s
@@ -238,13 +238,13 @@ def _image(blocks, i, slope, slip):
     if isinstance(slip, LanesType):
         return _slipped_image
     # without a slip the contact is its own mirror image
-    return lambda blocks, i, slope, slip: (blocks.left[i], blocks.right[i], 0.0, slope)  # its own mirror image
+    return lambda blocks, i, slope, slip: (blocks.left[i], blocks.right[i], 0.0, slope)
 
 
 def _slipped_image(blocks, i, slope, slip):
     slope = slope + 0.0  # minus zero becomes zero
     left, right = ends_of(blocks, i, slip)
-    right = greater(right, left)  # faces that no longer meet touch over no length
+    right = greater(right, left)  # faces that no longer meet: no contact
     falls = slope < 0.0
     return where(falls, -right, left), where(falls, -left, right), mirrored(slip, slope), slope
 

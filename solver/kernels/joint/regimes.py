@@ -6,14 +6,14 @@ A regime is OPEN, or FULL + left + RIGHT * right with each side a CORNER, TOUCH 
 from ..numba_ext.jit import leaf
 
 # regimes of a joint
-ANY = 0  # whichever applies
+ANY = 0  # any regime: not held
 OPEN = 1
 FULL = 16
 RIGHT = 4
 # what bounds the loaded part on one side
 CORNER = 0  # the end of the joint
-TOUCH = 1  # the faces part there
-PULL = 2  # the damper would pull there
+TOUCH = 1  # the edge where the faces part
+PULL = 2  # the edge beyond which the damper would pull
 
 
 @leaf
@@ -108,7 +108,7 @@ def side_margin(bound, corner, damping, opening, slope, mean, gradient):
 @leaf
 def open_margin(left_end, right_end, opening, slope, mean, gradient):
     """Return the distance (m) by which an open joint with these ends of its contact is from closing."""
-    # largest over the width of the lesser penetration: at a corner, or in between where they are the same
+    # maximum over the width of the smaller penetration: at a corner, or where both are equal
     most = min(left_end * slope - opening, left_end * gradient - mean)
     most = max(most, min(right_end * slope - opening, right_end * gradient - mean))
     same = (mean - opening) / (gradient - slope)

@@ -27,8 +27,8 @@ from ..sections.section import (
 )
 from .law import pressed_part
 
-RIGID = 1e300  # N, as the dowel of a joint that never slides
-MARK = "slips_in_lanes"  # name of an empty part, in the spaces of lanes whose columns have slips (batch/runs.py)
+RIGID = 1e300  # N, dowel of a joint that never slides
+MARK = "slips_in_lanes"  # name of an empty part of the spaces of lanes whose columns have slips (batch/runs.py)
 
 
 def has_no_slips(space):
@@ -176,7 +176,7 @@ def _rim_force_of_one(blocks, i, opening, slope, slip):
     # edges of the outline
     contact = contact_of(blocks, i, slip)
     force = _force_of_edges(blocks, i, contact, 0.0, opening, slope, slip)
-    if contact.rim > 0.0:  # what lies within them is open
+    if contact.rim > 0.0:  # the inside is open
         force -= _force_of_edges(blocks, i, contact, contact.rim, opening, slope, slip)
     return force
 

@@ -1,4 +1,4 @@
-"""Entries called from Python, with the arguments of those of the same names in api/entries.py and batch/entries.py."""
+"""The entries called from Python, with the arguments of those named alike in api/entries.py and batch/entries.py."""
 
 from ..api.engine import column_in, reset
 from ..api.entries import entries_of
@@ -14,7 +14,7 @@ from .lanes import SPACE, follow_fixed_steps
 
 @kernel
 def _assemble(column, given, from_rest, scratch, detail):
-    """The column at rest; from_rest and scratch are not used."""
+    """Assemble the column at rest; return a code. from_rest and scratch are not used."""
     code = describe(column, given.row, detail)
     if code != OK:
         return code

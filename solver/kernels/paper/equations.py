@@ -22,20 +22,20 @@ from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import greater, magnitude
 from ..numba_ext.views import Numbers, Space, Table
 
-MODEL = Space(**at.MODEL.parts, paper=Numbers())  # the numbers of a column's; the empty part tells the compiler
+MODEL = Space(**at.MODEL.parts, paper=Numbers())  # as `exact`; the empty part selects versions at compile time
 
 MAX_SWEEPS = 100
-SWEEP_TOLERANCE = 1e-13  # of the largest acceleration
-REST_TOLERANCE = 1e-15  # of gravity
+SWEEP_TOLERANCE = 1e-13  # relative to the largest acceleration
+REST_TOLERANCE = 1e-15  # relative to gravity
 
 
 def is_paper(model, *_):
-    """Whether a model is the paper's, from numba's type of it."""
+    """Return True if a model is the paper's, from numba's type of it."""
     return "paper" in model.names
 
 
 def of_paper(column, *_):
-    """Whether that of a column is."""
+    """Return True if the model of a column is the paper's, from numba's type of it."""
     return is_paper(column.types[0])
 
 
@@ -49,28 +49,33 @@ sweep_rows = Table(  # scratch of the sweeps, over the row of work.room
 
 @leaf
 def difference(row, i, n):
-    """Number i of a row less the one below it; below the last there is the base, 0."""
+    """Return row[i] - row[i + 1]; the base below the last block counts as 0."""
     return row[i] - row[i + 1] if i + 1 < n else row[i]
 
 
 @leaf
 def tilt(blocks, row, i, n):
-    """Rotation of block i from the displacements in a row, or its rate from velocities; 0 for the base."""
+    """Return the rotation of block i (rad) from displacements in a row, or its rate from velocities; 0 for the base."""
     return difference(row, i, n) / blocks.height[i] if i < n else 0.0
 
 
 @kernel
 def factorize_mass(model):
-    """LDL' of the tridiagonal B' m B + C' H^-1 I H^-1 C (theory.md section 3): inverse pivots 1/kg and multipliers."""
+    """Factorize the tridiagonal B' m B + C' H^-1 I H^-1 C as LDL' (theory.md section 3).
+
+    `blocks` holds the inverse pivots (1/kg) and the multipliers.
+    """
     blocks = model.blocks
     above = 0.0  # contribution of the block above to the diagonal
     side = 0.0  # between it and this block
     pivot = 1.0
     for i in range(model.n):
         mass, height = blocks.mass[i], blocks.height[i]
+        # elements of the block in the matrix
         low = blocks.centroid[i] / height
         high = 1.0 - low
         turning = blocks.inertia[i] / (height * height)
+        # eliminate the block above
         multiplier = side / pivot
         pivot = mass * (low * low) + turning + above - side * multiplier
         above = mass * (high * high) + turning
@@ -81,7 +86,7 @@ def factorize_mass(model):
 
 @kernel
 def settle(model, phase):
-    """Settlements at rest under gravity; other values stay."""
+    """Fill in the settlements (m) at rest under gravity; other values stay."""
     settle_joints(model, phase)
     settled = 0.0
     for i in range(model.n - 1, -1, -1):
@@ -91,21 +96,24 @@ def settle(model, phase):
 
 @kernel
 def evaluate(column, phase, motion):
-    """Accelerations of a phase; those in it on entry are the first guess. work.joints holds the resultants.
+    """Compute the accelerations of a phase; those on entry are the first guess. Return a code.
 
-    Returns a code, NOT_CONVERGED when the sweeps do not settle: the displacements are too large for a first-order
-    model.
+    The code is NOT_CONVERGED when the sweeps do not settle: the displacements are too large for a first-order model.
+    `work.joints` holds the resultants.
     """
     model, joints, counts = column.model, column.work.joints, column.counts
     counts.evaluations += 1
     if motion.theta != 0.0 or motion.omega != 0.0 or motion.alpha != 0.0:
         return ROTATES
+    # resultants, constant during the sweeps
     n = model.n
     sweeps = sweep_rows(column.work.room.row, n)
     lift = model.settings.gravity + motion.az
     bear(model, phase, joints, column.work.hold, sweeps)
+    # sweeps of eqs. 28-31 until the accelerations settle
     for sweep in range(1, MAX_SWEEPS + 1):
         if has_settled(phase, sweep_once(model, phase, motion, joints, sweeps), lift, n):
+            # force along each joint: the shear less the part of N
             for i in range(n):
                 below = sweeps.theta[i + 1] if i + 1 < n else 0.0
                 joints.tangential[i] = sweeps.horizontal[i] - joints.normal[i] * (0.5 * (sweeps.theta[i] + below))
@@ -126,10 +134,11 @@ def _evaluate_after_jump(column, phase, motion):
 
 @leaf
 def bear(model, phase, joints, hold, sweeps):
-    """Rotations, openings and resultants of a phase, which are constant during the sweeps."""
+    """Compute rotations, openings and resultants of a phase, which are constant during the sweeps."""
     n, blocks = model.n, model.blocks
     turn, spin = tilt(blocks, phase.theta, 0, n), tilt(blocks, phase.theta_rate, 0, n)
     for i in range(n):
+        # opening of joint i, and the rotation of the block below
         opening = -difference(phase.opening, i, n)
         opening_rate = -difference(phase.opening_rate, i, n)
         turn_below, spin_below = tilt(blocks, phase.theta, i + 1, n), tilt(blocks, phase.theta_rate, i + 1, n)
@@ -143,7 +152,7 @@ def bear(model, phase, joints, hold, sweeps):
 
 @leaf
 def sweep_once(model, phase, motion, joints, sweeps):
-    """One sweep over the accelerations of a phase; returns the largest change, m/s2."""
+    """Do one sweep over the accelerations of a phase; return the largest change (m/s2)."""
     blocks, n, lift = model.blocks, model.n, model.settings.gravity + motion.az
     change = _horizontal_sweep(blocks, phase, motion.ax, lift, joints, sweeps, n)
     return greater(change, _vertical_sweep(blocks, phase, motion.ax, lift, joints, sweeps, n))
@@ -151,7 +160,7 @@ def sweep_once(model, phase, motion, joints, sweeps):
 
 @leaf
 def has_settled(phase, change, lift, n):
-    """Whether a sweep that changed accelerations by `change` was the last one needed."""
+    """Return True if a sweep that changed accelerations by `change` (m/s2) was the last one needed."""
     largest = 0.0 * lift
     for i in range(n):
         largest = greater(largest, magnitude(phase.theta_acceleration[i]))
@@ -161,7 +170,7 @@ def has_settled(phase, change, lift, n):
 
 @leaf
 def _inertial(blocks, phase, base_ax, i, n):
-    """Mass times horizontal acceleration of the centroid of block i, N."""
+    """Return mass times horizontal acceleration of the centroid of block i (N)."""
     top = phase.theta_acceleration[i]
     below = phase.theta_acceleration[i + 1] if i + 1 < n else 0.0
     share = (blocks.centroid[i] * top + blocks.upper[i] * below) / blocks.height[i]
@@ -170,8 +179,8 @@ def _inertial(blocks, phase, base_ax, i, n):
 
 @kernel
 def _horizontal_sweep(blocks, phase, base_ax, lift, joints, sweeps, n):
-    """Moment equations: v'' -= M_v^-1 residual; returns the largest change, m/s2."""
-    # residual of row i about joint i, less row i - 1, divided by H_i; less that of block i - 1
+    """Solve the moment equations, v'' -= M_v^-1 residual; return the largest change (m/s2)."""
+    # residual of row i about joint i, less row i - 1, divided by H_i, less that of block i - 1
     shear = 0.0  # sum of m_j a_gj, blocks above
     weight = 0.0  # sum of m_j (g - w''_j)
     moment_above = 0.0
@@ -200,6 +209,7 @@ def _horizontal_sweep(blocks, phase, base_ax, lift, joints, sweeps, n):
         opening_above = opening
     change = 0.0
     correction = 0.0
+    # back substitution, and correction of the accelerations
     for i in range(n - 1, -1, -1):
         here = sweeps.residual[i] * blocks.pivot[i]
         if i + 1 < n:
@@ -212,7 +222,7 @@ def _horizontal_sweep(blocks, phase, base_ax, lift, joints, sweeps, n):
 
 @kernel
 def _vertical_sweep(blocks, phase, base_ax, lift, joints, sweeps, n):
-    """Normal equations: m_i w''_i from the joint forces and the latest shears; returns the largest change, m/s2."""
+    """Solve the normal equations, m_i w''_i from joint forces and latest shears; return the largest change (m/s2)."""
     change = 0.0
     shear = 0.0
     carried = 0.0  # thbar * sum of m_j a_gj, joint above
@@ -221,6 +231,7 @@ def _vertical_sweep(blocks, phase, base_ax, lift, joints, sweeps, n):
         theta_below = sweeps.theta[i + 1] if i + 1 < n else 0.0
         shear += _inertial(blocks, phase, base_ax, i, n)
         sweeps.horizontal[i] = shear
+        # vertical component of the shear along the inclined joint
         tilted = 0.5 * (sweeps.theta[i] + theta_below) * shear
         normal = joints.normal[i]
         value = lift + ((normal_above - normal) + (tilted - carried)) / blocks.mass[i]

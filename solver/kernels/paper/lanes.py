@@ -1,7 +1,7 @@
-"""Runs of the paper's model through eight lanes.
+"""The runs of the paper's model through eight lanes.
 
 The sweeps go on until those of every lane have settled; a lane that has keeps its accelerations. All lanes step at
-once, each by its own step, which divides what lies between two samples of its record, or all of its run.
+once, each by its own step, which divides the interval between two samples of its record, or all of its run.
 """
 
 import math
@@ -28,14 +28,16 @@ def _single(batch, k):
 
 @kernel
 def sweep_lanes(batch, phase, t, wanted):
-    """Accelerations of the wanted lanes at a phase and at the times t. Returns the mask of those that have settled."""
+    """Compute accelerations of the wanted lanes at a phase and at times t; return the mask of those that settled."""
     model, work, n = batch.model, batch.work, batch.model.n
+    # resultants, constant during the sweeps
     motion = motion_of_lanes(batch, t)
     lift = model.settings.gravity + motion.az
     sweeps = sweep_rows(work.room.row, n)
     bear(model, phase, work.joints, work.hold, sweeps)
     found, before = phase.accelerations, work.between.row
     settled = ~wanted
+    # sweeps of all lanes; settled lanes keep their accelerations
     for _ in range(MAX_SWEEPS):
         copy(before, found, 2 * n)
         now = has_settled(phase, sweep_once(model, phase, motion, work.joints, sweeps), lift, n)
@@ -49,7 +51,7 @@ def sweep_lanes(batch, phase, t, wanted):
 
 @leaf
 def divide(one):
-    """Divide what a lane goes through until its base changes, or its run ends, into steps."""
+    """Divide the time of a lane until its base changes, or its run ends, into equal steps."""
     lanes, base = one.lane, one.base
     end = lanes.stop
     if base.piece_end < end - SAMPLE_SLACK * (base.piece_end - base.piece_begin):
@@ -61,8 +63,9 @@ def divide(one):
 
 @kernel
 def start_fixed(batch, fresh):
-    """Accelerations and peaks at the start of the lanes in the mask `fresh`. Returns those whose runs end, by bits."""
+    """Compute accelerations and peaks at the start of the lanes in the mask `fresh`; return bits of runs that end."""
     work, n = batch.work, batch.model.n
+    # accelerations at the start
     anchor_far_waves(batch.base, batch.lane.t)
     copy(work.end.row, work.start.row, 6 * n)
     settled = sweep_lanes(batch, work.end, batch.lane.t, fresh)
@@ -70,6 +73,7 @@ def start_fixed(batch, fresh):
         work.start.accelerations[i] = where(fresh, work.end.accelerations[i], work.start.accelerations[i])
     for i in range(n):
         batch.state.peaks[i] = greater(batch.state.peaks[i], magnitude(work.start.theta[i]))
+    # runs whose sweeps do not settle
     failed = bits(fresh & ~settled)
     for k in range(WIDTH):
         if (failed >> k) & 1:
@@ -79,7 +83,7 @@ def start_fixed(batch, fresh):
 
 @kernel
 def fallen(model, phase):
-    """As batch/follow.py, `fallen`."""
+    """Return the mask of lanes that have overturned, as `fallen` of batch/follow.py."""
     n = model.n
     beyond = phase.theta[n - 1] != phase.theta[n - 1]
     turn = tilt(model.blocks, phase.theta, 0, n)
@@ -93,19 +97,26 @@ def fallen(model, phase):
 
 @kernel
 def step_fixed(batch):
-    """One step of every lane that has a run. Returns the lanes whose run has ended, and one more bit, as `step_on`."""
+    """Do one step of every lane that has a run; return the lanes whose run has ended as bits, as `step_on`.
+
+    Bit WIDTH is set if a lane is marked as fresh.
+    """
     work, lanes, n = batch.work, batch.lane, batch.model.n
+    # end of the step; the last one of a segment ends exactly there
     busy, step = lanes.run >= 0.0, lanes.step
     made = lanes.made + 1.0
     last = made >= lanes.pieces
     t = where(last, lanes.end, lanes.begin + made * step)
     anchor_far_waves(batch.base, lanes.t)
+    # central differences: eqs. 25 and 26
     predict(work, step)
     good = sweep_lanes(batch, work.end, t, busy)
     correct(work, step)
+    # runs that overturn or fail within the step
     over = good & fallen(batch.model, work.end)
     fell, ended = bits(over), bits(busy & ~good)
     step = end_at_falls(batch, fell, step)
+    # peaks, and the state at the end
     begin, end, peaks = work.start, work.end, batch.state.peaks
     for i in range(n):
         peaks[i] = peak_over(peaks[i], begin.theta[i], begin.theta_rate[i], end.theta[i], end.theta_rate[i], step, good)
@@ -117,12 +128,13 @@ def step_fixed(batch):
 
 @kernel
 def _end_segments(batch, last, fell, failed):
-    """Go on with what follows in the lanes whose steps are at their end; finish runs. Returns as `step_fixed`."""
+    """Begin the next segment in the lanes at the end of theirs, finish runs that end; return bits as `step_fixed`."""
     ended = failed
     if last | fell | failed == 0:
         return ended
     for k in range(WIDTH):
         one = single(batch, k)
+        # runs that end
         if (failed >> k) & 1:
             finish(batch, k, NOT_CONVERGED)
         elif (fell >> k) & 1:
@@ -131,6 +143,7 @@ def _end_segments(batch, last, fell, failed):
         elif (last >> k) & 1 and one.lane.end == one.lane.stop:
             finish(batch, k, OK)
             ended |= 1 << k
+        # the next segment of the record
         elif (last >> k) & 1:
             follow_record(batch, one, one.lane.t)
             divide(one)
@@ -141,15 +154,15 @@ def _end_segments(batch, last, fell, failed):
 
 @kernel
 def load_fixed(batch, k, number):
-    """As batch/follow.py, `load`."""
+    """Load a run into lane k, as `load` of batch/follow.py."""
     load(batch, k, number)
     one = single(batch, k)
     if one.base.wave_amplitude != 0.0:
-        one.base.anchor = math.nan  # nowhere yet
+        one.base.anchor = math.nan  # no anchor yet
     divide(one)
 
 
 @kernel
 def follow_fixed_steps(batch):
-    """As batch/follow.py, `follow_queue`."""
+    """Pass the queue of runs through the lanes, as `follow_queue` of batch/follow.py."""
     pass_queue(batch, load_fixed, start_fixed, step_fixed)

@@ -1,4 +1,4 @@
-"""Outputs of the paper's equations, and u_x, which is v."""
+"""The outputs of the paper's equations, and u_x, which is v."""
 
 from ..formulations.base_motion import base_motion
 from ..formulations.dispatch import base_as_shown, reach_of, top_motion
@@ -15,6 +15,7 @@ def _show(column, phase, resultants, motion, row):
     model, joints, base = column.model, row.joints, row.base
     n, blocks = model.n, model.blocks
     turn_below, spin_below = 0.0, 0.0
+    # outputs of the joints, from the base up
     for i in range(n - 1, -1, -1):
         turn, spin = tilt(blocks, phase.theta, i, n), tilt(blocks, phase.theta_rate, i, n)
         opening, opening_rate = -difference(phase.opening, i, n), -difference(phase.opening_rate, i, n)
@@ -23,6 +24,7 @@ def _show(column, phase, resultants, motion, row):
         joints.theta[i] = turn
         show_joint(blocks, i, resultants, phi, 1.0, opening, slope, opening_rate, slope_rate, 0.0, joints)
         turn_below, spin_below = turn, spin
+    # base reaction
     weight = 0.0
     for i in range(n):
         weight += blocks.mass[i] * (model.settings.gravity + motion.az - phase.opening_acceleration[i])
@@ -49,7 +51,7 @@ def _reach_of(column, first, last, i):
 
 @split_reaction.version(of_paper)
 def _split_reaction(column, phase, motion, row, split):
-    """To the first order of the rotations, g = (1, -phi, 0).
+    """Split the base reaction to the first order of the rotations: g = (1, -phi, 0).
 
     mu follows from one more evaluation: the model is linear in the acceleration of the base.
     """
@@ -59,6 +61,7 @@ def _split_reaction(column, phase, motion, row, split):
     copy(aside.row, phase.row, RIGID_FIELDS * n)
     rows = sweep_rows(work.room.row, n)
     force = rows.horizontal[n - 1]
+    # the horizontal reaction at another base acceleration
     change = model.settings.gravity + 1.0
     code = evaluate(column, aside, Motion(motion.ax + change, motion.az, 0.0, 0.0, 0.0))
     mu = (rows.horizontal[n - 1] - force) / change

@@ -1,4 +1,4 @@
-"""Central differences at a fixed step, the paper's integrator (eqs. 25 and 26), in the one stepping loop.
+"""The central differences at a fixed step, the paper's integrator (eqs. 25 and 26), in the one stepping loop.
 
 Written with the velocities at the steps (velocity Verlet), which gives the same displacements as u(t+h) - 2 u(t) +
 u(t-h) = h^2 u''(t) and its usual start, without the loss of digits in the second difference. Order 2, symplectic. The
@@ -19,7 +19,7 @@ from .equations import is_paper, of_paper, tilt
 
 @leaf
 def predict(work, h):
-    """Coordinates at the end of a step of h seconds, with rates and accelerations extrapolated from the start."""
+    """Predict the coordinates at the end of a step of h seconds; extrapolate rates and accelerations from the start."""
     start, end = work.start, work.end
     for i in range(2 * work.n):
         acceleration = start.accelerations[i]
@@ -31,7 +31,7 @@ def predict(work, h):
 
 @leaf
 def correct(work, h):
-    """Rates at the end of a step from the accelerations there."""
+    """Correct the rates at the end of a step of h seconds by the accelerations there."""
     start, end = work.start, work.end
     for i in range(2 * work.n):
         change = end.accelerations[i] - start.accelerations[i]
@@ -40,7 +40,7 @@ def correct(work, h):
 
 @leaf
 def in_equal_steps(left, step):
-    """How many equal steps, of `step` s at most, take `left` s."""
+    """Return the number of equal steps, of at most `step` s each, that divide `left` s."""
     # rounding: a remainder of 0.00999...98 or 0.0100...02 is one step of 0.01
     return max(1.0, math.ceil(left / step * (1.0 - SLACK)))
 

@@ -1,9 +1,9 @@
-"""Entries as those of the same names in api/entries.py, of a column with ports.
+"""The entries of a column with ports, named as those in api/entries.py.
 
-What Python follows are instants of base and loads, `times`; accelerations of the base, which may end before; loads on
-each segment (loads.py); PORTS. Inputs at ports lie behind those of the base, peaks of ports behind the state, outputs
-of ports behind an output row. Native FMUs keep the ports behind the model: what they give to `assemble` ends with the
-number of ports, and PORTS.
+The record that Python passes: instants of base and loads, `times`; accelerations of the base, which may end before;
+loads on each segment (loads.py); PORTS. Inputs at ports lie behind those of the base, peaks of ports behind the state,
+outputs of ports behind an output row. Native FMUs keep the ports behind the model: what they give to `assemble` ends
+with the number of ports, and PORTS.
 """
 
 from ..api import engine
@@ -36,11 +36,12 @@ def _samples_inside(n, model, times, ax, az, scale):
 
 @kernel
 def _assemble(column, given, from_rest, scratch, detail):
-    """Run `engine.assemble`, and keep the ports that are given."""
+    """Run `engine.assemble`, and store the given ports behind the model; return a code."""
     n, state = column.model.n, column.state.buffer
     code, last = engine.assemble(column, given.row, from_rest, scratch, detail), _SETTINGS + _BLOCK * n
     if code != OK or given.size == last:
         return code
+    # number of ports and PORTS, and zeros for their peaks and loads
     behind = given.row[last:]
     spotted = int(behind[0])
     copy(column.model.buffer[engine.model_room(n) :], behind, 1 + _PORT * spotted)

@@ -1,4 +1,4 @@
-"""Loads on ports of a column in its plane, and the motion of the ports: versions of kernels for records with loads.
+"""The loads on ports of a column in its plane, and the motion of the ports: versions of kernels for records with loads.
 
 A load is a force along x and z and a couple about y, clockwise, on a point of a block. x and z are the axes of the base
 as built: they do not turn with a base that rotates, as those of u_x and of the base reaction. A load is samples, a
@@ -33,10 +33,24 @@ _STATE_PER_N, _STATE_BESIDE, _WORK_PER_N, _WORK_BESIDE = STATE.per_n, STATE.besi
 
 
 class Loaded(NamedTuple):
-    """A record with loads beside it: as `Samples`, whose `size` instants may go on after the base.
+    """A record with loads: as `Samples`, but its `size` instants may continue after those of the base.
 
-    shaken: samples of the base. ports: PORTS, `spotted` of them. loads: of each segment by component, then their
-    slopes; none if `lasting` is 0. rows: times of snapshots, s.
+    Attributes
+    ----------
+    size, times, ax, az, scale, held
+        Those of `Samples`.
+    shaken : int
+        Number of samples of the base.
+    spotted : int
+        Number of ports.
+    ports : row
+        PORTS of all ports.
+    lasting : int
+        1 if the record has loads, else 0.
+    loads : row
+        Loads of each segment by component, then their slopes; none if `lasting` is 0.
+    rows : row
+        Times of snapshots, s.
     """
 
     size: int
@@ -54,7 +68,7 @@ class Loaded(NamedTuple):
 
 
 class Pushed(NamedTuple):
-    """Motion of the base at an instant, as `exact.Motion`, and the loads then."""
+    """The motion of the base at an instant, as `exact.Motion`, and the loads then."""
 
     ax: float
     az: float
@@ -63,11 +77,11 @@ class Pushed(NamedTuple):
     alpha: float
     spotted: int
     ports: object
-    given: object  # inputs of the ports by component, then their slopes,
-    since: float  # s, and the time since they were set
-    lasting: int  # 1: the record has loads, too:
-    loads: object  # of the segment,
-    past: float  # s, and the time since it began
+    given: object  # inputs of the ports by component, then their slopes
+    since: float  # s, time since these inputs were set
+    lasting: int  # 1 if the record has loads too
+    loads: object  # of the segment: by component, then their slopes
+    past: float  # s, time since the segment began
 
 
 def _are_loaded(samples, *_):
@@ -79,7 +93,7 @@ def _beside_loaded(base, samples, *_):
 
 
 def of_loaded(column, *_):
-    """Whether the record of a column has loads, from numba's type of it."""
+    """Return True if the record of a column has loads, from numba's type of it."""
     return _are_loaded(column.types[4])
 
 
@@ -103,6 +117,7 @@ def _beside_inputs(samples):
 def _load_ports(base, samples, inputs, elapsed, t):
     taken, given, count = base.buffer[_BASE:], inputs[_INPUTS:], _COMPONENTS * samples.spotted
     past = elapsed - (t - base.t0)
+    # loads at the time t0 of the base, and their slopes
     for i in range(count):
         slope = given[count + i]
         taken[i], taken[count + i] = given[i] + slope * past, slope
@@ -115,7 +130,7 @@ def _is_silent(samples, k):
 
 @leaf
 def _lasts(samples, k):
-    """Whether segment k of the record has loads."""
+    """Return True if segment k of the record has loads."""
     return samples.lasting > 0 and 0 <= k < samples.size - 1
 
 
@@ -123,6 +138,7 @@ def _lasts(samples, k):
 def _moving(base, samples, t, ax, az, theta, omega, alpha):
     count, given, k = samples.spotted, base.buffer[_BASE:], int(base.segment)
     loads, lasting, past = samples.loads, 0, 0.0
+    # loads of the segment and the time since it began
     if _lasts(samples, k):
         loads, lasting, past = samples.loads[2 * _COMPONENTS * count * k :], 1, t - samples.times[k]
     return Pushed(ax, az, theta, omega, alpha, count, samples.ports, given, t - base.t0, lasting, loads, past)
@@ -136,7 +152,7 @@ def _motion_held(samples, control):
 
 @motion_of_snapshot.version(of_loaded)
 def _motion_of_snapshot(column, snapshot, k):
-    """At the instant of a jump, the loads after it."""
+    """Return the motion of the base at a snapshot; at the instant of a jump, with the loads after it."""
     t = column.samples.rows[k]
     if column.counts.overturned > 0:
         t = min(t, column.state.control.overturn_time)
@@ -158,6 +174,7 @@ def _smooth_reach(base, samples, t, step, left, roughest):
 def _is_loaded(base, samples):
     numbers, k = 2 * _COMPONENTS * samples.spotted, int(base.segment)
     loaded = False
+    # inputs of an FMU, then the record
     for i in range(numbers):
         loaded = loaded or base.buffer[_BASE + i] != 0.0
     if _lasts(samples, k):
@@ -168,12 +185,12 @@ def _is_loaded(base, samples):
 
 @belongs_to.version(lambda control, motion: _is_pushed(motion))
 def _belongs_to(control, motion):
-    return False  # the state does not know its loads
+    return False  # the state does not hold the loads
 
 
 @leaf
 def _load(motion, component, p):
-    """A component of the load on port p."""
+    """Return a component of the load on port p (N or N m)."""
     k, slope = component * motion.spotted + p, (_COMPONENTS + component) * motion.spotted + p
     load = motion.given[k] + motion.since * motion.given[slope]
     if motion.lasting > 0:
@@ -184,6 +201,7 @@ def _load(motion, component, p):
 @jumps.version(_becomes_pushed)
 def _jumps(before, motion):
     found = base_jumps(before, motion)
+    # loads that differ by more than rounding
     for component in range(_COMPONENTS):
         for p in range(motion.spotted):
             load = _load(motion, component, p)
@@ -196,7 +214,7 @@ def _jumps(before, motion):
 
 @leaf
 def _arm(motion, model, phase, ports, p):
-    """Number of the block of port p, and place of the port from its centroid, m along x and z."""
+    """Return the block of port p, and the place of the port from its centroid (m along x and z)."""
     i = int(ports.body[p])
     sine, cosine = sine_cosine(phase.theta[i] + motion.theta + model.blocks.tilt[i])
     return i, ports.x[p] * cosine + ports.z[p] * sine, ports.z[p] * cosine - ports.x[p] * sine
@@ -205,6 +223,7 @@ def _arm(motion, model, phase, ports, p):
 @with_couple.version(_is_pushed)
 def _with_couple(motion, model, phase, i, couple):
     ports = _ports(motion.ports, motion.spotted)
+    # couples, and moments of the forces about the centroid
     for p in range(motion.spotted):
         if int(ports.body[p]) == i:
             _, x, z = _arm(motion, model, phase, ports, p)
@@ -214,6 +233,7 @@ def _with_couple(motion, model, phase, i, couple):
 
 @with_push.version(_is_pushed)
 def _with_push(motion, model, phase, i, joint, right, opens):
+    # resultant of the loads on the block
     x, z = 0.0, 0.0
     ports = _ports(motion.ports, motion.spotted)
     for p in range(motion.spotted):
@@ -221,6 +241,7 @@ def _with_push(motion, model, phase, i, joint, right, opens):
             x, z = x + _load(motion, 0, p), z + _load(motion, 1, p)
     if x == 0.0 and z == 0.0:
         return right, opens
+    # its components along and across the joint
     turn_below = phase.theta[joint + 1] if joint + 1 < model.n else 0.0
     phi = 0.5 * (phase.theta[joint] + turn_below) + motion.theta + model.blocks.lean[joint]
     sine, cosine = sine_cosine(phi)
@@ -228,14 +249,15 @@ def _with_push(motion, model, phase, i, joint, right, opens):
     return right - over * (x * cosine - z * sine), opens + over * (x * sine + z * cosine)
 
 
-# --- what is seen of ports
+# --- motion of the ports
 
 
 @kernel
 def see_points(motion, model, phase, ports, spots):
-    """Fill in the motion of the ports (SPOTS, of as many as `ports`) in an evaluated phase: along the chain, upwards.
+    """Fill `spots` with the motion of the ports (SPOTS, of as many as `ports`) in an evaluated phase.
 
-    Places count from the column as built, all is relative to the point of the base under the column.
+    Along the chain, from the base up. Displacements count from the column as built, and all is relative to the point of
+    the base under the column: m, m/s, m/s2.
     """
     n, blocks, slides = model.n, model.blocks, can_slide(model)
     x, z, built_x, built_z, vx, vz, ax, az = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # of the top face below
@@ -253,14 +275,17 @@ def see_points(motion, model, phase, ports, spots):
             sine_built, cosine_built = sine_cosine(blocks.lean[i])
             built_x, built_z = built_x + blocks.offset[i] * cosine_built, built_z - blocks.offset[i] * sine_built
         x, z = x + (opening * sine + slip * cosine), z + (opening * cosine - slip * sine)
+        # velocity: rates across and along the joint, with its rotation
         across, along = opens - slip * swing, slides_by + opening * swing
         vx, vz = vx + (across * sine + along * cosine), vz + (across * cosine - along * sine)
+        # acceleration, with the terms of Coriolis and centripetal acceleration
         across = opened - opening * swing * swing - 2.0 * slides_by * swing - slip * swings
         along = slid - slip * swing * swing + 2.0 * opens * swing + opening * swings
         ax, az = ax + (across * sine + along * cosine), az + (across * cosine - along * sine)
         sine, cosine = sine_cosine(turn + blocks.tilt[i])
         sine_built, cosine_built = sine_cosine(blocks.tilt[i])
         square, upper = spin * spin, blocks.height[i]
+        # ports of the block: from the middle of its bottom face by an arm that turns with it
         for p in range(ports.n):
             if int(ports.body[p]) == i:
                 right, up = ports.x[p], blocks.centroid[i] + ports.z[p]
@@ -270,6 +295,7 @@ def see_points(motion, model, phase, ports, spots):
                 spots.vx[p], spots.vz[p] = vx + spin * arm_z, vz - spin * arm_x
                 spots.ax[p] = ax + alpha * arm_z - square * arm_x
                 spots.az[p] = az - alpha * arm_x - square * arm_z
+        # the middle of the top face, for the next block
         x, z, built_x, built_z = (
             x + upper * sine,
             z + upper * cosine,
@@ -301,6 +327,7 @@ def _raise_port_peaks(column, phase, motion):
         column.state.buffer[_STATE_PER_N * n + _STATE_BESIDE :],
         column.work.buffer[_WORK_PER_N * n + _WORK_BESIDE :],
     )
+    # motion of the ports in scratch, and its largest magnitudes
     see_points(motion, column.model, phase, _ports(column.samples.ports, count), _spots(scratch, count))
     for j in range(_SEEN * count):
         peaks[j] = max(peaks[j], abs(scratch[j]))
@@ -316,13 +343,14 @@ def _examines_all(column):
 
 @leaf
 def _more(motion, along_x, along_z, alpha, seeds, elapsed):
-    """The motion with accelerations and loads beside it; `elapsed` s since the slopes of these began."""
+    """Return the motion with accelerations and loads added; elapsed: time since their slopes began, s."""
     begin = motion.ax + along_x, motion.az + along_z, motion.theta, motion.omega, motion.alpha + alpha
     return Pushed(*begin, motion.spotted, motion.ports, motion.given, motion.since, 1, seeds[_INPUTS:], elapsed)
 
 
 @met_by_loads.version(of_loaded)
 def _met_by_loads(column, motion, seeds, elapsed, other, split, other_split):
+    # the change of the split reaction by the seeds: with the added loads, less without
     for i in range(_SPLIT):
         split.row[i] -= other_split.row[i]
     see(column, _more(motion, 0.0, 0.0, 0.0, seeds, elapsed), other, other_split)
@@ -334,6 +362,7 @@ def _met_by_loads(column, motion, seeds, elapsed, other, split, other_split):
 @at_once.version(of_loaded)
 def _at_once(column, motion, seeds, elapsed, along_x, along_z, alpha, row, other, other_split):
     length = _ROW_PER_N * column.model.n + _ROW_BESIDE + beside_row(column)
+    # the change of the output row by the seeds: with them, less without
     for i in range(length):
         row.buffer[i] -= other.buffer[i]
     see(column, _more(motion, along_x, along_z, alpha, seeds, elapsed), other, other_split)

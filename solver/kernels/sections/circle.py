@@ -138,13 +138,13 @@ def ring_part(outer, inner, lo, hi):
     about = 0.5 * (greater(lo, -outer) + lesser(hi, outer))
     area = first = second = 0.0 * about
     hollow = inner > 0.0
-    # the outer circle, then the bore: a loop
-    for k in range(2):  # which is compiled once
+    # the outer circle, then the bore: a loop, so that it is compiled once
+    for k in range(2):
         if k == 1 and not any_of(hollow):
             break
         middle, a, b, c = circle_part(outer if k == 0 else inner, lo, hi)
         off, sign = middle - about, 1.0 if k == 0 else -1.0
-        area += sign * a  # nothing, where there is no bore
+        area += sign * a  # zero without a bore
         first += sign * (b + off * a)
         second += sign * (c + off * (2.0 * b + off * a))
     return about, area, first, second

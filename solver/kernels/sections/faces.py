@@ -8,20 +8,20 @@ from typing import NamedTuple
 
 from ..numba_ext.jit import in_both
 
-# the names that a user writes; the code of a section is its place among them
+# names in input files; the code of a section is its index
 SECTIONS = ("rectangle", "circle", "annulus", "strips")
 RECTANGLE, CIRCLE, ANNULUS, STRIPS = range(len(SECTIONS))
-FRAME = -1  # a rectangle of which a rim touches
-# what else two faces may have in common: two round ones of which one has slipped; a straight one, which may be made of
+FRAME = -1  # a rectangle that touches in a rim
+# other intersections of two faces: two round ones of which one has slipped; a straight one, which may be made of
 # strips, over a round one; a round one over a straight one
 LENS, ON_RING, ON_BAND = range(len(SECTIONS), len(SECTIONS) + 3)
 
 ENDLESS = 2e300  # m, width and depth of the base
-ALIKE = 1.0 + 1e-9  # of a length: what is larger by no more is as large but for rounding
+ALIKE = 1.0 + 1e-9  # relative tolerance of lengths: rounding
 
 # kinds of misfits
 FITS, WIDE, DEEP, WIDE_OWN, OUTSIDE_OWN, OUTSIDE_BELOW, SOLID, SOLID_BELOW, STRIP_OWN, STRIP_BELOW = range(10)
-WITHIN, AROUND = 10, 11  # a bore: nothing touches
+WITHIN, AROUND = 10, 11  # one face within the bore of the other: no contact
 
 
 class Face(NamedTuple):
@@ -129,7 +129,7 @@ def deepest(face: Face, begin: float, end: float) -> float:
         return face.depth if near < 0.5 * face.width else 0.0
     # chord of the circle less that of its bore
     outer, inner = 0.5 * face.width, 0.5 * face.bore
-    place = min(max(inner, near), far)  # where most is left beside the bore
+    place = min(max(inner, near), far)  # the abscissa of the largest depth beside the bore
     if place >= outer:
         return 0.0
     hollow = math.sqrt(inner * inner - place * place) if place < inner else 0.0
@@ -191,7 +191,7 @@ def _misfit_of_strips(own: Face, bottom: Face, below: Face, count: int, depths) 
     for k in range(count):
         depth = depths[k]
         if depth > 0.0:
-            # clip of each face over the strip
+            # largest depth of each face over the strip
             begin, end = pitch * (k - 0.5 * count), pitch * (k + 1 - 0.5 * count)
             most = deepest(bottom, begin, end)
             if depth > most * ALIKE:

@@ -2,8 +2,8 @@
 
 The face of the block above is a circle about 0, that of the block below a circle about -slip. At each abscissa along
 the motion the shorter of their chords bears, so that the contact is a lens: a part of one circle up to the common
-chord, and a part of the other beyond. With bores the longer chord is open. So no other integrals are needed than those
-of circle.py. Of one joint or of lanes.
+chord, and a part of the other beyond. With bores the longer chord is open. So the integrals of circle.py are
+sufficient. Of one joint or of lanes.
 """
 
 from ..numba_ext.jit import kernel, leaf
@@ -58,7 +58,7 @@ def lens_part(own, bore, below, bore_below, slip, lo, hi):
         # moments about the common middle; those of bores are subtracted
         middle, a, b, c = circle_part(radius, begin - centre, end - centre)
         off, sign = (middle + centre) - about, 1.0 if outer else -1.0
-        area += sign * a  # nothing, where there is no bore
+        area += sign * a  # zero without a bore
         first += sign * (b + off * a)
         second += sign * (c + off * (2.0 * b + off * a))
     return about, area, first, second

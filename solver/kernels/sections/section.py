@@ -4,12 +4,13 @@ A section is a code and a few numbers, kept in `blocks`. Other modules only know
 a joint can touch. Of a part of it, from lo to hi along the motion, three numbers are needed: area m2 and first and
 second moment m3, m4 about the middle of the part. Mirror images have mirrored moments, to the last bit.
 
-The rectangle comes first and is written out: it is the most frequent section. Lanes of columns of rectangles alone are
-compiled without the others, those of columns without strips without these (batch/runs.py).
+The rectangle comes first and is written out: it is the most frequent section. Lanes whose columns have rectangles alone
+are compiled without the other sections, lanes whose columns have no strips without strips (batch/runs.py).
 
 Faces A and B may touch in a rim along their edges. With A_i and B_i, the points of each that are farther than the rim
-from all of its edges, they touch in (A n B) - (A_i n B_i): in their outline less what the rim leaves open. That is the
-outline inset by the rim, and a section like it. The rim does not change the ends of a contact, and with them regimes.
+from all of its edges, they touch in (A n B) - (A_i n B_i): in their outline without the inside that the rim leaves
+open. The inside is the outline inset by the rim, and a section like it. The rim changes neither the ends of a contact
+nor, therefore, its regimes.
 """
 
 import math
@@ -38,26 +39,26 @@ from .faces import (
 from .lens import ends_of_rings, lens_part
 from .strips import COUNT, DEPTHS, PITCH, edge_of, strips_part, strips_part_in_lanes
 
-ROUND = "round_in_lanes"  # name of an empty field, in the blocks of lanes whose joints may be round (batch/runs.py)
-STRIPPED = "strips_in_lanes"  # and of those whose joints may be made of strips
-RIMMED = "rims_in_lanes"  # and of those whose faces may touch in a rim
-INSIDE = DEPTHS + 1  # place in the row of strips: the same three numbers of the inside of a straight face, as one strip
-NEAR = 1e-4  # of the width of a contact: half of the part over which its depth at a place is taken
+ROUND = "round_in_lanes"  # name of an empty field of the blocks of lanes whose joints may be round (batch/runs.py)
+STRIPPED = "strips_in_lanes"  # the same for joints made of strips
+RIMMED = "rims_in_lanes"  # the same for faces that touch in a rim
+INSIDE = DEPTHS + 1  # offset in the row of strips: the inside of a straight face, as a row of one strip
+NEAR = 1e-4  # relative to the width of a contact: half the interval over which its depth is averaged
 
 
 class Contact(NamedTuple):
     """The part in which the faces of a joint can touch; abscissas in m from the middle of the block."""
 
-    section: float  # its code, also FRAME, LENS, ON_RING or ON_BAND (faces.py)
+    section: float  # code, also FRAME, LENS, ON_RING or ON_BAND (faces.py)
     left: float  # ends of the contact
     right: float
     depth: float  # m, across the motion; the diameter of a circle or an annulus
     bore: float  # m, inner diameter of an annulus
     strips: Any  # row: number and width of the strips, then their depths
-    slip: float  # m, of a round face that shares a part with the face above: its centre is at -slip
+    slip: float  # m, of a round face below: its centre is at -slip
     round: float  # m, diameter of that face
     round_bore: float  # m
-    rim: float  # m, within which of its edges the faces touch; 0: all over
+    rim: float  # m, width of the rim along the edges in which the faces touch; 0: all over
 
 
 @by_width
@@ -143,7 +144,7 @@ def contact_of(blocks, i, slip=0.0):
     if section >= LENS:
         depth, bore = blocks.own_depth[i], blocks.own_bore[i]
         below, bore_below = 2.0 * blocks.rim_right[i], blocks.bore_below[i]
-        if section == ON_BAND:  # the round face is that above
+        if section == ON_BAND:  # the round face is the upper one
             slip, below, bore_below = 0.0, depth, bore
     return Contact(section, left, right, depth, bore, strips, slip, below, bore_below, blocks.rim[i])
 
@@ -161,7 +162,7 @@ def inset(contact, rim):
     depth, below = contact.depth - 2.0 * rim, contact.round - 2.0 * rim
     bore, bore_below = inset_bore(contact.bore, rim), inset_bore(contact.round_bore, rim)
     strips, slip = contact.strips, contact.slip
-    # wider bores may cut it off where they did not the outline, or hold all of the other face
+    # the wider bores may cut off the inside where they do not cut the outline, or contain the other face
     if rim > 0.0 and section >= ON_RING:
         strips = strips[INSIDE:]
         if bore_below > 0.0:
@@ -219,7 +220,7 @@ def _part_of_outline(contact, lo, hi):
     return ring_part(0.5 * contact.depth, 0.5 * contact.bore, lo, hi)
 
 
-# --- what the law asks for
+# --- resultants, energy and stiffness for the law
 
 
 @leaf
@@ -373,7 +374,7 @@ def inside_in_lanes(blocks, i, slip, left, right):
         # one face lies within the bore of the other: no inside
         held = hollow & (greater(bore_below - own, bore - below) >= 2.0 * magnitude(slip))
         right = where(held, left, right)
-    # a rim wider than half of the ring: no inside
+    # a rim wider than half of the ring's thickness: no inside
     solid = ~lens & (inset_bore(blocks.bore[i], rim) >= blocks.depth[i] - 2.0 * rim)
     return left, where(solid, left, right)
 

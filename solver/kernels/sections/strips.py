@@ -9,7 +9,7 @@ from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import WIDTH, any_of, greater, lane, lesser, where, with_lane
 from ..numba_ext.views import one_lane
 
-COUNT, PITCH, DEPTHS = 0, 1, 2  # places in the row
+COUNT, PITCH, DEPTHS = 0, 1, 2  # offsets in the row
 
 
 @leaf
@@ -52,7 +52,7 @@ def strips_part(strips, lo, hi):
     return middle, area, first, second
 
 
-# --- the same in lanes, each with its own strips
+# --- in lanes, each with its own strips
 
 
 @leaf
