@@ -20,8 +20,8 @@ from .watch import BETWEEN, END, RATES, STAGE, START, row, seen
 _phase, _memory = PHASE.over, MEMORY.over
 _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
 _TX = OF_JOINT.index("Tx")
-RESOLVED = 0.01  # of what an elastic slip reaches: its largest error
-KINK = 0.3  # of the change of a rate times the step: the error of a step in which it begins, ceases or turns back
+RESOLVED = 0.01  # largest error of an elastic slip, relative to the slip at the friction limit
+KINK = 0.3  # error of a step in which a rate starts, stops or reverses, over its change times the step
 
 
 @leaf
@@ -42,6 +42,7 @@ def evaluate_at(scene, shaking, segment, y, f, t):
 def scale_quaternions(n, phase):
     """Normalize the quaternions of n bodies in `phase`."""
     for i in range(n):
+        # one over the norm
         q0, q1, q2, q3 = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
         per = 1.0 / square_root(q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
         phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i] = per * q0, per * q1, per * q2, per * q3
@@ -89,6 +90,7 @@ def attempt_5(scene, shaking, segment, t, h):
     for i in range(count):
         early = dp.ERROR_0 * f0[i] + dp.ERROR_2 * f2[i] + dp.ERROR_3 * f3[i]
         error[i] = h * (early + dp.ERROR_4 * f4[i] + dp.ERROR_5 * f5[i] + dp.ERROR_LAST * last[i])
+    # relative to the allowed error
     return _error_in_tolerances(scene, row(scene, BETWEEN), h)
 
 
@@ -127,6 +129,7 @@ def _error_by(table_row: int) -> Any:
     def error_by(scene, h):
         errors = row(scene, BETWEEN)
         found = packs_of(errors)
+        # the embedded error of the state
         for i in range(packs(errors, moving(scene))):
             found[i] = h * sum_of(scene, i)
         return _error_in_tolerances(scene, errors, h)
@@ -208,6 +211,7 @@ def _error_of_memory(scene, errors, allowed, h):
 def _per_force(scene, one, other):
     """Return the largest acceleration of one of two bodies per force between them, over its size, 1/(kg m)."""
     bodies, most = scene.bodies, zero_like(scene.settings.gravity)
+    # of the moving bodies of both
     for body in (index_of(one), index_of(other)):
         if body < scene.n:
             most = greater(most, bodies.per_mass[body] / bodies.size[body])
@@ -249,7 +253,7 @@ def _error_in_tolerances(scene, errors, h):
     Errors are compared in rad and rad/s; displacements of a body are divided by its size.
     """
     error, zero = _phase(errors, scene.n), zero_like(scene.settings.tolerance)
-    place, rate = zero, zero  # their squares
+    place, rate = zero, zero  # squares
     # squares of the largest errors of a displacement or rotation, and of a velocity
     for i in range(scene.n):
         per = 1.0 / (scene.bodies.size[i] * scene.bodies.size[i])
@@ -275,6 +279,7 @@ _step, _error_5, _error_3 = _step_to(order_8.END), _error_by(order_8.ERROR_5), _
 @kernel
 def attempt(scene, shaking, segment, t, h):
     """Make one explicit step over h seconds from row START to row END; return its error in tolerances."""
+    # order 8 combines two embedded errors; order 5 may be bounded by force errors too
     if scene.settings.order == order_8.ORDER:
         _step(scene, shaking, segment, t, h)
         return order_8.error_of(_error_5(scene, h), _error_3(scene, h))

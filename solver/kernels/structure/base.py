@@ -8,7 +8,7 @@ from ..numba_ext.jit import by_width, kernel, leaf
 from ..numba_ext.lanes import LanesType, any_of
 from ..numba_ext.numbers import sine
 
-SLACK = 1e-9  # of a sampling interval: instants closer than this are equal
+SLACK = 1e-9  # of a sampling interval: closer instants are equal
 
 
 class Shaking(NamedTuple):
@@ -50,6 +50,7 @@ class Shaking(NamedTuple):
 def segment_after(shaking, t):
     """Return the index of the sample from which a step that begins at time t continues; -1 before the first."""
     k = segment_at(shaking, t)
+    # a time just before a sample belongs to the next interval
     if 0 <= k + 1 < shaking.size:
         width = shaking.times[1] - shaking.times[0] if k < 0 else shaking.times[k + 1] - shaking.times[k]
         if shaking.times[k + 1] - t <= SLACK * width:
@@ -75,6 +76,7 @@ def acceleration(shaking, k, t):
 def _of_lanes(shaking, k, t):
     base = shaking.base
     past = t - base.t0
+    # the line of the segment, then the harmonic
     ax, ay, az = base.ax + base.jx * past, base.ay + base.jy * past, base.az + base.jz * past
     if any_of((base.amplitude_x != 0.0) | (base.amplitude_y != 0.0)):
         wave = sine(base.omega * t + base.phase)
@@ -125,6 +127,7 @@ def line(shaking, k, t):
     ax, ay, az = ax + base.scale * shaking.ax[k], ay + base.scale * shaking.ay[k], az + base.scale * shaking.az[k]
     if base.held != 0.0:
         return ax, ay, az, jx, jy, jz
+    # slope of the straight line between samples
     per, within = base.scale / (shaking.times[k + 1] - shaking.times[k]), t - shaking.times[k]
     x = per * (shaking.ax[k + 1] - shaking.ax[k])
     y = per * (shaking.ay[k + 1] - shaking.ay[k])
@@ -136,6 +139,7 @@ def line(shaking, k, t):
 def is_quiet(shaking, k):
     """Return True if the base and its inputs are still and no load acts from segment k on."""
     base = shaking.base
+    # inputs
     pushed = base.ax != 0.0 or base.ay != 0.0 or base.az != 0.0
     pushed = pushed or base.jx != 0.0 or base.jy != 0.0 or base.jz != 0.0
     return k >= shaking.size - 1 and not pushed

@@ -14,6 +14,7 @@ TINY = 1e-300  # m
 @leaf
 def bed_of_point(joints, j, p, q):
     """Return the bed of a bearing: a normal spring without couples, which bears tension if the bearing holds."""
+    # in contact, or held down
     bears = ((p.at > 0.0) & (q.at > 0.0)) | (joints.holds[j] != 0.0)
     area, pressed, zero = where(bears, joints.area[j], 0.0), where(bears, q.at, 0.0), zero_like(q.at)
     return Bed(area * pressed, zero, zero, area, pressed)
@@ -75,6 +76,7 @@ def with_bearing(scene, j, doubled):
     joints, found = scene.joints, scene.resultants
     if any_of(joints.section[j] == POINT):
         s1, s2 = found.s1[j], found.s2[j]
+        # spring and ring
         beyond, _ = _beyond_ring(joints, j, s1, s2)
         doubled += joints.spring[j] * (s1 * s1 + s2 * s2) + joints.ring_stiffness[j] * beyond * beyond
     return doubled
@@ -91,6 +93,7 @@ def stiffness_along(scene, j, normal):
 def come_off(scene, found):
     """Return the number, from 1, of a block that has left its bearing at the last evaluation; else `found`."""
     for j in range(scene.m - scene.extras.b, scene.m):
+        # beyond the capacity in any direction
         x, y, capacity = scene.resultants.s1[j], scene.resultants.s2[j], scene.joints.capacity[j]
         found = where(x * x + y * y > capacity * capacity, index_of(scene.joints.upper[j]) + 1.0, found)
     return found

@@ -119,6 +119,7 @@ def triangle(x, y, q):
     area, force, first_x, first_y : float or lanes
         Area, and the integrals of q, q x and q y.
     """
+    # area, and the mean of q
     area = 0.5 * ((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]))
     total = q[0] + q[1] + q[2]
     third, twelfth = area / 3.0, area / 12.0
@@ -131,6 +132,7 @@ def triangle(x, y, q):
 @leaf
 def add(bed, there, area, force, first_x, first_y):
     """Add a part to a bed where the mask `there` holds."""
+    # the largest q is left to the caller
     return Bed(
         bed.force + where(there, force, 0.0),
         bed.first_x + where(there, first_x, 0.0),

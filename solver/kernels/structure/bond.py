@@ -36,7 +36,7 @@ from .section import bearing_area
 
 _bonded = BONDED.over
 _BONDED, _EACH = BONDED.beside, OF_POLYGON.size(1)
-NEARLY = 1.0 - 1e-12  # of the section: a bond that is larger is whole
+NEARLY = 1.0 - 1e-12  # fraction of the section above which a bond is whole
 
 
 @leaf
@@ -66,6 +66,7 @@ def tip_of(scene, e, p):
 def _repeat_last(room, counts):
     x, y = room[0], room[1]
     for k in range(most_of(counts)):
+        # beyond its own number a lane repeats its last corner
         there = counts > k
         x, y = where(there, room[2 * k], x), where(there, room[2 * k + 1], y)
         room[2 * k], room[2 * k + 1] = x, y
@@ -136,6 +137,7 @@ def _fewer(room, count, most):
 def store_bond(scene, e, counts, those):
     """Store the polygon in the room as that of bond e, where `those` holds."""
     left, corners = bond_left(scene, e)
+    # corners of the selected lanes, then their number
     for k in range(2 * most_of(counts)):
         corners[k] = where(those, scene.room[k], corners[k])
     left.corners = where(those, counts, left.corners)
@@ -195,6 +197,7 @@ def raised_by_bond(scene, j, normal, limit, couple):
     joints, e = scene.joints, index_of(scene.joints.bond[j]) - 1
     if e < 0:
         return limit, couple
+    # friction, dowel and cohesion
     area = scene.extras.sound.area[e]
     bears = joints.friction[j] * normal + joints.dowel[j] + scene.extras.bonds.cohesion[e] * area
     there = area > 0.0
@@ -205,6 +208,7 @@ def raised_by_bond(scene, j, normal, limit, couple):
 def with_strength(scene, j, pressure):
     """Return `pressure`, the least on joint j in full contact (Pa), plus the strength of an unbroken bond."""
     if scene.joints.bond[j] != 0.0:
+        # only an unbroken bond bears tension everywhere
         e = int(scene.joints.bond[j]) - 1
         if scene.extras.sound.area[e] == scene.joints.area[j]:
             pressure += scene.extras.bonds.strength[e]

@@ -7,7 +7,7 @@ from .bed import value
 from .layout import NO_ROOM, ROOM
 
 _CUT = ROOM // 2
-_MOST_LEFT = (ROOM - _CUT) // 2  # corners that a cut may leave; of convex polygons none leaves more
+_MOST_LEFT = (ROOM - _CUT) // 2  # most corners after a cut, which no convex polygon exceeds
 
 
 @leaf
@@ -56,6 +56,7 @@ def cut(room, count, plane):
             cut[2 * kept], cut[2 * kept + 1] = x1, y1
             kept += 1
         x0, y0, before = x1, y1, here
+    # back to the front of the room
     for k in range(2 * kept):
         room[k] = cut[k]
     return kept

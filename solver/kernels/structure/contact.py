@@ -106,6 +106,7 @@ def pairs_energy(scene):
     """Return the elastic energy of all pairs at the last evaluation, J."""
     z, pairs, total = scene.extras.stretches, scene.extras.pairs, 0.0
     for p in range(scene.extras.met):
+        # normal contact and elastic stretch
         square = z.z1[p] * z.z1[p] + z.z2[p] * z.z2[p] + z.z3[p] * z.z3[p]
         total += scene.extras.hits.energy[p] + 0.5 * pairs.shear[p] * square
     return total
@@ -115,6 +116,7 @@ def pairs_energy(scene):
 def gap_of(scene, phase, pairs, p):
     """Return the distance of both sides of pair p, m: negative by the deepest overlap, beyond the ends that to them."""
     sides = sides_of(scene, phase, pairs, p)
+    # by kind
     if pairs.kind[p] == DRUMS:
         return gap_of_drums(pairs, p, sides)
     if pairs.kind[p] == PLANE:
@@ -125,5 +127,6 @@ def gap_of(scene, phase, pairs, p):
 @leaf
 def is_near(scene, phase, pairs, p):
     """Return True if the bounding spheres of both blocks of pair p overlap."""
+    # distance of the centroids against both radii
     between = minus(place_of(scene, phase, int(pairs.one[p])), place_of(scene, phase, int(pairs.other[p])))
     return dot(between, between) < pairs.reach[p] * pairs.reach[p]

@@ -13,11 +13,11 @@ from ..numba_ext.views import Record, clear
 from .layout import DRIVEN, DRIVEN_TURN, LOAD
 from .turning import rotation_at, turn_beneath
 
-INPUTS = Record("ax", "ay", "az", "jx", "jy", "jz")  # m/s2; m/s3, their slopes; then INPUT_LOADS of the ports
-# behind them where the base may turn: rad, rad/s, rad/s2
+INPUTS = Record("ax", "ay", "az", "jx", "jy", "jz")  # m/s2; slopes, m/s3; then INPUT_LOADS of the ports
+# then, if the base may rotate: rad, rad/s, rad/s2
 ROTATION = Record("theta_x", "theta_y", "omega_x", "omega_y", "alpha_x", "alpha_y")
-BODY = Record("F0x", "F0y", "F0z", "M")  # then, of each body that drives the base: N, kg
-# behind it where the base may turn: N m; kg m, of motion along x with turns about y, and along y about x; kg m2
+BODY = Record("F0x", "F0y", "F0z", "M")  # then, of each body that drives the base: force, N, and mass, kg
+# then, if the base may rotate: N m; kg m, coupling of x with rotation about y, and of y with that about x; kg m2
 TURNING_BODY = Record("F0mx", "F0my", "Mxry", "Myrx", "Jxx", "Jyy", "Jxy")
 
 _inputs, _rotation, _body, _turning_body = INPUTS.over, ROTATION.over, BODY.over, TURNING_BODY.over
@@ -30,6 +30,7 @@ _driven, _driven_turn, _DRIVEN, _DRIVEN_TURN = DRIVEN.over, DRIVEN_TURN.over, DR
 def start_at(base, t):
     """Advance the rotation of the base to time t and set t0 = t."""
     base.theta_x, base.theta_y, base.omega_x, base.omega_y = rotation_at(base, t)
+    # angular acceleration
     past = t - base.t0
     base.alpha_x, base.alpha_y = base.alpha_x + past * base.jalpha_x, base.alpha_y + past * base.jalpha_y
     base.t0 = t
@@ -61,6 +62,7 @@ def turn(scene, phase, base, inputs):
 @leaf
 def _place_of(scene, k):
     """Return the index among the inputs of the data of body k; it has more numbers if the base may turn."""
+    # behind the inputs and loads
     turns = int(scene.settings.turns)
     first = _INPUTS + 2 * _LOAD * scene.extras.spotted + _ROTATION * turns
     return first + k * (_BODY + _TURNING_BODY * turns)
@@ -112,6 +114,7 @@ def show_driven(settings, base, t, order, row):
     x, vx, ax = gone_on(base.x, base.vx, base.ax, base.jx, past)
     y, vy, ay = gone_on(base.y, base.vy, base.ay, base.jy, past)
     z, vz, az = gone_on(base.z, base.vz, base.az, base.jz, past)
+    # displacement, velocity, acceleration, or their rates
     if order == 0:
         shown.x, shown.y, shown.z, shown.vx, shown.vy, shown.vz = x, y, z, vx, vy, vz
         shown.ax, shown.ay, shown.az = ax, ay, az
@@ -140,8 +143,8 @@ class Sums(NamedTuple):
     mx: float
     my: float
     mass: float
-    with_y: float  # of motion along x with turns about y
-    with_x: float  # of motion along y with turns about x
+    with_y: float  # coupling of motion along x with rotation about y
+    with_x: float  # coupling of motion along y with rotation about x
     xx: float
     yy: float
     xy: float
@@ -159,9 +162,11 @@ def _sums(scene, inputs, flat, reaction):
     # forces and masses of the bodies
     for k in range(int(scene.settings.bodies)):
         said = inputs[_place_of(scene, k) :]
+        # translation
         body = _body(said, 0)
         x, y, z, mass = x + body.F0x, y + body.F0y, z + body.F0z, mass + body.M
         if scene.settings.turns != 0.0:
+            # rotation
             turning = _turning_body(said[_BODY:], 0)
             mx, my, with_y, with_x = mx + turning.F0mx, my + turning.F0my, with_y + turning.Mxry, with_x + turning.Myrx
             xx, yy, xy = xx + turning.Jxx, yy + turning.Jyy, xy + turning.Jxy
@@ -203,6 +208,7 @@ def examine_step(scene, base, h):
         k = int(joints.upper[j])
         along += joints.shear[j] + joints.spring[j]
         by_dashpots += joints.shear[j] * joints.shear_damping[j] + joints.dashpot[j]
+        # stiffness and damping across the joint
         bed = joints.stiffness[j] * joints.area[j]
         across, across_by_dashpots = across + bed, across_by_dashpots + bed * joints.damping[j]
         # effective masses, of each block once
@@ -245,8 +251,7 @@ def exchange(scene, base, inputs, flat, reaction):
     settings, given, of = scene.settings, _inputs(inputs, 0), _sums(scene, inputs, flat, reaction)
     turns, is_whole = settings.turns != 0.0, settings.drive != HORIZONTAL
     base.coupled, base.mass = 1.0, of.mass
-    # no mass: no acceleration
-    if not of.mass > 0.0:  # without one it does not accelerate
+    if not of.mass > 0.0:  # without mass there is no acceleration
         base.ax, base.ay, base.az, base.jx, base.jy, base.jz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         base.alpha_x, base.alpha_y, base.jalpha_x, base.jalpha_y = 0.0, 0.0, 0.0, 0.0
         return OK if _have_said_nothing(scene, inputs) else BODY_LACKING
@@ -267,6 +272,7 @@ def exchange(scene, base, inputs, flat, reaction):
     base.ax, base.ay, base.az, base.jz = x / of.mass, y / of.mass, given.az, given.jz
     base.jx = slope_of(way, steps, step, before, base.ax, base.last_ax, base.before_ax)
     base.jy = slope_of(way, steps, step, before, base.ay, base.last_ay, base.before_ay)
+    # vertical motion
     if is_whole:
         base.az = of.z / of.mass
         base.jz = slope_of(way, steps, step, before, base.az, base.last_az, base.before_az)

@@ -31,14 +31,14 @@ from .layout import MEMORY, MOST_BONDED, PHASE
 from .watch import END, load_joint_between, pose_between, row
 
 _phase, _PER_BODY, _PER_JOINT = PHASE.over, PHASE.per_n, MEMORY.per_n
-NEAR = 1e-9  # of the penetrations of a bond: a corner that is as near to its strength has reached it
-LEAST = 1e-9  # of the section: what is left of a bond and is smaller has broken
-HALVINGS = 40  # of a step, to where a bond breaks
-LEAST_PART = 1e-6  # of a step that ends there
-# how far the front of a crack turns between two cuts, over the root of the tolerance, rad: what they leave of the bond
-# beside its true bound goes with the square
+NEAR = 1e-9  # of the largest crack function: a corner this near to its strength has reached it
+LEAST = 1e-9  # of the section: a smaller bond has broken
+HALVINGS = 40  # bisections of a step, to the instant at which a bond breaks
+LEAST_PART = 1e-6  # least fraction of a step that ends where a bond breaks
+# rotation of a crack front between two cuts, over the root of the tolerance, rad: the excess area that they leave is
+# quadratic in it
 TURN, MOST_CUTS = 1.0, 256
-PROMISE = 0.01  # of how near to breaking a bond may have come, from one trial to the next
+PROMISE = 0.01  # factor on the accepted margin from one trial to the next
 
 
 @leaf
@@ -52,6 +52,7 @@ def _strain_of(scene, count, tip):
     """Return the minimum of a bond's crack function over the corners in the room, and its largest |value|, m."""
     least, largest = math.inf + zero_like(tip.at), zero_like(tip.at)
     for k in range(count):
+        # value at a corner
         here = value(tip, scene.room[2 * k], scene.room[2 * k + 1])
         least, largest = lesser(least, here), greater(largest, magnitude(here))
     return least, largest
@@ -80,7 +81,7 @@ def _grows(scene, count, tip, pace):
 
     tip: crack function, m; pace: its rate, m/s; the bond is the polygon of `count` corners in the room.
     """
-    room, last = scene.room, max(0, count - 1)  # of a bond that has broken nothing is left
+    room, last = scene.room, max(0, count - 1)  # 0 corners of a broken bond
     x0, y0 = room[2 * last], room[2 * last + 1]
     before = value(tip, x0, y0)
     grows = _none(before < 0.0)
@@ -103,6 +104,7 @@ def _spare(scene, phase, e):
     It is 1 while its crack grows, and negative beyond breaking or after the crack has stopped.
     """
     sound, j = scene.extras.sound, joint_of(scene, e)
+    # crack function on the polygon at the start of the step
     motion = relative_motion(scene, phase, j)
     tip, count = tip_of(scene, e, penetration(scene, j, motion)), most_of(put_bond(scene, e))
     # margin of a held bond in tension
@@ -161,6 +163,7 @@ def _load(scene, state, e):
     """Load the joint of bond e, whose bodies have been placed, with the memory of `state`."""
     j, remembered = joint_of(scene, e), state[_PER_BODY * scene.n :]
     if any_of(scene.settings.gives_way != 0.0):
+        # slips of this joint
         for place in range(j, _PER_JOINT * scene.m, scene.m):
             scene.memory[place] = remembered[place]
     load_joint(scene, _phase(state, scene.n), j)
@@ -221,6 +224,7 @@ def crack_within(scene, h, those):
     """Cut bonds along the rotating crack fronts of a step of h s; return the mask of where one was cut."""
     passed, allowed = _none(those), TURN * square_root(scene.settings.tolerance)
     for e in range(scene.extras.glued):
+        # bonds that a crack grows in
         growing = those & (bond_left(scene, e)[0].corners != 0.0) & (scene.extras.sound.held[e] == 0.0)
         if any_of(growing):
             passed = passed | _cut_along(scene, h, e, growing, allowed)
@@ -252,7 +256,7 @@ def _cut_along(scene, h, e, growing, allowed):
 
 @kernel
 def crack(scene, state, those):
-    """Break bonds by a state, and hold those without a growing crack; return the mask of where one broke whole."""
+    """Update all bonds by a state: cut those that break, hold the others; return the mask of where one broke whole."""
     broke, phase = _none(those), _phase(state, scene.n)
     for e in range(scene.extras.glued):
         there = those & (bond_left(scene, e)[0].corners != 0.0)
@@ -266,10 +270,7 @@ def crack(scene, state, those):
 
 @kernel
 def _crack_bond(scene, phase, e, there):
-    """Break bond e by the last evaluation of its joint, or hold it; return the mask of where it broke whole.
-
-    there: mask of where the bond exists.
-    """
+    """Update bond e by the last evaluation of its joint: break, cut or hold it; return where it broke whole."""
     sound, j, left = scene.extras.sound, joint_of(scene, e), bond_left(scene, e)[0]
     # broken along the joint, or nothing left
     holds = (sound.spare[e] > 0.0) & (sound.area[e] > LEAST * scene.joints.area[j])
@@ -303,7 +304,8 @@ def _crack_bond(scene, phase, e, there):
 
 @kernel
 def settle_bonds(scene, state):
-    """Break bonds by the state just evaluated; return True if it has to be evaluated again."""
+    """Update all bonds by the state just evaluated; return True if it has to be evaluated again."""
+    # by the memory of the state, without holding any bond
     recall(scene, state)
     crack(scene, state, True)
     let_bonds_go(scene)

@@ -17,7 +17,7 @@ from .bed import Bed, add, chosen, nothing, triangle, value, whole
 # 2/3 of the integral of sin^4 over sin^5, in powers of sin^2, the highest first: 1 / cos = sum of these times sin^2k
 ACROSS = tuple(2.0 / 3.0 * math.comb(2 * k, k) / 4**k / (5 + 2 * k) for k in range(TERMS))[::-1]
 TINY = 1e-300
-PARALLEL = 1e-14  # sine of the angle between two chords that are taken as parallel
+PARALLEL = 1e-14  # sine of the angle below which two chords are parallel
 
 
 @leaf
@@ -91,8 +91,10 @@ class _Chord(NamedTuple):
 @leaf
 def _chord(radius, slope, plane):
     """Return the chord of the linear function `plane` in a disc; slope: its gradient's norm, not 0."""
+    # unit normal and distance from the centre
     nx, ny = plane.along_x / slope, plane.along_y / slope
     off = -plane.at / slope
+    # half the length of the chord
     half = square_root(greater((radius - off) * (radius + off), 0.0))
     return _Chord(
         nx, ny, off, (off * nx - half * ny, off * ny + half * nx), (off * nx + half * ny, off * ny - half * nx)
@@ -131,6 +133,7 @@ def _cut_disc(radius, p, q, slope_p, slope_q, some, cuts_p, cuts_q):
     and leave a strip, else from where they meet. some: mask of where there is such a part; cuts_p, cuts_q: of where p
     and q cut the disc.
     """
+    # both chords
     of_p, of_q = _chord(radius, slope_p, p), _chord(radius, slope_q, q)
     turn = of_p.x * of_q.y - of_p.y * of_q.x  # sine of the angle between the chords
     both = cuts_p & cuts_q
@@ -155,6 +158,7 @@ def _cut_disc(radius, p, q, slope_p, slope_q, some, cuts_p, cuts_q):
     strip = begins_p & ends_p & begins_q & ends_q
     meet = (begins_p & opposite(ends_p)) | (ends_p & opposite(begins_p))
     if any_of(strip | meet):
+        # the intersection of the chords
         x, y = (of_p.off * of_q.y - of_q.off * of_p.y) / turn, (of_q.off * of_p.x - of_p.off * of_q.x) / turn
         apex = _point(strip, of_p.begin, (x, y))
         first, second = _point(ends_p, of_p.end, of_q.end), _point(ends_p, of_q.begin, of_p.begin)
@@ -167,6 +171,7 @@ def _cut_disc(radius, p, q, slope_p, slope_q, some, cuts_p, cuts_q):
 @leaf
 def whole_disc(radius, q):
     """Return the bed of a fully pressed disc about the origin; its largest q is left 0."""
+    # second moment about a diameter
     area = math.pi * radius * radius
     second = 0.25 * area * radius * radius
     return Bed(q.at * area, q.along_x * second, q.along_y * second, area, 0.0 * area)
@@ -175,6 +180,7 @@ def whole_disc(radius, q):
 @kernel
 def _disc(radius, p, q, slope_p, slope_q):
     """Return the bed of the part of a disc where p and q are positive."""
+    # whether anything is pressed, and which function cuts
     some = (p.at + radius * slope_p > 0.0) & (q.at + radius * slope_q > 0.0)
     same = (p.along_x == q.along_x) & (p.along_y == q.along_y) & (p.at == q.at)
     cuts_p, cuts_q = p.at < radius * slope_p, (q.at < radius * slope_q) & opposite(same)
@@ -195,6 +201,7 @@ def slope_of(plane):
 def _highest(radius, p, q, slope_p, slope_q):
     """Return the largest q in the disc where p is not negative: at the rim, or where the chord of p meets the rim."""
     top = q.at + radius * slope_q
+    # the point of the rim with the largest q
     x, y = radius * q.along_x / slope_q, radius * q.along_y / slope_q
     below = (slope_q > 0.0) & (slope_p > 0.0) & (value(p, x, y) < 0.0)
     if any_of(below):
@@ -226,12 +233,13 @@ def round_bed(outer, inner, area, moments, p, q):
     # partial contact: the outer disc less the bore
     if any_of(opposite(full)):
         part = nothing(p)
-        for k in range(2):  # which is compiled once
+        for k in range(2):  # a loop, so that it is compiled once
             radius, sign = (outer, 1.0) if k == 0 else (inner, -1.0)
             there = radius > 0.0
             if any_of(there):
                 disc = _disc(radius, p, q, slope_p, slope_q)
                 part = add(part, there, sign * disc.area, sign * disc.force, sign * disc.first_x, sign * disc.first_y)
+        # the largest q
         highest = _highest(outer, p, q, slope_p, slope_q)
         part = Bed(part.force, part.first_x, part.first_y, part.area, highest)
         bed = chosen(full, bed, chosen(part.force > 0.0, part, nothing(p)))

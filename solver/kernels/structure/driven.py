@@ -45,11 +45,11 @@ from .stepping import advance
 from .turning import MOST_TURN, is_turned_across, rotation_at, stop_turning, turn_base
 from .watch import RATES, STAGE, Watch, row, seen
 
-# description of a structure: what a caller may choose, the model, then its rest: a state
+# description of a structure: choices of the caller, then the model, then its state at rest
 GIVEN = Record("tolerance", "without", "damping_scale", "drive", "slope", "bodies", "turns")
 WITHOUT_PEAKS, WITHOUT_ELASTIC, WITHOUT_STABILIZED = 1, 2, 4  # codes of `without` (models/structure/model.py, SKIPS)
-HEAVIER = 4.0  # an evaluation of a block or joint, over that of a block of a column
-RATE_PART = 1e-4  # of the first step: half the time over which outputs are differenced
+HEAVIER = 4.0  # cost of the evaluation of a block or joint, over that of a block of a column
+RATE_PART = 1e-4  # half the interval of the difference quotients of outputs, over the first step
 
 _inputs, _head, _given, _input, _phase = INPUTS.over, HEAD.over, GIVEN.over, INPUT_MOTION.over, PHASE.over
 _model, _state = MODEL.over, STATE.over
@@ -124,6 +124,7 @@ def _shaking(base, sizes, count, times, ax, ay, az, scale):
 def _load(scene, shaking, inputs, elapsed, t):
     """Set the inputs at the ports, which the caller set `elapsed` s before time t, and their slopes."""
     count, given = _LOAD * scene.extras.spotted, inputs[_INPUTS:]
+    # extrapolate to the time t0 of the inputs
     past = elapsed - (t - shaking.base.t0)
     for i in range(count):
         slope = given[count + i]
@@ -134,10 +135,12 @@ def _load(scene, shaking, inputs, elapsed, t):
 def _drive(scene, base, inputs, elapsed, t):
     """Set the inputs that the base follows from time t on, which the caller set `elapsed` s before."""
     given = _inputs(inputs, 0)
+    # rotation
     start_at(base, t)
     if scene.settings.turns != 0.0:
         turned = turned_by(scene, inputs)
         base.alpha_x, base.alpha_y = turned.alpha_x, turned.alpha_y
+    # translation
     base.ax = given.ax + given.jx * elapsed
     base.ay = given.ay + given.jy * elapsed
     base.az = given.az + given.jz * elapsed
@@ -148,6 +151,7 @@ def _drive(scene, base, inputs, elapsed, t):
 def _see(scene, base, phase, t, visible):
     """Fill the output row `visible` from the state at time t, on a base without acceleration."""
     recall(scene, phase.buffer)
+    # without acceleration of the base
     turn_base(scene, base, t, 0.0, 0.0, 0.0)
     evaluate(scene, phase, _phase(row(scene, RATES), scene.n), 0.0, 0.0, 0.0)
     show(scene, phase, visible)
@@ -204,6 +208,7 @@ def _lies_flat(base, phase, n):
     if is_turned_across(base):
         return False
     for i in range(n):
+        # displacement, velocity and rotation across the plane
         across = phase.uy[i] != 0.0 or phase.vy[i] != 0.0 or phase.q1[i] != 0.0 or phase.q3[i] != 0.0
         if across or phase.wx[i] != 0.0 or phase.wz[i] != 0.0:
             return False
@@ -262,11 +267,12 @@ def follow(model, state, counts, base, work, inputs, start, h, count, times, ax,
     flat = is_plane and _is_flat(scene, shaking, phase, start, stop)
     most, bounded = most_work(scene.settings, h), most_of_a_call(HEAVIER * (scene.n + scene.m))
     code_beyond = TOO_MUCH_WORK if most <= bounded else CALL_TOO_LONG
+    # the plane motion, if it is one
     scene.settings.in_plane = 1.0 if flat else 0.0
     # steps
     state_row, nothing = phase.buffer, Watch(0, work, work, 0)
     code = advance(scene, shaking, nothing, state_row, start, stop, int(min(most, bounded)) // STAGES)
-    scene.settings.in_plane = 0.0  # of this step, no part of the model
+    scene.settings.in_plane = 0.0  # valid in this step only
     return code_beyond if code == PAUSED else code
 
 
@@ -295,12 +301,13 @@ def look(
     phase = _state(state, sizes).phase
     # motion of the base
     show_driven(scene.settings, _input(base, sizes).motion, t, 0, driven)
-    if new_inputs != 0 and scene.settings.drive == ACCELERATION:  # else no output depends on them
+    if new_inputs != 0 and scene.settings.drive == ACCELERATION:  # otherwise no output depends on them
         _drive(scene, _input(base, sizes).motion, inputs, elapsed, t)
     # without ports no output depends on inputs
     if scene.extras.spotted == 0:
         _see(scene, _input(base, sizes).motion, phase, t, visible)
         return OK
+    # accelerations of ports
     shaking = _shaking(base, sizes, count, times, ax, ay, az, scale)
     if new_inputs != 0:
         _load(scene, shaking, inputs, elapsed, t)

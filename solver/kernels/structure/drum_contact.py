@@ -12,9 +12,9 @@ from ..numba_ext.jit import leaf
 from .kinematics import cross, dot, minus, plus, push, standing
 from .sides import NOTHING, SLACK, Touch, apart, arms_to, edge_of, push_both, rate_along, scaled, spin_of, velocity_of
 
-PARALLEL = 1e-24  # square of the sine of the angle between axes that are taken as parallel
-ALONG = 1e-9  # cosine of the angle to an axis from which on an edge across it ends a contact
-NODES = (0.0, 0.5384693101056831, -0.5384693101056831, 0.906179845938664, -0.906179845938664)  # of Gauss and Legendre
+PARALLEL = 1e-24  # squared sine of the angle below which axes are parallel
+ALONG = 1e-9  # least cosine between the axis and the normal of an edge that ends a contact
+NODES = (0.0, 0.5384693101056831, -0.5384693101056831, 0.906179845938664, -0.906179845938664)  # of Gauss-Legendre rule
 WEIGHTS = (0.5688888888888889, 0.47862867049936647, 0.47862867049936647, 0.23692688505618908, 0.23692688505618908)
 
 
@@ -23,7 +23,7 @@ class Part(NamedTuple):
 
     low: float
     high: float
-    by_low: object  # what ends it there: a direction across which the other block ends; (0, 0, 0): something else
+    by_low: object  # normal of the edge of the other block that ends it there; (0, 0, 0) without one
     by_high: object
 
 
@@ -50,6 +50,7 @@ def _beside_drum(sides, half_a, half_b):
     # perpendicular axes: all or nothing
     if abs(c) < ALONG:
         return part if abs(t0) < half_b else Part(1.0, -1.0, NOTHING, NOTHING)
+    # clip to both ends of the other drum
     part = _cut(part, half_b - t0, -c, sides.v)
     return _cut(part, half_b + t0, c, sides.v)
 
@@ -59,13 +60,14 @@ class _Axes(NamedTuple):
 
     at: object
     along: object
-    square: float  # of along, and so forth
+    square: float  # along . along; at . along; at . at
     product: float
     level: float
 
 
 @leaf
 def _axes(sides):
+    # components perpendicular to the other axis
     t0, c = dot(sides.between, sides.v), dot(sides.u, sides.v)
     at, along = plus(sides.between, sides.v, -t0), plus(sides.u, sides.v, -c)
     return _Axes(at, along, dot(along, along), dot(at, along), dot(at, at))
@@ -129,7 +131,7 @@ def load_drums(scene, phase, pairs, p, sides):
         moves = minus(velocity_of(scene, phase, sides.a, on_a), velocity_of(scene, phase, sides.b, on_b))
         turns = minus(cross(spin_of(scene, sides.a), sides.u), cross(spin_of(scene, sides.b), along_b))
         # integrate the force by Gauss and Legendre
-        pushed, times_s = NOTHING, NOTHING  # sums of the force, and of s times it
+        pushed, times_s = NOTHING, NOTHING  # integrals of the force, and of s times the force
         for g in range(len(NODES)):
             s = middle + half * NODES[g]
             n, rho = _outwards(axes, s)
@@ -158,6 +160,7 @@ def gap_of_drums(pairs, p, sides):
     """Return the distance of two drums, m: negative by the deepest overlap, beyond the ends that to them."""
     half, axes = pairs.half_a[p], _axes(sides)
     part = _beside_drum(sides, half, pairs.half_b[p])
+    # the nearest interval between the ends
     low, high = max(min(part.low, half), -half), min(max(part.high, -half), half)
     beside = max(low - high, 0.0) * abs(dot(sides.u, sides.v))
     # the point of the first axis nearest to the other one
@@ -172,6 +175,7 @@ def gap_of_drums(pairs, p, sides):
 @leaf
 def _before_face(scene, pairs, p, sides, part):
     """Clip the interval of the axis to the edges of the face."""
+    # the axis in the plane of the face
     e1 = standing(scene.poses, sides.b, pairs.e1x[p], pairs.e1y[p], pairs.e1z[p])
     e2 = cross(sides.v, e1)
     x0, x1 = dot(sides.between, e1), dot(sides.u, e1)
@@ -179,7 +183,7 @@ def _before_face(scene, pairs, p, sides, part):
     # each edge clips it
     for k in range(int(pairs.corners[p])):
         ax, ay, dx, dy = edge_of(scene, pairs, p, k)
-        edge = plus(scaled(e1, dy), e2, -dx)  # outwards
+        edge = plus(scaled(e1, dy), e2, -dx)  # outward normal
         level, slope = dx * (y0 - ay) - dy * (x0 - ax), dx * y1 - dy * x1
         part = _cut(part, level, slope, edge)
     return part
@@ -195,6 +199,7 @@ class _Lowest(NamedTuple):
 
 @leaf
 def _lowest(sides, radius):
+    # direction from the axis towards the face
     c = dot(sides.u, sides.v)
     sine = math.sqrt(max(1.0 - c * c, 0.0))
     off = NOTHING if sine < ALONG else scaled(plus(sides.v, sides.u, -c), -radius / sine)
@@ -241,6 +246,7 @@ def gap_before_face(scene, pairs, p, sides):
     """Return the distance of a drum from a face, m: negative by the deepest overlap, beyond an edge that to it."""
     half, line = pairs.half_a[p], _lowest(sides, pairs.radius_a[p])
     part = _before_face(scene, pairs, p, sides, Part(-half, half, NOTHING, NOTHING))
+    # the nearest interval within the edges
     low, high = max(min(part.low, half), -half), min(max(part.high, -half), half)
     gap = -max(line.at + line.along * low, line.at + line.along * high)
     return apart(gap, max(part.low - part.high, 0.0))

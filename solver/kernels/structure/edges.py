@@ -4,7 +4,7 @@ from ..numba_ext.jit import kernel
 from ..numba_ext.lanes import any_of, greater, lesser, where, zero_like
 from .bed import value
 
-SIMPSON = ((0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0))  # exact for cubics
+SIMPSON = ((0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0))  # positions and weights, exact for cubics
 
 
 @kernel
@@ -33,6 +33,7 @@ def edge_integrals(x0, y0, dx, dy, p, q):
     cut = (lesser(p0, p0 + p_rise) <= 0.0) | (lesser(q0, q0 + q_rise) <= 0.0)
     if any_of(cut):
         for first, rise in ((p0, p_rise), (q0, q_rise)):
+            # where the function vanishes along the edge
             root = -first / where(rise == 0.0, 1.0, rise)
             low = where(rise > 0.0, greater(low, root), low)
             high = where(rise < 0.0, lesser(high, root), where((rise == 0.0) & (first <= 0.0), 0.0, high))

@@ -28,6 +28,7 @@ def moving(scene):
 @kernel
 def recall(scene, state):
     """Copy the memory of joints, ties and pairs from a state into the scene."""
+    # the memory follows the phase in a state
     copy(scene.memory, state[_PER_BODY * scene.n :], scene.remembered)
 
 
@@ -50,6 +51,7 @@ def settle_memory(scene, state):
 def evaluate_state(scene, state, rates, ax, ay, az):
     """Fill `rates` with the rates of a whole state under a base acceleration (m/s2), memory included."""
     n, gives_way = scene.n, any_of(scene.settings.gives_way != 0.0)
+    # memory
     if gives_way:
         recall(scene, state)
     evaluate(scene, _phase(state, n), _phase(rates, n), ax, ay, az)
@@ -83,6 +85,7 @@ def energy(scene, phase):
     for i in range(scene.n):
         v = phase.vx[i] * phase.vx[i] + phase.vy[i] * phase.vy[i] + phase.vz[i] * phase.vz[i]
         x, y, z = phase.wx[i], phase.wy[i], phase.wz[i]
+        # rotational energy from the inertia tensor
         turning = bodies.jxx[i] * x * x + bodies.jyy[i] * y * y + bodies.jzz[i] * z * z
         turning += 2.0 * (bodies.jxy[i] * x * y + bodies.jxz[i] * x * z + bodies.jyz[i] * y * z)
         total += 0.5 * (bodies.mass[i] * v + turning) + bodies.mass[i] * scene.settings.gravity * phase.uz[i]
@@ -107,6 +110,7 @@ def show_block(scene, phase, i, row):
 def show_joint(scene, j, row):
     """Fill the output row with the resultants of joint j, which has just been loaded."""
     m, found, of_joints = scene.m, scene.resultants, row[_BLOCKS * scene.n :]
+    # size of the slip
     slip = math.hypot(scene.slips.p1[j], scene.slips.p2[j])
     # N, Mx, My, Tx, Ty, Mz
     of_joints[j] = found.normal[j]

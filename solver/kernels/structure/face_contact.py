@@ -16,7 +16,7 @@ from .edges import SIMPSON
 from .kinematics import cross, dot, minus, plus, standing
 from .sides import NOTHING, SLACK, Touch, apart, edge_of, push_both, scaled, spin_of, velocity_of
 
-FACING = -0.1  # cosine of the angle between the normals of faces that face each other, at most
+FACING = -0.1  # largest cosine between the normals of opposite faces
 
 
 class _Facing(NamedTuple):
@@ -26,16 +26,18 @@ class _Facing(NamedTuple):
     e2: object
     f1: object  # of the first face
     f2: object
-    pull: object  # the normal of the first face, of such a length that it has 1 along that of the other one
-    shift: float  # m, by which the first face is taken to be nearer
+    pull: object  # normal of the first face, scaled to component 1 along that of the other one
+    shift: float  # m, offset that moves the first face nearer
     delta: Plane  # m, overlap
 
 
 @leaf
 def _facing(scene, pairs, p, sides):
+    # axes of both faces along those of the base
     e1 = standing(scene.poses, sides.b, pairs.e1x[p], pairs.e1y[p], pairs.e1z[p])
     f1 = standing(scene.poses, sides.a, pairs.f1x[p], pairs.f1y[p], pairs.f1z[p])
     e2, f2 = cross(sides.v, e1), cross(sides.u, f1)
+    # overlap over the plane of the other face
     pull, shift = scaled(sides.u, 1.0 / dot(sides.u, sides.v)), pairs.radius_a[p]
     delta = Plane(shift - dot(sides.between, pull), dot(e1, pull), dot(e2, pull))
     return _Facing(e1, e2, f1, f2, pull, shift, delta)
@@ -44,6 +46,7 @@ def _facing(scene, pairs, p, sides):
 @leaf
 def _corner(scene, pairs, p, sides, facing, k):
     """Return (x, y) of corner k of the first face in the plane of the other one, m; the corners run clockwise there."""
+    # from the middle of the other face
     place = int(pairs.first_a[p]) + 2 * k
     on_a = plus(sides.between, facing.f1, scene.corners[place])
     on_a = plus(on_a, facing.f2, scene.corners[place + 1])
@@ -73,6 +76,7 @@ def _share(scene, pairs, p, sides, facing):
 @leaf
 def _above(sides, facing, x, y):
     """Return the point of the first face over (x, y), m from the middle of that face."""
+    # point of the other plane, then along its normal
     on_b = plus(scaled(facing.e1, x), facing.e2, y)
     rise = facing.shift - value(facing.delta, x, y)
     return minus(plus(on_b, sides.v, rise), sides.between)
@@ -81,7 +85,7 @@ def _above(sides, facing, x, y):
 @leaf
 def _rate(scene, phase, sides, facing):
     """Return the rate of the overlap, m/s, as a linear function of x and y."""
-    place = plus(_above(sides, facing, 0.0, 0.0), sides.between, 1.0)  # from the middle of the other face
+    place = plus(_above(sides, facing, 0.0, 0.0), sides.between, 1.0)  # from the middle of the other face, m
     on_a, on_b = plus(plus(sides.arm_a, place, 1.0), sides.between, -1.0), plus(sides.arm_b, place, 1.0)
     # velocity at the middle, then its gradient by the relative rotation
     moves = minus(velocity_of(scene, phase, sides.a, on_a), velocity_of(scene, phase, sides.b, on_b))
@@ -120,6 +124,7 @@ def _integrals(room, count, f, delta):
     # a fan of triangles
     for k in range(2, count):
         x1, y1, x2, y2 = room[2 * k - 2], room[2 * k - 1], room[2 * k], room[2 * k + 1]
+        # exact for products of linear functions
         twelfth = ((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)) / 24.0
         q = _linear(f, x0, y0, x1, y1, x2, y2)
         force += 4.0 * twelfth * (q[0] + q[1] + q[2])
@@ -137,6 +142,7 @@ def _push_edges(scene, pairs, p, sides, facing, q):
     """
     count, total = int(pairs.corners_a[p]), NOTHING
     for k in range(count):
+        # an edge of the first face
         x0, y0 = _corner(scene, pairs, p, sides, facing, k)
         x1, y1 = _corner(scene, pairs, p, sides, facing, k + 1 if k + 1 < count else 0)
         dx, dy, low, high = x1 - x0, y1 - y0, 0.0, 1.0
@@ -152,7 +158,7 @@ def _push_edges(scene, pairs, p, sides, facing, q):
                 high = min(high, begin / (begin - end))
         # integrate by Simpson's rule
         if high > low:
-            out = plus(scaled(facing.e1, -dy), facing.e2, dx)  # of an outline that goes round clockwise
+            out = plus(scaled(facing.e1, -dy), facing.e2, dx)  # outward normal of a clockwise outline
             for part, weight in SIMPSON:
                 s = low + part * (high - low)
                 x, y = x0 + s * dx, y0 + s * dy
@@ -199,6 +205,7 @@ def gap_of_faces(scene, pairs, p, sides):
     """Return the distance of two faces, m: negative by the deepest overlap, beyond their edges that to the edges."""
     if dot(sides.u, sides.v) > FACING:
         return math.sqrt(dot(sides.between, sides.between))
+    # intersection in projection
     facing = _facing(scene, pairs, p, sides)
     count, corners = _share(scene, pairs, p, sides, facing), int(pairs.corners_a[p])
     # the deepest corner of the intersection

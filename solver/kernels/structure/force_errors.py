@@ -14,9 +14,9 @@ from .layout import PHASE
 from .watch import END, row
 
 _phase = PHASE.over
-LEAST_SHEAR = 0.01  # of the largest force across joints: the least that errors along them are measured against
-LEAST_NORMAL = 0.1  # of the mean weight on a joint: the least that errors across joints are measured against
-LEAST_GRAVITY = 1e-3  # m/s2, of a structure without weight
+LEAST_SHEAR = 0.01  # least reference of shear errors, over the largest normal force
+LEAST_NORMAL = 0.1  # least reference of normal errors, over the mean weight on a joint
+LEAST_GRAVITY = 1e-3  # m/s2, replaces that of a structure without weight
 
 
 @kernel
@@ -35,6 +35,7 @@ def _take_along_base(scene, error):
 @leaf
 def _felt(scene, error, i, arm, damping):
     """Return the error of d + damping d' of body i: that of the end of an arm, m, and that of its rotation, rad."""
+    # the base has no error
     if i == scene.n:
         return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     place = plus((error.ux[i], error.uy[i], error.uz[i]), (error.vx[i], error.vy[i], error.vz[i]), damping)
@@ -45,6 +46,7 @@ def _felt(scene, error, i, arm, damping):
 @kernel
 def _least_normal(scene):
     """Return the least normal force, N, that errors are measured against: a run may begin without any."""
+    # total mass
     mass = 0.0
     for i in range(scene.n):
         mass += scene.bodies.mass[i]
@@ -70,7 +72,7 @@ def error_of_forces(scene, errors):
         e3 = cross(e1, e2)
         arm_a = standing(poses, a, joints.ax[j], joints.ay[j], joints.az[j])
         arm_b = standing(poses, b, joints.bx[j], joints.by[j], joints.bz[j])
-        for kind in range(2):  # which is compiled once
+        for kind in range(2):  # a loop, so that it is compiled once
             damping = joints.damping[j] if kind == 0 else joints.shear_damping[j]
             # error of the relative displacement and rotation of the faces
             place_a, turn_a = _felt(scene, error, a, arm_a, damping)

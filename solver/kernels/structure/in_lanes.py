@@ -37,24 +37,24 @@ from .meeting_in_lanes import forget_gaps, keep_slides, limited, meet, until_clo
 from .stepping import STABLE, fallen, largest_motion, moves, relaxing
 from .watch import BETWEEN_RATES, END, START, row, seen
 
-BETWEEN_LOOKS = 0.25  # s, where the base is still
-FELL, RESTS, STOPPED, STEP_TOO_SMALL = 1.0, 2.0, 3.0, -1.0  # how a run ends
-PEAKS = Table("u", "ux", "uy", "uz")  # of blocks, m; u: of the horizontal displacement, whichever way
+BETWEEN_LOOKS = 0.25  # s, between checks for rest on a still base
+FELL, RESTS, STOPPED, STEP_TOO_SMALL = 1.0, 2.0, 3.0, -1.0  # outcomes of a run
+PEAKS = Table("u", "ux", "uy", "uz")  # of blocks, m; u: of the horizontal displacement in any direction
 RUN = Record(
-    *("start", "stop"),  # s, from where and to where it is to be followed
-    "first",  # sample of its record, and
-    "count",  # number of them
+    *("start", "stop"),  # s, time interval of the run
+    "first",  # index of the first sample of its record
+    "count",  # number of samples
     "held",  # 1: samples are held, 0: joined by straight lines
     *("amplitude_x", "amplitude_y", "omega", "phase"),  # m/s2, rad/s, rad, of the harmonic part
 )
-OUTCOME = Record("ends", "time", "block", "steps", "rejected", "looks")  # of a fall: its time and block, from 1
+OUTCOME = Record("ends", "time", "block", "steps", "rejected", "looks")  # time (s) and block (from 1) of a fall
 LANE = Record(
-    "run",  # number of the run, -1 without one
-    *("t", "stop", "piece_end"),  # s; the next stop, the next sample
-    "segment",  # number of the last sample, -1 before the first
+    "run",  # index of the run, -1 without one
+    *("t", "stop", "piece_end"),  # s; time, next stop, next sample
+    "segment",  # index of the last sample, -1 before the first
     *("steps", "rejected", "looks"),
     "fresh",  # 1 while the rates at its time are missing
-    "due",  # 1 if a look is due then
+    "due",  # 1 if a check for rest is due at it
 )
 NO_RUN = -1.0
 
@@ -64,8 +64,8 @@ ALL = Space(
     control=CONTROL,
     counts=COUNTS,
     peaks=(PEAKS, "n"),
-    moved=(EACH, "b"),  # m, largest displacement of each bearing, at the ends of steps; behind the peaks
-    gaps=(EACH, "pairs"),  # the least of neighbours, m: behind these
+    moved=(EACH, "b"),  # m, largest displacement of each bearing at the ends of steps; adjacent to the peaks
+    gaps=(EACH, "pairs"),  # m, least gaps of neighbours; adjacent to these
     base=BASE,
     lane=LANE,
     work=WORK,
@@ -84,10 +84,10 @@ class Queue(NamedTuple):
 
     size: int
     models: object  # MODEL of each, without modes
-    states: object  # to start from, replaced by those at the ends
+    states: object  # initial states, replaced by the final ones
     runs: object  # records RUN
     outcomes: object  # records OUTCOME
-    peaks: object  # tables PEAKS, behind each a number for each bearing, and the least gaps
+    peaks: object  # tables PEAKS, each followed by displacements of bearings and least gaps
     times: object  # s
     ax: object  # m/s2
     ay: object
@@ -102,7 +102,7 @@ class Batch(NamedTuple):
     shaking: object
     lane: object
     gaps: object
-    row: object  # of ALL
+    row: object  # layout ALL
     sizes: Sizes
     queue: object
 
@@ -110,9 +110,10 @@ class Batch(NamedTuple):
 @leaf
 def batch_over(sizes, buffer, queue):
     """Return the batch over a row of lanes, or over the row of one lane."""
+    # rows of peaks and bonds
     seen = _all(buffer, sizes)
     peaks = seen.peaks.buffer[: _PEAK * sizes.n + sizes.b + sizes.pairs]
-    bonded = seen.work.states[place_of_bonds(sizes) : sizes.stride]  # of the row START
+    bonded = seen.work.states[place_of_bonds(sizes) : sizes.stride]  # those of row START
     scene = scene_over(sizes, seen.model, seen.control, seen.counts, peaks, bonded, seen.work)
     shaking = Shaking(0, 0, queue.times, queue.ax, queue.ay, queue.az, seen.base, 0, queue.times, queue.times)
     return Batch(scene, shaking, seen.lane, seen.gaps, buffer, sizes, queue)
@@ -148,6 +149,7 @@ def _silence(one):
 
 @leaf
 def _record_of(batch, one, run):
+    # samples of this run
     queue, first = batch.queue, int(run.first)
     samples = queue.times[first:], queue.ax[first:], queue.ay[first:], queue.az[first:]
     return Shaking(int(run.count), int(run.count), *samples, one.shaking.base, 0, queue.times, queue.times)
@@ -258,6 +260,7 @@ def start(batch, fresh):
 @kernel
 def _look(batch, k, rests):
     """Decide at a stop whether the run in lane k ends: return 1 if it does, else 0 and set the next stop."""
+    # at rest, or at the end of the run
     own, stop = single(batch, k).lane, _run_of(batch, int(single(batch, k).lane.run)).stop
     own.due = 0.0
     if rests or own.t >= stop:
@@ -312,6 +315,7 @@ def _raise(scene, phase, i, lanes):
 def _out(phase, i):
     """Return the size of the horizontal displacement of block i, m, and its rate, m/s."""
     x, y = phase.ux[i], phase.uy[i]
+    # radial velocity, and no division by zero
     size = square_root(x * x + y * y)
     return size, (x * phase.vx[i] + y * phase.vy[i]) / greater(size, 1e-300)
 

@@ -46,6 +46,7 @@ def middle_of(scene, j):
     if any_of(slid):
         slip = greater(square_root(p1 * p1 + p2 * p2), TINY)
         part = 0.5 * (scene.joints.rim_b[j] - scene.joints.rim_a[j]) / slip
+        # limited to half of the slip
         part = where(slid, greater(lesser(part, 0.5), -0.5), 0.0)
     return part * p1, part * p2
 
@@ -100,6 +101,7 @@ def _bed_of_section(scene, j, section, sign, p, q):
 
 @leaf
 def _bed_as_built(section, p, q):
+    # closed forms of polygons and round sections
     area, moments = section.area, section.moments
     if section.is_polygon:
         return polygon_bed(section.corners, section.corners_count, whole(area, moments, q, zero_like(q.at)), p, q)
@@ -129,6 +131,7 @@ def friction_limits(joints, j, normal, g1, g2):
     """
     pressed = normal > 0.0
     force = where(pressed, joints.friction[j] * normal, 0.0) + joints.dowel[j]
+    # a resultant far from the centre has a longer arm
     arm, moment = joints.arm[j], g1 * g1 + g2 * g2
     farther = pressed & (moment > arm * normal * (arm * normal))
     if any_of(farther):
@@ -161,7 +164,7 @@ def _along_joint(scene, j, motion, p, q, normal, g1, g2, largest):
     x, y = middle_of(scene, j)
     s1, s2, z3, v3 = motion.gap[0], motion.gap[1], motion.turn[2], motion.turn_rate[2]
     s3 = z3 + slips.p3[j]
-    z1, z2 = s1 - slips.p1[j] - z3 * y, s2 - slips.p2[j] + z3 * x  # there
+    z1, z2 = s1 - slips.p1[j] - z3 * y, s2 - slips.p2[j] + z3 * x
     v1, v2 = motion.gap_rate[0] - v3 * y, motion.gap_rate[1] + v3 * x
     # spring and dashpot
     t1, t2 = -shear * (z1 + damping * v1), -shear * (z2 + damping * v2)
@@ -179,10 +182,10 @@ def _along_joint(scene, j, motion, p, q, normal, g1, g2, largest):
         near = near | (twist * greater(magnitude(w3), magnitude(z3)) > greater(couple - turning, 0.0))
         near, way = near & (joints.friction[j] != math.inf), (w1 + w3 * y, w2 - w3 * x, w3)
         push1, push2, push3 = pressure_shear(scene, j, near, p, q, normal, g1, g2, way)
-        # a twist of the slider turns the frame half-way, and with it what is slipped goes up or down
+        # a twist of the slider rotates the frame, so that a slipped contact moves along the normal
         push3 += 0.5 * motion.per_scalar * normal * (motion.vector[0] * s1 + motion.vector[1] * s2)
         push3 += push1 * y - push2 * x
-        f1, f2 = t1 - push1, t2 - push2  # what friction bears
+        f1, f2 = t1 - push1, t2 - push2  # borne by friction
         square = f1 * f1 + f2 * f2
         # force beyond the limit: the slider moves
         slides = square > limit * limit
@@ -210,9 +213,9 @@ def _along_joint(scene, j, motion, p, q, normal, g1, g2, largest):
         beyond = magnitude(f3) > couple
         if any_of(beyond):
             z3 = where(beyond, (with_sign(couple, f3) - push3) / twist, z3)
-    g3 += t1 * y - t2 * x  # about the place half-way
+    g3 += t1 * y - t2 * x  # moment about the place half-way
     t1, t2 = beside_slider(scene, j, motion, normal, t1, t2)
-    turned = 0.5 * motion.per_scalar * motion.gap[2] * r3  # by the frame, as the slider twists
+    turned = 0.5 * motion.per_scalar * motion.gap[2] * r3  # slip by the rotation of the frame as the slider twists
     # store rates and resultants
     giving.p1[j], giving.p2[j] = r1 + r3 * y - turned * motion.vector[0], r2 - r3 * x - turned * motion.vector[1]
     giving.p3[j] = r3
@@ -229,6 +232,7 @@ def load_joint(scene, phase, j):
     # pressure and its resultants
     motion = relative_motion(scene, phase, j)
     p, rate = penetration(scene, j, motion), penetration_rate(scene, j, motion)
+    # damped penetration
     eta, k = joints.damping[j], joints.stiffness[j]
     q = Plane(p.at + eta * rate.at, p.along_x + eta * rate.along_x, p.along_y + eta * rate.along_y)
     bed = bed_of_joint(scene, j, p, q)
@@ -259,9 +263,10 @@ def joint_energy(scene, phase, j):
     Along a pressed joint it is that of the whole elastic slip, also where the dashpot bears what exceeds friction.
     """
     joints, found = scene.joints, scene.resultants
+    # bed without damping
     p = penetration(scene, j, relative_motion(scene, phase, j))
     bed = bed_of_joint(scene, j, p, p)
-    square = p.at * bed.force + p.along_x * bed.first_x + p.along_y * bed.first_y  # the integral of p times p
+    square = p.at * bed.force + p.along_x * bed.first_x + p.along_y * bed.first_y  # integral of p^2
     # elastic slips and twist at the centre of the contact
     (x, y), slips, pressed = middle_of(scene, j), scene.slips, found.normal[j] > 0.0
     z3 = where(pressed, found.s3[j] - slips.p3[j], found.z3[j])

@@ -14,7 +14,7 @@ def pose_body(scene, phase, i):
     poses = scene.poses
     q0, q1, q2, q3 = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
     wx, wy, wz = phase.wx[i], phase.wy[i], phase.wz[i]
-    # the rotation less the identity: displacements keep their digits however far from the origin the body is
+    # the rotation less the identity: displacements keep their digits at any distance from the origin
     r11, r12, r13 = -2.0 * (q2 * q2 + q3 * q3), 2.0 * (q1 * q2 - q0 * q3), 2.0 * (q1 * q3 + q0 * q2)
     r21, r22, r23 = 2.0 * (q1 * q2 + q0 * q3), -2.0 * (q1 * q1 + q3 * q3), 2.0 * (q2 * q3 - q0 * q1)
     r31, r32, r33 = 2.0 * (q1 * q3 - q0 * q2), 2.0 * (q2 * q3 + q0 * q1), -2.0 * (q1 * q1 + q2 * q2)
@@ -165,15 +165,15 @@ def point_of(scene, phase, i, x, y, z):
 class Relative(NamedTuple):
     """The motion of the upper face of a joint relative to the lower one, in the frame half-way between both."""
 
-    e1: object  # axes of that frame, along those of the base
+    e1: object  # axes of that frame, components along those of the base
     e2: object
     e3: object
     gap: object  # m: slips along e1 and e2, opening along e3
     gap_rate: object  # m/s
     turn: object  # rad, kappa: tilts, and the elastic twist
     turn_rate: object
-    vector: object  # of the relative quaternion
-    per_scalar: object  # 1 / (1 + its scalar)
+    vector: object  # vector of the relative quaternion
+    per_scalar: object  # 1 / (1 + scalar of the relative quaternion)
     arm_a: object  # m, from the centroids to the centres of the faces
     arm_b: object
 
@@ -268,7 +268,7 @@ def relative_motion(scene, phase, j):
     # the relative quaternion
     (a0, a1, a2, a3), (b0, b1, b2, b3) = _faces_of(scene, phase, j)
     scalar = a0 * b0 + a1 * b1 + a2 * b2 + a3 * b3
-    sign = where(scalar < 0.0, -1.0, 1.0 + zero_like(scalar))  # of the two that mean the same rotation, the near one
+    sign = where(scalar < 0.0, -1.0, 1.0 + zero_like(scalar))  # of both equivalent quaternions the nearer one
     a0, a1, a2, a3, scalar = sign * a0, sign * a1, sign * a2, sign * a3, sign * scalar
     v1, v2, v3 = _vector_between((a0, a1, a2, a3), (b0, b1, b2, b3))
     # the frame half-way, by the mean quaternion
@@ -340,5 +340,5 @@ def accelerate_bodies(scene, phase, rates, ax, ay, az):
         rates.wx[i] = bodies.ixx[i] * left[0] + bodies.ixy[i] * left[1] + bodies.ixz[i] * left[2]
         rates.wy[i] = bodies.ixy[i] * left[0] + bodies.iyy[i] * left[1] + bodies.iyz[i] * left[2]
         rates.wz[i] = bodies.ixz[i] * left[0] + bodies.iyz[i] * left[1] + bodies.izz[i] * left[2]
-        if flat:  # what is zero by symmetry stays zero whatever the rounding
+        if flat:  # components that vanish by symmetry stay exactly zero
             rates.vy[i], rates.wx[i], rates.wz[i] = 0.0, 0.0, 0.0

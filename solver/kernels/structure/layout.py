@@ -60,7 +60,7 @@ BODIES = Table(
     "size",  # m, by which rotations become displacements
     "drop",  # m: a block this far below its place as built has fallen
 )
-POLYGON, ROUND, POINT = 0.0, 1.0, 2.0  # sections; a bearing bears at a point
+POLYGON, ROUND, POINT = 0.0, 1.0, 2.0  # kinds of sections; a bearing is a point
 JOINTS = Table(
     *("upper", "lower"),  # numbers of the bodies A and B
     *("ax", "ay", "az", "bx", "by", "bz"),  # m, the centre of the joint from the centroids of A and B, as built
@@ -85,20 +85,20 @@ JOINTS = Table(
     "bond",  # number of its bond from 1, 0 without
     "inside",  # place among the corners of what a rim leaves open (INSIDE), 0 where the whole section bears
 )
-# a face among the corners of all sections, with its own corners behind it: their number, 0 where it is round; its
-# centre from that of the joint, m; its radius, infinite where it has no end, and that of its bore
-FACE = Record("corners", "x", "y", "outer", "inner")  # of a polygon the radius about all of it
-MOST_CORNERS = 64  # of a face
+# a face among the corners of all sections, followed by its own corners: their number, 0 if round; its centre from
+# that of the joint, m; its radius, infinite if unbounded, and that of its bore, m
+FACE = Record("corners", "x", "y", "outer", "inner")  # outer: of a polygon the radius of a circle about it
+MOST_CORNERS = 64  # most corners of a face
 # the inside of a section that bears in a rim only, about the centre of the joint: POLYGON or ROUND, number of corners,
-# integrals of 1, x, y, x^2, y^2, x y, radii, places of the insides of both faces; its corners stand behind it
+# integrals of 1, x, y, x^2, y^2, x y, radii, indices of the insides of both faces; followed by its corners
 INSIDE = Record("section", "corners", "area", "x", "y", "ixx", "iyy", "ixy", "outer", "inner", "above", "below")
-# what two polygons share, from half-way between their centres: the slips and the twist that it belongs to, its
-# integrals of 1, x, y, x^2, y^2, x y; then its corners, the last one repeated, the owner of the edge to each, and for
-# each edge of the lower and of the upper face the plane that is positive inside of it
+# the intersection of two polygons, from half-way between their centres: number of corners, the slips and the twist at
+# which it was computed, its integrals of 1, x, y, x^2, y^2, x y; then its corners, the last one repeated, the owner of
+# the edge that ends at each, and for each edge of the lower and of the upper face the plane that is positive inside
 SHARED = Record("corners", "p1", "p2", "p3", "area", "x", "y", "xx", "yy", "xy")
-PER_CORNER = 4  # numbers of a row of SHARED over those of its two faces: its place is that multiple of theirs
+PER_CORNER = 4  # length of a row of SHARED over that of its two faces; its index is that multiple of theirs
 assert SHARED.beside <= PER_CORNER * 2 * FACE.beside
-OF_UPPER, OF_BOTH, OF_LOWER = -1.0, 0.0, 1.0  # owners of an edge; of both while edges of two faces coincide
+OF_UPPER, OF_BOTH, OF_LOWER = -1.0, 0.0, 1.0  # owners of an edge; both if edges of two faces coincide
 TIES = Table(
     *("one", "other"),  # numbers of the bodies
     *("ax", "ay", "az", "bx", "by", "bz"),  # m, the ends from the centroids, as built
@@ -111,7 +111,7 @@ PORTS = Table(
     "body",  # number of the block
     *("x", "y", "z"),  # m, the point from the centroid, as built
 )
-DRUMS, PLANE, FACES = 0.0, 1.0, 2.0  # a drum beside a drum, a drum before a plane face, two plane faces
+DRUMS, PLANE, FACES = 0.0, 1.0, 2.0  # kinds of pairs: two drums, a drum and a plane face, two plane faces
 PAIRS = Table(
     *("one", "other"),  # numbers of the bodies
     "kind",  # DRUMS, PLANE or FACES
@@ -141,15 +141,15 @@ PHASE = Table(
     *("wx", "wy", "wz"),  # rad/s, angular velocity in the axes of the body
     together={"displacement": ("ux", "uy", "uz"), "velocity": ("vx", "vy", "vz")},
 )
-# behind the phase, which with it is a state: slips and twist that friction has given way by, m, m, rad; then the
-# plastic stretch of each tie, m; then what pairs remember
+# a state is a phase and a memory: slips and twist of the sliders of joints, m, m, rad; then the plastic stretch of
+# each tie, m; then the stretches of pairs
 MEMORY = Table("p1", "p2", "p3")
-# of each pair: what friction stretches it by, m, along the axes of the base; 1 while it touches
+# of each pair: elastic stretch of its friction, m, along the axes of the base; 1 while it touches
 STRETCH = Table("z1", "z2", "z3", "touches")
-# what is left of a bond, a convex polygon: its corners behind it. It shrinks between steps, and has no rate
+# the polygon of a bond, convex, followed by its corners. It shrinks between steps, and has no rate
 BONDED = Record("corners")
-MOST_BONDED = 128  # corners of it
-MOST_CUT = 24  # of a section that may have one: each end of a step may add a corner
+MOST_BONDED = 128  # most corners of the polygon of a bond
+MOST_CUT = 24  # most corners of a section with a bond: each end of a step may add a corner to this
 CONTROL = Record(
     "next_step",  # s
     "previous_error",  # tolerances
@@ -189,17 +189,17 @@ BASE = Record(
     *("x", "y", "z", "vx", "vy", "vz"),  # m, m/s, at time t0: how far the base has moved since bodies drive it
     *("mass", "checked_step", "checked_mass", "allowed_step"),  # kg, s, kg, s: as of a column
 )
-# motion of a base that bodies drive, where they may: m, m/s, m/s2; behind it, where it may turn: rad, rad/s, rad/s2
+# motion of a base that bodies may drive: m, m/s, m/s2; then, if it may rotate: rad, rad/s, rad/s2
 DRIVEN = Record("x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az")
 DRIVEN_TURN = Record("theta_x", "theta_y", "omega_x", "omega_y", "alpha_x", "alpha_y")
 LOAD = ("fx", "fy", "fz", "mx", "my", "mz")  # N, N m, along the axes of the base, at a port
-# behind it: inputs at the ports at time t0, and their slopes, N/s, N m/s
+# follows BASE: inputs at the ports at time t0, and their slopes, N/s, N m/s
 INPUT_LOADS = Table(*LOAD, *(f"d{name}" for name in LOAD))
-# of an evaluation
-PUSHES = Table(*LOAD)  # zero but while a run, an output or whoever sets them needs them
+# tables of an evaluation
+PUSHES = Table(*LOAD)  # zero outside of runs and outputs, unless a caller sets them
 SPOTS = Table(*("x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az"))  # m, m/s, m/s2, of ports relative to the base
 # rotation of the base: 1 if there is one; its quaternion, whose last number is 0; along its axes angular velocity,
-# rad/s, angular acceleration, rad/s2, and what turning them adds to its acceleration and gravity, m/s2
+# rad/s, angular acceleration, rad/s2, and the change of base acceleration and gravity by the rotation, m/s2
 TURN = Record("turned", "q0", "q1", "q2", "wx", "wy", "wz", "bx", "by", "bz", "gx", "gy", "gz")
 POSES = Table(  # of n + 1 bodies
     *("r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"),  # rotation less the identity
@@ -219,7 +219,7 @@ SOUND = Table(  # of bonds
     "held",  # 1 while it is as it was at the start of a step
     *("begins", "ends"),  # how far it is from breaking at both ends of a step (cracking.py)
 )
-# of pairs: N, J; 1 while friction gives way; 1 while the pair bears something
+# of pairs: force, N; energy, J; 1 while friction slides; 1 while the pair has forces
 HITS = Table("force", "energy", "slides", "bears")
 PULLS = Table("force", "stretch", "elastic")  # of k ties: N, m; the elastic part of the stretch
 STAGES = 13  # of a step of order 8, with its start and its end
@@ -235,15 +235,15 @@ OF_BASE = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 
 # codes
 OK, STEP_TOO_SMALL = 0, -1
-PAUSED = 1  # as many steps as were allowed have been made; not an error
-PACK = 8  # numbers of which whole packs are summed
+PAUSED = 1  # the allowed number of steps has been made; not an error
+PACK = 8  # numbers in a pack, the unit of sums
 
 
-# Errors die out with the motion of the joints. Where that keeps ringing they add up: a step may add this part of the
-# tolerance, by which the energy changes by less than 1e-2 of it in a second (docs/notes/structures.md)
+# Errors decay with the motion of the joints. In undamped joints they add up: a step may add this fraction of the
+# tolerance, which changes the energy by less than 1e-2 of the tolerance per second (docs/notes/structures.md)
 RINGING_PART = 1e-6
-LEAST_TOLERANCE = 1e-15  # of a step, whose errors are then those of rounding
-RINGING_ORDER = 8.0  # of the method then
+LEAST_TOLERANCE = 1e-15  # of a step; below it errors are those of rounding
+RINGING_ORDER = 8.0  # order of the method for undamped joints
 
 
 @in_both
@@ -252,7 +252,7 @@ def step_tolerance(order: float, tolerance: float) -> float:
     return max(LEAST_TOLERANCE, RINGING_PART * tolerance) if order == RINGING_ORDER else tolerance
 
 
-LEAST_STABILIZED = 2e-5  # tolerance: below it order 2 needs shorter steps than stability does
+LEAST_STABILIZED = 2e-5  # least tolerance of stabilized steps: below it accuracy bounds steps of order 2
 
 
 @in_both
@@ -262,10 +262,10 @@ def stabilizes(order: float, tolerance: float) -> float:
 
 
 # --- the arrays
-# numbers of the corners of a polygon and of what a cut leaves of it: of two faces and a square, cut by two pressures
+# coordinates of a polygon and of the result of a cut: for two faces and a square, cut by two pressures
 ROOM = 2 * 2 * (2 * MOST_CORNERS + 4)
-NO_ROOM = ROOM  # place behind them: how often a cut would have left more corners than there is room for
-SEEN = 5  # output rows of a step: at its start, in its middle, at its end, of a trial; what is allowed
+NO_ROOM = ROOM  # index of the number of cuts that needed more corners than there is room for
+SEEN = 5  # output rows of a step: start, middle, end, a trial; allowed rises of peaks
 EACH, OF_POLYGON = Numbers(1), Numbers(BONDED.beside + 2 * MOST_BONDED)
 _SIZES = Sizes._fields
 REMEMBERED = Space(*_SIZES, slips=(MEMORY, "m"), plastic=(EACH, "k"), stretches=(STRETCH, "pairs"))

@@ -1,4 +1,4 @@
-"""Steps end where a gap closes or a bond breaks: pairs touch or let go between two steps, and bonds break there."""
+"""Steps end where a gap closes or a bond breaks: pairs touch or separate, and bonds break, between two steps."""
 
 import math
 
@@ -14,18 +14,19 @@ from .watch import END, START, gaps_in_row, pose_between, row
 
 _phase, _PER_BODY = PHASE.over, PHASE.per_n
 CLOSED = 0.25 * SLACK  # m: the gap at which a step ends
-MOST = 60  # iterations
+MOST = 60  # most iterations
 
 
 @leaf
 def kept_in(scene, k):
-    """What row k of a step remembers of pairs."""
+    """Return the table of pair stretches in row k of a step."""
     return stretches_in(scene, row(scene, k)[_PER_BODY * scene.n :])
 
 
 @kernel
 def gap_in(scene, k, p):
-    """Gap of pair p, m, by row k of a step."""
+    """Return the gap of pair p, m, in row k of a step."""
+    # place both bodies
     phase = _phase(row(scene, k), scene.n)
     pose_two(scene, phase, int(scene.extras.pairs.one[p]), int(scene.extras.pairs.other[p]))
     return gap_of(scene, phase, scene.extras.pairs, p)
@@ -33,25 +34,26 @@ def gap_in(scene, k, p):
 
 @kernel
 def meet(scene):
-    """Let pairs touch or let go, and bonds break, as row START of a step says; whether forces have changed by it."""
+    """Update the contacts of pairs and break bonds by row START of a step; return True if forces have changed."""
     broke = crack(scene, row(scene, START), True)
     return meet_pairs(scene) or broke
 
 
 @leaf
 def changes(touches, gap):
-    """Whether a pair that touches (1) or does not (0) lets go, or touches, at a gap, m."""
+    """Return True if a pair separates or starts to touch at a gap, m; touches: 1 while it touches, else 0."""
     return gap > SLACK if touches != 0.0 else gap <= 0.5 * SLACK
 
 
 @kernel
 def meet_pairs(scene):
-    """`meet` of one structure, or of one of those in lanes."""
+    """Update the contacts of pairs by row START, of one structure or of one lane; return True if any changed."""
     kept, phase, changed = kept_in(scene, START), _phase(row(scene, START), scene.n), False
     for p in range(scene.extras.met):
         touches = kept.touches[p]
         near = touches != 0.0 or is_near(scene, phase, scene.extras.pairs, p)
         if near and changes(touches, gap_in(scene, START, p)):
+            # contact changes, and starts without stretch
             kept.touches[p], kept.z1[p], kept.z2[p], kept.z3[p] = 1.0 - touches, 0.0, 0.0, 0.0
             changed = True
     return changed
@@ -59,14 +61,16 @@ def meet_pairs(scene):
 
 @kernel
 def until_closed(scene, shaking, segment, t, h):
-    """The length, s, of the step of h that has just been made.
+    """Return the length, s, of the step of h s just made, shortened if a gap closes in it or a bond starts to break.
 
-    A shorter one replaces it where a gap closes in it or a bond begins to break.
+    A shortened step has been made again.
     """
     kept, phase, part = kept_in(scene, START), _phase(row(scene, END), scene.n), 1.0
+    # the first gap to close
     for p in range(scene.extras.met):
         if kept.touches[p] == 0.0 and is_near(scene, phase, scene.extras.pairs, p):
             part = min(part, closing(scene, h, p, gap_in(scene, END, p)))
+    # the first bond to break
     part = min(part, until_broken(scene, h, True))
     if part < 1.0:
         h = part * h
@@ -76,23 +80,25 @@ def until_closed(scene, shaking, segment, t, h):
 
 @kernel
 def gap_at(scene, h, s, p):
-    """Gap of pair p, m, at fraction s of a step of h s."""
+    """Return the gap of pair p, m, at fraction s of a step of h s."""
     pairs = scene.extras.pairs
     return gap_of(scene, pose_between(scene, h, s, int(pairs.one[p]), int(pairs.other[p])), pairs, p)
 
 
 @kernel
 def closing(scene, h, p, below):
-    """The part of the step after which the gap of pair p, `below` at its end, is closed; 1 if it is open there.
+    """Return the fraction of the step after which the gap of pair p closes, by false position; 1 if it ends open.
 
-    By false position.
+    below: the gap at the end of the step, m.
     """
     if below >= 0.0:
         return 1.0
+    # already closed at the start
     low, above, high = 0.0, gap_in(scene, START, p), 1.0
     if above <= 0.0:
-        gap_in(scene, END, p)  # so that its bodies are as they end
+        gap_in(scene, END, p)  # restores the pose of its bodies at the end
         return 1.0
+    # false position; the value at the end that stays is halved
     for _ in range(MOST):
         s = low + (high - low) * above / (above - below)
         gap = gap_at(scene, h, s, p)
@@ -107,15 +113,17 @@ def closing(scene, h, p, below):
 
 @kernel
 def longest_touching(scene):
-    """The longest step, in time constants of what neighbours bear that touch, s."""
+    """Return the shortest time constant, s, of the contacts of pairs that touch, which bounds the step."""
     return longest_by(scene, scene.extras.hits.slides)
 
 
 @kernel
 def longest_by(scene, slides):
-    """`longest_touching`; slides: 1 of each pair whose friction gives way."""
+    """Return the shortest time constant, s, of pairs that touch; slides: 1 of each pair whose friction slides."""
+    # over the pairs that touch at START
     pairs, longest, kept = scene.extras.pairs, math.inf + zero_like(scene.settings.tolerance), kept_in(scene, START)
     for p in range(scene.extras.met):
+        # damping across the contact, and of friction that slides
         touches = kept.touches[p] != 0.0
         longest = where(touches, lesser(longest, pairs.decay[p]), longest)
         longest = where(touches & (slides[p] != 0.0), lesser(longest, pairs.shear_damping[p]), longest)
@@ -124,7 +132,7 @@ def longest_by(scene, slides):
 
 @leaf
 def clear_gaps(scene):
-    """Forget the least gaps: the peaks of a run that begins."""
+    """Reset the least gaps among the peaks, at the start of a run."""
     first, end = gaps_in_row(scene)
     for place in range(first, end):
         scene.peaks[place] = -math.inf

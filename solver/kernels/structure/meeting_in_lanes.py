@@ -1,8 +1,8 @@
-"""Steps of lanes in which neighbours meet, lane by lane, or bonds break: as meeting.py.
+"""Steps of lanes in which pairs touch, lane by lane, or bonds break: meeting.py in lanes.
 
-Where a gap closes or a bond begins to break in some lanes, the step is made again by all, in these with a shorter
-length; the others find the same bits. A lane in which a pair touches or lets go is evaluated again (`fresh`). The gap
-of each pair at the end of a step stands where an output row has it.
+Where a gap closes or a bond starts to break in some lanes, the step is made again in all, shorter in these; the others
+reproduce the same bits. A lane in which a pair touches or separates is evaluated again (`fresh`). The gaps at the end
+of a step are in the output row of the end.
 """
 
 import math
@@ -23,25 +23,28 @@ _phase = PHASE.over
 
 @kernel
 def limited(scene, step, constants):
-    """A step of each lane, s, at most this number of time constants of what neighbours bear that touch."""
+    """Return the step of each lane, s, limited to `constants` times the shortest time constant of pairs that touch."""
     return lesser(step, constants * longest_by(scene, _of_pairs(scene, 0)))
 
 
 @leaf
 def _of_pairs(scene, k):
-    """Room for a number of each pair, where output row k has the gaps: in row 0 what slides at the start of a step."""
+    """Return scratch space for a number of each pair, at the gaps of output row k.
+
+    Row 0 has the sliding flags at the start of a step, row 2 the gaps at its end.
+    """
     return seen(scene, k)[gaps_in_row(scene)[0] :]
 
 
 @leaf
 def _gaps(scene, k):
-    """Gaps of lane k at the end of a step, m."""
+    """Return the gaps of lane k at the end of a step, m."""
     return one_lane(_of_pairs(scene, 2), k)
 
 
 @kernel
 def keep_slides(scene, lanes):
-    """Keep which pairs slide by the last evaluation, of the lanes in a mask: other lanes may ask for more of them."""
+    """Store which pairs slide at the last evaluation, in the lanes of a mask; other lanes may evaluate again."""
     kept, slides = _of_pairs(scene, 0), scene.extras.hits.slides
     for p in range(scene.extras.met):
         kept[p] = where(lanes, slides[p], kept[p])
@@ -49,11 +52,13 @@ def keep_slides(scene, lanes):
 
 @kernel
 def _closing_in(scene, k, h):
-    """Take the gaps of lane k at the end of a step of h s; the part of it after which the first one closes."""
+    """Fill the gaps of lane k at the end of a step of h s; return its fraction after which the first gap closes."""
+    # gaps at the end
     one, gaps, part = alone(scene, k), _gaps(scene, k), 1.0
     kept, phase = kept_in(one, START), _phase(row(one, END), one.n)
     for p in range(one.extras.met):
-        gaps[p] = gap_of(one, phase, one.extras.pairs, p)  # bodies are as they have been evaluated last, at the end
+        gaps[p] = gap_of(one, phase, one.extras.pairs, p)  # poses are those of the last evaluation, at the end
+    # the first to close
     for p in range(one.extras.met):
         if kept.touches[p] == 0.0:
             part = min(part, closing(one, h, p, gaps[p]))
@@ -62,19 +67,22 @@ def _closing_in(scene, k, h):
 
 @kernel
 def until_closed(scene, shaking, t, step, good):
-    """The steps, s, of the lanes in the mask `good` that have just been made.
+    """Return the lengths, s, of the steps just made, shortened where a gap closes or a bond starts to break.
 
-    Shortened where a gap closes or a bond begins to break.
+    good: mask of the lanes whose step has been accepted.
     """
     made, parts = bits(good), splat(1.0)
+    # the first gap to close in each lane
     for k in range(WIDTH):
         if (made >> k) & 1:
             parts = with_lane(parts, k, _closing_in(scene, k, lane(step, k)))
     parts = where(good, lesser(parts, until_broken(scene, step, good)), 1.0)
+    # make the step again
     short = parts < 1.0
     if any_of(short):
         step = where(short, parts * step, step)
         attempt_5(scene, shaking, 0, t, step)
+        # gaps at the new end
         again = bits(short)
         for k in range(WIDTH):
             if (again >> k) & 1:
@@ -84,16 +92,16 @@ def until_closed(scene, shaking, t, step, good):
 
 @kernel
 def forget_gaps(scene, least):
-    """The least gaps of a run that begins in one lane."""
+    """Reset the least gaps of one lane, at the start of a run."""
     for p in range(scene.extras.met):
         least[p] = math.inf
 
 
 @kernel
 def watch_gaps(scene, least, step, good):
-    """Lower the least gaps by a step of the lanes in a mask; the bits of lanes in which a pair touches or lets go then.
+    """Lower the least gaps (`least`, m) by a step of the lanes in a mask.
 
-    least: as many as there are pairs, m.
+    Return the bits of the lanes in which a pair touches or separates.
     """
     made, changed = bits(good), 0
     for k in range(WIDTH):
@@ -104,16 +112,17 @@ def watch_gaps(scene, least, step, good):
 
 @kernel
 def _watch_lane(scene, least, k, h):
-    """As `watch_gaps`, of lane k; a pair that touches is looked at half-way too."""
+    """Lower the least gaps by the step of lane k, evaluated in the middle too; return 1 if a contact changes."""
     one, gaps, changed = alone(scene, k), _gaps(scene, k), 0
     kept = kept_in(one, START)
     for p in range(one.extras.met):
         touches, gap = kept.touches[p], gaps[p]
         least[p] = min(least[p], gap)
         if touches != 0.0:
+            # the parabola through start, middle and end
             begin, middle = gap_in(one, START, p), gap_at(one, h, 0.5, p)
             bend, rise = begin + gap - 2.0 * middle, gap - begin
-            if abs(rise) < 2.0 * bend:  # the parabola through the three has its vertex within
+            if abs(rise) < 2.0 * bend:  # its vertex lies within the step
                 least[p] = min(least[p], middle - rise * rise / (8.0 * bend))
         changed |= 1 if changes(touches, gap) else 0
     return changed
@@ -121,7 +130,7 @@ def _watch_lane(scene, least, k, h):
 
 @kernel
 def meet(scene, least, fresh):
-    """Let pairs touch or let go at the start of the steps of the lanes in a mask."""
+    """Update the contacts of pairs at the start of the steps of the lanes in the mask `fresh`."""
     begins = bits(fresh)
     for k in range(WIDTH):
         if (begins >> k) & 1:
@@ -130,6 +139,7 @@ def meet(scene, least, fresh):
 
 @kernel
 def _meet_in(scene, least, k):
+    # contacts, then gaps at the start
     one = alone(scene, k)
     meet_pairs(one)
     for p in range(one.extras.met):

@@ -1,10 +1,11 @@
 """Steps by modes for structures in space, while all joints are in full contact and neither slide nor twist.
 
 The coordinates of a body are the displacement of its centroid from rest and twice the vector of its quaternion, less
-that at rest: with their rates they are an exact form of place and velocity, and the equations of motion give their
-accelerations. About rest they move as 6 n linear modes (models/structure/modal_data.py); all the rest is the remainder
-of integrators/modal_steps.py. Groups of coordinates that do not act on each other have modes of their own. A structure
-that is its own mirror image in the plane x, z has those in the plane first, and they alone move in a plane motion.
+that at rest: with their rates they represent position and velocity exactly, and the equations of motion give their
+accelerations. About rest they move as 6 n linear modes (models/structure/modal_data.py); everything else is the
+remainder of integrators/modal_steps.py. Groups of coordinates without mutual forces have modes of their own. In a
+structure that is its own mirror image in the plane x, z the modes in the plane come first, and they alone move in a
+plane motion.
 """
 
 import math
@@ -34,16 +35,16 @@ from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, POLYGON, RINGING_ORDER, S
 from .modal_layout import AXES, THREE, body_of, data_of, room_of
 from .watch import BETWEEN_RATES, END, STAGE, START, quaternion_curve, row, seen
 
-SPREAD = 0.1  # of a margin over a step: as much has to be left, beside the parabola through three values of it
-FASTEST = 10.0  # first steps in which the fastest joint turns by a radian
-SMALL = 0.05  # of what the joint under one block bears: dampers, as damping is worked out
-# damping that couples the modes is left to the remainder: its rate times the step is at most this. Ties of steel,
-# hardly damped, couple ten times as much as the 0.03 of columns lets them; errors are the same
+SPREAD = 0.1  # least margin left by the parabola, over the spread of its three values
+FASTEST = 10.0  # period / 2 pi of the fastest joint, over the first step
+SMALL = 0.05  # force of dampers while damping is computed, over the weight of one block
+# damping that couples the modes belongs to the remainder: its rate times the step is at most this. Steel ties, with
+# little damping, couple ten times as much as the 0.03 of columns allows; errors are the same
 COUPLED_PART = 0.3
 FAR = 0.01
-QUIET = 1e-9  # of critical damping: less is rounding
-STEP_PART = 0.1  # of the tolerance that a step may err by: errors of long steps add up
-RINGING_PART = 1e-2  # the same where joints keep ringing
+QUIET = 1e-9  # of critical damping: smaller values are rounding
+STEP_PART = 0.1  # tolerance of a step over that of a run: errors of long steps add up
+RINGING_PART = 1e-2  # the same with undamped joints
 LEAST_TOLERANCE = 1e-13
 _phase, _three = PHASE.over, THREE.over_begin
 _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
@@ -56,6 +57,7 @@ def _multiply(body, matrices, x, y, segments):
     """Multiply one to three segments of the row x by the matrices of all groups that move, into the row y."""
     size = AXES * body.scene.n
     begin, place = 0, 0
+    # the diagonal block of each group
     for part in range(body.parts):
         m = int(body.data.coordinates.group[part])
         multiply(matrices[place:], _three(x, size), _three(y, size), begin, m, segments)
@@ -64,19 +66,21 @@ def _multiply(body, matrices, x, y, segments):
 
 @leaf
 def _scale(n, place):
-    """Coordinate over the number of a phase: twice a part of a quaternion."""
+    """Return the ratio of a coordinate to its number in a phase: 2 for parts of a quaternion, else 1."""
     return 2.0 if place >= 3 * n else 1.0
 
 
 @kernel
 def _take_accelerations(body, y, f):
-    """Accelerations of the coordinates at a state y with rates f."""
+    """Fill the accelerations of the coordinates at a state y with rates f."""
     n, x, places = body.scene.n, body.x, body.data.coordinates.place
     phase, rates, second = _phase(y, n), _phase(f, n), row(body.scene, BETWEEN_RATES)
     curve = _phase(second, n)
+    # second derivatives of places and quaternions
     for i in range(n):
         curve.ux[i], curve.uy[i], curve.uz[i] = rates.vx[i], rates.vy[i], rates.vz[i]
         _, curve.q1[i], curve.q2[i], curve.q3[i] = quaternion_curve(phase, rates, i)
+    # those of the coordinates
     for c in range(body.active):
         place = int(places[c])
         x.third[c] = _scale(n, place) * second[place]
@@ -84,8 +88,9 @@ def _take_accelerations(body, y, f):
 
 @kernel
 def _take_coordinates(body, y, f):
-    """Coordinates, rates and accelerations at a state y with rates f."""
+    """Fill coordinates, rates and accelerations at a state y with rates f."""
     n, x, coordinates = body.scene.n, body.x, body.data.coordinates
+    # accelerations, then coordinates and rates
     _take_accelerations(body, y, f)
     for c in range(body.active):
         place = int(coordinates.place[c])
@@ -95,17 +100,19 @@ def _take_coordinates(body, y, f):
 
 @kernel
 def _place(body, y, f, segments):
-    """The state y at the coordinates and rates, and with `segments` 3 its rates f; what does not move is as at START.
+    """Fill the state y from the coordinates and rates, and with `segments` 3 its rates f; the rest is as at START.
 
     With two segments f has the rates of places alone.
     """
     scene, x, coordinates = body.scene, body.x, body.data.coordinates
     n = scene.n
     second = row(scene, BETWEEN_RATES)
+    # start from the state and rates at START
     copy(y, row(scene, START), moving(scene))
     copy(f, rate(scene, 0), moving(scene))
     if segments > 2:
         clear(second, _PER_BODY * n)
+    # numbers that are coordinates
     for c in range(body.active):
         place = int(coordinates.place[c])
         per = 1.0 / _scale(n, place)
@@ -116,13 +123,16 @@ def _place(body, y, f, segments):
     for i in range(n):
         v1, v2, v3 = phase.q1[i], phase.q2[i], phase.q3[i]
         p1, p2, p3 = rates.q1[i], rates.q2[i], rates.q3[i]
+        # scalar of the quaternion from its unit norm
         scalar = math.sqrt(max(0.0, 1.0 - (v1 * v1 + v2 * v2 + v3 * v3)))
         falls = -(v1 * p1 + v2 * p2 + v3 * p3) / scalar
         phase.q0[i], rates.q0[i] = scalar, falls
+        # velocities
         phase.vx[i], phase.vy[i], phase.vz[i] = rates.ux[i], rates.uy[i], rates.uz[i]
         q = scalar, v1, v2, v3
         phase.wx[i], phase.wy[i], phase.wz[i] = spin_of(q, (falls, p1, p2, p3))
         if segments > 2:
+            # accelerations
             a1, a2, a3 = curve.q1[i], curve.q2[i], curve.q3[i]
             bends = -(v1 * a1 + v2 * a2 + v3 * a3 + p1 * p1 + p2 * p2 + p3 * p3 + falls * falls) / scalar
             rates.vx[i], rates.vy[i], rates.vz[i] = curve.ux[i], curve.uy[i], curve.uz[i]
@@ -134,20 +144,22 @@ def _place(body, y, f, segments):
 
 @leaf
 def _pressed(scene, joints_seen, j):
-    """Resultants of the pressure on joint j about the middle of its contact, N, N m, by an output row of the joints."""
+    """Return the resultants of the pressure on joint j about the centre of its contact, N, N m, from an output row."""
     normal, (x, y) = joints_seen[j], middle_of(scene, j)
     return normal, joints_seen[scene.m + j] + normal * y, joints_seen[2 * scene.m + j] - normal * x
 
 
 @leaf
 def _least_pressure(scene, joints_seen, j):
-    """Least pressure, Pa, on joint j, in full contact."""
+    """Return the least pressure on joint j in full contact, Pa, plus the strength of its bond."""
     joints = scene.joints
     normal, g1, g2 = _pressed(scene, joints_seen, j)
+    # linear pressure from the resultants
     ixx, iyy, ixy = joints.ixx[j], joints.iyy[j], joints.ixy[j]
     per = 1.0 / (ixx * iyy - ixy * ixy)
     along_x, along_y = per * (iyy * g2 + ixy * g1), -per * (ixx * g1 + ixy * g2)
     at = normal / joints.area[j]
+    # least at the rim of a disc, or at a corner
     if joints.section[j] != POLYGON:
         return at - joints.outer[j] * math.sqrt(along_x * along_x + along_y * along_y)
     least, corners = math.inf, scene.corners[2 * index_of(joints.first[j]) :]
@@ -158,8 +170,9 @@ def _least_pressure(scene, joints_seen, j):
 
 @leaf
 def _sticks_by(scene, joints_seen, j):
-    """Force N, and couple N m, that joint j would bear beyond what it bears now."""
+    """Return the force (N) and the couple (N m) that joint j would bear beyond those it bears now."""
     m = scene.m
+    # friction limits, raised by a bond
     pressed = _pressed(scene, joints_seen, j)
     limit, couple = friction_limits(scene.joints, j, *pressed)
     limit, couple = raised_by_bond(scene, j, pressed[0], limit, couple)
@@ -169,9 +182,10 @@ def _sticks_by(scene, joints_seen, j):
 
 @leaf
 def _dips(a, b, c):
-    """Whether a margin with these values at the start, in the middle and at the end of a step may vanish within it."""
+    """Return True if a margin may vanish within a step; a, b, c: its values at start, middle and end."""
     bend, rise = a - 2.0 * b + c, c - a
     least = min(a, b, c)
+    # minimum of the parabola
     if bend > 0.0 and abs(rise) < 2.0 * bend:
         least = min(least, b - rise * rise / (8.0 * bend))
     return not least > SPREAD * (max(a, b, c) - least)
@@ -189,7 +203,7 @@ def _ties_in(scene, k):
 
 @leaf
 def _has_slid_far(scene, j):
-    """Whether a slip has moved the contact of joint j so far that the modes are others."""
+    """Return True if slips have moved the contact of joint j so far that the modes change."""
     p1, p2, p3 = scene.slips.p1[j], scene.slips.p2[j], scene.slips.p3[j]
     arm = scene.joints.arm[j]
     return max(abs(p1), abs(p2), arm * abs(p3)) > FAR * arm
@@ -197,14 +211,14 @@ def _has_slid_far(scene, j):
 
 @leaf
 def _to_ring(scene, k, i):
-    """How far bearing i is from its ring, m, by row k of a step."""
+    """Return the distance of bearing i from its ring, m, in output row k of a step."""
     b = scene.extras.b
     return scene.joints.ring[scene.m - b + i] - _ties_in(scene, k)[scene.k + 2 * b + i]
 
 
 @kernel
 def _is_within_rings(scene, k):
-    """Whether no bearing touches its ring, by row k of a step."""
+    """Return True if no bearing touches its ring in output row k of a step."""
     touching = 0
     for i in range(scene.extras.b):
         touching += 0 if _to_ring(scene, k, i) > 0.0 else 1
@@ -213,8 +227,9 @@ def _is_within_rings(scene, k):
 
 @kernel
 def _may_touch_ring(scene):
-    """Whether a bearing may touch its ring between the start, the middle and the end of a step."""
+    """Return True if a bearing may touch its ring within the step, by its start, middle and end."""
     for i in range(scene.extras.b):
+        # distances at start, middle and end
         begins, halfway, ends = _to_ring(scene, 0, i), _to_ring(scene, 1, i), _to_ring(scene, 2, i)
         if ends != math.inf and _dips(begins, halfway, ends):
             return True
@@ -223,17 +238,23 @@ def _may_touch_ring(scene):
 
 @kernel
 def _is_as_at_rest(body, k, giving):
-    """Whether all joints are in full contact and stick, and ties pull as at rest, by row k of a step and its rates."""
+    """Return True if all joints are in full contact and stick and ties pull as at rest, by output row k of a step.
+
+    giving: rates of the state there.
+    """
     scene = body.scene
     joints, ties = _joints_in(scene, k), _ties_in(scene, k)
+    # contact of joints
     for j in range(scene.m):
         if not joints[_CONTACT * scene.m + j] >= 1.0 or _has_slid_far(scene, j):
             return False
+    # ties
     for e in range(scene.k):
         if (ties[e] != 0.0) != (body.data.taut[e] != 0.0):
             return False
     if not _is_within_rings(scene, k):
         return False
+    # sliding and yielding
     slides = 0.0
     for place in range(_PER_BODY * scene.n, moving(scene)):
         slides += abs(giving[place])
@@ -242,26 +263,30 @@ def _is_as_at_rest(body, k, giving):
 
 @kernel
 def _joint_leaves(scene, j):
-    """Whether joint j may open, slide or twist between the start, the middle and the end of a step."""
+    """Return True if joint j may open, slide or twist within the step, by its start, middle and end."""
     a, b, c = _joints_in(scene, 0), _joints_in(scene, 1), _joints_in(scene, 2)
+    # opening
     if _dips(_least_pressure(scene, a, j), _least_pressure(scene, b, j), _least_pressure(scene, c, j)):
         return True
     if scene.joints.friction[j] == math.inf:
         return False
+    # sliding and twisting
     begins, halfway, ends = _sticks_by(scene, a, j), _sticks_by(scene, b, j), _sticks_by(scene, c, j)
     return _dips(begins[0], halfway[0], ends[0]) or _dips(begins[1], halfway[1], ends[1])
 
 
 @kernel
 def _tie_leaves(body, e):
-    """Whether tie e may become slack or taut, or yield, between the start, the middle and the end of a step."""
+    """Return True if tie e may become slack or taut, or yield, within the step."""
     scene = body.scene
     a, b, c = _ties_in(scene, 0)[e], _ties_in(scene, 1)[e], _ties_in(scene, 2)[e]
+    # yielding
     most = scene.ties.yields_at[e]
     if most != math.inf and _dips(most - abs(a), most - abs(b), most - abs(c)):
         return True
     if scene.ties.tension_only[e] == 0.0:
         return False
+    # slack or taut
     if body.data.taut[e] != 0.0:
         return _dips(a, b, c)
     halfway, end = -body.elastic[e], -scene.pulls.elastic[e]
@@ -270,10 +295,12 @@ def _tie_leaves(body, e):
 
 @kernel
 def _leaves(body):
-    """Whether a joint or tie may have changed its regime within the step."""
+    """Return True if a joint, tie or bearing may have changed its regime within the step."""
+    # joints
     for j in range(body.scene.m):
         if _joint_leaves(body.scene, j):
             return True
+    # ties and bearings
     leaves, scene = False, body.scene
     for e in range(scene.k):
         leaves = leaves or _tie_leaves(body, e)
@@ -287,7 +314,9 @@ def _leaves(body):
 def _drive(body, t):
     shaking, k = body.shaking, body.segment
     base = shaking.base
+    # linear part
     ax, ay, az, jx, jy, jz = line(shaking, k, t)
+    # harmonic part
     omega = 0.0 if is_still(shaking, k) else base.omega
     amplitude = 0.0 if omega == 0.0 else max(abs(base.amplitude_x), abs(base.amplitude_y))
     angle = omega * t + base.phase
@@ -305,8 +334,12 @@ def _begin(body, modal):
 
 @kernel
 def _reach(body, modal, half, t, h, sine):
-    """Evaluate the structure where the modes are, and check joints and ties (modal_steps.py, `sweep_of`)."""
+    """Evaluate the structure at the predicted modes, and check joints and ties (modal_steps.py, `sweep_of`).
+
+    Return OK or OPENS, and the base acceleration (x, z, y), m/s2.
+    """
     scene = body.scene
+    # the state in the middle (half 0) or at the end of the step
     y, f = row(scene, STAGE if half == 0 else END), rate(scene, 1 if half == 0 else STAGES - 1)
     to = modal.mean if half == 0 else modal.last
     _multiply(body, body.data.shapes, to.row, body.x.row, 2)
@@ -314,10 +347,12 @@ def _reach(body, modal, half, t, h, sine):
     evaluate_at(scene, body.shaking, body.segment, y, f, t)
     show(scene, _phase(y, scene.n), seen(scene, 1 + half))
     ax, ay, az = acceleration(body.shaking, body.segment, t)
+    # regime
     if not _is_as_at_rest(body, 1 + half, f) or (half == 1 and _leaves(body)):
         return OPENS, (ax, az, ay)
     if half == 0:
         copy(body.elastic, scene.pulls.elastic, scene.k)
+    # modal accelerations
     _take_accelerations(body, y, f)
     _multiply(body, body.data.inverses, body.x.third, to.accelerations, 1)
     return OK, (ax, az, ay)
@@ -335,21 +370,22 @@ _attempt = attempt_of(sweep_of(_begin, _reach, _end))
 
 @leaf
 def step_tolerance_of(settings):
-    """The tolerance of a step by modes."""
+    """Return the tolerance of a step by modes."""
     return max(LEAST_TOLERANCE, (RINGING_PART if settings.order == RINGING_ORDER else STEP_PART) * settings.tolerance)
 
 
 @leaf
 def between_part(settings):
-    """What a step may err by between its ends, where errors do not add up, over the tolerance of a step."""
+    """Return the allowed error between the ends of a step, where errors do not add up, over the tolerance of a step."""
     return INTERPOLATION_PART * STEP_PART * settings.tolerance / step_tolerance_of(settings)
 
 
 @kernel
 def attempt(scene, shaking, segment, t, h):
-    """One step of h seconds from the row START to END; returns (code, error in tolerances)."""
+    """Make one step by modes over h seconds from row START to row END; return (code, error in tolerances)."""
     settings, control = scene.settings, scene.control
     body, modal = body_of(scene, shaking, segment, settings.in_plane != 0.0)
+    # bounds of the error
     scales = control.largest, control.largest_rate
     bounds = bounds_of(body.data.limits, step_tolerance_of(settings), *scales, between_part(settings))
     return _attempt(body, modal, _drive(body, t), bounds, int(body.data.limits.sweeps), t, h)
@@ -357,21 +393,21 @@ def attempt(scene, shaking, segment, t, h):
 
 @leaf
 def cost_of(scene):
-    """Cost of a step over one by the explicit method."""
+    """Return the cost of a step by modes over that of an explicit step."""
     limits = data_of(scene).limits
     return limits.cost if scene.settings.in_plane == 0.0 else limits.flat_cost
 
 
 @kernel
 def suits(scene, shaking, segment):
-    """Whether a step may be tried from the row START."""
+    """Return True if a step by modes may be tried from row START."""
     body, _ = body_of(scene, shaking, segment, scene.settings.in_plane != 0.0)
     return _is_as_at_rest(body, 0, rate(scene, 0))
 
 
 @kernel
 def forget(scene, shaking):
-    """Mark the trend of the remainder as unknown: this is the first step of a call, or follows other methods."""
+    """Mark the trend of the remainder as unknown, at the first step of a call or after steps by other methods."""
     if scene.settings.has_modes != 0.0:
         _, modes = body_of(scene, shaking, 0, False)
         modes.trend.known = 0.0
@@ -382,28 +418,32 @@ def forget(scene, shaking):
 
 @kernel
 def prepare(scene, shaking):
-    """Work out damping and limits of the modes once, by evaluations at rest; uses the rows of a step, and all the room.
+    """Compute damping and limits of the modes once, by evaluations at rest; uses the rows of a step and all the room.
 
-    They depend on the dampers and the tolerance, which a caller may have set. There are no modes where dampers couple
-    them.
+    They depend on the dampers and the tolerance, which a caller may have set. Modes are switched off if dampers couple
+    them too strongly to pay.
     """
     settings = scene.settings
     if settings.has_modes == 0.0 or data_of(scene).limits.ready != 0.0:
         return
+    # all modes, at rest
     in_plane = settings.in_plane
     settings.in_plane = 0.0
     body, modal = body_of(scene, shaking, 0, False)
+    # accelerations and taut ties at rest
     _stand_at_rest(body)
     still, pace = modal.mean, small_rate(scene)
     _accelerate(body, still)
     for e in range(scene.k):
         body.data.taut[e] = 1.0 if scene.pulls.force[e] != 0.0 else 0.0
+    # damping of each mode by a small rate, and its coupling to the others
     coupled, fastest, damped = 0.0, 0.0, False
     for k in range(body.active):
         mode = mode_at(modal.modes, k)
         little = pace / mode.size
         _move_by_mode(body, k, little)
         _accelerate(body, modal.last)
+        # couplings of mode k
         across = 0.0
         for j in range(body.active):
             beta = (still.accelerations[j] - modal.last.accelerations[j]) / little
@@ -413,6 +453,7 @@ def prepare(scene, shaking):
             else:
                 across += abs(beta)
         coupled, fastest = max(coupled, across), max(fastest, mode.square)
+    # limits of the step
     longest = COUPLED_PART / max(coupled, 1e-300)
     set_limits(body.data.limits, step_tolerance_of(settings), between_part(settings), longest, damped)
     body.data.limits.ready = 1.0
@@ -424,20 +465,23 @@ def prepare(scene, shaking):
 
 @kernel
 def _stand_at_rest(body):
-    """START at rest, all modes still."""
+    """Fill row START with the state at rest, and clear the room of the modes."""
     scene, coordinates = body.scene, body.data.coordinates
+    # no rates, and the memory at rest
     begin, size = row(scene, START), AXES * scene.n
     clear(begin, _PER_BODY * scene.n)
     clear(rate(scene, 0), moving(scene))
     copy(begin[_PER_BODY * scene.n :], body.data.remembered, _PER_JOINT * scene.m + scene.k)
     clear(scene.modal_room, room_of(scene).total)
+    # places at rest
     for c in range(size):
         begin[int(coordinates.place[c])] = coordinates.rest[c]
 
 
 @leaf
 def small_rate(scene):
-    """A rate, rad/s, at which a damper bears a small part of what one block weighs."""
+    """Return a rate, rad/s, at which a damper bears a small fraction of the weight of one block."""
+    # longest time constant, and largest block
     slowest, largest = FASTEST * scene.settings.first_step, 0.0
     settled = scene.settings.gravity * slowest * slowest
     for j in range(scene.m):
@@ -449,10 +493,11 @@ def small_rate(scene):
 
 @kernel
 def _move_by_mode(body, k, pace):
-    """Rates of the coordinates where mode k alone moves, at this modal rate."""
+    """Fill the rates of the coordinates where mode k alone moves, at this modal rate."""
     begin, place = 0, 0
     clear(body.x.second, body.active)
     for part in range(body.parts):
+        # the group of mode k
         m = int(body.data.coordinates.group[part])
         if begin <= k < begin + m:
             for c in range(m):
@@ -462,8 +507,9 @@ def _move_by_mode(body, k, pace):
 
 @kernel
 def _accelerate(body, to):
-    """Accelerations of the modes at the places and rates of the coordinates, on a still base."""
+    """Fill `to` with the modal accelerations at the coordinates and their rates, on a still base."""
     scene = body.scene
+    # state, forces, then modal accelerations
     y, f = row(scene, STAGE), rate(scene, 1)
     _place(body, y, f, 2)
     evaluate_state(scene, y, f, 0.0, 0.0, 0.0)

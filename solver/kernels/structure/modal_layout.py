@@ -1,4 +1,4 @@
-"""What lies where in the modal data of a structure, and in the room that steps by modes need, by name (modal.py)."""
+"""The layout of the modal data of a structure and of the room for steps by modes, by name (modal.py)."""
 
 from typing import NamedTuple
 
@@ -11,21 +11,21 @@ from .layout import EACH, MEMORY
 AXES = 6  # coordinates of a body: three displacements, three rotations
 LIMITS = Record(
     *MODAL_LIMITS.fields,  # parts: groups of coordinates
-    "flat_parts",  # of them in the plane x, z
-    *("count", "flat_count"),  # modes; of them in the plane
-    "matrices",  # numbers of all shapes
+    "flat_parts",  # those in the plane x, z
+    *("count", "flat_count"),  # modes; those in the plane
+    "matrices",  # length of all shapes
     *("cost", "flat_cost"),  # of a step over one by the explicit method
-    "ready",  # 1: damping and limits are worked out
+    "ready",  # 1: damping and limits are computed
 )
 COORDINATES = Table(
-    "place",  # in a phase
-    "rest",  # the number of the phase there
+    "place",  # index in a phase
+    "rest",  # the number of the phase there, at rest
     "group",  # sizes of the groups
 )
 MOTION = Table("coordinates", "rates", "accelerations")  # of modes
-THREE = Table("first", "second", "third")  # the same
-# of `size` coordinates; remembered: by joints and ties, at rest; taut: of ties, 1 if they pull at rest;
-# shapes, inverses: square matrices, by rows, one for each group of coordinates
+THREE = Table("first", "second", "third")  # generic names of the segments of MOTION
+# `size` coordinates; remembered: memory of joints and ties at rest; taut: of ties, 1 if they pull at rest; shapes,
+# inverses: square matrices by rows, one for each group of coordinates
 _SIZES = "size", "remembered", "k", "matrices"
 MODAL = Space(
     *_SIZES,
@@ -62,29 +62,30 @@ class Body(NamedTuple):
     segment: int
     data: object
     parts: int  # groups that move
-    active: int  # number of their coordinates
+    active: int  # number of coordinates that move
     x: object  # coordinates, rates, accelerations
     elastic: object  # m, elastic stretches of the ties in the middle of the step
 
 
 @leaf
 def data_of(scene):
-    """The modal data of a scene that has them."""
+    """Return the modal data of a scene that has them."""
     matrices = int(_limits(scene.modal, 0).matrices)
     return _modal(scene.modal, (AXES * scene.n, _PER_JOINT * scene.m + scene.k, scene.k, matrices))
 
 
 @leaf
 def room_of(scene):
-    """The room for steps by modes."""
+    """Return the room for steps by modes."""
     return _room(scene.modal_room, (AXES * scene.n, scene.k))
 
 
 @leaf
 def body_of(scene, shaking, segment, flat):
-    """The structure, and its modes; flat: whether it moves in the plane x, z alone."""
+    """Return the structure in modal coordinates, and its modes; flat: True if it moves in the plane x, z alone."""
     data, room = data_of(scene), room_of(scene)
     limits = data.limits
+    # groups and modes that move
     parts = int(limits.flat_parts) if flat else int(limits.parts)
     count = int(limits.flat_count) if flat else int(limits.count)
     body = Body(scene, shaking, segment, data, parts, count, room.x, room.elastic)

@@ -1,4 +1,4 @@
-"""The faces of a joint that has slid, each where it is with its block."""
+"""The faces of a joint that has slid, each at its present place."""
 
 import math
 from typing import NamedTuple
@@ -14,7 +14,7 @@ _FACE = FACE.beside
 
 
 class _Placed(NamedTuple):
-    """A face where its block is: turned by the angle of this sine and cosine, then moved by dx, dy."""
+    """A face at its present place: rotated by the angle of this sine and cosine, then moved by dx, dy (m)."""
 
     record: object
     corners: object
@@ -26,7 +26,7 @@ class _Placed(NamedTuple):
 
 @leaf
 def placed(corners, place, slips, j, half):
-    """The face at a place of the corners, moved by `half` of what joint j has slid and twisted."""
+    """Return the face at an index of the corners, moved by `half` times the slip and twist of joint j."""
     part, (sine, cosine) = corners[place:], half_sine_cosine(2.0 * half * slips.p3[j])
     return _Placed(_face(part, 0), part[_FACE:], sine, cosine, half * slips.p1[j], half * slips.p2[j])
 
@@ -43,19 +43,20 @@ def _corner_of(face, k):
 
 @leaf
 def centre_of(face):
-    """The middle of a disc or ring."""
+    """Return the centre of a disc or ring, m."""
     return _moved(face, face.record.x, face.record.y)
 
 
 @leaf
 def is_round(face):
-    """Whether a face is a disc or a ring."""
+    """Return True if a face is a disc or a ring."""
     return index_of(face.record.corners) == 0
 
 
 @kernel
 def put_corners(room, face):
-    """Put the corners of a polygon into the room; returns their number."""
+    """Fill the room with the corners of a polygon; return their number."""
+    # at their present places
     count = index_of(face.record.corners)
     for k in range(count):
         room[2 * k], room[2 * k + 1] = _corner_of(face, k)
@@ -64,13 +65,16 @@ def put_corners(room, face):
 
 @leaf
 def corners_of_faces(scene, above, below):
-    """Return the numbers of corners of two faces at these places, and whether the lower one has no end."""
+    """Return the numbers of corners of two faces, 0 of a round one, and whether the lower one is unbounded.
+
+    above, below: their indices among the corners.
+    """
     above, below = _face(scene.corners[above:], 0), _face(scene.corners[below:], 0)
     return index_of(above.corners), index_of(below.corners), any_of(below.outer == math.inf)
 
 
 @leaf
 def rows_of_lane(scene, k):
-    """Return the room, which all lanes have in turn, and corners and slips of one lane."""
+    """Return the room, which all lanes share, and corners and slips of lane k."""
     slips = _memory(one_lane(scene.slips.row, k), scene.m)
     return numbers_of(scene.room), one_lane(scene.corners, k), slips

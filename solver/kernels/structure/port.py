@@ -1,7 +1,7 @@
-"""Ports: points of blocks at which loads act, and whose motion is an output (theory.md section 15).
+"""Ports: points of blocks at which loads act and whose motion is an output (theory.md section 15).
 
-A load is a force and a couple along the axes of the base: samples that lines join, with jumps between them where there
-are any, and the inputs of an FMU beside them. Only scenes that are not lanes get here (extras.py).
+A load is a force and a couple along the axes of the base: samples joined by straight lines, with jumps between them
+where there are any, plus the inputs of an FMU. Not used in lanes (extras.py).
 """
 
 from ..numba_ext.jit import kernel, leaf
@@ -15,11 +15,13 @@ _COMPONENTS = len(LOAD)
 
 @kernel
 def push_ports(scene, shaking, k, t):
-    """Take the loads on the ports at time t, s, on segment k; they stay until others are taken."""
+    """Set the loads on the ports at time t, s, on segment k; they stay until they are set again."""
     count, taken, given = _COMPONENTS * scene.extras.spotted, scene.extras.pushes.row, shaking.inputs
     past = t - shaking.base.t0
+    # inputs
     for i in range(count):
         taken[i] = given[i] + past * given[count + i]
+    # samples
     if shaking.loaded > 0 and 0 <= k < shaking.size - 1:
         samples, past = shaking.loads[2 * count * k :], t - shaking.times[k]
         for i in range(count):
@@ -28,17 +30,19 @@ def push_ports(scene, shaking, k, t):
 
 @leaf
 def let_ports_go(scene):
-    """Leave no load on any port."""
+    """Clear the loads on all ports."""
     clear(scene.extras.pushes.row, _COMPONENTS * scene.extras.spotted)
 
 
 @kernel
 def is_pushed(scene, shaking, k):
-    """Whether a load acts on segment k."""
+    """Return True if a load acts on a port on segment k."""
     count = 2 * _COMPONENTS * scene.extras.spotted
+    # inputs
     for i in range(count):
         if shaking.inputs[i] != 0.0:
             return True
+    # samples
     if shaking.loaded > 0 and 0 <= k < shaking.size - 1:
         samples = shaking.loads[count * k :]
         for i in range(count):
@@ -60,14 +64,16 @@ def load_ports(scene, phase):
 
 @kernel
 def see_ports(scene, phase, rates):
-    """Fill in the motion of the ports, of a phase and its rates."""
+    """Fill the motion of the ports relative to the base (m, m/s, m/s2) from a phase and its rates."""
     ports, seen, poses = scene.extras.ports, scene.extras.spots, scene.poses
     for p in range(scene.extras.spotted):
         i = index_of(ports.body[p])
         point = point_of(scene, phase, i, ports.x[p], ports.y[p], ports.z[p])
+        # angular acceleration along the axes of the base
         own = rates.wx[i], rates.wy[i], rates.wz[i]
         grows = plus(own, turned(poses, i, own[0], own[1], own[2]), 1.0)
         spin = poses.wx[i], poses.wy[i], poses.wz[i]
+        # acceleration of the end of the arm
         swept = plus(cross(grows, point.arm), cross(spin, cross(spin, point.arm)), 1.0)
         seen.x[p], seen.y[p], seen.z[p] = point.moved[0], point.moved[1], point.moved[2]
         seen.vx[p], seen.vy[p], seen.vz[p] = point.velocity[0], point.velocity[1], point.velocity[2]

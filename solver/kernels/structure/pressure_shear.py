@@ -1,4 +1,4 @@
-"""The shear that the pressure on a tilted joint has along it (theory.md section 13).
+"""The shear force that the pressure on a tilted joint exerts along it (theory.md section 13).
 
 The pressure acts along the normal of the face on which an edge of the other one slides, half of the tilt away from that
 of the joint. So a slip changes the elastic energy of the bed through the edges of the contact: its negative derivative
@@ -35,7 +35,7 @@ _face = FACE.over
 
 @by_width
 def _disc_edges(scene, j, section, those, p, q, way):
-    """Return `disc_edges_of_lower` of a section of joint j; in lanes of those in a mask, one after the other."""
+    """Return `disc_edges_of_lower` of a section of joint j; in lanes one lane of the mask after the other."""
     return _disc_edges_of_lanes if isinstance(p.types[0], LanesType) else _disc_edges_of_one
 
 
@@ -48,6 +48,7 @@ def _disc_edges_of_lanes(scene, j, section, those, p, q, way):
     which = bits(those)
     for k in range(WIDTH):
         if (which >> k) & 1:
+            # direction, faces and pressure of this lane
             one_way = lane(way[0], k), lane(way[1], k), lane(way[2], k)
             faces, planes = (section.above, section.below), (plane_of_lane(p, k), plane_of_lane(q, k))
             one = disc_edges_of_lower(*rows_of_lane(scene, k), j, *faces, *planes, one_way)
@@ -58,7 +59,7 @@ def _disc_edges_of_lanes(scene, j, section, those, p, q, way):
 
 @leaf
 def _edges_of_lower(scene, j, section, those, p, q, way):
-    """Integrate p q n along the edges of the lower face that bound what the faces of a section of joint j share."""
+    """Integrate p q n along the edges of the lower face that bound the intersection of both faces of a section."""
     a, b, _ = corners_of_faces(scene, section.above, section.below)
     if a > 0 and b > 0:
         return polygon_edges_of_lower(scene, j, section, those, a + b, p, q, way)
@@ -67,9 +68,9 @@ def _edges_of_lower(scene, j, section, those, p, q, way):
 
 @leaf
 def bound_of_pressure_shear(scene, j, p, normal, largest):
-    """Bound the shear of the pressure, N, and its moment, N m, by the edges that the contact may have at most.
+    """Return upper bounds of the shear of the pressure, N, and of its moment, N m, by the longest edges of the contact.
 
-    largest: damped penetration, m. Both are 0 where the lower face has no edges.
+    normal: N; largest: damped penetration, m. Both bounds are 0 where the lower face has no edges.
     """
     slips, zero = scene.slips, zero_like(p.at)
     if any_of(scene.joints.section[j] == POINT):
@@ -78,10 +79,11 @@ def bound_of_pressure_shear(scene, j, p, normal, largest):
     below = _face(scene.corners[index_of(scene.joints.below[j]) :], 0)
     if any_of(below.outer == math.inf):
         return zero, zero
+    # deepest penetration within reach of the smaller face
     radius, steep = lesser(above.outer, below.outer), magnitude(p.along_x) + magnitude(p.along_y)
     lever = radius + magnitude(slips.p1[j]) + magnitude(slips.p2[j]) + magnitude(above.x) + magnitude(above.y)
     deepest = greater(p.at + steep * lever, 0.0)
-    edges = where(has_inside(scene, j), 2.0 * math.pi, math.pi)  # those of the inside count too
+    edges = where(has_inside(scene, j), 2.0 * math.pi, math.pi)  # including those of the inside
     force = 0.5 * steep * normal + edges * scene.joints.stiffness[j] * radius * deepest * largest
     return force, 2.0 * lever * force
 
@@ -93,17 +95,18 @@ def pressure_shear(scene, j, near, p, q, normal, g1, g2, way):
     Parameters
     ----------
     near : mask
-        Whether joint j slides, or may be about to: else the edges of its lower face do not matter.
+        Where joint j slides or may be about to: elsewhere the edges of its lower face are left out.
     p, q : Plane
         Penetration and damped penetration, m.
     normal, g1, g2 : float or lanes
         Resultants of the pressure, N, N m.
     way : tuple
-        How the upper block moves along the joint, m, m and rad: edges of equal faces count by it.
+        Direction of motion of the upper block along the joint, m, m and rad, which decides about edges that coincide.
     """
     slips, zero = scene.slips, zero_like(p.at)
     if any_of(scene.joints.section[j] == POINT):
         return zero, zero, zero
+    # integrals along the edges of the lower face
     outline = outline_of(scene, j)
     a, b, endless = corners_of_faces(scene, outline.above, outline.below)
     edge_x, edge_y, moment = zero, zero, zero
@@ -122,6 +125,7 @@ def pressure_shear(scene, j, near, p, q, normal, g1, g2, way):
                 moment = moment - where(rims, inside[2], 0.0)
         edge_x, edge_y = where(kept, found.edge_x[j], edge_x), where(kept, found.edge_y[j], edge_y)
         moment = where(kept, found.edge_turn[j], moment)
+    # half of the edge terms, less the component of the tilted normal force
     half = 0.5 * scene.joints.stiffness[j]
     turn = half * moment - 0.5 * (p.along_x * g1 + p.along_y * g2)
     turn += 0.25 * normal * (p.along_y * slips.p1[j] - p.along_x * slips.p2[j])

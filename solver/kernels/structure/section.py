@@ -1,7 +1,7 @@
-"""The section of a joint, and the inside of it that a rim leaves open (theory.md section 12).
+"""The section of a joint, and the inside that its rim leaves open (theory.md section 12).
 
-Two faces that touch in a rim along their edges share (A and B) less (A_i and B_i), the insides being inset by the rim.
-So the bed of such a joint is that of its outline less that of its inside.
+Two faces that touch in a rim along their edges share (A and B) less (A_i and B_i); the insides are inset by the rim. So
+the bed of such a joint is that of its outline less that of its inside.
 """
 
 from typing import Any, NamedTuple
@@ -24,26 +24,26 @@ class Section(NamedTuple):
     moments: Moments
     outer: Any  # m, radii of a disc or ring
     inner: Any
-    above: int  # places of the faces of the upper and lower body, where the joint may slide
+    above: int  # indices of the faces of the upper and lower body, if the joint may slide
     below: int
 
 
 @leaf
 def has_inside(scene, j):
-    """Return the mask of the lanes, or whether the joint, in which joint j bears in a rim only."""
+    """Return True, or the mask of lanes, where joint j bears in a rim only."""
     return scene.joints.inside[j] != 0.0
 
 
 @leaf
 def bearing_area(scene, j):
-    """Return the area and the moments of what bears of joint j, about its centroid."""
+    """Return the area (m2) and the moments about its centroid of the part of joint j that bears."""
     joints, zero = scene.joints, zero_like(scene.joints.area[j])
     return joints.area[j], Moments(zero, zero, joints.ixx[j], joints.ixy[j], joints.iyy[j])
 
 
 @leaf
 def outline_of(scene, j):
-    """Return the outline of the section of joint j."""
+    """Return the outline of the section of joint j, the inside of a rim included."""
     joints = scene.joints
     area, moments = bearing_area(scene, j)
     rims = has_inside(scene, j)
@@ -52,6 +52,7 @@ def outline_of(scene, j):
         inside = _inside(scene.corners[index_of(joints.inside[j]) :], 0)
         area = area + inside.area
         moments = Moments(inside.x, inside.y, moments.xx + inside.ixx, moments.xy + inside.ixy, moments.yy + inside.iyy)
+    # places of its corners and of its faces
     return Section(
         any_of(joints.section[j] == POLYGON),
         scene.corners[2 * index_of(joints.first[j]) :],
@@ -67,7 +68,8 @@ def outline_of(scene, j):
 
 @leaf
 def inside_of(scene, j):
-    """Return the inside of joint j, which has one."""
+    """Return the inside of joint j, which bears in a rim."""
+    # its record, with the corners behind it
     row = scene.corners[index_of(scene.joints.inside[j]) :]
     inside = _inside(row, 0)
     return Section(

@@ -1,7 +1,7 @@
-"""What a disc or a ring shares with another one, or with a polygon.
+"""The intersection of a disc or ring with another one, or with a polygon, and its bed.
 
-Of two discs, each counts on its side of the line through both rims. So it is a sum of convex polygons, each as far as
-it lies within a disc; pressure cuts them further. Rings count as a disc less its bore.
+Two intersecting discs are each cut at their radical axis. So the bed is a sum over convex polygons, each clipped to a
+disc; the pressure cuts them further. A ring is a disc less its bore.
 """
 
 import math
@@ -14,28 +14,31 @@ from .disc import slope_of, whole_disc, with_segment
 from .edges import edge_integrals
 from .placed_face import centre_of, is_round, placed, put_corners
 
-BOX = 2.0  # radii, half the width of the square about a disc that another disc or a pressure cuts
-NEARLY = 1.0 - 1e-15  # square of the distance of a chord from the centre, over that of the rim, that is taken as none
+BOX = 2.0  # half width of the square about a disc, over its radius
+NEARLY = 1.0 - 1e-15  # squared distance of a chord from the centre, over the squared radius, from which there is none
 NOWHERE = (0.0, 0.0, 0.0)
-NEAR = 1e-14  # of the radius: distance between the centres of discs that are taken as concentric
+NEAR = 1e-14  # distance of the centres of concentric discs, at most, over the radius
 
 
 @leaf
 def differ(p, q):
-    """Whether two linear functions are not the same."""
+    """Return the mask of where two linear functions differ."""
     return (q.at != p.at) | (q.along_x != p.along_x) | (q.along_y != p.along_y)
 
 
 @leaf
 def cuts_disc(plane, x, y, radius):
-    """Whether a linear function passes zero, or is negative, somewhere within a disc."""
+    """Return the mask of where a linear function is zero or negative somewhere in the disc about (x, y)."""
     level, square = value(plane, x, y), plane.along_x * plane.along_x + plane.along_y * plane.along_y
     return opposite((level > 0.0) & (level * level >= radius * radius * square))
 
 
 @leaf
 def _pressed_in(room, count, x, y, radius, p, q):
-    """Leave the part of a polygon where p and q are positive, as far as that lies within a disc."""
+    """Clip the polygon in the room to where p and q are positive, unless they are so in the whole disc.
+
+    Return the number of its corners.
+    """
     if cuts_disc(p, x, y, radius):
         count = cut(room, count, p)
     if differ(p, q) and cuts_disc(q, x, y, radius):
@@ -45,7 +48,7 @@ def _pressed_in(room, count, x, y, radius, p, q):
 
 @leaf
 def _with(bed, sign, part):
-    """A bed with another part, or without it."""
+    """Return a bed plus sign times that of another part; the largest q grows only by an added part."""
     return Bed(
         bed.force + sign * part.force,
         bed.first_x + sign * part.first_x,
@@ -65,15 +68,20 @@ def _with_triangle(bed, q, a, b, c):
 
 @leaf
 def _with_arc(bed, radius, q, begin, end):
-    """A bed with the segment of a disc about the origin beyond the chord of an arc, anticlockwise."""
+    """Add to a bed the circular segment between an arc, anticlockwise from `begin` to `end`, and its chord.
+
+    The disc is about the origin.
+    """
     dx, dy = end[0] - begin[0], end[1] - begin[1]
     length = math.sqrt(dx * dx + dy * dy)
     if length <= 0.0:
         return bed
+    # normal of the chord, and its distance from the centre
     out_x, out_y = dy / length, -dx / length
     off = min(max(0.5 * ((begin[0] + end[0]) * out_x + (begin[1] + end[1]) * out_y), -radius), radius)
+    # the largest q if it is on the arc
     largest, slope = bed.largest, slope_of(q)
-    if slope > 0.0 and radius * (q.along_x * out_x + q.along_y * out_y) >= off * slope:  # the highest point is on it
+    if slope > 0.0 and radius * (q.along_x * out_x + q.along_y * out_y) >= off * slope:  # the largest q is on it
         largest = max(largest, q.at + radius * slope)
     bed = with_segment(bed, True, radius, q, out_x, out_y, off)
     return Bed(bed.force, bed.first_x, bed.first_y, bed.area, largest)
@@ -81,21 +89,26 @@ def _with_arc(bed, radius, q, begin, end):
 
 @kernel
 def _of_disc(room, count, x, y, radius, plane):
-    """The bed of the part of the polygon that lies within a disc: its sides there, and arcs between them."""
-    q = Plane(value(plane, x, y), plane.along_x, plane.along_y)  # from the centre
+    """Return the bed of the intersection of the polygon in the room and a disc about (x, y).
+
+    It is the sum over its sides, and arcs between them. plane: damped penetration, m.
+    """
+    q = Plane(value(plane, x, y), plane.along_x, plane.along_y)  # about the centre
     bed, begun, first_cut, was_cut, holds = nothing(q), False, False, False, True
     first, last = (0.0, 0.0), (0.0, 0.0)
     for k in range(count):
         after = k + 1 if k + 1 < count else 0
+        # the side from the centre
         ax, ay = room[2 * k] - x, room[2 * k + 1] - y
         dx, dy = room[2 * after] - x - ax, room[2 * after + 1] - y - ay
         square = dx * dx + dy * dy
         if square == 0.0:
             continue
-        across = ax * dy - ay * dx  # the side's length times its distance to the right of the centre
+        across = ax * dy - ay * dx  # the length of the side times the distance of the centre to its left
         holds = holds and across > 0.0
         if not across * across < NEARLY * radius * radius * square:
             continue
+        # the part of the side within the disc
         off = across / math.sqrt(square)
         middle = -(ax * dx + ay * dy) / square
         half = math.sqrt((radius - off) * (radius + off) / square)
@@ -103,6 +116,7 @@ def _of_disc(room, count, x, y, radius, plane):
         if enters >= leaves:
             continue
         begin, end = (ax + enters * dx, ay + enters * dy), (ax + leaves * dx, ay + leaves * dy)
+        # the first side, or an arc from the last one
         if not begun:
             begun, first, first_cut = True, begin, enters > 0.0
         else:
@@ -111,6 +125,7 @@ def _of_disc(room, count, x, y, radius, plane):
                 bed = _with_arc(bed, radius, q, last, begin)
         bed = _with_triangle(bed, q, first, begin, end)
         last, was_cut = end, leaves < 1.0
+    # the last arc; or the whole disc lies in the polygon
     if begun:
         if was_cut or first_cut:
             bed = _with_arc(bed, radius, q, last, first)
@@ -128,22 +143,22 @@ def _are_concentric(x, y, radius, other_x, other_y):
 
 @kernel
 def _put_own_side(room, x, y, radius, other_x, other_y, other):
-    """Put a polygon into the room that leaves the part of a disc on its side of the line through both rims.
+    """Fill the room with a polygon that clips a disc to its side of the radical axis; return the number of its corners.
 
-    All of this part lies in the other disc too. Returns the number of corners: of concentric discs the larger one has
-    no part, and each of two equal ones is whole.
+    All of this part lies in the other disc too. Of concentric discs the larger one has no part, and each of two equal
+    ones is whole.
     """
     count = put_square(room, x, y, BOX * radius)
     if _are_concentric(x, y, radius, other_x, other_y):
         return 0 if radius > other else count
-    dx, dy = other_x - x, other_y - y  # distance^2 - radius^2 about the own centre less the same about the other one
+    dx, dy = other_x - x, other_y - y  # radical axis: equal distance^2 - radius^2
     more = (other - radius) * (other + radius) - dx * (x + other_x) - dy * (y + other_y)
     return cut(room, count, Plane(more, 2.0 * dx, 2.0 * dy))
 
 
 @kernel
 def _sides_in_disc(room, count, x, y, radius, p, q):
-    """Integrate p q n along the sides of the polygon in the room, as far as they lie within a disc."""
+    """Integrate p q n along the sides of the polygon in the room within a disc about (x, y)."""
     along_x, along_y, moment = 0.0, 0.0, 0.0
     for k in range(count):
         after = k + 1 if k + 1 < count else 0
@@ -152,6 +167,7 @@ def _sides_in_disc(room, count, x, y, radius, p, q):
         square, across = dx * dx + dy * dy, ax * dy - ay * dx
         if not across * across < NEARLY * radius * radius * square:
             continue
+        # the part of the side within the disc
         middle, half = -(ax * dx + ay * dy) / square, math.sqrt(radius * radius * square - across * across) / square
         enters, leaves = max(0.0, middle - half), min(1.0, middle + half)
         if enters < leaves:
@@ -163,10 +179,10 @@ def _sides_in_disc(room, count, x, y, radius, p, q):
 
 @leaf
 def _along_arcs(p, bed, sides):
-    """Integrate p q n along the arcs about a part of a disc, by the divergence theorem.
+    """Integrate p q n along the arcs of a part of a disc, by the divergence theorem.
 
     bed: of that part; sides: the integral along its straight sides. An integral over its area of p times a slope of q
-    is taken as that of q times the slope of p, which it is where both are in proportion.
+    is replaced by that of q times the slope of p, which is exact if both are proportional.
     """
     turning = p.along_y * bed.first_x - p.along_x * bed.first_y
     along_x, along_y = 2.0 * p.along_x * bed.force - sides[0], 2.0 * p.along_y * bed.force - sides[1]
@@ -175,9 +191,9 @@ def _along_arcs(p, bed, sides):
 
 @kernel
 def _of_one_disc(room, x, y, radius, other_x, other_y, other, first, p, q):
-    """The bed of the part of a disc on its side of the line through both rims, and p q n along its arcs.
+    """Return the bed of the part of a disc on its side of the radical axis, and the integral of p q n along its arcs.
 
-    first: it is the one of the two that counts where they are equal and concentric.
+    first: True of the disc that counts if both are equal and concentric; its integral is not computed.
     """
     if radius == other and not first and _are_concentric(x, y, radius, other_x, other_y):
         return nothing(q), NOWHERE
@@ -189,15 +205,17 @@ def _of_one_disc(room, x, y, radius, other_x, other_y, other, first, p, q):
 
 @kernel
 def _of_faces(room, above, below, outer_a, outer_b, p, q):
-    """The bed of what two faces share, of which one is round; outer: radii of the discs that count, of round faces.
+    """Return the bed of the intersection of two faces, one of them round, and p q n along edges of the lower one.
 
-    Of two round ones also the integral of p q n along the edges of the lower one.
+    outer_a, outer_b: radii of the discs, m, of round faces. The integral is 0 unless both are round.
     """
     if is_round(above) and is_round(below):
+        # two discs, each on its side of the radical axis
         (ax, ay), (bx, by) = centre_of(above), centre_of(below)
         bed, _ = _of_one_disc(room, ax, ay, outer_a, bx, by, outer_b, True, p, q)
         part, edges = _of_one_disc(room, bx, by, outer_b, ax, ay, outer_a, False, p, q)
         return _with(bed, 1.0, part), edges
+    # a disc and a polygon
     face, other, radius = (above, below, outer_a) if is_round(above) else (below, above, outer_b)
     x, y = centre_of(face)
     count = _pressed_in(room, put_corners(room, other), x, y, radius, p, q)
@@ -206,13 +224,14 @@ def _of_faces(room, above, below, outer_a, outer_b, p, q):
 
 @kernel
 def disc_bed(room, corners, slips, j, at_above, at_below, p, q):
-    """Return the bed of two faces of joint j, which lie at these places of the corners.
+    """Return the bed of two faces of joint j, and the integral of p q n along the edges of the lower one.
 
-    Of two round faces also the integral of p q n along the edges of the lower one.
+    at_above, at_below: indices of the faces in `corners`. The integral is 0 unless both are round.
     """
     above, below = placed(corners, at_above, slips, j, 0.5), placed(corners, at_below, slips, j, -0.5)
     bed, along_x, along_y, moment = nothing(q), 0.0, 0.0, 0.0
-    for k in range(4):  # outer discs, less bores
+    for k in range(4):  # outer discs and bores
+        # inclusion and exclusion: positive for two discs or two bores, negative for a disc and a bore
         hollow_a, hollow_b = k & 1, k >> 1
         a = above.record.inner if hollow_a == 1 else above.record.outer
         b = below.record.inner if hollow_b == 1 else below.record.outer
@@ -227,19 +246,24 @@ def disc_bed(room, corners, slips, j, at_above, at_below, p, q):
 
 @kernel
 def _edges_of_lower(room, above, below, outer_a, outer_b, p, q, way):
-    """Integrate p q n along the boundary of what two faces share, as far as it is an edge of the lower face."""
+    """Integrate p q n along the boundary of the intersection of two faces, where it is an edge of the lower one.
+
+    outer_a, outer_b: radii of the discs, m, of round faces; way: direction of motion of the upper block.
+    """
     bx, by = centre_of(below)
+    # the lower face is a disc: arcs
     if is_round(below):
         if is_round(above):
             ax, ay = centre_of(above)
             count = _put_own_side(room, bx, by, outer_b, ax, ay, outer_a)
-            if outer_a == outer_b and _are_concentric(bx, by, outer_b, ax, ay):  # half of it by the way
+            if outer_a == outer_b and _are_concentric(bx, by, outer_b, ax, ay):  # half of the rim, by the motion
                 count = cut(room, count, Plane(-(way[0] * bx + way[1] * by), way[0], way[1]))
         else:
             count = put_corners(room, above)
         count = _pressed_in(room, count, bx, by, outer_b, p, q)
         bed = _of_disc(room, count, bx, by, outer_b, q)
         return _along_arcs(p, bed, _sides_in_disc(room, count, bx, by, outer_b, p, q))
+    # the lower face is a polygon: its sides in the disc
     x, y = centre_of(above)
     count = _pressed_in(room, put_corners(room, below), x, y, outer_a, p, q)
     return _sides_in_disc(room, count, x, y, outer_a, p, q)
@@ -247,13 +271,14 @@ def _edges_of_lower(room, above, below, outer_a, outer_b, p, q, way):
 
 @kernel
 def disc_edges_of_lower(room, corners, slips, j, at_above, at_below, p, q, way):
-    """Integrate p q n along the edges of the lower face that bound what two faces of joint j share.
+    """Integrate p q n along the edges of the lower face that bound the intersection of two faces of joint j.
 
     As `polygon_edges_of_lower`, where a face is round.
     """
     above, below = placed(corners, at_above, slips, j, 0.5), placed(corners, at_below, slips, j, -0.5)
     along_x, along_y, moment = 0.0, 0.0, 0.0
-    for k in range(4):  # outer discs, less bores
+    for k in range(4):  # outer discs and bores
+        # inclusion and exclusion: positive for two discs or two bores, negative for a disc and a bore
         hollow_a, hollow_b = k & 1, k >> 1
         a = above.record.inner if hollow_a == 1 else above.record.outer
         b = below.record.inner if hollow_b == 1 else below.record.outer

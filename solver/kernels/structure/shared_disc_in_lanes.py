@@ -1,4 +1,4 @@
-"""What discs share with other faces in lanes: with discs one lane after the other, with polygons all at once."""
+"""The intersection of discs with other faces in lanes: with discs lane by lane, with polygons in all lanes at once."""
 
 from ..numba_ext.jit import by_width, kernel, leaf
 from ..numba_ext.lanes import (
@@ -25,10 +25,10 @@ from .shared_disc import NEARLY, cuts_disc, differ, disc_bed
 
 @by_width
 def round_bed_after_slip(scene, j, section, sign, slid, p, q):
-    """Return the bed of a section of joint j, of which a face is round; of lanes of those that have `slid`.
+    """Return the bed of a section of joint j, of which a face is round; in lanes only where `slid` holds.
 
     sign: 1 of its outline, -1 of the inside that its rim leaves open. The integrals along the edges of the lower face
-    are kept, summed with these signs.
+    are stored in the resultants, summed with these signs.
     """
     return _of_lanes if isinstance(p.types[0], LanesType) else _of_one
 
@@ -41,7 +41,7 @@ def _of_one(scene, j, section, sign, slid, p, q):
 
 @leaf
 def _keep_edges(scene, j, sign, along_x, along_y, moment):
-    """Keep the integrals along the edges of an outline, or subtract those of its inside from them."""
+    """Store the integrals along the edges of an outline, or subtract those of its inside from them."""
     kept = scene.resultants
     if sign < 0.0:
         along_x, along_y = kept.edge_x[j] - along_x, kept.edge_y[j] - along_y
@@ -50,9 +50,11 @@ def _keep_edges(scene, j, sign, along_x, along_y, moment):
 
 
 def _of_lanes(scene, j, section, sign, slid, p, q):
+    # a disc and a polygon
     a, b, _ = corners_of_faces(scene, section.above, section.below)
     if a > 0 or b > 0:
         return _disc_on_polygon(scene, j, section, slid, p, q)
+    # two round faces, lane by lane
     found, zero = nothing(q), zero_like(q.at)
     those, along_x, along_y, moment = bits(slid), zero, zero, zero
     for k in range(WIDTH):
@@ -74,11 +76,12 @@ def _of_lanes(scene, j, section, sign, slid, p, q):
 
 @kernel
 def _disc_on_polygon(scene, j, section, slid, p, q):
-    """The bed of a disc, less its bore, and a polygon, of the lanes in a mask, with the bits of `disc_bed`.
+    """Return the bed of the intersection of a disc, less its bore, and a polygon, with the bits of `disc_bed`.
 
-    Pressure cuts the polygon lane by lane; the sum over its sides and arcs is that of all lanes.
+    slid: mask of the lanes. The pressure cuts the polygon lane by lane; the sum over sides and arcs is over all lanes.
     """
     room, found = scene.room, nothing(q)
+    # faces at their present places
     above = placed(scene.corners, section.above, scene.slips, j, 0.5)
     below = placed(scene.corners, section.below, scene.slips, j, -0.5)
     face, other = (above, below) if is_round(above) else (below, above)
@@ -87,6 +90,7 @@ def _disc_on_polygon(scene, j, section, slid, p, q):
         radius, most = face.record.inner if hollow == 1 else face.record.outer, 0
         there = slid & (radius > 0.0)
         if any_of(there):
+            # the polygon, cut by the pressure
             most = put_corners(room, other)
             counts = where(there, found.force * 0.0 + float(most), 0.0)
             cut_p, cut_q = bits(there & cuts_disc(p, x, y, radius)), bits(there & cuts_disc(q, x, y, radius))
@@ -99,6 +103,7 @@ def _disc_on_polygon(scene, j, section, slid, p, q):
                     if (cut_q >> k) & 1:
                         count = cut(own, count, plane_of_lane(q, k))
                     most, counts = max(most, count), with_lane(counts, k, float(count))
+            # add the disc, subtract the bore
             part, sign = _of_discs(scene.room, counts, most, x, y, radius, q), -1.0 if hollow == 1 else 1.0
             largest = found.largest if hollow == 1 else part.largest
             found = add(
@@ -110,7 +115,7 @@ def _disc_on_polygon(scene, j, section, slid, p, q):
 
 @leaf
 def _with_triangles(bed, there, q, a, b, c):
-    """As `_with_triangle` of shared_disc.py, of the lanes in a mask."""
+    """Add a triangle to a bed in the lanes of a mask, as `_with_triangle` of shared_disc.py."""
     values = value(q, a[0], a[1]), value(q, b[0], b[1]), value(q, c[0], c[1])
     area, force, first_x, first_y = triangle((a[0], b[0], c[0]), (a[1], b[1], c[1]), values)
     largest = greater(bed.largest, greater(values[0], greater(values[1], values[2])))
@@ -120,7 +125,7 @@ def _with_triangles(bed, there, q, a, b, c):
 
 @leaf
 def _with_arcs(bed, there, radius, q, begin, end):
-    """As `_with_arc` of shared_disc.py, of the lanes in a mask."""
+    """Add an arc's segment to a bed in the lanes of a mask, as `_with_arc` of shared_disc.py."""
     dx, dy = end[0] - begin[0], end[1] - begin[1]
     length = square_root(dx * dx + dy * dy)
     there = there & (length > 0.0)
@@ -135,13 +140,17 @@ def _with_arcs(bed, there, radius, q, begin, end):
 
 @kernel
 def _of_discs(room, counts, most, x, y, radius, plane):
-    """As `_of_disc` of shared_disc.py, of all lanes: a polygon has `counts` corners, `most` at most; none: nothing."""
+    """Return the bed of the intersection of polygons and discs in all lanes, as `_of_disc` of shared_disc.py.
+
+    counts: corners of the polygon of each lane, at most `most`; a lane with 0 has an empty bed.
+    """
     q = Plane(value(plane, x, y), plane.along_x, plane.along_y)
     bed, zero = nothing(q), zero_like(x)
     one, there = zero + 1.0, counts > 0.0
     begun, first_cut, was_cut, holds = zero > 0.0, zero > 0.0, zero > 0.0, there
     first, last = (zero, zero), (zero, zero)
     for k in range(most):
+        # the side from the centre
         side, closes = counts > float(k), counts <= float(k + 1)
         ax, ay = room[2 * k] - x, room[2 * k + 1] - y
         after = k + 1 if k + 1 < most else 0
@@ -154,12 +163,14 @@ def _of_discs(room, counts, most, x, y, radius, plane):
         side = side & (across * across < NEARLY * radius * radius * square)
         if not any_of(side):
             continue
+        # the part of the side within the disc
         off = across / square_root(square)
         middle = -(ax * dx + ay * dy) / square
         half = square_root((radius - off) * (radius + off) / square)
         enters, leaves = greater(middle - half, zero), lesser(middle + half, one)
         side = side & (enters < leaves)
         begin, end = (ax + enters * dx, ay + enters * dy), (ax + leaves * dx, ay + leaves * dy)
+        # the first side of a lane, or an arc from the last one
         starts, goes_on = side & opposite(begun), side & begun
         first = where(starts, begin[0], first[0]), where(starts, begin[1], first[1])
         first_cut = (starts & (enters > 0.0)) | (opposite(starts) & first_cut)
@@ -171,9 +182,11 @@ def _of_discs(room, counts, most, x, y, radius, plane):
         bed = _with_triangles(bed, side, q, first, begin, end)
         begun, last = begun | side, (where(side, end[0], last[0]), where(side, end[1], last[1]))
         was_cut = (side & (leaves < 1.0)) | (opposite(side) & was_cut)
+    # the last arc
     arcs = begun & (was_cut | first_cut)
     if any_of(arcs):
         bed = _with_arcs(bed, arcs, radius, q, last, first)
+    # discs that lie in the polygon
     full = holds & opposite(begun) & (counts > 2.0)
     if any_of(full):
         disc = whole_disc(radius, q)

@@ -1,4 +1,4 @@
-"""The polygon that two polygons share, or one and what has no end: it is kept until the joint slides on."""
+"""The intersection of two polygons, or of one and an unbounded face, cached until the joint slides on."""
 
 from ..numba_ext.jit import by_width, kernel, leaf
 from ..numba_ext.lanes import WIDTH, MaskType, any_of, bits, where, zero_like
@@ -11,12 +11,12 @@ from .placed_face import placed, put_corners, rows_of_lane
 from .polygon import polygon_bed
 
 _shared, _SHARED = SHARED.over, SHARED.beside
-SAME_EDGE = 1e-12  # distance of two edges, over the length of one, within which they coincide
+SAME_EDGE = 1e-12  # distance of coincident edges, at most, over the length of one
 
 
 @kernel
 def _put_planes(planes, corners, count):
-    """Put for each edge of a polygon the plane that is positive inside of it; its slope is the length of the edge."""
+    """Fill `planes` with a linear function for each edge, positive inside, whose slope is the length of the edge."""
     x0, y0 = corners[0], corners[1]
     for k in range(count):
         after = k + 1 if k + 1 < count else 0
@@ -32,7 +32,7 @@ def _plane(planes, k):
 
 @kernel
 def _is_on_edge(planes, count, x, y):
-    """Return whether a point within a polygon lies on one of its edges."""
+    """Return True if a point within a polygon lies on one of its edges."""
     for k in range(count):
         plane = _plane(planes, k)
         square = plane.along_x * plane.along_x + plane.along_y * plane.along_y
@@ -43,15 +43,17 @@ def _is_on_edge(planes, count, x, y):
 
 @kernel
 def _find_owners(shared, most, count, planes, lower):
-    """Fill in which face each edge of the shared polygon belongs to, by the middle of the edge.
+    """Fill in which face each edge of the intersection belongs to, by the midpoint of the edge.
 
-    count: corners of the shared polygon; lower: edges of the lower face, whose planes come first.
+    most: corners of both faces; count: corners of the intersection; lower: edges of the lower face, whose planes come
+    first.
     """
     outline, owners = shared[_SHARED:], shared[_SHARED + 2 * most :]
     x0, y0 = outline[2 * most - 2], outline[2 * most - 1]
     for k in range(most):
         owners[k] = OF_UPPER
         if k < count:
+            # midpoint of the edge
             x1, y1 = outline[2 * k], outline[2 * k + 1]
             x, y = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
             if _is_on_edge(planes, lower, x, y):
@@ -61,22 +63,26 @@ def _find_owners(shared, most, count, planes, lower):
 
 @kernel
 def _share(room, corners, slips, j, at_above, at_below, shared):
-    """Fill in what two faces of joint j share, which lie at these places of the corners."""
+    """Fill `shared` with the intersection of two faces of joint j; at_above, at_below: their indices in `corners`."""
     above, below = placed(corners, at_above, slips, j, 0.5), placed(corners, at_below, slips, j, -0.5)
     lower, upper = int(below.record.corners), int(above.record.corners)
     most = upper + lower
     found, outline, planes = _shared(shared, 0), shared[_SHARED:], shared[_SHARED + 3 * most :]
+    # planes of the edges of both faces
     _put_planes(planes, room, put_corners(room, below))
     count = put_corners(room, above)
     if lower > 0:
         _put_planes(planes[3 * lower :], room, count)
-    for k in range(lower):  # none, if it has no end
+    # clip the upper face to the lower one
+    for k in range(lower):  # no edge, if it is unbounded
         count = cut(room, count, _plane(planes, k))
     found.corners, found.p1, found.p2, found.p3 = most, slips.p1[j], slips.p2[j], slips.p3[j]
+    # corners, the last one repeated
     for k in range(most):
         last = max(0, min(k, count - 1))
         outline[2 * k] = room[2 * last] if count > 0 else 0.0
         outline[2 * k + 1] = room[2 * last + 1] if count > 0 else 0.0
+    # integrals over a fan of triangles
     found.area, found.x, found.y, found.xx, found.yy, found.xy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     ax, ay = room[0], room[1]
     for k in range(2, count):
@@ -95,7 +101,7 @@ def _share(room, corners, slips, j, at_above, at_below, shared):
 
 @by_width
 def _renew(scene, j, section, stale):
-    """Fill in what faces share that have slid on since: of those lanes in `stale`."""
+    """Update the intersection of the faces of a section of joint j, in lanes where `stale` holds."""
     return _renew_lanes if isinstance(stale, MaskType) else _renew_one
 
 
@@ -114,7 +120,7 @@ def _renew_lanes(scene, j, section, stale):
 
 @leaf
 def _shared_row(scene, j, section, those):
-    """Return the row of what the faces of a section of joint j share, up to date in the lanes of the mask `those`."""
+    """Return the row of the intersection of the faces of a section of joint j, up to date in the lanes of `those`."""
     row, slips = scene.shared[PER_CORNER * section.above :], scene.slips
     kept = _shared(row, 0)
     moved = (kept.p1 != slips.p1[j]) | (kept.p2 != slips.p2[j]) | (kept.p3 != slips.p3[j])
@@ -126,9 +132,13 @@ def _shared_row(scene, j, section, those):
 
 @leaf
 def polygon_bed_after_slip(scene, j, section, slid, count, p, q):
-    """Return the bed of a section of joint j, whose faces have `count` corners together; slid: which lanes have."""
+    """Return the bed of a section of joint j by the intersection of its faces, which have `count` corners together.
+
+    slid: mask of the lanes that have.
+    """
     row = _shared_row(scene, j, section, slid)
     kept = _shared(row, 0)
+    # full contact
     force = q.at * kept.area + q.along_x * kept.x + q.along_y * kept.y
     first_x = q.at * kept.x + q.along_x * kept.xx + q.along_y * kept.xy
     first_y = q.at * kept.y + q.along_x * kept.xy + q.along_y * kept.yy
@@ -139,10 +149,27 @@ def polygon_bed_after_slip(scene, j, section, slid, count, p, q):
 
 @kernel
 def polygon_edges_of_lower(scene, j, section, those, count, p, q, way):
-    """Integrate p q n along the edges of the lower face that bound what two polygons of a section share.
+    """Integrate p q n along the edges of the lower face that bound the intersection of two polygons.
 
-    Where edges of both faces coincide, the edge belongs to the lower face if the upper one moves outwards there:
-    way, m, m and rad, is how it moves.
+    If edges of both faces coincide, the edge belongs to the lower face where the upper one moves outwards.
+
+    Parameters
+    ----------
+    section : Section
+        Section of joint j.
+    those : mask
+        Lanes that need the integral.
+    count : int
+        Corners of both faces together.
+    p, q : Plane
+        Penetration and damped penetration, m.
+    way : tuple
+        Direction of motion of the upper block, m, m and rad.
+
+    Returns
+    -------
+    along_x, along_y, moment : float or lanes
+        Integral of p q n, m3, and its moment, m4.
     """
     row, zero = _shared_row(scene, j, section, those), zero_like(p.at)
     outline, owners = row[_SHARED:], row[_SHARED + 2 * count :]
@@ -152,6 +179,7 @@ def polygon_edges_of_lower(scene, j, section, those, count, p, q, way):
         x1, y1 = outline[2 * k], outline[2 * k + 1]
         owner = owners[k]
         if any_of(owner >= OF_BOTH):
+            # an edge that may belong to the lower face
             dx, dy = x1 - x0, y1 - y0
             edge_x, edge_y, edge_moment, x, y = edge_integrals(x0, y0, dx, dy, p, q)
             outwards = dy * (way[0] - way[2] * y) - dx * (way[1] + way[2] * x) > 0.0

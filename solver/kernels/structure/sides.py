@@ -1,4 +1,4 @@
-"""Two sides that face each other: where they are, how fast they approach, and forces on both (theory.md section 17)."""
+"""Two sides that face each other: their positions, their approach, and forces on both (theory.md section 17)."""
 
 import math
 from typing import NamedTuple
@@ -7,33 +7,33 @@ from ..numba_ext.jit import leaf
 from .kinematics import cross, dot, minus, plus, push, standing
 
 NOTHING = (0.0, 0.0, 0.0)
-SLACK = 1e-9  # m: a pair lets go beyond this gap, and touches within half of it
+SLACK = 1e-9  # m: a pair separates beyond this gap, and touches below half of it
 
 
 class Sides(NamedTuple):
-    """Both sides of a pair as they are: directions along the axes of the base, lengths in m."""
+    """Both sides of a pair at present: directions along the axes of the base, lengths in m."""
 
     a: int  # bodies
     b: int
-    arm_a: object  # from their centroids to the middle of the axis of the first drum or of the first face, and to
-    arm_b: object  # that of the other one
-    between: object  # from the latter to the former
+    arm_a: object  # from the centroid to the middle of the axis of the first drum, or of the first face
+    arm_b: object  # likewise of the other side
+    between: object  # from the middle of the other side to that of the first one
     u: object  # axis of the first drum, or the normal of the first face
     v: object  # that of the other one
 
 
 class Touch(NamedTuple):
-    """What a pair bears across."""
+    """The normal contact of a pair."""
 
     force: float  # N, of the pressure
     energy: float  # J
-    resultant: object  # N, on the first body: that of the pressure with those of edges and ends
-    place: object  # m, of the force, from the middle of the first side
+    resultant: object  # N, on the first body: sum of pressure, edges and ends
+    place: object  # m, centre of the pressure, from the middle of the first side
 
 
 @leaf
 def place_of(scene, phase, i):
-    """Place of the centroid of body i, m."""
+    """Return the position of the centroid of body i, m."""
     bodies = scene.bodies
     if i == scene.n:
         return bodies.x[i], bodies.y[i], bodies.z[i]
@@ -42,7 +42,7 @@ def place_of(scene, phase, i):
 
 @leaf
 def sides_of(scene, phase, pairs, p):
-    """Both sides of pair p."""
+    """Return both sides of pair p at present."""
     a, b = int(pairs.one[p]), int(pairs.other[p])
     arm_a = standing(scene.poses, a, pairs.ax[p], pairs.ay[p], pairs.az[p])
     arm_b = standing(scene.poses, b, pairs.bx[p], pairs.by[p], pairs.bz[p])
@@ -54,13 +54,13 @@ def sides_of(scene, phase, pairs, p):
 
 @leaf
 def spin_of(scene, i):
-    """Angular velocity of body i, rad/s, along the axes of the base."""
+    """Return the angular velocity of body i, rad/s, along the axes of the base."""
     return scene.poses.wx[i], scene.poses.wy[i], scene.poses.wz[i]
 
 
 @leaf
 def velocity_of(scene, phase, i, arm):
-    """Velocity, m/s, of the end of an arm from the centroid of body i."""
+    """Return the velocity, m/s, of the end of an arm (m) from the centroid of body i."""
     if i == scene.n:
         return NOTHING
     return plus((phase.vx[i], phase.vy[i], phase.vz[i]), cross(spin_of(scene, i), arm), 1.0)
@@ -68,19 +68,22 @@ def velocity_of(scene, phase, i, arm):
 
 @leaf
 def rate_along(scene, phase, sides, n, on_a, on_b):
-    """Rate, m/s, at which the ends of two arms from the centroids of both bodies approach each other along n."""
+    """Return the rate, m/s, at which the ends of arms on_a and on_b of both bodies approach each other along n."""
     return -dot(n, minus(velocity_of(scene, phase, sides.a, on_a), velocity_of(scene, phase, sides.b, on_b)))
 
 
 @leaf
 def arms_to(sides, place):
-    """Arms from the centroids of both bodies to a place from the middle of the first side, m."""
+    """Return the arms from the centroids of both bodies to a point given from the middle of the first side, m."""
     return plus(sides.arm_a, place, 1.0), plus(plus(sides.arm_b, sides.between, 1.0), place, 1.0)
 
 
 @leaf
 def push_both(scene, sides, place, force):
-    """Add a force, N, on the first body, and its opposite on the other one, at a place from the middle of its side."""
+    """Add a force, N, to the first body and its opposite to the other one.
+
+    place: point of action, m from the middle of the first side.
+    """
     on_a, on_b = arms_to(sides, place)
     push(scene.poses, sides.a, on_a, force, NOTHING, 1.0)
     push(scene.poses, sides.b, on_b, force, NOTHING, -1.0)
@@ -88,7 +91,7 @@ def push_both(scene, sides, place, force):
 
 @leaf
 def edge_of(scene, pairs, p, k):
-    """Corner k of the other face of pair p, and from there to the next one: x, y, dx, dy, m."""
+    """Return x, y, dx, dy of edge k of the other face of pair p, m: its first corner and the vector to the next."""
     first, count, corners = int(pairs.first[p]), int(pairs.corners[p]), scene.corners
     after = k + 1 if k + 1 < count else 0
     x, y = corners[first + 2 * k], corners[first + 2 * k + 1]
@@ -97,11 +100,11 @@ def edge_of(scene, pairs, p, k):
 
 @leaf
 def scaled(a, factor):
-    """A vector times a number."""
+    """Return a vector times a number."""
     return a[0] * factor, a[1] * factor, a[2] * factor
 
 
 @leaf
 def apart(gap, beside):
-    """Distance, m, of sides that are a gap apart, and do not face each other by a length beside it."""
+    """Return the distance, m, of two sides with a normal gap whose projections are `beside` m apart."""
     return gap if beside == 0.0 else math.sqrt(beside * beside + max(gap, 0.0) ** 2)

@@ -1,10 +1,10 @@
 """Steps for joints that are stiff and heavily damped: a Runge-Kutta-Legendre method of order 2.
 
-The rates of such joints are real and negative, and die out long before the blocks have moved. An explicit step of s
-stages is stable over (s^2 + s - 2)/2 of the fastest of them, in place of 3.3 (C. D. Meyer, D. S. Balsara, T. D. Aslam,
-J. Comput. Phys. 257 (2014) 594-626, the method RKL2). No Jacobian is needed: the joints may open, slide and twist in
-any stage. The error is the difference to the trapezoidal rule (B. P. Sommeijer, L. F. Shampine, J. G. Verwer, J.
-Comput. Appl. Math. 88 (1998) 315-326).
+The eigenvalues of such joints are real and negative, and their motion dies out long before the blocks have moved. A
+step of s stages is stable up to (s^2 + s - 2)/2 over the largest of them, instead of 3.3 (C. D. Meyer, D. S. Balsara,
+T. D. Aslam, J. Comput. Phys. 257 (2014) 594-626, the method RKL2). No Jacobian is needed: the joints may open, slide
+and twist in any stage. The error is the difference to the trapezoidal rule (B. P. Sommeijer, L. F. Shampine, J. G.
+Verwer, J. Comput. Appl. Math. 88 (1998) 315-326).
 """
 
 import math
@@ -19,15 +19,15 @@ from .watch import BETWEEN, END, RATES, STAGE, START, row
 _phase = PHASE.over
 ORDER = 2
 LEAST_STAGES, MOST_STAGES = 3, 61
-MARGIN = 1.1  # of the fastest rate that a step is stable for
-LONGEST_REACH = 0.5 * (MOST_STAGES * MOST_STAGES + MOST_STAGES - 2) / MARGIN  # of a step, times the fastest rate
-TIGHTER = 16.0  # than steps of order 5, whose errors of the motion are far below what is allowed where joints are stiff
-PLACE, SLOPE = 12.0 / 15.0, 6.0 / 15.0  # of the error: of both states, and of their rates times the step
+MARGIN = 1.1  # safety factor on the fastest rate
+LONGEST_REACH = 0.5 * (MOST_STAGES * MOST_STAGES + MOST_STAGES - 2) / MARGIN  # longest step times the fastest rate
+TIGHTER = 16.0  # factor on the error: steps of order 5 between stiff joints err far less than allowed
+PLACE, SLOPE = 12.0 / 15.0, 6.0 / 15.0  # weights of the error: both states, and their rates times the step
 
 
 @leaf
 def stages_of(reach):
-    """Return the number of stages, odd, that are stable over a step times the fastest rate."""
+    """Return the number of stages, odd, that is stable over a step; reach: its length times the fastest rate."""
     least = 0.5 * (math.sqrt(9.0 + 8.0 * MARGIN * reach) - 1.0)
     stages = max(LEAST_STAGES, math.ceil(least))
     return stages + 1 - stages % 2
@@ -41,7 +41,7 @@ def _weight(j):
 
 @kernel
 def attempt_stabilized(scene, shaking, segment, t, h, stages):
-    """Make one step of h seconds in this number of stages from the row START to END; return its error in tolerances."""
+    """Make one step of h seconds in `stages` stages from row START to row END; return its error in tolerances."""
     begin, count = row(scene, START), packs(row(scene, START), moving(scene))
     y, f0, f = packs_of(begin), packs_of(rate(scene, 0)), packs_of(rate(scene, 1))
     per = 4.0 / (stages * stages + stages - 2.0)

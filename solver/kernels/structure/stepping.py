@@ -1,4 +1,4 @@
-"""Adaptive steps for structures in space: one after the other, with peaks and rows.
+"""Adaptive steps for one structure in space, with peaks and output rows.
 
 A step ends at each sample of the record.
 """
@@ -40,30 +40,29 @@ from .watch import BETWEEN, END, STAGE, START, look, raise_peaks, row, seen, tra
 
 _phase, _memory = PHASE.over, MEMORY.over
 _PER_BODY, _PER_JOINT, _RATES = PHASE.per_n, MEMORY.per_n, PHASE.fields.index("vx")
-STABLE = 2.5  # time constants of what gives way, in a step: explicit steps beyond 3.3 only stay bounded by their errors
-# longest step over the time in which the most damped motion dies out. The embedded error of order 5 is as blind to a
-# step of 7 as that is unstable: such motions grow twelvefold, unseen. Steps beyond 5.6 grow, and are seen
+STABLE = 2.5  # longest step over the time constant of sliding or yielding; beyond 3.3 only error control bounds it
+# longest step times the fastest decay rate. At 7 the embedded error of order 5 does not see an unstable motion that
+# grows twelvefold; steps beyond 5.6 are unstable, and their error is seen
 SEEN = 6.0
 POWERS, LEAST_DECAY = 12, 1e-9  # iterations; 1/s
 PROBES = 8  # explicit steps after STEPS_PER_PROBE by modes
-REACH = 33.0  # first steps: the longest explicit one that is stable
-EXPLICIT, BY_MODES, STABILIZED = 0, 1, 2  # how a step is made
-STIFF = 2.5  # reach of steps of order 5, times the fastest rate, from which on their stability bounds them
-LEAST_REACH = 14.0  # of a stabilized step: shorter ones gain nothing over order 5
-FIRST_REACH = 28.0  # of the first one
-SMALL = 0.01  # of the largest rate so far: a motion that dies out is followed by steps of order 5
-LENGTHEN = 1.2  # from one to the next: where their stability ends, errors rise at once
-# steps of order 5 in a row that their stability bounds, before stabilized ones are tried; twice as many after a trial
-# that failed
+REACH = 33.0  # longest stable explicit step over the first step
+EXPLICIT, BY_MODES, STABILIZED = 0, 1, 2  # methods of a step
+STIFF = 2.5  # step of order 5 times the fastest rate from which stability bounds it
+LEAST_REACH = 14.0  # least stabilized step times the fastest rate: shorter ones are no faster than order 5
+FIRST_REACH = 28.0  # the same of the first stabilized step
+SMALL = 0.01  # of the largest rate so far: below it the motion decays, and order 5 is used
+LENGTHEN = 1.2  # largest growth of stabilized steps: at the stability limit errors rise at once
+# steps of order 5 in a row, bounded by stability, before stabilized ones are tried; twice as many after a failed trial
 WAIT_STABILIZED, MOST_PAUSE = 8, 64
-STILL = 1e-8  # of gravity, and of the rates that errors are measured against: less is rest
+STILL = 1e-8  # of gravity, and of the rate floor: smaller values are rest
 
 
 @kernel
 def largest_motion(scene, phase):
-    """The largest motion so far, rad and rad/s; displacements count over the extent of the structure."""
+    """Return the largest motion so far, rad and rad/s; displacements are divided by the extent of the structure."""
     control, per = scene.control, 1.0 / (scene.settings.extent * scene.settings.extent)
-    place, rate = zero_like(per), zero_like(per)  # their squares
+    place, rate = zero_like(per), zero_like(per)  # squares
     for i in range(scene.n):
         place = greater(place, per * square_of(phase.ux[i], phase.uy[i], phase.uz[i]))
         place = greater(place, 4.0 * square_of(phase.q1[i], phase.q2[i], phase.q3[i]))
@@ -74,7 +73,7 @@ def largest_motion(scene, phase):
 
 @kernel
 def _take_stock(scene, phase):
-    """Take the largest motion and forces so far from a phase that has just been evaluated."""
+    """Update the largest motion and forces so far by a phase that has just been evaluated."""
     control, found = scene.control, scene.resultants
     control.largest, control.largest_rate = largest_motion(scene, phase)
     for j in range(scene.m):
@@ -84,15 +83,17 @@ def _take_stock(scene, phase):
 
 @kernel
 def fallen(scene, phase):
-    """Number, from 1, of a block that has fallen; 0 if there is none.
+    """Return the number, from 1, of a block that has fallen; 0 if there is none.
 
-    It lies far below its place as built, or is tipped over what it stands on: beyond that a joint has no meaning. Or it
-    has come off a bearing, by the place that was evaluated last.
+    It lies far below its place as built, or is tilted by more than 90 degrees over its support, beyond which a joint
+    has no meaning, or it has left a bearing at the last evaluation.
     """
     found = zero_like(phase.uz[0])
+    # far below its place
     for k in range(scene.n):
         i = scene.n - 1 - k
         found = where(phase.uz[i] > -scene.bodies.drop[i], found, i + 1.0)
+    # tipped over its support
     for j in range(scene.m):
         upper, lower = index_of(scene.joints.upper[j]), index_of(scene.joints.lower[j])
         found = where(is_tipped(scene, phase, j), (upper if upper < scene.n else lower) + 1.0, found)
@@ -101,9 +102,10 @@ def fallen(scene, phase):
 
 @kernel
 def moves(scene, phase, rates):
-    """Whether something moves, or begins to."""
+    """Return True if a block moves or accelerates."""
     rate, force = STILL * scene.settings.rate_floor, STILL * scene.settings.gravity
     found = rate < 0.0
+    # velocities and accelerations against the rate floor and gravity
     for i in range(scene.n):
         size = scene.bodies.size[i]
         found = found | (size_of(phase.vx[i], phase.vy[i], phase.vz[i]) > rate * size)
@@ -115,13 +117,15 @@ def moves(scene, phase, rates):
 
 @kernel
 def relaxing(scene):
-    """The shortest time constant, s, of a joint that slides or a tie that yields at the start of a step."""
+    """Return the shortest time constant, s, of a joint that slides or a tie that yields at the start of a step."""
     n, m = scene.n, scene.m
     giving, shortest = rate(scene, 0)[_PER_BODY * n :], math.inf + zero_like(scene.settings.relaxation)
     slips = _memory(giving, m)
+    # joints that slide or twist
     for j in range(m):
         slides = (slips.p1[j] != 0.0) | (slips.p2[j] != 0.0) | (slips.p3[j] != 0.0)
         shortest = where(slides, lesser(shortest, scene.joints.shear_damping[j]), shortest)
+    # ties that yield
     for e in range(_PER_JOINT * m, _PER_JOINT * m + scene.k):
         shortest = where(giving[e] != 0.0, lesser(shortest, scene.settings.relaxation), shortest)
     return shortest
@@ -129,9 +133,10 @@ def relaxing(scene):
 
 @kernel
 def _serve_rows(scene, shaking, watch, segment, t, h):
-    """Take the output rows whose time lies within the step from t to t + h."""
+    """Fill the output rows whose time lies within the step from t to t + h."""
     counts = scene.counts
     while counts.next_row < watch.size and watch.times[counts.next_row] <= t + h * (1.0 + SLACK):
+        # the row at its fraction of the step, and the state behind it
         part = 1.0 if h == 0.0 else min(1.0, max(0.0, (watch.times[counts.next_row] - t) / h))
         into = watch.rows[counts.next_row * watch.wide :]
         look(scene, shaking, segment, t, h, part, into)
@@ -143,10 +148,11 @@ def _serve_rows(scene, shaking, watch, segment, t, h):
 
 @kernel
 def _begin(scene, shaking, segment, t, phase):
-    """Evaluate the phase from which the steps go on; the first call sets scales and the first step."""
+    """Evaluate the phase from which the steps start; the first call sets scales and the first step."""
     control, counts, settings = scene.control, scene.counts, scene.settings
     meet(scene)
     evaluate_at(scene, shaking, segment, row(scene, START), rate(scene, 0), t)
+    # the first call of a run
     if counts.started == 0:
         counts.started = 1
         clear_gaps(scene)
@@ -156,38 +162,44 @@ def _begin(scene, shaking, segment, t, phase):
         control.largest = max(control.largest, settings.motion_floor)
         control.largest_rate = max(control.largest_rate, settings.rate_floor)
         _take_stock(scene, phase)
+    # output row and peaks at the start
     show(scene, phase, seen(scene, 0))
     raise_peaks(scene, seen(scene, 0))
 
 
 @kernel
 def _finish(scene, shaking, watch, segment, t, h, by_modes):
-    """Go on from the end of a step: peaks, rows, fall."""
+    """Complete a step: record peaks and rows, detect falls and cracks, and move its end to the start of the next."""
+    # largest motion and falls
     phase = _phase(row(scene, END), scene.n)
     scene.counts.steps += 1
     _take_stock(scene, phase)
     block = int(fallen(scene, phase))
+    # peaks, output rows, cracks
     track_peaks(scene, shaking, segment, t, h, by_modes)
     _serve_rows(scene, shaking, watch, segment, t, h)
     if crack_within(scene, h, True):
         evaluate_at(scene, shaking, segment, row(scene, END), rate(scene, STAGES - 1), t + h)
     if block > 0:
         scene.counts.fallen, scene.control.fall_time = block, t + h
+    # the end becomes the start of the next step
     copy(row(scene, START), row(scene, END), moving(scene))
     copy(rate(scene, 0), rate(scene, STAGES - 1), moving(scene))
 
 
 @kernel
 def _fastest_decay(scene):
-    """The rate, 1/s, at which the most damped motion of the joints dies out at the start of a step: by powers."""
+    """Return the decay rate, 1/s, of the most damped motion of the joints at START, by power iteration."""
     first, end = _RATES * scene.n, _PER_BODY * scene.n
     begin, way, moved = row(scene, START), row(scene, BETWEEN), row(scene, STAGE)
     still, found, little = rate(scene, 1), rate(scene, 2), modal.small_rate(scene)
+    # accelerations without a perturbation
     evaluate_state(scene, begin, still, 0.0, 0.0, 0.0)
     copy(moved, begin, moving(scene))
     fastest = 0.0
     for k in range(first, end):
         way[k] = 1.0 / (1.0 + k % 7) if k % 2 == 0 else -1.0
+    # power iteration: accelerations by a small change of velocities
     for _ in range(POWERS):
         for k in range(first, end):
             moved[k] = begin[k] + little * way[k]
@@ -204,15 +216,16 @@ def _fastest_decay(scene):
 
 @kernel
 def _plan(scene, shaking, segment, left, quiet):
-    """Return the next step, s, of which `left` remain in this piece, how it is made, and the fastest rate, 1/s.
+    """Return the next step, s, its method, and the fastest rate that the step has to follow, 1/s.
 
-    quiet: whether nothing moves the base or acts on a block.
+    left: s, time to the end of the piece; quiet: True if nothing moves the base or acts on a block.
     """
     control, counts, settings = scene.control, scene.counts, scene.settings
     most = 1.0 / shaking.base.omega if shaking.base.omega != 0.0 else math.inf
     if settings.has_modes != 0.0:
+        # a step by modes
         longest = data_of(scene).limits.longest
-        loaded = is_loaded(scene, shaking, segment)  # modes know of no loads
+        loaded = is_loaded(scene, shaking, segment)  # modal steps do not include loads
         if not loaded and may_be_elastic(counts, control, longest, left, modal.cost_of(scene)):
             if modal.suits(scene, shaking, segment):
                 return shared(min(control.elastic_step, longest, most), left), BY_MODES, 0.0
@@ -225,6 +238,7 @@ def _plan(scene, shaking, segment, left, quiet):
     if settings.gives_way != 0.0:
         longest = min(longest, STABLE * relaxing(scene))
     fastest = SEEN / longest
+    # a stabilized step, or one of the explicit method
     if _is_stiff(scene, fastest, min(most, left)) and not (quiet and _dies_out(scene)):
         step = min(_stabilized_step(scene, fastest), most, stabilized.LONGEST_REACH / fastest)
         return shared(step, left), STABILIZED, fastest
@@ -248,7 +262,7 @@ def _dies_out(scene):
 
 @leaf
 def _is_stiff(scene, fastest, most):
-    """Return True if a stabilized step is worth a trial, where steps of order 5 are short for their stability alone.
+    """Return True if a stabilized step is worth a trial: stability, not accuracy, bounds the steps of order 5.
 
     fastest: 1/s, the rate that bounds steps of order 5; most: s, of a step.
     """
@@ -267,12 +281,13 @@ def _stabilized_step(scene, fastest):
 def _makes_stabilized(scene, shaking, segment, t, h, fastest):
     """Try a stabilized step of h s; return True if it is accurate enough. Set the length of the next one either way.
 
-    A trial that fails leaves the steps of order 5 as they were.
+    fastest: 1/s, the rate that it has to be stable for. A trial that fails leaves the steps of order 5 as they were.
     """
     control, counts = scene.control, scene.counts
     error = stabilized.attempt_stabilized(scene, shaking, segment, t, h, stabilized.stages_of(h * fastest))
     per_order = 1.0 / (stabilized.ORDER + 1)
     if error <= 1.0:
+        # accepted: the next one may be longer
         counts.stabilized_steps += 1
         counts.stabilized_pause = WAIT_STABILIZED
         _count_general_step(scene)
@@ -281,6 +296,7 @@ def _makes_stabilized(scene, shaking, segment, t, h, fastest):
         step, control.previous_error = h * factor, error
         control.stabilized_step = step if factor < 1.0 else max(step, _stabilized_step(scene, fastest))
     else:
+        # rejected: a failed trial, or a shorter step
         counts.rejected += 1
         if control.stabilized_step == 0.0:
             counts.stabilized_pause = min(MOST_PAUSE, 2 * counts.stabilized_pause)
@@ -298,7 +314,7 @@ def _makes_stabilized(scene, shaking, segment, t, h, fastest):
 
 @kernel
 def _count_modal_step(scene):
-    """After many steps by modes, no longer than explicit ones may be, some explicit ones show how long those are."""
+    """Count a step by modes; after many that are no longer than explicit ones may be, request a comparison."""
     control, counts = scene.control, scene.counts
     counts.in_a_row += 1
     if counts.in_a_row >= STEPS_PER_PROBE:
@@ -309,7 +325,7 @@ def _count_modal_step(scene):
 
 @kernel
 def _count_general_step(scene):
-    """Wait one step less for modes; explicit steps that turned out to be longer go on."""
+    """Shorten the wait for modes by one step; after a comparison, continue with explicit steps if they were longer."""
     control, counts = scene.control, scene.counts
     if counts.elastic_wait == 0:
         return
@@ -325,9 +341,10 @@ def _count_general_step(scene):
 def _makes(scene, shaking, segment, t, h, method, fastest):
     """Try a step of h s; return True if it is accurate enough. Set the length of the next one either way.
 
-    fastest: 1/s, the rate that stabilized steps have to be stable for.
+    method: EXPLICIT, BY_MODES or STABILIZED; fastest: 1/s, the rate that stabilized steps have to be stable for.
     """
     control, counts = scene.control, scene.counts
+    # other methods
     if method == STABILIZED:
         return _makes_stabilized(scene, shaking, segment, t, h, fastest)
     if method == BY_MODES:
@@ -336,6 +353,7 @@ def _makes(scene, shaking, segment, t, h, method, fastest):
         if accepted:
             _count_modal_step(scene)
         return accepted
+    # an explicit step
     error, per_order = attempt(scene, shaking, segment, t, h), 1.0 / scene.settings.order
     if not error <= 1.0:
         counts.rejected += 1
@@ -349,12 +367,29 @@ def _makes(scene, shaking, segment, t, h, method, fastest):
 
 @kernel
 def advance(scene, shaking, watch, state, t, stop, most):
-    """Take the structure from t to `stop`, s, in at most `most` steps; it is at `control.reached`. Returns a code.
+    """Advance the structure from t to `stop`, s, in at most `most` steps, to `control.reached`; return a code.
 
-    state: that at t, replaced by the one reached. A structure that has fallen keeps its state.
+    Parameters
+    ----------
+    shaking : Shaking
+        Base motion and loads.
+    watch : Watch
+        Output rows to fill.
+    state : row
+        State at t, replaced by the one reached. A structure that has fallen keeps its state.
+    t, stop : float
+        Time interval, s.
+    most : int
+        Largest number of steps.
+
+    Returns
+    -------
+    int
+        OK, PAUSED after `most` steps, or STEP_TOO_SMALL.
     """
     control, counts = scene.control, scene.counts
     begin = row(scene, START)
+    # the state at t
     recall(scene, state)
     modal.prepare(scene, shaking)
     modal.forget(scene, shaking)
@@ -367,11 +402,13 @@ def advance(scene, shaking, watch, state, t, stop, most):
             code = PAUSED
             break
         made += 1
+        # a structure at rest stays at rest
         quiet = is_quiet(shaking, segment) and not is_loaded(scene, shaking, segment)
         if quiet and not moves(scene, _phase(begin, scene.n), _phase(rate(scene, 0), scene.n)):
             counts.resting = 1
             t = stop
             break
+        # a step, at most to the next sample
         end = stop
         if segment + 1 < shaking.size and shaking.times[segment + 1] < stop:
             end = shaking.times[segment + 1]
@@ -381,10 +418,12 @@ def advance(scene, shaking, watch, state, t, stop, most):
                 code = STEP_TOO_SMALL
                 break
             continue
-        if method != BY_MODES:  # which leave all as it is at rest
+        # complete the step
+        if method != BY_MODES:  # steps by modes keep all contacts
             h = until_closed(scene, shaking, segment, t, h)
         _finish(scene, shaking, watch, segment, t, h, method == BY_MODES)
         t = end if h == end - t else t + h
+        # evaluate again where forces or the segment change
         begins_anew = meet(scene)
         if t == end and end < stop:
             segment, begins_anew = segment_after(shaking, t), True
@@ -393,6 +432,7 @@ def advance(scene, shaking, watch, state, t, stop, most):
             evaluate_at(scene, shaking, segment, begin, rate(scene, 0), t)
             show(scene, _phase(begin, scene.n), seen(scene, 0))
             raise_peaks(scene, seen(scene, 0))
+    # the state reached
     let_go(scene)
     control.reached = t
     copy(state, begin, moving(scene))

@@ -1,7 +1,7 @@
-"""The motion inside a step: interpolation, output rows, and peaks of the continuous motion.
+"""The motion within a step: interpolation, output rows, and peaks of the continuous motion.
 
-A step is seen at its ends and half-way. Parabolas through the three show which quantities may pass their peak within
-the step; it is evaluated where they do.
+A step is evaluated at its ends and in the middle. Parabolas through the three show which quantities may peak within the
+step; these are evaluated where they may.
 """
 
 from typing import NamedTuple
@@ -20,25 +20,25 @@ _phase = PHASE.over
 _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
 _BLOCKS = len(OF_BLOCK)
 _CONTACT = OF_JOINT.index("contact")
-PROMISE = 0.1  # of the tolerance: a peak whose predicted rise is smaller has been found
-EDGE = 0.1  # of a step, from its ends: where a top is looked for that may lie nearer to them
-KINKED = 0.5  # of the bend: largest deviation of a force of a joint, which may have a kink, above the parabola
-BEYOND = 0.1  # of the change to the middle: by how much such a force may go on rising from the start of a step
-QUIET = 1e-3  # of the largest peak of its kind: smaller ones are searched to a tolerance relative to this
+PROMISE = 0.1  # of the tolerance: a smaller predicted rise ends the search for a peak
+EDGE = 0.1  # of a step: least distance of the first trial from its ends
+KINKED = 0.5  # of the bend: largest deviation of a joint force, which may have a kink, above the parabola
+BEYOND = 0.1  # of the change to the middle: how far such a force may still rise from the start of a step
+QUIET = 1e-3  # of the largest peak of a field: smaller peaks are found to a tolerance relative to this
 
 
 class Watch(NamedTuple):
-    """Instants, s, at which output rows are taken; behind each, where rows are as `wide`, the state there."""
+    """The times, s, at which output rows are filled; if rows are wider (`wide`), the state follows each."""
 
     size: int
     times: object
     rows: object
-    wide: int  # numbers from one row to the next
+    wide: int  # length of a row
 
 
 @leaf
 def row(scene, k):
-    """Row k of those of a step: its start, its rates at the stages, a stage, its end, one between, its rates."""
+    """Return row k of a step: START, RATES at the stages, STAGE, END, BETWEEN (at a time within it), BETWEEN_RATES."""
     return scene.states[k * scene.stride : (k + 1) * scene.stride]
 
 
@@ -48,13 +48,13 @@ STAGE, END, BETWEEN, BETWEEN_RATES = range(1 + STAGES, 5 + STAGES)
 
 @leaf
 def seen(scene, k):
-    """Output row k of those of a step: its start, its middle, its end, a trial."""
+    """Return output row k of a step: 0 start, 1 middle, 2 end, 3 a trial, 4 allowed rises."""
     return scene.outputs[k * scene.visible : (k + 1) * scene.visible]
 
 
 @leaf
 def quaternion_curve(phase, rates, i):
-    """Second derivatives of the quaternion of body i."""
+    """Return the second derivative of the quaternion of body i."""
     q = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
     p = rates.q0[i], rates.q1[i], rates.q2[i], rates.q3[i]
     x, y, z = phase.wx[i], phase.wy[i], phase.wz[i]
@@ -69,21 +69,23 @@ def quaternion_curve(phase, rates, i):
 
 @leaf
 def _through(h, s, q0, v0, a0, q1, v1, a1):
-    """Value and rate at fraction s of a step: the quintic through places, rates and accelerations at both ends."""
+    """Return value and rate at fraction s of a step by the quintic through value, rate and acceleration at its ends."""
     return value_of(quintic_through(h, q0, v0, a0, q1, v1, a1, 0.0), s)
 
 
 @kernel
 def interpolate_body(scene, h, s, i):
-    """Fill in the place and the rates of body i at fraction s of the step."""
+    """Fill row BETWEEN with the place and the rates of body i at fraction s of a step of h s."""
     n = scene.n
     start, end, between = _phase(row(scene, START), n), _phase(row(scene, END), n), _phase(row(scene, BETWEEN), n)
     first, last = _phase(row(scene, RATES), n), _phase(row(scene, RATES + STAGES - 1), n)
+    # displacement
     for axis in range(3):
         place = axis * n + i
         q0, v0, a0 = start.displacement[place], first.displacement[place], first.velocity[place]
         q1, v1, a1 = end.displacement[place], last.displacement[place], last.velocity[place]
         between.displacement[place], between.velocity[place] = _through(h, s, q0, v0, a0, q1, v1, a1)
+    # quaternion, normalized, and angular velocity
     a, b = quaternion_curve(start, first, i), quaternion_curve(end, last, i)
     q0, p0 = _through(h, s, start.q0[i], first.q0[i], a[0], end.q0[i], last.q0[i], b[0])
     q1, p1 = _through(h, s, start.q1[i], first.q1[i], a[1], end.q1[i], last.q1[i], b[1])
@@ -98,16 +100,16 @@ def interpolate_body(scene, h, s, i):
 
 @leaf
 def _remembered(scene, h, s, place):
-    """Number `place` of a state, of what joints and ties remember: the cubic through values and rates at both ends."""
+    """Return number `place` of the memory at fraction s of a step, by the cubic through values and rates."""
     begin, end = row(scene, START)[place], row(scene, END)[place]
     first, last = h * row(scene, RATES)[place], h * row(scene, RATES + STAGES - 1)[place]
     left, change = 1.0 - s, end - begin
-    return begin + s * (change + left * (left * first - s * last - (left - s) * change))  # exact where it stays
+    return begin + s * (change + left * (left * first - s * last - (left - s) * change))  # exact for a constant
 
 
 @kernel
 def _interpolate(scene, h, s):
-    """Fill in the state at fraction s of the step."""
+    """Fill row BETWEEN with the state at fraction s of the step."""
     for i in range(scene.n):
         interpolate_body(scene, h, s, i)
     between = row(scene, BETWEEN)
@@ -117,7 +119,7 @@ def _interpolate(scene, h, s):
 
 @kernel
 def look(scene, shaking, segment, t, h, s, into):
-    """The output row at fraction s of the step from t to t + h."""
+    """Fill the output row `into` at fraction s of the step from t to t + h."""
     scene.counts.looks += 1
     _interpolate(scene, h, s)
     ax, ay, az = taken_at(scene, shaking, segment, t + s * h)
@@ -127,7 +129,7 @@ def look(scene, shaking, segment, t, h, s, into):
 
 @leaf
 def gaps_in_row(scene):
-    """Place of the first gap of neighbours in an output row, and the place after the last."""
+    """Return the indices of the first gap of neighbours in an output row, and of the number after the last."""
     met = scene.extras.met
     first = scene.visible - len(OF_BASE) - len(OF_PORT) * scene.extras.spotted - len(OF_PAIR) * met
     return first, first + met
@@ -135,14 +137,14 @@ def gaps_in_row(scene):
 
 @leaf
 def _by_least(scene, j):
-    """Whether the least value of quantity j of an output row counts: of contacts, bonds and gaps."""
+    """Return True if the peak of quantity j of an output row is its minimum: contacts, bonds and gaps."""
     first, (gap, end) = _BLOCKS * scene.n + _CONTACT * scene.m, gaps_in_row(scene)
     return first <= j < first + scene.m or gap - scene.extras.glued <= j < end
 
 
 @leaf
 def _value(scene, j, value):
-    """What counts for the peak of quantity j of an output row; of those whose least counts, 1 less it."""
+    """Return the peak measure of quantity j of an output row: its size, or 1 less the value if its minimum counts."""
     return 1.0 - value if _by_least(scene, j) else abs(value)
 
 
@@ -153,7 +155,7 @@ def _raise_peak(scene, j, value):
 
 @kernel
 def _rises(scene, values):
-    """Whether an output row would raise a peak."""
+    """Return True if an output row would raise a peak."""
     found = 0
     for j in range(scene.visible):
         found += 1 if _value(scene, j, values[j]) > scene.peaks[j] else 0
@@ -169,7 +171,10 @@ def raise_peaks(scene, values):
 
 @leaf
 def _allow_field(scene, allowed, first, count):
-    """By how much the quantities of a field may pass their peaks without a search."""
+    """Fill `allowed` with how far the quantities of a field may exceed their peaks without a search.
+
+    first, count: its indices in an output row.
+    """
     largest = 0.0
     for j in range(first, first + count):
         largest = max(largest, scene.peaks[j])
@@ -180,16 +185,18 @@ def _allow_field(scene, allowed, first, count):
 
 @kernel
 def _allow(scene, allowed):
-    """`_allow_field` of all fields; of the base, forces and moments."""
+    """Fill the allowed rises of all fields of an output row; forces and moments of the base are two fields."""
     n, m = scene.n, scene.m
     for field in range(2):  # displacements, rotations
         _allow_field(scene, allowed, 3 * field * n, 3 * n)
+    # joints, ties and extras
     first = _BLOCKS * n
     for field in range(len(OF_JOINT)):
         _allow_field(scene, allowed, first + field * m, m)
     first += len(OF_JOINT) * m
     _allow_field(scene, allowed, first, scene.k)
     _allow_extras(scene, allowed, first + scene.k)
+    # force and moment on the base
     first = scene.visible - len(OF_BASE)
     for half in range(2):
         _allow_field(scene, allowed, first + 3 * half, 3)
@@ -197,8 +204,12 @@ def _allow(scene, allowed):
 
 @kernel
 def _allow_extras(scene, allowed, first):
-    """The same of extras, from `first` on; of ports, places, velocities, accelerations."""
+    """Fill the allowed rises of extras, from index `first`.
+
+    Places, velocities and accelerations of ports are three fields.
+    """
     b, spotted = scene.extras.b, scene.extras.spotted
+    # bearings, bonds, pairs, ports
     _allow_field(scene, allowed, first, len(OF_BEARING) * b)
     first += len(OF_BEARING) * b
     _allow_field(scene, allowed, first, scene.extras.glued)
@@ -216,21 +227,23 @@ def track_peaks(scene, shaking, segment, t, h, by_modes):
     count = scene.visible
     begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
     show(scene, _phase(row(scene, END), scene.n), end)
-    if by_modes and _rises(scene, end):  # it was evaluated as predicted, before its correction
+    if by_modes and _rises(scene, end):  # outputs were those of the prediction
         look(scene, shaking, segment, t, h, 1.0, end)
     raise_peaks(scene, end)
+    # the middle, and tops between
     if scene.settings.watches != 0.0:
         if not by_modes or _rises(scene, middle):
             look(scene, shaking, segment, t, h, 0.5, middle)
         raise_peaks(scene, middle)
         _find_tops(scene, shaking, segment, t, h)
+    # the end becomes the start of the next step
     for j in range(count):
         begin[j] = end[j]
 
 
 @kernel
 def pose_between(scene, h, s, one, other):
-    """Place two bodies where they are at fraction s of the step; returns the phase in which they are filled in."""
+    """Place two bodies at fraction s of a step of h s; return the phase in which they are filled in."""
     phase = _phase(row(scene, BETWEEN), scene.n)
     for body in (one, other):
         if body < scene.n:
@@ -241,7 +254,7 @@ def pose_between(scene, h, s, one, other):
 
 @kernel
 def load_joint_between(scene, h, s, j):
-    """Load joint j at fraction s of the step; returns the phase in which its two bodies are filled in."""
+    """Load joint j at fraction s of a step of h s; return the phase in which its two bodies are filled in."""
     phase = pose_between(scene, h, s, index_of(scene.joints.upper[j]), index_of(scene.joints.lower[j]))
     if any_of(scene.settings.gives_way != 0.0):
         for place in range(j, _PER_JOINT * scene.m, scene.m):
@@ -252,29 +265,30 @@ def load_joint_between(scene, h, s, j):
 
 @kernel
 def _look_at(scene, shaking, segment, t, h, s, q):
-    """Raise the peaks of the block or joint to which quantity q belongs by its state at fraction s of the step.
+    """Raise the peaks of the block or joint of quantity q at fraction s of the step; return that quantity there.
 
-    Returns that quantity there.
-
-    A block needs itself alone, a joint its two bodies: so a search costs the same in a structure of any size. Ties and
-    the base, of which there are few, take the whole structure.
+    A block needs only itself, a joint its two bodies: so a search costs the same in a structure of any size. Ties and
+    the base, of which there are few, need the whole structure.
     """
     n, m, trial, between = scene.n, scene.m, seen(scene, 3), row(scene, BETWEEN)
     of_joints, of_ties = _BLOCKS * n, _BLOCKS * n + len(OF_JOINT) * m
     phase = _phase(between, n)
     if q < of_joints:
+        # a block
         i = q % n
         interpolate_body(scene, h, s, i)
         show_block(scene, phase, i, trial)
         for place in range(i, of_joints, n):
             _raise_peak(scene, place, trial[place])
     elif q < of_ties:
+        # a joint
         j = (q - of_joints) % m
         load_joint_between(scene, h, s, j)
         show_joint(scene, j, trial)
         for place in range(of_joints + j, of_ties, m):
             _raise_peak(scene, place, trial[place])
     else:
+        # anything else
         look(scene, shaking, segment, t, h, s, trial)
         raise_peaks(scene, trial)
     return trial[q]
@@ -282,18 +296,20 @@ def _look_at(scene, shaking, segment, t, h, s, q):
 
 @kernel
 def _find_tops(scene, shaking, segment, t, h):
-    """Look where parabolas through three places of the step may rise above a peak, a few times for each quantity."""
+    """Raise the peaks where parabolas through three points of the step may exceed them, by a few trials each."""
     begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
     allowed = seen(scene, 4)
     _allow(scene, allowed)
     of_joints, of_ties = _BLOCKS * scene.n, _BLOCKS * scene.n + len(OF_JOINT) * scene.m
     for j in range(scene.visible):
+        # the three values, so that a peak is a maximum
         by_least = _by_least(scene, j)
         sign = -1.0 if middle[j] < 0.0 or by_least else 1.0
         a, b, c = sign * begin[j], sign * middle[j], sign * end[j]
         bend, rise = 2.0 * b - a - c, c - a
         has_kinks = of_joints <= j < of_ties and not by_least  # where a joint begins to slide or to open
         above = scene.peaks[j] + allowed[j] - (1.0 if by_least else 0.0)
+        # the first trial: at the vertex, or near the start where a kink may follow
         if abs(rise) < NEAR * bend:
             s, height = 0.5 + rise / (4.0 * bend), b + rise * rise / (8.0 * bend)
             height += (KINKED if has_kinks else MARGIN) * bend
@@ -304,6 +320,7 @@ def _find_tops(scene, shaking, segment, t, h):
             continue
         trials, known = 0, (0.0, a, 0.5, b, 1.0, c)
         while height > above and trials < MOST_TRIALS and 0.0 < s < 1.0:
+            # evaluate, and take the three points that bracket the maximum
             found = sign * _look_at(scene, shaking, segment, t, h, s, j)
             trials += 1
             known = nearer(known, s, found)
