@@ -11,7 +11,7 @@ from support.fmus import ROOT
 
 FOLDERS = (
     *("build_fmu.py", "fmu_src", "multiblock", "solver/checks", "solver/commands", "solver/common", "solver/ground"),
-    *("solver/models", "solver/plotting", "solver/runs", "solver/statics", "solver/studies"),
+    *("solver/kernels", "solver/models", "solver/plotting", "solver/runs", "solver/statics", "solver/studies"),
 )
 # what docstrings of functions may begin with: D401 of ruff refuses other forms of verbs, and accepts all other words
 VERBS = """
