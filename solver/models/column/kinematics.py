@@ -242,11 +242,10 @@ class Chain:
         return found
 
     def joint_energy(self, i: int, turn: FloatArray, turn_below: FloatArray) -> FloatArray:
-        """Return the least energy above rest (J) of joint i and the weight it carries, for given rotations of the two
-        bodies.
+        """Return the least energy above rest (J) of joint i and the weight it carries at given rotations.
 
         It includes the rise of that weight by the opening; the opening minimizes the energy. `turn` and `turn_below`
-        are the rotations (rad): grids of two axes, or one value for each of many columns.
+        are the rotations (rad) of the two bodies: grids of two axes, or one value for each of many columns.
         """
         return self.bent_energy(i, 2.0 * np.abs(np.sin(0.5 * (turn - turn_below))), np.cos(0.5 * (turn + turn_below)))
 

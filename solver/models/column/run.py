@@ -169,8 +169,9 @@ def outcome(column: Column, phase: FloatArray, stop: float, settle: float) -> tu
 
 
 def why_no_modes(stepper: Stepper) -> str:
-    """Return the reason why no step is made by modes, under any motion; "" if modes are used while nothing opens or
-    slides.
+    """Return the reason why no step is made by modes under any motion, or "" if some are.
+
+    They are used while nothing opens or slides.
     """
     settings = stepper.column.settings
     if stepper.column.kind.fixed:
