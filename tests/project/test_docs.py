@@ -15,13 +15,6 @@ CODE = ("solver", "fmu_src", "tests", "benchmarks", "examples", "stress", "valid
 CITED = re.compile(r"theory\.md[,(`]*\s+(?:#\s*)?section\s+(\d+)")
 WIDTH = 100
 DATED = re.compile(r"^\*20\d\d-\d\d-\d\d\b[^*]*\*$", re.MULTILINE)  # when, which commit, which command
-# words that make a reader stop; a phrase may run over the end of a line of a comment
-WORDS = (
-    *("upon", "afresh", "anew", "so many", "what comes of", "by itself"),
-    *("go by", "told", "fates", "doubts", "nobody", "somebody"),
-)
-AVOIDED = re.compile(rf"\b(?:{'|'.join(WORDS)})\b".replace(" ", r"\s+(?:#\s*)?"), re.IGNORECASE)
-MAY_HAVE_THEM = ("CHANGELOG.md", "tests/project/test_docs.py")  # the past as it was written; the list itself
 
 
 def sources() -> list[Path]:
@@ -146,11 +139,3 @@ def test_every_example_has_its_picture() -> None:
     names = [path.stem for path in (ROOT / "examples" / "columns").glob("*.toml")]
     assert names
     assert [name for name in names if f"(images/column-{name}.png)" not in shown or f"`{name}.toml`" not in shown] == []
-
-
-def test_words_to_avoid() -> None:
-    files = [file for suffix in ("py", "md", "toml") for file in ROOT.glob(f"*.{suffix}")]
-    for folder in (*CODE, "multiblock", "docs"):
-        files += [file for file in (ROOT / folder).rglob("*") if file.suffix in {".py", ".md", ".c", ".h", ".toml"}]
-    found = {file.relative_to(ROOT).as_posix(): AVOIDED.findall(file.read_text(encoding="utf-8")) for file in files}
-    assert {name: words for name, words in found.items() if words and name not in MAY_HAVE_THEM} == {}
