@@ -66,7 +66,7 @@ def sweep() -> list[dict[str, Any]]:
 
 
 def serve_scenes() -> None:
-    """Of scenes.py: for each line, the arguments of `digest`, a line with what it returns."""
+    """Print for each line of arguments of `scenes.digest` a line with its result."""
     from .scenes import digest
 
     for line in sys.stdin:

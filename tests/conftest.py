@@ -13,7 +13,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ["MULTIBLOCK_COMPILES"] = "1"  # of this process, whose tests compile kernels: numba_ext/jit.py takes it out
 
 from support.fmus import DAMPED, LINUX, PHOCAS, ROOT, Fmus, built_once, run
-from support.kernels import make_all
+
+from solver.kernels.machine.groups import GROUPS
+from solver.kernels.machine.making import make
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -26,7 +28,7 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Make the machine code of most tests once, before each worker begins to."""
     if session.config.getoption("numprocesses", None):
-        make_all()
+        make(GROUPS)
 
 
 settings.register_profile("any machine", deadline=None)  # however busy it is: nothing is timed here

@@ -44,7 +44,7 @@ def _sources(name: str) -> str:
 
 
 def _compiled() -> tuple[ModuleType, ...]:
-    """What partners share and the partners, every function compiled: they find each other in their modules."""
+    """Return the modules of the shared law and of the partners, with every function compiled in its module."""
     modules = tuple(law_of(name, COMPILED) for name in ("law", *PARTNERS))
     for module in modules:
         for key, item in list(vars(module).items()):

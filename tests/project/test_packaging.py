@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support import disc
 from support.fmus import ROOT, finish_in
 
 import build_fmu
@@ -134,8 +135,8 @@ def test_nothing_is_left_where_the_wheel_was_installed(installed: Path, tmp_path
     before = files_below(tmp_path / "venv")
     subprocess.run([*pip, "install", "--no-deps", wheel], check=True, capture_output=True)
     places = {"PYTHONPATH": str(Path(np.__file__).parents[1]), "MULTIBLOCK_CACHE_DIR": str(tmp_path / "kept")}
-    done = finish_in(tmp_path, python, "-c", COMPILE_LITTLE, **places)
-    assert (done.returncode, done.stdout) == (0, "1.0\n"), done.stderr
+    done = finish_in(tmp_path, python, "-c", disc.PROGRAM, **places)
+    assert (done.returncode, round(float(done.stdout or "nan"), 12)) == (0, 1.0), done.stderr
     assert len([*(tmp_path / "kept" / "code").glob("statics.*.o")]) == 1
     assert not [name for name in files_below(tmp_path / "venv") if name.suffix in (".o", ".so", ".bc")]
     subprocess.run([*pip, "uninstall", "-y", "multiblock-fmu"], check=True, capture_output=True)
@@ -145,16 +146,6 @@ def test_nothing_is_left_where_the_wheel_was_installed(installed: Path, tmp_path
 def files_below(folder: Path) -> set[Path]:
     """Everything in a folder, by path within it."""
     return {path.relative_to(folder) for path in folder.rglob("*")}
-
-
-# the smallest group: the first moment, over its area, of a circle about an edge that it lies beyond
-COMPILE_LITTLE = """
-import numpy as np
-from solver.kernels.api.entries import rings_beyond
-first, second = np.empty(1), np.empty(1)
-rings_beyond(np.ones(1), np.zeros(1), np.array([-1.0]), first, second)
-print(round(first[0] / np.pi, 12))
-"""
 
 
 def test_every_name_of_the_command_line(capsys: pytest.CaptureFixture[str]) -> None:

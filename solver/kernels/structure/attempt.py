@@ -11,8 +11,9 @@ from ..integrators import order_8
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, greater, index_of, lesser, magnitude, square_root, where, zero_like
 from ..numba_ext.views import packs, packs_of
+from .contact import error_of_pairs
 from .evaluate import evaluate_state, moving
-from .extras import error_of_extras, taken_at
+from .extras import taken_at
 from .force_errors import error_of_forces
 from .layout import MEMORY, OF_BLOCK, OF_JOINT, PHASE, STAGES
 from .watch import BETWEEN, END, RATES, STAGE, START, row, seen
@@ -204,7 +205,7 @@ def _error_of_memory(scene, errors, allowed, h):
         error = _with_kink(magnitude(plastic[e]), magnitude(ends - begins), turns, h)
         reach = scene.ties.yields_at[e] / scene.ties.stiffness[e]
         largest = worse(largest, error / lesser(RESOLVED * reach, scene.settings.extent * allowed))
-    return worse(largest, error_of_extras(scene, errors) / (scene.settings.extent * allowed))
+    return worse(largest, error_of_pairs(scene, errors) / (scene.settings.extent * allowed))
 
 
 @kernel

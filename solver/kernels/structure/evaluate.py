@@ -5,7 +5,8 @@ import math
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, zero_like
 from ..numba_ext.views import copy
-from .extras import extras_energy, load_extras, see_extras, see_from_ground, show_extras
+from .contact import pairs_energy
+from .extras import load_extras, see_extras, see_from_ground, show_extras
 from .joint import joint_energy, load_joint
 from .kinematics import accelerate_bodies, pose_bodies, rotation_vector
 from .layout import OF_BASE, OF_BLOCK, OF_JOINT, PHASE
@@ -94,7 +95,7 @@ def energy(scene, phase):
         total += joint_energy(scene, phase, j)
     for e in range(scene.k):
         total += tie_energy(scene, e)
-    return total + extras_energy(scene)
+    return total + pairs_energy(scene)
 
 
 @leaf

@@ -10,7 +10,7 @@ from ..numba_ext.jit import kernel, varied
 from ..numba_ext.views import copy
 from .base import acceleration
 from .bond import let_bonds_go, show_bonds
-from .contact import error_of_pairs, gap_of, load_pairs, pairs_energy
+from .contact import gap_of, load_pairs
 from .contact_in_lanes import load_pairs_in_lanes
 from .layout import OF_BEARING, OF_BOND, OF_PAIR, OF_PORT, acts_alone
 from .port import is_pushed, let_ports_go, load_ports, push_ports, see_ports
@@ -59,18 +59,6 @@ def _load(scene, phase):
     load_ports(scene, phase)
     load_pairs(scene, phase)
     load_turned(scene, phase)
-
-
-@kernel
-def error_of_extras(scene, errors):
-    """Return the largest error, m, of what extras remember, from the errors of all that is remembered."""
-    return error_of_pairs(scene, errors)
-
-
-@kernel
-def extras_energy(scene):
-    """Return the elastic energy of extras at the last evaluation, J, without bearings, which are joints."""
-    return pairs_energy(scene)
 
 
 @varied

@@ -96,14 +96,14 @@ def clear_some(array, n, count):
 
 
 class Room(NamedTuple):
-    """What `_grows` needs of a structure."""
+    """The members of a structure that `_grows` reads."""
 
     room: object
 
 
 @from_python
 def crack_front(array, corners, i):
-    """Whether a crack grows in what is left of a bond; once it has broken, no corners are left."""
+    """Return True if a crack grows in the rest of a bond, which has no corners once it has broken."""
     tip = Plane(array[i] - 2.0, 1.0, 0.0)
     return 1.0 if _grows(Room(row_of(array)), corners, tip, tip) else 0.0
 
@@ -117,7 +117,7 @@ FUNCTIONS = {
 
 
 def results(calls: list[tuple[str, int, int]]) -> list[list[float]]:
-    """What calls return and the array after them, which is the same before each."""
+    """Return for each call its result and the array after it, which is the same before each."""
     found = []
     for name, *arguments in calls:
         array = np.sqrt(np.arange(SIZE) + 1.0)
