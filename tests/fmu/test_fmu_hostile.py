@@ -112,7 +112,7 @@ def test_the_native_fmu_honours_the_tolerance_of_the_master(native: Path) -> Non
 
 
 def test_a_column_of_a_thousand_blocks_needs_little_stack(tmp_path: Path) -> None:
-    """64 kB, as docs/native.md says; pthreads give no less than 32 kB to a thread of Python's, who takes a part."""
+    """256 kB, as docs/native.md says, of which the thread of Python takes a part."""
     column = tmp_path / "stack.toml"
     block = "[[block]]\nheight = 0.1\nwidth = 2.0\ndepth = 2.0\ndensity = 2000.0\n"
     column.write_text('name = "stack"\n' + block * 1000 + "[joint]\nstiffness = 1e11\ndamping = 1e-3\n")
