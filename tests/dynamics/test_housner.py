@@ -87,7 +87,7 @@ def test_least_pulse_tends_to_housners(
     limit, pulse = kind(value)
     assert limit == pytest.approx(printed, abs=1e-4)
     found = [least_pulse(slender_block(opens), pulse, limit * ALPHA * G) for opens in OPENS]
-    print(f"{kind.__name__} {value:g}: {limit:.4f}", *(f"{part:.4f}" for part in found))  # docs/notes/housner.md
+    print(f"{kind.__name__} {value:g}: {limit:.4f}", *(f"{part:.4f}" for part in found))  # docs/notes/validation.md
     missing = 1.0 - np.array(found)
     assert np.all(missing > 0.0)
     assert np.all(np.diff(missing) < 0.0)
