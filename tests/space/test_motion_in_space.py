@@ -236,7 +236,7 @@ def test_rolling_disc_precesses_as_eulers() -> None:
 
 
 def test_arch_gives_way_under_a_push_that_grows_slowly() -> None:
-    """Seven voussoirs over 157.5 degrees: at 0.35 g, moved by 1 m at 0.37 g (theory.md section 13)."""
+    """Seven voussoirs over 157.5 degrees: at 0.35 g, moved by 1 m at 0.37 g."""
     structure = arch(7, 10.0, 1.5, 1.0, {"stiffness": 1e10, "damping": 1e-3}, angle=math.radians(157.5))
     time = np.linspace(0.0, 20.0, 201)
     response = run(replace(structure, without=("peaks",)), Motion.from_samples(0.1, 0.02 * G * time))

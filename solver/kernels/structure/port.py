@@ -1,4 +1,4 @@
-"""Ports: points of blocks at which loads act and whose motion is an output (theory.md section 15).
+"""Ports: points of blocks at which loads act and whose motion is an output (theory.md section 16).
 
 A load is a force and a couple along the axes of the base: samples joined by straight lines, with jumps between them
 where there are any, plus the inputs of an FMU. Not used in lanes (extras.py).

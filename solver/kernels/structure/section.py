@@ -1,4 +1,4 @@
-"""The section of a joint, and the inside that its rim leaves open (theory.md section 12).
+"""The section of a joint, and the inside that its rim leaves open (theory.md section 13).
 
 Two faces that touch in a rim along their edges share (A and B) less (A_i and B_i); the insides are inset by the rim. So
 the bed of such a joint is that of its outline less that of its inside.

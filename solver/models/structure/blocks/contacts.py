@@ -52,7 +52,7 @@ def joints_between(
 
 
 def with_rim(joint: Joint) -> Joint:
-    """Return the joint with the open inside of its rim, about the centroid of the bearing area (theory.md section 12).
+    """Return the joint with the open inside of its rim, about the centroid of the bearing area (theory.md section 13).
 
     The open inside is the intersection of the insides of both faces. If the rim is half as wide as a face or wider,
     nothing is open.
