@@ -1,5 +1,6 @@
 """Seismic response of columns and structures of rigid blocks with no-tension elastic joints."""
 
+from . import registrations  # noqa: F401  # kinds of models, pictures of results
 from .common.errors import InputError, InputWarning, SolverError
 from .ground.motion import Motion
 from .models.column.block import Block, Joint

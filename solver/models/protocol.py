@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from functools import singledispatch
 from typing import Any, ClassVar, NamedTuple, Protocol, Self
 
 import numpy as np
@@ -396,6 +397,18 @@ class Kind:
         if missing is not None:
             raise InputError(f"{missing}: must be a number of the model before it can be multiplied")
         return replace(model, **{key: x * getattr(model, key) if times else x for key, (x, times) in fields.items()})
+
+
+@singledispatch
+def kind_of(model: Any) -> Any:
+    """Return the kind of a model of this solver, registered by its class in `solver/registrations.py`."""
+    raise InputError(f"{type(model).__name__}: no kind is registered, kind_of.register (models/protocol.py) adds it")
+
+
+@singledispatch
+def structure_of(model: Any) -> Any:
+    """Return a model as a structure in space, by a function registered for its class (`solver/registrations.py`)."""
+    raise InputError(f"{type(model).__name__}: has no form in space")
 
 
 def output_times(motion: Motion, duration: float, step: float = OUTPUT_STEP) -> FloatArray:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -14,8 +14,12 @@ from ..common.frames import Frame, Framed
 from ..common.notebook import Shown, counted
 from ..ground.motion import Motion
 from .outputs import DIGITS, JOINT, FloatArray, Histories, units_of
+from .pictures import Pictures, pictures_of, scenes_of
 from .protocol import SCALAR, UNDECIDED
 from .uncertainty import Ensemble, ErrorEstimate
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(eq=False, repr=False, kw_only=True)
@@ -83,28 +87,61 @@ class Result(Histories, Framed, Shown):
         """
         self._write(path, digits, {"time": self.time})
 
+    def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
+        """Draw the motion of the base and the histories of blocks and joints, and save them to `path` if given.
+
+        Raises InputError without matplotlib (the extra `plot`).
+        """
+        pictures: Pictures = pictures_of(self)
+        return pictures.plot_response(self, path)
+
+    def film(
+        self,
+        path: str | os.PathLike[str],
+        scale: float | None = None,
+        fps: int = 20,
+        speed: float = 1.0,
+        callback: Callable[[int, int], object] | None = None,
+    ) -> None:
+        """Write a film of the motion, a GIF or, if ffmpeg is installed, an MP4.
+
+        Parameters
+        ----------
+        path : path-like
+            The file.
+        scale : float, optional
+            The factor on the deformation; automatic by default.
+        fps : int
+            The number of frames per second.
+        speed : float
+            The seconds of motion in a second of film.
+        callback : callable, optional
+            Called with the number of frames made, and of all.
+
+        Raises
+        ------
+        InputError
+            Without matplotlib (the extra `plot`).
+        """
+        pictures: Pictures = pictures_of(self)
+        pictures.film(self, path, scale, fps, speed, callback)
+
     def view(self, path: str | os.PathLike[str], scale: float | None = None) -> None:
         """Write one HTML page that plays the motion in any browser and fetches nothing.
 
         `scale` is the initial factor on the deformation; None means automatic. Raises InputError, OSError.
         """
-        from ..plotting.scene.page import write_view
-
-        write_view(self, path, scale)
+        scenes_of(self).write_view(self, path, scale)
 
     def to_gltf(self, path: str | os.PathLike[str]) -> None:
         """Write the blocks and their motion relative to the base as binary glTF 2.0 (.glb), for Blender and others.
 
         At most 30 frames per second. Raises InputError, OSError.
         """
-        from ..plotting.scene.gltf import write_gltf
-
-        write_gltf(self, path)
+        scenes_of(self).write_gltf(self, path)
 
     def _repr_html_(self) -> str:
-        from ..plotting.scene.page import frame_of
-
-        return f"<div>{super()._repr_html_()}{frame_of(self)}</div>"
+        return f"<div>{super()._repr_html_()}{scenes_of(self).frame_of(self)}</div>"
 
     def to_vtk(self, folder: str | os.PathLike[str], fps: float = 30.0) -> None:
         """Write blocks.pvd and joints.pvd for ParaView: the blocks, and the loaded parts of joints, over time.
@@ -112,9 +149,7 @@ class Result(Histories, Framed, Shown):
         Blocks and joints have their outputs as cell data, loaded parts the elastic pressure (Pa) at their corners.
         `fps` is the largest number of rows per second. Raises InputError, OSError.
         """
-        from ..plotting.scene.vtk import write_vtk
-
-        write_vtk(self, folder, fps)
+        scenes_of(self).write_vtk(self, folder, fps)
 
     def kept(self, name: str) -> Any:
         """Return the result of this name among those that many runs can store (`Kind.kept`)."""

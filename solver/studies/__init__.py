@@ -1,12 +1,21 @@
 """Studies: the runs of columns and motions that differ by a plan, in one table."""
 
+from ..models.pictures import drawing_of
 from .definition import Study
 from .distributions import Distribution, Random
 from .execution import StudyError, run_study
 from .motions import Measure, Shaking
-from .results import Results
+from .results import PicturesOfStudies, Results
 from .standard import fragility, ida, montecarlo, spectrum, sweep
 from .statistics import fit_fragility, ida_curves, influences
+
+
+@drawing_of.register(Results)
+def _pictures(results: Results) -> PicturesOfStudies:
+    from . import pictures
+
+    return pictures
+
 
 __all__ = [
     "Distribution",

@@ -71,7 +71,11 @@ def response() -> Response:
 
 @pytest.mark.parametrize(
     ("imported", "absent"),
-    [("solver", ["pythonfmu", "fmpy", "matplotlib"]), ("solver.plotting.plots", ["matplotlib.pyplot"])],
+    [
+        ("multiblock", ["pythonfmu", "fmpy", "matplotlib", "scipy", "numba"]),
+        ("solver", ["pythonfmu", "fmpy", "matplotlib", "solver.studies", "solver.models.structure.kind"]),
+        ("solver.plotting.plots", ["matplotlib.pyplot"]),
+    ],
 )
 def test_an_import_brings_nothing_that_it_can_do_without(imported: str, absent: list[str]) -> None:
     assert call(imports.loaded_with, imported, absent) == []

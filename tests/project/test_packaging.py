@@ -275,8 +275,9 @@ def test_the_source_distribution_has_all_that_the_repository_has(tmp_path: Path)
 def test_drawing_names_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     response = simulate(Column.from_toml(build_fmu.DEFAULT_COLUMN), MOTION)
     take_away(monkeypatch, "matplotlib")
-    monkeypatch.delitem(sys.modules, "solver.plotting.plots", raising=False)
-    monkeypatch.delattr("solver.plotting.plots", raising=False)
+    for name in ("solver.plotting.of_column", "solver.plotting.plots"):  # to be imported again
+        monkeypatch.delitem(sys.modules, name, raising=False)
+        monkeypatch.delattr(name, raising=False)
     with pytest.raises(InputError, match=r'pip install -e ".*\[plot\]"$'):
         response.plot()
 

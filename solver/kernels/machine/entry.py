@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any
 
 from .kinds import Int, Kind, Real
-from .library import load
+from .library import NAMES, load
 
 ENTRIES: dict[tuple[str, str], "Entry"] = {}  # by group and name
 
@@ -107,6 +107,7 @@ def entry(group: str, module: str = "") -> Callable[[Callable[..., Any]], Any]:
     def decorate(function: Callable[..., Any]) -> Entry:
         made = Entry(function, group, module or function.__module__)
         ENTRIES[group, made.__name__] = made
+        NAMES[group].append(made.__name__)
         return made
 
     return decorate

@@ -9,6 +9,7 @@ import hashlib
 import platform
 import sys
 import threading
+from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ PACKAGED = Path(__file__).parent / "code"
 SUFFIXES = {"linux": ".so", "win32": ".dll", "darwin": ".dylib"}
 
 Function = Callable[[int], int]
+NAMES: dict[str, list[str]] = defaultdict(list)  # of the entries of each group, which entry.py adds
 _PROTOTYPE = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p)
 _opened: dict[str, Callable[[str], int]] = {}
 _loaded: dict[str, dict[str, Function]] = {}
@@ -44,7 +46,7 @@ def load(group: str) -> dict[str, Function]:
     with _lock:
         if group not in _loaded:
             address_of = _address_of(group)
-            _loaded[group] = {name: _PROTOTYPE(_checked(name, group, address_of(name))) for name in _names(group)}
+            _loaded[group] = {name: _PROTOTYPE(_checked(name, group, address_of(name))) for name in NAMES[group]}
         return _loaded[group]
 
 
@@ -79,12 +81,6 @@ def _kept_or_made(group: str) -> bytes:
     from .making import kept_code, made  # what is in the package needs no compiler
 
     return kept_code(group) or made([group])[0]
-
-
-def _names(group: str) -> list[str]:
-    from .entry import entries_of
-
-    return [made.__name__ for made in entries_of(group)]
 
 
 def _checked(name: str, group: str, address: int) -> int:

@@ -14,6 +14,7 @@ from ...common.files import check_file_name, toml_of
 from ...common.notebook import Shown, counted, outlines
 from ...kernels.sections.faces import ON_BAND, ON_RING, RECTANGLE, STRIPS, is_round
 from ..ports import Port
+from ..protocol import kind_of, structure_of
 from .block import Block, Joint, check_block, check_friction
 from .contact import Contact, check_contacts, contacts_of
 from .file import names_of, parts_from, plain
@@ -101,13 +102,7 @@ class Column(Shown):
     @property
     def kind(self) -> Any:
         """The kind of model (models/protocol.py), by formulation and joints."""
-        if self.settings.formulation == "paper":
-            from ..paper.kind import KIND as PAPER
-
-            return PAPER
-        from .kind import BRITTLE, KIND, WITH_PORTS
-
-        return BRITTLE if self.is_brittle else WITH_PORTS if self.ports else KIND
+        return kind_of(self)
 
     @cached_property
     def contacts(self) -> tuple[Contact, ...]:
@@ -224,9 +219,7 @@ class Column(Shown):
 
         Raises InputError if they cannot be one.
         """
-        from ..structure.model import Structure
-
-        return Structure.stack(self)
+        return structure_of(self)
 
     @property
     def rolls_in_space(self) -> bool:

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.errors import InputError, SolverError, needing
+from ...common.errors import InputError, SolverError
 from ...common.files import write_table
 from ...common.frames import Frame, Framed
+from ..pictures import PicturesOfModes, pictures_of
 from .linearization import StillColumn, stuck, undamped
 from .model import Column
 from .packing import FloatArray
@@ -62,9 +63,8 @@ class Modes(Framed):
 
         Raises InputError without matplotlib, OSError.
         """
-        with needing("plot", "matplotlib"):
-            from ...statics.static_plots import plot_modes
-        return plot_modes(self, path, most)
+        pictures: PicturesOfModes = pictures_of(self)
+        return pictures.plot_modes(self, path, most)
 
 
 def natural_frequencies(column: Column, formulation: str | None = None) -> FloatArray:

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...common.errors import NOT_NEGATIVE, InputError, check_number, needing
+from ...common.errors import NOT_NEGATIVE, InputError, check_number
 from ...common.notebook import history, rows_of
 from ...kernels.layout import spaces as at
 from ..outputs import DIGITS
+from ..pictures import PicturesOfColumns, pictures_of
 from ..response import Result
 from ..uncertainty import PERCENTILES
 from .kinematics import chain_of
@@ -166,15 +167,6 @@ class Response(ColumnHistories, Result):
         behind["overturned"] = (self.time >= self.overturn_time).astype(float)
         self._write(path, digits, {"time": self.time}, behind)
 
-    def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
-        """Draw ground motion, displacements, rotations, forces and contact over time, and save them to `path` if given.
-
-        Raises InputError without matplotlib (the extra `plot`).
-        """
-        with needing("plot", "matplotlib"):
-            from ...plotting.plots import plot_response
-        return plot_response(self, path)
-
     def plot_column(
         self, path: str | os.PathLike[str] | None = None, at: float | None = None, scale: float | None = None
     ) -> Figure:
@@ -194,41 +186,8 @@ class Response(ColumnHistories, Result):
         InputError
             Without matplotlib (the extra `plot`).
         """
-        with needing("plot", "matplotlib"):
-            from ...plotting.drawings import plot_column
-        return plot_column(self, path, at, scale)
-
-    def film(
-        self,
-        path: str | os.PathLike[str],
-        scale: float | None = None,
-        fps: int = 20,
-        speed: float = 1.0,
-        callback: Callable[[int, int], object] | None = None,
-    ) -> None:
-        """Write a film of the column, a GIF or, if ffmpeg is installed, an MP4.
-
-        Parameters
-        ----------
-        path : path-like
-            The file.
-        scale : float, optional
-            The factor on the deformation; automatic by default.
-        fps : int
-            The number of frames per second.
-        speed : float
-            The seconds of motion in a second of film.
-        callback : callable, optional
-            Called with the number of frames made, and of all.
-
-        Raises
-        ------
-        InputError
-            Without matplotlib (the extra `plot`).
-        """
-        with needing("plot", "matplotlib"):
-            from ...plotting.film import film
-        film(self, path, scale, fps, speed, callback)
+        pictures: PicturesOfColumns = pictures_of(self)
+        return pictures.plot_column(self, path, at, scale)
 
 
 def friction_history(T: FloatArray, N: FloatArray, carried: FloatArray, part: float = at.COUNTS_FROM) -> FloatArray:

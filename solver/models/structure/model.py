@@ -21,6 +21,7 @@ from ...kernels.structure.layout import MOST_CORNERS, MOST_CUT
 from ..column.model import Column
 from ..column.settings import Settings
 from ..ports import Port
+from ..protocol import kind_of
 from .blocks.faces import Face
 from .blocks.parts import BASE, BESIDE_COLUMN, OF_COLUMN, TOLERANCE, Bearing, Bed, Joint, Pair, Side, Solid, Tie
 from .file import in_space, names_from, parts_from, ports_of, written_out
@@ -145,9 +146,7 @@ class Structure(Shown):
     @property
     def kind(self) -> Any:
         """The kind of model (models/protocol.py)."""
-        from .kind import STRUCTURES
-
-        return STRUCTURES
+        return kind_of(self)
 
     @property
     def names(self) -> tuple[str, ...]:

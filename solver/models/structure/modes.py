@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...common.errors import InputError, needing
+from ...common.errors import InputError
 from ...common.files import write_table
 from ...common.frames import Frame, Framed
 from ...kernels.structure.layout import OF_BLOCK
 from ..outputs import places_of
+from ..pictures import PicturesOfModes, pictures_of
 from .blocks.faces import FloatArray
 from .model import Structure
 from .neighbours import NEAR
@@ -72,9 +73,8 @@ class SpatialModes(Framed):
 
     def plot(self, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:
         """Draw the first `most` shapes; saved to `path` if given. Raises InputError without matplotlib, OSError."""
-        with needing("plot", "matplotlib"):
-            from ...plotting.structure_statics import plot_modes
-        return plot_modes(self, path, most)
+        pictures: PicturesOfModes = pictures_of(self)
+        return pictures.plot_modes(self, path, most)
 
 
 def modes_in_space(structure: Structure) -> SpatialModes:

@@ -16,12 +16,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.errors import FINITE, InputError, check_number, needing
+from ...common.errors import FINITE, InputError, check_number
 from ...common.notebook import Shown, counted, history, rows_of
 from ...ground.loads import pattern_of
 from ...ground.motion import STANDARD_GRAVITY
 from ...kernels.structure.layout import LOAD
 from ..outputs import DIGITS, places_of
+from ..pictures import PicturesOfStructures, pictures_of
 from .blocks.faces import FloatArray
 from .model import Structure
 from .outputs import OUTPUTS, StructureHistories
@@ -155,9 +156,8 @@ class PushOver(StructureHistories, Shown):
 
         Raises InputError without matplotlib (the extra `plot`), OSError.
         """
-        with needing("plot", "matplotlib"):
-            from ...plotting.structure_statics import plot_push_over
-        return plot_push_over(self, path)
+        pictures: PicturesOfStructures = pictures_of(self)
+        return pictures.plot_push_over(self, path)
 
 
 def push_over(

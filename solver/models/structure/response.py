@@ -15,6 +15,7 @@ from ...common.errors import needing
 from ...common.frames import EXTRA
 from ...common.notebook import history, rows_of
 from ..outputs import BASE, CONTACT, DIGITS, TIE, peaks_by_name
+from ..pictures import PicturesOfStructures, pictures_of
 from ..response import Result
 from .blocks.faces import FloatArray
 from .outputs import OUTPUTS, StructureHistories
@@ -145,15 +146,6 @@ class SpatialResponse(StructureHistories, Result):
         """
         return super().to_xarray()
 
-    def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
-        """Draw displacements, rotations, contact over time; saved to `path` if given.
-
-        Raises InputError without matplotlib (the extra `plot`).
-        """
-        with needing("plot", "matplotlib"):
-            from ...plotting.structures import plot_response
-        return plot_response(self, path)
-
     def plot_structure(
         self, path: str | os.PathLike[str] | None = None, at: float | None = None, scale: float | None = None
     ) -> Figure:
@@ -173,41 +165,8 @@ class SpatialResponse(StructureHistories, Result):
         InputError
             Without matplotlib (the extra `plot`).
         """
-        with needing("plot", "matplotlib"):
-            from ...plotting.structures import plot_structure
-        return plot_structure(self, path, at, scale)
-
-    def film(
-        self,
-        path: str | os.PathLike[str],
-        scale: float | None = None,
-        fps: int = 20,
-        speed: float = 1.0,
-        callback: Callable[[int, int], object] | None = None,
-    ) -> None:
-        """Write a film of the structure, a GIF or, if ffmpeg is installed, an MP4.
-
-        Parameters
-        ----------
-        path : str or path
-            File to write.
-        scale : float or None
-            Factor on the deformation; None: chosen.
-        fps : int
-            Pictures per second of film.
-        speed : float
-            Seconds of motion per second of film.
-        callback : callable or None
-            Called with the number of pictures made and their total.
-
-        Raises
-        ------
-        InputError
-            Without matplotlib (the extra `plot`).
-        """
-        with needing("plot", "matplotlib"):
-            from ...plotting.structures import film
-        film(self, path, scale, fps, speed, callback)
+        pictures: PicturesOfStructures = pictures_of(self)
+        return pictures.plot_structure(self, path, at, scale)
 
     def plot_plan(
         self, path: str | os.PathLike[str] | None = None, blocks: Sequence[str | int] | None = None
@@ -216,9 +175,8 @@ class SpatialResponse(StructureHistories, Result):
 
         Raises InputError without matplotlib (the extra `plot`).
         """
-        with needing("plot", "matplotlib"):
-            from ...plotting.structures import plot_plan
-        return plot_plan(self, path, blocks)
+        pictures: PicturesOfStructures = pictures_of(self)
+        return pictures.plot_plan(self, path, blocks)
 
 
 def peaks_in_space(structure: Structure, rows: FloatArray, peaks: FloatArray) -> dict[str, FloatArray]:
