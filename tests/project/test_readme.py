@@ -95,7 +95,7 @@ def test_column_file() -> None:
 
 
 def test_it_is_one_page() -> None:
-    assert len(README.split()) <= 1200
+    assert len(README.split()) <= 1150
 
 
 def test_pictures_and_pages_exist() -> None:
