@@ -40,9 +40,9 @@ PAGES = re.compile(r"^<!-- pages: (\S+) -->$", re.MULTILINE)
 # keys from which others follow, which no class has
 DERIVED = {
     "name": "name of the column, and of its FMU: letters, digits, `_`, `-`, `.` and space",
-    "g": "m/s2, acceleration of gravity; left out: 9.80665",
-    "material": "density, and stiffness and strength of the joints of all blocks that name no other, where not given",
-    "block.material": "the same of this block and the joint under it",
+    "g": "m/s2, acceleration of gravity; 9.80665 by default",
+    "material": "material of all blocks that name no other: gives density, and stiffness and strength of joints, unless given",
+    "block.material": "material of this block and of the joint under it",
     "block": "a table [[block]] for each block, from the top down: see below",
     "joint": "defaults for the joints of all blocks: see below",
     "port": "a table [[port]] for each point at which loads act: name, block, at",
@@ -51,10 +51,10 @@ DERIVED = {
     "block.joint": "the joint under the block; `[joint]` has what is left out here",
     "block.section": "left out: rectangle",
     "solver.formulation": "finite rotations, or first order by central differences as in the paper; left out: exact",
-    "solver.integrator": "that of the formulation: auto of exact, central-difference of paper; may be left out",
+    "solver.integrator": "optional; fixed by the formulation: auto of exact, central-difference of paper",
     "solver.step": "s, fixed, of the formulation paper; left out: 1e-4",
     "solver.tolerance": "relative to the peak; left out: 1e-5",
-    "solver.without": "short cuts that are not to be taken, and peaks that are not to be kept",
+    "solver.without": "names of short cuts to switch off; `peaks`: no peaks but those of ux",
     "joint.section": "of the contact; left out: the block's",
     "top_depth": "m, of the top face of a block that tapers; left out: that of the bottom face",
     "profile": "pairs [height above the base, diameter] in m, for round blocks without a diameter",
@@ -167,7 +167,7 @@ STUDY = {
     + ", or formula; and `name`, "
     + ", ".join(map(code, motions.BESIDE)),
     "grid": "values of what varies, each with each other: a list, or {from, to, count} with spacing",
-    "random": "a distribution for what is random; `relative` multiplies, `each` has a number for each block",
+    "random": "a distribution for each random number; `relative` multiplies, `each` draws one for each block",
     "intensity": "what motions are scaled to: `measure` of "
     + ", ".join(map(code, motions.MEASURES))
     + "; of sa also `period` (s) and `damping`",
