@@ -13,7 +13,7 @@ from solver.models.column.kind import KIND as COLUMNS
 from solver.models.structure.kind import STRUCTURES
 
 CLASSES = {"Column", "Structure", "Response", "SpatialResponse"}
-MOST = 4
+MOST = 2
 
 
 def asked(file: Path) -> list[str]:

@@ -71,6 +71,10 @@ def test_many_runs_and_a_study_take_it(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="folder: must be left out, a journal cannot be read without its models"):
         ida(BLOCK, {"wave": motions[1]}, [0.1], folder=tmp_path)
     assert not [*tmp_path.iterdir()]
+    with pytest.raises(InputError, match="plot: no pictures of a BlockResponse: drawing_of"):
+        alone.plot()
+    with pytest.raises(InputError, match=r"scene: a block has none, parts_of\.register"):
+        alone.to_gltf(tmp_path / "block.glb")
     with pytest.raises(InputError, match="formulation = 'paper': must be left out, a block has none"):
         simulate(BLOCK, motions[0], formulation="paper")
 

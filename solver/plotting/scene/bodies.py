@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import singledispatch
 from typing import Any
 
 import numpy as np
@@ -88,20 +89,30 @@ def scene_of(response: Any, fps: float) -> Scene:
     return Scene(model.name, bodies, contacts, walls_of(model), rows, response.time[rows], u[rows], turn[rows])
 
 
+@singledispatch
 def parts_of(model: Any) -> tuple[tuple[Body, ...], tuple[Contact, ...]]:
-    """Return the blocks and joints of a model. Raises InputError for one whose shape is not known."""
-    word = model.kind.word
-    if word not in SHAPES:
-        raise InputError(f"scene: a {word} has none, only {' and '.join(SHAPES)} have")
-    return SHAPES[word](model)
+    """Return the blocks and joints of a model, by a function registered for its class.
+
+    Raises InputError for a class without one.
+    """
+    raise InputError(f"scene: a {model.kind.word} has none, parts_of.register (plotting/scene/bodies.py) adds it")
 
 
+def has_parts(model: Any) -> bool:
+    """Return True if `parts_of` has a function for the class of a model."""
+    return parts_of.dispatch(type(model)) is not parts_of.dispatch(object)
+
+
+@singledispatch
 def walls_of(model: Any) -> tuple[Body, ...]:
-    """Return the walls that blocks of a structure may meet, clipped near the blocks; none of a column."""
-    if not isinstance(model, Structure):
-        return ()
-    faces = {pair.wall: pair.beside for pair in model.neighbours if pair.wall and isinstance(pair.beside, Face)}
-    corners = np.concatenate([block.corners for block in model.blocks])
+    """Return the walls that blocks of a structure may meet, clipped near the blocks; none of other models."""
+    return ()
+
+
+@walls_of.register
+def _(structure: Structure) -> tuple[Body, ...]:
+    faces = {pair.wall: pair.beside for pair in structure.neighbours if pair.wall and isinstance(pair.beside, Face)}
+    corners = np.concatenate([block.corners for block in structure.blocks])
     beyond = AROUND * float(np.max(np.ptp(corners, axis=0)))
     found = []
     for number, face in sorted(faces.items()):
@@ -145,6 +156,7 @@ def _rows(time: FloatArray, fps: float) -> Any:
     return np.array([*found, len(time) - 1])
 
 
+@parts_of.register
 def _of_structure(structure: Structure) -> tuple[tuple[Body, ...], tuple[Contact, ...]]:
     bodies = tuple(
         Body(block.name, block.centroid, surfaces(block), len(block.surface) > 0) for block in structure.blocks
@@ -208,6 +220,7 @@ def normal_of(points: FloatArray) -> FloatArray:
     return found
 
 
+@parts_of.register
 def _of_column(column: Column) -> tuple[tuple[Body, ...], tuple[Contact, ...]]:
     bodies, contacts = [], []
     foot = np.zeros(3)  # centre of the bottom face as built
@@ -253,9 +266,3 @@ def _of_block(
     rim = ring(block.joint_width, block.joint_depth, heights[0], below, is_disc)
     inner = ring(block.joint_bore, block.joint_bore, heights[0], below) if block.joint_bore else np.empty((0, 3))
     return _between(low, high, bore, edged=not is_drum), (rim, inner)
-
-
-SHAPES: dict[str, Callable[[Any], tuple[tuple[Body, ...], tuple[Contact, ...]]]] = {
-    "column": _of_column,
-    "structure": _of_structure,
-}

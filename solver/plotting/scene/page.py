@@ -20,7 +20,7 @@ from ...ground.intensity import Component, histories, is_measurable
 from ...ground.motion import Motion
 from ...models.structure.blocks.faces import FloatArray
 from ..largest import largest_displacement, length
-from .bodies import SHAPES, Body, Scene, scene_of
+from .bodies import Body, Scene, has_parts, scene_of
 
 FPS = 30.0  # rows per second, at most
 MOST_NUMBERS = 270_000  # displacements, rotations and joints: 1.4 MB of the page
@@ -68,7 +68,7 @@ def check_page(path: str | os.PathLike[str]) -> None:
 
 def frame_of(response: Any, height: int = 480) -> str:
     """Return HTML that embeds a smaller page, `height` px high; empty if the shape of the model is not known."""
-    if response.model.kind.word not in SHAPES:
+    if not has_parts(response.model):
         return ""
     return FRAME.format(escape(small_page(response)), height)
 
