@@ -41,7 +41,8 @@ PAGES = re.compile(r"^<!-- pages: (\S+) -->$", re.MULTILINE)
 DERIVED = {
     "name": "name of the column, and of its FMU: letters, digits, `_`, `-`, `.` and space",
     "g": "m/s2, acceleration of gravity; 9.80665 by default",
-    "material": "material of all blocks that name no other: gives density, and stiffness and strength of joints, unless given",
+    "material": "material of all blocks that name no other: "
+    "gives density, and stiffness and strength of joints, unless given",
     "block.material": "material of this block and of the joint under it",
     "block": "a table [[block]] for each block, from the top down: see below",
     "joint": "defaults for the joints of all blocks: see below",
