@@ -66,7 +66,7 @@ def _repeat(n, model, phases, count, rounds, scratch, motion):
     for _ in range(rounds):
         for k in range(count):
             phase = _phase(phases[PHASE_FIELDS * n * k :], n)
-            exact_accelerations(column, phase, motion, room.joints, room.hold, room.room)
+            exact_accelerations(column, phase, motion, None, None, room.joints, room.hold, room.room)
 
 
 @from_python

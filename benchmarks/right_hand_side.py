@@ -75,7 +75,7 @@ def evaluate(t, y, dydt, data):
     for i in range(4 * n):
         phase.row[i] = y[i] * sizes[i]
     motion = Motion(base_acceleration(known, here.ax, t), 0.0, 0.0, 0.0, 0.0)
-    exact_accelerations(here.model, phase, motion, here.joints, here.hold, here.room)
+    exact_accelerations(here.model, phase, motion, None, None, here.joints, here.hold, here.room)
     for i in range(4 * n):
         dydt[i] = phase.row[2 * n + i] / sizes[i]
 

@@ -172,7 +172,7 @@ class ColumnBody(Body, word="column"):
         column = self.column
         loads = len(variables.inputs_of_ports(column))
         spots = at.SPOTS.size(len(column.ports))
-        return state_ranges.of_column(column.n, spots, loads, column.is_brittle, self.drive.is_chosen)
+        return state_ranges.of_column(column.n, spots, loads, self.drive.is_chosen)
 
     def retune(self, stepper: in_plane.Stepper, described: Described) -> None:
         stepper.retune(described.column)

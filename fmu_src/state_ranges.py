@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.kernels.bonds import layout as of_bonds
 from solver.kernels.layout import spaces as plane
 from solver.kernels.structure import layout as space
 from solver.kernels.structure.turning import MOST_TURN
@@ -73,9 +72,9 @@ COLUMN_STATE: Described = {
     **_all(("coordinates", "rates", "accelerations"), ANY, "phase."),
     **_all(("slip", "friction_work", "slip_rate", "friction_power", "slip_acceleration"), ANY, "phase."),
     "phase.sliding": SIGN,
+    **_all(("bond_left", "bond_right", "bond_lost"), ANY, "phase."),
     "peaks": FINITE,
 }
-BRITTLE_STATE: Described = COLUMN_STATE | _all(of_bonds.BONDS.fields, ANY, "phase.bond_")
 COLUMN_COUNTS: Described = {
     **_all(("steps", "rejected", "evaluations", "sweeps", "next_row", "implicit_steps", "since_probe"), COUNT),
     **_all(("events", "elastic_steps", "elastic_wait", "looks", "overturned"), COUNT),
@@ -195,14 +194,13 @@ def _of_base(described: Described, bodies_drive: bool) -> Described:
     return {name: ANY if bodies_drive and value == INPUT else value for name, value in described.items()}
 
 
-def of_column(n: int, spots: int, loads: int, is_brittle: bool, bodies_drive: bool = False) -> Ranges:
+def of_column(n: int, spots: int, loads: int, bodies_drive: bool = False) -> Ranges:
     """Return the ranges of a column of n blocks.
 
     `spots` and `loads` are the numbers of its ports at the end of state and base.
     """
-    state = of_bonds.STATE if is_brittle else plane.STATE
     return Ranges(
-        [*_runs(state, n, BRITTLE_STATE if is_brittle else COLUMN_STATE), Run(spots, FINITE)],
+        [*_runs(plane.STATE, n, COLUMN_STATE), Run(spots, FINITE)],
         _runs(plane.COUNTS, 0, COLUMN_COUNTS, {"overturned": Range(0.0, n, True)}),
         [*_runs(plane.BASE, 0, _of_base(COLUMN_BASE, bodies_drive)), Run(loads, INPUT)],
     )

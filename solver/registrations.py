@@ -28,14 +28,14 @@ from .models.structure.outputs import StructureHistories
 
 @kind_of.register(Column)
 def _kind_of_column(column: Column) -> Kind:
-    """Choose by formulation and joints."""
+    """Choose by formulation."""
     if column.settings.formulation == "paper":
         from .models.paper.kind import KIND as PAPER
 
         return PAPER
-    from .models.column.kind import BRITTLE, KIND, WITH_PORTS
+    from .models.column.kind import KIND
 
-    return BRITTLE if column.is_brittle else WITH_PORTS if column.ports else KIND
+    return KIND
 
 
 @kind_of.register(Structure)

@@ -244,15 +244,14 @@ def _derivatives(driven: Any, model: Model, t: float) -> Numbers:
         structures.rates(*driven.arrays, t, *driven.record, 1.0, row, np.zeros(row.size))
         structures.feedthrough(*driven.arrays, seeds, 0.0, t, other, np.zeros(row.size))
         return [row.copy(), other.copy()]
-    group = "bonds" if model.is_brittle else "column"
     if model.settings.formulation != "exact" or model.ports:
         return []
     none, split, other_split = np.zeros(0), np.zeros(row.size), np.zeros(row.size)
     seeds = np.ones(len(BASE_INPUTS.fields) + len(BODY.fields))
     given, rooms = (none, none, none, 1.0), (row, split, other, other_split)
-    ENTRIES[group, "rates"](model.n, *driven.arrays, t, *given, *rooms)
+    ENTRIES["column", "rates"](model.n, *driven.arrays, t, *given, *rooms)
     rates = row.copy()
-    ENTRIES[group, "feedthrough"](model.n, *driven.arrays, seeds, seeds, 0.0, t, *given, *rooms)
+    ENTRIES["column", "feedthrough"](model.n, *driven.arrays, seeds, seeds, 0.0, t, *given, *rooms)
     return [rates, row.copy()]
 
 

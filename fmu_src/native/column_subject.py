@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 from solver.common.ranges import LENGTH, NUMBERS
 from solver.kernels.api import engine
-from solver.kernels.bonds import layout as bonds
 from solver.kernels.column import description
 from solver.kernels.layout import spaces as at
 from solver.models.column.block import (
@@ -47,23 +46,21 @@ SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega"
 
 def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
     """Return the description of a column; only its number of blocks, sections, ports and brittleness matter."""
-    n, spots, of_ports, spaces = column.n, at.SPOTS.size(len(column.ports)), inputs_of_ports(column), column.kind.spaces
-    # arguments of `assemble` beyond those of every column
-    ports = [float(len(column.ports)), *ports_of(column).tolist()] if column.ports else []
-    of_bonds = bonds.GIVEN_OF_BOND if column.is_brittle else ()
-    mortar = [f"joint[{i}].{name}" for name in of_bonds for i in range(1, n + 1)]
+    n, spots, of_ports = column.n, at.SPOTS.size(len(column.ports)), inputs_of_ports(column)
+    # arguments of `assemble` behind the blocks
+    ports = ports_of(column).tolist()
     # ends of the peaks in the state
-    last = spaces.STATE.size(n)
-    lost = at.CONTROL.beside + bonds.PHASE.places["bond_lost"][0] * n
+    last = at.STATE.size(n)
+    lost = at.CONTROL.beside + at.PHASE.places["bond_lost"][0] * n
     return Subject(
         falls=True,
         sizes={
             "N": n,
-            "MODEL": engine.model_room(n) + len(ports),
+            "MODEL": at.model_room(n) + len(ports),
             "STATE": last + spots,
             "COUNTS": at.COUNTS.beside,
             "BASE": at.BASE.beside + len(of_ports),
-            "WORK": spaces.WORK.size(n) + spots,
+            "WORK": at.work_size(n, len(column.ports)),
             "ROW": at.ROW.size(n) + spots + column.sizes[BOND],
             "SPLIT": drive.split_of_column,
             "ROOM": engine.scratch_room(n),
@@ -83,7 +80,7 @@ def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
         ],
         slopes=SLOPES | slopes_of(of_ports),
         split="base.R0x",
-        given=[*_given(column, drive), *ports, *mortar],
+        given=[*_given(column, drive), *ports],
         choices=[
             *choices_of(drive),
             Chosen("solver.without", "ANY_WORDS", [(code, word) for word, code in SKIP_CODES.items()]),
@@ -93,7 +90,7 @@ def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
         peaks=peaks_of(OUTPUTS, column.sizes, last, {PORT: last, BOND: lost}),
         misfits=[MISFITS[kind] for kind in sorted(MISFITS)],
         segment=at.BASE.fields.index("segment"),
-        ranges=state_ranges.of_column(n, spots, len(of_ports), column.is_brittle, drive.is_chosen),
+        ranges=state_ranges.of_column(n, spots, len(of_ports), drive.is_chosen),
         base=at.BASE.fields,
         group=column.kind.entries.run.group,
     )
@@ -125,7 +122,7 @@ def given_of(drive: Drive) -> dict[str, str | float]:
 
 def _given(column: Column, drive: Drive) -> list[str | float]:
     settings: dict[str, str | float] = {"g": "g", "step": 0.0}  # no step is fixed
-    settings |= given_of(drive)
+    settings |= given_of(drive) | {"ports": float(len(column.ports)), "bonded": float(column.is_brittle)}
     names = [settings.get(name, f"solver.{name}") for name in description.GIVEN_SETTINGS.fields]
     for i, block in enumerate(column.blocks, start=1):
         names += [f"block[{i}].{name}" for name in description.GIVEN_BLOCK]

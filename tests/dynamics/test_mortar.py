@@ -333,13 +333,6 @@ def test_a_file_has_mortar_and_a_run_says_what_has_cracked(tmp_path: Path) -> No
     assert table["least_bond"][0] == pytest.approx(response.peaks["bond"], abs=0.0)
 
 
-def test_without_mortar_nothing_of_it_is_compiled() -> None:
-    dry = column(block(0.0, friction=0.5))
-    assert not dry.is_brittle
-    assert dry.kind.entries.__name__.endswith("api.entries")
-    assert column(block(1.0)).kind.entries.__name__.endswith("bonds.entries")
-
-
 def test_mortar_goes_to_space() -> None:
     structure = column(block(2e5, cohesion=1e5, friction=0.6), block()).in_space()
     assert [(joint.bed.tensile_strength, joint.bed.cohesion) for joint in structure.joints] == [(2e5, 1e5), (0.0, 0.0)]

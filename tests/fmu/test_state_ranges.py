@@ -15,18 +15,11 @@ from fmu_src.native.column_subject import column_subject
 from fmu_src.native.structure_subject import structure_subject
 from fmu_src.slave import ARRAYS
 from fmu_src.state import Snapshot
-from solver.kernels.bonds import layout as of_bonds
 from solver.kernels.layout import spaces as plane
 from solver.kernels.numba_ext.views import Numbers, Part, Record, Space, Table
 from solver.kernels.structure import layout as space
 
-COLUMNS = [
-    (n, ports, is_brittle)
-    for n in (1, 3)
-    for ports in (0, 2)
-    for is_brittle in (False, True)
-    if not (ports and is_brittle)
-]
+COLUMNS = [(n, ports) for n in (1, 3) for ports in (0, 2)]
 SIZES = space.sizes_of(4, 3, 2, 1, 40, ports=2, pairs=2, bonds=2)
 
 
@@ -42,7 +35,6 @@ def names(part: Part) -> list[str]:
 
 LAYOUTS = [
     (plane.STATE, state_ranges.COLUMN_STATE),
-    (of_bonds.STATE, state_ranges.BRITTLE_STATE),
     (plane.COUNTS, state_ranges.COLUMN_COUNTS),
     (plane.BASE, state_ranges.COLUMN_BASE),
     (space.STATE, state_ranges.STRUCTURE_STATE),
@@ -95,11 +87,11 @@ def lengths(ranges: state_ranges.Ranges) -> list[int]:
     return [sum(run.length for run in runs) for runs in ranges]
 
 
-@pytest.mark.parametrize(("n", "ports", "is_brittle"), COLUMNS)
-def test_ranges_of_a_column_are_as_long_as_its_arrays(n: int, ports: int, is_brittle: bool) -> None:
+@pytest.mark.parametrize(("n", "ports"), COLUMNS)
+def test_ranges_of_a_column_are_as_long_as_its_arrays(n: int, ports: int) -> None:
     loads, spots = 2 * len(plane.LOAD) * ports, plane.SPOTS.size(ports)
-    found = lengths(state_ranges.of_column(n, spots, loads, is_brittle))
-    state = (of_bonds.STATE if is_brittle else plane.STATE).size(n) + spots
+    found = lengths(state_ranges.of_column(n, spots, loads))
+    state = plane.STATE.size(n) + spots
     assert found == [state, plane.COUNTS.beside, plane.BASE.beside + loads]
 
 

@@ -22,7 +22,6 @@ from support.fmus import ROOT, finish_in
 
 from fmu_src.native import table
 from solver.kernels.api import entries
-from solver.kernels.bonds import entries as of_bonds
 from solver.kernels.machine import entry as machine_entry
 from solver.kernels.machine import folders, level, library, making, packaging
 from solver.kernels.machine.entry import ENTRIES, Entry
@@ -31,7 +30,6 @@ from solver.kernels.machine.kinds import Int, Reals
 from solver.kernels.machine.messages import MachineCodeError, announcing
 from solver.kernels.machine.zig import LINUX
 from solver.kernels.paper import entries as of_paper
-from solver.kernels.ports import entries as of_ports
 
 
 def loaded_kernel_says(project: Path) -> float:
@@ -65,14 +63,14 @@ def test_every_entry_belongs_to_a_group_whose_module_defines_it() -> None:
         assert ENTRIES[group, name].__module__ == GROUPS[group].whole_module, (group, name)
 
 
-@pytest.mark.parametrize("module", [entries, of_ports, of_bonds, of_paper])
+@pytest.mark.parametrize("module", [entries, of_paper])
 def test_a_column_needs_no_group_but_its_own(module: ModuleType) -> None:
     """An FMU carries that group, and the one of joints."""
     used = {item.group for item in vars(module).values() if isinstance(item, Entry)}
     assert used - {"statics"} == {module.run.group, *(group for group in used if "lanes" in group)}
 
 
-@pytest.mark.parametrize("group", ["column", "ports", "bonds", "structure_driven"])
+@pytest.mark.parametrize("group", ["column", "structure_driven"])
 def test_a_native_fmu_names_all_slots_of_a_call(group: str) -> None:
     for name in table.CALLED:
         entry = ENTRIES[group, name]

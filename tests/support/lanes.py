@@ -26,7 +26,7 @@ def accelerate(n: int, model: Array, phase: Array, work: Array, base: Array) -> 
     b, space = row_of(base), _work(row_of(work), n)
     motion = Motion(b[0], b[1], b[2], b[3], b[4])
     exact_accelerations(
-        _model(row_of(model), n), _phase(row_of(phase), n), motion, space.joints, space.hold, space.room
+        _model(row_of(model), n), _phase(row_of(phase), n), motion, None, None, space.joints, space.hold, space.room
     )
 
 
@@ -38,6 +38,6 @@ def accelerating(space: Space) -> Callable[[int, Array, Array], None]:
     def accelerate_lanes(n: int, buffer: Array, base: Array) -> None:
         b, space = lanes_of(base), over(lanes_of(buffer), n)
         motion, work = Motion(b[0], b[1], b[2], b[3], b[4]), space.work
-        exact_accelerations(space.model, work.start, motion, work.joints, work.hold, work.room)
+        exact_accelerations(space.model, work.start, motion, None, None, work.joints, work.hold, work.room)
 
     return accelerate_lanes

@@ -9,19 +9,13 @@ from ..formulations.base_motion import Samples
 from ..layout.spaces import ROW, SPLIT
 from ..machine.entry import entry
 from ..machine.kinds import Int, Ints, Real, Reals, SizedReals
-from ..numba_ext.jit import leaf
 from ..output.watch import Watch
 from . import engine, slopes
 
 _row, _split = ROW.over, SPLIT.over
 
 
-@leaf
-def _samples(n, model, times, ax, az, scale):
-    return Samples(times.size, times.row, ax, az, scale, 0)
-
-
-def driven_entries_of(group, module, column_over=engine.column_over, samples_of=_samples):
+def driven_entries_of(group, module, column_over=engine.column_over):
     """Make `follow`, `look`, `rates` and `feedthrough` of a kind of column.
 
     Parameters
@@ -30,8 +24,6 @@ def driven_entries_of(group, module, column_over=engine.column_over, samples_of=
         Group of the entries (machine/groups.py), and the module that they are made for.
     column_over : callable
         A leaf that returns the column over its rows (engine.py, `column_in`).
-    samples_of : callable
-        A leaf that returns what the column follows besides its base inputs: the record, and what lies behind the model.
     """
 
     @entry(group, module)
@@ -40,7 +32,8 @@ def driven_entries_of(group, module, column_over=engine.column_over, samples_of=
         times: SizedReals, ax: Reals, az: Reals, scale: Real, row: Reals, split: Reals,
     ) -> Int:  # fmt: skip
         """Run `engine.follow`."""
-        column = column_over(n, model, state, counts, base, samples_of(n, model, times, ax, az, scale), work)
+        samples = Samples(times.size, times.row, ax, az, scale, 0, times.size, ax)
+        column = column_over(n, model, state, counts, base, samples, 0, work)
         return engine.follow(column, inputs, start, h, Watch(0, work, work, 1), _row(row, n), _split(split, 0))
 
     @entry(group, module)
@@ -50,7 +43,8 @@ def driven_entries_of(group, module, column_over=engine.column_over, samples_of=
         split: Reals,
     ) -> Int:  # fmt: skip
         """Run `engine.look`."""
-        column = column_over(n, model, state, counts, base, samples_of(n, model, times, ax, az, scale), work)
+        samples = Samples(times.size, times.row, ax, az, scale, 0, times.size, ax)
+        column = column_over(n, model, state, counts, base, samples, 0, work)
         return engine.look(column, inputs, new_inputs, upright, elapsed, t, _row(row, n), _split(split, 0))
 
     @entry(group, module)
@@ -59,7 +53,8 @@ def driven_entries_of(group, module, column_over=engine.column_over, samples_of=
         ax: Reals, az: Reals, scale: Real, row: Reals, split: Reals, other: Reals, other_split: Reals,
     ) -> Int:  # fmt: skip
         """Run `slopes.rates`."""
-        column = column_over(n, model, state, counts, base, samples_of(n, model, times, ax, az, scale), work)
+        samples = Samples(times.size, times.row, ax, az, scale, 0, times.size, ax)
+        column = column_over(n, model, state, counts, base, samples, 0, work)
         here, there = _row(row, n), _row(other, n)
         return slopes.rates(column, t, here, _split(split, 0), there, _split(other_split, 0))
 
@@ -70,7 +65,8 @@ def driven_entries_of(group, module, column_over=engine.column_over, samples_of=
         other: Reals, other_split: Reals,
     ) -> Int:  # fmt: skip
         """Run `slopes.feedthrough`."""
-        column = column_over(n, model, state, counts, base, samples_of(n, model, times, ax, az, scale), work)
+        samples = Samples(times.size, times.row, ax, az, scale, 0, times.size, ax)
+        column = column_over(n, model, state, counts, base, samples, 0, work)
         here, there = _row(row, n), _row(other, n)
         parts, other_parts = _split(split, 0), _split(other_split, 0)
         return slopes.feedthrough(column, inputs, seeds, elapsed, t, here, parts, there, other_parts)

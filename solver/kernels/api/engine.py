@@ -7,13 +7,14 @@ entries (entries.py, driven_entries.py). A column is the bundle of the spaces in
 import math
 
 from ..column.assembly import rest_of
-from ..column.description import NO_REST, NOT_LINEAR, describe, is_linear
+from ..column.description import NO_REST, NOT_LINEAR, behind_blocks, describe, is_linear
 from ..column.normal_modes import normal_modes
 from ..column.normal_modes import scratch_size as modes_scratch
 from ..formulations.allowed_step import examine_step
-from ..formulations.base_motion import enter
+from ..formulations.base_motion import Samples, enter
 from ..formulations.coupled_base import arrive, couple, show_driven
 from ..formulations.dispatch import Column
+from ..formulations.loads import LOADS_PER_PORT, begin_loads, load_inputs, ports_of
 from ..formulations.slips import begin_slips, phase_size
 from ..layout.spaces import (
     ACCELERATION,
@@ -23,12 +24,14 @@ from ..layout.spaces import (
     MODAL_MOST,
     MODEL,
     OK,
+    PORTS,
     RECORD_BESIDE,
+    SPOTS,
     STATE,
     WORK,
-    modal_size,
+    model_room,
 )
-from ..numba_ext.jit import in_both, kernel, leaf, varied_leaf
+from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import Record, clear, copy
 from ..stepping.advance import advance
 from .observing import base_of, see
@@ -40,14 +43,7 @@ BASE_INPUTS = Record("ax", "az", "jx", "jz", "theta", "omega", "alpha")
 
 _counts, _base = COUNTS.over, BASE.over
 _base_inputs, _INPUTS = BASE_INPUTS.over, BASE_INPUTS.beside
-_MODEL_PER_N, _MODEL_BESIDE = MODEL.per_n, MODEL.beside
-_COUNTS, _BASE = COUNTS.beside, BASE.beside
-
-
-@in_both
-def model_room(n: int) -> int:
-    """Return the length of the largest packed model of n blocks."""
-    return _MODEL_PER_N * n + _MODEL_BESIDE + (modal_size(n) if n <= MODAL_MOST else 0)
+_COUNTS, _BASE, _PORT, _SEEN = COUNTS.beside, BASE.beside, len(PORTS.fields), len(SPOTS.fields)
 
 
 def scratch_room(n: int) -> int:
@@ -61,15 +57,23 @@ def column_in(model_space, state_space, work_space):
     _model, _state, _work = model_space.over, state_space.over, work_space.over
 
     @leaf
-    def column_over(n, model, state, counts, base, samples, work):
-        column = Column(_model(model, n), _state(state, n), _counts(counts, 0), _base(base, 0), samples, _work(work, n))
+    def column_over(n, model, state, counts, base, samples, recorded, work):
+        parts = _model(model, n), _state(state, n), _counts(counts, 0), _base(base, 0)
+        column = Column(*parts, samples, _work(work, n))
         begin_slips(column.model, column.work)
+        begin_loads(column.model, column.work, recorded)
         return column
 
     return column_over
 
 
 column_over = column_in(MODEL, STATE, WORK)
+
+
+@leaf
+def no_samples(row):
+    """Return a record without samples; row: any row of float64."""
+    return Samples(0, row, row, row, 1.0, 0, 0, row)
 
 
 # --- from parameters to a model
@@ -114,9 +118,14 @@ def assemble(column, given, from_rest, scratch, detail):
     stands = rest_of(model, rest, work.room)
     if int(settings.without) & ELASTIC == 0 and n <= MODAL_MOST and stands:
         settings.has_modes = 1.0 if normal_modes(model, rest, scratch) else 0.0
+    # ports, behind the model
+    ports = int(settings.ports)
+    copy(model.buffer[model_room(n) :], given[behind_blocks(n) :], _PORT * ports)
     # start at rest, or mark the accelerations as outdated
     if from_rest != 0:
         reset(column)
+        clear(state.buffer[state.total :], _SEEN * ports)
+        clear(column.base.buffer[_BASE:], LOADS_PER_PORT * ports)
         if not stands:
             return NO_REST
         copy(state.phase.row, rest.row, phase_size(work))
@@ -156,19 +165,10 @@ def drive(base, inputs, elapsed, t):
     base.t0 = t
 
 
-@varied_leaf
-def beside_inputs(samples):
-    """Return the number of inputs between those of the base and those of bodies, which are those of ports: 0."""
-    return 0
-
-
-@varied_leaf
-def load(base, samples, inputs, elapsed, t):
-    """Do nothing: no ports. Versions set their inputs, which were set `elapsed` s before time t.
-
-    These follow straight lines from the time `base.t0` on.
-    """
-    return
+@leaf
+def first_body(column):
+    """Return the place of the inputs of the first body: behind those of base and ports."""
+    return _INPUTS + LOADS_PER_PORT * ports_of(column)
 
 
 @kernel
@@ -193,10 +193,10 @@ def exchange(column, inputs, elapsed, t, row, split):
     settings, given = column.model.settings, _base_inputs(inputs, 0)
     # motion of the base up to t, and loads there
     arrive(column.base, settings, given, t)
-    load(column.base, column.samples, inputs, elapsed, t)
+    load_inputs(column, inputs[_INPUTS:], elapsed, t)
     # reaction at t, and the acceleration that it gives with the bodies
     code = see(column, base_of(column, t), row, split)
-    first = _INPUTS + beside_inputs(column.samples)
+    first = first_body(column)
     return couple(column.base, settings, given, inputs, first, split) if code == OK else code
 
 
@@ -216,7 +216,7 @@ def follow(column, inputs, start, h, watch, row, split):
         if code != OK:
             return code
         examine_step(column.model, column.base, h)
-    load(column.base, column.samples, inputs, 0.0, start)
+    load_inputs(column, inputs[_INPUTS:], 0.0, start)
     return advance(column, start, h, watch)
 
 
@@ -245,7 +245,7 @@ def look(column, inputs, new_inputs, upright, elapsed, t, row, split):
             drive(base, inputs, elapsed, t)
         else:  # before there is a mass at the base it does not move
             exchange(column, inputs, elapsed, t, row, split)
-        load(base, column.samples, inputs, elapsed, t)
+        load_inputs(column, inputs[_INPUTS:], elapsed, t)
     # the segment of the record at t
     enter(base, column.samples, t)
     if upright != 0:

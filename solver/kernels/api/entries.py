@@ -2,8 +2,9 @@
 
 Native FMUs call `assemble` and the entries of driven_entries.py, Python the others.
 
-A column is (n, model, state, counts, base, work). It follows (times, ax, az, scale, held, loads, ports): samples of the
-base, then what a column with ports has (ports/entries.py); of other columns both of these are empty.
+A column is (n, model, state, counts, base, work). It follows (times, ax, az, scale, held, loads): instants of base and
+loads, accelerations of the base, which may end before, and loads on each segment by component, then their slopes.
+Inputs at ports lie behind those of the base, peaks of ports behind the state, outputs of ports behind an output row.
 """
 
 from ..formulations.allowed_step import examine_step
@@ -14,7 +15,6 @@ from ..joint.law import joint_potential, law_of
 from ..layout.spaces import BASE, MODEL, ROW, SPLIT
 from ..machine.entry import entry
 from ..machine.kinds import Int, Ints, Real, Reals, SizedReals
-from ..numba_ext.jit import kernel, leaf
 from ..output.watch import Watch
 from ..sections.circle import ring_part
 from ..sections.faces import Face
@@ -29,17 +29,7 @@ _model = MODEL.over
 _row, _split, _base, _base_inputs, _INPUTS = ROW.over, SPLIT.over, BASE.over, BASE_INPUTS.over, BASE_INPUTS.beside
 
 
-@leaf
-def _samples(times, ax, az, scale, held, loads, ports, at):
-    return Samples(times.size, times.row, ax.row, az, scale, held)
-
-
-@kernel
-def _assemble(column, given, from_rest, scratch, detail):
-    return engine.assemble(column, given.row, from_rest, scratch, detail)
-
-
-def entries_of(group, module, column_over=engine.column_over, samples_of=_samples, assembled=_assemble):
+def entries_of(group, module, column_over=engine.column_over, assembled=engine.assemble):
     """Return `assemble`, `run`, `observe_state`, `observe_snapshots`, and three of a base that bodies drive.
 
     Parameters
@@ -48,41 +38,38 @@ def entries_of(group, module, column_over=engine.column_over, samples_of=_sample
         Group of the entries (machine/groups.py), and the module that they are made for.
     column_over : callable
         A leaf that returns the column over its rows (engine.py, `column_in`).
-    samples_of : callable
-        A leaf that returns what the column follows, with the row of the times (s) of snapshots.
     assembled : callable
-        A kernel as `engine.assemble`, but with the size of the description.
+        A kernel with the arguments of `engine.assemble`.
     """
 
     def assemble(
-        n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, given: SizedReals, from_rest: Int,
+        n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, given: Reals, from_rest: Int,
         scratch: Reals, detail: Reals,
     ) -> Int:  # fmt: skip
         """Run `engine.assemble`."""
-        samples = samples_of(given, given, given.row, 1.0, 0, given, given, given.row)
-        column = column_over(n, model, state, counts, base, samples, work)
+        column = column_over(n, model, state, counts, base, engine.no_samples(given), 0, work)
         return assembled(column, given, from_rest, scratch, detail)
 
     def run(
         n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, times: SizedReals, ax: SizedReals,
-        az: Reals, scale: Real, held: Int, loads: SizedReals, ports: SizedReals, t: Real, h: Real, at: SizedReals,
-        snapshots: Reals, peaks: Int,
+        az: Reals, scale: Real, held: Int, loads: SizedReals, t: Real, h: Real, at: SizedReals, snapshots: Reals,
+        peaks: Int,
     ) -> Int:  # fmt: skip
         """Advance the column from t to t + h over the record, with a snapshot at each of the times `at`.
 
         Returns a code. peaks: 1 if peaks are kept.
         """
-        samples = samples_of(times, ax, az, scale, held, loads, ports, at.row)
-        column = column_over(n, model, state, counts, base, samples, work)
+        samples = Samples(times.size, times.row, ax.row, az, scale, held, ax.size, loads.row)
+        column = column_over(n, model, state, counts, base, samples, loads.size, work)
         return advance(column, t, h, Watch(at.size, at.row, snapshots, peaks))
 
     def observe_state(
         n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, times: SizedReals, ax: SizedReals,
-        az: Reals, scale: Real, held: Int, loads: SizedReals, ports: SizedReals, t: Real, row: Reals, split: Reals,
+        az: Reals, scale: Real, held: Int, loads: SizedReals, t: Real, row: Reals, split: Reals,
     ) -> Int:  # fmt: skip
         """Run `observing.see` at time t under the base as it stands. Returns a code."""
-        samples = samples_of(times, ax, az, scale, held, loads, ports, row)
-        column = column_over(n, model, state, counts, base, samples, work)
+        samples = Samples(times.size, times.row, ax.row, az, scale, held, ax.size, loads.row)
+        column = column_over(n, model, state, counts, base, samples, loads.size, work)
         enter(column.base, column.samples, t)
         parts = _split(split, 0)
         show_driven(column.base, column.model.settings, t, parts)
@@ -90,13 +77,13 @@ def entries_of(group, module, column_over=engine.column_over, samples_of=_sample
 
     def observe_snapshots(
         n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, times: SizedReals, ax: SizedReals,
-        az: Reals, scale: Real, held: Int, loads: SizedReals, ports: SizedReals, at: Reals, snapshots: Reals,
-        rows: Reals, count: Int, done: Ints,
+        az: Reals, scale: Real, held: Int, loads: SizedReals, at: Reals, snapshots: Reals, rows: Reals, count: Int,
+        done: Ints,
     ) -> Int:  # fmt: skip
         """Run `observing.observe_all` of snapshots at the times `at`. Returns a code; done[0] is the number of rows."""
-        samples = samples_of(times, ax, az, scale, held, loads, ports, at)
-        column = column_over(n, model, state, counts, base, samples, work)
-        code, done[0] = observe_all(column, snapshots, rows, count)
+        samples = Samples(times.size, times.row, ax.row, az, scale, held, ax.size, loads.row)
+        column = column_over(n, model, state, counts, base, samples, loads.size, work)
+        code, done[0] = observe_all(column, at, snapshots, rows, count)
         return code
 
     def arrive_base(n: Int, model: Reals, base: Reals, inputs: Reals, t: Real):

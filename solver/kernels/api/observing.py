@@ -1,41 +1,45 @@
 """Observation of a column: output rows and the split reaction, of its state or of snapshots."""
 
-from ..formulations.base_motion import base_motion
+from ..formulations.base_motion import enter, moved_and_loaded
 from ..formulations.exact import Motion
 from ..formulations.feedthrough import split_reaction
+from ..formulations.loads import ports_of, push_ports, pushes_of
 from ..formulations.outputs import observe
 from ..formulations.slips import phase_size, size_of_snapshot
-from ..layout.spaces import OK, ROW, SNAPSHOT
-from ..numba_ext.jit import kernel, leaf, varied_leaf
-from ..numba_ext.views import copy
+from ..layout.spaces import LOAD, OK, ROW, SNAPSHOT, SPOTS
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.views import clear, copy
 from ..stepping.advance import take_phase
 
 _row, _snapshot = ROW.over, SNAPSHOT.over_begin
-_ROW_FIELDS, _ROW_BESIDE = ROW.per_n, ROW.beside
+_ROW_FIELDS, _ROW_BESIDE, _SEEN, _COMPONENTS = ROW.per_n, ROW.beside, len(SPOTS.fields), len(LOAD)
 
 
-@varied_leaf
-def motion_held(samples, control):
+@leaf
+def _motion_held(column, control):
     """Return the motion of the base that the state belongs to; no load acts on an overturned column."""
-    return Motion(control.base_ax, control.base_az, control.base_theta, control.base_omega, control.base_alpha)
+    turned = control.base_theta, control.base_omega, control.base_alpha
+    clear(pushes_of(column), _COMPONENTS * ports_of(column))
+    return Motion(control.base_ax, control.base_az, *turned)
 
 
-@varied_leaf
-def motion_of_snapshot(column, snapshot, k):
-    """Return the motion of the base that snapshot k belongs to, without rotation."""
-    return Motion(snapshot.base.ax, snapshot.base.az, 0.0, 0.0, 0.0)
-
-
-@varied_leaf
-def beside_row(column):
-    """Return the number of values behind an output row: 0."""
-    return 0
+@leaf
+def _motion_of_snapshot(column, snapshot, t):
+    """Return the motion of the base, without rotation, at the time t of a snapshot; with the loads after a jump."""
+    ax, az = snapshot.base.ax, snapshot.base.az
+    if ports_of(column) > 0:
+        if column.counts.overturned > 0:
+            t = min(t, column.state.control.overturn_time)
+        enter(column.base, column.samples, t)
+        push_ports(column, t)
+    return Motion(ax, az, 0.0, 0.0, 0.0)
 
 
 @leaf
 def row_length(column):
-    """Return the length of an output row, including the outputs of ports."""
-    return _ROW_FIELDS * column.model.n + _ROW_BESIDE + beside_row(column)
+    """Return the length of an output row, including the outputs of ports and bonds."""
+    beside = _ROW_BESIDE + _SEEN * ports_of(column) + int(column.work.slips.bonds)
+    return _ROW_FIELDS * column.model.n + beside
 
 
 @kernel
@@ -44,8 +48,8 @@ def base_of(column, t):
     control = column.state.control
     # an overturned column keeps the motion of that instant
     if column.counts.overturned > 0:
-        return motion_held(column.samples, control)
-    return base_motion(column.base, column.samples, t)
+        return _motion_held(column, control)
+    return moved_and_loaded(column, t)
 
 
 @kernel
@@ -63,14 +67,17 @@ def see(column, motion, row, split):
 
 
 @kernel
-def observe_all(column, snapshots, rows, count):
-    """Fill `count` rows with the outputs of the snapshots of the same number. Returns (code, number of rows filled)."""
+def observe_all(column, times, snapshots, rows, count):
+    """Fill `count` rows with the outputs of as many snapshots. Returns (code, number of rows filled).
+
+    times: times of the snapshots (s); read only where the column has ports.
+    """
     n, between, size, length = column.model.n, column.work.between, size_of_snapshot(column.work), row_length(column)
     for k in range(count):
         # phase of the snapshot, and the motion that belongs to it
         snapshot = _snapshot(snapshots[size * k : size * (k + 1)], n)
         copy(between.row, snapshot.phase.buffer, phase_size(column.work))
-        motion = motion_of_snapshot(column, snapshot, k)
+        motion = _motion_of_snapshot(column, snapshot, times[k] if ports_of(column) > 0 else 0.0)
         code = observe(column, between, motion, _row(rows[k * length :], n))
         if code != OK:
             return code, k

@@ -80,8 +80,8 @@ def wave_of_lanes(base, t):
 
 
 @kernel
-def motion_of_lanes(batch, t):
-    """Return the motion of the eight bases at the times t (s); they do not rotate."""
+def _accelerations_of_lanes(batch, t):
+    """Return the accelerations (m/s2) of the eight bases at the times t (s), along x and z; they do not rotate."""
     base = batch.base
     # straight lines of the records
     within = t - base.piece_begin
@@ -102,7 +102,14 @@ def motion_of_lanes(batch, t):
     # harmonic parts
     if any_of(base.wave_amplitude != 0.0):
         ax += base.wave_amplitude * wave_of_lanes(base, t)
+    return ax, az
+
+
+@leaf
+def motion_of_lanes(batch, t):
+    """Return the motion of the eight bases at the times t (s)."""
     zero = splat(0.0)
+    ax, az = _accelerations_of_lanes(batch, t)
     return Motion(ax, az, zero, zero, zero)
 
 
@@ -110,7 +117,7 @@ def motion_of_lanes(batch, t):
 def evaluate_lanes(batch, phase, t):
     """Fill the accelerations of the eight columns at `phase` and the times t (s). Returns OK."""
     work = batch.work
-    exact_accelerations(batch.model, phase, motion_of_lanes(batch, t), work.joints, work.hold, work.room)
+    exact_accelerations(batch.model, phase, motion_of_lanes(batch, t), None, None, work.joints, work.hold, work.room)
     return OK
 
 

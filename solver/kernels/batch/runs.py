@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from ..formulations.base_motion import Samples
 from ..joint.sliding import MARK
-from ..layout.spaces import BASE, BLOCKS, MODEL, PHASE, RIGID_FIELDS, STATE, STRIP_NUMBERS, WORK
+from ..layout.spaces import BASE, BLOCKS, MODEL, PHASE, PHASE_FIELDS, RIGID_FIELDS, STATE, STRIP_NUMBERS, WORK
 from ..numba_ext.jit import leaf
 from ..numba_ext.views import Numbers, Record, Space, Table
 from ..sections.section import RIMMED, ROUND, STRIPPED
@@ -67,7 +67,7 @@ def _knowing(space: Space, *names: str) -> Space:
 ROUND_SPACE, ROUND_SLIPPING_SPACE = _knowing(SPACE, ROUND), _knowing(SLIPPING_SPACE, ROUND)
 STRIPPED_SPACE = _knowing(SLIPPING_SPACE, ROUND, STRIPPED)
 RIMMED_SPACE = _knowing(SLIPPING_SPACE, ROUND, STRIPPED, RIMMED)  # of any column
-SLIP_FIELDS = PHASE.per_n - RIGID_FIELDS  # the second part of a phase
+SLIP_FIELDS = PHASE_FIELDS - RIGID_FIELDS  # the second part of a phase
 
 
 class Queue(NamedTuple):
@@ -130,4 +130,5 @@ def snapshot_of(queue, k, row, n):
 def samples_of(queue, lane):
     """Return the record that a lane follows."""
     first = int(lane.first)
-    return Samples(int(lane.count), queue.times[first:], queue.ax[first:], queue.az[first:], lane.scale, False)
+    size, times = int(lane.count), queue.times[first:]
+    return Samples(size, times, queue.ax[first:], queue.az[first:], lane.scale, 0, size, times)

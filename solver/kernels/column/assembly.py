@@ -2,9 +2,11 @@
 
 import math
 
+from ..formulations.bonds import begin_bonds
 from ..joint.law import joint_forces, law_of
+from ..joint.resultants import is_bonded
 from ..layout.spaces import DASHPOTS
-from ..numba_ext.jit import kernel, varied
+from ..numba_ext.jit import kernel
 from ..numba_ext.views import copy
 from ..sections.faces import RECTANGLE
 from ..sections.section import contact_of, full_stiffness, full_turning_stiffness
@@ -113,7 +115,8 @@ def rest_of(model, rest, room):
     """
     blocks, settings = model.blocks, model.settings
     settle_joints(model, rest)
-    begin_memory(model, rest)
+    if is_bonded(model):
+        begin_bonds(model, rest)
     if settings.off_axis == 0.0:
         return carries(model)
     # off the axis: Newton's method from the straight column
@@ -123,12 +126,6 @@ def rest_of(model, rest, room):
         blocks.rest_turn[i] = rest.theta[i] if stands else math.inf  # there is no rest
         blocks.rest_opening[i] = rest.opening[i]
     return stands
-
-
-@varied
-def begin_memory(model, rest):
-    """Store in a phase the memory of the joints of a column as built: none here."""
-    return
 
 
 @kernel

@@ -3,8 +3,8 @@
 import math
 
 from ..joint.sliding import RIGID
-from ..layout.spaces import LAW, MOST_STRIPS, OK, OTHER_LAW
-from ..numba_ext.jit import kernel, leaf, varied
+from ..layout.spaces import ELASTIC, IMPLICIT, LAW, MOST_STRIPS, OK, OTHER_LAW
+from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import Record, clear
 from ..sections.faces import ENDLESS, FITS, RECTANGLE, Face, face_of, misfit
 from ..sections.section import is_off_centre, lay_out
@@ -12,9 +12,11 @@ from .assembly import derive
 from .solids import homogeneous
 
 # description of a column: settings, then a record for each block; 0: the default of an optional value
-GIVEN_SETTINGS = Record("g", "step", "tolerance", "without", "drive", "slope", "bodies")
+# behind them PORTS (layout/spaces.py) of as many ports
+GIVEN_SETTINGS = Record("g", "step", "tolerance", "without", "drive", "slope", "bodies", "ports", "bonded")
+MORTAR = ("tensile_strength", "cohesion")  # Pa, of a brittle joint
 GIVEN_BLOCK = ("height", "width", "depth", "mass", "centroid", "inertia", "tilt")
-GIVEN_JOINT = (*LAW, "width", "depth", "friction", "dowel", "offset", "inclination", "rim")
+GIVEN_JOINT = (*LAW, "width", "depth", "friction", "dowel", "offset", "inclination", "rim", *MORTAR)
 # fields without a parameter of an FMU: of the block the code of the section, inner diameter m, sizes of the top face
 # m; of the joint the code of the section, inner diameter m, number of strips and their depths m
 GIVEN_SHAPE = (
@@ -36,6 +38,12 @@ _given_settings, _given_block = GIVEN_SETTINGS.over, GIVEN.over
 _SETTINGS_FIELDS, _BLOCK_FIELDS = GIVEN_SETTINGS.beside, GIVEN.beside
 
 
+@leaf
+def behind_blocks(n):
+    """Return the place in a description of n blocks behind the blocks."""
+    return _SETTINGS_FIELDS + _BLOCK_FIELDS * n
+
+
 @kernel
 def describe(column, given, detail):
     """Fill in a model without its rest and modes, and clear `work`; return a code."""
@@ -47,6 +55,9 @@ def describe(column, given, detail):
     settings.tolerance = described.tolerance
     settings.without = described.without
     settings.drive, settings.slope, settings.bodies = described.drive, described.slope, described.bodies
+    settings.ports, settings.bonded = described.ports, described.bonded
+    if settings.bonded != 0.0:
+        settings.without = float(int(settings.without) | ELASTIC | IMPLICIT)  # neither method supports bonds
     # flags that blocks may raise
     settings.has_modes = 0.0
     settings.slides = 0.0
@@ -56,16 +67,9 @@ def describe(column, given, detail):
         if code != OK:
             return code
     settings.slides = max(settings.slides, settings.off_axis)
-    describe_more(model, given)
     derive(model)
     clear(column.work.row, column.work.total)  # modal responses of the previous model
     return OK
-
-
-@varied
-def describe_more(model, given):
-    """Fill in fields that a model has besides, from the values behind the blocks in `given`: none here."""
-    return
 
 
 @kernel
@@ -84,6 +88,11 @@ def _describe_block(model, given, i, detail):
     # the law of the joint
     for k in range(_LAW_FIELDS):
         blocks.law[k * n + i] = row[_LAW_GIVEN + k]
+    # mortar
+    strength = block.joint_tensile_strength
+    bonded = settings.bonded != 0.0 and (strength > 0.0 or block.joint_cohesion > 0.0)
+    blocks.reach[i] = strength / blocks.stiffness[i] if bonded else -1.0
+    blocks.cohesion[i] = block.joint_cohesion
     # the face below, and the contact face
     below = Face(float(RECTANGLE), ENDLESS, ENDLESS, 0.0)
     if i + 1 < n:

@@ -9,12 +9,17 @@ the joints only become softer from there on, so that no step goes too far.
 import math
 from typing import Any, NamedTuple
 
+from ..formulations.bonds import keep_bond, motion_of_joint
+from ..joint.bond import Bond, bonded_part
 from ..joint.law import loaded_part
+from ..joint.resultants import is_bonded
 from ..joint.sliding import opening_felt
-from ..numba_ext.jit import kernel, varied, varied_leaf
+from ..numba_ext.jit import kernel, leaf
 from ..sections.section import contact_of, forces_over, part_stiffness
 
 MOST_STEPS = 100
+CUTS = 1000  # iterations at most, until a column rests on the bonds that are left
+CUT = 1e-9  # relative to the contact: a smaller cut is ignored
 CLOSE = 1e-7  # relative to the rotation floor: a last correction, as the next one would be below rounding
 
 
@@ -46,15 +51,41 @@ class JointAtRest(NamedTuple):
     spread: float  # N m, of the weight, by the mean rotation of either face
 
 
-@varied
+@kernel
 def find_rest(model, phase, room):
-    """Move a phase from the straight column to its rest; return True if a stable rest exists. Slips stay."""
-    return balance(model, phase, room)
+    """Move a phase from the straight column to its rest; return True if a stable rest exists. Slips stay.
+
+    Bonds are cut until those that are left bear the weight.
+    """
+    if not is_bonded(model):
+        return _balance(model, phase, room)
+    for _ in range(CUTS):
+        if not _balance(model, phase, room):
+            return False
+        if not _cut_bonds(model, phase):
+            return True
+    return False
 
 
 @kernel
-def balance(model, phase, room):
-    """Find the rest from a phase near it, as `find_rest`, without changing what joints remember."""
+def _cut_bonds(model, phase):
+    """Cut the bonds by the part of each that breaks in a phase at rest; return True if any is cut."""
+    blocks, found = model.blocks, False
+    for i in range(model.n):
+        bond = Bond(phase.bond_left[i], phase.bond_right[i], blocks.reach[i])
+        if bond.left < bond.right:
+            contact = contact_of(blocks, i, phase.slip[i])
+            opening, slope, _, _ = motion_of_joint(model, phase, i)
+            left, right = bonded_part(contact, bond, opening, slope)
+            if (right - left) < (bond.right - bond.left) - CUT * (contact.right - contact.left):
+                keep_bond(phase, model, i, left, right)
+                found = True
+    return found
+
+
+@kernel
+def _balance(model, phase, room):
+    """Find the rest from a phase near it, as `find_rest`, with the bonds as they are."""
     enough = CLOSE * model.settings.rotation_floor
     row = _Row(room.a, room.b, room.c, room.d, room.e, room.f, room.g)
     # Newton's method: eliminate from the top down, then correct from the base up
@@ -77,10 +108,18 @@ def balance(model, phase, room):
     return False
 
 
-@varied_leaf
-def bearing_part(model, phase, i, left, right, opening, slope):
-    """Return the part (lo, hi) of the contact of joint i, left to right (m), that bears at rest; lo >= hi if none."""
-    return loaded_part(left, right, 0.0, opening, slope, 0.0, 0.0)
+@leaf
+def _bearing_part(model, phase, i, left, right, opening, slope):
+    """Return the part (lo, hi) of the contact of joint i, left to right (m), that bears at rest; lo >= hi if none.
+
+    It is one interval, of the bond and the loaded part. A crack at rest is open on its side.
+    """
+    lo, hi = loaded_part(left, right, 0.0, opening, slope, 0.0, 0.0)
+    if not (is_bonded(model) and phase.bond_left[i] < phase.bond_right[i]):
+        return lo, hi
+    if not lo < hi:
+        return phase.bond_left[i], phase.bond_right[i]
+    return min(lo, phase.bond_left[i]), max(hi, phase.bond_right[i])
 
 
 @kernel
@@ -96,7 +135,7 @@ def joint_about(model, phase, i, carried):
     contact, stiffness = contact_of(blocks, i, slip), blocks.stiffness[i]
     felt = opening_felt(opening, slip, slope)
     # forces of the pressure
-    lo, hi = bearing_part(model, phase, i, contact.left, contact.right, felt, slope)
+    lo, hi = _bearing_part(model, phase, i, contact.left, contact.right, felt, slope)
     is_full = lo == contact.left and hi == contact.right
     normal, moment = 0.0, 0.0
     if lo < hi:

@@ -8,19 +8,40 @@ import math
 from typing import NamedTuple
 
 from ..layout.spaces import MOST_INPUT
-from ..numba_ext.jit import kernel, leaf, varied, varied_leaf
+from ..numba_ext.jit import kernel, leaf
 from .exact import Motion
+from .loads import push_ports
 
 
 class Samples(NamedTuple):
-    """A record: rows of `size` instants (s) and accelerations (m/s2); size is 0 without one."""
+    """A record: samples of the base acceleration, and of the loads on ports.
+
+    Attributes
+    ----------
+    size : int
+        Number of instants; 0 without a record.
+    times : row
+        Instants (s), which may continue after the samples of the base.
+    ax, az : row
+        Accelerations of the base (m/s2).
+    scale : float
+        Factor on the accelerations.
+    held : int
+        1 if each sample is held until the next.
+    shaken : int
+        Number of samples of the base.
+    loads : row
+        Loads on ports on each segment by component, then their slopes, if there are any.
+    """
 
     size: int
     times: object
     ax: object
     az: object
     scale: float
-    held: int  # 1: each sample is held until the next
+    held: int
+    shaken: int
+    loads: object
 
 
 SOON = 0.1  # rad of the harmonic part, within which the polynomials are exact to rounding
@@ -40,10 +61,10 @@ def segment_at(samples, t):
     return low - 1
 
 
-@varied_leaf
+@leaf
 def is_silent(samples, k):
-    """Return True if the record is zero from sample k on until the next."""
-    return k < 0 or k >= samples.size - 1
+    """Return True if the acceleration of the record is zero from sample k on until the next."""
+    return k < 0 or k >= samples.shaken - 1
 
 
 @leaf
@@ -134,28 +155,17 @@ def wave(base, t):
     return begun + (begun * dip + across * sine), across + (across * dip - begun * sine)
 
 
-@varied_leaf
-def moving(base, samples, t, ax, az, theta, omega, alpha):
-    """Return the motion of the base at time t from its components, with the loads at that time: none here."""
-    return Motion(ax, az, theta, omega, alpha)
-
-
-@varied_leaf
-def is_loaded(base, samples):
-    """Return True if a load acts on the present segment, or begins to: never here."""
-    return False
-
-
 @leaf
-def base_motion(base, samples, t):
+def base_motion(column, t):
     """Return the motion of the base at time t, within a step that began on the present segment or soon after."""
-    sine = wave(base, t)[0] if base.wave_amplitude != 0.0 else 0.0
-    return base_motion_beside(base, samples, t, sine)
+    sine = wave(column.base, t)[0] if column.base.wave_amplitude != 0.0 else 0.0
+    return base_motion_beside(column, t, sine)
 
 
 @leaf
-def base_motion_beside(base, samples, t, sine):
+def base_motion_beside(column, t, sine):
     """Return `base_motion` from the value of `wave` at that time (sine)."""
+    base, samples = column.base, column.samples
     past = t - base.t0
     ax, _, az, _ = base_line(base, samples, t)
     if samples.size > 0 and t > base.piece_end and not samples.held:
@@ -169,7 +179,15 @@ def base_motion_beside(base, samples, t, sine):
     if amplitude != 0.0:
         ax += amplitude * sine
     turn, spin = base_turn(base, t), base_spin(base, t)
-    return moving(base, samples, t, ax, az, turn, spin, base.alpha + past * base.jalpha)
+    return Motion(ax, az, turn, spin, base.alpha + past * base.jalpha)
+
+
+@leaf
+def moved_and_loaded(column, t):
+    """Return `base_motion`, and leave the loads at that time in the work of the column until the next call."""
+    if column.work.loading.general != 0.0:
+        push_ports(column, t)
+    return base_motion(column, t)
 
 
 @leaf
@@ -216,7 +234,7 @@ def to_next_sample(base, samples, t, left):
     return ahead if ahead < left - SAMPLE_SLACK * (base.piece_end - base.piece_begin) else left
 
 
-@varied
+@kernel
 def smooth_reach(base, samples, t, step, left, roughest):
     """Return the time (s) from t over which a step may go: at most `left`, not across a jump or kinks that matter.
 

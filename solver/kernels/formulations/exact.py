@@ -14,26 +14,25 @@ The T of a joint that slides (section 9) is given by friction: its row leaves th
 slip follows. `joints` holds which joints slide, and which way. An offset of a block is a slip that it is built with;
 joints inclined as built change the angles between blocks and joints (section 12).
 
-One function serves one column and lanes of eight. Loads on blocks, where the type of the motion has some, enter by
-`with_couple` and `with_push` (kernels/ports/).
+One function serves one column and lanes of eight. Loads on blocks enter by `with_couple` and `with_push` (loads.py).
 """
 
 from typing import NamedTuple
 
-from ..joint.law import resultants_of
+from ..joint.resultants import resultants_of, shear_capacity
 from ..joint.sliding import (
     can_slide,
     opening_felt,
     opening_rate_felt,
     pressure_shear,
     rim_force,
-    shear_capacity,
     slip_if,
 )
-from ..numba_ext.jit import kernel, leaf, varied_leaf
+from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, magnitude, where
 from ..numba_ext.numbers import half_sine_cosine, sine_cosine
 from ..numba_ext.views import Record
+from .loads import with_couple, with_push
 
 
 class Motion(NamedTuple):
@@ -80,33 +79,25 @@ def joint_row(room, i):
 
 
 @leaf
-def exact_accelerations(model, phase, motion, joints, hold, room):
-    """Fill in the accelerations of a phase from its coordinates and rates, and the resultants of its joints."""
+def exact_accelerations(model, phase, motion, loads, bonds, joints, hold, room):
+    """Fill in the accelerations of a phase from its coordinates and rates, and the resultants of its joints.
+
+    loads: those on the ports (`Loads`); bonds: those of the joints (`Bonds`). With None a version is compiled without
+    them, which is faster by up to a sixth.
+    """
     if can_slide(model):  # compiled twice: the one without slips is a sixth faster
-        _accelerations(model, phase, motion, joints, hold, room, True)
+        _accelerations(model, phase, motion, loads, bonds, joints, hold, room, True)
     else:
-        _accelerations(model, phase, motion, joints, hold, room, False)
+        _accelerations(model, phase, motion, loads, bonds, joints, hold, room, False)
 
 
 @leaf
-def _accelerations(model, phase, motion, joints, hold, room, slides):
+def _accelerations(model, phase, motion, loads, bonds, joints, hold, room, slides):
     """Compute `exact_accelerations` for either kind of column; slides: whether slips are coordinates."""
     _turn(phase, room, model.n)
-    _bear(model, phase, joints, hold, room, slides)
-    right, opens = _downwards(model, phase, motion, joints, room, slides)
+    _bear(model, phase, bonds, joints, hold, room, slides)
+    right, opens = _downwards(model, phase, motion, loads, joints, room, slides)
     _upwards(model, phase, motion, joints, room, right, opens, slides)
-
-
-@varied_leaf
-def with_couple(motion, model, phase, i, couple):
-    """Return the couple on block i (N m) with that of the loads on it: none here."""
-    return couple
-
-
-@varied_leaf
-def with_push(motion, model, phase, i, joint, right, opens):
-    """Return right side and opening of the row of a joint of block i, with the part of the loads on it: none here."""
-    return right, opens
 
 
 @leaf
@@ -120,7 +111,7 @@ def _turn(phase, room, n):
 
 
 @leaf
-def _bear(model, phase, joints, hold, room, slides):
+def _bear(model, phase, bonds, joints, hold, room, slides):
     """Compute N and M of each joint, and T of those that slide, from the joint's motion alone."""
     n, blocks = model.n, model.blocks
     off_axis = slides and any_of(model.settings.off_axis != 0.0)
@@ -139,7 +130,7 @@ def _bear(model, phase, joints, hold, room, slides):
             felt_rate = opening_rate_felt(felt_rate, slip, slip_rate, slope, slope_rate)
         # forces of the pressure
         motion = felt, slope, felt_rate, slope_rate, slip
-        normal, moment, length = resultants_of(model, joints, hold, i, *motion)
+        normal, moment, length = resultants_of(model, bonds, joints, hold, i, *motion)
         if slides:
             here.under_sine, here.under_cosine = sine, cosine
             # angles of both blocks to the normal of the joint, as built (section 12)
@@ -153,7 +144,7 @@ def _bear(model, phase, joints, hold, room, slides):
             moment += across
             here.across = across
             joints.pressure_shear[i] = pressure_shear(normal, sine, rim_force(blocks, i, felt, slope, slip))
-            joints.shear_capacity[i] = shear_capacity(model, joints, i, normal)
+            joints.shear_capacity[i] = shear_capacity(model, bonds, joints, i, normal)
             here.given = joints.pressure_shear[i] - joints.sliding[i] * joints.shear_capacity[i]
         here.turned = moment * cosine
         joints.normal[i] = normal
@@ -162,7 +153,7 @@ def _bear(model, phase, joints, hold, room, slides):
 
 
 @leaf
-def _downwards(model, phase, motion, joints, room, slides):
+def _downwards(model, phase, motion, loads, joints, room, slides):
     """Finish and eliminate the row of the joint above each block; return right side and opening of the base joint.
 
     Both are without the acceleration of the base.
@@ -172,7 +163,7 @@ def _downwards(model, phase, motion, joints, room, slides):
     spin_below = _spin_below(phase, motion, 0, n)
     # the top block
     half, _, _, diagonal, right, opens = _over_joint(
-        model, phase, motion, joints, room, 0, spin, spin_below, 0.0, slides
+        model, phase, motion, loads, joints, room, 0, spin, spin_below, 0.0, slides
     )
     for i in range(1, n):
         spin = spin_below
@@ -190,7 +181,7 @@ def _downwards(model, phase, motion, joints, room, slides):
         # contribution of the block to the row of the joint below it
         half_above = half
         half, p, free_alpha, diagonal_below, right_below, opens_below = _over_joint(
-            model, phase, motion, joints, room, i, spin, spin_below, couple, slides
+            model, phase, motion, loads, joints, room, i, spin, spin_below, couple, slides
         )
         # and to the row of the joint above it
         q = upper_cosine + half_above
@@ -200,7 +191,8 @@ def _downwards(model, phase, motion, joints, room, slides):
         cosine_beta = (cosine_above * cosine - sine_above * sine) * per_mass
         right += (upper_sine * square - normal * sine_beta) + q * free_alpha
         opens += upper_cosine * square - normal * cosine_beta
-        right, opens = with_push(motion, model, phase, i, i - 1, right, opens)
+        if loads is not None:
+            right, opens = with_push(loads, motion, model, phase, i, i - 1, right, opens)
         # eliminate that row (section 8)
         pivot = 1.0 / (diagonal + q * q_turns)
         coupling = p * q_turns - cosine_beta
@@ -234,7 +226,7 @@ def _spin_below(phase, motion, i, n):
 
 
 @leaf
-def _over_joint(model, phase, motion, joints, room, i, spin, spin_below, couple, slides):
+def _over_joint(model, phase, motion, loads, joints, room, i, spin, spin_below, couple, slides):
     """Return the contribution of block i to the row of the joint under it; couple: N m, on the block from above.
 
     Returns half of the opening (m), the lever of T_i (m), free alpha (rad/s2), and the block's part of diagonal, right
@@ -253,7 +245,8 @@ def _over_joint(model, phase, motion, joints, room, i, spin, spin_below, couple,
     couple = (normal * lower_sine - here.turned) + couple
     if slides:
         couple += here.across
-    couple = with_couple(motion, model, phase, i, couple)
+    if loads is not None:
+        couple = with_couple(loads, motion, model, phase, i, couple)
     free_alpha = per_inertia * couple
     # its part of the row
     diagonal = per_masses + p * p_turns
@@ -262,7 +255,8 @@ def _over_joint(model, phase, motion, joints, room, i, spin, spin_below, couple,
     if slides:
         opens += phase.slip_rate[i] * both_spins
         right -= 0.25 * phase.slip[i] * both_spins * both_spins
-    right, opens = with_push(motion, model, phase, i, i, right, opens)
+    if loads is not None:
+        right, opens = with_push(loads, motion, model, phase, i, i, right, opens)
     here.free_alpha = free_alpha
     here.turn_below = p_turns
     return half, p, free_alpha, diagonal, right, opens

@@ -1,13 +1,20 @@
 """The output row: all quantities of a column at one instant that a user can see."""
 
-from ..joint.law import largest_pressure, law_of
+from ..joint.law import law_of
+from ..joint.resultants import largest_pressure
 from ..joint.sliding import can_slide, opening_felt, opening_rate_felt, slip_if
-from ..layout.spaces import OK
-from ..numba_ext.jit import kernel, leaf, varied, varied_leaf
+from ..layout.spaces import OK, PORTS, ROW, SPOTS
+from ..numba_ext.jit import kernel, leaf, varied
 from ..numba_ext.numbers import half_sine_cosine, sine_cosine
 from ..sections.section import contact_of
+from .bonds import lost_share
 from .dispatch import top_motion
+from .loads import places_of_ports, ports_of
+from .ports import see_points
 from .slips import evaluate_after_jump
+
+_ports, _spots, _SEEN = PORTS.over, SPOTS.over, len(SPOTS.fields)
+_ROW_PER_N, _ROW_BESIDE = ROW.per_n, ROW.beside
 
 
 @kernel
@@ -17,14 +24,27 @@ def observe(column, phase, motion, row):
     if code == OK:
         top_motion(column, phase, row.joints.ux, column.work.tops.between_rate, motion.theta, motion.omega)
         show(column, phase, column.work.joints, motion, row)
-        show_more(column, phase, motion, row)
+        # outputs of ports, then of bonds, behind the row
+        behind = row.buffer[_ROW_PER_N * column.model.n + _ROW_BESIDE :]
+        show_ports(column, phase, motion, behind)
+        _show_bonds(column, behind[_SEEN * ports_of(column) :])
     return code
 
 
-@varied_leaf
-def show_more(column, phase, motion, row):
-    """Fill in the values behind the output row of an evaluated phase: none here."""
-    return
+@leaf
+def show_ports(column, phase, motion, row):
+    """Fill a row with the motion of the ports (SPOTS) in an evaluated phase."""
+    count = ports_of(column)
+    if count > 0:
+        see_points(motion, column.model, phase, _ports(places_of_ports(column), count), _spots(row, count))
+
+
+@leaf
+def _show_bonds(column, row):
+    """Fill a row with the share of each bond that is left in the last evaluation."""
+    joints = column.work.joints
+    for i in range(int(column.work.slips.bonds)):
+        row[i] = 1.0 - lost_share(column.model, i, joints.bonded_left[i], joints.bonded_right[i])
 
 
 @varied
@@ -63,7 +83,7 @@ def show(column, phase, resultants, motion, row):
             felt = opening_felt(opening, slip, slope)
             felt_rate = opening_rate_felt(opening_rate, slip, slip_rate, slope, slope_rate)
         joints.theta[i] = theta
-        show_joint(blocks, i, resultants, sine, cosine, felt, slope, felt_rate, slope_rate, slip, joints)
+        show_joint(model, i, resultants, sine, cosine, felt, slope, felt_rate, slope_rate, slip, joints)
         # base reaction
         if i == n - 1:
             normal, moment, tangential = resultants.normal[i], resultants.moment[i], resultants.tangential[i]
@@ -74,9 +94,10 @@ def show(column, phase, resultants, motion, row):
 
 
 @leaf
-def show_joint(blocks, i, resultants, sine, cosine, opening, slope, opening_rate, slope_rate, slip, joints):
+def show_joint(model, i, resultants, sine, cosine, opening, slope, opening_rate, slope_rate, slip, joints):
     """Fill the outputs of joint i, whose normal is turned by an angle of this sine and cosine."""
     normal, moment, tangential = resultants.normal[i], resultants.moment[i], resultants.tangential[i]
+    blocks = model.blocks
     contact, law, length = contact_of(blocks, i, slip), law_of(blocks, i), resultants.length[i]
     # forces, then contact, pressure and slip
     joints.N[i] = normal
@@ -85,5 +106,5 @@ def show_joint(blocks, i, resultants, sine, cosine, opening, slope, opening_rate
     joints.T[i] = -tangential
     joints.contact[i] = length / (contact.right - contact.left)
     motion = opening, slope, opening_rate, slope_rate
-    joints.sigma_max[i] = largest_pressure(resultants, i, contact, law, length, *motion)
+    joints.sigma_max[i] = largest_pressure(model, resultants, i, contact, law, length, *motion)
     joints.slip[i] = slip - blocks.offset[i]

@@ -3,20 +3,23 @@
 The functions that decide serve one column and lanes of eight.
 """
 
+from ..joint.resultants import is_bonded
 from ..joint.sliding import can_slide
-from ..layout.spaces import OK, PHASE_FIELDS, RIGID_FIELDS, SNAPSHOT
-from ..numba_ext.jit import kernel, leaf, varied, varied_leaf
+from ..layout.spaces import OK, PHASE, PHASE_FIELDS, RIGID_FIELDS, SNAPSHOT
+from ..numba_ext.jit import kernel, leaf, varied
 from ..numba_ext.lanes import magnitude, where
 from ..numba_ext.views import copy
+from .bonds import drop_bonds, keep_lost, take_bonds
 from .dispatch import evaluate
 
-_SNAPSHOT_BESIDE = SNAPSHOT.beside
+_SNAPSHOT_BESIDE, _PHASE_PER_N = SNAPSHOT.beside, PHASE.per_n
 
 
-@varied_leaf
+@leaf
 def phase_size(work):
-    """Return the number of values of a phase to copy."""
-    return (PHASE_FIELDS if work.slips.count != 0.0 else RIGID_FIELDS) * work.n
+    """Return the number of values of a phase to copy: with slips and bonds, where there are any."""
+    fields = PHASE_FIELDS if work.slips.count != 0.0 else RIGID_FIELDS
+    return (_PHASE_PER_N if work.slips.bonds != 0.0 else fields) * work.n
 
 
 @leaf
@@ -27,14 +30,15 @@ def size_of_snapshot(work):
 
 @leaf
 def keep_slips(work, phase):
-    """Copy the slips of the start of the step, if there are any, to a phase."""
+    """Copy the slips and bonds of the start of the step, if there are any, to a phase."""
     copy(phase.slips, work.start.slips, phase_size(work) - RIGID_FIELDS * work.n)
 
 
 @leaf
 def begin_slips(model, work):
-    """Note whether the phases in `work` have slips."""
+    """Note whether the phases in `work` have slips and bonds."""
     work.slips.count = model.n if can_slide(model) else 0.0
+    work.slips.bonds = model.n if is_bonded(model) else 0.0
 
 
 @kernel
@@ -47,24 +51,6 @@ def take_directions(work, phase):
 def note_directions(work, phase):
     """Store in a phase the directions in which the joints slide."""
     copy(phase.sliding, work.joints.sliding, int(work.slips.count))
-
-
-@varied_leaf
-def take_memory(work, phase):
-    """Load the memory of the joints from a phase: none here."""
-    return
-
-
-@varied_leaf
-def keep_memory(work, phase):
-    """Store in a phase within a step the memory of the joints at its start: none here."""
-    return
-
-
-@varied_leaf
-def note_memory(column, phase):
-    """Store in a phase, just evaluated, at the end of a step the memory of its joints from then on: none here."""
-    return
 
 
 @leaf
@@ -86,19 +72,24 @@ def shear_margin(joints, i):
 def evaluate_after_jump(column, phase, motion):
     """Evaluate a phase where forces may have jumped: joints at rest stick or slide as their forces require.
 
-    The moving joints are those of the phase, which is changed where one of them has come to rest. Returns a code.
+    The moving joints are those of the phase, which is changed where one of them has come to rest. Joints that slide
+    lose their bonds. Returns a code.
     """
+    work = column.work
+    take_bonds(work, phase)
     if not can_slide(column.model):
         return evaluate(column, phase, motion)
-    work = column.work
     stop_what_is_still(work.joints, phase, work.n)
+    drop_bonds(work)
     evaluate(column, phase, motion)
     # each change of direction changes the forces: iterate
     for _ in range(2 * work.n + 2):
         if not change_directions(work.joints, phase, work.n):
             break
+        drop_bonds(work)
         evaluate(column, phase, motion)
     note_directions(work, phase)
+    keep_lost(column.model, work, phase)
     return OK
 
 

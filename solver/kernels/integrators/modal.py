@@ -173,7 +173,7 @@ def _reach(column, modal, half, t, h, sine):
     here, to = (stage(work, 1), modal.mean) if half == 0 else (work.end, modal.last)
     _multiply(model, shapes_of(model), to.row, here.row, 2)
     # evaluate on the base
-    motion = base_motion_beside(column.base, column.samples, t, sine)
+    motion = base_motion_beside(column, t, sine)
     then = motion.ax, model.settings.gravity + motion.az
     evaluate(column, here, motion)
     if _opens(model, work.start if half == 0 else stage(work, 1), here, 0.5 * h):

@@ -1,18 +1,18 @@
 """The phases within a step: the inner stages of a Runge-Kutta method, and the numbers that its sums take."""
 
 from ..joint.sliding import has_no_slips
-from ..layout.spaces import PHASE, PHASE_FIELDS
-from ..numba_ext.jit import by_width, varied_leaf
+from ..layout.spaces import PHASE
+from ..numba_ext.jit import by_width, leaf
 from ..numba_ext.lanes import LANES
 
-_phase = PHASE.over
+_phase, _PHASE_PER_N = PHASE.over, PHASE.per_n
 
 
-@varied_leaf
+@leaf
 def stage(work, k):
     """Return the phase of inner stage k, counted from 1."""
     n = work.n
-    return _phase(work.stages[PHASE_FIELDS * n * (k - 1) :], n)
+    return _phase(work.stages[_PHASE_PER_N * n * (k - 1) :], n)
 
 
 @by_width

@@ -11,7 +11,7 @@ for lanes. A single column may also be held in a regime (regimes.py).
 from typing import NamedTuple
 
 from ..layout.spaces import LAW
-from ..numba_ext.jit import by_width, kernel, leaf, varied_leaf
+from ..numba_ext.jit import by_width, kernel, leaf
 from ..numba_ext.lanes import LanesType, greater, lesser, magnitude, mirrored, where
 from ..sections.section import (
     ROUND,
@@ -266,12 +266,6 @@ def _resultants_of_round_lanes(blocks, hold, i, opening, slope, opening_rate, sl
     return force, mirrored(moment, slope), length
 
 
-@varied_leaf
-def resultants_of(model, joints, hold, i, opening, slope, opening_rate, slope_rate, slip):
-    """Return `resultants` of joint i of a column whose `joints` have no memory."""
-    return resultants(model.blocks, hold, i, opening, slope, opening_rate, slope_rate, slip)
-
-
 @kernel
 def joint_peak_pressure(contact, law, length, opening, slope, opening_rate, slope_rate):
     """Return the largest pressure on the joint (Pa).
@@ -289,12 +283,6 @@ def joint_peak_pressure(contact, law, length, opening, slope, opening_rate, slop
     mean = -(opening + law.damping * opening_rate)
     gradient = slope + law.damping * slope_rate
     return max(0.0, law.stiffness * (mean + gradient * (hi if gradient > 0.0 else lo)))
-
-
-@varied_leaf
-def largest_pressure(joints, i, contact, law, length, opening, slope, opening_rate, slope_rate):
-    """Return `joint_peak_pressure` of joint i."""
-    return joint_peak_pressure(contact, law, length, opening, slope, opening_rate, slope_rate)
 
 
 @leaf

@@ -7,7 +7,7 @@ dowel bear the rest.
 """
 
 from ..layout.spaces import STRIP_NUMBERS
-from ..numba_ext.jit import by_width, leaf, varied_leaf
+from ..numba_ext.jit import by_width, leaf
 from ..numba_ext.lanes import LANES, LanesType, any_of, greater, where
 from ..sections.band import band_push
 from ..sections.faces import LENS, ON_RING
@@ -209,9 +209,3 @@ def _push_at(contact, stiffness, edge, opening, slope):
     """Return the outward force (N) of a straight rim at this edge of the contact."""
     pressed = max(0.0, slope * edge - opening)
     return 0.5 * stiffness * pressed * pressed * depth_at(contact, edge)
-
-
-@varied_leaf
-def shear_capacity(model, joints, i, normal):
-    """Return the shear capacity of joint i by friction and dowel (N): unbounded (RIGID) if it never slides."""
-    return model.blocks.friction[i] * normal + model.blocks.dowel[i]

@@ -9,7 +9,7 @@
 Block 1 is the top block, joint i lies under block i. A *phase* is coordinates, rates, accelerations: the coordinates
 are the rotations theta relative to the base and the joint openings, or in their places the displacements v and the
 settlements w of the paper (kernels/paper/). Where joints may slide, a second part of the phase follows, with the
-slips as coordinates; otherwise it is unused.
+slips as coordinates, and where they may be bonded by mortar a third, with the bonds; otherwise these are unused.
 """
 
 from typing import Any
@@ -49,6 +49,8 @@ SETTINGS = Record(
     "drive",  # how the base moves: a code of DRIVES
     "slope",  # how its acceleration goes on where a body drives it: a code of SLOPES
     "bodies",  # number of bodies that drive it
+    "ports",  # number of ports, which are stored behind the model (`model_room`)
+    "bonded",  # 1 where joints may be bonded by mortar: phases hold their bonds
 )
 MOST_STRIPS = 32  # of a section made of strips
 STRIP_NUMBERS = 2 + MOST_STRIPS  # how many strips, their width in m, their depths in m
@@ -77,6 +79,8 @@ BLOCKS = Table(
     "bore",  # m
     "friction",  # of the joint; 0: it never slides
     "dowel",  # N, shear capacity of the joint without friction
+    "reach",  # m, opening at which mortar breaks in tension; negative for a dry joint
+    "cohesion",  # Pa, shear capacity of the bonded part of the joint
     "offset",  # m, of the block over what is under it, as built: where its slip begins
     "lean",  # rad, of the joint against the horizontal, as built, clockwise
     "tilt",  # rad, of the block against the vertical, as built, clockwise
@@ -134,16 +138,20 @@ PHASE = Table(
     "friction_power",
     "slip_acceleration",
     "sliding",  # 1 or -1: slides that way, 0: sticks
+    "bond_left",  # m from the middle of the block: ends of the bonded part of the joint
+    "bond_right",
+    "bond_lost",  # broken share of the bond
     together={
         "coordinates": ("theta", "opening"),
         "rates": ("theta_rate", "opening_rate"),
         "accelerations": ("theta_acceleration", "opening_acceleration"),
         "slips": ("slip", "friction_work", "slip_rate", "friction_power", "slip_acceleration", "sliding"),
+        "bonds": ("bond_left", "bond_right", "bond_lost"),
     },
-    reach={"coordinates": 8, "rates": 10, "accelerations": 8},
+    reach={"coordinates": 8, "rates": 10, "accelerations": 8, "slips": 9},  # slips are copied with the bonds
 )
-PHASE_FIELDS = PHASE.per_n
 RIGID_FIELDS = 6  # of the first part
+PHASE_FIELDS = 12  # of the first two: those of a column without mortar
 # all outputs of a column at one instant (ROW below), and T / N
 OUTPUTS = Table("ux", "uz", "theta", "N", "M", "S", "contact", "sigma_max", "T", "slip")
 REACTION = Record("Fx", "Fz", "My")  # of the base: N, N, N m
@@ -237,9 +245,9 @@ BASE = Record(
 SNAPSHOT = Space(base=Record("ax", "az"), phase=PHASE)
 
 
-def snapshot_size(n: int, slips: bool) -> int:
+def snapshot_size(n: int, slips: bool, bonds: bool = False) -> int:
     """Return the length of a snapshot of n blocks."""
-    return SNAPSHOT.beside + (PHASE_FIELDS if slips else RIGID_FIELDS) * n
+    return SNAPSHOT.beside + (PHASE.per_n if bonds else PHASE_FIELDS if slips else RIGID_FIELDS) * n
 
 
 def phases_in(snapshots: Any) -> Any:
@@ -255,10 +263,17 @@ SPLIT = Record("R0x", "R0z", "R0m", "mxx", "mxz", "mxt", "mzz", "mzt", "mtt")  #
 # behind it where bodies may drive the base: its motion, m, rad, m/s, rad/s, m/s2, rad/s2
 DRIVEN = Record("x", "z", "theta", "vx", "vz", "omega", "ax", "az", "alpha")
 
-# --- ports (kernels/ports/): points of blocks at which loads act, and whose motion is seen
+# --- ports: points of blocks at which loads act (formulations/loads.py), and whose motion is seen
 PORTS = Table("body", "x", "z")  # number of the block; m, from its centroid along its axes as built
 LOAD = ("fx", "fz", "my")  # N, N, N m
 SPOTS = Table("x", "z", "vx", "vz", "ax", "az")  # m, m/s, m/s2: their outputs, behind an output row
+PUSHES = Table(*LOAD)  # the loads at an instant, behind the work of a column
+
+
+def work_size(n: int, ports: int) -> int:
+    """Return the length of the work of n blocks with ports."""
+    return WORK.size(n) + PUSHES.size(ports) + SPOTS.size(ports)
+
 
 # --- work
 JOINTS = Table(
@@ -270,6 +285,10 @@ JOINTS = Table(
     "shear_capacity",  # N, by friction and dowel; the joint slides beyond
     "sliding",  # 1 or -1: the joint slides that way, 0: it sticks; an input of an evaluation
     "overcome",  # 1 once an evaluation found a joint that sticks beyond what it bears
+    "bond_left",  # m from the middle of the block: the bond at the start of the step, an input of an evaluation
+    "bond_right",
+    "bonded_left",  # m: the part of it that is left in the evaluation
+    "bonded_right",
 )
 # scratch of one evaluation, which names the rows
 ROOM = Table("a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n", "o")
@@ -292,14 +311,21 @@ RESPONSE_FIELDS = 22  # of a mode over a step, 2 n modes
 RESPONSE_HEADER = 5
 RESPONSES = 2  # steps whose responses are kept
 TREND = Record("known", "margin")  # N, against sliding in the middle of the step
+# of the present call, set at its begin
+LOADING = Record(
+    "ports",  # number of ports
+    "recorded",  # not 0 where the record has loads
+    "general",  # not 0 where there are ports or bonds
+)
 SLIPS = Record(
     "count",  # slip coordinates: n where joints may slide, else 0
-    "change",  # 1 where a joint begins or ceases to slide at the end of the step
+    "change",  # 1 where forces jump at the end of the step: a joint begins or ceases to slide, or a bond breaks
+    "bonds",  # number of joints with bonds: n where joints may be bonded, else 0
 )
 
 WORK = Space(
     start=PHASE,
-    stages=Numbers(per_n=PHASE_FIELDS * (STAGES - 1)),
+    stages=Numbers(per_n=PHASE.per_n * (STAGES - 1)),
     end=PHASE,
     between=PHASE,
     bump=Numbers(per_n=3, beside=8),  # packs of eight may extend beyond `between`
@@ -308,6 +334,7 @@ WORK = Space(
     joints_halfway=JOINTS,
     hold=HOLD,
     slips=SLIPS,
+    loading=LOADING,
     room=ROOM,
     tops=TOPS,
     counts_from=Numbers(per_n=1),  # N, from which on T / N counts
@@ -341,9 +368,16 @@ MOST_INPUT = 1e6  # of each input of the base, in its unit
 
 
 @in_both
+def model_room(n: int) -> int:
+    """Return the length of the largest packed model of n blocks; its ports are stored behind it."""
+    return _MODEL_PER_N * n + _MODEL_BESIDE + (modal_size(n) if n <= MODAL_MOST else 0)
+
+
+@in_both
 def modal_size(n: int) -> int:
     """Return the length of the modal data of n blocks."""
     return _MODAL_BESIDE + 2 * n * _MODE_FIELDS + 8 * n * n
 
 
 _MODAL_BESIDE, _MODE_FIELDS = MODAL_LIMITS.beside, MODE.beside
+_MODEL_PER_N, _MODEL_BESIDE = MODEL.per_n, MODEL.beside

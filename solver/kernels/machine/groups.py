@@ -20,10 +20,8 @@ class Group(NamedTuple):
 
 
 GROUPS = {
-    "column": Group("api.entries", "columns", 37),
+    "column": Group("api.entries", "columns", 45),
     "statics": Group("api.entries", "joints", 6),
-    "ports": Group("ports.entries", "columns with ports", 35),
-    "bonds": Group("bonds.entries", "columns with brittle joints", 44),
     "paper": Group("paper.entries", "the paper's columns", 15),
     "paper_lanes": Group("paper.entries", "the paper's columns in lanes", 8),
     "lanes": Group("batch.entries", "columns in lanes", 12),

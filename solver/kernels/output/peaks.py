@@ -8,21 +8,24 @@ if it is not accurate enough, parabolic interpolation repeats until the predicte
 In columns whose joints can slide all steps are examined.
 """
 
-from ..formulations.base_motion import base_motion
+from ..formulations.base_motion import moved_and_loaded
+from ..formulations.bonds import keep_bonds
 from ..formulations.dispatch import base_as_shown
-from ..formulations.outputs import show
-from ..formulations.slips import evaluate_after_jump, keep_memory, phase_size
+from ..formulations.loads import ports_of, scratch_of_ports
+from ..formulations.outputs import show, show_ports
+from ..formulations.slips import evaluate_after_jump, phase_size
 from ..integrators.bracket import bracket, narrowed, trial_within
 from ..integrators.interpolation import interpolate_phase, refine
 from ..integrators.stage import stage
 from ..joint.sliding import can_slide
-from ..layout.spaces import COUNTS_FROM, OK, OUTPUTS, PEAKS, PIECES, ROW
-from ..numba_ext.jit import kernel, leaf, varied_leaf
+from ..layout.spaces import COUNTS_FROM, OK, OUTPUTS, PEAKS, PIECES, ROW, SPOTS, STATE
+from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import greater, magnitude, opposite, where
 from ..numba_ext.views import copy
 
 _peaks, _row = PEAKS.over, ROW.over
-_PER_N, _BESIDE = PEAKS.per_n, PEAKS.beside
+_PER_N, _BESIDE, _SEEN = PEAKS.per_n, PEAKS.beside, len(SPOTS.fields)
+_STATE_PER_N, _STATE_BESIDE = STATE.per_n, STATE.beside
 _OF_JOINTS = OUTPUTS.per_n
 _CONTACT = OUTPUTS.fields.index("contact")
 _FRICTION = (PEAKS.per_n - 1, PEAKS.beside)  # first place: per n, and beside
@@ -79,7 +82,7 @@ def track_extremes(column, t, h):
     _show(column, work.end, work.joints, base_as_shown(column, t + h), end)
     roughly = _see_middle(column, t, h)
     # mostly no quantity can exceed its peak within
-    if not _raise_by_end(column) and not examines_all(column):
+    if not _raise_by_end(column) and not _examines_all(column):
         return
     # samples at the ends of the pieces, and the extremes between them
     for k in range(1, PIECES):
@@ -130,19 +133,24 @@ def _show(column, phase, resultants, motion, seen):
         normal = visible.joints.N[i]
         visible.friction[i] = abs(visible.joints.T[i]) / normal if normal > from_[i] else 0.0
         visible.joints.contact[i] = 1.0 - visible.joints.contact[i]
-    raise_port_peaks(column, phase, motion)
+    if ports_of(column) > 0:
+        _raise_port_peaks(column, phase, motion)
 
 
-@varied_leaf
-def raise_port_peaks(column, phase, motion):
-    """Do nothing: no ports. Versions raise the peaks of the ports by their motion in an evaluated phase."""
-    return
+@kernel
+def _raise_port_peaks(column, phase, motion):
+    """Raise the peaks of the ports, behind the state, by their motion in an evaluated phase."""
+    n = column.model.n
+    peaks, scratch = column.state.buffer[_STATE_PER_N * n + _STATE_BESIDE :], scratch_of_ports(column)
+    show_ports(column, phase, motion, scratch)
+    for j in range(_SEEN * ports_of(column)):
+        peaks[j] = max(peaks[j], abs(scratch[j]))
 
 
-@varied_leaf
-def examines_all(column):
-    """Return True if every step is examined, since more quantities than the row shows may exceed their peaks."""
-    return can_slide(column.model)
+@leaf
+def _examines_all(column):
+    """Return True if every step is examined, since quantities that the row does not show may exceed their peaks."""
+    return can_slide(column.model) or ports_of(column) > 0
 
 
 @kernel
@@ -159,8 +167,8 @@ def _see_within(column, t, h, s, seen):
     work = column.work
     interpolate_phase(work, h, s)
     copy(work.between.sliding, work.end.sliding, int(work.slips.count))  # the joints slide as during the step
-    keep_memory(work, work.between)
-    _see(column, base_motion(column.base, column.samples, t + s * h), seen)
+    keep_bonds(work, work.between)
+    _see(column, moved_and_loaded(column, t + s * h), seen)
 
 
 @kernel

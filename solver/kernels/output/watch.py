@@ -6,14 +6,13 @@ Requests never change the steps. They cost evaluations of their own (`counts.loo
 from typing import NamedTuple
 
 from ..formulations.base_motion import base_motion, base_rotates, base_spin, base_turn
+from ..formulations.bonds import keep_bonds, take_bonds
 from ..formulations.dispatch import reach_of, top_motion
 from ..formulations.slips import (
-    keep_memory,
     note_directions,
     phase_size,
     size_of_snapshot,
     take_directions,
-    take_memory,
 )
 from ..integrators.interpolation import (
     interpolate_acceleration,
@@ -63,7 +62,7 @@ def begin_watching(column, watch, motion, evaluated):
         evaluations, sweeps = column.counts.evaluations, column.counts.sweeps
         begin_extremes(column, motion, evaluated)
         take_directions(work, work.start)
-        take_memory(work, work.start)
+        take_bonds(work, work.start)
         _count_looks(column.counts, evaluations, sweeps)
 
 
@@ -76,7 +75,7 @@ def watch_step(column, watch, t, h):
     if _keeps_all(column, watch):  # first: it needs the resultants of the end of the step
         track_extremes(column, t, h)
         take_directions(column.work, column.work.end)
-        take_memory(column.work, column.work.start)
+        take_bonds(column.work, column.work.start)
     if watch.peaks:
         track_peaks(column, t, h)
     take_snapshots(column, watch, t, h)
@@ -168,8 +167,8 @@ def take_snapshots(column, watch, t, h):
         for i in range(2 * n):  # a guess: they are computed with the row
             snapshot.phase.accelerations[i] = interpolate_acceleration(work, i, s)
         note_directions(work, snapshot.phase)
-        keep_memory(work, snapshot.phase)
-        motion = base_motion(column.base, column.samples, t + s * h)
+        keep_bonds(work, snapshot.phase)
+        motion = base_motion(column, t + s * h)
         snapshot.base.ax = motion.ax
         snapshot.base.az = motion.az
 

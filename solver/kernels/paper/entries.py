@@ -15,7 +15,7 @@ from .lanes import SPACE, follow_fixed_steps
 @kernel
 def _assemble(column, given, from_rest, scratch, detail):
     """Assemble the column at rest; return a code. from_rest and scratch are not used."""
-    code = describe(column, given.row, detail)
+    code = describe(column, given, detail)
     if code != OK:
         return code
     factorize_mass(column.model)

@@ -124,7 +124,7 @@ def evaluate(column, phase, motion):
 
 @evaluate_at.version(of_paper)
 def _evaluate_at(column, phase, t):
-    return evaluate(column, phase, base_motion(column.base, column.samples, t))
+    return evaluate(column, phase, base_motion(column, t))
 
 
 @evaluate_after_jump.version(of_paper)

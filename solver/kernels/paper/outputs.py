@@ -22,7 +22,7 @@ def _show(column, phase, resultants, motion, row):
         phi, slope, slope_rate = 0.5 * (turn + turn_below), turn - turn_below, spin - spin_below
         joints.uz[i] = -phase.opening[i]
         joints.theta[i] = turn
-        show_joint(blocks, i, resultants, phi, 1.0, opening, slope, opening_rate, slope_rate, 0.0, joints)
+        show_joint(model, i, resultants, phi, 1.0, opening, slope, opening_rate, slope_rate, 0.0, joints)
         turn_below, spin_below = turn, spin
     # base reaction
     weight = 0.0
@@ -35,7 +35,7 @@ def _show(column, phase, resultants, motion, row):
 
 @base_as_shown.version(of_paper)
 def _base_as_shown(column, t):
-    return base_motion(column.base, column.samples, t)
+    return base_motion(column, t)
 
 
 @top_motion.version(of_paper)

@@ -8,23 +8,22 @@ from typing import NamedTuple
 
 from ..formulations.base_motion import (
     anchor_wave,
-    base_motion,
     ends_soon,
     enter,
     inputs_are_bounded,
-    is_loaded,
+    moved_and_loaded,
     smooth_reach,
     to_next_sample,
 )
+from ..formulations.bonds import note_bonds, take_bonds
 from ..formulations.dispatch import evaluate_at
 from ..formulations.exact import STILL
+from ..formulations.loads import is_loaded, ports_of, pushes_of, scratch_of_ports
 from ..formulations.slips import (
     evaluate_after_jump,
     note_directions,
-    note_memory,
     phase_size,
     take_directions,
-    take_memory,
 )
 from ..integrators import modal
 from ..integrators.error import error_in_tolerances
@@ -36,13 +35,15 @@ from ..layout.spaces import (
     CALL_TOO_LONG,
     HAS_OVERTURNED,
     INPUT_TOO_LARGE,
+    LOAD,
     OK,
     STEP_TOO_SMALL,
     TOO_MUCH_WORK,
 )
-from ..numba_ext.jit import kernel, leaf, varied, varied_leaf
+from ..numba_ext.jit import kernel, leaf, varied
 from ..numba_ext.views import copy
 from ..output.watch import begin_watching, take_held_snapshots, watch_step
+from .breaking import first_break
 from .condition import has_fallen, is_quiet, moment_of_overturning, rests, take_stock, widest_joint
 from .control import (
     ELASTIC_COST,
@@ -66,6 +67,7 @@ LEAST_CUT = 1e-4  # of a step: regimes that change sooner are not held
 # error of a step from the kinks of a record, in tolerances of a rate times the height of the lowest centroid
 KINKS = 20.0
 
+_COMPONENTS = len(LOAD)
 ROUNDING = 1e-13  # of the base acceleration: smaller changes are rounding, not jumps
 REJECTED = 0.0  # s advanced by a step that is to be attempted again
 ENDS = -1.0  # returned as the time advanced where the call is to end before the step
@@ -74,9 +76,12 @@ ENDS = -1.0  # returned as the time advanced where the call is to end before the
 # --- the base under the state
 
 
-@varied_leaf
-def belongs_to(control, motion):
-    """Return True if the accelerations of the state were computed for this motion of the base."""
+@leaf
+def belongs_to(column, motion):
+    """Return True if the accelerations of the state were computed for this motion of the base and for no loads."""
+    control = column.state.control
+    if ports_of(column) > 0:
+        return False  # the state does not hold the loads
     translates = motion.ax == control.base_ax and motion.az == control.base_az
     turns = motion.theta == control.base_theta and motion.omega == control.base_omega
     return translates and turns and motion.alpha == control.base_alpha
@@ -90,16 +95,27 @@ def keep_base(control, motion):
 
 
 @leaf
-def base_jumps(before, motion):
-    """Return True if the base acceleration jumps between two motions, by more than rounding (1e-13 of its value)."""
-    jump = max(abs(motion.ax - before.ax), abs(motion.az - before.az))
-    return not jump <= ROUNDING * max(abs(motion.ax), abs(motion.az))
+def _jumps(before, now):
+    """Return True if a value jumps by more than rounding."""
+    return not abs(now - before) <= ROUNDING * abs(now)
 
 
-@varied_leaf
-def jumps(before, motion):
-    """Return True if base acceleration or loads jump from one motion to the other, by more than rounding."""
-    return base_jumps(before, motion)
+@kernel
+def _jump_into(column, t):
+    """Enter the segment of the record at time t (s); return True if base acceleration or loads jump there.
+
+    The motion of the base after the jump is left as `moved_and_loaded` leaves it.
+    """
+    before, kept, loads = moved_and_loaded(column, t), scratch_of_ports(column), _COMPONENTS * ports_of(column)
+    copy(kept, pushes_of(column), loads)
+    enter(column.base, column.samples, t)
+    modal.forget(column.work)
+    now, pushes = moved_and_loaded(column, t), pushes_of(column)
+    jump = max(abs(now.ax - before.ax), abs(now.az - before.az))
+    found = not jump <= ROUNDING * max(abs(now.ax), abs(now.az))
+    for i in range(loads):
+        found = found or _jumps(kept[i], pushes[i])
+    return found
 
 
 @kernel
@@ -156,7 +172,8 @@ def plan_general(column, t, left):
     traits = traits_of(method)
     # longest step that the record allows
     reach = left
-    if traits.implicit:  # long steps of low order: a kink costs more accuracy than the error estimate shows
+    # a load may jump at each sample; in long steps of low order a kink costs more accuracy than the estimate shows
+    if ports_of(column) > 0 or traits.implicit:
         reach = to_next_sample(column.base, column.samples, t, left)
     elif column.samples.size > 0:
         length = column.model.blocks.centroid[column.model.n - 1]
@@ -233,6 +250,7 @@ def _end_at_change(column, plan, t, step):
     cut = NO_CHANGE
     if plan.held:
         cut = first_change(column, looked_at, traits.nodes, t, step)
+        cut = first_break(column, t, step, cut)
     # a slip that starts or stops before that ends the step instead
     if can_slide(column.model):
         slides_at = first_slip_change(column, looked_at, traits.nodes, t, step)
@@ -347,16 +365,16 @@ def finish_step(column, watch, t, step):
         counts.overturned = widest_joint(model, work.end)
     # results within the step
     note_directions(work, work.end)
-    note_memory(column, work.end)
+    note_bonds(column, work.end)
     watch_step(column, watch, t, step)
     # the end becomes the start of the next step
     copy(work.start.row, work.end.row, phase_size(work))
     take_directions(work, work.start)
-    take_memory(work, work.start)
+    take_bonds(work, work.start)
     # decide sticking or sliding where a slip has changed
     if work.slips.change != 0.0:
         work.slips.change = 0.0
-        motion = base_motion(column.base, column.samples, t + step)
+        motion = moved_and_loaded(column, t + step)
         code = evaluate_after_jump(column, work.start, motion)
         if code == OK:
             begin_watching(column, watch, motion, True)
@@ -382,7 +400,7 @@ def take_step(column, watch, t, left, to_sample):
         Time that remains in the present segment of the record (s).
     """
     # a column at rest on a still base needs no steps
-    quiet = is_quiet(column.base, column.samples) and not is_loaded(column.base, column.samples)
+    quiet = is_quiet(column.base, column.samples) and not is_loaded(column)
     if quiet and rests(column, column.work.start):
         _rest_until(column, watch, t, to_sample)
         return OK, to_sample
@@ -465,18 +483,18 @@ def advance(column, t, h, watch):
         return HAS_OVERTURNED
     # start: the phase relative to the present base
     enter(base, samples, t)
-    motion = base_motion(base, samples, t)
+    motion = moved_and_loaded(column, t)
     take_phase(column, motion, work.start)
     take_directions(work, work.start)
-    take_memory(work, work.start)
+    take_bonds(work, work.start)
     # recompute accelerations that belong to another motion of the base
-    stale = counts.started == 0 or not belongs_to(state.control, motion)
+    stale = counts.started == 0 or not belongs_to(column, motion)
     if stale:
         code = evaluate_after_jump(column, work.start, motion)
         if code != OK:
             return code
-        note_memory(column, work.start)
-        take_memory(work, work.start)
+        note_bonds(column, work.start)
+        take_bonds(work, work.start)
         if counts.started == 0:
             code = _start(column, motion, t)
             if code != OK:
@@ -519,7 +537,7 @@ def advance(column, t, h, watch):
 
     # store the end in the state
     copy(state.phase.row, work.start.row, phase_size(work))
-    motion = base_motion(base, samples, t + elapsed)
+    motion = moved_and_loaded(column, t + elapsed)
     state.control.reached = t + elapsed
     keep_base(state.control, motion)
     if counts.overturned > 0:
@@ -534,13 +552,9 @@ def _pass_samples(column, watch, t):
     base, samples = column.base, column.samples
     if samples.size == 0 or not ends_soon(base, t):
         return OK
-    # motion at the end of the old segment and at the start of the new one
-    before = base_motion(base, samples, t)
-    enter(base, samples, t)
-    modal.forget(column.work)
-    motion = base_motion(base, samples, t)
-    if not jumps(before, motion):
+    if not _jump_into(column, t):
         return OK
+    motion = moved_and_loaded(column, t)
     code = evaluate_after_jump(column, column.work.start, motion)
     if code == OK:
         begin_watching(column, watch, motion, True)

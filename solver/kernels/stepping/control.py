@@ -2,7 +2,8 @@
 
 import math
 
-from ..formulations.base_motion import is_loaded, wave_amplitude
+from ..formulations.base_motion import wave_amplitude
+from ..formulations.loads import is_loaded
 from ..formulations.slips import something_slides
 from ..integrators import modal
 from ..integrators.traits import LINEARLY_IMPLICIT, ORDER_5, ORDER_8, traits_of
@@ -70,7 +71,7 @@ def within_a_cycle(column, step):
 def elastic_step(column, most):
     """Return the next modal step of `auto` (s, at most `most`), or 0 if the modal method should not be attempted."""
     model, counts, control = column.model, column.counts, column.state.control
-    if not modal.available(model) or is_loaded(column.base, column.samples):  # modes know of no loads
+    if not modal.available(model) or is_loaded(column):  # modes know of no loads
         return 0.0
     longest = modal.longest_step(model)
     if not may_be_elastic(counts, control, longest, most, ELASTIC_COST):

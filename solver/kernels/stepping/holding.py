@@ -16,11 +16,11 @@ from ..integrators.interpolation import (
     slips_of,
     value_of,
 )
-from ..joint.regimes import ANY, contact_regime, regime_margin
+from ..joint.regimes import ANY
+from ..joint.resultants import margin_of, regime_of
 from ..joint.sliding import can_slide, opening_felt, opening_rate_felt, slip_of
-from ..numba_ext.jit import kernel, leaf, varied, varied_leaf
+from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.numbers import sine_cosine
-from ..sections.section import ends_of
 
 NO_CHANGE = 2.0  # a fraction of the step that is never reached
 AHEAD = 1e-7  # of the step: the regime at a change is taken this much later
@@ -54,7 +54,7 @@ def hold(column, h):
             opening = opening_felt(opening, slip, 2.0 * sine)
             opening_rate = opening_rate_felt(opening_rate, slip, slip_rate, 2.0 * sine, slope_rate)
         # hold that regime
-        regime = regime_of(column, i, slip, opening, 2.0 * sine, opening_rate, slope_rate)
+        regime = regime_of(column.model, column.work.joints, i, slip, opening, 2.0 * sine, opening_rate, slope_rate)
         rows.held[i] = regime
         rows.regime[i] = regime
         rows.outside[i] = 0
@@ -69,22 +69,6 @@ def release(column):
         column.work.hold.held[i] = ANY
 
 
-@varied_leaf
-def regime_of(column, i, slip, opening, slope, opening_rate, slope_rate):
-    """Return the regime of joint i for a motion of the middle of its contact (m, m/s, and slope in rad, rad/s)."""
-    blocks = column.model.blocks
-    left, right = ends_of(blocks, i, slip)
-    return contact_regime(left, right, blocks.damping[i], opening, slope, opening_rate, slope_rate)
-
-
-@varied_leaf
-def margin_of(column, i, regime, slip, opening, slope, opening_rate, slope_rate):
-    """Return the distance (m) of joint i from leaving a regime, for a motion of the middle of its contact."""
-    blocks = column.model.blocks
-    left, right = ends_of(blocks, i, slip)
-    return regime_margin(regime, left, right, blocks.damping[i], opening, slope, opening_rate, slope_rate)
-
-
 @leaf
 def _margin(column, i, regime, turn, opening, slip, spin, opening_rate, slip_rate):
     """Return the distance (m) of joint i from leaving a regime at a joint rotation `turn` (rad) of rate `spin`."""
@@ -92,7 +76,7 @@ def _margin(column, i, regime, turn, opening, slip, spin, opening_rate, slip_rat
     slope, slope_rate = 2.0 * sine, cosine * spin
     felt = opening_felt(opening, slip, slope)
     felt_rate = opening_rate_felt(opening_rate, slip, slip_rate, slope, slope_rate)
-    return margin_of(column, i, regime, slip, felt, slope, felt_rate, slope_rate)
+    return margin_of(column.model, column.work.joints, i, regime, slip, felt, slope, felt_rate, slope_rate)
 
 
 @leaf
@@ -259,10 +243,4 @@ def first_change(column, looked_at, nodes, t, h):
                 continue
             lo, hi = hi, 1.0
         first = min(first, end_of_regime(column, i, regime, course, lo, hi))
-    return first_turn(column, t, h, first)
-
-
-@varied
-def first_turn(column, t, h, first):
-    """Return `first`, or an earlier fraction at which a joint leaves its regime unseen by the phases inside."""
     return first

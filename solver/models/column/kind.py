@@ -15,11 +15,8 @@ from ...common.errors import InputError
 from ...ground.loads import check_loads_in_plane
 from ...ground.motion import Motion
 from ...kernels.api import entries
-from ...kernels.bonds import entries as with_bonds
-from ...kernels.bonds import layout as of_bonds
 from ...kernels.layout import spaces
 from ...kernels.machine.library import load
-from ...kernels.ports import entries as with_ports
 from ..protocol import LANES, LOADED, OVERTURNED, Kind, Lanes, Plan, Run, Work, code_of
 from ..uncertainty import Varied
 from .kept import KEPT, WATCHED
@@ -47,8 +44,6 @@ class Columns(Kind):
     ----------
     entries : module
         The kernels.
-    spaces : module
-        The layout of their arrays.
     chain : type
         The interpretation of a phase.
     own_lanes : LaneKernels or None
@@ -58,7 +53,6 @@ class Columns(Kind):
     """
 
     entries: ModuleType = entries
-    spaces: ModuleType = spaces
     chain: type[Chain] = Chain
     own_lanes: LaneKernels | None = None
     fixed = False
@@ -73,7 +67,7 @@ class Columns(Kind):
 
     def snapshot_size(self, model: Column) -> int:
         """Return the length of a snapshot."""
-        return spaces.snapshot_size(model.n, model.has_slips)
+        return spaces.snapshot_size(model.n, model.has_slips, model.is_brittle)
 
     def warnings(self, model: Column, at_rest: bool = True) -> Sequence[str]:
         """Return the warnings of rest.py; those `at_rest` are cached for repeated calls."""
@@ -206,24 +200,7 @@ class Columns(Kind):
         return made
 
 
-class ColumnsWithPorts(Columns):
-    """The kind of columns with ports at which loads act, and their kernels."""
-
-    entries = with_ports
-
-
-class BrittleColumns(Columns):
-    """The kind of columns with joints that are bonded until they break, and their kernels."""
-
-    entries = with_bonds
-    spaces = of_bonds
-
-    def snapshot_size(self, model: Column) -> int:
-        """Return the length of a snapshot, which includes the bonds."""
-        return of_bonds.snapshot_size(model.n)
-
-
-KIND, WITH_PORTS, BRITTLE = Columns(), ColumnsWithPorts(), BrittleColumns()
+KIND = Columns()
 
 
 def _left(keep: Collection[str]) -> list[str]:

@@ -82,7 +82,7 @@ class Chain:
             self.reach = np.array([law.tensile_strength / law.stiffness for law in column.laws])
         self.off_axis = column.off_axis
         if self.off_axis or column.other_law:
-            rest, zeros = column.kind.spaces.STATE.see(arrays_of(column).state, column.n).phase, np.zeros(self.n)
+            rest, zeros = at.STATE.see(arrays_of(column).state, column.n).phase, np.zeros(self.n)
             bonds = (rest.bond_left, rest.bond_right) if column.is_brittle else ()
             self.rest = np.concatenate([rest.theta, rest.opening, zeros, zeros, rest.slip, zeros, *bonds])
 

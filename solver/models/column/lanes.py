@@ -209,7 +209,7 @@ class _Batch:
         times = start + self._rows if self._rows.size else np.array([stop])
         stored = np.zeros((times.size, at.snapshot_size(n, column.has_slips)))
         with others_turn():
-            followed = (*record, 1.0, False, _NONE, _NONE)
+            followed = (*record, 1.0, False, _NONE)
             code = run(n, *arrays, *followed, start, duration, times, stored.reshape(-1), True)
         whole, peaks = arrays.state[at.CONTROL.beside :], at.STATE.see(arrays.state, n).peaks[:n]
         phase = whole[: 4 * n]

@@ -34,7 +34,7 @@ class StillColumn:
         self.loads = np.zeros(len(at.LOAD) * len(column.ports))
         """On its ports, which it is held under: Fx of each, Fz (N), My (N m)."""
         self._phase = self._stepper.state.phase
-        self._between = column.kind.spaces.WORK.see(self._stepper.arrays.work, self.n).between
+        self._between = at.WORK.see(self._stepper.arrays.work, self.n).between
         self.blocks: Any = self._stepper.model.blocks
         self.rest = np.concatenate([self._phase.theta, self._phase.opening])
         """The coordinates under the weight alone, all joints in full contact, (2 n,)."""

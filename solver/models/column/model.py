@@ -101,7 +101,7 @@ class Column(Shown):
 
     @property
     def kind(self) -> Any:
-        """The kind of model (models/protocol.py), by formulation and joints."""
+        """The kind of model (models/protocol.py), by formulation."""
         return kind_of(self)
 
     @cached_property

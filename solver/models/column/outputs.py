@@ -1,7 +1,6 @@
 """The outputs of a column, in the order of kernels/layout/spaces.py (PEAKS): one in each row here.
 
-Those of ports (kernels/ports/) or bonds (kernels/bonds/) follow an output row; as peaks they precede those of
-`friction`.
+Those of ports, then of bonds follow an output row; as peaks they precede those of `friction`.
 """
 
 from __future__ import annotations

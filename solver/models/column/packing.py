@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.errors import InputError, shown
-from ...kernels.api.engine import model_room, scratch_room
-from ...kernels.bonds.layout import GIVEN_OF_BOND
+from ...kernels.api.engine import scratch_room
 from ...kernels.column.description import DETAILS, GIVEN, GIVEN_BLOCK, GIVEN_JOINT, GIVEN_SETTINGS, NO_REST
 from ...kernels.layout import spaces as at
 from .block import Block
@@ -119,14 +118,14 @@ def model_of(column: Column) -> Any:
     return at.MODEL.see(pack_model(column), column.n)
 
 
-def unwritten(n: int, ports: int = 0, spaces: Any = at) -> Arrays:
-    """Return zero arrays for n blocks and `ports` ports (kernels/ports/); `spaces` is the module with their layout."""
+def unwritten(n: int, ports: int = 0) -> Arrays:
+    """Return zero arrays for n blocks and `ports` ports."""
     return Arrays(
-        np.zeros(model_room(n)),
-        np.zeros(spaces.STATE.size(n) + at.SPOTS.size(ports)),
+        np.zeros(at.model_room(n) + at.PORTS.size(ports)),
+        np.zeros(at.STATE.size(n) + at.SPOTS.size(ports)),
         np.zeros(at.COUNTS.beside, dtype=np.int64),
         np.zeros(at.BASE.beside + 2 * len(at.LOAD) * ports),
-        np.zeros(spaces.WORK.size(n) + at.SPOTS.size(ports)),
+        np.zeros(at.work_size(n, ports)),
     )
 
 
@@ -140,7 +139,7 @@ def _assembled(column: Column) -> Arrays:
 
 def _assemble(column: Column, given: FloatArray) -> Arrays:
     n = column.n
-    made = unwritten(n, len(column.ports), column.kind.spaces)
+    made = unwritten(n, len(column.ports))
     detail = np.zeros(DETAILS)
     code = column.kind.entries.assemble(n, *made, given, 1, np.zeros(scratch_room(n)), detail)
     if code == NO_REST:
@@ -167,15 +166,16 @@ def described(column: Column) -> FloatArray:
         "drive": at.ACCELERATION,
         "slope": at.SLOPE_PARABOLA,
         "bodies": 0.0,
+        "ports": float(len(column.ports)),
+        "bonded": float(column.is_brittle),
     }
     given = [values[name] for name in GIVEN_SETTINGS.fields]
-    # a record for each block, then the bonds
+    # a record for each block, then the ports
     for block in column.blocks:
         given += [value or 0.0 for value in (*_of_block(block), *_of_joint(block.joint))]
         given += shape_of(block)
     assert len(given) == GIVEN_SETTINGS.beside + GIVEN.beside * column.n
-    if column.is_brittle:
-        given += [getattr(law, name) for name in GIVEN_OF_BOND for law in column.laws]
+    given += ports_of(column).tolist()
     return np.array(given, dtype=np.float64)
 
 
@@ -210,7 +210,7 @@ def set_initial(column: Column, state: FloatArray, initial: InitialState) -> Non
     if not isinstance(initial, InitialState):
         raise InputError(f"initial = {shown(initial)}: must be an InitialState")
     n = column.n
-    phase = column.kind.spaces.STATE.see(state, n).phase
+    phase = at.STATE.see(state, n).phase
     # values that are not given are those at rest
     at_rest = (np.zeros(n), -settlements(column))
     if column.off_axis:

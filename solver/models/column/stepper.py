@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,7 +22,7 @@ from ...kernels.stepping.control import most_work
 from ..outputs import BOND, peaks_by_name, visible_peaks
 from .model import Column
 from .outputs import OUTPUTS
-from .packing import Arrays, FloatArray, InitialState, arrays_of, pack_model, ports_of, set_initial
+from .packing import Arrays, FloatArray, InitialState, arrays_of, pack_model, set_initial
 
 REASONS = {
     at.STEP_TOO_SMALL: "the tolerance requires a step that is too small to continue; a larger tolerance may help",
@@ -75,8 +74,7 @@ class Record:
     held : bool
         Whether samples are held rather than linear.
     loads : array-like
-        On each interval of `time` the loads on the ports: Fx, Fz, My, then their slopes, a number for each port
-        (kernels/ports/).
+        On each interval of `time` the loads on the ports: Fx, Fz, My, then their slopes, a number for each port.
     """
 
     def __init__(
@@ -110,14 +108,13 @@ class Stepper:
         if initial is not None:
             set_initial(column, self.arrays.state, initial)
         self.model = at.MODEL.see(self.arrays.model, self.n)
-        self.state = column.kind.spaces.STATE.see(self.arrays.state, self.n)
+        self.state = at.STATE.see(self.arrays.state, self.n)
         self.counts = at.COUNTS.see(self.arrays.counts)
         self.base = at.BASE.see(self.arrays.base)
         self.followed = SILENCE  # by the last run
         self._is_driven = False  # whether bodies drive the base
         self.lacks_mass = False  # whether these have forces but no mass
         self._base = self.arrays.base.data
-        self._ports = ports_of(column)
         row = at.ROW.size(self.n) + at.SPOTS.size(len(column.ports)) + column.sizes[BOND]
         self._whole = np.zeros(row + at.SPLIT.beside + at.DRIVEN.beside)
         self._row, self._split = self._whole[:row], self._whole[row:]
@@ -133,7 +130,7 @@ class Stepper:
     @record.setter
     def record(self, record: Record) -> None:
         self._record = record
-        given = self.n, *self.arrays, *self._arguments(record)
+        given = self.n, *self.arrays, *record.arguments
         self._advance = Call(self._entries.run, (*given, 0.0, 0.0, _NONE, _NONE, True))
         self._observe = Call(self._entries.observe_state, (*given, 0.0, self._row, self._split))
 
@@ -373,7 +370,7 @@ class Stepper:
         """
         rows, done = np.zeros((len(snapshots), len(self._row))), np.zeros(1, dtype=np.int64)
         arrays = self.arrays._replace(counts=self.arrays.counts.copy(), base=self.arrays.base.copy())
-        given, times = (self.n, *arrays, *self._arguments(self.followed)), _plain(times)
+        given, times = (self.n, *arrays, *self.followed.arguments), _plain(times)
         for first in range(0, len(snapshots), ROWS_AT_ONCE):
             at_once = slice(first, first + ROWS_AT_ONCE)
             part, filled = snapshots[at_once].reshape(-1), rows[at_once].reshape(-1)
@@ -441,18 +438,13 @@ class Stepper:
         column, peaks = self.column, self.state.peaks
         if not (column.ports or column.is_brittle):
             return peaks
-        more = self.state.phase.bond_lost if column.is_brittle else self.arrays.state[at.STATE.size(self.n) :]
+        ports, bonds = self.arrays.state[at.STATE.size(self.n) :], self.state.phase.bond_lost[: column.sizes[BOND]]
         of_row = at.ROW.size(self.n)
-        return np.concatenate([peaks[:of_row], more, peaks[of_row:]])
+        return np.concatenate([peaks[:of_row], ports, bonds, peaks[of_row:]])
 
     def _run(self, t: float, h: float, record: Record, times: FloatArray, snapshots: FloatArray, peaks: bool) -> int:
-        given = self._arguments(record)
-        code: int = self._entries.run(self.n, *self.arrays, *given, t, h, times, snapshots, peaks)
+        code: int = self._entries.run(self.n, *self.arrays, *record.arguments, t, h, times, snapshots, peaks)
         return code
-
-    def _arguments(self, record: Record) -> tuple[Any, ...]:
-        """Return the arguments of the entries for a record."""
-        return *record.arguments, self._ports
 
     def _check(self, code: int, t: float | None) -> None:
         if code < at.OK:

@@ -6,6 +6,7 @@ import numpy as np
 
 from ...common.errors import InputError
 from ...ground.loads import COMPONENTS, IN_PLANE
+from ...kernels.layout import spaces as at
 from .linearization import StillColumn, stuck
 from .model import Column
 from .packing import FloatArray, InitialState
@@ -48,7 +49,7 @@ def rest_under(column: Column, loads: FloatArray) -> InitialState:
         own = StillColumn(column)
         own.loads = whole
         own.row(q)
-        sliding = np.flatnonzero(column.kind.spaces.WORK.see(own.arrays.work, n).between.sliding)
+        sliding = np.flatnonzero(at.WORK.see(own.arrays.work, n).between.sliding)
         if sliding.size:
             raise InputError(f"release: joint {int(sliding[0]) + 1} slides under this load, it must bear it")
     return InitialState(rotation=q[:n], opening=q[n:])
