@@ -59,11 +59,11 @@ def test_a_new_field_that_is_not_described_is_an_error(monkeypatch: pytest.Monke
         with monkeypatch.context() as patched:
             patched.setattr(plane, name, Record(*getattr(plane, name).fields, "new"))
             with pytest.raises(ValueError, match="has no range"):
-                state_ranges.of_column(2, 0, 0, False)
+                state_ranges.of_column(2, 0, 0)
     more = Space(**{**plane.STATE.parts, "more": Numbers(per_n=1)})
     monkeypatch.setattr(plane, "STATE", more)
     with pytest.raises(ValueError, match="has no range"):
-        state_ranges.of_column(2, 0, 0, False)
+        state_ranges.of_column(2, 0, 0)
     sizes = space.Sizes._fields
     monkeypatch.setattr(
         space,
@@ -164,7 +164,7 @@ def test_the_turning_base_is_held_to_its_ranges(name: str, wrong: float) -> None
 
 
 def test_inputs_may_be_wrong_until_a_step_is_made_with_them() -> None:
-    ranges = state_ranges.of_column(2, 0, 0, False)
+    ranges = state_ranges.of_column(2, 0, 0)
     base = np.zeros(plane.BASE.beside)
     plane.BASE.see(base).ax = np.nan
     ranges.check("base", base, False)
@@ -173,7 +173,7 @@ def test_inputs_may_be_wrong_until_a_step_is_made_with_them() -> None:
 
 
 def test_the_acceleration_of_a_base_that_bodies_drive_is_never_wrong() -> None:
-    ranges = state_ranges.of_column(2, 0, 0, False, bodies_drive=True)
+    ranges = state_ranges.of_column(2, 0, 0, bodies_drive=True)
     base = np.zeros(plane.BASE.beside)
     ranges.check("base", base, False)
     plane.BASE.see(base).az = np.inf
@@ -183,7 +183,7 @@ def test_the_acceleration_of_a_base_that_bodies_drive_is_never_wrong() -> None:
 
 def test_what_is_said_by_nan_and_infinity_is_no_fault() -> None:
     """Of a column at rest whose parameters have just been changed."""
-    ranges = state_ranges.of_column(2, 0, 0, False)
+    ranges = state_ranges.of_column(2, 0, 0)
     base, state = np.zeros(plane.BASE.beside), np.zeros(plane.STATE.size(2))
     names, control = plane.BASE.see(base), plane.STATE.see(state, 2).control
     names.anchor, names.piece_end, names.segment, control.base_ax = -np.inf, np.inf, -1.0, np.nan

@@ -15,8 +15,7 @@ from support.joints import contact_regime, held_forces, regime_margin
 from support.probe import Array, G, coordinates, phocas
 
 from solver import InitialState, Motion, simulate
-from solver.kernels.api.engine import column_over
-from solver.kernels.formulations.base_motion import Samples
+from solver.kernels.api.engine import column_over, no_samples
 from solver.kernels.integrators.interpolation import begin, interpolate_phase, refine
 from solver.kernels.integrators.traits import ORDER_8
 from solver.kernels.joint.regimes import FULL, OPEN, RIGHT
@@ -116,7 +115,7 @@ def look_inside(
     s: float,
 ) -> None:
     """Leave in work.between the interpolation at fraction s of the step of h seconds from t."""
-    silence = Samples(0, row_of(base), row_of(base), row_of(base), 1.0, False)
+    silence = no_samples(row_of(base))
     column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), silence, row_of(work))
     begin(column.work, bump)
     refine(column, t, h)
@@ -152,7 +151,7 @@ def test_interpolation_with_the_bump_is_of_a_higher_order() -> None:
 
 @from_python
 def _repeat(n, model, state, counts, base, work, t, step):
-    silence = Samples(0, row_of(base), row_of(base), row_of(base), 1.0, False)
+    silence = no_samples(row_of(base))
     column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), silence, row_of(work))
     return repeat_step(column, ORDER_8, t, step)
 

@@ -23,7 +23,7 @@ LOADS_PER_PORT = 2 * _COMPONENTS  # values and slopes
 class Loads(NamedTuple):
     """The loads on the ports at an instant: number of ports, PORTS, PUSHES."""
 
-    count: int
+    number: int
     ports: object
     pushes: object
 
@@ -127,7 +127,7 @@ def _any_load(column):
 def with_couple(loads, motion, model, phase, i, couple):
     """Return the couple on block i (N m) with that of the loads on it."""
     ports, pushes = loads.ports, loads.pushes
-    for p in range(loads.count):
+    for p in range(loads.number):
         if int(ports.body[p]) == i:
             # the place of the port from the centroid
             sine, cosine = sine_cosine(phase.theta[i] + motion.theta + model.blocks.tilt[i])
@@ -143,7 +143,7 @@ def with_push(loads, motion, model, phase, i, joint, right, opens):
     ports, pushes = loads.ports, loads.pushes
     # resultant of the loads on the block
     x, z = 0.0, 0.0
-    for p in range(loads.count):
+    for p in range(loads.number):
         if int(ports.body[p]) == i:
             x, z = x + pushes.fx[p], z + pushes.fz[p]
     if x == 0.0 and z == 0.0:
