@@ -281,7 +281,7 @@ static int build(Instance *instance, int from_rest, char *reason) {
     double *scratch = malloc(sizeof(double) * ROOM);
     if (!scratch) return snprintf(reason, MESSAGE, "out of memory"), 0;
     memcpy(instance->before.model, now->model, sizeof now->model);
-    int64_t made = assemble((Assemble){COLUMN(instance), .given = described, .given_size = GIVEN, .from_rest = from_rest,
+    int64_t made = assemble((Assemble){COLUMN(instance), .given = described, .from_rest = from_rest,
                                        .scratch = scratch, .detail = instance->detail});
     free(scratch);
     if (made != 0) {

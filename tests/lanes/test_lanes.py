@@ -241,6 +241,7 @@ def eight_columns(kind: str, n: int) -> tuple[Array, Array, Array]:
             (q, rate), direction = random_state(rng, column, largest), zeros
             q, rate = np.append(q, zeros), np.append(rate, zeros)
         phase = [q[: 2 * n], rate[: 2 * n], zeros, zeros, q[2 * n :], zeros, rate[2 * n :], zeros, zeros, direction]
+        phase += [zeros] * 3  # no bonds
         phases.append(np.concatenate(phase))
         motions.append(rng.uniform(-1.0, 1.0, 5) * [column.g, column.g, 1.0, 2.0, 10.0])
     return np.array(models), np.array(phases), np.array(motions)

@@ -50,7 +50,7 @@ def test_fields_together_are_the_same_numbers_in_kernels_and_in_python() -> None
         (100.0, "coordinates", ("theta", "opening")),
         (200.0, "rates", ("theta_rate", "opening_rate")),
         (300.0, "accelerations", ("theta_acceleration", "opening_acceleration")),
-        (400.0, "slips", at.PHASE.fields[at.RIGID_FIELDS :]),
+        (400.0, "slips", at.PHASE.fields[at.RIGID_FIELDS : at.PHASE_FIELDS]),
     ):
         expected = first + np.arange(len(fields) * n)
         assert np.array_equal(getattr(phase, name), expected)

@@ -130,6 +130,7 @@ def test_a_function_that_is_not_in_the_code_is_named(monkeypatch: pytest.MonkeyP
 
     no_such_function.__annotations__ = {"numbers": Reals}
     monkeypatch.setitem(ENTRIES, ("statics", "no_such_function"), Entry(no_such_function, "statics", __name__))
+    monkeypatch.setitem(library.NAMES, "statics", [*library.NAMES["statics"], "no_such_function"])
     monkeypatch.delitem(library._loaded, "statics", raising=False)
     with pytest.raises((MachineCodeError, AttributeError), match="no_such_function"):
         library.load("statics")

@@ -56,7 +56,7 @@ def keep_bonds(work, phase):
 
 @leaf
 def drop_bonds(work):
-    """Break the bonds of joints that slide."""
+    """Remove the bonds of joints that slide."""
     joints = work.joints
     for i in range(int(work.slips.bonds)):
         if joints.sliding[i] != 0.0:
