@@ -28,8 +28,9 @@ from typing import Any
 import fmu_src
 import solver
 from fmu_src.body import Body, body_for, read_body
+from fmu_src.bytecode import bytecode_of
 from fmu_src.drive import USUAL, Drive, drive_of
-from fmu_src.host import content_hash
+from fmu_src.host import ARCHIVE, CODE_FOLDER, content_hash
 from fmu_src.native import guard
 from fmu_src.native.library import has_tools
 from fmu_src.native.platforms import PLATFORMS, USUAL_FORM, Form
@@ -44,11 +45,14 @@ from solver.common.files import check_outputs, identifier_of, whole_file
 from solver.ground.motion import Motion
 from solver.kernels.layout.spaces import DRIVES, SLOPES
 from solver.kernels.machine.packaging import libraries
+from solver.kernels.machine.sources import SOURCES
 from solver.kernels.machine.zig import has_linker
 
 COLUMNS_PACKAGE = "multiblock_columns"  # name of examples/columns/ in an installed project
 BUILDER_PACKAGES = ("pythonfmu", "matplotlib")
+SOURCES_FILE = "kernels/machine/sources.py"
 LEFT_AT_HOME = {
+    "bytecode.py",
     "calibrate.py",
     "capacity.py",
     "checks",
@@ -83,12 +87,13 @@ SCRIPT = '''"""Entry of the FMU: brings in the solver and offers the slave."""
 import sys
 from pathlib import Path
 
+RESOURCES = Path(__file__).resolve().parent
+sys.path.insert(0, str(RESOURCES / "{archive}"))
 from {fmu_src}.host import finalize_at_exit, import_solver
 
-RESOURCES = Path(__file__).resolve().parent
 finalize_at_exit(RESOURCES)  # also if no slave will do it
 try:
-    import_solver("{solver}", RESOURCES)
+    import_solver("{solver}", RESOURCES / "{archive}")
     from {fmu_src}.slave import BlocksSlave{others}
 except ImportError as error:
     print(f"{name}: needs Python 3.11 or newer with numpy: {{error}}", file=sys.stderr)
@@ -332,17 +337,19 @@ def build_fmu(
         stage = Path(folder)
         # solver and FMU code, renamed by hash; the package of a body of another model
         kernels = body.kernels
-        carried_solver = _carry_package(solver, stage, {}, *kernels[:1])
-        carried_fmu_src = _carry_package(fmu_src, stage, {"solver": carried_solver})
-        carried = [carried_solver, carried_fmu_src]
+        carried: dict[str, bytes] = {}
+        carried_solver = _carry_package(solver, carried, {}, *kernels[:1])
+        carried_fmu_src = _carry_package(fmu_src, carried, {"solver": carried_solver})
         package, _, module = type(body).__module__.partition(".")
         others = ""
         if package != fmu_src.__name__:  # the body of another model
             renamed = {"solver": carried_solver, "fmu_src": carried_fmu_src}
-            carried.append(_carry_package(sys.modules[package], stage, renamed))
-            others = f"\n    import {carried[-1]}.{module}  # noqa: F401"
+            other = _carry_package(sys.modules[package], carried, renamed)
+            others = f"\n    import {other}.{module}  # noqa: F401"
         more = "\n    real_outputs = True\n" if real_outputs else ""
-        script = SCRIPT.format(name=body.name, solver=carried_solver, fmu_src=carried_fmu_src, others=others, more=more)
+        packages = {"solver": carried_solver, "fmu_src": carried_fmu_src, "archive": ARCHIVE}
+        script = SCRIPT.format(name=body.name, others=others, more=more, **packages)
+        write_archive(stage / ARCHIVE, carried | bytecode_of(carried))
         # identity: a hash of the code, the model and the record
         content = script.encode() + body.text.encode()
         if record is not None:
@@ -353,7 +360,7 @@ def build_fmu(
         (stage / BODY_FILE).write_text(body.text, encoding="utf-8")
         (stage / GUID_FILE).write_text(f"{{{uuid.uuid5(uuid.NAMESPACE_OID, identity)}}}", encoding="utf-8")
         # machine code of the kernels for all platforms
-        code_folder = stage / carried_solver / "kernels" / "machine" / "code"
+        code_folder = stage / CODE_FOLDER
         code_folder.mkdir()
         for name, code in libraries(kernels, CARRIED_PLATFORMS).items():
             (code_folder / name).write_bytes(code)
@@ -361,7 +368,7 @@ def build_fmu(
         sys.path.insert(0, str(stage))
         importlib.invalidate_caches()
         try:
-            parts = [*(stage / name for name in carried), stage / BODY_FILE, stage / GUID_FILE]
+            parts = [stage / ARCHIVE, code_folder, stage / BODY_FILE, stage / GUID_FILE]
             if record is not None:
                 (stage / RECORD_FOLDER).mkdir()
                 shutil.copy(record, stage / RECORD_FOLDER)
@@ -384,14 +391,14 @@ def build_fmu(
     return output
 
 
-def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str], kernels: str = "") -> str:
-    """Copy a package under a name with a hash of its content, and return the name.
+def _carry_package(package: ModuleType, files: dict[str, bytes], renamed: dict[str, str], kernels: str = "") -> str:
+    """Add the files of a package under a name with a hash of its content, and return the name.
 
     Parameters
     ----------
     package : module
-    stage : Path
-        Folder to copy to.
+    files : dict of str to bytes
+        Content by path; the files of the package are added.
     renamed : dict of str to str
         Package names to replace in its imports.
     kernels : str
@@ -407,12 +414,11 @@ def _carry_package(package: ModuleType, stage: Path, renamed: dict[str, str], ke
         for old, new in renamed.items():
             text = re.sub(rf"^(\s*)from {old}(?=[. ])", rf"\1from {new}", text, flags=re.MULTILINE)
         texts[file.relative_to(source)] = text
+    if Path(SOURCES_FILE) in texts:  # the FMU has no sources of the kernels on disk to hash at a start
+        texts[Path(SOURCES_FILE)] = f'"""The identifier of the kernel sources."""\n\nSOURCES = "{SOURCES}"\n'
     content = content_hash({path.as_posix(): text for path, text in texts.items()})
     name = "_".join(filter(None, (source.name, kernels, content)))
-    for path, text in texts.items():
-        target = stage / name / path
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(text, encoding="utf-8")
+    files |= {f"{name}/{path.as_posix()}": text.encode() for path, text in texts.items()}
     return name
 
 

@@ -12,26 +12,26 @@ import hashlib
 import importlib.util
 import os
 import sys
+import zipimport
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+ARCHIVE, CODE_FOLDER = "python.zip", "code"  # in the resources of an FMU: its packages, their machine code
 
-def import_solver(package: str, resources: Path) -> None:
-    """Import `package` from the FMU, and open its machine code, which outlasts the folder of the FMU."""
+
+def import_solver(package: str, archive: Path) -> None:
+    """Import `package` from the archive of the FMU, and open its machine code, which outlasts the folder of the FMU."""
     if package in sys.modules:
         return
-    folder = resources / package
-    spec = importlib.util.spec_from_file_location(
-        package, folder / "__init__.py", submodule_search_locations=[str(folder)]
-    )
+    spec = zipimport.zipimporter(str(archive)).find_spec(package)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[package] = module
     try:
         spec.loader.exec_module(module)
-        importlib.import_module(f"{package}.kernels.machine.library").open_packaged()
+        importlib.import_module(f"{package}.kernels.machine.library").open_packaged(archive.with_name(CODE_FOLDER))
     except BaseException:
         del sys.modules[package]
         raise
@@ -76,7 +76,7 @@ def leave_search_path(resources: Path) -> None:
 
     All modules needed from it have been imported by now; other packages must find their own modules, not ours.
     """
-    sys.path[:] = [entry for entry in sys.path if Path(entry) != resources]
+    sys.path[:] = [entry for entry in sys.path if Path(entry) not in {resources, resources / ARCHIVE}]
 
 
 def survive_exception(*objects: Any) -> None:

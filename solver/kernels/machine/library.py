@@ -20,7 +20,7 @@ from .level import levels
 from .messages import MachineCodeError
 from .sources import SOURCES
 
-PACKAGED = Path(__file__).parent / "code"
+PACKAGED = [Path(__file__).parent / "code"]  # folders that are searched in order
 SUFFIXES = {"linux": ".so", "win32": ".dll", "darwin": ".dylib"}
 
 Function = Callable[[int], int]
@@ -50,13 +50,14 @@ def load(group: str) -> dict[str, Function]:
         return _loaded[group]
 
 
-def open_packaged() -> None:
-    """Open all machine code in the package, whose folder may not outlast this process.
+def open_packaged(folder: Path) -> None:
+    """Open all machine code in a folder, which may not outlast this process.
 
     Raises MachineCodeError if a group is there for other systems or processors only.
     """
-    # groups of which the package has code for any system
-    carried = {file.name.partition(".")[0] for file in PACKAGED.glob(f"*.{SOURCES}.*")}
+    PACKAGED.append(folder)
+    # groups of which it has code for any system
+    carried = {file.name.partition(".")[0] for file in folder.glob(f"*.{SOURCES}.*")}
     with _lock:
         for group in sorted(carried):
             if _packaged(group) is None:
@@ -92,12 +93,9 @@ def _checked(name: str, group: str, address: int) -> int:
 
 def _packaged(group: str) -> Path | None:
     """Return the file of a group in the package, for the highest level that this processor has."""
-    for level in levels():
-        for suffix in (SUFFIXES.get(sys.platform, ".so"), ".o"):
-            file = PACKAGED / file_name(group, level, suffix)
-            if file.is_file():
-                return file
-    return None
+    suffixes = (SUFFIXES.get(sys.platform, ".so"), ".o")
+    names = [file_name(group, level, suffix) for level in levels() for suffix in suffixes]
+    return next((folder / name for folder in PACKAGED for name in names if (folder / name).is_file()), None)
 
 
 def _linked(file: Path) -> Callable[[str], int]:
