@@ -67,7 +67,7 @@ def test_processes_that_start_together_do_not_disturb_each_other(fmus: Fmus, tmp
 def test_it_carries_libraries_for_every_platform(fmus: Fmus) -> None:
     pytest.importorskip("ziglang", reason="needs the extra native")
     with zipfile.ZipFile(fmus.damped) as archive:
-        carried = {Path(name).name for name in archive.namelist() if "/kernels/machine/code/" in name}
+        carried = {Path(name).name for name in archive.namelist() if name.startswith("resources/code/")}
     found = {(name.split(".")[0], name.split(".")[1], Path(name).suffix) for name in carried}
     for group in ("column", "statics"):
         assert {level for of, level, suffix in found if (of, suffix) == (group, ".so")} >= set(X86)
