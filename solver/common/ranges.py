@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import sys
 from collections.abc import Collection, Iterable
 
 from .errors import InputError, check_number, shown
@@ -92,3 +93,9 @@ def meant(known: Collection[str], value: object) -> str:
     written = {name.lower(): name for name in known}
     near = difflib.get_close_matches(value.lower() if isinstance(value, str) else "", written, n=1, cutoff=0.5)
     return f"; did you mean {written[near[0]]}?" if near else ""
+
+
+def has_masked(values: object) -> bool:
+    """Return True if an array has masked elements; numpy.ma, which takes long to import, is there if one exists."""
+    masked = sys.modules.get("numpy.ma")
+    return masked is not None and isinstance(values, masked.MaskedArray) and bool(masked.is_masked(values))

@@ -16,6 +16,7 @@ from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, InputWar
 from ..common.files import printable, whole_file
 from ..common.frames import Frame, Framed
 from ..common.notebook import Shown, counted, history
+from ..common.ranges import has_masked
 from ..common.text import lines_of
 from .loads import Load
 from .records import STANDARD_GRAVITY as STANDARD_GRAVITY
@@ -513,7 +514,7 @@ def _checked_samples(key: str, values: ArrayLike, unit: str) -> FloatArray:
 
     Raises InputError otherwise.
     """
-    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+    if has_masked(values):
         raise InputError(f"{key}: has gaps (masked values), must be numbers in {unit} throughout")
     try:
         given = np.asarray(values)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.errors import InputError, shown
+from ...common.ranges import has_masked
 from ...kernels.api.engine import scratch_room
 from ...kernels.column.description import DETAILS, GIVEN, GIVEN_BLOCK, GIVEN_JOINT, GIVEN_SETTINGS, NO_REST
 from ...kernels.layout import spaces as at
@@ -239,7 +240,7 @@ def set_initial(column: Column, state: FloatArray, initial: InitialState) -> Non
 def _given(key: str, values: Sequence[float] | FloatArray | None, default: FloatArray) -> FloatArray:
     if values is None:
         return default
-    gaps = isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values)
+    gaps = has_masked(values)
     try:
         array = np.asarray(values)
     except ValueError:  # ragged
