@@ -19,6 +19,7 @@ from solver.common.errors import InputError, check_number
 from solver.common.ranges import NUMBERS
 from solver.ground.loads import IN_PLANE
 from solver.ground.motion import STANDARD_GRAVITY
+from solver.ground.records import NAMES
 from solver.kernels.layout.spaces import DRIVEN
 from solver.models.column.block import Joint
 from solver.models.column.model import Column
@@ -369,9 +370,7 @@ def _sizes(column: Column) -> dict[str, list[float]]:
     }
 
 
-RECORD_TEXT = (
-    "Record added to the inputs: name of the one inside the FMU, or path of one (AT2, ESM, K-NET, COSMOS, CSV)"
-)
+RECORD_TEXT = f"Record added to the inputs: name of the one inside the FMU, or path of one ({', '.join(NAMES)})"
 RECORD_TEXT_NATIVE = "Record added to the inputs: name of the one inside the FMU, or empty for none; no file is read"
 
 

@@ -8,12 +8,12 @@ from pathlib import Path
 from ..common.errors import InputError, reading
 from ..common.files import printable
 from ..ground.motion import STANDARD_GRAVITY, Motion
-from ..ground.records import Record, format_of, read_record
+from ..ground.records import NAMES, Record, format_of, read_record
 from ..ground.records.columns import PLAIN
 from ..ground.records.units import KNOWN
 from ..studies.motions import FORMULAS
 
-FORMATS = "record: PEER AT2, ESM, K-NET, COSMOS, CSV in s and m/s2, plain columns"
+FORMATS = f"record: {', '.join(NAMES)}, plain columns"
 
 
 WAVELETS = ("ricker", "one-sine", "one-cosine", "mavroeidis-papageorgiou", "noise")  # of studies/motions.py, FORMULAS

@@ -122,10 +122,7 @@ def test_record_prints_the_measures(folder: Path, capsys: pytest.CaptureFixture[
     ("line", "message"),
     [
         ("simulate column.toml .", ".: Is a directory"),
-        (
-            "simulate column.toml plain.txt",
-            "plain.txt: no known header (PEER AT2, ESM, K-NET, COSMOS, CSV): units must be",
-        ),
+        ("simulate column.toml plain.txt", "plain.txt: no known header (COSMOS or CSMIP V1/V2, CSV, ESM ASCII, "),
         ("simulate column.toml plain.txt --units g", "plain.txt: line 2: 1 values, must be time, ax and perhaps az"),
         ("simulate column.toml plain.txt --units g --dt 0", "plain.txt: dt = 0"),
         (

@@ -54,8 +54,3 @@ def test_programs(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     exec(pair, {"east": SAMPLES, "up": SAMPLES}, found)
     assert found["motion"].pga == pytest.approx(0.3 * 9.80665, rel=1e-15)
     assert len(found["motion"].time) == 300  # 1 s at 0.005 s, the rest at 0.01 s
-
-
-def test_the_formats_listed_are_those_that_are_read() -> None:
-    for name in ("PEER AT2", "ESM ASCII", "K-NET", "KiK-net", "COSMOS V1 and V2", "CSV", "plain columns"):
-        assert f"| {name}" in PAGE or f", {name}" in PAGE

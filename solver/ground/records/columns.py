@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -69,7 +70,7 @@ def read_csv(lines: list[str]) -> Record:
     return Record(CSV, columns["time"], ax, az, ay=ay if np.any(ay) else None, warning=shifted)
 
 
-def read_plain(lines: list[str], dt: float | None, units: str | None) -> Record:
+def read_plain(lines: list[str], dt: float | None, units: str | None, headers: Sequence[str]) -> Record:
     """Read a file of numbers without a header; nothing is guessed.
 
     Columns are separated by blanks, commas, `;` or tabs; a line that begins with # % ! or // is a comment.
@@ -83,6 +84,8 @@ def read_plain(lines: list[str], dt: float | None, units: str | None) -> Record:
         second ax and a third, if any, az.
     units : str or None
         The unit of acceleration.
+    headers : sequence of str
+        The names of the formats with a header, for the message where the units are missing.
 
     Raises
     ------
@@ -96,8 +99,7 @@ def read_plain(lines: list[str], dt: float | None, units: str | None) -> Record:
                 "this line and give the units (--units) of columns of time, ax and perhaps az"
             )
         raise InputError(
-            "no known header (PEER AT2, ESM, K-NET, COSMOS, CSV): units must be given (--units) to read it as plain "
-            f"columns, {KNOWN}"
+            f"no known header ({', '.join(headers)}): units must be given (--units) to read it as plain columns, {KNOWN}"
         )
     factor = factor_of(units)
     texts = [

@@ -9,14 +9,12 @@ from ...common.text import lines_of
 from . import columns, cosmos, esm, geonet, knet, others, peer, smc
 from .record import Record
 
-_READERS = {
-    peer.NAME: peer.read,
-    esm.NAME: esm.read,
-    knet.NAME: knet.read,
-    smc.NAME: smc.read,
-    columns.CSV: columns.read_csv,
-}
-_OF_CHANNELS = {cosmos.NAME: cosmos.read, geonet.NAME: geonet.read}
+# modules of formats with a header, in the order in which they are recognized
+_FORMATS = (knet, esm, peer, smc)  # of one record: read(lines)
+_OF_CHANNELS = (geonet, cosmos)  # of several: read(lines, channel)
+_READERS = {columns.CSV: columns.read_csv} | {known.NAME: known.read for known in _FORMATS}
+_READERS_OF_CHANNELS = {known.NAME: known.read for known in _OF_CHANNELS}
+NAMES = tuple(sorted({*_READERS, *_READERS_OF_CHANNELS}))
 
 
 def read_record(
@@ -51,14 +49,14 @@ def read_record(
         for key, value, used in (
             ("dt", dt, name == columns.PLAIN),
             ("units", units, name == columns.PLAIN),
-            ("channel", channel, name in _OF_CHANNELS),
+            ("channel", channel, name in _READERS_OF_CHANNELS),
         ):
             if value is not None and not used:
                 raise InputError(f"{key} = {shown(value)}: must be left out, the file is {name} and says all itself")
         if name == columns.PLAIN:
-            return columns.read_plain(lines, dt, units)
-        if name in _OF_CHANNELS:
-            return _OF_CHANNELS[name](lines, channel)
+            return columns.read_plain(lines, dt, units, NAMES)
+        if name in _READERS_OF_CHANNELS:
+            return _READERS_OF_CHANNELS[name](lines, channel)
         return _READERS[name](lines)
 
 
@@ -74,6 +72,4 @@ def format_of(path: str | os.PathLike[str]) -> str:
 def _format(lines: list[str]) -> str:
     if columns.recognised(lines):
         return columns.CSV
-    return next(
-        (known.NAME for known in (knet, esm, peer, smc, geonet, cosmos) if known.recognised(lines)), columns.PLAIN
-    )
+    return next((known.NAME for known in (*_FORMATS, *_OF_CHANNELS) if known.recognised(lines)), columns.PLAIN)
