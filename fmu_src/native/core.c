@@ -298,6 +298,9 @@ static int build(Instance *instance, int from_rest, char *reason) {
         } else if (made == NO_REST)
             snprintf(reason, MESSAGE, "the column cannot stand: its blocks, offset or inclined as they are, or with "
                                       "such joints, have no stable rest under their weight");
+        else if (made == UNKNOWN_SECTION)
+            snprintf(reason, MESSAGE, "block[%d]: this FMU has no kernels of its section or contact",
+                     (int)instance->detail[0]);
         else
             snprintf(reason, MESSAGE, "joints that slide, and blocks that are off their axis, need the linear law in "
                                       "every joint, which this FMU has not");

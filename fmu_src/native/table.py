@@ -38,7 +38,7 @@ C_TYPES = {Real: "double ", Int: "int64_t ", Reals: "double *", Ints: "int64_t *
 STORED = {"Real": "REAL", "Integer": "INTEGER", "Enumeration": "INTEGER", "Boolean": "BOOLEAN", "String": "STRING"}
 # names that the core uses: sizes that depend on the model; places and codes that only some bodies have
 SIZES = ("N", "MODEL", "STATE", "COUNTS", "BASE", "WORK", "ROW", "SPLIT", "ROOM")
-REFUSALS = ("MISFIT", "NO_REST", "NOT_LINEAR", "TOO_LARGE")  # codes of `assemble`
+REFUSALS = ("MISFIT", "NO_REST", "NOT_LINEAR", "TOO_LARGE", "UNKNOWN_SECTION")  # codes of `assemble`
 CODES = (
     *("COUNT_OVERTURNED", *REFUSALS, "TOO_MUCH_WORK"),
     *("STATE_OVERTURN_TIME", "COUNT_RESTING", "VERDICT_OVERTURNED", "VERDICT_STANDING", "VERDICT_UNDECIDED"),

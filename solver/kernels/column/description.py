@@ -7,7 +7,7 @@ from ..layout.spaces import ELASTIC, IMPLICIT, LAW, MOST_STRIPS, OK, OTHER_LAW
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import Record, clear
 from ..sections.faces import ENDLESS, FITS, RECTANGLE, Face, face_of, misfit
-from ..sections.section import is_off_centre, lay_out
+from ..sections.section import face, is_off_centre, lay_out
 from .assembly import derive
 from .solids import homogeneous
 
@@ -29,6 +29,7 @@ TOO_LARGE = -10  # the moment of inertia of a block exceeds float64; the detail 
 NO_REST = -11  # a column that is off its axis, or has joints of another law, does not stand under its own weight
 NOT_LINEAR = -12  # a column that may slide or is off its axis has a joint of another law than the linear one
 MISFIT = -13  # a contact face does not fit its faces: the detail holds the joint and the Misfit (faces.py)
+UNKNOWN_SECTION = -14  # kernels/sections/ lacks the section of a block or of its contact: the detail holds its number
 DETAILS = 5  # length of the detail
 
 
@@ -68,6 +69,11 @@ def describe(column, given, detail):
             return code
     settings.slides = max(settings.slides, settings.off_axis)
     derive(model)
+    # a contact whose parts have no area that is known
+    for i in range(model.n):
+        if math.isnan(model.blocks.open_size[i]):
+            detail[0] = i + 1.0
+            return UNKNOWN_SECTION
     clear(column.work.row, column.work.total)  # modal responses of the previous model
     return OK
 
@@ -81,6 +87,9 @@ def _describe_block(model, given, i, detail):
     blocks.height[i] = block.height
     blocks.mass[i] = block.mass
     # centroid and inertia, those of a homogeneous block by default
+    if math.isnan(face(block.section, 1.0, 1.0, 0.5)[0]):
+        detail[0] = i + 1.0
+        return UNKNOWN_SECTION
     wide, deep, over = block.width, block.depth, (block.top_width, block.top_depth, block.bore)
     centroid, inertia = homogeneous(block.mass, block.section, block.height, wide, deep, *over)
     blocks.centroid[i] = centroid if block.centroid == 0.0 else block.centroid

@@ -1,11 +1,13 @@
 """The integration methods and their properties, for the stepping loop."""
 
+import math
 from typing import NamedTuple
 
-from ..layout.spaces import OK
+from ..layout.spaces import OK, UNKNOWN_METHOD
 from ..numba_ext.jit import kernel, leaf
 from . import dormand_prince, modal, order_8, rosenbrock
 
+NONE = 0
 ORDER_5 = 1
 ORDER_8 = 2
 LINEARLY_IMPLICIT = 3
@@ -30,8 +32,18 @@ def traits_of(method):
         return Traits(order_8.ORDER, False, True, True, (4, 9, 10), (order_8.C4, order_8.C9, order_8.C10))
     if method == LINEARLY_IMPLICIT:
         return Traits(rosenbrock.ORDER, True, False, False, (1, 2, 3), (0.25, 0.5, 0.75))
-    nodes = (dormand_prince.C2, dormand_prince.C3, dormand_prince.C4)
-    return Traits(dormand_prince.ORDER, False, True, False, (2, 3, 4), nodes)
+    if method == ORDER_5:
+        nodes = (dormand_prince.C2, dormand_prince.C3, dormand_prince.C4)
+        return Traits(dormand_prince.ORDER, False, True, False, (2, 3, 4), nodes)
+    return Traits(1, False, False, False, (1, 1, 1), (0.0, 0.0, 0.0))  # no method: `attempt_by` refuses it
+
+
+@leaf
+def explicit_method(order):
+    """Return the explicit method of this order (`explicit_order` of the settings); NONE if there is none."""
+    if order == order_8.ORDER:
+        return ORDER_8
+    return ORDER_5 if order == dormand_prince.ORDER else NONE
 
 
 @kernel
@@ -43,4 +55,6 @@ def attempt_by(method, column, t, h):
         return OK, order_8.attempt(column, t, h)
     if method == LINEARLY_IMPLICIT:
         return OK, rosenbrock.attempt(column, t, h)
-    return modal.attempt(column, t, h)
+    if method == MODES:
+        return modal.attempt(column, t, h)
+    return UNKNOWN_METHOD, math.inf

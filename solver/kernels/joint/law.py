@@ -33,7 +33,9 @@ class Law(NamedTuple):
     damping: float  # s
 
 
-assert Law._fields == LAW
+assert Law._fields == LAW, (
+    "solver/kernels/joint/law.py: Law must have the fields LAW of solver/kernels/layout/spaces.py"
+)
 
 
 @leaf

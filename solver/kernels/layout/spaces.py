@@ -154,7 +154,7 @@ RIGID_FIELDS = 6  # of the first part
 PHASE_FIELDS = 12  # of the first two: those of a column without mortar
 # all outputs of a column at one instant (ROW below), and T / N
 OUTPUTS = Table("ux", "uz", "theta", "N", "M", "S", "contact", "sigma_max", "T", "slip")
-REACTION = Record("Fx", "Fz", "My")  # of the base: N, N, N m
+REACTION = Record("Fx", "Fz", "My")  # of the base: N, N, N m; behind them outputs of the whole
 # largest absolute values so far; in the place of the contact the largest part of the width that was out of it, and
 # |T| / N where N is more than COUNTS_FROM of the weight that the joint carries at rest
 PEAKS = Space(joints=OUTPUTS, base=REACTION, friction=Numbers(per_n=1))
@@ -364,6 +364,7 @@ INPUT_TOO_LARGE = -6
 CALL_TOO_LONG = -7  # shorter ones can be made
 BODY_LACKING = -8  # forces act at the base, which has no mass
 RECORD_BESIDE = -9  # a record is followed on a base that a body drives
+UNKNOWN_METHOD = -15  # integrators/traits.py lacks the method of a step; -10 to -14: codes of `assemble`
 MOST_INPUT = 1e6  # of each input of the base, in its unit
 
 

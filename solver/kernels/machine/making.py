@@ -4,6 +4,7 @@ It is stored under an identifier of sources, processor level and compiler.
 """
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -11,6 +12,7 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import PackageNotFoundError, version
+from itertools import pairwise
 from pathlib import Path
 from typing import TypeVar
 
@@ -105,13 +107,22 @@ def run_make(wanted: Mapping[str, Mapping[str, Path]]) -> None:
         for key, bitcode in optimized_now.items():
             if bitcode.is_file():
                 keep(KEPT, key, bitcode.read_bytes())
-        # report the last line of an error
+        # report the reason of an error
         for group, files in wanted.items():
             if done.returncode or not all(file.is_file() for file in files.values()):
-                last = (done.stderr.strip().splitlines() or ["it was ended"])[-1]
-                if "No module named 'numba'" in last or "No module named 'llvmlite'" in last:
-                    last = "numba is not installed: pip install 'numba>=0.61,<1'"
-                raise MachineCodeError(f"the kernels of {GROUPS[group].purpose} cannot be compiled: {last}")
+                why = reason_in(done.stderr)
+                if "No module named 'numba'" in why or "No module named 'llvmlite'" in why:
+                    why = "numba is not installed: pip install 'numba>=0.61,<1'"
+                raise MachineCodeError(f"the kernels of {GROUPS[group].purpose} cannot be compiled: {why}")
+
+
+def reason_in(output: str) -> str:
+    """Return the last line of an error; of numba's, which begin with the innermost call, the reason with its place."""
+    lines = [line.strip() for line in output.splitlines() if line.strip()]
+    for reason, line in pairwise(lines):
+        if place := re.match(r"During: typing of .* at (\S+) \((\d+)\)", line):
+            return f"{place[1]}, line {place[2]}: {reason}"
+    return lines[-1] if lines else "it was ended"
 
 
 def environment() -> dict[str, str]:

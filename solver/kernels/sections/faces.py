@@ -12,6 +12,7 @@ from ..numba_ext.jit import in_both
 SECTIONS = ("rectangle", "circle", "annulus", "strips")
 RECTANGLE, CIRCLE, ANNULUS, STRIPS = range(len(SECTIONS))
 FRAME = -1  # a rectangle that touches in a rim
+UNKNOWN = -2  # faces whose intersection `common` does not know
 # other intersections of two faces: two round ones of which one has slipped; a straight one, which may be made of
 # strips, over a round one; a round one over a straight one
 LENS, ON_RING, ON_BAND = range(len(SECTIONS), len(SECTIONS) + 3)
@@ -61,6 +62,12 @@ def is_round(section: float) -> bool:
 
 
 @in_both
+def is_known(section: float) -> bool:
+    """Return True if a section is round or straight: the shapes whose intersections and insides are known."""
+    return is_round(section) or section in (RECTANGLE, STRIPS)
+
+
+@in_both
 def face_of(section: float, width: float, depth: float, bore: float) -> Face:
     """Return a face; the depth is ignored where it is round, the bore where it is not an annulus. Lengths in m."""
     return Face(section, width, width if is_round(section) else depth, bore if section == ANNULUS else 0.0)
@@ -84,10 +91,13 @@ def lies_within(face: Face, other: Face) -> bool:
 def common(own: Face, below: Face) -> Face:
     """Return the intersection of two faces that are not made of strips.
 
-    Its section is ON_RING or ON_BAND where it is none of SECTIONS: then width and depth are upper bounds, in m.
+    Its section is ON_RING or ON_BAND where it is none of SECTIONS: then width and depth are upper bounds, in m. It is
+    UNKNOWN where a face is neither round nor straight.
     """
-    # both round, then both straight
     width, depth = min(own.width, below.width), min(own.depth, below.depth)
+    if not (is_known(own.section) and is_known(below.section)):
+        return Face(float(UNKNOWN), width, depth, 0.0)
+    # both round, then both straight
     if is_round(own.section) and is_round(below.section):
         bore = max(own.bore, below.bore)
         return Face(float(ANNULUS if bore > 0.0 else CIRCLE), width, width, bore)

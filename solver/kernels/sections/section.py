@@ -31,9 +31,11 @@ from .faces import (
     ON_RING,
     RECTANGLE,
     STRIPS,
+    UNKNOWN,
     after_a_slip,
     common,
     has_inside,
+    is_known,
     is_round,
 )
 from .lens import ends_of_rings, lens_part
@@ -204,7 +206,7 @@ def _part_of_rim(contact, lo, hi):
 
 @kernel
 def _part_of_outline(contact, lo, hi):
-    """Return `_part` of a contact that touches all over."""
+    """Return `_part` of a contact that touches all over; an area that is no number if its section is unknown."""
     # two faces of which one at least is round
     if contact.section >= LENS:
         outer, inner = 0.5 * contact.round, 0.5 * contact.round_bore
@@ -217,7 +219,8 @@ def _part_of_outline(contact, lo, hi):
         return strips_part(contact.strips, lo, hi)
     if contact.section == FRAME:
         return _frame_part(contact.depth, lo, hi)
-    return ring_part(0.5 * contact.depth, 0.5 * contact.bore, lo, hi)
+    about, area, first, second = ring_part(0.5 * contact.depth, 0.5 * contact.bore, lo, hi)
+    return about, area if contact.section == ANNULUS else math.nan, first, second
 
 
 # --- resultants, energy and stiffness for the law
@@ -573,6 +576,9 @@ def lay_out(blocks, i, own, count, depths, below, rim):
         section = float(FRAME) if section == RECTANGLE else section
         slipped = float(FRAME) if slipped == RECTANGLE else slipped
     blocks.rim[i] = rim
+    # faces whose intersection, or whose inside, is unknown
+    if shared.section == UNKNOWN or (rim > 0.0 and not (is_known(own.section) and is_known(below.section))):
+        section = float(UNKNOWN)
     # the results; a bore may cut off the ends
     blocks.own_left[i], blocks.own_right[i] = left, right
     blocks.section[i], blocks.depth[i], blocks.bore[i], blocks.slipped[i] = section, depth, shared.bore, slipped
@@ -597,8 +603,13 @@ def _lie_within(strips, face):
 
 @in_both
 def face(section: float, width: float, depth: float, bore: float) -> tuple[float, float]:
-    """Return area (m2) and second moment about the middle (m4) of a whole section that is not made of strips."""
+    """Return area (m2) and second moment about the middle (m4) of a whole section that is not made of strips.
+
+    They are no numbers if the section is unknown.
+    """
     if section == RECTANGLE:
         return width * depth, width * depth * width * width / 12.0
+    if not is_round(section):
+        return math.nan, math.nan
     outer, inner = width * width, bore * bore if section == ANNULUS else 0.0
     return 0.25 * math.pi * (outer - inner), math.pi / 64.0 * (outer - inner) * (outer + inner)

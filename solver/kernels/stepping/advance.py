@@ -205,7 +205,7 @@ def judge_step(column, plan, t, code, error):
     t : float
         Start of the step (s).
     code : int
-        Code that the modal method returned.
+        Code that the method returned: a modal step may fail, and a method be unknown.
     error : float
         Estimated error, in tolerances.
 
@@ -225,6 +225,8 @@ def judge_step(column, plan, t, code, error):
         control = column.state.control
         accepted = accepts_elastic(counts, control, step, code, error, ELASTIC_COST)
         return OK, step if accepted else REJECTED, False
+    if code != OK:
+        return code, REJECTED, False
     if not accepts(column, method, step, error):
         return _reject(column, t), REJECTED, False
     # accepted: shorten it if a regime changes within

@@ -6,7 +6,7 @@ from ..formulations.base_motion import wave_amplitude
 from ..formulations.loads import is_loaded
 from ..formulations.slips import something_slides
 from ..integrators import modal
-from ..integrators.traits import LINEARLY_IMPLICIT, ORDER_5, ORDER_8, traits_of
+from ..integrators.traits import LINEARLY_IMPLICIT, ORDER_8, explicit_method, traits_of
 from ..layout.spaces import IMPLICIT, OK, SLACK
 from ..numba_ext.jit import in_both, kernel, leaf
 from ..numba_ext.lanes import greater, magnitude, where
@@ -111,7 +111,7 @@ def general_step(column, left):
     """
     counts, control = column.counts, column.state.control
     step = within_a_cycle(column, control.next_step)
-    explicit = ORDER_8 if column.model.settings.explicit_order == 8.0 else ORDER_5
+    explicit = explicit_method(column.model.settings.explicit_order)
     if int(column.model.settings.without) & IMPLICIT or something_slides(column.work):
         return explicit, min(step, control.explicit_step) if counts.implicit == 1 else step
     # relative cost, and length of a probe

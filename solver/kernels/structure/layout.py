@@ -231,7 +231,7 @@ OF_BEARING = ("dx", "dy", "d")
 OF_BOND = ("bond",)
 OF_PAIR = ("gap", "hit")
 OF_PORT = SPOTS.fields
-OF_BASE = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+OF_BASE = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")  # N, N m; behind them outputs of the whole
 
 # codes
 OK, STEP_TOO_SMALL = 0, -1

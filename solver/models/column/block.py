@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
@@ -13,8 +14,11 @@ from ...kernels.column.solids import homogeneous, solid_between
 from ...kernels.layout.spaces import LAW, MOST_STRIPS, OTHER_LAW
 from ...kernels.sections import faces
 from ...kernels.sections.faces import ANNULUS, SECTIONS, STRIPS, Face, face_of
+from ...kernels.sections.section import face
 
 BLOCK_SECTIONS = tuple(name for name in SECTIONS if name != "strips")  # strips are sections of contacts only
+_UNKNOWN = [name for name in BLOCK_SECTIONS if math.isnan(face(SECTIONS.index(name), 1.0, 1.0, 0.5)[0])]
+assert not _UNKNOWN, f"solver/kernels/sections/section.py: face() must have the area of {_UNKNOWN}"
 
 
 def of_law(least: float, most: float, meaning: str, sections: Collection[str] = SECTIONS) -> Any:
@@ -75,7 +79,7 @@ class Joint:
 
 
 _LAWS = {item.name: item.metadata for item in fields(Joint) if item.metadata}
-assert set(_LAWS) == set(OTHER_LAW)
+assert set(_LAWS) == set(OTHER_LAW), f"solver/models/column/block.py: Joint must have {OTHER_LAW} by of_law"
 NUMBERS.update({key: law["range"] for key, law in _LAWS.items()})
 
 
@@ -256,6 +260,8 @@ def check_block(key: str, block: object) -> None:
 
 def no_rim(block: Block) -> str:
     """Return the reason why the joint under a block can have no rim, or ""."""
+    if not faces.is_known(block.joint_section):
+        return f'left out where the section is "{SECTIONS[block.joint_section]}"'
     if block.joint_section == STRIPS:
         return 'left out beside section = "strips", which says where the faces touch'
     return "left out of a joint that bears tension or cohesion" if block.joint.is_brittle else ""

@@ -10,7 +10,19 @@ import numpy as np
 from ...common.errors import InputError, shown
 from ...kernels.api.entries import lay_joint
 from ...kernels.layout import spaces as at
-from ...kernels.sections.faces import ENDLESS, FITS, LENS, RECTANGLE, STRIPS, Face, after_a_slip, common, misfit
+from ...kernels.sections.faces import (
+    ENDLESS,
+    FITS,
+    LENS,
+    RECTANGLE,
+    SECTIONS,
+    STRIPS,
+    UNKNOWN,
+    Face,
+    after_a_slip,
+    common,
+    misfit,
+)
 from ...kernels.sections.section import face
 from .block import MISFITS, Block
 
@@ -57,6 +69,12 @@ def check_contacts(blocks: Sequence[Block]) -> None:
     for number, (block, below) in enumerate(zip(blocks, _faces_below(blocks), strict=True), start=1):
         strips, joint = block.joint.strips or (), block.joint
         is_wide, is_deep = joint.width is not None, joint.depth is not None
+        if common(block.contact_face, below).section == UNKNOWN:
+            section = SECTIONS[block.joint_section]
+            raise InputError(
+                f'block[{number}].joint.section = "{section}": its contact with the face below is unknown to `common` '
+                "(solver/kernels/sections/faces.py)"
+            )
         fault = misfit(block.contact_face, block.bottom_face, below, is_wide, is_deep, len(strips), strips)
         if fault.kind != FITS:
             name, relation = MISFITS[fault.kind]

@@ -21,7 +21,7 @@ from ..protocol import LANES, LOADED, OVERTURNED, Kind, Lanes, Plan, Run, Work, 
 from ..uncertainty import Varied
 from .kept import KEPT, WATCHED
 from .kinematics import Chain, chain_of
-from .lane_policy import HELD, first_step_of, kind_of, why_not_in_lanes
+from .lane_policy import HELD, IN_LANES, first_step_of, kind_of, why_not_in_lanes
 from .lanes import BatchResult, LaneKernels, follow_in_lanes, lanes_of, load_kernels
 from .model import Column
 from .numbers import column_with, is_of_column, single_names
@@ -175,9 +175,8 @@ class Columns(Kind):
     def in_lanes(self, response: Response, plan: Plan) -> bool:
         """Return True for the linear law if most steps are explicit and the run starts from rest."""
         column = response.column
-        fits = not (column.other_law or column.is_brittle or column.has_bands) and set(column.settings.without) <= {
-            "peaks"
-        }
+        known = column.sections <= IN_LANES and not (column.other_law or column.is_brittle)
+        fits = known and set(column.settings.without) <= {"peaks"}
         explicit = response.stats["implicit_steps"] <= MOST_DAMPED * response.stats["steps"]
         return fits and explicit and not self.under(column, plan.motion)[0] and plan.initial is None
 

@@ -6,6 +6,7 @@ import math
 
 from ...ground.motion import Motion
 from ...kernels.integrators import dormand_prince
+from ...kernels.sections.faces import ANNULUS, CIRCLE, FRAME, LENS, RECTANGLE, STRIPS
 from .model import Column
 
 MOST_BLOCKS = 64  # in lanes; the data of more exceed the cache
@@ -19,6 +20,7 @@ CRITICAL = 2.0  # damping times frequency
 # than this, modes are slower, unless explicit steps are short. Measured (the shaft of Phocas in six drums, five records
 # of 50 to 200 samples per second): twice as slow, and five times if joints stay closed.
 SAMPLES, AT_ONCE = 20.0, 1500.0  # 1/s: samples of a record; explicit steps
+IN_LANES = frozenset((RECTANGLE, CIRCLE, ANNULUS, STRIPS, FRAME, LENS))  # sections with kernels for lanes
 HELD = "held samples"  # the reason to run alone
 
 
@@ -29,8 +31,6 @@ def why_not_in_lanes(column: Column) -> str:
         return why
     if settings.tolerance < TIGHTEST:
         return "tight tolerance"
-    if column.has_bands:
-        return "a round face on a straight one"
     return "stiff joints" if "implicit" not in settings.without and _is_stiff(column) else ""
 
 
@@ -42,6 +42,10 @@ def why_no_lanes(column: Column) -> str:
         return f"joint.{column.other_law}"
     if column.is_brittle:
         return "brittle joints"
+    if column.has_bands:
+        return "a round face on a straight one"
+    if not column.sections <= IN_LANES:
+        return "a section without kernels for lanes"
     return f"more than {MOST_BLOCKS} blocks" if column.n > MOST_BLOCKS else ""
 
 

@@ -112,17 +112,17 @@ class Column(Shown):
     @cached_property
     def has_rectangles_only(self) -> bool:
         """True if all contacts are rectangles, and remain so."""
-        return self._sections <= {RECTANGLE}
+        return self.sections <= {RECTANGLE}
 
     @cached_property
     def has_strips(self) -> bool:
         """True if some contact is made of strips."""
-        return STRIPS in self._sections
+        return STRIPS in self.sections
 
     @cached_property
     def has_bands(self) -> bool:
         """True if some contact is the intersection of a round face and a straight one, or may become one."""
-        return not self._sections.isdisjoint((ON_RING, ON_BAND))
+        return not self.sections.isdisjoint((ON_RING, ON_BAND))
 
     @cached_property
     def has_rims(self) -> bool:
@@ -135,7 +135,7 @@ class Column(Shown):
         return self.has_rims or any(0.0 in (block.joint.strips or ())[1:-1] for block in self.blocks)
 
     @property
-    def _sections(self) -> set[int]:
+    def sections(self) -> set[int]:
         """The codes of the sections of the contacts; of columns with slips also those after a slip."""
         found = {contact.section for contact in self.contacts}
         return found | {contact.slipped for contact in self.contacts} if self.has_slips else found

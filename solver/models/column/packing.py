@@ -15,7 +15,15 @@ from numpy.typing import NDArray
 from ...common.errors import InputError, shown
 from ...common.ranges import has_masked
 from ...kernels.api.engine import scratch_room
-from ...kernels.column.description import DETAILS, GIVEN, GIVEN_BLOCK, GIVEN_JOINT, GIVEN_SETTINGS, NO_REST
+from ...kernels.column.description import (
+    DETAILS,
+    GIVEN,
+    GIVEN_BLOCK,
+    GIVEN_JOINT,
+    GIVEN_SETTINGS,
+    NO_REST,
+    UNKNOWN_SECTION,
+)
 from ...kernels.layout import spaces as at
 from .block import Block
 from .model import Column
@@ -148,6 +156,8 @@ def _assemble(column: Column, given: FloatArray) -> Arrays:
         if column.other_law:
             as_they_are = f"with joint.{column.other_law} as it is a joint does not carry the weight above it at rest"
         raise InputError(f"{column.name} cannot stand: {as_they_are}")
+    if code == UNKNOWN_SECTION:
+        raise InputError(f"block[{int(detail[0])}]: solver/kernels/sections has no kernels of its section or contact")
     if code != at.OK:  # the column has made the other checks
         raise InputError(f"block[{int(detail[0])}].inertia: beyond the range of float64")
     if column.kind.fixed:

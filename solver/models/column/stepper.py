@@ -37,6 +37,7 @@ REASONS = {
     at.BODY_LACKING: "what drives the base has no mass: body.Mxx must be positive, and Mzz and Mtt where base.drive is "
     "body",
     at.RECORD_BESIDE: "base.record must be empty where a body drives the base: the ground moves that body",
+    at.UNKNOWN_METHOD: "the method of the step has no line in solver/kernels/integrators/traits.py",
     at.ROTATES: 'the base rotates: formulation = "paper" has no such motion, "exact" has',
 }
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...common.errors import InputError
-from ...kernels.sections.faces import STRIPS, is_round
+from ...kernels.sections.faces import ANNULUS, CIRCLE, RECTANGLE, SECTIONS, STRIPS, is_round
 from ...kernels.sections.faces import Face as PlaneFace
 from ..column.block import Block
 from ..ports import Port
@@ -21,6 +21,8 @@ from .blocks.shapes import box, drum, placed, rectangle
 if TYPE_CHECKING:
     from ..column.model import Column
 
+IN_SPACE = (RECTANGLE, CIRCLE, ANNULUS, STRIPS)  # sections with a form in space; of strips a message says more
+
 
 def stacked(column: Column) -> dict[str, Any]:
     """Return the fields of the structure with the blocks and joints of a column, the top one first.
@@ -31,6 +33,10 @@ def stacked(column: Column) -> dict[str, Any]:
         raise InputError('solver.formulation = paper: must be "exact" in space')
     if column.other_law:
         raise InputError(f"joint.{column.other_law}: must be left out in space")
+    for number, block in enumerate(column.blocks, start=1):
+        for key, section in (("section", int(block.shape[0])), ("joint.section", block.joint_section)):
+            if section not in IN_SPACE:
+                raise InputError(f'block[{number}].{key} = "{SECTIONS[section]}": has no form in space')
     heights = np.cumsum([0.0, *(block.height for block in reversed(column.blocks))])[::-1][1:]
     solids = tuple(
         _solid(f"block{number}", block, float(foot))

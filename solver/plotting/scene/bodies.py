@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.errors import InputError
-from ...kernels.sections.faces import is_round
+from ...kernels.sections.faces import SECTIONS
 from ...models.column.block import Block
 from ...models.column.model import Column
 from ...models.structure.blocks.faces import Face, FloatArray
@@ -20,6 +20,10 @@ from ...models.structure.blocks.parts import Joint, Solid
 from ...models.structure.model import Structure
 
 SIDES = 32  # of a round face
+_ANGLES = 2.0 * math.pi * np.arange(SIDES) / SIDES
+# corners of faces of width and depth 2 about their middle, by section: x, y
+ROUND, SQUARE = np.array([np.cos(_ANGLES), np.sin(_ANGLES)]), np.array([[-1.0, 1, 1, -1], [-1, -1, 1, 1]])
+OUTLINES = {"rectangle": SQUARE, "circle": ROUND, "annulus": ROUND, "strips": SQUARE}
 AROUND = 0.3  # of the largest extent: a wall is clipped at this distance from the blocks
 TOO_CLOSE = 1e-6  # s: tolerance on the distance of two rows
 
@@ -245,24 +249,20 @@ def _of_block(
 ) -> tuple[tuple[Surface, ...], tuple[FloatArray, FloatArray]]:
     """Return the surface of a column's block and the rims of its joint; `below`, `above`: angles of its faces, rad."""
     ends = (block.width, block.depth), (block.top_width or block.width, block.top_depth or block.depth)
-    is_drum, is_disc = is_round(block.shape[0]), is_round(float(block.joint_section))
+    own, joint = (OUTLINES[SECTIONS[int(code)]] for code in (block.shape[0], block.joint_section))
     heights = -block.resolved_centroid, block.height - block.resolved_centroid
     cos, sin = math.cos(tilt), math.sin(tilt)
     turned = np.array([[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]])
 
-    def ring(wide: float, deep: float, height: float, oblique: float, curved: bool = True) -> FloatArray:
-        if curved:
-            angle = 2.0 * math.pi * np.arange(SIDES) / SIDES
-            x, y = 0.5 * wide * np.cos(angle), 0.5 * wide * np.sin(angle)
-        else:
-            x, y = 0.5 * wide * np.array([-1, 1, 1, -1]), 0.5 * deep * np.array([-1, -1, 1, 1])
+    def ring(wide: float, deep: float, height: float, oblique: float, outline: FloatArray = ROUND) -> FloatArray:
+        x, y = 0.5 * wide * outline[0], 0.5 * (wide if outline is ROUND else deep) * outline[1]
         found: FloatArray = np.column_stack([x, y, height - x * math.tan(oblique)]) @ turned.T
         return found
 
     # bottom, top, hole and rims of the joint
-    low, high = (ring(*end, z, oblique, is_drum) for end, z, oblique in zip(ends, heights, (below, above), strict=True))
+    low, high = (ring(*end, z, oblique, own) for end, z, oblique in zip(ends, heights, (below, above), strict=True))
     hole = block.bore or 0.0
     bore = [ring(hole, hole, z, o) for z, o in zip(heights, (below, above), strict=True)] if hole else []
-    rim = ring(block.joint_width, block.joint_depth, heights[0], below, is_disc)
+    rim = ring(block.joint_width, block.joint_depth, heights[0], below, joint)
     inner = ring(block.joint_bore, block.joint_bore, heights[0], below) if block.joint_bore else np.empty((0, 3))
-    return _between(low, high, bore, edged=not is_drum), (rim, inner)
+    return _between(low, high, bore, edged=own is SQUARE), (rim, inner)
