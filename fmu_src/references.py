@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from solver.common.ranges import MAX_BLOCKS
 from solver.ground.loads import COMPONENTS
@@ -174,12 +174,21 @@ assert MAX_BLOCKS <= FAMILY
 
 
 def reference_of(name: str) -> int:
-    """Return the value reference of a variable: that of REFERENCES, or 1000 times its family plus its number."""
+    """Return the value reference of a variable: that of REFERENCES, or 1000 times its family plus its number.
+
+    Raises LookupError for a name without one.
+    """
     parts = re.fullmatch(r"(block|joint|tie|bearing|bond|contact|port)\[(\d+)\]\.(\w+)", name)
     if parts is None:
-        return REFERENCES[name]
+        return _number(REFERENCES, "REFERENCES", name)
     owner, number, quantity = parts.groups()
-    return FAMILY * FAMILIES[f"{owner}.{quantity}"] + int(number)
+    return FAMILY * _number(FAMILIES, "FAMILIES", f"{owner}.{quantity}") + int(number)
+
+
+def _number(table: Mapping[str, int], of: str, name: str) -> int:
+    if name not in table:
+        raise LookupError(f"{name}: has no number in {of} (fmu_src/references.py)")
+    return table[name]
 
 
 def array_of(name: str) -> str:

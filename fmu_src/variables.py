@@ -289,7 +289,7 @@ def _direct(name: str, n: int) -> tuple[str, ...]:
     place, _, quantity = name.partition(".")
     if place.startswith("port["):
         return _DIRECT_OF_PORT.get(quantity, MOVING)
-    inputs = _DIRECT.get(quantity, MOVING)
+    inputs = _DIRECT.get(quantity or name, MOVING)
     return () if inputs == TURNING and place != f"joint[{n}]" else inputs
 
 
@@ -324,11 +324,19 @@ def seen(
             for i, it in enumerate(names.get(one.owner, ("",)), start=int(one.owner != BASE)):
                 unit, text = one.unit.replace(" ", "."), one.text.format(i=i, it=it)
                 extreme = f"{LEAST if one.by_least else LARGEST}: {text}"
-                limits: dict[str, Any] = {"maximum": one.most, "nominal": nominal(one.unit, i)}
+                limits: dict[str, Any] = {"maximum": one.most, "nominal": _usual_size(nominal, one, i)}
                 if not output.only_peak:
                     row.append(output_of(one.name_of(i), unit, text, minimum=one.least, **limits))
                 peaks.append(output_of(one.peak_of(i), unit, extreme, **peak, **limits))
     return row, peaks
+
+
+def _usual_size(nominal: Callable[[str, int], float], output: Output, i: int) -> float:
+    try:
+        return nominal(output.unit, i)
+    except KeyError:
+        files = "fmu_src/variables.py, fmu_src/structure_variables.py"
+        raise LookupError(f"{output.name}: _sizes has no size of the unit {output.unit} ({files})") from None
 
 
 def _split_outputs(column: Column) -> list[Variable]:

@@ -48,6 +48,8 @@ class Output:
         largest absolute value.
     only_peak : bool
         Whether there is a peak but no history.
+    whole : bool
+        Whether it is of the whole model, as its energy, not of its base: owner BASE, named without it.
     parts : tuple of Output
         The components of the base under one name, each an output.
     name : str
@@ -63,6 +65,7 @@ class Output:
     most: float | None = None
     by_least: bool = False
     only_peak: bool = False
+    whole: bool = False
     parts: tuple[Output, ...] = ()
     name: str = ""
     field: str = ""  # the name of the attribute, and in `peaks`
@@ -99,6 +102,8 @@ class Output:
 
     def name_of(self, label: object) -> str:
         """Return the name of the number with this label, such as block[2].ux or base.Fx."""
+        if self.whole:
+            return self.name
         return f"base.{self.name}" if self.owner == BASE else f"{self.owner}[{label}].{self.name}"
 
     def peak_of(self, label: object) -> str:

@@ -51,4 +51,6 @@ class ColumnHistories(Histories):
 OUTPUTS = ColumnHistories.outputs
 UNITS = units_of(OUTPUTS)
 _PORTS = [f"port_{name}" for name in at.SPOTS.fields]
-assert [output.field for output in OUTPUTS] == [*at.OUTPUTS.fields, *at.REACTION.fields, *_PORTS, "bond", "friction"]
+_FIELDS = [*at.OUTPUTS.fields, *at.REACTION.fields, *_PORTS, "bond", "friction"]
+_ORDER = "solver/models/column/outputs.py: the rows must be, in this order, those of solver/kernels/layout/spaces.py"
+assert [output.field for output in OUTPUTS] == _FIELDS, f"{_ORDER}: {', '.join(_FIELDS)}"

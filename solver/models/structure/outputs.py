@@ -151,6 +151,8 @@ class StructureHistories(Histories):
 
 OUTPUTS = StructureHistories.outputs
 UNITS = units_of(OUTPUTS)
+_BASE = [part.name for part in StructureHistories.base.parts]
+_WHOLE = [output.field for output in OUTPUTS if output.whole]
 _FIELDS = [
     *at.OF_BLOCK,
     *at.OF_JOINT,
@@ -160,6 +162,9 @@ _FIELDS = [
     *at.OF_PAIR,
     *(f"port_{name}" for name in at.OF_PORT),
     "base",
+    *at.OF_BASE[len(_BASE) :],
 ]
-assert [output.field for output in OUTPUTS] == _FIELDS
-assert tuple(part.name for part in StructureHistories.base.parts) == at.OF_BASE
+_ORDER = "solver/models/structure/outputs.py: the rows must be, in this order, those of"
+_ORDER = f"{_ORDER} solver/kernels/structure/layout.py: {', '.join(_FIELDS)}; parts of base: {', '.join(at.OF_BASE)}"
+assert [output.field for output in OUTPUTS] == _FIELDS, _ORDER
+assert [*_BASE, *_WHOLE] == [*at.OF_BASE], _ORDER
