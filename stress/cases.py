@@ -17,6 +17,7 @@ CRUSHED = 0.05  # of the columns: settlements of any size
 MOST_SETTLED = 0.1  # of a block's height, in the others
 MOST_SAMPLES = 2000
 LONG = 1e5  # s
+MIRRORED = ("ux", "theta", "M", "S", "T", "slip", "Fx", "My")  # outputs that change their sign in the mirror
 
 MOTIONS = (
     "harmonic",

@@ -19,7 +19,7 @@ from solver.kernels.layout import spaces as at
 from solver.models.column.packing import model_of
 from solver.models.column.stepper import Stepper
 
-from .cases import Case, draw
+from .cases import MIRRORED, Case, draw
 from .energy import Array, Energies
 
 AFFORDABLE = 500_000  # steps times blocks: a run that took more is not repeated at other tolerances
@@ -81,7 +81,6 @@ def follow(
 
 
 COUNTED = {"steps": "steps", "implicit": "implicit_steps", "elastic": "elastic_steps", "rejected": "rejected"}
-MIRRORED = ("ux", "theta", "M", "S", "T", "slip", "Fx", "My")  # outputs that change their sign
 
 
 def _cut(motion: Motion, pieces: int) -> Motion:

@@ -12,8 +12,7 @@ from support.probe import PHOCAS_STIFFNESS, G, phocas, random_column
 
 from solver import Block, Column, Joint, Motion, Settings, simulate
 from solver.models.column.outputs import OUTPUTS
-
-ODD = {"ux", "theta", "M", "S", "T", "Fx", "My", "slip"}  # change their sign in the mirror
+from stress.cases import MIRRORED
 
 
 def of(block: Block, n: int, **settings: Any) -> Any:
@@ -41,8 +40,9 @@ def assert_mirrored(columns: tuple[Column, Column], motion: Motion, shows: str) 
     assert run.stats[shows] == mirrored.stats[shows] > 0
     assert np.array_equal(run.peak_ux, mirrored.peak_ux)
     for name in (output.field for output in OUTPUTS if not output.only_peak):
-        sign = -1.0 if name in ODD else 1.0
-        assert np.array_equal(sign * getattr(run, name), getattr(mirrored, name)), name
+        sign = -1.0 if name in MIRRORED else 1.0
+        wrong = f"{name} is not mirrored: MIRRORED in stress/cases.py, or its kernel"
+        assert np.array_equal(sign * getattr(run, name), getattr(mirrored, name)), wrong
 
 
 @pytest.mark.parametrize("case", CASES)
