@@ -178,12 +178,21 @@ def numbered(file: str, names: Sequence[str]) -> list[str]:
 
 
 def test_methods_are_complete() -> None:
-    forgotten, traits = [], text_of("solver/kernels/integrators/traits.py")
+    file, forgotten = "solver/kernels/integrators/traits.py", []
+    traits = text_of(file)
+    steps = "".join(text_of(f"solver/kernels/stepping/{name}.py") for name in ("control", "advance"))
     for name in modules_with("attempt", INTEGRATORS):
         if f" {name}.attempt(" not in traits or f"{name}.ORDER" not in traits + "modal.ORDER":
-            forgotten.append(f"solver/kernels/integrators/traits.py: `traits_of` or `attempt_by` lacks {name}")
-        if f"order == {name}.ORDER" in traits and name not in text_of("tests/dynamics/test_integrators.py"):
-            forgotten.append(f"tests/dynamics/test_integrators.py: no tableau of {name}")
+            forgotten.append(f"{file}: `traits_of` or `attempt_by` lacks {name}")
+        if f"order == {name}.ORDER" in traits:
+            if name not in text_of("tests/dynamics/test_integrators.py"):
+                forgotten.append(f"tests/dynamics/test_integrators.py: no tableau of {name}")
+            order = importlib.import_module(f"solver.kernels.integrators.{name}").ORDER
+            if not re.search(rf"explicit_order = .*\b{order}\.0", text_of("solver/kernels/column/assembly.py")):
+                forgotten.append(f"solver/kernels/column/assembly.py: `derive` never takes {name}")
+    for number in re.findall(r"^([A-Z_\d]+) = [1-9]\d*$", traits, re.MULTILINE):
+        if not re.search(rf"return {number}\b", traits) and not re.search(rf"\b{number}\b", steps):
+            forgotten.append(f"solver/kernels/stepping/control.py: `general_step` never takes {number}")
     assert not forgotten, "\n".join(forgotten)
 
 

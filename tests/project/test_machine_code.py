@@ -287,6 +287,14 @@ def test_what_cannot_be_made_is_one_line(monkeypatch: pytest.MonkeyPatch) -> Non
         making.run_make({"statics": {"no such": Path("/nonexistent/x.o")}})
 
 
+def test_an_error_of_numba_is_shown_with_its_innermost_place() -> None:
+    output = "TypingError: failed\n  wrong length\n  During: typing of call at /a/b.py (7)\n\n  During: Pass x\n"
+    output += "  During: typing of call at /a/c.py (9)\nDuring: Pass nopython_type_inference\n"
+    assert making.reason_in(output) == "/a/b.py, line 7: wrong length"
+    assert making.reason_in("Traceback\nValueError: no\n") == "ValueError: no"
+    assert making.reason_in("") == "it was ended"
+
+
 class Terminal(io.StringIO):
     def isatty(self) -> bool:
         return True
