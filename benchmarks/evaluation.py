@@ -25,8 +25,8 @@ import numpy as np
 from llvmlite.binding import get_host_cpu_features
 
 from solver import Column
-from solver.kernels.formulations.exact import JOINT_ROW, Motion, exact_accelerations
-from solver.kernels.joint import regimes
+from solver.kernels.column.formulations.exact import JOINT_ROW, Motion, exact_accelerations
+from solver.kernels.column.joint import regimes
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext import numbers
 from solver.kernels.numba_ext.jit import from_python, kernel

@@ -14,7 +14,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from solver.kernels.formulations.exact import Motion, exact_accelerations
+from solver.kernels.column.formulations.exact import Motion, exact_accelerations
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python, kernel, native
 from solver.kernels.numba_ext.views import Numbers, Record, Space, row_at, row_of

@@ -23,7 +23,7 @@ from fmu_src.structure_variables import structure_variables
 from fmu_src.variables import Variable, variables
 from multiblock import Block, Column, Joint, Settings
 from solver.common.ranges import NUMBERS
-from solver.kernels.sections.faces import SECTIONS
+from solver.kernels.column.sections.faces import SECTIONS
 from solver.models.column import file as column_file
 from solver.models.column.block import BLOCK_SECTIONS
 from solver.models.column.kept import KEPT

@@ -17,8 +17,8 @@ import numpy as np
 from multiblock import Column, Motion, Structure, natural_modes, simulate, simulate_many
 from solver import InputError
 from solver.common.files import toml_of
-from solver.kernels.api.engine import BASE_INPUTS
-from solver.kernels.formulations.coupled_base import BODY
+from solver.kernels.column.api.engine import BASE_INPUTS
+from solver.kernels.column.formulations.coupled_base import BODY
 from solver.kernels.layout.spaces import DRIVES
 from solver.kernels.machine.entry import ENTRIES
 from solver.kernels.structure import entries as structures

@@ -1,6 +1,6 @@
 """The kernels of partners: what their FMUs without Python are linked with, a group of entries for each.
 
-They are called as those of a column (solver/kernels/api/driven_entries.py), and take what they need of the same
+They are called as those of a column (solver/kernels/column/api/driven_entries.py), and take what they need of the same
 arguments; the functions are those of isolator.py and soil.py as they stand, compiled. A partner's model is its
 parameters, its state what moves, the steps before and the work. The state of the ground is the length of the last step.
 """
@@ -14,7 +14,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from solver.kernels.formulations.base_motion import SAMPLE_SLACK, Samples, record_line, segment_at
+from solver.kernels.column.formulations.base_motion import Samples, record_line
+from solver.kernels.engine.samples import SAMPLE_SLACK, segment_at
 from solver.kernels.machine.entry import entry
 from solver.kernels.machine.groups import GROUPS, Group
 from solver.kernels.machine.kinds import Int, Real, Reals, SizedReals

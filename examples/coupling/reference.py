@@ -16,12 +16,12 @@ import numpy as np
 os.environ["MULTIBLOCK_COMPILES"] = "1"  # kernels of its own: before the solver is imported
 
 from multiblock import Column
-from solver.kernels.api.engine import column_over
-from solver.kernels.formulations.base_motion import Samples
-from solver.kernels.formulations.dispatch import evaluate
-from solver.kernels.formulations.exact import Motion
-from solver.kernels.formulations.feedthrough import split_reaction
-from solver.kernels.formulations.outputs import observe
+from solver.kernels.column.api.engine import column_over
+from solver.kernels.column.formulations.base_motion import Samples
+from solver.kernels.column.formulations.dispatch import evaluate
+from solver.kernels.column.formulations.exact import Motion
+from solver.kernels.column.formulations.feedthrough import split_reaction
+from solver.kernels.column.formulations.outputs import observe
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python, kernel
 from solver.kernels.numba_ext.views import row_of

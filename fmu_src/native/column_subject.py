@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from solver.common.ranges import LENGTH, NUMBERS
-from solver.kernels.api import engine
-from solver.kernels.column import description
+from solver.kernels.column.api import engine
+from solver.kernels.column.model import description
 from solver.kernels.layout import spaces as at
 from solver.models.column.block import (
     BLOCK_RULES,

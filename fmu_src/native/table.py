@@ -15,8 +15,8 @@ import numpy as np
 
 from solver.common.ranges import NUMBERS
 from solver.ground.motion import LARGEST, Motion
-from solver.kernels.api import entries as of_columns
-from solver.kernels.column.description import DETAILS
+from solver.kernels.column.api import entries as of_columns
+from solver.kernels.column.model.description import DETAILS
 from solver.kernels.layout.spaces import DRIVES
 from solver.kernels.machine.entry import ENTRIES, Entry
 from solver.kernels.machine.kinds import Int, Ints, Real, Reals, SizedReals

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ..common.errors import POSITIVE, check_number
-from ..kernels.sections.faces import is_round
+from ..kernels.column.sections.faces import is_round
 from ..models.column.block import Block
 from ..models.column.contact import Contact
 from ..models.column.model import Column

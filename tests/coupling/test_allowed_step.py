@@ -17,7 +17,7 @@ from support.inside import light_bodies as inside
 from build_fmu import build_fmu, build_native_fmu
 from fmu_src.drive import drive_of
 from multiblock import Column
-from solver.kernels.formulations.allowed_step import longest_step
+from solver.kernels.engine.allowed_step import longest_step
 from solver.kernels.layout.spaces import SLOPES
 from solver.kernels.numba_ext.jit import from_python
 from solver.models.column.stepper import Stepper

@@ -22,7 +22,7 @@ from support.probe import (
 )
 
 from solver import Block, Column, Joint, Settings, SolverError
-from solver.kernels.formulations.feedthrough import base_direction, effective_mass, tangential_gains
+from solver.kernels.column.formulations.feedthrough import base_direction, effective_mass, tangential_gains
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import row_of

@@ -17,9 +17,9 @@ from support.probe import PHOCAS_STIFFNESS, Array, G, phocas, random_column, sli
 from support.sliding import SlidingReference
 
 from solver import Block, Column, Joint, Motion, simulate
-from solver.kernels.formulations.implicit import TANGENT, WIDEST, factorize, solve
-from solver.kernels.integrators import rosenbrock
-from solver.kernels.joint.regimes import OPEN
+from solver.kernels.column.formulations.implicit import TANGENT, WIDEST, factorize, solve
+from solver.kernels.column.integrators import rosenbrock
+from solver.kernels.column.joint.regimes import OPEN
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import row_of

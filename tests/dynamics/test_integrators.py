@@ -14,7 +14,7 @@ from support.lagrange import Array, Reference
 from support.probe import G, coordinates, forced, phocas, put_back, walk
 
 from solver import Block, Column, InitialState, Joint, Settings
-from solver.kernels.integrators import dormand_prince, order_8
+from solver.kernels.engine import dormand_prince, order_8
 from solver.models.column.stepper import Stepper
 
 FORMULATIONS = ["exact", "paper"]

@@ -24,9 +24,9 @@ from solver import (
     natural_frequencies,
     simulate,
 )
-from solver.kernels.api.engine import scratch_room
-from solver.kernels.api.entries import assemble
-from solver.kernels.integrators.modal_responses import HALF, respond
+from solver.kernels.column.api.engine import scratch_room
+from solver.kernels.column.api.entries import assemble
+from solver.kernels.engine.modal_responses import HALF, respond
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import row_of

@@ -14,8 +14,8 @@ from scipy.optimize import brentq
 from support.joint_states import State, examples, states
 from support.joints import NO_STRIPS, _rectangle, joint_forces, law_of
 
-from solver.kernels.joint import bond as law_of_bonds
-from solver.kernels.joint.bond import GROWS_LEFT, GROWS_RIGHT, Bond
+from solver.kernels.column.joint import bond as law_of_bonds
+from solver.kernels.column.joint.bond import GROWS_LEFT, GROWS_RIGHT, Bond
 from solver.kernels.numba_ext.jit import from_python
 
 PARTS = st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5), st.floats(0.0, 2.0))  # of the width; of the stretch

@@ -13,12 +13,12 @@ from support.batches import run_batch
 from support.probe import Array, G
 
 from solver import Block, Column, InitialState, InputError, Joint, Motion, Settings, simulate
-from solver.kernels.joint.law import joint_forces, joint_potential, law_of
-from solver.kernels.joint.sliding import rim_force
+from solver.kernels.column.joint.law import joint_forces, joint_potential, law_of
+from solver.kernels.column.joint.sliding import rim_force
+from solver.kernels.column.sections.section import contact_of
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import row_of
-from solver.kernels.sections.section import contact_of
 from solver.models.column.kinematics import Chain
 from solver.models.column.lane_policy import why_not_in_lanes
 from solver.models.column.packing import pack_model

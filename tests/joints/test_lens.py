@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.probe import Array
 
+from solver.kernels.column.sections.lens import ends_of_rings, lens_part
 from solver.kernels.numba_ext.jit import from_python
-from solver.kernels.sections.lens import ends_of_rings, lens_part
 
 examples = settings(deadline=None, max_examples=300, derandomize=True)
 _part, _ends = from_python(lens_part), from_python(ends_of_rings)

@@ -14,7 +14,7 @@ import pytest
 from fmu_src import variables as table
 from fmu_src.native.column_subject import column_subject
 from solver import Block, Column, InputError, Joint, Motion, simulate
-from solver.kernels.column.description import GIVEN, GIVEN_SETTINGS
+from solver.kernels.column.model.description import GIVEN, GIVEN_SETTINGS
 from solver.models.column.kinematics import Chain
 from solver.models.column.lane_policy import why_not_in_lanes
 from solver.models.protocol import Plan

@@ -15,14 +15,14 @@ from support.joints import contact_regime, held_forces, regime_margin
 from support.probe import Array, G, coordinates, phocas
 
 from solver import InitialState, Motion, simulate
-from solver.kernels.api.engine import column_over, no_samples
-from solver.kernels.integrators.interpolation import begin, interpolate_phase, refine
-from solver.kernels.integrators.traits import ORDER_8
-from solver.kernels.joint.regimes import FULL, OPEN, RIGHT
+from solver.kernels.column.api.engine import column_over, no_samples
+from solver.kernels.column.integrators.interpolation import begin, interpolate_phase, refine
+from solver.kernels.column.integrators.traits import ORDER_8
+from solver.kernels.column.joint.regimes import FULL, OPEN, RIGHT
+from solver.kernels.column.stepping.advance import repeat_step
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import row_of
-from solver.kernels.stepping.advance import repeat_step
 from solver.models.column.stepper import Stepper
 
 # a joint cannot end on both sides for the same reason, unless these are its corners

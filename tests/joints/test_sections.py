@@ -15,19 +15,19 @@ from support.barriers import barrier
 from support.probe import Array
 
 from solver import Block, Column, InitialState, Joint, Motion, natural_frequencies, simulate
-from solver.kernels.joint.law import held_forces, joint_forces, joint_potential, law_of
-from solver.kernels.joint.regimes import OPEN, contact_regime
-from solver.kernels.layout import spaces as at
-from solver.kernels.numba_ext.jit import from_python
-from solver.kernels.numba_ext.views import row_of
-from solver.kernels.sections.circle import SMALL, circle_part
-from solver.kernels.sections.section import (
+from solver.kernels.column.joint.law import held_forces, joint_forces, joint_potential, law_of
+from solver.kernels.column.joint.regimes import OPEN, contact_regime
+from solver.kernels.column.sections.section import (
     contact_of,
     full_stiffness,
     full_turning_stiffness,
     part_stiffness,
     strip_stiffness,
 )
+from solver.kernels.engine.circle import SMALL, circle_part
+from solver.kernels.layout import spaces as at
+from solver.kernels.numba_ext.jit import from_python
+from solver.kernels.numba_ext.views import row_of
 from solver.models.column.kinematics import Chain
 from solver.models.column.packing import pack_model
 from solver.models.column.stepper import Stepper

@@ -19,7 +19,7 @@ from support.lanes import accelerate, accelerating, in_lanes
 from support.probe import Array, random_column, random_state, sliding_state
 
 from solver import Column, InputError
-from solver.kernels.batch.runs import (
+from solver.kernels.column.batch.runs import (
     RIMMED_SPACE,
     ROUND_SLIPPING_SPACE,
     ROUND_SPACE,
@@ -27,7 +27,8 @@ from solver.kernels.batch.runs import (
     SPACE,
     STRIPPED_SPACE,
 )
-from solver.kernels.joint.law import joint_forces_in_lanes, resultants
+from solver.kernels.column.joint.law import joint_forces_in_lanes, resultants
+from solver.kernels.column.sections.strips import strips_part, strips_part_in_lanes
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.lanes import (
@@ -44,7 +45,6 @@ from solver.kernels.numba_ext.lanes import (
 )
 from solver.kernels.numba_ext.numbers import angle_of, half_sine_cosine, sine, sine_cosine
 from solver.kernels.numba_ext.views import Space, lanes_of, row_of
-from solver.kernels.sections.strips import strips_part, strips_part_in_lanes
 from solver.models.column.packing import pack_model
 
 _model, _work, _round = at.MODEL.over, at.WORK.over, ROUND_SPACE.over

@@ -40,7 +40,7 @@ from benchmarks.right_hand_side import DATA, KNOWN, Problem, base_acceleration
 from benchmarks.scenes import RECORDS, G, Scene, forced, harmonic, scenes, shaft
 from benchmarks.work_precision import cost_at, envelope, equal_error
 from solver import Motion, simulate
-from solver.kernels.joint import regimes
+from solver.kernels.column.joint import regimes
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.lanes import WIDTH
 from solver.kernels.numba_ext.views import row_of

@@ -80,7 +80,7 @@ def test_an_array_that_is_too_short_for_an_entry_is_said() -> None:
     assert done.returncode == -signal.SIGABRT
     first, last = done.stderr.strip().splitlines()
     assert first == "as long"
-    assert last.startswith("out of bounds: solver.kernels.api.entries.rings_beyond, line ")
+    assert last.startswith("out of bounds: solver.kernels.column.api.entries.rings_beyond, line ")
     assert last.endswith(": element 3 of 3")
 
 

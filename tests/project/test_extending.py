@@ -20,11 +20,19 @@ from fmu_src.structure_variables import structure_variables
 from fmu_src.variables import variables
 from multiblock import Block, Column, InputError, Joint, SolverError, Structure
 from solver.ground import records
-from solver.kernels.api.entries import lay_joint
-from solver.kernels.column import description
+from solver.kernels.column.api.entries import lay_joint
+from solver.kernels.column.model import description
+from solver.kernels.column.sections.faces import (
+    SECTIONS,
+    Face,
+    across,
+    common,
+    deepest,
+    face_of,
+    lies_within,
+)
+from solver.kernels.column.sections.section import face
 from solver.kernels.layout import spaces
-from solver.kernels.sections.faces import SECTIONS, Face, across, common, deepest, face_of, lies_within
-from solver.kernels.sections.section import face
 from solver.kernels.structure import layout
 from solver.models.column import outputs as of_column
 from solver.models.column import packing
@@ -92,13 +100,13 @@ def test_functions_of_a_section_fit_together(name: str) -> None:
     whole = face_of(float(SECTIONS.index(name)), 0.8, 0.6, 0.3)
     area, second = face(*whole)
     if moments(whole) != pytest.approx((area, second, across(whole)), rel=1e-3):
-        forgotten.append("solver/kernels/sections/faces.py: `deepest` or `across`, or `face` in section.py")
+        forgotten.append("solver/kernels/column/sections/faces.py: `deepest` or `across`, or `face` in section.py")
     if common(whole, BASE) != whole or not lies_within(whole, whole):
-        forgotten.append("solver/kernels/sections/faces.py: `common` or `lies_within`")
+        forgotten.append("solver/kernels/column/sections/faces.py: `common` or `lies_within`")
     model, found = np.zeros(spaces.MODEL.size(1)), np.zeros(3)
     lay_joint(np.array(whole), np.zeros(1), 0.0, np.array(BASE), 0.0, model, found)
     if found != pytest.approx((area, 0.0, second), rel=1e-12, abs=1e-15):
-        forgotten.append("solver/kernels/sections/section.py: `_part_of_outline` or `lay_out`")
+        forgotten.append("solver/kernels/column/sections/section.py: `_part_of_outline` or `lay_out`")
     if name not in OUTLINES:
         forgotten.append("solver/plotting/scene/bodies.py: OUTLINES")
     if name != "rectangle" and f'section="{name}"' not in text_of("tests/joints/test_sections.py"):
@@ -127,8 +135,8 @@ def spaces_of_block(i: int) -> int:
 
 def test_outputs_of_a_column_are_complete() -> None:
     forgotten = []
-    for file in ("solver/kernels/formulations/outputs.py", "solver/kernels/paper/outputs.py"):
-        shared = text_of("solver/kernels/formulations/outputs.py").split("def show_joint(")[1]  # by both
+    for file in ("solver/kernels/column/formulations/outputs.py", "solver/kernels/paper/outputs.py"):
+        shared = text_of("solver/kernels/column/formulations/outputs.py").split("def show_joint(")[1]  # by both
         filled = text_of(file) + shared
         for name in spaces.OUTPUTS.fields:
             if name != "ux" and f"joints.{name}[i] = " not in filled:
@@ -178,28 +186,31 @@ def numbered(file: str, names: Sequence[str]) -> list[str]:
 
 
 def test_methods_are_complete() -> None:
-    file, forgotten = "solver/kernels/integrators/traits.py", []
+    file, forgotten = "solver/kernels/column/integrators/traits.py", []
     traits = text_of(file)
-    steps = "".join(text_of(f"solver/kernels/stepping/{name}.py") for name in ("control", "advance"))
+    steps = "".join(text_of(f"solver/kernels/column/stepping/{name}.py") for name in ("control", "advance"))
     for name in modules_with("attempt", INTEGRATORS):
-        if f" {name}.attempt(" not in traits or f"{name}.ORDER" not in traits + "modal.ORDER":
+        shared = re.search(rf"from \.\.\.engine import {name} as (\w+)", traits)  # its coefficients
+        own = shared[1] if shared else name
+        if f" {name}.attempt(" not in traits or f"{own}.ORDER" not in traits + "modal.ORDER":
             forgotten.append(f"{file}: `traits_of` or `attempt_by` lacks {name}")
-        if f"order == {name}.ORDER" in traits:
+        if f"order == {own}.ORDER" in traits:
             if name not in text_of("tests/dynamics/test_integrators.py"):
                 forgotten.append(f"tests/dynamics/test_integrators.py: no tableau of {name}")
-            order = importlib.import_module(f"solver.kernels.integrators.{name}").ORDER
-            if not re.search(rf"explicit_order = .*\b{order}\.0", text_of("solver/kernels/column/assembly.py")):
-                forgotten.append(f"solver/kernels/column/assembly.py: `derive` never takes {name}")
+            package = "engine" if shared else "column.integrators"
+            order = importlib.import_module(f"solver.kernels.{package}.{name}").ORDER
+            if not re.search(rf"explicit_order = .*\b{order}\.0", text_of("solver/kernels/column/model/assembly.py")):
+                forgotten.append(f"solver/kernels/column/model/assembly.py: `derive` never takes {name}")
     for number in re.findall(r"^([A-Z_\d]+) = [1-9]\d*$", traits, re.MULTILINE):
         if not re.search(rf"return {number}\b", traits) and not re.search(rf"\b{number}\b", steps):
-            forgotten.append(f"solver/kernels/stepping/control.py: `general_step` never takes {number}")
+            forgotten.append(f"solver/kernels/column/stepping/control.py: `general_step` never takes {number}")
     assert not forgotten, "\n".join(forgotten)
 
 
 def test_a_step_by_a_method_that_is_not_there_is_refused() -> None:
     stepper = Stepper(PHOCAS.with_settings(without=("elastic", "rest")))
     stepper.model.settings.explicit_order = 3.0
-    with pytest.raises(SolverError, match=r"solver/kernels/integrators/traits\.py"):
+    with pytest.raises(SolverError, match=r"solver/kernels/column/integrators/traits\.py"):
         stepper.advance(0.0, 0.01)
 
 

@@ -21,7 +21,7 @@ from support import disc
 from support.fmus import ROOT, finish_in
 
 from fmu_src.native import table
-from solver.kernels.api import entries
+from solver.kernels.column.api import entries
 from solver.kernels.machine import entry as machine_entry
 from solver.kernels.machine import folders, level, library, making, packaging
 from solver.kernels.machine.entry import ENTRIES, Entry

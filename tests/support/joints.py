@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.kernels.joint import law, regimes
+from solver.kernels.column.joint import law, regimes
+from solver.kernels.column.sections import faces, section
 from solver.kernels.layout.spaces import STRIP_NUMBERS
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import row_of
-from solver.kernels.sections import faces, section
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from solver.kernels.formulations.exact import Motion, exact_accelerations
+from solver.kernels.column.formulations.exact import Motion, exact_accelerations
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import Space, lanes_of, row_of

@@ -1,10 +1,10 @@
 """The entries called from Python, with the arguments of those named alike in api/entries.py and batch/entries.py."""
 
-from ..api.engine import column_in, reset
-from ..api.entries import entries_of
-from ..batch.entries import lanes_entry
-from ..column.assembly import carries
-from ..column.description import NO_REST, describe
+from ..column.api.engine import column_in, reset
+from ..column.api.entries import entries_of
+from ..column.batch.entries import lanes_entry
+from ..column.model.assembly import carries
+from ..column.model.description import NO_REST, describe
 from ..layout.spaces import OK, STATE, WORK
 from ..numba_ext.jit import kernel
 from . import outputs, stepping  # noqa: F401  versions of kernels

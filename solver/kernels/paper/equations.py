@@ -11,11 +11,11 @@ In a phase the displacements v replace the rotations and the settlements w the o
 lanes of eight (lanes.py).
 """
 
-from ..column.assembly import settle_joints
-from ..formulations.base_motion import base_motion
-from ..formulations.dispatch import evaluate_at
-from ..formulations.slips import evaluate_after_jump
-from ..joint.law import resultants
+from ..column.formulations.base_motion import base_motion
+from ..column.formulations.dispatch import evaluate_at
+from ..column.formulations.slips import evaluate_after_jump
+from ..column.joint.law import resultants
+from ..column.model.assembly import settle_joints
 from ..layout import spaces as at
 from ..layout.spaces import NOT_CONVERGED, OK, ROTATES
 from ..numba_ext.jit import kernel, leaf

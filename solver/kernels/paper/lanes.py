@@ -6,10 +6,11 @@ once, each by its own step, which divides the interval between two samples of it
 
 import math
 
-from ..batch import runs
-from ..batch.evaluate import anchor_far_waves, motion_of_lanes, single
-from ..batch.follow import end_at_falls, finish, follow_record, load, pass_queue, peak_over
-from ..formulations.base_motion import SAMPLE_SLACK
+from ..column.batch import runs
+from ..column.batch.evaluate import anchor_far_waves, motion_of_lanes, single
+from ..column.batch.follow import end_at_falls, finish, follow_record, load
+from ..engine.queue import pass_queue, peak_over
+from ..engine.samples import SAMPLE_SLACK
 from ..layout.spaces import HAS_OVERTURNED, NOT_CONVERGED, OK
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import WIDTH, bits, greater, magnitude, where

@@ -1,10 +1,10 @@
 """The outputs of the paper's equations, and u_x, which is v."""
 
-from ..formulations.base_motion import base_motion
-from ..formulations.dispatch import base_as_shown, reach_of, top_motion
-from ..formulations.exact import Motion
-from ..formulations.feedthrough import share_reaction, split_reaction
-from ..formulations.outputs import show, show_joint
+from ..column.formulations.base_motion import base_motion
+from ..column.formulations.dispatch import base_as_shown, reach_of, top_motion
+from ..column.formulations.exact import Motion
+from ..column.formulations.feedthrough import share_reaction, split_reaction
+from ..column.formulations.outputs import show, show_joint
 from ..layout.spaces import OK, RIGID_FIELDS
 from ..numba_ext.views import copy
 from .equations import difference, evaluate, of_paper, sweep_rows, tilt

@@ -8,12 +8,12 @@ acceleration.
 
 import math
 
-from ..formulations.base_motion import anchor_wave
-from ..formulations.dispatch import evaluate_at
+from ..column.formulations.base_motion import anchor_wave
+from ..column.formulations.dispatch import evaluate_at
+from ..column.stepping.advance import finish_step, take_step
+from ..column.stepping.condition import rotation
 from ..layout.spaces import OK, SLACK
 from ..numba_ext.jit import leaf
-from ..stepping.advance import finish_step, take_step
-from ..stepping.condition import rotation
 from .equations import is_paper, of_paper, tilt
 
 

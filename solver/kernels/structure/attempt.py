@@ -1,13 +1,13 @@
 """One step of a structure by Dormand and Prince's explicit methods of orders 5 and 8, and the estimate of its error.
 
-The coefficients are those of the plane columns (integrators/dormand_prince.py, order_8.py). Quaternions are normalized
+The coefficients are those of the plane columns (engine/dormand_prince.py, order_8.py). Quaternions are normalized
 at the end of a step.
 """
 
 from typing import Any
 
-from ..integrators import dormand_prince as dp
-from ..integrators import order_8
+from ..engine import dormand_prince as dp
+from ..engine import order_8
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, greater, index_of, lesser, magnitude, square_root, where, zero_like
 from ..numba_ext.views import packs, packs_of

@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from ..formulations.base_motion import segment_at
+from ..engine.samples import segment_at
 from ..numba_ext.jit import by_width, kernel, leaf
 from ..numba_ext.lanes import LanesType, any_of
 from ..numba_ext.numbers import sine

@@ -5,8 +5,8 @@ A structure has no mass at its base, since its joints are elastic in shear.
 
 from typing import NamedTuple
 
-from ..formulations.allowed_step import is_new, longest_step
-from ..formulations.coupled_base import SINGULAR, are_silent, goes_on, gone_on, slope_of
+from ..engine.allowed_step import is_new, longest_step
+from ..engine.exchange import SINGULAR, are_silent, goes_on, gone_on, slope_of
 from ..layout.spaces import ACCELERATION, BODY_LACKING, HORIZONTAL, OK
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import Record, clear

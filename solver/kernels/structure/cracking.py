@@ -6,6 +6,8 @@ structure, or eight in lanes, of which a mask selects some.
 
 import math
 
+from ..engine.peaks import MARGIN, MOST_TRIALS, apart, nearer, vertex
+from ..engine.peaks import NEAR as NEARLY
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import (
     any_of,
@@ -20,8 +22,6 @@ from ..numba_ext.lanes import (
     where,
     zero_like,
 )
-from ..output.peaks import MARGIN, MOST_TRIALS, apart, nearer, vertex
-from ..output.peaks import NEAR as NEARLY
 from .bed import value
 from .bond import bond_left, cut_bond, joint_of, let_bonds_go, put_bond, store_bond, tip_of
 from .evaluate import recall

@@ -1,6 +1,6 @@
 """The bed of a disc or ring: a disc cut by two chords that need not be parallel, in closed form.
 
-Two half-planes leave of a disc a polygon between points of its rim, and a circular segment (sections/circle.py) beyond
+Two half-planes leave of a disc a polygon between points of its rim, and a circular segment (engine/circle.py) beyond
 each of its sides that joins the ends of an arc. The second moment of a segment along its chord is that of theory.md
 section 10 across: R^4 times the integral 2/3 sin^4.
 """
@@ -8,10 +8,10 @@ section 10 across: R^4 times the integral 2/3 sin^4.
 import math
 from typing import NamedTuple
 
+from ..engine.circle import SMALL, TERMS, circle_part
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, greater, lesser, magnitude, opposite, square_root, where
 from ..numba_ext.numbers import angle_of
-from ..sections.circle import SMALL, TERMS, circle_part
 from .bed import Bed, add, chosen, nothing, triangle, value, whole
 
 # 2/3 of the integral of sin^4 over sin^5, in powers of sin^2, the highest first: 1 / cos = sum of these times sin^2k

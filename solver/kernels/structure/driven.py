@@ -6,6 +6,7 @@ state, without dependence on the acceleration of the same instant; only accelera
 
 import math
 
+from ..engine.control import most_of_a_call, most_work
 from ..layout.spaces import (
     ACCELERATION,
     CALL_TOO_LONG,
@@ -16,7 +17,6 @@ from ..layout.spaces import (
 )
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import Record, clear, copy
-from ..stepping.control import most_of_a_call, most_work
 from .base import Shaking, segment_after
 from .coupled import INPUTS, arrive, examine_step, exchange, show_driven, start_at, turn, turned_by
 from .evaluate import evaluate, evaluate_state, moving, recall, show

@@ -8,11 +8,11 @@ stop, or before if a block falls or nothing moves on a still base; on a still ba
 import math
 from typing import NamedTuple
 
-from ..batch.follow import control_steps, pass_queue, peak_over
+from ..engine.control import is_too_short, shared
+from ..engine.queue import control_steps, pass_queue, peak_over
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import WIDTH, any_of, bits, greater, lane, lesser, magnitude, square_root, where
 from ..numba_ext.views import Record, Space, Table, clear, copy, one_lane
-from ..stepping.control import is_too_short, shared
 from .attempt import attempt_5, evaluate_at, rate
 from .base import Shaking, is_still, segment_after
 from .bearing import raise_displacements

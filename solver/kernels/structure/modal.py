@@ -3,14 +3,14 @@
 The coordinates of a body are the displacement of its centroid from rest and twice the vector of its quaternion, less
 that at rest: with their rates they represent position and velocity exactly, and the equations of motion give their
 accelerations. About rest they move as 6 n linear modes (models/structure/modal_data.py); everything else is the
-remainder of integrators/modal_steps.py. Groups of coordinates without mutual forces have modes of their own. In a
+remainder of engine/modal_steps.py. Groups of coordinates without mutual forces have modes of their own. In a
 structure that is its own mirror image in the plane x, z the modes in the plane come first, and they alone move in a
 plane motion.
 """
 
 import math
 
-from ..integrators.modal_steps import (
+from ..engine.modal_steps import (
     OPENS,
     Drive,
     attempt_of,

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from ..integrators.modal_steps import Modal
+from ..engine.modal_steps import Modal
 from ..layout.spaces import MODAL_LIMITS, MODE, RESPONSE_FIELDS, RESPONSE_HEADER, RESPONSES
 from ..numba_ext.jit import leaf
 from ..numba_ext.views import Numbers, Record, Space, Table

@@ -5,11 +5,7 @@ A step ends at each sample of the record.
 
 import math
 
-from ..layout.spaces import SLACK
-from ..numba_ext.jit import kernel, leaf
-from ..numba_ext.lanes import greater, index_of, lesser, square_root, where, zero_like
-from ..numba_ext.views import copy
-from ..stepping.control import (
+from ..engine.control import (
     LEAST_ERROR,
     SAFETY,
     SHRINK,
@@ -24,6 +20,10 @@ from ..stepping.control import (
     shared,
     shorten,
 )
+from ..layout.spaces import SLACK
+from ..numba_ext.jit import kernel, leaf
+from ..numba_ext.lanes import greater, index_of, lesser, square_root, where, zero_like
+from ..numba_ext.views import copy
 from . import modal, stabilized
 from .attempt import attempt, evaluate_at, rate, size_of, square_of
 from .base import is_quiet, segment_after

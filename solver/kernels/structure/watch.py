@@ -6,10 +6,17 @@ step; these are evaluated where they may.
 
 from typing import NamedTuple
 
-from ..integrators.interpolation import quintic_through, value_of
+from ..engine.interpolation import quintic_through, value_of
+from ..engine.peaks import (
+    MARGIN,
+    MOST_TRIALS,
+    NEAR,
+    apart,
+    nearer,
+    vertex,
+)
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, index_of, square_root
-from ..output.peaks import MARGIN, MOST_TRIALS, NEAR, apart, nearer, vertex
 from .evaluate import evaluate_state, moving, show, show_block, show_joint
 from .extras import taken_at
 from .joint import load_joint

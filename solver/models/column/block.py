@@ -10,15 +10,15 @@ from typing import Any
 
 from ...common.errors import InputError, check_number, shown
 from ...common.ranges import LENGTH, NUMBERS, check, check_choice
-from ...kernels.column.solids import homogeneous, solid_between
+from ...kernels.column.model.solids import homogeneous, solid_between
+from ...kernels.column.sections import faces
+from ...kernels.column.sections.faces import ANNULUS, SECTIONS, STRIPS, Face, face_of
+from ...kernels.column.sections.section import face
 from ...kernels.layout.spaces import LAW, MOST_STRIPS, OTHER_LAW
-from ...kernels.sections import faces
-from ...kernels.sections.faces import ANNULUS, SECTIONS, STRIPS, Face, face_of
-from ...kernels.sections.section import face
 
 BLOCK_SECTIONS = tuple(name for name in SECTIONS if name != "strips")  # strips are sections of contacts only
 _UNKNOWN = [name for name in BLOCK_SECTIONS if math.isnan(face(SECTIONS.index(name), 1.0, 1.0, 0.5)[0])]
-assert not _UNKNOWN, f"solver/kernels/sections/section.py: face() must have the area of {_UNKNOWN}"
+assert not _UNKNOWN, f"solver/kernels/column/sections/section.py: face() must have the area of {_UNKNOWN}"
 
 
 def of_law(least: float, most: float, meaning: str, sections: Collection[str] = SECTIONS) -> Any:
@@ -64,7 +64,7 @@ class Joint:
 
     @property
     def is_brittle(self) -> bool:
-        """True if it is bonded until it breaks (kernels/joint/bond.py)."""
+        """True if it is bonded until it breaks (kernels/column/joint/bond.py)."""
         return bool(self.tensile_strength or self.cohesion)
 
     @property

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...common.errors import InputError, shown
-from ...kernels.api.entries import lay_joint
-from ...kernels.layout import spaces as at
-from ...kernels.sections.faces import (
+from ...kernels.column.api.entries import lay_joint
+from ...kernels.column.sections.faces import (
     ENDLESS,
     FITS,
     LENS,
@@ -23,7 +22,8 @@ from ...kernels.sections.faces import (
     common,
     misfit,
 )
-from ...kernels.sections.section import face
+from ...kernels.column.sections.section import face
+from ...kernels.layout import spaces as at
 from .block import MISFITS, Block
 
 BASE = Face(float(RECTANGLE), ENDLESS, ENDLESS, 0.0)
@@ -33,7 +33,7 @@ BASE = Face(float(RECTANGLE), ENDLESS, ENDLESS, 0.0)
 class Contact:
     """The contact under a block without slip; coordinates and moments are about the middle of the block."""
 
-    section: int  # code of SECTIONS, or FRAME, ON_RING or ON_BAND (kernels/sections/faces.py)
+    section: int  # code of SECTIONS, or FRAME, ON_RING or ON_BAND (kernels/column/sections/faces.py)
     slipped: int  # the code of the section after a slip
     left: float  # m, ends along the motion
     right: float  # m
@@ -73,7 +73,7 @@ def check_contacts(blocks: Sequence[Block]) -> None:
             section = SECTIONS[block.joint_section]
             raise InputError(
                 f'block[{number}].joint.section = "{section}": its contact with the face below is unknown to `common` '
-                "(solver/kernels/sections/faces.py)"
+                "(solver/kernels/column/sections/faces.py)"
             )
         fault = misfit(block.contact_face, block.bottom_face, below, is_wide, is_deep, len(strips), strips)
         if fault.kind != FITS:

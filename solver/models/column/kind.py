@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...common.errors import InputError
 from ...ground.loads import check_loads_in_plane
 from ...ground.motion import Motion
-from ...kernels.api import entries
+from ...kernels.column.api import entries
 from ...kernels.layout import spaces
 from ...kernels.machine.library import load
 from ..protocol import LANES, LOADED, OVERTURNED, Kind, Lanes, Plan, Run, Work, code_of

@@ -16,9 +16,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...kernels.api.entries import joint_energies, joint_potentials, rings_beyond
+from ...kernels.column.api.entries import joint_energies, joint_potentials, rings_beyond
+from ...kernels.column.sections.faces import RECTANGLE
 from ...kernels.layout import spaces as at
-from ...kernels.sections.faces import RECTANGLE
 from .model import Column
 from .packing import FloatArray, IntArray, arrays_of, pack_model, settlements
 

@@ -5,8 +5,15 @@ from __future__ import annotations
 import math
 
 from ...ground.motion import Motion
-from ...kernels.integrators import dormand_prince
-from ...kernels.sections.faces import ANNULUS, CIRCLE, FRAME, LENS, RECTANGLE, STRIPS
+from ...kernels.column.sections.faces import (
+    ANNULUS,
+    CIRCLE,
+    FRAME,
+    LENS,
+    RECTANGLE,
+    STRIPS,
+)
+from ...kernels.engine import dormand_prince
 from .model import Column
 
 MOST_BLOCKS = 64  # in lanes; the data of more exceed the cache
@@ -77,7 +84,7 @@ def _is_stiff(column: Column) -> bool:
 def _dampers(column: Column) -> tuple[float, float]:
     """Return the largest damping (s) and half the square of a bound of the frequencies (1/s2).
 
-    See kernels/column/assembly.py.
+    See kernels/column/model/assembly.py.
     """
     squares, above = 0.0, 0.0
     for block, spring in zip(column.blocks, column.springs, strict=True):

@@ -1,8 +1,8 @@
 """Many runs at once: eight columns in the lanes of one core, and threads on top.
 
-Each run enters a lane, with its own column, motion, time and step (kernels/batch/): at once, or after a first part made
-alone by modes, up to the opening of a joint, if that is likely to be cheaper. The result of a run does not depend on
-the other runs in the lanes, nor on their order.
+Each run enters a lane, with its own column, motion, time and step (kernels/column/batch/): at once, or after a first
+part made alone by modes, up to the opening of a joint, if that is likely to be cheaper. The result of a run does not
+depend on the other runs in the lanes, nor on their order.
 """
 
 from __future__ import annotations
@@ -18,9 +18,16 @@ from numpy.typing import NDArray
 
 from ...common.turns import others_turn
 from ...ground.motion import Motion
-from ...kernels.api.entries import run
-from ...kernels.batch.entries import run_lanes, run_rimmed, run_round, run_round_slipping, run_slipping, run_stripped
-from ...kernels.batch.runs import OUTCOME, RUN, SLIP_FIELDS, SPACE
+from ...kernels.column.api.entries import run
+from ...kernels.column.batch.entries import (
+    run_lanes,
+    run_rimmed,
+    run_round,
+    run_round_slipping,
+    run_slipping,
+    run_stripped,
+)
+from ...kernels.column.batch.runs import OUTCOME, RUN, SLIP_FIELDS, SPACE
 from ...kernels.layout import spaces as at
 from ...kernels.machine.entry import Entry
 from ...kernels.machine.library import load
@@ -169,7 +176,7 @@ class _Records:
 
 
 class _Batch:
-    """The runs as rows for the kernels (kernels/batch/runs.py), and buffers for the first part of one run at a time."""
+    """The runs as rows (kernels/column/batch/runs.py), and buffers for the first part of one run at a time."""
 
     def __init__(self, n: int, count: int, records: _Records, rows: FloatArray, kind: LaneKernels) -> None:
         self.n, self._kind = n, kind

@@ -12,7 +12,7 @@ from ...common import ranges
 from ...common.errors import InputError, reading, shown
 from ...common.files import check_file_name, toml_of
 from ...common.notebook import Shown, counted, outlines
-from ...kernels.sections.faces import ON_BAND, ON_RING, RECTANGLE, STRIPS, is_round
+from ...kernels.column.sections.faces import ON_BAND, ON_RING, RECTANGLE, STRIPS, is_round
 from ..ports import Port
 from ..protocol import kind_of, structure_of
 from .block import Block, Joint, check_block, check_friction
@@ -210,7 +210,7 @@ class Column(Shown):
     def other_law(self) -> str:
         """The key of the property that makes the law of some joint other than the linear law; "" without one.
 
-        Code outside kernels/joint/law.py that assumes the linear law checks this first.
+        Code outside kernels/column/joint/law.py that assumes the linear law checks this first.
         """
         return next((block.joint.other_law for block in self.blocks if block.joint.other_law), "")
 

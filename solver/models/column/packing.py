@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from ...common.errors import InputError, shown
 from ...common.ranges import has_masked
-from ...kernels.api.engine import scratch_room
-from ...kernels.column.description import (
+from ...kernels.column.api.engine import scratch_room
+from ...kernels.column.model.description import (
     DETAILS,
     GIVEN,
     GIVEN_BLOCK,

@@ -13,12 +13,12 @@ from ...common import effort
 from ...common.errors import SolverError, TooMuchWorkError
 from ...ground.loads import COMPONENTS, IN_PLANE, on_one_grid
 from ...ground.motion import Motion
-from ...kernels.api import entries
-from ...kernels.api.engine import BASE_INPUTS
-from ...kernels.formulations.coupled_base import BODY
+from ...kernels.column.api import entries
+from ...kernels.column.api.engine import BASE_INPUTS
+from ...kernels.column.formulations.coupled_base import BODY
+from ...kernels.engine.control import most_work
 from ...kernels.layout import spaces as at
 from ...kernels.machine.entry import Call, offset
-from ...kernels.stepping.control import most_work
 from ..outputs import BOND, peaks_by_name, visible_peaks
 from .model import Column
 from .outputs import OUTPUTS
@@ -37,7 +37,7 @@ REASONS = {
     at.BODY_LACKING: "what drives the base has no mass: body.Mxx must be positive, and Mzz and Mtt where base.drive is "
     "body",
     at.RECORD_BESIDE: "base.record must be empty where a body drives the base: the ground moves that body",
-    at.UNKNOWN_METHOD: "the method of the step has no line in solver/kernels/integrators/traits.py",
+    at.UNKNOWN_METHOD: "the method of the step has no line in solver/kernels/column/integrators/traits.py",
     at.ROTATES: 'the base rotates: formulation = "paper" has no such motion, "exact" has',
 }
 
@@ -163,7 +163,7 @@ class Stepper:
         *behind : float
             The loads on the ports, if there are any: Fx of each (N), Fz, My (N m), then their slopes; none means no
             load. Then, if the base is `driven_by` bodies, for each body its F0x to Mtt at time t
-            (kernels/formulations/coupled_base.py, BODY); the column adds R0 and m.
+            (kernels/column/formulations/coupled_base.py, BODY); the column adds R0 and m.
         since : float, optional
             The time for which all of these are given (s), by default t.
 
@@ -320,7 +320,7 @@ class Stepper:
     ) -> None:
         settings = self.model.settings
         step = settings.step if self.column.kind.fixed else settings.first_step
-        if self.base.wave_amplitude:  # an upper bound of steps (kernels/stepping/control.py)
+        if self.base.wave_amplitude:  # an upper bound of steps (kernels/column/stepping/control.py)
             step = min(step, 1.0 / self.base.wave_omega)
         chunk = CHUNK * float(step) / (EVALUATIONS_PER_FIRST_STEP * self.n)
         done = begun = self._work_done

@@ -9,8 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...common.errors import InputError
-from ...kernels.sections.faces import ANNULUS, CIRCLE, RECTANGLE, SECTIONS, STRIPS, is_round
-from ...kernels.sections.faces import Face as PlaneFace
+from ...kernels.column.sections.faces import (
+    ANNULUS,
+    CIRCLE,
+    RECTANGLE,
+    SECTIONS,
+    STRIPS,
+    is_round,
+)
+from ...kernels.column.sections.faces import Face as PlaneFace
 from ..column.block import Block
 from ..ports import Port
 from .blocks.contacts import GROUND, with_rim

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.errors import InputError
-from ...kernels.sections.faces import SECTIONS
+from ...kernels.column.sections.faces import SECTIONS
 from ...models.column.block import Block
 from ...models.column.model import Column
 from ...models.structure.blocks.faces import Face, FloatArray

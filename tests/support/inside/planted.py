@@ -149,7 +149,7 @@ def ends(calls: list[tuple[str, int, int]], before: list[tuple[str, int, int]]) 
 
 def short_array() -> None:
     """Call an entry with an array that is shorter than the others."""
-    from solver.kernels.api import entries
+    from solver.kernels.column.api import entries
 
     edges, radii, found = np.zeros(4), np.ones(4), np.zeros(4)
     entries.rings_beyond(radii, np.zeros(4), edges, found, np.zeros(4))

@@ -1,0 +1,1 @@
+"""From the numbers that describe a column to its packed model."""
