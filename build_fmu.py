@@ -58,7 +58,7 @@ LEFT_AT_HOME = {
     "checks",
     "commands",
     "documentation.py",
-    "exchange.py",
+    "fmu_src/exchange.py",
     "intensity.py",
     "licences.py",
     "model_description3.py",
@@ -408,7 +408,8 @@ def _carry_package(package: ModuleType, files: dict[str, bytes], renamed: dict[s
     source = Path(package.__path__[0])
     texts = {}
     for file in sorted(source.rglob("*.py")):
-        if LEFT_AT_HOME.intersection(file.relative_to(source).parts):
+        path = file.relative_to(source)
+        if LEFT_AT_HOME & {*path.parts, f"{source.name}/{path.as_posix()}"}:
             continue
         text = file.read_text(encoding="utf-8")
         for old, new in renamed.items():
