@@ -125,7 +125,7 @@ def judged(case: Case) -> tuple[str, float, float]:
         moved = np.abs(chain.places(phase_of(stepper)).slip - slip)
         friction = np.array([joint.friction or 0.0 for joint in joints])
         crept = float(np.max(moved * friction * chain.weight)) / energy
-    return verdict.word, crept, stepper.overturn_time - motion.end
+    return verdict.word, crept, stepper.fall_time - motion.end
 
 
 def measure_kind(kind: str, count: int) -> dict[str, Any]:

@@ -248,10 +248,10 @@ def errors_of_inputs(folder: Path, options: argparse.Namespace, fmu: Path, ways:
         table[way] = []
         for h in INPUT_STEPS:
             seen = measured("inputs", fmu, folder / "motion.csv", way, h, motion.ax.tolist())
-            table[way].append(float(np.max(np.abs(np.array(seen) - response.ux[1:, 0])) / response.peak_ux[0]))
+            table[way].append(float(np.max(np.abs(np.array(seen) - response.ux[1:, 0])) / response.peak_top_ux[0]))
     if options.plot:
         _plot(table, options.plot, ways)
-    lines = [f"error of ux in parts of the peak, {1e3 * response.peak_ux[0]:.1f} mm"]
+    lines = [f"error of ux in parts of the peak, {1e3 * response.peak_top_ux[0]:.1f} mm"]
     lines.append("step, s   " + "".join(f"{name:>22}" for name in ways.values()))
     for k, h in enumerate(INPUT_STEPS):
         lines.append(f"{h:<10g}" + "".join(f"{table[way][k]:22.1e}" for way in ways))

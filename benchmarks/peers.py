@@ -193,7 +193,7 @@ def here(
     spent = time.process_time() - begin
     x: Array = found.ux[:, watched].copy()
     if plane:  # of the centroid: those of a column belong to its top face
-        x -= 0.5 * BLOCK[1] * np.sin(found.theta[:, 0])
+        x -= 0.5 * BLOCK[1] * np.sin(found.ry[:, 0])
     if found.overturned:
         x[-1] = 1.5 * FALLEN
     rows = scene.row * np.arange(round(scene.duration / scene.row) + 1)

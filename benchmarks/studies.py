@@ -143,14 +143,14 @@ def alone(run: tuple[Column, Motion, float, float | None]) -> Any:
         response: Response = simulate(column, motion, duration, tolerance=tolerance)
     except SolverError:
         return np.full(column.n, math.nan)
-    return response.peak_ux
+    return response.peak_top_ux
 
 
 def together(runs: Runs, tolerance: float | None, **options: Any) -> np.ndarray[Any, Any]:
     """The peaks by `simulate_many`."""
     columns, motions, duration = runs
     found: np.ndarray[Any, Any] = simulate_many(columns, motions, duration=duration, tolerance=tolerance, **options)[
-        "peak_ux"
+        "peak_top_ux"
     ]
     return found
 

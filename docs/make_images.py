@@ -350,7 +350,7 @@ def square_and_round() -> None:
     draw_ground(ground, motion)
     for k, (name, column) in enumerate(shown.items()):
         response = simulate(column, motion, tolerance=1e-6)
-        label = f"{name}: {1e3 * response.peak_ux[0]:.0f} mm"
+        label = f"{name}: {1e3 * response.peak_top_ux[0]:.0f} mm"
         print(label, response.verdict)
         if k < 2:
             upper.plot(response.time, 1e3 * response.ux[:, 0], label=label, linewidth=1.0)
@@ -380,7 +380,7 @@ def stuck_and_sliding() -> None:
         for friction, colour in ((None, INK), (0.7, BLUE), (0.2, RED)):
             joints = tuple(replace(own, joint=replace(own.joint, friction=friction)) for own in column.blocks)
             response = simulate(replace(column, blocks=joints), motion, tolerance=1e-6, settle=0.0)
-            peak, label = 1e3 * response.peak_ux[0], "stuck" if friction is None else f"friction {friction:g}"
+            peak, label = 1e3 * response.peak_top_ux[0], "stuck" if friction is None else f"friction {friction:g}"
             print(f"{name}, {label}: {peak:.0f} mm, slips left (mm)", np.round(1e3 * response.slip[-1], 2))
             top.plot(
                 response.time, 1e3 * response.ux[:, 0], color=colour, label=f"{label}: {peak:.0f} mm", linewidth=0.8

@@ -68,7 +68,9 @@ def draw_first(browser: Browser, folder: Path) -> None:
     below = figure.add_gridspec(1, 2, left=0.04, right=0.985, top=0.27, bottom=0.09, wspace=0.08)
     hidden = "$('legend').hidden = $('axes').hidden = true; state.far = 0.75;"
     pictures, _ = stills(browser, folder, response, 1.0, instants, hidden)
-    words = ("it stands", "joints open (orange)", "columns tip", f"{response.overturned_block} falls")
+    names, last = response.model.names, response.fallen - 1
+    name = names[last]
+    words = ("it stands", "joints open (orange)", "columns tip", f"{name} falls")
     for k, (picture, t, word) in enumerate(zip(pictures, instants, words, strict=True)):
         axes = figure.add_subplot(grid[k])
         axes.imshow(picture)
@@ -78,9 +80,8 @@ def draw_first(browser: Browser, folder: Path) -> None:
     base, moved = figure.add_subplot(below[0]), figure.add_subplot(below[1])
     base.plot(time, PULSE.acceleration(time)[0] / STANDARD_GRAVITY, color=INK)
     base.set_title("you give: blocks, joints, and the motion of the base, along x (g)", fontsize=10, loc="left")
-    names = response.structure.names
-    top = [i for i, block in enumerate(response.structure.blocks) if not block.faces[0].radius][:1] or [0]
-    for i in (*top, names.index(response.overturned_block)):
+    top = [i for i, block in enumerate(response.model.blocks) if not block.faces[0].radius][:1] or [0]
+    for i in (*top, last):
         moved.plot(response.time, np.hypot(response.ux[:, i], response.uy[:, i]), label=names[i])
     moved.set_title("you get: how far each block moves (m), the forces, what falls and when", fontsize=10, loc="left")
     moved.legend(frameon=False, fontsize=9)
@@ -94,7 +95,7 @@ def draw_first(browser: Browser, folder: Path) -> None:
     figure.text(0.01, 0.95, title, fontsize=14, color=INK, weight="bold")
     figure.savefig(HERE / "images" / "first.png", dpi=110)
     (HERE / "style" / "scene.html").write_text(small_page(response, 1.0), encoding="utf-8")
-    print(f"first.png: {response.overturned_block} falls at {fall:.2f} s; {response.verdict}")
+    print(f"first.png: {name} falls at {fall:.2f} s; {response.verdict}")
 
 
 def draw_structures(browser: Browser, folder: Path) -> None:

@@ -31,7 +31,7 @@ def draw_colonnade() -> None:
     """The colonnade where a pulse from 30 degrees moves it most."""
     motion = wavelets.ricker(0.4 * STANDARD_GRAVITY, 1.0).turned(np.radians(30.0))
     response = simulate(Structure.from_toml(EXAMPLES / "colonnade.toml"), motion)
-    response.plot_structure(HERE / "images" / "colonnade.png", scale=2.0)
+    response.plot_model(HERE / "images" / "colonnade.png", scale=2.0)
     print(f"colonnade.png: {1e3 * response.peaks['u'].max():.0f} mm, {response.verdict}")
 
 

@@ -22,15 +22,23 @@ from fmu_src.model_description3 import ELEMENT
 from fmu_src.structure_variables import structure_variables
 from fmu_src.variables import Variable, variables
 from multiblock import Block, Column, Joint, Settings
+from solver.common.aliases import aliases_of
 from solver.common.ranges import NUMBERS
 from solver.kernels.column.sections.faces import SECTIONS
 from solver.models.column import file as column_file
 from solver.models.column.block import BLOCK_SECTIONS
 from solver.models.column.kept import KEPT
+from solver.models.column.kind import KIND as COLUMNS
 from solver.models.column.materials import MATERIALS
+from solver.models.column.response import Response
 from solver.models.column.settings import FORMULATIONS, INTEGRATORS, SKIPS
+from solver.models.outputs import BEARING, BOND, CONTACT, PORT, TIE, Output
+from solver.models.response import Result
 from solver.models.structure.kept import KEPT as KEPT_IN_SPACE
+from solver.models.structure.kind import STRUCTURES
 from solver.models.structure.model import Structure
+from solver.models.structure.outputs import StructureHistories
+from solver.models.structure.response import SpatialResponse
 from solver.studies import definition, distributions, motions
 
 DOCS = Path(__file__).parent
@@ -266,6 +274,71 @@ def _row(variable: Variable) -> list[str]:
 
 # the Python interface
 
+# names that are neither outputs nor new ones, in the order of the page
+OTHERS = (
+    "model",
+    "fallen",
+    "what_fell",
+    "overturn_time",
+    "displacements",
+    "top_ux",
+    "centroid_ux",
+    "energy",
+    "opening",
+)
+ELSEWHERE = (PORT, TIE, BEARING, BOND, CONTACT)  # owners whose outputs have one name, or are of space alone
+COMPONENTS = {f"base_{part.name}": part for part in StructureHistories.base.parts}
+UNIT = re.compile(r",? \(?(m/s|m|J|s)\)?(?: \([^)]*\))?(?=$|[;,])")  # in the docstring of a property
+
+
+def result_names() -> str:
+    """The names of results: the old one, the unit, and the meaning in the plane and in space."""
+    kinds = Response, SpatialResponse
+    outputs = [{one.field: one for one in kind.outputs if one.owner not in ELSEWHERE} for kind in kinds]
+    outputs[1] |= COMPONENTS
+    new = [name for kind in kinds for name in aliases_of(kind).values()]
+    rows = []
+    for name in dict.fromkeys((*OTHERS, *new, *outputs[0], *outputs[1])):
+        found = [table[name] for table in outputs if name in table]
+        old = [old for kind in kinds for old, alias in aliases_of(kind).items() if alias == name]
+        old += [one.key for one in found if one.key not in ("", name)]
+        texts = [_meaning(kind, table.get(name), name) for kind, table in zip(kinds, outputs, strict=True)]
+        units = [one.unit for one in found] or [unit[1] for text in texts if (unit := UNIT.search(text))]
+        files = [end.name_of("i") for one in found if not one.only_peak for end in one.each]
+        rows.append([_codes([name]), _codes(old), (units or [""])[0], *(UNIT.sub("", text) for text in texts)])
+        rows[-1].append(_codes(files if len(files) < 6 else [files[0], "...", files[-1]]))
+    return table(["name", "old name", "unit", "in the plane", "in space", "in files"], rows)
+
+
+def _codes(names: Iterable[str]) -> str:
+    return ", ".join(map(code, dict.fromkeys(names)))
+
+
+def _meaning(kind: type, output: Output | None, name: str) -> str:
+    """The meaning of a name in a class of responses: from its table of outputs, or its docstrings."""
+    if output is not None and output.text:
+        return output.text.replace("{it}", f"the {output.owner}").replace("{i}", "i")
+    noted = re.search(rf"\n    {name} : [^\n]*\n        ([^\n]*)", Result.__doc__ or "")
+    if noted:
+        return noted[1].rstrip(".")
+    thing = inspect.getattr_static(kind, name, None)
+    if output is not None:  # the base of a structure
+        thing = Response.base
+    return (inspect.getdoc(thing) or "").partition("\n")[0].rstrip(".") if thing is not None else ""
+
+
+def table_names() -> str:
+    """The names of results of many runs that differ from their keys in files."""
+    kinds = COLUMNS.keys, STRUCTURES.keys
+    both = [{name: name for name in kind.kept} for kind in (COLUMNS, STRUCTURES)]
+    names = dict.fromkeys(name for keys in kinds for name in keys)
+    rows = (
+        [code(name), *(code(keys.get(name) or own.get(name, "")) for keys, own in zip(kinds, both, strict=True))]
+        for name in names
+    )
+    return table(["name", "key of columns", "key of structures"], rows)
+
+
 NOT_OURS = "tuple, dict, Protocol"  # classes whose members are not on the page
 
 
@@ -345,4 +418,6 @@ PARTS = {
     "exchange": exchange_of_column,
     "signals-in-space": signals_in_space,
     "python-names": python_names,
+    "result-names": result_names,
+    "table-names": table_names,
 }

@@ -103,13 +103,13 @@ def sweep(
     motions = [Motion.harmonic(amplitude * STANDARD_GRAVITY, frequency, duration) for amplitude, frequency in points]
     with RunsLine() as line:
         table = simulate_many(
-            column, motions, keep=("peak_ux", "overturn_time"), settle=0.0, threads=workers, callback=line
+            column, motions, keep=("peak_top_ux", "overturn_time"), settle=0.0, threads=workers, callback=line
         )
     failures = table.stats["failures"]
     return [
         Run(*point, peaks, float(overturn_time), failures.get(k, "the solver gave up") if np.isnan(peaks[0]) else "")
         for k, (point, peaks, overturn_time) in enumerate(
-            zip(points, table["peak_ux"], table["overturn_time"], strict=True)
+            zip(points, table["peak_top_ux"], table["overturn_time"], strict=True)
         )
     ]
 

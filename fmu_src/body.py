@@ -119,7 +119,7 @@ class Body:
 
     def fall(self, stepper: Any) -> tuple[int, float]:
         """Return the number of the fallen block or joint, 0 before a fall, and the time of the fall, s."""
-        return int(bool(stepper.fallen)), stepper.fall_time
+        return stepper.fallen, stepper.fall_time
 
 
 class Described(NamedTuple):
@@ -183,9 +183,6 @@ class ColumnBody(Body, word="column"):
         check_in_plane(motion)
         return in_plane.Record(motion.time, motion.ax, motion.az)
 
-    def fall(self, stepper: in_plane.Stepper) -> tuple[int, float]:
-        return stepper.overturned_joint, stepper.overturn_time
-
 
 class StructureBody(Body, word="structure"):
     """A structure in space, whose rest is computed when the FMU is built, and carried with it."""
@@ -236,9 +233,6 @@ class StructureBody(Body, word="structure"):
 
     def samples(self, motion: Motion | None) -> Any:
         return record_of(motion)
-
-    def fall(self, stepper: DrivenStructure) -> tuple[int, float]:
-        return int(stepper.counts.fallen), stepper.fall_time
 
 
 def body_of(text: str) -> Body:

@@ -11,14 +11,7 @@ from typing import Any
 from .models.column.model import Column
 from .models.column.modes import Modes
 from .models.column.response import Response
-from .models.pictures import (
-    PicturesOfColumns,
-    PicturesOfModes,
-    PicturesOfStructures,
-    Scenes,
-    drawing_of,
-    scenes_of,
-)
+from .models.pictures import Pictures, PicturesOfModes, PicturesOfStructures, Scenes, drawing_of, scenes_of
 from .models.protocol import Kind, kind_of, structure_of
 from .models.response import Result
 from .models.structure.model import Structure
@@ -51,7 +44,7 @@ def _stack(column: Column) -> Structure:
 
 
 @drawing_of.register(Response)
-def _pictures_of_columns(response: Response) -> PicturesOfColumns:
+def _pictures_of_columns(response: Response) -> Pictures:
     from .plotting import of_column
 
     return of_column

@@ -256,8 +256,8 @@ def _derivatives(driven: Any, model: Model, t: float) -> Numbers:
 
 
 def _run_many(models: list[Model], motions: list[Motion]) -> Numbers:
-    table = simulate_many(models, motions, keep=("peak_ux",), threads=1)
-    return [np.array(list(table["peak_ux"]))]
+    table = simulate_many(models, motions, keep=("peak_top_ux",), threads=1)
+    return [np.array(list(table["peak_top_ux"]))]
 
 
 def scene(kind: str, seed: int, number: int) -> Callable[[], Numbers]:

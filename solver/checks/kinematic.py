@@ -36,8 +36,8 @@ class Mechanism:
     @cached_property
     def joint(self) -> int:
         """The index, from the top, of the joint about whose edge the column rotates at the end of the curve."""
-        below = np.append(self.curve.theta[-1, 1:], 0.0)
-        return int(np.argmax(np.abs(self.curve.theta[-1] - below)))
+        below = np.append(self.curve.ry[-1, 1:], 0.0)
+        return int(np.argmax(np.abs(self.curve.ry[-1] - below)))
 
     @cached_property
     def shape(self) -> FloatArray:
@@ -45,9 +45,9 @@ class Mechanism:
 
         They are the heights above the joint (m), 0 for blocks below it.
         """
-        found, foot = np.zeros(self.curve.column.n + 1), 0.0
+        found, foot = np.zeros(self.curve.model.n + 1), 0.0
         for i in range(self.joint, -1, -1):
-            block = self.curve.column.blocks[i]
+            block = self.curve.model.blocks[i]
             found[i] = foot + block.resolved_centroid
             foot += block.height
         found[-1] = foot
@@ -56,14 +56,14 @@ class Mechanism:
     @cached_property
     def _sums(self) -> tuple[float, float, float]:
         moving = slice(self.joint + 1)  # blocks below the joint do not move and add no force
-        mass = np.array([block.mass for block in self.curve.column.blocks[moving]])
+        mass = np.array([block.mass for block in self.curve.model.blocks[moving]])
         centroids = self.shape[:-1][moving]
         return float(np.sum(mass)), float(mass @ centroids), float(mass @ centroids**2)
 
     @property
     def alpha0(self) -> float:
         """The multiplier that starts the mechanism: largest push over weight."""
-        return self.curve.largest_acceleration / self.curve.column.g
+        return self.curve.largest_acceleration / self.curve.model.g
 
     @property
     def mass_part(self) -> float:

@@ -92,10 +92,10 @@ class InPlane(Subject):
             yield ROLLS
 
     def moved(self, run: Response) -> float:
-        return float(run.peak_ux[0])
+        return float(run.peak_top_ux[0])
 
     def shear_ratio(self, run: Response) -> FloatArray:
-        return friction_history(run.T, run.N, carried_weights(run.column))
+        return friction_history(run.Tx, run.N, carried_weights(run.model))
 
     def to_vary(self, run: Response) -> Column:
         """Return the column for the varied runs.
@@ -109,7 +109,7 @@ class InPlane(Subject):
         return column.with_settings(without=(*column.settings.without, "implicit"))
 
     def tops(self, table: Table) -> FloatArray:
-        return table["peak_ux"][:, 0]
+        return table.displacements[:, 0]
 
     def by_hand(self, action: Action, limits: Limits) -> ByHand:
         """Apply the kinematic verification and ASCE 43 under the action."""

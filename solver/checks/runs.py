@@ -91,7 +91,7 @@ def run_all(subject: Subject, pairs: Sequence[Pair], peaks: bool, callback: Call
     if peaks:
         gaps = ("least_gap",) if subject.neighbours else ()
         moved = (OF_BEARINGS,) if subject.bearings[0] else ()
-        keep = (f"peak_{subject.model.kind.largest}", "verdict", "overturn_time", *gaps, *moved)
+        keep = (subject.model.kind.displacements, "verdict", "overturn_time", *gaps, *moved)
     return simulate_many(
         [model for model, _ in pairs],
         [motion for _, motion in pairs],

@@ -116,7 +116,7 @@ class Subject:
 
     def moved(self, run: Any) -> float:
         """Return the largest displacement (m); for a column that of its top."""
-        return float(np.max(run.peaks[self.model.kind.largest]))
+        return float(np.max(run.displacements))
 
     def shear_ratio(self, run: Any) -> FloatArray:
         """Return shear over compression of each joint while it is compressed, (rows, joints)."""
@@ -132,7 +132,7 @@ class Subject:
 
     def tops(self, table: Table) -> FloatArray:
         """Return the displacements of `moved` for each row of a table of runs (m)."""
-        return np.max(table[f"peak_{self.model.kind.largest}"], axis=1)
+        return np.max(table.displacements, axis=1)
 
     def by_hand(self, action: Any, limits: Any) -> Any:
         """Return `ByHand` under an Action with Limits; None if the methods do not apply."""

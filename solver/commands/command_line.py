@@ -23,7 +23,7 @@ from ..models.column.response import Response
 from ..models.column.settings import FORMULATIONS, INTEGRATORS
 from ..models.outputs import DIGITS, check_digits
 from ..models.protocol import OUTPUT_STEP, SETTLE
-from ..models.uncertainty import PERCENTILES, Ensemble, Spread
+from ..models.uncertainty import Spread
 from ..runs.simulate import simulate
 from . import structure
 from .calibrate import add_calibrate_command
@@ -51,12 +51,13 @@ from .motion_options import (
     read_with_options,
 )
 from .new import add_new_command
+from .outcome import ensemble_lines, verdict_line
 from .progress import Line, ProgressLine
 from .reports import column_report, motion_report
 from .static import add_static_commands
 from .study import add_command as add_study
 
-BASE_PEAKS = ("Fx", "Fz", "My"), ("kN", "kN", "kN m")
+BASE_PEAKS = {"Fx": "kN", "Fz": "kN", "My": "kN m"}
 PROGRAM = "python -m solver"
 INTERRUPTED, CLOSED_PIPE = 130, 141  # exit codes, as of shells
 
@@ -252,7 +253,7 @@ def _simulate(options: argparse.Namespace) -> None:
         writers: tuple[Callable[[Path], object], ...] = (
             lambda path: response.to_csv(path, options.digits),
             response.plot,
-            response.plot_structure if in_space else response.plot_column,
+            response.plot_model,
             partial(_film, response),
             response.view,
         )
@@ -302,11 +303,11 @@ def _convert(options: argparse.Namespace) -> None:
 
 def _summary(response: Response) -> str:
     """Return the results of a run as text for the terminal."""
-    column, stats = response.column, response.stats
+    column, stats = response.model, response.stats
     lines = [
         f"{column.name}: {column.settings.formulation} formulation, {column.settings.integrator} integrator",
         "block  peak |ux| (mm)",
-        *(f"{i:5d}  {1e3 * peak:14.5g}" for i, peak in enumerate(response.peak_ux, start=1)),
+        *(f"{i:5d}  {1e3 * peak:14.5g}" for i, peak in enumerate(response.peak_top_ux, start=1)),
     ]
     if "N" in response.peaks:
         lines += _peaks(response)
@@ -314,18 +315,18 @@ def _summary(response: Response) -> str:
     if column.slides:
         left = ", ".join(f"{1e3 * slip:.5g}" for slip in response.slip[-1])
         lines.append(f"slip of each block at the end (mm): {left}; friction took {stats['friction_work']:.4g} J")
-    bonds = range(1, response.column.n + 1) if response.column.is_brittle else ()
+    bonds = range(1, column.n + 1) if column.is_brittle else ()
     lines += cracks([f"joint {i}" for i in bonds], response.peaks.get("bond", np.empty(0)))
     # verdict and accuracy
-    lines.append(_verdict(response))
+    lines.append(verdict_line(response))
     if response.estimated_error is not None and response.horizon is not None:
         error = response.estimated_error
         lines.append(
-            f"estimated error: histories {error.ux:.1e} of the peak, peaks {np.max(error.peak_ux):.1e}; "
+            f"estimated error: histories {error.ux:.1e} of the peak, peaks {np.max(error.peaks['ux']):.1e}; "
             f"predictable until {response.horizon:.4g} s"
         )
     if response.ensemble is not None:
-        lines += _ensemble(response.ensemble)
+        lines += ensemble_lines(response.ensemble, range(1, column.n + 1), "ux")
     regimes = ("full_contact", "rocking", "flight")
     lines.append("time in " + ", ".join(f"{name.replace('_', ' ')} {percent(stats[name])}" for name in regimes))
     lines.append(f"{stats['steps']} steps in {stats['wall_time']:.2f} s")
@@ -335,44 +336,14 @@ def _summary(response: Response) -> str:
 def _peaks(response: Response) -> list[str]:
     """Return a table of the peak forces on joints and base."""
     peaks = response.peaks
-    columns = {"N": 1e-3, "|M|": 1e-3, "|T|": 1e-3, "sigma_max": 1e-6, "contact": 1.0, "friction": 1.0}
-    rows = zip(*(scale * peaks[name.strip("|")] for name, scale in columns.items()), strict=True)
-    base = ", ".join(f"|{name}| {1e-3 * peaks[name][0]:.5g} {unit}" for name, unit in zip(*BASE_PEAKS, strict=True))
+    columns = {"N": 1e-3, "My": 1e-3, "Tx": 1e-3, "sigma_max": 1e-6, "contact": 1.0, "friction": 1.0}
+    rows = zip(*(scale * peaks[name] for name, scale in columns.items()), strict=True)
+    base = ", ".join(f"|{name}| {1e-3 * peaks[f'base_{name}'][0]:.5g} {unit}" for name, unit in BASE_PEAKS.items())
     return [
-        "joint  peak N (kN)  |M| (kN m)    |T| (kN)  pressure (MPa)  least contact     |T| / N",
+        "joint  peak N (kN)  |My| (kN m)  |Tx| (kN)  pressure (MPa)  least contact     |T| / N",
         *(
-            f"{i:5d}  {n:11.5g}  {m:10.5g}  {t:10.5g}  {sigma:14.5g}  {contact:13.5g}  {friction:10.4g}"
+            f"{i:5d}  {n:11.5g}  {m:11.5g}  {t:9.5g}  {sigma:14.5g}  {contact:13.5g}  {friction:10.4g}"
             for i, (n, m, t, sigma, contact, friction) in enumerate(rows, start=1)
         ),
         f"peaks of the base reaction: {base}",
     ]
-
-
-def _verdict(response: Response) -> str:
-    """Return the verdict as one line."""
-    if response.verdict == "undecided":
-        return f"undecided: {'' if response.overturned else 'not overturned, but '}{response.reason}"
-    if not response.overturned:
-        return f"standing: not overturned, {response.reason}"
-    late = response.overturn_time > response.time[-1]
-    return f"overturned at {response.overturn_time:.4g} s over joint {response.overturned_joint}" + (
-        ", after the end of the run" if late else ""
-    )
-
-
-def _ensemble(ensemble: Ensemble) -> list[str]:
-    """Return the lines on an ensemble."""
-    spread, (low, high) = ensemble.spread, ensemble.share_bounds
-    lines = [
-        f"{ensemble.size} runs varied by {spread.stiffness:.2g} (stiffness), {spread.damping:.2g} (damping), "
-        f"{spread.motion:.2g} (motion): {ensemble.overturned} overturned, {ensemble.undecided} undecided; "
-        f"share that overturns {percent(low)} to {percent(high)} at 95 % confidence",
-        "block  peak |ux| (mm) of those that stand, " + ", ".join(f"{point} %" for point in PERCENTILES),
-    ]
-    lines += [
-        f"{i:5d}  " + "  ".join(f"{1e3 * peak:14.5g}" for peak in peaks)
-        for i, peaks in enumerate(ensemble.peaks.T, start=1)
-    ]
-    if np.isfinite(ensemble.amplification):
-        lines.append(f"the largest peak spreads by {ensemble.amplification:.3g} times what was varied")
-    return lines

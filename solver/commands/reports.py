@@ -77,7 +77,7 @@ def _component(motion: Motion, component: Component, name: str) -> str:
 
 def modes_report(modes: Modes) -> str:
     """Return a table of the first modes."""
-    column, count = modes.column, min(MOST_MODES, len(modes.frequency))
+    column, count = modes.model, min(MOST_MODES, len(modes.frequency))
     mass = sum(block.mass for block in column.blocks)
     lines = [
         f"{column.name}: {count} of {len(modes.frequency)} modes about rest, {column.settings.formulation} formulation",
@@ -109,11 +109,11 @@ def statics_report(rest: Rest, curve: CapacityCurve) -> str:
     (g, unit), strongest = curve.unit, curve.strongest
     steady = "a steady " if curve.pattern is None else ""
     lines = [
-        f"{rest.column.name}: settles by {1e3 * float(np.sum(rest.settlement)):.4g} mm",
+        f"{rest.model.name}: settles by {1e3 * float(np.sum(rest.settlement)):.4g} mm",
         f"joint  settlement (mm)  N (kN)      stress (MPa)  opens at ({unit})",
     ]
     # a row for each joint
-    for i in range(rest.column.n):
+    for i in range(rest.model.n):
         opens = f"{curve.uplift[i] / g:.5g}"
         if math.isnan(curve.uplift[i]):
             opens = "as it topples" if np.any(curve.contact[:, i] < 1.0) else "never"
@@ -130,7 +130,7 @@ def statics_report(rest: Rest, curve: CapacityCurve) -> str:
             f"{1e3 * abs(float(curve.ux[strongest, 0])):.5g} mm",
             *(
                 [f"pushes and openings are {WITHOUT_BONDS}; --space pushes it with them"]
-                if rest.column.is_brittle
+                if rest.model.is_brittle
                 else []
             ),
             f"falls without a push once the top is displaced by {curve.overturning_displacement:.5g} m",

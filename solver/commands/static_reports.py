@@ -19,7 +19,7 @@ def modes_in_space_report(modes: SpatialModes) -> str:
     """Return a table of the first modes."""
     count = min(MOST_MODES, len(modes.frequency))
     lines = [
-        f"{modes.structure.name}: {count} of {len(modes.frequency)} modes about rest",
+        f"{modes.model.name}: {count} of {len(modes.frequency)} modes about rest",
         "mode  frequency (Hz)  period (s)  damping (%)  effective mass (%): x       y       z  twist (%)",
     ]
     for k in range(count):
@@ -28,8 +28,8 @@ def modes_in_space_report(modes: SpatialModes) -> str:
             f"{k + 1:4d}  {modes.frequency[k]:14.6g}  {1.0 / modes.frequency[k]:10.4g}  "
             f"{100.0 * modes.damping_ratio[k]:11.4g}  {x:>21s} {y} {z}  {100.0 * modes.twists[k]:9.2f}"
         )
-    if any(joint.bed.friction is not None for joint in modes.structure.bearings):
-        slow = sliding_frequencies(modes.structure)[:3]
+    if any(joint.bed.friction is not None for joint in modes.model.bearings):
+        slow = sliding_frequencies(modes.model)[:3]
         periods = ", ".join(f"{1.0 / value:.4g}" for value in slow if value > 0.0) or "none, nothing pulls them back"
         lines.append(
             "bearings are as stiff as about rest, until they slide or yield; periods (s) once all have: " + periods
@@ -40,7 +40,7 @@ def modes_in_space_report(modes: SpatialModes) -> str:
 
 def rest_in_space_report(found: PushOver) -> str:
     """Return a table of the joints at rest, the tie forces, and the head of a table of pushes."""
-    structure, n = found.structure, found.structure.n
+    structure, n = found.model, found.model.n
     settled = -float(np.min(found.uz[0]))
     lines = [
         f"{structure.name}: {n} blocks, weight {1e-3 * structure.weight:.5g} kN, settles by {1e3 * settled:.4g} mm",
@@ -68,7 +68,7 @@ def rest_in_space_report(found: PushOver) -> str:
 def push_line(found: PushOver) -> str:
     """Return the row of one direction in the table of pushes."""
     opens, slides = (_shown(found, push) for push in (found.uplift, found.sliding))
-    moved = f"{found.structure.names[found.moves_most]} {1e3 * found.moved[-1]:.4g}"
+    moved = f"{found.model.names[found.moves_most]} {1e3 * found.moved[-1]:.4g}"
     largest = _shown(found, found.largest_acceleration)
     towards = f"{math.degrees(found.direction):.4g}" if found.pattern is None else "pattern"
     return f"{towards:>18s}  {opens:>17s}  {slides:>17s}  {largest:>11s}  {moved}"
@@ -76,7 +76,7 @@ def push_line(found: PushOver) -> str:
 
 def push_over_report(found: PushOver) -> str:
     """Return lines on the largest push, and on the joints that open and slide first."""
-    names, force, (_, unit) = found.structure.joint_names, 1e-3 * found.base[-1], found.unit
+    names, force, (_, unit) = found.model.joint_names, 1e-3 * found.base[-1], found.unit
     towards = f", towards {math.degrees(found.direction):.4g} degrees from x to y" if found.pattern is None else ""
     steady = "a steady " if found.pattern is None else ""
     lines = [
@@ -101,8 +101,8 @@ def _shown(found: PushOver, push: float) -> str:
 
 def _friction_used(found: PushOver) -> FloatArray:
     """Return the shear at rest of each joint over its limit, (joints,); NaN of a joint that cannot slide."""
-    beds = [joint.bed for joint in found.structure.joints]
+    beds = [joint.bed for joint in found.model.joints]
     friction = np.array([math.nan if bed.friction is None else bed.friction for bed in beds])
     limit = friction * np.maximum(found.N[0], 0.0) + np.array([bed.dowel for bed in beds])
-    used: FloatArray = np.hypot(found.Tx[0], found.Ty[0]) / np.maximum(limit, LEAST_LIMIT * found.structure.weight)
+    used: FloatArray = np.hypot(found.Tx[0], found.Ty[0]) / np.maximum(limit, LEAST_LIMIT * found.model.weight)
     return used

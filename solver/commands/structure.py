@@ -12,6 +12,7 @@ from ..models.structure.model import Structure
 from ..models.structure.modes import frequencies_apart
 from ..models.structure.response import SpatialResponse
 from .cracks import cracks
+from .outcome import ensemble_lines, verdict_line
 
 MOST_LINES = 20  # rows of a table
 MOST_BLOCKS = 60  # with more, natural frequencies take too long for a report
@@ -38,7 +39,7 @@ def report(structure: Structure, motion: Motion) -> str:
 
 def summary(response: SpatialResponse) -> str:
     """Return the results of a run as text for the terminal."""
-    structure, peaks, stats = response.structure, response.peaks, response.stats
+    structure, peaks, stats = response.model, response.peaks, response.stats
     lines = ["block           peak |ux| (mm)  |uy| (mm)  |uz| (mm)"]
     moved = zip(structure.names, *(1e3 * peaks[name] for name in ("ux", "uy", "uz")), strict=True)
     lines += [f"{name[:14]:14s}  {x:14.5g} {y:10.5g} {z:10.5g}" for name, x, y, z in moved][:MOST_LINES]
@@ -62,11 +63,11 @@ def summary(response: SpatialResponse) -> str:
         ][:MOST_LINES]
     # cracks, verdict and accuracy
     lines += cracks(structure.bond_names, peaks["bond"])
-    lines.append(f"{response.verdict}: {response.reason}")
+    lines.append(verdict_line(response))
     if response.estimated_error is not None and response.horizon is not None:
         error = response.estimated_error
         lines.append(f"estimated error: {error.ux:.1e} of the peak; predictable until {response.horizon:.4g} s")
     if response.ensemble is not None:
-        lines.append(f"{response.ensemble.size} runs: {response.ensemble.overturned} overturned")
+        lines += ensemble_lines(response.ensemble, structure.names, "u", MOST_LINES)
     lines.append(f"{stats['steps']} steps in {stats['wall_time']:.2f} s")
     return "\n".join(lines)

@@ -157,9 +157,14 @@ class Driven(Settling):
     unclear = "still moves"
 
     @property
-    def fallen(self) -> str:
+    def fallen(self) -> int:
+        """The number of the block that has fallen; 0 if none has."""
+        return int(not math.isnan(self.fall_time))
+
+    @property
+    def what_fell(self) -> str:
         """The word for the model if it has fallen, or ""."""
-        return "" if math.isnan(self.fall_time) else f"the {self.model.kind.word}"
+        return f"the {self.model.kind.word}" if self.fallen else ""
 
     def rest_until(self, t: float, end: float) -> None:
         """Advance from t to `end` (s) without base acceleration.
@@ -186,7 +191,8 @@ class Driving(Kind):
     def __init_subclass__(cls) -> None:
         cls.outputs = cls.response.outputs
         results = {"verdict": Kept(kind=np.uint8), "path": Kept(kind=np.uint8), "overturn_time": Kept("s", np.float64)}
-        cls.kept = {**kept_peaks(cls.outputs), **results, "steps": Kept(kind=np.int64)}
+        results |= {"fallen": Kept(kind=np.int64), "steps": Kept(kind=np.int64)}
+        cls.kept = {**kept_peaks(cls.outputs), **results}
 
     def single_run(self, model: Any, plan: Plan) -> tuple[Any, FloatArray]:
         """Follow a model through the motion, then on the still base.
@@ -211,4 +217,5 @@ class Driving(Kind):
         stats = {"steps": body.counts.steps, "settled_for": verdict.time - stop}
         found = self.response(model, np.array(rows), time=plan.times, peaks=peaks, stats=stats, motion=plan.motion)
         found.verdict, found.reason, found.overturn_time = verdict.word, verdict.reason, body.fall_time
+        found.fallen, found.what_fell = body.fallen, body.what_fell
         return found, getattr(found, self.largest)

@@ -54,6 +54,8 @@ class Output:
         The components of the base under one name, each an output.
     name : str
         The name in files and FMUs; by default that of the attribute.
+    key : str
+        The name in frames, and in the keys of studies after peak_ or least_; by default that of the attribute.
     field : str
         The name of the attribute, and in `peaks`.
     """
@@ -68,10 +70,11 @@ class Output:
     whole: bool = False
     parts: tuple[Output, ...] = ()
     name: str = ""
+    key: str = ""
     field: str = ""  # the name of the attribute, and in `peaks`
 
     def __set_name__(self, owner: type, name: str) -> None:
-        self.field, self.name = name, self.name or name
+        self.field, self.name, self.key = name, self.name or name, self.key or name
 
     @overload
     def __get__(self, owner: None, kind: Any = None) -> Self: ...
@@ -97,7 +100,12 @@ class Output:
 
     @property
     def kept(self) -> str:
-        """The name of its extreme among the results of many runs."""
+        """The key of its extreme among the results of many runs."""
+        return f"least_{self.key}" if self.by_least else f"peak_{self.key}"
+
+    @property
+    def extreme(self) -> str:
+        """The name of its extreme in Python."""
         return f"least_{self.field}" if self.by_least else f"peak_{self.field}"
 
     def name_of(self, label: object) -> str:
@@ -117,16 +125,12 @@ class Histories:
     outputs: ClassVar[tuple[Output, ...]] = ()
     line_end = "\r\n"  # line terminator of a CSV
     rows: FloatArray  # outputs that have histories, in the order of the table
+    model: Any
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
         if rows := tuple(value for value in vars(cls).values() if isinstance(value, Output)):
             cls.outputs = rows
-
-    @property
-    def model(self) -> Any:
-        """The model."""
-        raise NotImplementedError
 
     @property
     def labels(self) -> dict[str, Sequence[object]]:
@@ -214,5 +218,5 @@ def peaks_by_name(outputs: Sequence[Output], sizes: Mapping[str, int], peaks: Fl
 
 
 def units_of(outputs: Iterable[Output]) -> dict[str, str]:
-    """Return the units of time and of the outputs that have one, by field."""
-    return {"time": "s"} | {output.field: output.unit for output in outputs if output.unit}
+    """Return the units of time and of the outputs that have one, by key."""
+    return {"time": "s"} | {output.key: output.unit for output in outputs if output.unit}

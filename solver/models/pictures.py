@@ -22,6 +22,7 @@ class Pictures(Protocol):
     """A module that draws responses."""
 
     def plot_response(self, response: Any, path: Path | None, /) -> Figure: ...
+    def plot_model(self, response: Any, path: Path | None, at: float | None, scale: float | None, /) -> Figure: ...
     def film(
         self,
         response: Any,
@@ -34,12 +35,6 @@ class Pictures(Protocol):
     ) -> None: ...
 
 
-class PicturesOfColumns(Pictures, Protocol):
-    """A module that draws responses of columns."""
-
-    def plot_column(self, response: Any, path: Path | None, at: float | None, scale: float | None, /) -> Figure: ...
-
-
 class PicturesOfModes(Protocol):
     """A module that draws modes."""
 
@@ -49,7 +44,6 @@ class PicturesOfModes(Protocol):
 class PicturesOfStructures(Pictures, PicturesOfModes, Protocol):
     """A module that draws responses, modes and push-overs of structures."""
 
-    def plot_structure(self, response: Any, path: Path | None, at: float | None, scale: float | None, /) -> Figure: ...
     def plot_plan(self, response: Any, path: Path | None, blocks: Sequence[str | int] | None, /) -> Figure: ...
     def plot_push_over(self, push_over: Any, path: Path | None, /) -> Figure: ...
 

@@ -15,7 +15,8 @@ from typing import Any, ClassVar, NamedTuple, Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import InputError
+from ..common.aliases import warn_of_old
+from ..common.errors import InputError, shown
 from ..ground.motion import Motion, check_in_plane
 from .outputs import BASE, Output
 from .uncertainty import Varied
@@ -230,8 +231,33 @@ class Kind:
     settings: Collection[str] = ("tolerance", "without")  # names of the settings that `simulate` accepts
     outputs: Sequence[Output]  # in the order of output rows and peaks
     largest: str  # name of the peaks of displacements
-    kept: Mapping[str, Kept]
+    kept: Mapping[str, Kept]  # by the keys of files
+    keys: Mapping[str, str] = {}  # of results whose name in Python is not their key in files: the key by the name
     numbers: Collection[str] = ()  # names that a study can vary, such as block.width for the model's field width
+
+    @property
+    def displacements(self) -> str:
+        """The name of the largest displacements among the results of a run."""
+        return f"peak_{self.largest}"
+
+    @property
+    def usually_kept(self) -> tuple[str, ...]:
+        """The names of the results that a table of runs has by default."""
+        return self.displacements, "verdict"
+
+    def keys_of(self, keep: Sequence[str]) -> tuple[str, ...]:
+        """Return the keys in files of results by their names in Python; an old name is its key, and warns.
+
+        Raises InputError for an unknown name.
+        """
+        names = {key: name for name, key in self.keys.items()}
+        for name in keep:
+            if name not in self.keys and name not in self.kept:
+                known = (names.get(key, key) for key in self.kept)
+                raise InputError(f"keep: {shown(name)}: must be of {', '.join(known)}")
+            if name not in self.keys and name in names:
+                warn_of_old("keep", name, names[name], 5)
+        return tuple(dict.fromkeys(self.keys.get(name, name) for name in keep))
 
     def warnings(self, model: Any, at_rest: bool = True) -> Sequence[str]:
         """Return a line for each value that is probably unintended; `at_rest`: include what follows from the rest."""

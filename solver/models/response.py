@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from ..common.aliases import Renamed, aliases_of
 from ..common.frames import Frame, Framed
 from ..common.notebook import Shown, counted
 from ..ground.motion import Motion
@@ -28,6 +29,8 @@ class Result(Histories, Framed, Shown):
 
     Attributes
     ----------
+    model : Column or Structure
+        The model.
     time : ndarray of shape (rows,)
         The times of the rows (s).
     peaks : dict of str to ndarray
@@ -36,6 +39,10 @@ class Result(Histories, Framed, Shown):
         The statistics of the run.
     overturn_time : float
         The time of the fall (s), NaN if there is none.
+    fallen : int
+        The number of the block that has fallen, from 1; 0 if there is none.
+    what_fell : str
+        What has fallen, in words, such as "block 2 over joint 2"; "" if nothing has.
     verdict, reason : str
         The verdict and its reason.
     estimated_error : ErrorEstimate or None
@@ -52,6 +59,8 @@ class Result(Histories, Framed, Shown):
     peaks: dict[str, FloatArray]
     stats: dict[str, Any]
     overturn_time: float = math.nan  # s
+    fallen: int = 0
+    what_fell: str = ""
     verdict: str = UNDECIDED
     reason: str = ""
     estimated_error: ErrorEstimate | None = None
@@ -60,25 +69,26 @@ class Result(Histories, Framed, Shown):
     motion: Motion | None = None  # of the base
     dimensions: ClassVar[Mapping[str, str]] = {JOINT: "block"}  # the name of the dimension of an owner in a frame
 
+    def __post_init__(self) -> None:
+        self.peaks = Renamed(self.peaks, aliases_of(type(self)), "peaks")
+
     @property
     def overturned(self) -> bool:
         """True if it has fallen, within the run or after it."""
         return not math.isnan(self.overturn_time)
 
     @property
-    def peak_ux(self) -> FloatArray:
-        """The peaks of ux (n,), m: of the top faces of a column, of the centroids of a structure."""
-        return self.peaks["ux"]
+    def displacements(self) -> FloatArray:
+        """The largest horizontal displacement of each block, m (n,).
+
+        Those of a column are of its top faces, those of a structure of its centroids, in any direction.
+        """
+        return self.peaks[self.model.kind.largest]
 
     @property
     def remarks(self) -> tuple[str, ...]:
         """The sentences of which `simulate` warns."""
         return ()
-
-    @property
-    def _fall(self) -> str:
-        """The phrase for a fall: what has fallen, and when."""
-        raise NotImplementedError
 
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
         """Write time and every history with `digits` significant digits.
@@ -94,6 +104,28 @@ class Result(Histories, Framed, Shown):
         """
         pictures: Pictures = pictures_of(self)
         return pictures.plot_response(self, path)
+
+    def plot_model(
+        self, path: str | os.PathLike[str] | None = None, at: float | None = None, scale: float | None = None
+    ) -> Figure:
+        """Draw the deformed model.
+
+        Parameters
+        ----------
+        path : path-like, optional
+            The file to save it to.
+        at : float, optional
+            The time (s); by default that of its peak.
+        scale : float, optional
+            The factor on the deformation; automatic by default.
+
+        Raises
+        ------
+        InputError
+            Without matplotlib (the extra `plot`).
+        """
+        pictures: Pictures = pictures_of(self)
+        return pictures.plot_model(self, path, at, scale)
 
     def film(
         self,
@@ -157,20 +189,22 @@ class Result(Histories, Framed, Shown):
             return SCALAR
         if name in self.stats:
             return self.stats[name]
-        peaks = self.peaks.get(name.removeprefix("least_" if name.startswith("least_") else "peak_"))
+        kind = self.model.kind
+        new = {key: name for name, key in kind.keys.items()}.get(name, name)
+        peaks = dict(self.peaks).get(new.removeprefix("least_" if new.startswith("least_") else "peak_"))
         if peaks is None:
-            return getattr(self, name)
-        return peaks if self.model.kind.kept[name].kind is None else peaks[0]
+            return getattr(self, new)
+        return peaks if kind.kept[name].kind is None else peaks[0]
 
     def _facts(self) -> tuple[str, ...]:
         model, ensemble = self.model, self.ensemble
         facts = [
             f"of {model.name}",
             self.verdict,
-            f"{1e3 * float(np.max(self.peaks[model.kind.largest])):.4g} mm at most",
+            f"{1e3 * float(np.max(self.displacements)):.4g} mm at most",
         ]
         if self.overturned:
-            facts.append(self._fall)
+            facts.append(f"{self.what_fell} fell at {self.overturn_time:.4g} s")
         if ensemble is not None:
             facts.append(f"{ensemble.overturned} of {ensemble.size} varied {model.kind.word}s overturned")
         return *facts, counted(len(self.time), "row")
@@ -178,8 +212,8 @@ class Result(Histories, Framed, Shown):
     def _frame(self) -> Frame:
         there = self.model.sizes
         seen = [output for output in self.outputs if not output.only_peak and there.get(output.owner, 1)]
-        columns = {output.field: getattr(self, output.field) for output in seen}
+        columns = {output.key: getattr(self, output.field) for output in seen}
         attributes = {self.model.kind.word: self.model.name, "verdict": self.verdict}
-        of = {output.field: self.dimensions.get(output.owner, output.owner) for output in seen}
+        of = {output.key: self.dimensions.get(output.owner, output.owner) for output in seen}
         labels = {self.dimensions.get(owner, owner): names for owner, names in self.labels.items()}
         return Frame(("time", self.time), columns, units_of(seen), attributes, of, labels)

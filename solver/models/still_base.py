@@ -15,8 +15,8 @@ class Settling(Protocol):
     """A model in motion whose base has come to rest."""
 
     @property
-    def fallen(self) -> str:
-        """The description of the fall, such as the joint; "" without a fall."""
+    def what_fell(self) -> str:
+        """What has fallen, in words, such as "block 2 over joint 2"; "" without a fall."""
 
     @property
     def fall_time(self) -> float:
@@ -55,7 +55,7 @@ def settled(model: Settling, stop: float, settle: float) -> Verdict:
     """
     t = stop
     # alternate checks of the energy and pieces of motion
-    while not model.fallen:
+    while not model.what_fell:
         why = model.why_it_stands()
         if why:
             return Verdict(STANDING, why, t)
@@ -69,4 +69,4 @@ def settled(model: Settling, stop: float, settle: float) -> Verdict:
         t = end
     later = model.fall_time - stop
     when = f"{later:.4g} s after the end of the run" if later > 0.0 else "within the run"
-    return Verdict(OVERTURNED, f"{model.fallen}, {when}", max(t, stop))
+    return Verdict(OVERTURNED, f"{model.what_fell}, {when}", max(t, stop))

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.aliases import Alias
 from ..common.errors import NOT_NEGATIVE, InputError, check_number, check_whole
 from ..ground.motion import Motion
 
@@ -39,10 +40,7 @@ class ErrorEstimate:
     peaks: dict[str, FloatArray]
     overturn_time: float
 
-    @property
-    def peak_ux(self) -> FloatArray:
-        """The estimated errors of the peaks of ux (n,)."""
-        return self.peaks["ux"]
+    peak_ux = Alias('peaks["ux"]', lambda estimate: estimate.peaks["ux"])
 
 
 @dataclass(frozen=True)
@@ -81,14 +79,15 @@ class Ensemble:
         The spread of the data.
     verdicts : tuple of str
         The verdict of each run.
-    peak_ux : ndarray of shape (runs, n)
-        The peaks of ux of each run (m).
+    displacements : ndarray of shape (runs, n)
+        The largest displacements of each run, as `Result.displacements` (m).
     overturn_time : ndarray of shape (runs,)
         The time of overturning of each run (s), NaN while it stands.
     peaks : ndarray of shape (3, n)
-        The 16, 50 and 84 % points of peak_ux over the runs that do not fall (m), NaN if there are none.
+        The 16, 50 and 84 % points of the displacements over the runs that do not fall (m), NaN if there are none.
     ux : ndarray of shape (3, nt, n)
-        The same points of ux over the runs that have not yet fallen (m), NaN if there are none.
+        The same points of ux, of a structure of the horizontal displacement in any direction, over the runs that have
+        not yet fallen (m), NaN if there are none.
     amplification : float
         Half the distance between the 16 and 84 % points of the largest peak, relative to its 50 % point, divided by the
         size of the spread; NaN if all fall.
@@ -98,12 +97,13 @@ class Ensemble:
 
     spread: Spread
     verdicts: tuple[str, ...]
-    peak_ux: FloatArray
+    displacements: FloatArray
     overturn_time: FloatArray
     peaks: FloatArray
     ux: FloatArray
     amplification: float
     in_lanes: bool  # whether eight ran at once
+    peak_ux = Alias("displacements")
 
     @property
     def size(self) -> int:
@@ -186,18 +186,18 @@ def ensemble_from(runs: Sequence[Varied], spread: Spread, time: FloatArray, in_l
     in_lanes : bool
         Whether they were made in lanes.
     """
-    peak_ux, overturn_time = (np.array([getattr(run, name) for run in runs]) for name in ("peaks", "overturn_time"))
+    moved, overturn_time = (np.array([getattr(run, name) for run in runs]) for name in ("peaks", "overturn_time"))
     stands = np.array([run.verdict != "overturned" for run in runs])
     ux = np.array([run.ux for run in runs])
     ux[overturn_time[:, None] <= time] = math.nan
-    low, middle, high = percentiles_of(np.where(stands, np.max(peak_ux, axis=1), math.nan))
+    low, middle, high = percentiles_of(np.where(stands, np.max(moved, axis=1), math.nan))
     relative = 0.5 * (high - low) / (middle or math.nan)  # NaN instead of a division by zero if the model rests
     return Ensemble(
         spread=spread,
         verdicts=tuple(run.verdict for run in runs),
-        peak_ux=peak_ux,
+        displacements=moved,
         overturn_time=overturn_time,
-        peaks=percentiles_of(np.where(stands[:, None], peak_ux, math.nan)),
+        peaks=percentiles_of(np.where(stands[:, None], moved, math.nan)),
         ux=percentiles_of(ux),
         amplification=float(relative / max(spread.size, math.ulp(1.0))),
         in_lanes=in_lanes,

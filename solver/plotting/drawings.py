@@ -30,13 +30,13 @@ class Shapes(Protocol):
     """The histories of the displacements of a column, (rows, n) each: a Response, Modes or a CapacityCurve."""
 
     @property
-    def column(self) -> Column: ...
+    def model(self) -> Column: ...
     @property
     def ux(self) -> FloatArray: ...
     @property
     def uz(self) -> FloatArray: ...
     @property
-    def theta(self) -> FloatArray: ...
+    def ry(self) -> FloatArray: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,20 +45,20 @@ class Places:
 
     Attributes
     ----------
-    column : Column
+    model : Column
     ux, uz : array (rows, n)
         Displacements, m.
-    theta : array (rows, n)
+    ry : array (rows, n)
         Rotations, rad.
     """
 
-    column: Column
+    model: Column
     ux: FloatArray
     uz: FloatArray
-    theta: FloatArray
+    ry: FloatArray
 
 
-def plot_column(
+def plot_model(
     response: Response,
     path: str | os.PathLike[str] | None = None,
     at: float | None = None,
@@ -102,7 +102,7 @@ def plot_column(
     top = int(np.argmax(np.abs(response.ux[k])))
     # state the largest displacement in the header
     line = f"At {response.time[k]:.3f} s the top of block {top + 1} is at {length(float(response.ux[k, top]))}."
-    header(figure, setting_of(response.column, response.motion), line)
+    header(figure, setting_of(response.model, response.motion), line)
     return save(figure, path)
 
 
@@ -131,7 +131,7 @@ def draw_column(axes: Axes, response: Shapes, k: int, scale: float, linewidth: f
     ]
     for patch in patches:
         axes.add_patch(patch)
-    blocks = response.column.blocks
+    blocks = response.model.blocks
     height = sum(block.height for block in blocks)
     width = max(max(block.width, block.top_width or 0.0) for block in blocks)
     reach = 0.6 * width + max(SHOWN * height, scale * float(np.max(np.abs(response.ux))))
@@ -147,7 +147,7 @@ def draw_column(axes: Axes, response: Shapes, k: int, scale: float, linewidth: f
 def measure_column(axes: Axes, response: Shapes, k: int, scale: float) -> None:
     """Add heights on the left, joint numbers on the right, the factor on the deformation and a scale bar."""
     corners = corners_of(response, k, scale)
-    n, height = len(corners), sum(block.height for block in response.column.blocks)
+    n, height = len(corners), sum(block.height for block in response.model.blocks)
     (left, _), (right, top) = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
     left, right, low = left - 0.22 * height, right + 0.2 * height, -0.17 * height
     every = math.ceil(n / MOST_NUMBERED)
@@ -186,9 +186,9 @@ def corners_of(response: Shapes, k: int, scale: float) -> list[FloatArray]:
     # centre of the face below: as built, true, drawn; rotations of the body below
     built, foot, drawn = np.zeros(2), np.zeros(2), np.zeros(2)
     tilt_below, turned, turn = 0.0, 0.0, 0.0
-    for i in range(response.column.n - 1, -1, -1):
+    for i in range(response.model.n - 1, -1, -1):
         # angles and top centre of the block as built
-        block, theta = response.column.blocks[i], float(response.theta[k, i])
+        block, theta = response.model.blocks[i], float(response.ry[k, i])
         rise, lean = block.resolved_centroid, block.joint.inclination or 0.0
         tilt = lean + (block.tilt or 0.0)
         offset = (block.joint.offset or 0.0) * _frame(lean)[1]
@@ -205,7 +205,7 @@ def corners_of(response: Shapes, k: int, scale: float) -> list[FloatArray]:
         foot = centroid + (block.height - rise) * up
         # corners at the scaled rotation; oblique faces belong to inclined joints
         tilt_below, turned, turn = tilt, tilt + theta, tilt + scale * theta
-        lean_above = (response.column.blocks[i - 1].joint.inclination or 0.0) if i > 0 else tilt
+        lean_above = (response.model.blocks[i - 1].joint.inclination or 0.0) if i > 0 else tilt
         half = _across(0.5 * block.width, turn, lean - tilt)
         top = _across(0.5 * (block.top_width or block.width), turn, lean_above - tilt)
         tall = block.height * _frame(turn)[0]
@@ -228,7 +228,7 @@ def _across(half: float, turn: float, oblique: float) -> FloatArray:
 def _peak(response: Response) -> int:
     moved = np.max(np.abs(response.ux), axis=1)
     if response.overturn_time <= response.time[-1]:
-        far = np.flatnonzero(moved > LOST * sum(block.height for block in response.column.blocks))
+        far = np.flatnonzero(moved > LOST * sum(block.height for block in response.model.blocks))
         return max(0, int(far[0]) - 1) if len(far) else len(moved) - 1
     return int(np.argmax(moved))
 
@@ -246,5 +246,5 @@ def scale_of(response: Shapes, scale: float | None) -> float:
     if scale is not None:
         return check_number("scale", scale, POSITIVE, "a positive factor on the deformation")
     largest = float(np.max(np.abs(response.ux)))
-    wanted = SHOWN * sum(block.height for block in response.column.blocks) / max(largest, 1e-300)
+    wanted = SHOWN * sum(block.height for block in response.model.blocks) / max(largest, 1e-300)
     return 1.0 if wanted <= 1.0 or largest < 1e-12 else nice(wanted)

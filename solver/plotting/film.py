@@ -57,7 +57,7 @@ def film(
     path : path-like
         File to write: .gif, or .mp4 where ffmpeg is installed.
     scale : float, optional
-        Factor on the deformation, as in `plot_column`.
+        Factor on the deformation, as in `plot_model`.
     fps : int
         Frames per second; a GIF shows each frame for a whole number of hundredths of a second.
     speed : float
@@ -177,7 +177,7 @@ class _Scene:
         # title, verdict and the colours that a palette needs
         word, sentence = verdict_of(response)
         colour = VERDICT_COLOURS.get(word, INK)
-        header(self.figure, setting_of(response.column, response.motion), sentence, colour)
+        header(self.figure, setting_of(response.model, response.motion), sentence, colour)
         self.colours = (INK, GRID, STONE, RED, colour, *FEW_COLOURS[: len(self.patches)])
         factor = "to scale" if scale == 1.0 else rf"deformation $\times$ {scale:g}"
         column.text(0.5, -0.01, factor, transform=column.transAxes, ha="center", va="top", fontsize=11, color=RED)
@@ -190,7 +190,7 @@ class _Scene:
 
     def _draw_displacements(self, axes: Axes) -> None:
         """Plot ux of the blocks that have a colour: of all of few blocks, of the top one of many."""
-        response, few = self.response, self.response.column.n <= len(FEW_COLOURS)
+        response, few = self.response, self.response.model.n <= len(FEW_COLOURS)
         ux: FloatArray = response.ux
         factor, unit = (1.0, "m") if np.max(np.abs(ux)) >= 1.0 else (1e3, "mm")
         for i, patch in enumerate(self.patches):

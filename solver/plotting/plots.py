@@ -30,7 +30,7 @@ from .style import FEW_COLOURS, GREY, INK, RED, TINT, VERDICT_COLOURS, aside, he
 from .words import setting_of, verdict_of
 
 GROUND_SAMPLES = 20_000  # of a harmonic, which has no samples
-HISTORIES = ("ux", "theta", "N", "M", "S", "T", "contact", "sigma_max")
+HISTORIES = ("ux", "ry", "N", "My", "S", "Tx", "contact", "sigma_max")
 OTHERS = ("uz", "slip")  # optional histories
 PEAK = "peak between rows"
 MISSED = 1.02  # times the largest row: a larger peak is marked
@@ -53,8 +53,8 @@ class _Panel:
 _PANELS = (
     _Panel("ux", "displacement of the top face", "$u_x$", "mm", 1e3),
     _Panel("N", "normal force in the joint", "$N$", "kN", 1e-3),
-    _Panel("theta", "rotation", r"$\theta$", "mrad", 1e3),
-    _Panel("M", "moment in the joint", "$M$", "kN m", 1e-3),
+    _Panel("ry", "rotation", r"$\theta$", "mrad", 1e3),
+    _Panel("My", "moment in the joint", "$M$", "kN m", 1e-3),
     _Panel("contact", "width in contact, white: all", "joint"),
     _Panel("S", "horizontal shear in the joint", "$S$", "kN", 1e-3),
     _Panel("sigma_max", "largest pressure in the joint", r"$\sigma_{max}$", "MPa", 1e-6, "", True),
@@ -102,7 +102,7 @@ def plot_response(response: Response, path: str | os.PathLike[str] | None = None
     return plot_histories(
         response.time,
         {name: getattr(response, name) for name in (*HISTORIES, *OTHERS)},
-        response.column,
+        response.model,
         response.motion,
         overturn_time=response.overturn_time,
         path=path,
@@ -193,7 +193,7 @@ def plot_histories(
         names[0] += "; grey: all"
     marked = any(line.get_label() == PEAK for axes in panels for line in axes.lines)
     show_names(figure, names, [shown.chosen[i] for i in sorted(shown.chosen)], mark=PEAK if marked else "")
-    word, sentence = verdict or verdict_of(SimpleNamespace(overturn_time=overturn_time, overturned_joint=0))
+    word, sentence = verdict or verdict_of(SimpleNamespace(overturn_time=overturn_time, what_fell=""))
     header(figure, setting_of(column, motion) if title is None else title, sentence, VERDICT_COLOURS.get(word, INK))
     return save(figure, path)
 
@@ -252,7 +252,7 @@ def _shown(
     # friction demand, left out where the joint carries little of the weight
     carried = carried_weights(column)
     if np.all(carried > 0.0):
-        ratio = friction_history(cut["T"], cut["N"], carried)
+        ratio = friction_history(cut["Tx"], cut["N"], carried)
         cut["T/N"] = np.where(COUNTS_FROM * carried < cut["N"], ratio, math.nan)
     kept = {} if math.isfinite(overturn_time) else dict(peaks)
     return _Shown(column, time[:rows], cut, kept, _chosen(column.n, cut, gone), overturn_time, gone)
@@ -295,7 +295,7 @@ def _draw_beside(figure: Figure, shown: _Shown) -> None:
         draw_profiles(_split(figure, grid[last, :], 4), shown.column, _largest(shown), shown.chosen)
         last -= 1
     if shown.has_last_moments:
-        places = Places(shown.column, *(shown.histories[name] for name in ("ux", "uz", "theta")))
+        places = Places(shown.column, *(shown.histories[name] for name in ("ux", "uz", "ry")))
         draw_last_moments(_split(figure, grid[-1, :], 6), shown.time, places, shown.gone, shown.overturn_time)
     if shown.has_slip:
         draw_offsets(figure.add_subplot(grid[last, 1]), 1e3 * shown.histories["slip"][-1])
@@ -375,7 +375,7 @@ def _mark_peak(axes: Axes, panel: _Panel, shown: _Shown) -> None:
     largest = np.max(rows, axis=0)
     true = shown.peaks.get(panel.peak or panel.name, largest)
     top = int(np.argmax(true))
-    of = "block" if panel.name in ("ux", "theta", "slip") else "joint"
+    of = "block" if panel.name in ("ux", "ry", "slip") else "joint"
     value = f"{panel.factor * true[top]:.4g} {panel.unit}".rstrip()
     aside(axes, f"{'before the fall' if math.isfinite(shown.overturn_time) else 'peak'} {value}, {of} {top + 1}")
     # marks of missed peaks; an arrow outwards where a peak is far beyond the rows

@@ -24,7 +24,7 @@ def plot_modes(modes: SpatialModes, path: str | os.PathLike[str] | None, most: i
 
     Raises InputError, OSError as `save` does.
     """
-    structure, count = modes.structure, min(most, len(modes.frequency))
+    structure, count = modes.model, min(most, len(modes.frequency))
     across = min(COLUMNS, count)
     down = math.ceil(count / across)
     figure = Figure(figsize=(max(5.0, 3.6 * across), 0.8 + 3.5 * down), layout="constrained")
@@ -50,7 +50,7 @@ def plot_push_over(found: PushOver, path: str | os.PathLike[str] | None) -> Figu
     Raises InputError, OSError as `save` does.
     """
     size, unit = found.unit
-    structure, moved, push = found.structure, 1e3 * found.moved, found.acceleration / size
+    structure, moved, push = found.model, 1e3 * found.moved, found.acceleration / size
     figure = Figure(figsize=(11.0, 5.2), layout="constrained")
     grid = figure.add_gridspec(1, 2, width_ratios=(1.1, 1.0))
     curve = figure.add_subplot(grid[0])

@@ -35,7 +35,7 @@ GROUND, WALL = "#e9e6df", "#d9d5cb"
 BEARING, SIDES, FLAT = "#4f4a44", 24, 0.3  # colour; points of its rim; ratio of height to diameter if not on the base
 
 
-def plot_structure(
+def plot_model(
     response: SpatialResponse, path: str | os.PathLike[str] | None, at: float | None, scale: float | None
 ) -> Figure:
     """Draw the structure at an instant with its deformation scaled, and save the figure if `path` is given.
@@ -64,7 +64,7 @@ def plot_structure(
     u, turn = _places(response, k)
     figure = Figure(figsize=(6.4, 6.8), layout="constrained")
     axes = figure.add_subplot(projection="3d")
-    draw_blocks(axes, response.structure, scale * u, scale * turn)
+    draw_blocks(axes, response.model, scale * u, scale * turn)
     if _mark_cracks(axes, response, k, scale * u, scale * turn):
         axes.text2D(0.0, 0.0, "red: joints that have broken, dashed: cracked", transform=axes.transAxes, color=RED)
     factor = f", deformation x {scale:g}" if scale != 1.0 else ", to scale"
@@ -75,7 +75,7 @@ def plot_structure(
 
 def _mark_cracks(axes: Any, response: SpatialResponse, k: int, u: FloatArray, turn: FloatArray) -> bool:
     """Draw the outlines of cracked joints on their lower blocks, and return True if there are any."""
-    structure = response.structure
+    structure = response.model
     hurt = [
         (structure.joints[j], left) for j, left in zip(structure.bonds, response.bond[k], strict=True) if left < 1.0
     ]
@@ -139,8 +139,8 @@ class _Scene:
         self.canvas: Any = FigureCanvasAgg(self.figure)
         grid = self.figure.add_gridspec(2, 1, height_ratios=(5.0, 1.0))
         axes, ground = self.figure.add_subplot(grid[0], projection="3d"), self.figure.add_subplot(grid[1])
-        zero = np.zeros((response.structure.n, 3))
-        self._solids = draw_blocks(axes, response.structure, zero, zero, _reached(response, scale, end))
+        zero = np.zeros((response.model.n, 3))
+        self._solids = draw_blocks(axes, response.model, zero, zero, _reached(response, scale, end))
         draw_ground(ground, response.motion)
         tidy(ground)
         ground.set_xlim(response.time[0], end)
@@ -171,11 +171,11 @@ def _reached(response: SpatialResponse, scale: float, end: float) -> FloatArray:
     """Return points that bound the film, m: corners as built, moved by the extremes of the centroid's displacement."""
     rows = response.time <= end
     corners = []
-    for i, block in enumerate(response.structure.blocks):
+    for i, block in enumerate(response.model.blocks):
         moved = np.stack([getattr(response, name)[rows, i] for name in ("ux", "uy", "uz")], axis=-1)
         corners += [block.corners + scale * by(moved, axis=0) for by in (np.min, np.max)]
     reach = np.concatenate(corners)
-    built = _all_corners(response.structure)
+    built = _all_corners(response.model)
     low, high = built.min(axis=0), built.max(axis=0)
     most = float(np.max(high - low))  # a block that flies off leaves the picture
     within: FloatArray = np.clip(reach, low - most, high + most)
@@ -186,7 +186,7 @@ def _head(figure: Figure, response: SpatialResponse) -> str:
     """Write title and verdict, and return the colour of the verdict."""
     word, sentence = verdict_of(response)
     colour = VERDICT_COLOURS.get(word, INK)
-    header(figure, setting_of(response.structure, response.motion), sentence, colour)
+    header(figure, setting_of(response.model, response.motion), sentence, colour)
     return colour
 
 
@@ -300,14 +300,12 @@ def plot_plan(
         As `save` does.
     """
     if blocks is None:
-        blocks = [int(np.argmax([block.centroid[2] for block in response.structure.blocks]))]
+        blocks = [int(np.argmax([block.centroid[2] for block in response.model.blocks]))]
     figure = Figure(figsize=(5.2, 5.0), layout="constrained")
     axes = figure.add_subplot()
     for block in blocks:
-        i = response.structure.number(block)
-        axes.plot(
-            1e3 * response.ux[:, i], 1e3 * response.uy[:, i], linewidth=0.9, label=plain(response.structure.names[i])
-        )
+        i = response.model.number(block)
+        axes.plot(1e3 * response.ux[:, i], 1e3 * response.uy[:, i], linewidth=0.9, label=plain(response.model.names[i]))
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("$u_x$ (mm)")
     axes.set_ylabel("$u_y$ (mm)")
@@ -329,7 +327,7 @@ def plot_response(response: SpatialResponse, path: str | os.PathLike[str] | None
     for name in ("ux", "uy", "uz"):
         top.plot(response.time, 1e3 * getattr(response, name)[:, i], linewidth=0.9, label=f"$u_{name[1]}$")
     until = "before the fall" if np.isfinite(response.overturn_time) else "at most"
-    top.set(title=f"displacement of {plain(response.structure.names[i])}", ylabel="$u$ (mm)")
+    top.set(title=f"displacement of {plain(response.model.names[i])}", ylabel="$u$ (mm)")
     aside(top, f"{until} {length(largest)} horizontally")
     top.legend(ncols=3, frameon=False, fontsize=8)
     middle.plot(response.time, 1e3 * np.max(np.linalg.norm(response.rotation, axis=2), axis=1), linewidth=0.9)
@@ -371,7 +369,7 @@ def _places(response: SpatialResponse, k: int) -> tuple[FloatArray, FloatArray]:
 def _scale_of(response: SpatialResponse, k: int) -> float:
     """Return a factor that makes the deformation at row k visible; 1 where it is large."""
     largest = max(float(np.max(np.abs(_places(response, k)[0]))), 1e-12)
-    return min(max(1.0, nice(VISIBLE * extent_of(response.structure) / largest)), 1e4)
+    return min(max(1.0, nice(VISIBLE * extent_of(response.model) / largest)), 1e4)
 
 
 def extent_of(structure: Structure) -> float:

@@ -14,7 +14,8 @@ from ..common.notebook import counted
 from .figures import Figure
 from .style import INK, VERDICT_COLOURS, header, save, tidy
 
-MOVES = ("peak_ux", "peak_u")  # of columns, of structures: the first one in the table is plotted
+MOVES = ("peak_u", "peak_ux")  # keys of structures, of columns: the first one in the table is plotted
+NAMES = "peak_u, peak_top_ux, peak_centroid_ux"  # of the same in Python
 
 
 def plot_table(frame: Frame, path: str | os.PathLike[str] | None) -> Figure:
@@ -24,7 +25,7 @@ def plot_table(frame: Frame, path: str | os.PathLike[str] | None) -> Figure:
     """
     name = next((name for name in MOVES if name in frame.columns), None)
     if name is None:
-        raise InputError(f"keep: must have one of {', '.join(MOVES)} for a picture")
+        raise InputError(f"keep: must have one of {NAMES} for a picture")
     # largest displacement of each run, NaN if it was not made
     runs, peaks = frame.index[1], 1e3 * np.atleast_2d(frame.columns[name].T).T
     moved = np.max(np.where(np.isnan(peaks), -math.inf, peaks), axis=1)

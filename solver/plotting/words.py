@@ -9,6 +9,7 @@ import numpy as np
 
 from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..models.outputs import BLOCK
 from .largest import largest_displacement, length
 from .style import plain
 
@@ -34,21 +35,20 @@ def verdict_of(response: Any) -> tuple[str, str]:
     Parameters
     ----------
     response : object
-        Has `overturn_time` (s, NaN while it stands) and `overturned_joint`; the rest as in a Response, if present.
+        Has `overturn_time` (s, NaN while it stands) and `what_fell`; the rest as in a Response, if present.
     """
     word = getattr(response, "verdict", "")
     if math.isfinite(response.overturn_time):
         word = "overturned"
         text = f"Overturned at {response.overturn_time:.2f} s"
-        joint, block = (getattr(response, f"overturned_{of}", 0) for of in ("joint", "block"))
-        text += f" over joint {joint}" if joint else f": {plain(str(block))} fell" if block else ""
+        what_fell = getattr(response, "what_fell", "")
+        text += f": {plain(what_fell)}" if what_fell else ""
         time = getattr(response, "time", None)
         text += ", after the end of the histories" if time is not None and response.overturn_time > time[-1] else ""
     elif word in ("standing", "undecided"):
-        structure = getattr(response, "structure", None)
         largest, block = largest_displacement(response)
-        name = f"block {block + 1}" if structure is None else plain(structure.names[block])
-        moved = f"largest displacement {length(largest)}, {name}"
+        names = response.labels[BLOCK] if hasattr(response, "labels") else range(1, response.model.n + 1)
+        moved = f"largest displacement {length(largest)}, block {plain(str(names[block]))}"
         text = f"Stands: {moved}" if word == "standing" else f"Undecided, {response.reason}; {moved}"
     else:
         return "", ""

@@ -149,7 +149,7 @@ def _made(chunk: Chunk, flag: FloatArray) -> Made:
     with others_turn():
         responses = {chunk.first + place: _response(chunk, place, look) for place in wanted}
     kept = chunk.kind.kept
-    return Table(columns, None, responses, chunk.first, {name: kept[name].of for name in columns}), tally
+    return Table(columns, None, responses, chunk.first, {name: kept[name].of for name in columns}, chunk.kind), tally
 
 
 def _check(chunk: Chunk, tally: Tally) -> None:

@@ -43,7 +43,7 @@ def simulate_many(
     *,
     duration: float | Iterable[float | None] | None = None,
     tolerance: float | Iterable[float | None] | None = None,
-    keep: Sequence[str] = ("peak_ux", "verdict"),
+    keep: Sequence[str] | None = None,
     executor: Any = None,
     threads: int | None = None,
     settle: float = SETTLE,
@@ -58,9 +58,9 @@ def simulate_many(
 
     Accuracy. tolerance: relative to the peak; None: that of the column.
 
-    Output. keep: results that the table holds, names of `Kind.kept`. responses: numbers of runs of which the whole
-    Response is kept, in `table.responses`. callback: called as callback(runs made, runs in all or None) as they end; an
-    exception that it raises ends `simulate_many`.
+    Output. keep: results that the table holds; None: the largest displacements and the verdict. responses: numbers of
+    runs of which the whole Response is kept, in `table.responses`. callback: called as callback(runs made, runs in all
+    or None) as they end; an exception that it raises ends `simulate_many`.
 
     Verdict. settle: as in `simulate`.
 
@@ -128,7 +128,7 @@ def parts_of_many(
     *,
     duration: float | Iterable[float | None] | None = None,
     tolerance: float | Iterable[float | None] | None = None,
-    keep: Sequence[str] = ("peak_ux", "verdict"),
+    keep: Sequence[str] | None = None,
     executor: Any = None,
     threads: int | None = None,
     settle: float = SETTLE,
@@ -155,15 +155,13 @@ def parts_of_many(
     settle, whole = _checked(settle, threads, responses)
     first, columns = _first_of(columns)
     kind: Kind | None = getattr(first, "kind", None)
-    for name in keep:
-        if kind is not None and name not in kind.kept:
-            raise InputError(f"keep: {shown(name)}: must be of {', '.join(kind.kept)}")
+    keys = () if kind is None else kind.keys_of(kind.usually_kept if keep is None else keep)
     # chunks of about equal cost
     total, runs = _runs(columns, motions, duration, tolerance)
     summary = Summary() if summary is None else summary
     workers = (threads or cores()) if executor is None else workers_of(executor)
     pace = Pace(total, workers, FIRST_COST)
-    chunks = _chunks(runs, pace, tuple(dict.fromkeys(keep)), settle, whole)
+    chunks = _chunks(runs, pace, keys, settle, whole)
     if executor is not None:
         made = _made(chunks, lambda chunk: executor.submit(make_packed, packed(chunk)), pace, workers)
         yield from _noted(made, summary, total, callback)

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.aliases import warn_of_old
 from ..common.errors import needing
 from ..common.files import write_table
 from ..common.frames import Frame, Framed
 from ..common.notebook import Shown, counted, rows_of
-from ..models.protocol import WORDS
+from ..models.protocol import WORDS, Kind
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,15 +24,16 @@ Columns = dict[str, NDArray[Any]]
 
 
 class Table(Framed, Shown):
-    """A table of runs by column name, `table["peak_ux"]`: arrays (runs,), or (runs, blocks) for every block or joint.
+    """A table of runs by column name, `table["verdict"]`: arrays (runs,), or (runs, blocks) for every block or joint.
 
-    It is a mapping whose length is the number of runs. Block 1, the top one, comes first; NaN fills the columns beyond
-    a column's number of blocks.
+    The names of columns are those of Python; files and frames have the keys of studies (docs/results.md). The table is
+    a mapping whose length is the number of runs. Block 1, the top one, comes first; NaN fills the columns beyond a
+    column's number of blocks.
 
     Parameters
     ----------
     columns : mapping of str to array
-        Columns; words as codes, named by WORDS.
+        Columns by their keys in files; words as codes, named by WORDS.
     stats : mapping, optional
         How the runs were made (many.py).
     responses : mapping of int to Response, optional
@@ -40,6 +42,8 @@ class Table(Framed, Shown):
         Number of the first run.
     of : mapping of str to str, optional
         As of a Frame.
+    kind : Kind, optional
+        The kind of the models, which has the names of the columns.
     """
 
     def __init__(
@@ -49,26 +53,45 @@ class Table(Framed, Shown):
         responses: Mapping[int, Any] | None = None,
         first: int = 0,
         of: Mapping[str, str] | None = None,
+        kind: Kind | None = None,
     ) -> None:
         self._columns = dict(columns)
-        self._of = dict(of or {})
+        self._of, self._kind = dict(of or {}), kind
+        names = {key: name for name, key in (kind.keys if kind else {}).items()}
+        self._keys = {names.get(key, key): key for key in columns}  # by the names in Python
         self.stats: dict[str, Any] = dict(stats or {})
         self.responses: dict[int, Any] = dict(responses or {})
         self.first = first
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         """Return the column of that name; KeyError lists the names."""
-        if name not in self._columns:
-            raise KeyError(f"{name}: not kept, only {', '.join(self._columns)}")
-        values = self._columns[name]
-        return np.array(WORDS[name])[values] if name in WORDS else values
+        if name not in self._keys:
+            new = next((new for new, key in self._keys.items() if key == name), None)
+            if new is None:
+                raise KeyError(f"{name}: not kept, only {', '.join(self)}")
+            warn_of_old("table", name, new)
+            name = new
+        return self.by_key(self._keys[name])
+
+    def by_key(self, key: str) -> NDArray[Any]:
+        """Return the column with this key in files."""
+        values = self._columns[key]
+        return np.array(WORDS[key])[values] if key in WORDS else values
+
+    @property
+    def displacements(self) -> NDArray[np.float64]:
+        """The largest displacements (m), (runs, blocks).
+
+        For columns those of top faces; for structures those of centroids, in any direction. KeyError if not kept.
+        """
+        return self["peak_ux" if self._kind is None else self._kind.displacements]
 
     def __contains__(self, name: object) -> bool:
-        return name in self._columns
+        return name in self._keys or name in self._columns
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names of the columns."""
-        return iter(self._columns)
+        return iter(self._keys)
 
     def __len__(self) -> int:
         """Return the number of runs."""
@@ -76,7 +99,7 @@ class Table(Framed, Shown):
 
     def keys(self) -> KeysView[str]:
         """Return the names of the columns."""
-        return self._columns.keys()
+        return self._keys.keys()
 
     def values(self) -> ValuesView[NDArray[Any]]:
         """Return the columns."""
@@ -88,7 +111,10 @@ class Table(Framed, Shown):
 
     def get(self, name: str, default: Any = None) -> Any:
         """Return the column of that name, or `default`."""
-        return self[name] if name in self._columns else default
+        try:
+            return self[name]
+        except KeyError:
+            return default
 
     def _facts(self) -> tuple[str, ...]:
         return f"of {counted(len(self), 'run')}", *counts(self.get("verdict", ())), ", ".join(self)
@@ -97,7 +123,8 @@ class Table(Framed, Shown):
         return rows_of(self._frame().flat())
 
     def _frame(self) -> Frame:
-        return Frame(("run", np.arange(self.first, self.first + len(self))), dict(self.items()), of=self._of)
+        columns = {key: self.by_key(key) for key in self._columns}
+        return Frame(("run", np.arange(self.first, self.first + len(self))), columns, of=self._of)
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Plot displacement and verdict of each run over its number, and save the figure if `path` is given.
@@ -122,9 +149,10 @@ def counts(verdicts: Iterable[str]) -> list[str]:
 def joined(parts: Sequence[Table]) -> Table:
     """Concatenate the tables of consecutive runs; columns of blocks become as wide as the widest. Stats are dropped."""
     responses = {number: response for part in parts for number, response in part.responses.items()}
-    columns = {name: _stacked([part._columns[name] for part in parts]) for name in (parts[0] if parts else ())}
-    first, of = (parts[0].first, parts[0]._of) if parts else (0, {})
-    return Table(columns, None, responses, first, of)
+    columns = {key: _stacked([part._columns[key] for part in parts]) for key in (parts[0]._columns if parts else ())}
+    if not parts:
+        return Table(columns, None, responses)
+    return Table(columns, None, responses, parts[0].first, parts[0]._of, parts[0]._kind)
 
 
 def _stacked(arrays: list[NDArray[Any]]) -> NDArray[Any]:

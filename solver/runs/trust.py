@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..common.aliases import Renamed, aliases_of
 from ..common.errors import SolverError
 from ..models.column.packing import FloatArray
 from ..models.protocol import UNDECIDED
@@ -53,7 +54,7 @@ def judge(response: Any, closer: Any, places: FloatArray, closer_places: FloatAr
     difference = factor * np.max(np.abs(places - closer_places), axis=1)
     size = float(np.max(np.abs(closer_places[:rows]), initial=0.0)) or 1.0
     # relative error of the peaks; contact is relative already
-    peaks = {
+    peaks: dict[str, FloatArray] = {
         name: factor
         * np.abs(response.peaks[name] - other)
         / (1.0 if name == "contact" else np.where(other, other, 1.0))
@@ -61,7 +62,7 @@ def judge(response: Any, closer: Any, places: FloatArray, closer_places: FloatAr
     }
     response.estimated_error = ErrorEstimate(
         ux=float(np.max(difference[:rows], initial=0.0)) / size,
-        peaks=peaks,
+        peaks=Renamed(peaks, aliases_of(type(response)), "peaks"),
         overturn_time=abs(response.overturn_time - closer.overturn_time),
     )
     # horizon of prediction, and verdict

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..common.aliases import Alias
 from ..common.errors import SolverError, needing
 from ..common.files import write_table
 from ..common.frames import Frame, Framed
@@ -34,14 +35,16 @@ if TYPE_CHECKING:
 class Rest:
     """The column under its weight alone, (n,) each, the top joint first."""
 
-    column: Column
+    model: Column
     settlement: FloatArray  # m, compression of each joint
     N: FloatArray  # N
     stress: FloatArray  # Pa, the largest in each joint
     contact: FloatArray  # part of its width
+    column = Alias("model")
 
 
-HISTORIES = ("ux", "uz", "theta", "N", "M", "T", "contact", "sigma_max")
+HISTORIES = ("ux", "uz", "ry", "N", "My", "Tx", "contact", "sigma_max")
+OUTPUTS = tuple(getattr(ColumnHistories, name) for name in HISTORIES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,27 +54,29 @@ class CapacityCurve(Framed):
     Histories (m, n) as in a `Response`: the top block and its joint first; the push is towards +x.
     """
 
-    column: Column
+    model: Column
     acceleration: FloatArray  # (m,) m/s2, of the base, towards -x
     base_shear: FloatArray  # (m,) N, reaction of the base to the push
     base_moment: FloatArray  # (m,) N m, about the middle of the lowest joint, clockwise on the base
     ux: FloatArray  # m, top faces
     uz: FloatArray  # m, centroids, up, from the unloaded geometry
-    theta: FloatArray  # rad
+    ry: FloatArray  # rad
     N: FloatArray  # N
-    M: FloatArray  # N m
-    T: FloatArray  # N, along the joint
+    My: FloatArray  # N m
+    Tx: FloatArray  # N, along the joint
     contact: FloatArray  # part of the width
     sigma_max: FloatArray  # Pa
     uplift: FloatArray  # (n,) m/s2, acceleration at which each joint begins to open; NaN if the column topples before
     direction: int  # 1, or -1 for the curve of pushes towards -x
     # loads on ports in place of an acceleration: then all pushes are factors on them
     pattern: Mapping[str, float] | None = None
+    column, theta, M, T = Alias("model"), Alias("ry"), Alias("My"), Alias("Tx")
 
     def _frame(self) -> Frame:
         pushes = {"acceleration": "m/s2", "base_shear": "N", "base_moment": "N m"}
-        columns, units = {name: getattr(self, name) for name in (*pushes, *HISTORIES)}, pushes | UNITS
-        return Frame(("place", np.arange(len(self.acceleration))), columns, units, {"column": self.column.name})
+        columns = {name: getattr(self, name) for name in pushes}
+        columns, units = columns | {one.key: getattr(self, one.field) for one in OUTPUTS}, pushes | UNITS
+        return Frame(("place", np.arange(len(self.acceleration))), columns, units, {"column": self.model.name})
 
     @property
     def unit(self) -> tuple[float, str]:
@@ -100,15 +105,15 @@ class CapacityCurve(Framed):
         With less friction the column slides before.
         """
         rows = slice(0, self.strongest + 1)
-        return float(np.max(np.abs(self.T[rows]) / self.N[rows]))
+        return float(np.max(np.abs(self.Tx[rows]) / self.N[rows]))
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a row for each equilibrium, under the names of a response. Raises OSError."""
-        joints = [name for name in HISTORIES if name != "uz"]
+        joints = [one for one in OUTPUTS if one.field != "uz"]
         names = ["acceleration", "base.shear", "base.moment"]
-        names += [getattr(ColumnHistories, name).name_of(i + 1) for name in joints for i in range(self.column.n)]
+        names += [one.name_of(i + 1) for one in joints for i in range(self.model.n)]
         parts = [self.acceleration[:, None], self.base_shear[:, None], self.base_moment[:, None]]
-        rows = np.hstack([*parts, *(getattr(self, name) for name in joints)])
+        rows = np.hstack([*parts, *(getattr(self, one.field) for one in joints)])
         write_table(path, names, ([repr(float(value)) for value in row] for row in rows))
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
@@ -175,7 +180,7 @@ def capacity_curve(column: Column, direction: int = 1, pattern: Mapping[str, flo
     points = curve.follow()
     # histories along the curve, and the push at which each joint opens
     rows = [curve.row(point) for point in points]
-    joints = {name: np.array([getattr(row.joints, name) for row in rows]) for name in HISTORIES}
+    joints = {one.field: np.array([getattr(row.joints, one.key) for row in rows]) for one in OUTPUTS}
     pushes = np.array([point.push for point in points])
     opened = joints["contact"][: int(np.argmax(pushes)) + 1] < 1.0  # beyond the largest push nothing is at rest
     return CapacityCurve(

@@ -160,7 +160,7 @@ def restitution_from(column: Column, start: InitialState, top: float) -> float:
     while t < LONGEST * falling:
         stepper.advance(t, LOOK * falling)
         t += LOOK * falling
-        if stepper.overturned_joint:
+        if stepper.fallen:
             raise SolverError(f"released at {top:.3g} m the column falls")
         beyond = -math.copysign(1.0, top) * float(chain.top_displacements(phase_of(stepper))[0])
         if 0.0 < beyond < farthest:

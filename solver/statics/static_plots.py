@@ -44,20 +44,20 @@ def plot_modes(modes: Modes, path: str | os.PathLike[str] | None = None, most: i
     """
     count = min(most, len(modes.frequency))
     figure = Figure(figsize=(max(4.0, 0.4 + 1.9 * count), 5.5), layout="constrained")
-    height = sum(block.height for block in modes.column.blocks)
+    height = sum(block.height for block in modes.model.blocks)
     above, below = figure.subplots(2, count, height_ratios=(0.14, 1.0), squeeze=False)
     for k, (words, axes) in enumerate(zip(above, below, strict=True)):
-        ux, uz, theta = (SMALL * np.atleast_2d(values[k]) for values in (modes.ux, modes.uz, modes.theta))
+        ux, uz, theta = (SMALL * np.atleast_2d(values[k]) for values in (modes.ux, modes.uz, modes.ry))
         limits = (
             (SHOWN * height, ux),
             (TURNED, theta),
-            (RAISED * min(block.height for block in modes.column.blocks), uz),
+            (RAISED * min(block.height for block in modes.model.blocks), uz),
         )
         # largest scale at which displacement, rotation and rise stay within their limits
         scale = min(most / max(float(np.max(np.abs(values))), 1e-300) for most, values in limits)
-        for patch in draw_column(axes, Places(modes.column, ux, uz, theta), 0, scale):
+        for patch in draw_column(axes, Places(modes.model, ux, uz, theta), 0, scale):
             patch.set_alpha(0.85)
-        mass = abs(modes.mass_x[k] if modes.sways[k] else modes.mass_z[k]) / _mass(modes.column)
+        mass = abs(modes.mass_x[k] if modes.sways[k] else modes.mass_z[k]) / _mass(modes.model)
         way = "sways" if modes.sways[k] else "moves up"
         text = f"damping {100.0 * modes.damping_ratio[k]:.3g} %\n{way}, {100.0 * mass:.3g} % of the mass"
         words.text(0.5, 1.0, f"{k + 1}: {modes.frequency[k]:.4g} Hz", fontsize=12, ha="center", va="top")
@@ -65,7 +65,7 @@ def plot_modes(modes: Modes, path: str | os.PathLike[str] | None = None, most: i
         words.set_axis_off()
     header(
         figure,
-        f"{modes.column.name}: modes about rest",
+        f"{modes.model.name}: modes about rest",
         "Shapes of small motion, drawn large; damping in % of critical.",
     )
     return save(figure, path)
@@ -95,19 +95,19 @@ def plot_capacity(curve: CapacityCurve, path: str | os.PathLike[str] | None = No
             axes.set_title(f"({letters[place]}) {axes.get_title(loc='left')}", loc="left", fontsize=10)
             axes.set_xlim(left=0.0)
             axes.set_ylim(bottom=0.0)
-        _show_acceleration(shear, _mass(curve.column))
+        _show_acceleration(shear, _mass(curve.model))
     # the column at the largest push, magnified
     drawn = figure.add_subplot(grid[:, 2])
-    wanted = SHOWN * sum(block.height for block in curve.column.blocks) / max(float(top[strongest]), 1e-300)
+    wanted = SHOWN * sum(block.height for block in curve.model.blocks) / max(float(top[strongest]), 1e-300)
     scale = max(1.0, float(f"{wanted:.0e}"))
-    places = Places(curve.column, curve.ux[: strongest + 1], curve.uz, curve.theta)
+    places = Places(curve.model, curve.ux[: strongest + 1], curve.uz, curve.ry)
     draw_column(drawn, places, strongest, scale)
     measure_column(drawn, places, strongest, scale)
     drawn.set_title("(e) at the largest push", loc="left", fontsize=10)
     steady = "a steady acceleration" if curve.pattern is None else "loads"
     unit, named = curve.unit
     push = f"{curve.largest_acceleration / unit:.4g} {named}, the top moved by {length(float(top[strongest]))}"
-    header(figure, f"{curve.column.name}: balance under {steady}", f"It balances at most {push}.")
+    header(figure, f"{curve.model.name}: balance under {steady}", f"It balances at most {push}.")
     return save(figure, path)
 
 

@@ -58,7 +58,7 @@ def _rows(study: Study, numbers: Sequence[int]) -> list[list[Any]]:
         # simulate the others together
         runs = [planned.run for _, planned in ready]
         table, tally = make_runs(Chunk(0, runs, study.keep, SETTLE, checked=True))
-        outputs = {name: table[name].tolist() for name in study.keep}
+        outputs = {name: table.by_key(name).tolist() for name in study.keep}
         kept = study.columns[0].kind.kept
         for place, (number, (run, values, measures)) in enumerate(ready):
             sizes = run.model.sizes

@@ -42,9 +42,9 @@ class PicturesOfStudies(Protocol):
 class Results(Framed, Shown):
     """The finished runs of a study by number: `results["peak_ux"]` is (runs, blocks), other columns (runs,).
 
-    Names of columns: `run`; the varied numbers (`column`, `motion`, `joint.stiffness` ...); `motion_name`, a text;
-    measures of the motion as run: pga and sa in g, pgv in m/s; outputs as of `simulate_many`; `failure`, a text. A run
-    that the solver could not finish has the verdict "failed", and NaN.
+    Names of columns are those of the study file; the names of a `Table` work too: `run`; the varied numbers (`column`,
+    `motion`, `joint.stiffness` ...); `motion_name`, a text; measures of the motion as run: pga and sa in g, pgv in m/s;
+    outputs; `failure`, a text. A run that the solver could not finish has the verdict "failed", and NaN.
 
     Parameters
     ----------
@@ -80,12 +80,17 @@ class Results(Framed, Shown):
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         """Return a column of the table. Raises KeyError that lists the columns."""
-        if name not in self.columns:
+        key = self._key(name)
+        if key not in self.columns:
             raise KeyError(f"{name}: not kept, only {', '.join(self.columns)}")
-        return self.columns[name]
+        return self.columns[key]
 
     def __contains__(self, name: object) -> bool:
-        return name in self.columns
+        return self._key(name) in self.columns
+
+    def _key(self, name: Any) -> Any:
+        """Return the key of a result that may have its name in Python."""
+        return name if name in self.columns else kind_in(self.head).keys.get(name, name)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.columns)

@@ -54,7 +54,7 @@ def kind_in(head: Mapping[str, Any]) -> Any:
 
 def always_kept(kind: Kind) -> tuple[str, str]:
     """Return the names of the outputs that every picture and table needs: largest displacements and verdict."""
-    return f"peak_{kind.largest}", "verdict"
+    return kind.keys.get(kind.displacements, kind.displacements), "verdict"
 
 
 def sizes_of(subjects: Sequence[Model]) -> dict[str, int]:

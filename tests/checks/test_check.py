@@ -57,9 +57,9 @@ def test_rows_have_the_largest_of_runs_made_apart(found: Check) -> None:
     runs = [simulate(BLOCK, motion.scaled_to(0.15 * G)) for motion in PULSES.values()]
     assert [run.verdict for run in runs] == ["standing"] * 3
     top = row(found, "displacement of the top")
-    assert top.values == tuple(run.peak_ux[0] for run in runs)
+    assert top.values == tuple(run.peak_top_ux[0] for run in runs)
     assert top.demand == max(top.values)
-    stands = found.runs["peak_ux"][found.runs["verdict"] == "standing", 0]
+    stands = found.runs["peak_top_ux"][found.runs["verdict"] == "standing", 0]
     assert top.band == tuple(np.percentile(stands, [16, 50, 84]))
     assert f"16, 50, 84 % points {1e3 * top.band[0]:.3g}, " in top.remark
     assert top.capacity == pytest.approx(0.4 * 0.5, rel=0.06)  # on its edge: about its width, measured 0.486 m
@@ -213,7 +213,7 @@ def test_a_leaning_column_is_shaken_both_ways() -> None:
     motion = PULSES["1.2 Hz"].scaled_to(0.15 * G)
     plan = replace(SHORT, margin=False)
     tops = [row(check(leaning, [way], plan=plan), "displacement of the top") for way in (motion, motion.mirrored())]
-    ways = [simulate(leaning, way).peak_ux[0] for way in (motion, motion.mirrored())]
+    ways = [simulate(leaning, way).peak_top_ux[0] for way in (motion, motion.mirrored())]
     assert tops[0].demand == tops[1].demand == max(ways)
     assert ways[0] != pytest.approx(ways[1], rel=0.01)  # measured: 2.8 % apart
     columns = varied(subject_of(leaning), simulate(leaning, motion), ScaledMotion("", motion), SHORT, 0)

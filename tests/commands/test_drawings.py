@@ -42,7 +42,7 @@ def test_blocks_are_where_the_response_has_them(which: str, request: pytest.Fixt
     k = at_peak(response)
     height = 3 * 4.69
     for i, corners in enumerate(corners_of(response, k, 1.0)):
-        turn = response.theta[k, i]
+        turn = response.ry[k, i]
         left, right, top_right, top_left = corners
         assert 0.5 * (top_left + top_right)[0] == pytest.approx(response.ux[k, i], abs=1e-12)
         rest = height - (i + 0.5) * 4.69
@@ -63,7 +63,7 @@ def test_the_scale_multiplies_rotations_and_openings(response: Response) -> None
     for i in range(3):
         assert np.hypot(*joint(drawn, i)) == pytest.approx(scale * np.hypot(*joint(true, i)), rel=1e-9)
         tall = drawn[i][3] - drawn[i][0]
-        assert math.atan2(*tall) == pytest.approx(scale * response.theta[k, i])
+        assert math.atan2(*tall) == pytest.approx(scale * response.ry[k, i])
 
 
 def words(figure: Figure) -> list[str]:
@@ -77,17 +77,17 @@ def factor(figure: Figure) -> float:
 
 
 def test_the_deformed_column_states_its_time_and_scale(response: Response, tmp_path: Path) -> None:
-    figure = response.plot_column(tmp_path / "column.png")
+    figure = response.plot_model(tmp_path / "column.png")
     k = at_peak(response)
     assert any(text.startswith(f"At {response.time[k]:.3f} s the top of block 1 is at") for text in words(figure))
     assert 0.4 * SHOWN * 14.07 < factor(figure) * np.max(np.abs(response.ux)) <= SHOWN * 14.07
     assert np.std(imread(tmp_path / "column.png")[..., :3]) > 0.05
-    assert factor(response.plot_column(at=0.5, scale=7.0)) == 7.0
-    assert any("At 0.500 s" in text for text in words(response.plot_column(at=0.5)))
+    assert factor(response.plot_model(at=0.5, scale=7.0)) == 7.0
+    assert any("At 0.500 s" in text for text in words(response.plot_model(at=0.5)))
 
 
 def test_the_deformed_column_has_heights_numbers_and_a_scale_bar(response: Response) -> None:
-    figure = response.plot_column()
+    figure = response.plot_model()
     assert {"joint 1", "2", "3", "14.07 m"} <= set(words(figure))
     (text,) = [text for text in words(figure) if text.endswith("of motion")]
     lines = [np.array([line.get_xdata(), line.get_ydata()], dtype=float) for line in figure.axes[0].lines]
@@ -97,7 +97,7 @@ def test_the_deformed_column_has_heights_numbers_and_a_scale_bar(response: Respo
 
 def test_large_motion_is_drawn_to_scale(falling: Response) -> None:
     assert falling.overturned
-    figure = falling.plot_column()
+    figure = falling.plot_model()
     assert factor(figure) == 1.0
     # the column is still on its way: half of its height has not been passed
     top = np.asarray(figure.axes[0].patches[0].get_path().vertices)[2:4, 0].mean()
@@ -106,7 +106,7 @@ def test_large_motion_is_drawn_to_scale(falling: Response) -> None:
 
 def test_a_column_at_rest_is_drawn() -> None:
     still = simulate(phocas(1e-3), Motion.from_samples(0.1, np.zeros(11)))
-    assert factor(still.plot_column()) == 1.0
+    assert factor(still.plot_model()) == 1.0
 
 
 def test_labels_are_spread() -> None:
@@ -161,7 +161,7 @@ def test_what_makes_no_sense_is_refused(response: Response, tmp_path: Path) -> N
         ({"path": tmp_path / "column.xyz"}, "must end in one of"),
     ):
         with pytest.raises(InputError, match=said):
-            response.plot_column(**options)
+            response.plot_model(**options)
     with pytest.raises(InputError, match=r"must end in \.gif or \.mp4"):
         response.film(tmp_path / "column.png")
     with pytest.raises(InputError, match=r"^speed = 0\.0001: makes 300001 pictures, must be larger"):

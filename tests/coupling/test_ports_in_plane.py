@@ -70,7 +70,7 @@ def test_inputs_of_ports_are_followed_as_simulate_follows_loads(tmp_path: Path) 
     motion = Motion.from_samples(H, given["ax"])
     one = simulate(column, motion, DURATION, loads={"top": load}, output_step=H, settle=0.0)
     rows, places = driven(column, given), places_of(OUTPUTS, column.sizes)
-    for name in ("ux", "T", "port_x", "port_vz", "port_ax"):
+    for name in ("ux", "Tx", "port_x", "port_vz", "port_ax"):
         apart = np.abs(rows[1:-1, places[name]] - one.rows[1:-1, places[name]])  # in the end the load is gone
         assert np.max(apart) < 1e-9 * np.max(np.abs(one.rows[:, places[name]])), name
 

@@ -48,7 +48,7 @@ def sine(amplitude: float, speed: float, cycles: float) -> Motion:
 def falls_at_once(column: Column, pulse: Motion) -> bool:
     """Whether a pulse overturns the block to the side of its first motion."""
     run = simulate(column, pulse, pulse.duration + 12.0 / P, output_step=0.02, settle=0.0)
-    theta = run.theta[:, 0]
+    theta = run.ry[:, 0]
     return run.overturned and bool(np.all(theta < 0.02 * ALPHA))
 
 

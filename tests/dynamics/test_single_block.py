@@ -51,7 +51,7 @@ def test_single_block_vibrates_as_its_linearization_does(formulation: str) -> No
     turn, lift, rest = 1e-7, 1e-3 * settled(column)[0], -settled(column)
     start = InitialState(rotation=[turn], opening=rest + lift)
     run = simulate(column, Motion.harmonic(1e-12, 1.0, 2.0), initial=start)
-    assert run.theta[:, 0] == pytest.approx(turn * np.cos(rocking * run.time), abs=1e-6 * turn)  # measured 2e-8
+    assert run.ry[:, 0] == pytest.approx(turn * np.cos(rocking * run.time), abs=1e-6 * turn)  # measured 2e-8
     assert run.uz[:, 0] - rest == pytest.approx(lift * np.cos(bouncing * run.time), abs=1e-5 * lift)  # measured 6e-7
     assert run.stats["full_contact"] == 1.0
 
@@ -63,8 +63,8 @@ def quarter_period(stiffness: float, start: float) -> float:
     deepest = math.sqrt(2.0 * 81000.0 * G * slope / (stiffness * width))
     release = InitialState(rotation=[start], opening=[0.5 * width * slope - deepest])
     run = simulate(column, Motion.harmonic(1e-12, 1.0, 3.2), output_step=2e-4, initial=release)
-    k = int(np.argmax(run.theta[:, 0] < 0.0))
-    (t0, t1), (a, b) = run.time[k - 1 : k + 1], run.theta[k - 1 : k + 1, 0]
+    k = int(np.argmax(run.ry[:, 0] < 0.0))
+    (t0, t1), (a, b) = run.time[k - 1 : k + 1], run.ry[k - 1 : k + 1, 0]
     return float(t0 + (t1 - t0) * a / (a - b))
 
 

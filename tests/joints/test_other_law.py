@@ -41,7 +41,7 @@ def test_runs_are_not_made_in_lanes() -> None:
     assert not why_not_in_lanes(Column("one", column(eta=0.0).blocks[:1]))
     motion = Motion.harmonic(0.05, 1.0, 0.1)  # m/s2, Hz, s
     response = simulate(column(), motion, settle=0)
-    assert not response.column.kind.in_lanes(response, Plan(motion, 0.1, response.time))
+    assert not response.model.kind.in_lanes(response, Plan(motion, 0.1, response.time))
 
 
 @pytest.mark.usefixtures("other")

@@ -167,7 +167,7 @@ def restitution(column: Column) -> float:
     """Return the rotation rate after the first impact over that before it, from the rotations on either side."""
     on_edge = InitialState(rotation=[0.08], opening=[0.5 * math.sin(0.04)])
     run = simulate(column, Motion.from_samples(1.5, [0.0, 0.0]), initial=on_edge, output_step=1e-4)
-    theta = run.theta[:, 0]
+    theta = run.ry[:, 0]
     mass, reach = column.blocks[0].mass, math.hypot(0.25, 0.95)
     turned = float(np.max(-theta))  # the farthest on the other side
     angle = math.atan2(0.25, 0.95)

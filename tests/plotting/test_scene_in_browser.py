@@ -88,15 +88,15 @@ def box_of(pixels: Any) -> Any:
 
 def places(response: Any, k: int, i: int) -> Any:
     """Where the corners of a block of a structure are at a row, by `response.displacement`, m (corners, 3)."""
-    block = response.structure.blocks[i]
+    block = response.model.blocks[i]
     own = (block.corners - block.centroid) @ block.axes
     return np.array([block.centroid + block.axes @ one + response.displacement(i, one)[k] for one in own])
 
 
 def places_of_top(response: Any, k: int) -> Any:
     """Where the corners of the top block of an upright column are at a row, by its outputs, m (8, 3)."""
-    block, tall = response.column.blocks[0], sum(block.height for block in response.column.blocks)
-    rise, theta = block.height - block.resolved_centroid, response.theta[k, 0]
+    block, tall = response.model.blocks[0], sum(block.height for block in response.model.blocks)
+    rise, theta = block.height - block.resolved_centroid, response.ry[k, 0]
     cos, sin = np.cos(theta), np.sin(theta)
     middle = [response.ux[k, 0] - rise * sin, 0.0, tall - rise + response.uz[k, 0]]
     box = np.stack(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [0.0, 1.0]), axis=-1).reshape(-1, 3)
@@ -108,7 +108,7 @@ def places_of_top(response: Any, k: int) -> Any:
 def test_the_slider_moves_the_blocks_of_a_structure(browser: Browser, podium: tuple[Any, Path]) -> None:
     response, folder = podium
     opened(browser, folder)
-    boxes, slab = [], response.structure.n - 1
+    boxes, slab = [], response.model.n - 1
     browser.evaluate("state.far = 0.6; now()")
     for instant in (0.1, 0.4, 0.7):
         k = int(np.argmin(np.abs(response.time - instant)))
@@ -141,13 +141,13 @@ def test_a_page_can_be_used(browser: Browser, podium: tuple[Any, Path]) -> None:
     )
     assert colours > 20  # the canvas is not empty
     browser.evaluate("state.yaw = -0.6; state.factor = 1; seek(0)")
-    place = in_pixels(browser, response.structure.blocks[0].centroid[None])[0]
+    place = in_pixels(browser, response.model.blocks[0].centroid[None])[0]
     left, top = browser.evaluate("(({left, top}) => [left, top])(canvas.getBoundingClientRect())")
     browser.click(left + place[0], top + place[1])
     browser.evaluate(NEXT)
     assert browser.evaluate("[state.chosen, $('history').hidden]") == [0, False]
     joint = browser.evaluate("state.chosen = n; now(); [$('chosen').textContent, $('names').textContent]")
-    assert joint[0] == response.structure.joint_names[0]
+    assert joint[0] == response.model.joint_names[0]
     assert joint[1].startswith("contact pressure, of ")
     browser.evaluate("$('play').click()")
     browser.evaluate("new Promise((done) => { const f = () => state.t > 0.1 ? done() : setTimeout(f, 20); f(); })")
@@ -184,7 +184,7 @@ def test_three_js_moves_the_blocks_as_the_response_says(podium: tuple[Any, Path]
     script = ROOT / "tests" / "support" / "vertices.mjs"
     done = subprocess.run(["node", script, folder / "scene.glb", times], capture_output=True, text=True, check=True)
     for k, found in zip(rows, json.loads(done.stdout), strict=True):
-        for i, block in enumerate(response.structure.blocks):
+        for i, block in enumerate(response.model.blocks):
             vertices = np.array(found[block.name])
             for place in places(response, int(scene.rows[k]), i):
                 assert np.min(np.linalg.norm(vertices - place, axis=1)) < 1e-6
@@ -195,7 +195,7 @@ def test_another_reader_finds_the_blocks_as_built(podium: tuple[Any, Path]) -> N
     response, folder = podium
     scene = trimesh.load(folder / "scene.glb")
     up = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # from y up
-    for block in response.structure.blocks:
+    for block in response.model.blocks:
         place, geometry = scene.graph[block.name]
         mesh = scene.geometry[geometry]
         vertices = (mesh.vertices @ place[:3, :3].T + place[:3, 3]) @ up.T

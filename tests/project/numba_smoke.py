@@ -50,10 +50,10 @@ def run_and_lanes() -> None:
     """A run of one column, and of many in lanes."""
     column = Column.from_toml(COLUMN)
     run = simulate(column, Motion.harmonic(0.05 * STANDARD_GRAVITY, 2.0, 20.0))
-    say("run", run.peak_ux[0], math.fsum(run.ux.ravel()))  # numpy's sums differ between its versions
+    say("run", run.peak_top_ux[0], math.fsum(run.ux.ravel()))  # numpy's sums differ between its versions
     motions = [Motion.harmonic(0.01 * (k + 1) * STANDARD_GRAVITY, 2.0, 5.0) for k in range(RUNS)]
     table = simulate_many(column, motions, threads=1)
-    say("lanes", *table["peak_ux"].ravel())
+    say("lanes", *table["peak_top_ux"].ravel())
 
 
 def run_fmu(fmu: Path) -> None:

@@ -161,7 +161,7 @@ def test_figure3_program(tmp_path: Path) -> None:
     assert [(float(row["amplitude_g"]), float(row["frequency_hz"])) for row in rows] == [
         (amplitude, frequency) for amplitude in (0.05, 0.1) for frequency in (2.5, 5.0, 7.5, 10.0)
     ]
-    wanted = simulate(Column.from_toml(PHOCAS), Motion.harmonic(0.1 * STANDARD_GRAVITY, 5.0, 0.5)).peak_ux
+    wanted = simulate(Column.from_toml(PHOCAS), Motion.harmonic(0.1 * STANDARD_GRAVITY, 5.0, 0.5)).peak_top_ux
     assert [float(rows[5][f"peak_{i}"]) for i in (1, 2, 3)] == pytest.approx(list(wanted), rel=1e-9)
     assert {row["overturned"] for row in rows} == {"False"}
     assert {row["overturn_time_s"] for row in rows} == {""}
@@ -183,7 +183,7 @@ def test_sweep_meets_the_reference(figure3: ModuleType) -> None:
     # theory: 0.05 g, 1 Hz, 10 s; measured 5e-6
     assert run.peaks == pytest.approx([0.00378678, 0.00235583, 0.00102301], rel=2e-5)
     response = simulate(Column.from_toml(PHOCAS), Motion.harmonic(0.05 * STANDARD_GRAVITY, 1.0, 10.0))
-    assert run.peaks == pytest.approx(response.peak_ux, rel=1e-9)
+    assert run.peaks == pytest.approx(response.peak_top_ux, rel=1e-9)
     assert run.stands
 
 
@@ -198,7 +198,7 @@ def test_sweep_does_not_depend_on_threads(figure3: ModuleType) -> None:
 
 def test_sweep_records_what_goes_wrong(figure3: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def give_up(*_: object, **__: object) -> Table:
-        nothing = {"peak_ux": np.full((2, 3), math.nan), "overturn_time": np.full(2, math.nan)}
+        nothing = {"peak_top_ux": np.full((2, 3), math.nan), "overturn_time": np.full(2, math.nan)}
         return Table(nothing, {"failures": {0: "after 0.05 s: the reason", 1: "after 0.06 s: another"}})
 
     monkeypatch.setattr(figure3, "simulate_many", give_up)

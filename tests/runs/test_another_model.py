@@ -47,7 +47,7 @@ def test_least_half_sine_that_overturns_it(speed: float) -> None:
 def test_each_impact_leaves_the_part_of_the_rate() -> None:
     """Amplitudes fall by 1 - (1 - x / alpha)^2 -> r^2 of it (Housner's equation 15)."""
     response = simulate(BLOCK, Motion.from_samples(0.1, np.full(4, 1.5 * ONE), hold=True), 8.0, output_step=1e-3)
-    turns = np.abs(response.theta)
+    turns = np.abs(response.ry)
     peaks = turns[1:-1][(turns[1:-1] > turns[:-2]) & (turns[1:-1] >= turns[2:])] / BLOCK.alpha
     left = 1.0 - (1.0 - peaks) ** 2
     assert len(left) >= 4

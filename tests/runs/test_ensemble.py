@@ -40,8 +40,8 @@ def test_lanes_say_what_single_runs_say() -> None:
     )  # fmt: skip
     assert (eight.in_lanes, alone.in_lanes) == (True, False)
     assert eight.verdicts == alone.verdicts
-    assert eight.peak_ux == pytest.approx(alone.peak_ux, rel=1e-5)  # the tolerance
-    assert eight.ux == pytest.approx(alone.ux, abs=1e-5 * np.max(alone.peak_ux))  # the tolerance
+    assert eight.displacements == pytest.approx(alone.displacements, rel=1e-5)  # the tolerance
+    assert eight.ux == pytest.approx(alone.ux, abs=1e-5 * np.max(alone.displacements))  # the tolerance
     assert eight.amplification == pytest.approx(alone.amplification, rel=1e-2)
 
 
@@ -49,10 +49,10 @@ def test_rows_closer_than_steps_are_those_of_a_single_run() -> None:
     """Several rows are in one step; the last instant is requested twice."""
     column, motion = phocas(1e-3), Motion.harmonic(0.05 * G, 2.0, 1.0)
     run = simulate(column, motion, tolerance=1e-6, output_step=5e-5, without=("peaks",))
-    batch = run_batch([run.column] * 2, [motion] * 2, [1.0] * 2, times=np.append(run.time, 1.0))
+    batch = run_batch([run.model] * 2, [motion] * 2, [1.0] * 2, times=np.append(run.time, 1.0))
     assert 3 * batch.steps[0] < len(run.time)
     for phases in batch.phases:
-        ux = chain_of(run.column).top_displacements(phases)
+        ux = chain_of(run.model).top_displacements(phases)
         assert ux[:-1] == pytest.approx(run.ux, abs=1e-5 * np.max(np.abs(run.ux)))  # 10 tolerances
         assert np.array_equal(ux[-1], ux[-2])
 
@@ -77,7 +77,7 @@ def test_columns_in_mortar_run_one_by_one() -> None:
 def test_the_papers_formulation_has_its_ensembles() -> None:
     found = ensemble_of(phocas(1e-3), MOTION, duration=0.5, ensemble=3, formulation="paper", step=2e-4)
     assert (found.in_lanes, found.size) == (False, 3)
-    assert np.all(found.peak_ux > 0.0)
+    assert np.all(found.displacements > 0.0)
 
 
 def test_percentiles_are_those_of_the_runs() -> None:
@@ -85,8 +85,8 @@ def test_percentiles_are_those_of_the_runs() -> None:
     column = phocas(1e-3)
     rng = np.random.default_rng(0)
     runs = [simulate(*vary(column, MOTION, Spread(), rng)) for _ in range(5)]
-    assert np.array_equal(found.peak_ux, [run.peak_ux for run in runs])
-    points = np.percentile([run.peak_ux for run in runs], (16, 50, 84), axis=0)
+    assert np.array_equal(found.displacements, [run.peak_top_ux for run in runs])
+    points = np.percentile([run.displacements for run in runs], (16, 50, 84), axis=0)
     assert found.peaks == pytest.approx(points, rel=1e-14)
     assert found.ux == pytest.approx(np.percentile([run.ux for run in runs], (16, 50, 84), axis=0), abs=1e-15)
 
@@ -105,7 +105,9 @@ def test_what_varies_is_what_is_asked_for() -> None:
         assert np.std(logarithms) == pytest.approx(size, rel=0.1)
         assert np.mean(logarithms) == pytest.approx(0.0, abs=4.0 * size / math.sqrt(2000))
     assert (
-        ensemble_of(column, MOTION, duration=0.5, ensemble=2, spread=Spread(0.0, 0.0, 0.0)).peak_ux.std(axis=0).max()
+        ensemble_of(column, MOTION, duration=0.5, ensemble=2, spread=Spread(0.0, 0.0, 0.0))
+        .displacements.std(axis=0)
+        .max()
         == 0.0
     )
 
@@ -114,8 +116,8 @@ def test_a_seed_is_an_ensemble() -> None:
     one, same, other = (
         ensemble_of(phocas(1e-3), MOTION, duration=1.0, ensemble=9, spread=Spread(seed=seed)) for seed in (1, 1, 2)
     )
-    assert np.array_equal(one.peak_ux, same.peak_ux)
-    assert not np.any(one.peak_ux == other.peak_ux)
+    assert np.array_equal(one.displacements, same.displacements)
+    assert not np.any(one.displacements == other.displacements)
 
 
 def test_shares_near_the_edge_contain_that_of_many_runs() -> None:

@@ -39,7 +39,7 @@ def response() -> Response:
 @pytest.fixture(scope="module")
 def table() -> Table:
     return simulate_many(
-        [PHOCAS, STATUE, PHOCAS], [PULSE, PULSE, PULSE.scaled(3.0)], keep=("peak_ux", "verdict", "path")
+        [PHOCAS, STATUE, PHOCAS], [PULSE, PULSE, PULSE.scaled(3.0)], keep=("peak_top_ux", "verdict", "path")
     )
 
 
@@ -65,20 +65,20 @@ def test_both_have_every_number(framed: list[Framed]) -> None:
 
 def test_values_and_units_are_those_of_the_response(response: Response) -> None:
     data = response.to_xarray()
-    for name in ("ux", "theta", "N", "contact", "Fx"):
-        np.testing.assert_array_equal(data[name], getattr(response, name))
+    for key, name in {"ux": "ux", "theta": "ry", "N": "N", "contact": "contact", "Fx": "base_Fx"}.items():
+        np.testing.assert_array_equal(data[key], getattr(response, name))
     assert [data[name].attrs.get("units") for name in ("time", "ux", "M", "sigma_max")] == ["s", "m", "N m", "Pa"]
     assert data.attrs["verdict"] == response.verdict
 
 
 def test_a_table_is_a_mapping(table: Table) -> None:
     found = dict(table)
-    assert list(found) == list(table.keys()) == ["peak_ux", "verdict", "path"]
+    assert list(found) == list(table.keys()) == ["peak_top_ux", "verdict", "path"]
     for name, values in table.items():
         np.testing.assert_array_equal(values, found[name])
     assert len(list(table.values())) == 3
     assert table.get("steps") is None
-    assert table.get("peak_ux") is not None
+    assert table.get("peak_top_ux") is not None
     assert len(table) == len(table.to_pandas()) == 3
     assert np.isnan(table.to_pandas().loc[1, "peak_ux[3]"])  # the statue has two blocks
     assert set(table.to_pandas()["verdict"]) <= {"standing", "overturned", "undecided"}
@@ -88,7 +88,7 @@ def test_a_record_may_be_a_path(tmp_path: Path) -> None:
     path = tmp_path / "pulse.csv"
     PULSE.to_csv(path)
     for motion in (path, str(path)):
-        np.testing.assert_array_equal(simulate(STATUE, motion).peak_ux, simulate(STATUE, PULSE).peak_ux)
+        np.testing.assert_array_equal(simulate(STATUE, motion).peak_top_ux, simulate(STATUE, PULSE).peak_top_ux)
 
 
 # what is shown
@@ -100,7 +100,7 @@ def test_lines_are_short(response: Response, table: Table) -> None:
     assert max(map(len, lines)) < 100
     assert lines[0] == "<Column phocas_damped: 3 blocks, 14.07 m high, 81 t>"
     assert lines[1] == "<Motion of the base: 4 s, PGA 0.3059 g, 1601 samples>"
-    assert f"{1e3 * response.peak_ux.max():.4g} mm at most" in lines[3]
+    assert f"{1e3 * response.peak_top_ux.max():.4g} mm at most" in lines[3]
     assert "5000 runs" in lines[5]
 
 
@@ -138,6 +138,6 @@ def test_a_history_keeps_its_peaks() -> None:
 
 
 def test_a_figure_shows_itself(response: Response) -> None:
-    png = response.plot_column()._repr_png_()  # type: ignore[attr-defined]
+    png = response.plot_model()._repr_png_()  # type: ignore[attr-defined]
     assert png.startswith(b"\x89PNG")
     assert len(png) > 5_000

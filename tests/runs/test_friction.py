@@ -17,10 +17,10 @@ def response(T: list[float], N: list[float], step: float = 0.5, g: float = STAND
     """One block of weight 100 N, its forces at rows `step` apart."""
     column = Column("one", (Block(1.0, 1.0, 1.0, 100.0 / STANDARD_GRAVITY, Joint(1e9, 1e-3)),), g=g)
     rows, places = np.zeros((len(T), at.ROW.size(1))), places_of(OUTPUTS, column.sizes)
-    rows[:, places["T"]] = np.array(T)[:, None]
+    rows[:, places["Tx"]] = np.array(T)[:, None]
     rows[:, places["N"]] = np.array(N)[:, None]
     time = np.arange(len(T), dtype=np.float64) * step
-    return Response(column, lambda: rows, 0, np.empty((len(rows), 0)), time=time, peaks={}, stats={})
+    return Response(column, lambda: rows, np.empty((len(rows), 0)), time=time, peaks={}, stats={})
 
 
 def test_the_largest_ratio_does_not_count_a_joint_that_is_open() -> None:
@@ -46,7 +46,7 @@ def test_a_column_that_stays_in_contact_asks_for_the_base_acceleration() -> None
     exceeded = given.time_exceeded(0.001)
     assert exceeded == pytest.approx([10.0 * 2.0 / 3.0] * 3, rel=0.02)  # a sine is above its half for two thirds
     assert np.all(given.time_exceeded(0.01) == 0.0)
-    assert carried_weights(given.column) == pytest.approx(given.N[0])
+    assert carried_weights(given.model) == pytest.approx(given.N[0])
 
 
 def test_what_makes_no_sense_is_refused() -> None:

@@ -40,8 +40,8 @@ def test_the_picture_of_a_table_has_a_mark_for_each_run(tmp_path: Path) -> None:
     np.testing.assert_array_equal(drawn, range(len(PULSES)))
     stands = table["verdict"] == "standing"
     (standing,) = (line for line in axes.lines if str(line.get_label()).startswith("standing"))
-    np.testing.assert_allclose(np.asarray(standing.get_ydata()), 1e3 * table["peak_ux"].max(axis=1)[stands])
-    with pytest.raises(InputError, match="keep: must have one of peak_ux, peak_u"):
+    np.testing.assert_allclose(np.asarray(standing.get_ydata()), 1e3 * table["peak_top_ux"].max(axis=1)[stands])
+    with pytest.raises(InputError, match="keep: must have one of peak_u, peak_top_ux, peak_centroid_ux for"):
         simulate_many(STATUE, PULSES, keep=("verdict",)).plot()
 
 

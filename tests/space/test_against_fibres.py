@@ -59,8 +59,8 @@ def in_plane(given: Scene) -> Seen:
     size = {"width": block.width, "depth": block.depth, "height": block.height, "mass": block.mass}
     column = Column.from_dict({"name": "block", "joint": _law(block), "block": [size]}).with_settings(tolerance=1e-6)
     found = simulate(column, motion, motion.duration + REST, output_step=0.005)
-    centroid = found.ux[-1, 0] - 0.5 * block.height * math.sin(found.theta[-1, 0])
-    return Seen(float(np.max(np.abs(found.theta))), float(centroid), found.verdict == "overturned")
+    centroid = found.ux[-1, 0] - 0.5 * block.height * math.sin(found.ry[-1, 0])
+    return Seen(float(np.max(np.abs(found.ry))), float(centroid), found.verdict == "overturned")
 
 
 def on_fibres(given: Scene) -> Seen:

@@ -378,7 +378,7 @@ def test_a_slab_comes_off_beyond_the_displacement_that_its_bearing_allows() -> N
     structure = slab(ROLLING, capacity=0.1)
     response = simulate(structure, Motion.harmonic(2.0, 0.4, 4.0))
     assert response.verdict == "overturned"
-    assert "block slab has come off the bearing slab-base.1" in response.reason
+    assert "block slab off the bearing slab-base.1" in response.reason
     assert 0.1 < response.peaks["d"].max() < 0.12
     lanes = simulate_many([structure], [Motion.harmonic(2.0, 0.4, 4.0)], keep=("path", "verdict", "overturn_time"))
     assert lanes["path"][0] == "lanes"

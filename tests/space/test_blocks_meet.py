@@ -249,7 +249,7 @@ def test_a_block_that_slides_off_its_strips_is_named_with_its_depth(blocks: int)
     motion = wavelets.one_sine(0.35 * G, 1.0)
     with pytest.warns(InputWarning, match=r"stone1 and base pass into each other by [\d.]+ mm at .* slid until"):
         lost = simulate(on_strips(0.05, blocks), motion, settle=0.0)
-    i = lost.structure.names.index("stone1")
+    i = lost.model.names.index("stone1")
     sunk = -float(np.nanmin(lost.uz[:, i]))
     assert sunk > 0.05  # the block is not held by anything
     assert lost.overlap.depth == pytest.approx(sunk, rel=0.5)

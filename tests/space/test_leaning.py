@@ -48,7 +48,7 @@ def test_a_block_that_leans_on_its_neighbour_has_not_fallen(by_wall: bool) -> No
 def test_a_block_that_falls_short_of_its_neighbour_stays_fallen() -> None:
     response = tipped({"at": [4.5, 0.0]}, 0.22, reach=5.0)
     assert response.verdict == "overturned"
-    assert response.reason.startswith("block post has fallen")
+    assert response.reason.startswith("block post, ")
     assert response.peaks["hit"][0] == 0.0
 
 

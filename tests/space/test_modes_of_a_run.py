@@ -86,7 +86,7 @@ def _off(found: SpatialResponse, best: SpatialResponse) -> tuple[float, float]:
     peaks = [
         float(np.max(np.abs(value - found.peaks[name])) / np.max(np.abs(value)))
         for name, value in best.peaks.items()
-        if value.size and np.max(np.abs(value)) > 1e-6 * G
+        if value.size and not name.startswith("base_") and np.max(np.abs(value)) > 1e-6 * G
     ]
     return places, max(peaks)
 

@@ -92,7 +92,7 @@ def test_columns_balance_what_they_do_in_their_plane(name: str) -> None:
     found = push_over(with_law(column.in_space(), shear_ratio=1e4, friction=None))
     assert found.largest_acceleration == pytest.approx(plane.largest_acceleration, rel=1e-7)
     assert found.uplift == pytest.approx(np.nanmin(plane.uplift), rel=3e-5)
-    opened = found.structure.joint_names.index(found.uplift_joint)
+    opened = found.model.joint_names.index(found.uplift_joint)
     assert opened == int(np.nanargmin(plane.uplift))
 
 

@@ -364,7 +364,7 @@ def test_response_and_its_files(tmp_path: Path) -> None:
     assert "joint[beam-left].sigma_max" in header
     table = np.loadtxt(tmp_path / "out.csv", delimiter=",", skiprows=1)
     assert table[:, 1:] == pytest.approx(response.rows, rel=1e-8, abs=1e-12)
-    response.plot_structure(tmp_path / "structure.png")
+    response.plot_model(tmp_path / "structure.png")
     response.plot_plan(tmp_path / "plan.png")
     assert [line.get_label() for line in response.plot_plan(blocks=("left", 2)).axes[0].lines] == ["left", "beam"]
     again = simulate(structure, motion, settle=0.0)
@@ -374,10 +374,12 @@ def test_response_and_its_files(tmp_path: Path) -> None:
 def test_many_structures_in_one_table() -> None:
     structure = Structure.from_dict(TRILITH)
     motions = [Motion.harmonic(level * G, 1.4, 0.4, direction=0.4) for level in (0.1, 0.2, 0.3)]
-    table = simulate_many(structure, motions, keep=("peak_ux", "least_contact", "verdict", "steps"), settle=0.0)
+    table = simulate_many(
+        structure, motions, keep=("peak_centroid_ux", "least_contact", "verdict", "steps"), settle=0.0
+    )
     alone = simulate(structure, motions[1], settle=0.0)
-    assert table["peak_ux"].shape == (3, 3)
-    assert np.array_equal(table["peak_ux"][1], alone.peaks["ux"])
+    assert table["peak_centroid_ux"].shape == (3, 3)
+    assert np.array_equal(table["peak_centroid_ux"][1], alone.peaks["ux"])
     assert np.array_equal(table["least_contact"][1], alone.peaks["contact"])
     assert table["verdict"][1] == alone.verdict
     assert table["steps"][1] == alone.stats["steps"]
@@ -389,7 +391,7 @@ def test_many_structures_in_one_table() -> None:
 
 def test_many_structures_take_a_value_for_each_run() -> None:
     structure, motion = stack(1), Motion.harmonic(1.0, 2.0, 0.2)
-    options: dict[str, Any] = {"keep": ("steps", "peak_ux"), "settle": 0.0}
+    options: dict[str, Any] = {"keep": ("steps", "peak_centroid_ux"), "settle": 0.0}
     alone = [simulate_many(structure, motion, duration=d, **options)["steps"][0] for d in (0.1, 0.2)]
     both = simulate_many([structure] * 2, [motion] * 2, duration=[0.1, None], **options)
     assert both["steps"].tolist() == alone

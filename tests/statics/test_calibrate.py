@@ -38,7 +38,7 @@ STILL = Motion.harmonic(1e-12, 1.0, 6.0)  # a base that is as good as still
 def turned_back(column: Column, start: InitialState) -> tuple[float, float]:
     """Rotations from which one block is let go, and at which it turns on the other side, rad."""
     run = simulate(column, STILL, initial=start, output_step=1e-3, settle=0.0)
-    theta = run.theta[:, 0]
+    theta = run.ry[:, 0]
     beyond = int(np.argmax(theta < 0.0))
     later = np.flatnonzero(theta[beyond:] > 0.0)
     end = beyond + (int(later[0]) if later.size else len(theta))
@@ -93,7 +93,7 @@ def decay(ratio: float) -> tuple[Array, Array]:
     """Free vibration of Phocas in its first mode with this ratio, in m."""
     column = phocas()
     column = with_joints(column, damping=damping_from_ratio(column, ratio))
-    shape = natural_modes(column).theta[0]
+    shape = natural_modes(column).ry[0]
     run = simulate(column, STILL, 3.0, initial=InitialState(rotation=1e-6 * shape))
     return run.time, run.ux[:, 0]
 

@@ -65,11 +65,11 @@ def test_one_block_balances_what_its_closed_form_does() -> None:
     curve = capacity_curve(monolith())
     found = minimize_scalar(lambda turn: -push_of(turn), bounds=(1e-3, 1e-2), method="bounded", options={"xatol": 1e-9})
     assert curve.largest_acceleration / G == pytest.approx(-found.fun, rel=1e-9)  # measured rounding
-    assert curve.theta[curve.strongest, 0] == pytest.approx(found.x, rel=1e-5)  # of a flat top; measured 1e-8
+    assert curve.ry[curve.strongest, 0] == pytest.approx(found.x, rel=1e-5)  # of a flat top; measured 1e-8
     assert curve.largest_acceleration / G == pytest.approx(0.09653, rel=1e-3)  # theory.md, section 5
-    assert curve.theta[curve.strongest, 0] == pytest.approx(4.782e-3, rel=1e-2)
+    assert curve.ry[curve.strongest, 0] == pytest.approx(4.782e-3, rel=1e-2)
     partly = np.flatnonzero(curve.contact[:, 0] < 0.95)
-    pushes = [push_of(curve.theta[k, 0]) for k in partly]
+    pushes = [push_of(curve.ry[k, 0]) for k in partly]
     assert curve.acceleration[partly] / G == pytest.approx(np.array(pushes), abs=1e-11)  # measured 3e-12
 
 
@@ -90,15 +90,15 @@ def unbalance(curve: CapacityCurve) -> float:
 
     Moments are taken about the middle of the lowest joint's opening, where the kernels reckon the base's moment.
     """
-    blocks = curve.column.blocks
+    blocks = curve.model.blocks
     mass = np.array([block.mass for block in blocks])
     rise = np.array([block.resolved_centroid for block in blocks])
     height = np.array([block.height for block in blocks])
-    x = curve.ux - (height - rise) * np.sin(curve.theta)
+    x = curve.ux - (height - rise) * np.sin(curve.ry)
     z = np.cumsum(height[::-1])[::-1] - height + rise + curve.uz
     pushed = curve.acceleration[:, None] * mass * curve.direction
-    moment = np.sum(pushed * z + mass * curve.column.g * x, axis=1) * curve.direction
-    weight = float(np.sum(mass)) * curve.column.g
+    moment = np.sum(pushed * z + mass * curve.model.g * x, axis=1) * curve.direction
+    weight = float(np.sum(mass)) * curve.model.g
     shear = curve.acceleration * np.sum(mass)
     wrong = np.max(np.abs(curve.base_moment - moment)) / (weight * blocks[-1].joint_width)
     return float(max(wrong, np.max(np.abs(curve.base_shear - shear)) / weight))
@@ -118,7 +118,7 @@ def test_curve_is_of_balance_from_rest_over_the_largest_push_to_none(column: Col
             continue
         k = int(np.argmin(np.abs(curve.acceleration - push)))
         kern = curve.N[k, i] * column.blocks[i].joint_width / 6.0
-        assert curve.M[k, i] == pytest.approx(kern, rel=1e-8)  # measured 5e-11
+        assert curve.My[k, i] == pytest.approx(kern, rel=1e-8)  # measured 5e-11
 
 
 def test_a_joint_that_opens_as_the_column_topples_has_no_uplift() -> None:
@@ -146,7 +146,7 @@ def test_round_drums_open_where_the_push_leaves_their_kern() -> None:
     assert unbalance(curve) < 1e-8
     for i in (1, 2):
         k = int(np.argmin(np.abs(curve.acceleration - curve.uplift[i])))
-        assert curve.M[k, i] == pytest.approx(curve.N[k, i] * 1.4 / 8.0, rel=1e-6)  # R / 4
+        assert curve.My[k, i] == pytest.approx(curve.N[k, i] * 1.4 / 8.0, rel=1e-6)  # R / 4
     assert curve.largest_acceleration < G * 0.7 / 3.0  # of a rigid column
 
 
@@ -246,7 +246,7 @@ def test_shape_of_a_mode_goes_on_in_the_same_shape() -> None:
     column = phocas(tolerance=1e-10)
     modes = natural_modes(column)
     for k in np.flatnonzero(modes.sways):
-        run = simulate(column, NIGH, 0.5, initial=InitialState(rotation=1e-8 * modes.theta[k]))
+        run = simulate(column, NIGH, 0.5, initial=InitialState(rotation=1e-8 * modes.ry[k]))
         swung = 1e-8 * modes.ux[k] * np.cos(2.0 * np.pi * modes.frequency[k] * run.time)[:, None]
         assert run.ux == pytest.approx(swung, abs=1e-13)  # measured 6e-15
 
@@ -255,7 +255,7 @@ def test_damping_ratio_is_that_of_the_decay() -> None:
     column = phocas(eta=1e-3, tolerance=1e-9)
     modes = natural_modes(column)
     ratio, omega = modes.damping_ratio[0], 2.0 * np.pi * modes.frequency[0]
-    run = simulate(column, NIGH, initial=InitialState(rotation=1e-8 * modes.theta[0]), output_step=1e-3)
+    run = simulate(column, NIGH, initial=InitialState(rotation=1e-8 * modes.ry[0]), output_step=1e-3)
     envelope = np.exp(-ratio * omega * run.time)
     swung = envelope * np.cos(omega * math.sqrt(1.0 - ratio * ratio) * run.time)
     # measured 9.5e-3: a start without velocity, and a little of the other modes

@@ -58,14 +58,14 @@ def statics() -> list[Row]:
     curve = capacity_curve(whole)
     rows.append(("Phocas as one block: first frequency, Hz", 3.4873, float(natural_frequencies(whole)[0])))
     rows.append(("its static capacity, g", 0.09653, curve.largest_acceleration / G))
-    rows.append(("rotation there, rad", 4.782e-3, abs(float(curve.theta[curve.strongest, 0]))))
+    rows.append(("rotation there, rad", 4.782e-3, abs(float(curve.ry[curve.strongest, 0]))))
     half = curve.contact[:, 0] < 0.999
-    N, theta = curve.N[half, 0], np.abs(curve.theta[half, 0])
+    N, theta = curve.N[half, 0], np.abs(curve.ry[half, 0])
     contact = np.sqrt(2.0 * N / (block.joint.stiffness * 1.56 * theta))
     known = N * (0.5 * 1.56 - contact / 3.0)
-    worst = int(np.argmax(np.abs(curve.M[half, 0]) / known - 1.0))
+    worst = int(np.argmax(np.abs(curve.My[half, 0]) / known - 1.0))
     rows.append(
-        ("moment of the open joint, N m, worst of the curve", known[worst], abs(float(curve.M[half, 0][worst])))
+        ("moment of the open joint, N m, worst of the curve", known[worst], abs(float(curve.My[half, 0][worst])))
     )
     return rows
 

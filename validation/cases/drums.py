@@ -98,10 +98,10 @@ def ensemble_of(test: Test, share: float | None = None) -> tuple[FloatArray, Flo
         stiffness = [k * block.joint.stiffness for block in joints]
         columns.append(calibrate.with_joints(middle, stiffness, [eta * block.joint.damping for block in joints]))
         motions.append(test.motion.scaled(factor))
-    table = simulate_many(columns, motions, tolerance=1e-4, keep=("peak_ux", "residual_ux", "verdict"))
+    table = simulate_many(columns, motions, tolerance=1e-4, keep=("peak_top_ux", "residual_top_ux", "verdict"))
     fell = (table["verdict"] == "overturned").astype(np.float64)
-    peak = np.where(fell == 1.0, math.nan, table["peak_ux"][:, 0])
-    return peak, np.abs(table["residual_ux"][:, 0]), fell
+    peak = np.where(fell == 1.0, math.nan, table["peak_top_ux"][:, 0])
+    return peak, np.abs(table["residual_top_ux"][:, 0]), fell
 
 
 def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:

@@ -104,7 +104,7 @@ def compare(name: str, stiffness: float, kind: str, face: Face) -> dict[str, Any
         eta = calibrate.damping_from_restitution(column, wanted, RELEASE)
     except (InputError, SolverError):
         return row | {"eta": None}
-    theta = let_go(calibrate.with_joints(column, damping=eta), RELEASE, 6.0).theta[:, 0] / alpha
+    theta = let_go(calibrate.with_joints(column, damping=eta), RELEASE, 6.0).ry[:, 0] / alpha
     peaks = peaks_of(theta)[: IMPACTS + 1]
     known = decay(peaks[0], wanted, IMPACTS)[: len(peaks) - 1]
     impacts = 1e-3 * np.flatnonzero(np.diff(np.sign(theta)))[: len(known)]

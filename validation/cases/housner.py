@@ -59,7 +59,7 @@ def peaks_of(theta: FloatArray) -> FloatArray:
 
 def first_zero(response: Response) -> float:
     """When the rotation changes sign, s."""
-    theta = response.theta[:, 0]
+    theta = response.ry[:, 0]
     k = int(np.flatnonzero(np.diff(np.sign(theta)))[0])
     return float(response.time[k] + 1e-3 * theta[k] / (theta[k] - theta[k + 1]))
 
@@ -75,7 +75,7 @@ def compute(data: Path | None) -> Outcome:
         ratios = []
         for release in RELEASES:
             response = let_go(block(factor * PHOCAS, 0.0), release, 6.0)
-            start = abs(float(response.theta[0, 0]))
+            start = abs(float(response.ry[0, 0]))
             ratios.append(first_zero(response) / quarter_period(start, alpha, p))
         periods[f"{factor:g}"] = ratios
         lines.append(f"  k = {factor * PHOCAS:.2e} N/m3: " + ", ".join(f"{ratio:.4f}" for ratio in ratios))
@@ -84,7 +84,7 @@ def compute(data: Path | None) -> Outcome:
     for factor in FACTORS[:-1]:  # at the last no damping has Housner's restitution
         column = block(factor * PHOCAS, 1e-3)
         eta = calibrate.damping_from_restitution(column, wanted)
-        peaks = peaks_of(let_go(calibrate.with_joints(column, damping=eta), 0.5).theta[:, 0]) / alpha
+        peaks = peaks_of(let_go(calibrate.with_joints(column, damping=eta), 0.5).ry[:, 0]) / alpha
         known = decay(peaks[0], wanted, IMPACTS)
         decays[f"{factor:g}"] = [peaks[1 : IMPACTS + 1].tolist(), known.tolist()]
         ratio = peaks[1 : IMPACTS + 1] / known

@@ -60,7 +60,7 @@ def compute(data: Path | None) -> Outcome:
     """The same motions for all sizes."""
     shaking = motions()
     tables = [simulate_many(block(height), shaking, tolerance=1e-4) for height in HEIGHTS]
-    peak = np.array([table["peak_ux"][:, 0] for table in tables])
+    peak = np.array([table["peak_top_ux"][:, 0] for table in tables])
     fallen = np.array([table["verdict"] == "overturned" for table in tables], dtype=bool)
     rows = compared(peak, fallen, np.array(HEIGHTS))
     lines = [f"{SEEDS} motions, PGA {AMPLITUDE / G:.2f} g; ratio: peak over that of the block of 16 m, same motion,"]

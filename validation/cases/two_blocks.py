@@ -49,7 +49,7 @@ def released(stiffness: float, pair: Pair, length: float) -> tuple[FloatArray, F
     start = InitialState(rotation=[lower + pair.sides[1] * relative, lower], opening=opening)
     still = Motion.from_samples(length, [0.0, 0.0])
     found = simulate(column(stiffness), still, initial=start, output_step=ROW, settle=0.0, tolerance=1e-7)
-    return found.time, found.theta[:, ::-1]
+    return found.time, found.ry[:, ::-1]
 
 
 def landing(time: FloatArray, angles: FloatArray, pair: Pair) -> float:

@@ -63,17 +63,15 @@ class BlockHistories(Histories):
     """What is known of a block at an instant: the table of its outputs."""
 
     ux = Output(BLOCK, "m", "Displacement of the top, positive to +x")
-    theta = Output(BLOCK, "rad", "Rotation, clockwise")
+    ry = Output(BLOCK, "rad", "Rotation, clockwise")
 
 
 @dataclass(eq=False, repr=False)
 class BlockResponse(BlockHistories, Result):
     """A run of a block; attributes, CSV and frames follow from the table."""
 
-    block: Block
+    model: Block
     rows: FloatArray  # (rows, 2)
-    model = property(lambda self: self.block)
-    _fall = property(lambda self: f"fell at {self.overturn_time:.4g} s")
 
 
 class Rocking(Driven):
@@ -88,12 +86,12 @@ class Rocking(Driven):
 
     @property
     def seen(self) -> FloatArray:
-        """ux, theta."""
+        """ux, ry."""
         return float(self.arrays.state[0]) * np.array([self.model.height, 1.0])
 
     @property
     def visible_peaks(self) -> FloatArray:
-        """Of ux, theta."""
+        """Of ux, ry."""
         return float(self.arrays.state[2]) * np.array([self.model.height, 1.0])
 
     def why_it_stands(self) -> str:

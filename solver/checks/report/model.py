@@ -168,7 +168,7 @@ def _structure(structure: Structure, check: Check, run: SpatialResponse) -> Show
         sheets,
         structure_picture(structure),
         plot_response(run, None),
-        run.plot_structure(at=at),
+        run.plot_model(at=at),
     )
 
 

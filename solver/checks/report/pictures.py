@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from ...ground.motion import STANDARD_GRAVITY
 from ...models.column.model import Column
 from ...models.column.response import Response
-from ...plotting.drawings import Places, draw_column, plot_column
+from ...plotting.drawings import Places, draw_column, plot_model
 from ...plotting.plots import HISTORIES, plot_histories
 from ...plotting.style import INK, block_colours, plain
 from ...plotting.words import verdict_of
@@ -93,7 +93,7 @@ def histories_picture(response: Response, title: str) -> Figure:
     return plot_histories(
         response.time,
         histories,
-        response.column,
+        response.model,
         response.motion,
         title,
         response.overturn_time,
@@ -107,4 +107,4 @@ def deformed_picture(response: Response) -> Figure:
     at = None
     if response.overturned:
         at = float(min(response.overturn_time, response.time[-1]))
-    return plot_column(response, at=at)
+    return plot_model(response, at=at)

@@ -17,6 +17,7 @@ KEPT: dict[str, Kept] = {
         name: kept if kept.of in (PORT, BOND) else kept._replace(of="block")
         for name, kept in kept_peaks(OUTPUTS).items()
     },
+    "peak_centroid_ux": Kept("m"),
     "residual_ux": Kept("m"),
     "residual_theta": Kept("rad"),
     "residual_slip": Kept("m"),
@@ -27,4 +28,10 @@ KEPT: dict[str, Kept] = {
     "steps": Kept(kind=np.int64),
     "evaluations": Kept(kind=np.int64),
     "path": Kept(kind=np.uint8),
+}
+KEYS = {output.extreme: output.kept for output in OUTPUTS if output.extreme != output.kept} | {
+    "peak_top_ux": "peak_ux",
+    "residual_top_ux": "residual_ux",
+    "residual_ry": "residual_theta",
+    "fallen": "overturned_joint",
 }

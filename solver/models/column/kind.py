@@ -17,9 +17,9 @@ from ...ground.motion import Motion
 from ...kernels.column.api import entries
 from ...kernels.layout import spaces
 from ...kernels.machine.library import load
-from ..protocol import LANES, LOADED, OVERTURNED, Kind, Lanes, Plan, Run, Work, code_of
+from ..protocol import LANES, LOADED, OVERTURNED, Kind, Lanes, Plan, Run, Work, code_of, output_times
 from ..uncertainty import Varied
-from .kept import KEPT, WATCHED
+from .kept import KEPT, KEYS, WATCHED
 from .kinematics import Chain, chain_of
 from .lane_policy import HELD, IN_LANES, first_step_of, kind_of, why_not_in_lanes
 from .lanes import BatchResult, LaneKernels, follow_in_lanes, lanes_of, load_kernels
@@ -33,6 +33,7 @@ from .run import outcome, single_run
 from .settling import outcomes_of
 
 LEFT = ("residual_ux", "residual_theta", "residual_slip", "energy")  # results that follow from the phase at the end
+AT_ROWS = "peak_centroid_ux"  # the largest value of the rows of a run alone
 MOST_DAMPED = 0.5  # fraction of implicit steps above which lanes, whose steps are explicit, are no faster
 ALONE = 10.0  # cost of a run alone, relative to lanes
 
@@ -62,8 +63,8 @@ class Columns(Kind):
     word = "column"
     settings = ("formulation", "integrator", "step", "tolerance", "without")
     outputs = OUTPUTS
-    largest = "ux"
-    kept = KEPT
+    largest, displacements = "ux", "peak_top_ux"
+    kept, keys = KEPT, KEYS
 
     def snapshot_size(self, model: Column) -> int:
         """Return the length of a snapshot."""
@@ -103,7 +104,8 @@ class Columns(Kind):
 
     def why_alone(self, model: Column, keep: Collection[str]) -> str:
         """Return the reason against lanes; "" if they are used, unless the motion has HELD samples."""
-        return self.why_not(model) or ("" if WATCHED.isdisjoint(keep) else "peaks of more than ux")
+        watched = WATCHED.isdisjoint(keep) and AT_ROWS not in keep
+        return self.why_not(model) or ("" if watched else "peaks of more than ux")
 
     def under(self, model: Column, motion: Motion) -> tuple[str, Hashable]:
         """Return the reason against lanes under a motion: loads or held samples."""
@@ -130,11 +132,11 @@ class Columns(Kind):
             chain = self.chain.of_many(batch.models, columns[0].n)
             left = {name: np.array(_at_the_end(name, chain, batch.ends)) for name in _left(keep)}
         for values in left.values():
-            values[batch.overturned_joint > 0] = math.nan
+            values[batch.fallen > 0] = math.nan
         words, times, joints = _verdicts(runs, batch, chain, settle, flag)
         made: dict[str, NDArray[Any]] = {
             **left,
-            "peak_ux": batch.peak_ux,
+            "peak_ux": batch.peak_top_ux,
             "verdict": words,
             "overturn_time": times,
             "overturned_joint": joints,
@@ -146,13 +148,17 @@ class Columns(Kind):
 
     def alone(self, run: Run, keep: Collection[str], settle: float, look: Callable[..., object]) -> dict[str, Any]:
         """Run one column alone, without the peaks that are not stored; see `Kind.alone`."""
-        end = np.array([run.motion.start + run.duration])
+        stop = run.motion.start + run.duration
+        rows = output_times(run.motion, run.duration) if AT_ROWS in keep else np.array([])
+        times = np.append(rows[rows < stop], stop)
         column = run.model
         if WATCHED.isdisjoint(keep):
             column = column.with_settings(without=(*column.settings.without, "peaks"))  # except those of ux
-        response, phases = single_run(column, Plan(run.motion, run.duration, end, None, settle, look))
-        stands = not response.overturn_time <= end[0]
-        left = {name: _at_the_end(name, chain_of(run.model), phases[0]) if stands else math.nan for name in _left(keep)}
+        response, phases = single_run(column, Plan(run.motion, run.duration, times, None, settle, look))
+        stands = not response.overturn_time <= stop
+        left = {
+            name: _at_the_end(name, chain_of(run.model), phases[-1]) if stands else math.nan for name in _left(keep)
+        }
         return {name: left[name] if name in left else response.kept(name) for name in keep}
 
     def work(self, model: Column, keep: Collection[str]) -> Work:
@@ -174,7 +180,7 @@ class Columns(Kind):
 
     def in_lanes(self, response: Response, plan: Plan) -> bool:
         """Return True for the linear law if most steps are explicit and the run starts from rest."""
-        column = response.column
+        column = response.model
         known = column.sections <= IN_LANES and not (column.other_law or column.is_brittle)
         fits = known and set(column.settings.without) <= {"peaks"}
         explicit = response.stats["implicit_steps"] <= MOST_DAMPED * response.stats["steps"]
@@ -192,10 +198,10 @@ class Columns(Kind):
                 made.append(None)
                 continue
             verdict, fall = OVERTURNED, float(batch.overturn_time[k])
-            if not batch.overturned_joint[k]:
+            if not batch.fallen[k]:
                 verdict, fall, _ = outcome(column, batch.phases[k, -1], start + duration, plan.settle)
             ux = chain_of(column).top_displacements(batch.phases[k, :-1])
-            made.append(Varied(verdict, fall, batch.peak_ux[k], ux))
+            made.append(Varied(verdict, fall, batch.peak_top_ux[k], ux))
         return made
 
 
@@ -233,7 +239,7 @@ def _verdicts(
     joints : ndarray of int
         The joints over which columns fell, 0 if they stand.
     """
-    joints, times = batch.overturned_joint.copy(), batch.overturn_time.copy()
+    joints, times = batch.fallen.copy(), batch.overturn_time.copy()
     words = np.full(len(runs), code_of("verdict", OVERTURNED))  # also unfinished runs, repeated alone later
     ended = np.flatnonzero(batch.finished & (joints == 0))
     stops = np.array([run.motion.start + run.duration for run in runs])

@@ -141,6 +141,11 @@ class Chain:
         steps = opening * np.sin(mean) + slip * np.cos(mean) + self.height * np.sin(theta + self.tilt)
         return from_base(steps) - self.built_x
 
+    def centroid_displacements(self, phase: FloatArray) -> FloatArray:
+        """Return the horizontal displacements of the centroids relative to the base and from as built, m (..., n)."""
+        turned = np.sin(self.places(phase).theta + self.tilt) - np.sin(self.tilt)
+        return self.top_displacements(phase) - (self.height - self.centroid) * turned
+
     def top_velocities(self, phase: FloatArray) -> FloatArray:
         """Return the rates of `top_displacements`, m/s (..., n)."""
         places = self.places(phase)

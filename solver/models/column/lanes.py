@@ -70,10 +70,10 @@ _NONE = np.empty(0)
 
 @dataclass(frozen=True)
 class BatchResult:
-    """The results of runs, in their order: peak_ux m (runs, n), overturned_joint (0 if not), overturn_time s (NaN)."""
+    """The results of runs, in their order: peak_top_ux m (runs, n), fallen (0 if not), overturn_time s (NaN)."""
 
-    peak_ux: FloatArray
-    overturned_joint: NDArray[np.int64]
+    peak_top_ux: FloatArray
+    fallen: NDArray[np.int64]
     overturn_time: FloatArray
     finished: NDArray[np.bool_]  # False if the tolerance required too small a step
     steps: NDArray[np.int64]
@@ -285,8 +285,8 @@ class _Batch:
         n = self.n
         code, time, joint, steps, _ = self._outcomes[:, : OUTCOME.beside].T
         return BatchResult(
-            peak_ux=self._outcomes[:, OUTCOME.beside :][:, :n],
-            overturned_joint=joint.astype(np.int64),
+            peak_top_ux=self._outcomes[:, OUTCOME.beside :][:, :n],
+            fallen=joint.astype(np.int64),
             overturn_time=np.where(joint > 0, time, np.nan),
             finished=code >= at.OK,
             steps=steps.astype(np.int64),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...common.aliases import Alias
 from ...common.errors import InputError, SolverError
 from ...common.files import write_table
 from ...common.frames import Frame, Framed
@@ -29,23 +30,25 @@ PART = 1e-2  # of the rotation that opens a joint: size of finite differences
 class Modes(Framed):
     """The 2 n modes of a column, by frequency. Shapes (2 n, n): block 1, the top block, first.
 
-    A shape is scaled so that the largest of its ux and uz is 1 m; block i then has the rotation theta (rad).
+    A shape is scaled so that the largest of its ux and uz is 1 m; block i then has the rotation ry (rad).
     """
 
-    column: Column
+    model: Column
     frequency: FloatArray  # (2 n,) Hz, undamped, gravity included
     damping_ratio: FloatArray  # (2 n,) of critical; the coupling of modes by dampers is neglected
     sways: NDArray[np.bool_]  # (2 n,) whether blocks rotate, rather than move up and down
     ux: FloatArray  # m, top faces
     uz: FloatArray  # m, centroids, up
-    theta: FloatArray  # rad, clockwise
+    ry: FloatArray  # rad, clockwise
     mass_x: FloatArray  # (2 n,) kg, effective mass under horizontal motion; the remaining mass follows the base
     mass_z: FloatArray  # (2 n,) kg, under vertical motion
+    column, theta = Alias("model"), Alias("ry")
 
     def _frame(self) -> Frame:
         units = {"frequency": "Hz", "mass_x": "kg", "mass_z": "kg", "ux": "m", "uz": "m", "theta": "rad"}
-        columns = {name: getattr(self, name) for name in ("frequency", "damping_ratio", "sways", *list(units)[1:])}
-        return Frame(("mode", np.arange(1, len(self.frequency) + 1)), columns, units, {"column": self.column.name})
+        names = ("frequency", "damping_ratio", "sways", *list(units)[1:-1])
+        columns = {name: getattr(self, name) for name in names} | {"theta": self.ry}
+        return Frame(("mode", np.arange(1, len(self.frequency) + 1)), columns, units, {"column": self.model.name})
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a row for each mode: frequency, damping ratio, effective masses, shape.
@@ -53,9 +56,9 @@ class Modes(Framed):
         Raises OSError if the file cannot be written.
         """
         names = ["mode", "frequency", "damping_ratio", "mass_x", "mass_z"]
-        names += [f"block[{i + 1}].{name}" for name in ("ux", "uz", "theta") for i in range(self.column.n)]
+        names += [f"block[{i + 1}].{name}" for name in ("ux", "uz", "theta") for i in range(self.model.n)]
         parts = [self.frequency[:, None], self.damping_ratio[:, None], self.mass_x[:, None], self.mass_z[:, None]]
-        rows = np.hstack([*parts, self.ux, self.uz, self.theta])
+        rows = np.hstack([*parts, self.ux, self.uz, self.ry])
         write_table(path, names, ([k, *map(repr, map(float, row))] for k, row in enumerate(rows, start=1)))
 
     def plot(self, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:

@@ -7,8 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
+from ...common.aliases import Alias
 from ...kernels.layout import spaces as at
-from ..outputs import BASE, BLOCK, BOND, JOINT, PORT, Histories, Output, units_of
+from ..outputs import BASE, BLOCK, BOND, JOINT, PORT, FloatArray, Histories, Output, units_of
 
 
 class ColumnHistories(Histories):
@@ -16,17 +19,19 @@ class ColumnHistories(Histories):
 
     ux = Output(BLOCK, "m", "Top face of block {i} relative to the base, positive to +x")
     uz = Output(BLOCK, "m", "Centroid of block {i} from the unloaded geometry, positive up")
-    theta = Output(BLOCK, "rad", "Rotation of block {i}, clockwise")
+    ry = Output(BLOCK, "rad", "Rotation of block {i}, clockwise", name="theta", key="theta")
     N = Output(JOINT, "N", "Normal force in the joint under block {i}, compression", 0.0)
-    M = Output(JOINT, "N m", "Moment of the pressure about the centre of joint {i}, restoring")
+    My = Output(JOINT, "N m", "Moment of the pressure about the centre of joint {i}, restoring", name="M", key="M")
     S = Output(JOINT, "N", "Horizontal shear force on what is under joint {i}, positive to +x")
     contact = Output(JOINT, "", "Part of the width of joint {i} in contact", 0.0, 1.0, by_least=True)
     sigma_max = Output(JOINT, "Pa", "Largest pressure on joint {i}", 0.0)
-    T = Output(JOINT, "N", "Force along joint {i} on what is under it, positive to +x")
+    Tx = Output(JOINT, "N", "Force along joint {i} on what is under it, positive to +x", name="T", key="T")
     slip = Output(JOINT, "m", "Slip of block {i} over what is under it, positive to +x")
-    Fx = Output(BASE, "N", "Force of the column on the base, horizontal, positive to +x")
-    Fz = Output(BASE, "N", "Force of the column on the base, vertical, positive up")
-    My = Output(BASE, "N m", "Moment of the column on the base about the centre of its joint, clockwise")
+    base_Fx = Output(BASE, "N", "Force of the column on the base, horizontal, positive to +x", name="Fx", key="Fx")
+    base_Fz = Output(BASE, "N", "Force of the column on the base, vertical, positive up", name="Fz", key="Fz")
+    base_My = Output(
+        *(BASE, "N m", "Moment of the column on the base about the centre of its joint, clockwise"), name="My", key="My"
+    )
     port_x = Output(
         PORT, "m", "{it} along x, relative to the base, from the column as built and without weight", name="x"
     )
@@ -42,6 +47,18 @@ class ColumnHistories(Histories):
         JOINT, "", "|T| / N of joint {i}, where N is above 0.05 of the weight carried at rest", only_peak=True
     )
 
+    theta, M, T = Alias("ry"), Alias("My"), Alias("Tx")
+    Fx, Fz = Alias("base_Fx"), Alias("base_Fz")
+
+    @property
+    def base(self) -> FloatArray:
+        """The forces (N) and moments (N m) on the base along and about x, y, z, (rows, 6).
+
+        The moment is about the centre of the lowest joint. The components of a column out of its plane are 0.
+        """
+        zero = np.zeros_like(self.base_Fx)
+        return np.stack([self.base_Fx, zero, self.base_Fz, zero, self.base_My, zero], axis=-1)
+
     @property
     def labels(self) -> dict[str, Sequence[object]]:
         """The labels: numbers of blocks and joints, names of ports."""
@@ -51,6 +68,6 @@ class ColumnHistories(Histories):
 OUTPUTS = ColumnHistories.outputs
 UNITS = units_of(OUTPUTS)
 _PORTS = [f"port_{name}" for name in at.SPOTS.fields]
-_FIELDS = [*at.OUTPUTS.fields, *at.REACTION.fields, *_PORTS, "bond", "friction"]
-_ORDER = "solver/models/column/outputs.py: the rows must be, in this order, those of solver/kernels/layout/spaces.py"
-assert [output.field for output in OUTPUTS] == _FIELDS, f"{_ORDER}: {', '.join(_FIELDS)}"
+_KEYS = [*at.OUTPUTS.fields, *at.REACTION.fields, *_PORTS, "bond", "friction"]
+_ORDER = "solver/models/column/outputs.py: the keys must be, in this order, those of solver/kernels/layout/spaces.py"
+assert [output.key for output in OUTPUTS] == _KEYS, f"{_ORDER}: {', '.join(_KEYS)}"

@@ -6,24 +6,21 @@ import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ...common.aliases import Alias
 from ...common.errors import NOT_NEGATIVE, InputError, check_number
 from ...common.notebook import history, rows_of
 from ...kernels.layout import spaces as at
 from ..outputs import DIGITS
-from ..pictures import PicturesOfColumns, pictures_of
 from ..response import Result
 from ..uncertainty import PERCENTILES
 from .kinematics import chain_of
 from .model import Column
 from .outputs import ColumnHistories
 from .packing import FloatArray, carried_weights
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 @dataclass(eq=False, repr=False)
@@ -42,11 +39,11 @@ class Response(ColumnHistories, Result):
         The displacement of the top face relative to the base, to +x (m).
     uz
         The displacement of the centroid, up, from the unloaded geometry (m).
-    theta
+    ry
         The rotation, clockwise (rad).
-    N, M
+    N, My
         The normal force, in compression (N), and the moment, restoring (N m).
-    S, T
+    S, Tx
         The forces of the part above on the part below: horizontal, and along the joint (N).
     contact
         The fraction of the joint's width in contact.
@@ -54,14 +51,16 @@ class Response(ColumnHistories, Result):
         The largest pressure (Pa).
     slip
         The slip of the block relative to the body under it, to +x (m).
-    Fx, Fz, My
+    base_Fx, base_Fz, base_My
         The forces (N) and the clockwise moment (N m) of the column on the base at the centre of joint n.
     peaks
         The largest absolute values by these names, (n,), or (1,) of the base reaction; the least of contact; friction:
         |T| / N where N is above 0.05 of the weight carried at rest. Those of ux only if the column is run without
         "peaks".
-    overturned, overturn_time, overturned_joint
-        Whether, when (s, NaN if not) and over which joint (0 if not) the column falls.
+    overturned, overturn_time
+        Whether and when (s, NaN if not) the column falls.
+    fallen, what_fell
+        The number of the block that falls over its joint (0 if none), and the same in words.
     stats
         steps, implicit_steps and elastic_steps (of these), why_no_modes (words; "" if elastic steps are taken while
         nothing opens or slides), rejected, events (steps cut off where the contact of a joint changes), evaluations,
@@ -78,35 +77,52 @@ class Response(ColumnHistories, Result):
         The motion of the base, drawn above the histories.
     """
 
-    column: Column
+    model: Column
     _observe: Callable[[], FloatArray]  # returns the output rows (nt, ROW of layout/spaces.py)
-    overturned_joint: int
     _phases: FloatArray  # as in kinematics.py, (nt, 4 n) or (nt, 6 n)
+    column, overturned_joint, peak_ux = Alias("model"), Alias("fallen"), Alias("peak_top_ux")
+    plot_column, velocity = Alias("plot_model"), Alias("top_vx")
 
     @property
-    def velocity(self) -> FloatArray:
+    def top_ux(self) -> FloatArray:
+        """The displacements of the top faces along x, relative to the base: ux, m (nt, n)."""
+        return self.ux
+
+    @property
+    def centroid_ux(self) -> FloatArray:
+        """The displacements of the centroids along x, relative to the base and from as built, m (nt, n)."""
+        return chain_of(self.model).centroid_displacements(self._phases)
+
+    @property
+    def peak_top_ux(self) -> FloatArray:
+        """The peaks of the displacements of the top faces along x, m (n,)."""
+        return self.peaks["ux"]
+
+    @property
+    def peak_centroid_ux(self) -> FloatArray:
+        """The largest displacements of the centroids along x in the rows, m (n,)."""
+        return np.max(np.abs(self.centroid_ux), axis=0)
+
+    @property
+    def top_vx(self) -> FloatArray:
         """The horizontal velocities of the top faces relative to the base, the rates of ux, m/s (nt, n)."""
-        return chain_of(self.column).top_velocities(self._phases)
+        return chain_of(self.model).top_velocities(self._phases)
 
     @property
     def opening(self) -> FloatArray:
         """The largest gap of each joint, at an edge of its contact, m (nt, n); 0 in full contact."""
-        return chain_of(self.column).gaps(self._phases)
+        return chain_of(self.model).gaps(self._phases)
 
     @cached_property
     def energy(self) -> FloatArray:
         """The kinetic, elastic and gravitational energy of the relative motion above that at rest, J (nt,)."""
-        return chain_of(self.column).energies(self._phases)
-
-    @property
-    def _fall(self) -> str:
-        return f"fell at {self.overturn_time:.4g} s over joint {self.overturned_joint}"
+        return chain_of(self.model).energies(self._phases)
 
     def _lines(self) -> Iterable[Sequence[object]]:
         shown = {"ux": ("|ux| (mm)", 1e3), "N": ("N (kN)", 1e-3), "sigma_max": ("pressure (MPa)", 1e-6)}
         shown |= {"contact": ("least contact", 1.0), "friction": ("|T| / N", 1.0)}
         found = {head: scale * self.peaks[name] for name, (head, scale) in shown.items() if name in self.peaks}
-        return rows_of({"peaks of block, joint": np.arange(1, self.column.n + 1), **found})
+        return rows_of({"peaks of block, joint": np.arange(1, self.model.n + 1), **found})
 
     def _picture(self) -> str:
         return history(self.time, 1e3 * self.ux[:, 0], "top (mm)")
@@ -131,11 +147,6 @@ class Response(ColumnHistories, Result):
         self.stats["observed_rows"] = len(self.time)
         return self._observe()
 
-    @property
-    def model(self) -> Column:
-        """The column."""
-        return self.column
-
     def friction_demand(self, part: float = at.COUNTS_FROM) -> FloatArray:
         """Return the largest |T| / N of each joint over the rows, (n,), where N exceeds `part` of that at rest."""
         return np.max(self._friction(part), axis=0)
@@ -151,7 +162,7 @@ class Response(ColumnHistories, Result):
         return np.diff(self.time) @ share
 
     def _friction(self, part: float) -> FloatArray:
-        return friction_history(self.T, self.N, carried_weights(self.column), part)
+        return friction_history(self.Tx, self.N, carried_weights(self.model), part)
 
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
         """Write every history under the name of the FMU's output, in the order of the FMU's outputs.
@@ -166,28 +177,6 @@ class Response(ColumnHistories, Result):
                 behind |= {f"ensemble.block[{i}].ux.p{percent}": ux for i, ux in enumerate(band.T, start=1)}
         behind["overturned"] = (self.time >= self.overturn_time).astype(float)
         self._write(path, digits, {"time": self.time}, behind)
-
-    def plot_column(
-        self, path: str | os.PathLike[str] | None = None, at: float | None = None, scale: float | None = None
-    ) -> Figure:
-        """Draw the deformed column.
-
-        Parameters
-        ----------
-        path : path-like, optional
-            The file to save it to.
-        at : float, optional
-            The time (s); by default that of its peak.
-        scale : float, optional
-            The factor on the deformation; automatic by default.
-
-        Raises
-        ------
-        InputError
-            Without matplotlib (the extra `plot`).
-        """
-        pictures: PicturesOfColumns = pictures_of(self)
-        return pictures.plot_column(self, path, at, scale)
 
 
 def friction_history(T: FloatArray, N: FloatArray, carried: FloatArray, part: float = at.COUNTS_FROM) -> FloatArray:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...common.aliases import Alias
 from ...kernels.layout import spaces as at
 from ..ports import Released
 from ..protocol import Plan, Verdict
@@ -25,12 +26,16 @@ from .verdict import cannot_fall
 COUNTED = ("steps", "implicit_steps", "elastic_steps", "rejected", "events", "evaluations", "sweeps", "looks")
 
 
-class Glance(NamedTuple):
-    """The state of a run in progress, for a callback: ux (m), theta (rad), the peaks of |ux| so far (m), (n,) each."""
-
+class _Glance(NamedTuple):
     ux: FloatArray
-    theta: FloatArray
-    peak_ux: FloatArray
+    ry: FloatArray
+    peak_top_ux: FloatArray
+
+
+class Glance(_Glance):
+    """The state of a run in progress, for a callback: ux (m), ry (rad), the peaks of |ux| so far (m), (n,) each."""
+
+    theta, peak_ux = Alias("ry"), Alias("peak_top_ux")
 
 
 Callback = Callable[[float, Glance], object]
@@ -49,7 +54,7 @@ def single_run(column: Column, plan: Plan) -> tuple[Response, FloatArray]:
         if plan.callback is not None:
             phase, chain = phase_of(stepper), chain_of(column)
             places = chain.places(phase)
-            plan.callback(t, Glance(chain.top_displacements(phase), places.theta.copy(), stepper.peak_ux.copy()))
+            plan.callback(t, Glance(chain.top_displacements(phase), places.theta.copy(), stepper.peak_top_ux.copy()))
 
     # the motion
     begin = clock.perf_counter()
@@ -63,11 +68,12 @@ def single_run(column: Column, plan: Plan) -> tuple[Response, FloatArray]:
     response = Response(
         column,
         lambda: stepper.rows_of(snapshots, plan.times),
-        stepper.overturned_joint,
         phases,
         time=plan.times,
         peaks=peaks,
-        overturn_time=stepper.overturn_time,
+        overturn_time=stepper.fall_time,
+        fallen=stepper.fallen,
+        what_fell=what_fell(stepper.fallen),
         stats=stats,
         verdict=verdict.word,
         reason=verdict.reason,
@@ -94,6 +100,11 @@ def _coordinates(phases: FloatArray, column: Column) -> FloatArray:
     return np.concatenate([found, still, behind[..., : 2 * n]], axis=-1)
 
 
+def what_fell(block: int) -> str:
+    """Return the block that has fallen in words, from its number; "" for 0."""
+    return f"block {block} over joint {block}" if block else ""
+
+
 class _Settling(Settling):
     """A column on a still base (still_base.py)."""
 
@@ -101,13 +112,12 @@ class _Settling(Settling):
         self._stepper, self._column = stepper, stepper.column
 
     @property
-    def fallen(self) -> str:
-        joint = self._stepper.overturned_joint
-        return f"over joint {joint}" if joint else ""
+    def what_fell(self) -> str:
+        return what_fell(self._stepper.fallen)
 
     @property
     def fall_time(self) -> float:
-        return self._stepper.overturn_time
+        return self._stepper.fall_time
 
     @property
     def unclear(self) -> str:
@@ -165,7 +175,7 @@ def outcome(column: Column, phase: FloatArray, stop: float, settle: float) -> tu
     moved = (places.slip - chain.offset, places.slip_rate) if column.has_slips else (None, None)
     stepper = Stepper(column, InitialState(places.theta, places.spin, places.opening, places.opening_rate, *moved))
     verdict = settled_verdict(stepper, stop, settle)
-    return verdict.word, stepper.overturn_time, stepper.overturned_joint
+    return verdict.word, stepper.fall_time, stepper.fallen
 
 
 def why_no_modes(stepper: Stepper) -> str:

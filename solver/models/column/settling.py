@@ -88,10 +88,10 @@ def outcomes_of(
         begins, ends = stops[some] + begin, stops[some] + end
         # follow the others to the next check
         made = rest_in_lanes(chain.model[some], chain.n, kind, phases[some], begins, ends, flag)
-        fell = made.overturned_joint > 0
+        fell = made.fallen > 0
         which = numbers[some[fell]]
         found.words[which] = code(OVERTURNED)
-        found.times[which], found.joints[which] = made.overturn_time[fell], made.overturned_joint[fell]
+        found.times[which], found.joints[which] = made.overturn_time[fell], made.fallen[fell]
         for k in some[~made.finished]:  # alone, from the previous state
             word, time, joint = outcome(columns[k], phases[k], float(stops[k] + begin), settle - begin)
             number = numbers[k]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...common import effort
+from ...common.aliases import Alias
 from ...common.errors import SolverError, TooMuchWorkError
 from ...ground.loads import COMPONENTS, IN_PLANE, on_one_grid
 from ...ground.motion import Motion
@@ -393,7 +394,7 @@ class Stepper:
         settings = self.model.settings
         settings.drive, settings.slope, settings.bodies = before.drive, before.slope, before.bodies
         self.arrays.work[:] = 0.0  # the responses of the modes belong to the previous model
-        if not self.overturned_joint:
+        if not self.fallen:
             self.state.control.base_ax = math.nan  # differs from any input, so that the accelerations are evaluated
 
     @property
@@ -403,17 +404,19 @@ class Stepper:
         return float(control.time_full + control.time_rocking + control.time_flight)
 
     @property
-    def overturned_joint(self) -> int:
-        """The number of the joint over which the column has fallen; 0 while it stands."""
+    def fallen(self) -> int:
+        """The number of the block that has fallen over its joint; 0 while the column stands."""
         return int(self.counts.overturned)
 
     @property
-    def overturn_time(self) -> float:
-        """The time of overturning (s); NaN while the column stands."""
-        return float(self.state.control.overturn_time) if self.overturned_joint else math.nan
+    def fall_time(self) -> float:
+        """The time of the fall (s); NaN while the column stands."""
+        return float(self.state.control.overturn_time) if self.fallen else math.nan
+
+    overturned_joint, overturn_time, peak_ux = Alias("fallen"), Alias("fall_time"), Alias("peak_top_ux")
 
     @property
-    def peak_ux(self) -> NDArray[np.float64]:
+    def peak_top_ux(self) -> NDArray[np.float64]:
         """The largest |ux| of each top face so far, m (n,)."""
         return self.state.peaks[: self.n]
 
@@ -425,7 +428,7 @@ class Stepper:
         `without = ["peaks"]`.
         """
         if "peaks" in self.column.settings.without:
-            return {"ux": self.peak_ux.copy()}
+            return {"ux": self.peak_top_ux.copy()}
         return peaks_by_name(OUTPUTS, self.column.sizes, self._peaks)
 
     @property

@@ -25,6 +25,10 @@ class PaperChain(Chain):
         """Return v (m), (..., n)."""
         return phase[..., : self.n].copy()
 
+    def centroid_displacements(self, phase: FloatArray) -> FloatArray:
+        """Return the displacements of the centroids to first order, m (..., n)."""
+        return self.top_displacements(phase) - (self.height - self.centroid) * self.places(phase).theta
+
     def top_velocities(self, phase: FloatArray) -> FloatArray:
         """Return the rates of v (m/s), (..., n)."""
         return phase[..., 2 * self.n : 3 * self.n].copy()

@@ -196,5 +196,10 @@ class DrivenStructure:
         return visible_peaks(OUTPUTS, self.structure.sizes, self._state.peaks)
 
     @property
+    def fallen(self) -> int:
+        """The number of the block that has fallen; 0 if none has."""
+        return int(self.counts.fallen)
+
+    @property
     def fall_time(self) -> float:
         return float(self._state.control.fall_time)

@@ -14,7 +14,7 @@ from ..column.numbers import SIZE, column_with, is_of_column
 from ..protocol import LOADED, SETTLE, Kind, Lanes, NoRestError, Plan, Run, Work, output_times, table_entry
 from .blocks.faces import FloatArray
 from .blocks.parts import OF_COLUMN
-from .kept import FROM_LANES, KEPT, OF_RUN
+from .kept import FROM_LANES, KEPT, KEYS, OF_RUN
 from .lanes import follow_in_lanes, is_flat_run, load_lanes, longest_step_of, share_of
 from .model import Structure
 from .numbers import (
@@ -42,7 +42,8 @@ class Structures(Kind):
     takes_loads = True
     outputs = OUTPUTS
     largest = "u"
-    kept = KEPT
+    kept, keys = KEPT, KEYS
+    usually_kept = ("peak_u", "peak_centroid_ux", "verdict")
 
     def warnings(self, model: Structure, at_rest: bool = True) -> Sequence[str]:
         """Return warnings of implausible values (plausible.py)."""
@@ -64,7 +65,7 @@ class Structures(Kind):
 
     def largest_of(self, response: SpatialResponse, places: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the peaks and the histories of the horizontal displacement, in any direction (m)."""
-        n = response.structure.n
+        n = response.model.n
         return response.peaks["u"], np.hypot(places[:, :n], places[:, n : 2 * n])
 
     # --- many

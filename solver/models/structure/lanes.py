@@ -123,6 +123,7 @@ def _result(within: Any, later: Any, peaks: dict[str, FloatArray], stop: float, 
     return {
         "verdict": OVERTURNED if fell else STANDING if stands or later.ends == at.RESTS else UNDECIDED,
         "overturn_time": later.time if fell else math.nan,
+        "fallen": int(later.block) if fell else 0,
         "settled_for": max(later.time, stop) - stop,
         "steps": int(within.steps),
         "evaluations": int(STAGES * (within.steps + within.rejected) + within.looks),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...common.aliases import Alias
 from ...common.errors import InputError
 from ...common.files import write_table
 from ...common.frames import Frame, Framed
@@ -36,18 +37,44 @@ class SpatialModes(Framed):
     Each shape is scaled so that the largest displacement, or rotation times the size of its block, is 1 m.
     """
 
-    structure: Structure
+    model: Structure
     frequency: FloatArray  # (6 n,) Hz
     displacement: FloatArray  # (6 n, n, 3) m, of the centroids
     rotation: FloatArray  # (6 n, n, 3) rad
     mass: FloatArray  # (6 n, 6) effective masses along x, y, z, kg, and inertias about axes through the origin, kg m2
     damping_ratio: FloatArray  # (6 n,) of critical, without coupling of modes; NaN without weight: contacts unknown
     twists: FloatArray  # (6 n,) share of the moment of inertia about the vertical axis through the centroid
+    structure = Alias("model")
+
+    @property
+    def ux(self) -> FloatArray:
+        """The displacements of the centroids along x in each shape, m (6 n, n)."""
+        return self.displacement[..., 0]
+
+    @property
+    def uz(self) -> FloatArray:
+        """The displacements of the centroids upwards in each shape, m (6 n, n)."""
+        return self.displacement[..., 2]
+
+    @property
+    def ry(self) -> FloatArray:
+        """The rotations about y in each shape, rad (6 n, n)."""
+        return self.rotation[..., 1]
+
+    @property
+    def mass_x(self) -> FloatArray:
+        """The effective masses along x, kg (6 n,)."""
+        return self.mass[:, 0]
+
+    @property
+    def mass_z(self) -> FloatArray:
+        """The effective masses along z, kg (6 n,)."""
+        return self.mass[:, 2]
 
     @property
     def mass_ratio(self) -> FloatArray:
         """The effective masses along x, y, z relative to the mass of the structure, (6 n, 3)."""
-        return self.mass[:, :3] / sum(block.mass for block in self.structure.blocks)
+        return self.mass[:, :3] / sum(block.mass for block in self.model.blocks)
 
     @property
     def _columns(self) -> dict[str, FloatArray]:
@@ -60,13 +87,13 @@ class SpatialModes(Framed):
     def _frame(self) -> Frame:
         units = {"frequency": "Hz", **dict.fromkeys(("mass_x", "mass_y", "mass_z"), "kg"), **UNITS}
         index = "mode", np.arange(1, len(self.frequency) + 1)
-        return Frame(index, self._columns, units, {"structure": self.structure.name})
+        return Frame(index, self._columns, units, {"structure": self.model.name})
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a row for each mode: frequency, damping ratio, effective masses, twist, shape. Raises OSError."""
         names, parts = ["mode"], []
         for name, values in self._columns.items():
-            names += [name] if values.ndim == 1 else [f"block[{block}].{name}" for block in self.structure.names]
+            names += [name] if values.ndim == 1 else [f"block[{block}].{name}" for block in self.model.names]
             parts.append(values.reshape(len(values), -1))
         rows = np.hstack(parts)
         write_table(path, names, ([k, *map(repr, map(float, row))] for k, row in enumerate(rows, start=1)))

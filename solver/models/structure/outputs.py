@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...common.aliases import Alias
 from ...common.errors import InputError
 from ...kernels.structure import layout as at
 from ..outputs import BASE, BEARING, BLOCK, BOND, CONTACT, JOINT, PORT, TIE, Histories, Output, units_of
@@ -15,6 +16,16 @@ from .blocks.shapes import turned
 
 if TYPE_CHECKING:
     from .model import Structure
+
+
+class _Component:
+    """A component of the reaction of the base, (rows,)."""
+
+    def __init__(self, number: int) -> None:
+        self._number = number
+
+    def __get__(self, owner: StructureHistories | None, kind: Any = None) -> Any:
+        return self if owner is None else owner.base[:, self._number]
 
 
 class StructureHistories(Histories):
@@ -71,18 +82,15 @@ class StructureHistories(Histories):
         ),
     )
 
-    structure: Structure
+    model: Structure
     line_end = "\n"
-
-    @property
-    def model(self) -> Structure:
-        """The structure."""
-        return self.structure
+    structure = Alias("model")
+    base_Fx, base_Fy, base_Fz, base_Mx, base_My, base_Mz = (_Component(k) for k in range(6))
 
     @property
     def labels(self) -> dict[str, Sequence[object]]:
         """The names of blocks, joints, neighbours and ports, the numbers of ties, the components of the base."""
-        structure = self.structure
+        structure = self.model
         ties = [str(e) for e in range(1, len(structure.ties) + 1)]
         base = [part.name_of("") for part in StructureHistories.base.parts]
         joints = {BLOCK: structure.names, JOINT: structure.joint_names, BEARING: structure.bearing_names}
@@ -101,7 +109,7 @@ class StructureHistories(Histories):
 
         It is 0 where the whole joint is in contact. The faces are those as built.
         """
-        structure, turns = self.structure, self.rotation
+        structure, turns = self.model, self.rotation
         moves = np.stack([self.ux, self.uy, self.uz], axis=-1)
         still = np.zeros((len(moves), 3))
         found = np.empty((len(moves), len(structure.joints)))
@@ -141,8 +149,8 @@ class StructureHistories(Histories):
         InputError
             If there is no such block, or the point is not three lengths.
         """
-        i = self.structure.number(block)
-        arm = self.structure.blocks[i].axes @ np.asarray(point, dtype=np.float64)
+        i = self.model.number(block)
+        arm = self.model.blocks[i].axes @ np.asarray(point, dtype=np.float64)
         if arm.shape != (3,):
             raise InputError(f"point = {list(point)}: must be three lengths in m")
         moved = np.column_stack([self.ux[:, i], self.uy[:, i], self.uz[:, i]])

@@ -83,7 +83,7 @@ class PushOver(StructureHistories, Shown):
         places: Sequence[_Place],
         pattern: Mapping[str, float] | None = None,
     ) -> None:
-        self.structure, self.direction, self.vertical = structure, direction, vertical
+        self.model, self.direction, self.vertical = structure, direction, vertical
         self.pattern = None if pattern is None else dict(pattern)
         self.acceleration: FloatArray = np.array([place.push for place in places])
         self.rows: FloatArray = np.array([place.row for place in places])
@@ -95,7 +95,7 @@ class PushOver(StructureHistories, Shown):
         rows, joints = np.nonzero(found)
         if not rows.size:
             return math.nan, ""
-        return float(self.acceleration[rows[0]]), self.structure.joint_names[joints[0]]
+        return float(self.acceleration[rows[0]]), self.model.joint_names[joints[0]]
 
     @property
     def opened(self) -> NDArray[np.bool_]:
@@ -105,7 +105,7 @@ class PushOver(StructureHistories, Shown):
     @property
     def slides(self) -> NDArray[np.bool_]:
         """The mask of joints that have slid since rest, (rows, joints)."""
-        moved = self.rows[:, : 3 * self.structure.n] - self.rows[0, : 3 * self.structure.n]
+        moved = self.rows[:, : 3 * self.model.n] - self.rows[0, : 3 * self.model.n]
         return _slid(self.slip - self.slip[0], self.contact, np.max(np.abs(moved), axis=1, keepdims=True))
 
     @property
@@ -121,7 +121,7 @@ class PushOver(StructureHistories, Shown):
     @property
     def moves_most(self) -> int:
         """The index of the block whose centroid is displaced most by the largest push."""
-        moved = self.rows[-1, : 3 * self.structure.n] - self.rows[0, : 3 * self.structure.n]
+        moved = self.rows[-1, : 3 * self.model.n] - self.rows[0, : 3 * self.model.n]
         return int(np.argmax(np.linalg.norm(moved.reshape(3, -1), axis=0)))
 
     @property
@@ -133,7 +133,7 @@ class PushOver(StructureHistories, Shown):
     def _facts(self) -> tuple[str, ...]:
         size, unit = self.unit
         towards = "by loads" if self.pattern else f"towards {math.degrees(self.direction):.4g} degrees"
-        facts = [f"of {self.structure.name}", towards]
+        facts = [f"of {self.model.name}", towards]
         for word, push in (("opens", self.uplift), ("slides", self.sliding)):
             facts += [f"{word} from {push / size:.4g} {unit} on"] if math.isfinite(push) else []
         facts.append(f"{self.largest_acceleration / size:.4g} {unit} at most")
@@ -141,7 +141,7 @@ class PushOver(StructureHistories, Shown):
 
     def _lines(self) -> Iterable[Sequence[object]]:
         shown = {"contact at rest": self.contact[0], "at the end": self.contact[-1]}
-        return rows_of({"joint": np.array(self.structure.joint_names), **shown})
+        return rows_of({"joint": np.array(self.model.joint_names), **shown})
 
     def _picture(self) -> str:
         size, unit = self.unit

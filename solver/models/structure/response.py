@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ...common.aliases import Alias
 from ...common.errors import needing
 from ...common.frames import EXTRA
 from ...common.notebook import history, rows_of
@@ -46,8 +47,7 @@ class SpatialResponse(StructureHistories, Result):
     negative while they press on each other), hit (N). Base: base (rows, 6), force and moment about the origin of the
     structure on the base.
 
-    `peak_ux` is peaks["ux"], of the centroids, whereas that of a column is of its top faces. `overturned` is True if a
-    block has fallen, also after the histories.
+    `overturned` is True if a block has fallen, also after the histories.
 
     Attributes
     ----------
@@ -63,31 +63,40 @@ class SpatialResponse(StructureHistories, Result):
         Reason of the verdict.
     overturn_time
         Time of the fall, s; NaN if no block has fallen.
-    overturned_block
-        Name of the fallen block, or "".
+    fallen, what_fell
+        Number of the fallen block, 0 if none; the block in words, and the bearing it has come off.
     stats
         Counts and times of the run: steps, rejected, evaluations, looks, wall_time (s), settled_for (s).
     estimated_error, horizon, ensemble
         As in the Response of a column.
     """
 
-    structure: Structure
+    model: Structure
     rows: FloatArray
     _again: Callable[[], Moved]  # repeats the run and returns velocities and energies
-    overturned_block: str = ""
     dimensions = MappingProxyType({TIE: "tie_number", CONTACT: "pair", BASE: "component"})
+    overturned_block = Alias(
+        "fallen", lambda response: response.model.names[response.fallen - 1] if response.fallen else ""
+    )
+    peak_ux, plot_structure = Alias("peak_centroid_ux"), Alias("plot_model")
 
     @property
-    def _fall(self) -> str:
-        return f"{self.overturned_block} fell at {self.overturn_time:.4g} s"
+    def centroid_ux(self) -> FloatArray:
+        """The displacements of the centroids along x, relative to the base: ux, m (rows, n)."""
+        return self.ux
+
+    @property
+    def peak_centroid_ux(self) -> FloatArray:
+        """The peaks of the displacements of the centroids along x, m (n,)."""
+        return self.peaks["ux"]
 
     def _lines(self) -> Iterable[Sequence[object]]:
         shown = {f"|{name}| (mm)": 1e3 * self.peaks[name] for name in ("ux", "uy", "uz")}
-        return rows_of({"peaks of block": np.array(self.structure.names), **shown})
+        return rows_of({"peaks of block": np.array(self.model.names), **shown})
 
     def _picture(self) -> str:
         most = int(np.argmax(self.peaks["u"]))
-        return history(self.time, 1e3 * self.ux[:, most], f"ux of {self.structure.names[most]} (mm)")
+        return history(self.time, 1e3 * self.ux[:, most], f"ux of {self.model.names[most]} (mm)")
 
     @cached_property
     def _moved(self) -> Moved:
@@ -112,9 +121,7 @@ class SpatialResponse(StructureHistories, Result):
     @cached_property
     def overlap(self) -> Overlap:
         """The deepest overlap of blocks without a joint, or of neighbours beyond their contacts."""
-        return deepest_overlap(self.structure, self.time, self)
-
-    model = StructureHistories.model
+        return deepest_overlap(self.model, self.time, self)
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -146,28 +153,6 @@ class SpatialResponse(StructureHistories, Result):
         """
         return super().to_xarray()
 
-    def plot_structure(
-        self, path: str | os.PathLike[str] | None = None, at: float | None = None, scale: float | None = None
-    ) -> Figure:
-        """Draw the deformed structure.
-
-        Parameters
-        ----------
-        path : str, path or None
-            File to save the picture to.
-        at : float or None
-            Time, s; None: that of its peak.
-        scale : float or None
-            Factor on the deformation; None: chosen.
-
-        Raises
-        ------
-        InputError
-            Without matplotlib (the extra `plot`).
-        """
-        pictures: PicturesOfStructures = pictures_of(self)
-        return pictures.plot_structure(self, path, at, scale)
-
     def plot_plan(
         self, path: str | os.PathLike[str] | None = None, blocks: Sequence[str | int] | None = None
     ) -> Figure:
@@ -183,5 +168,6 @@ def peaks_in_space(structure: Structure, rows: FloatArray, peaks: FloatArray) ->
     """Return the peaks by name from those of the kernels; u: of the horizontal displacement, over the rows."""
     n = structure.n
     found = peaks_by_name(OUTPUTS, structure.sizes, peaks)
+    found |= {f"base_{part.name}": found["base"][k : k + 1] for k, part in enumerate(StructureHistories.base.parts)}
     found["u"] = np.max(np.hypot(rows[:, :n], rows[:, n : 2 * n]), axis=0)
     return found

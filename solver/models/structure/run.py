@@ -37,6 +37,16 @@ class SpatialGlance(NamedTuple):
     u: FloatArray
     rotation: FloatArray
 
+    @property
+    def ux(self) -> FloatArray:
+        """The displacements along x, m (n,)."""
+        return self.u[:, 0]
+
+    @property
+    def ry(self) -> FloatArray:
+        """The rotations about y, rad (n,)."""
+        return self.rotation[:, 1]
+
 
 Callback = Callable[[float, SpatialGlance], object]
 
@@ -87,7 +97,7 @@ def single_run(structure: Structure, plan: Plan) -> SpatialResponse:
     response.verdict, response.reason, stats["settled_for"] = found.word, found.reason, found.time - stop
     if found.word == OVERTURNED:
         response.overturn_time = float(stepper.control.fall_time)
-        response.overturned_block = structure.names[int(stepper.counts.fallen) - 1]
+        response.fallen, response.what_fell = int(stepper.counts.fallen), what_fell(stepper)
     return response
 
 
@@ -165,6 +175,20 @@ def set_initial(stepper: Stepper, initial: SpatialState) -> None:
             getattr(stepper.slips, f"p{k}")[:] = getattr(found, f"s{k}")
 
 
+def what_fell(stepper: Stepper) -> str:
+    """Return the block that has fallen, and the bearing it has come off, in words; "" if none has."""
+    structure, block = stepper.structure, int(stepper.counts.fallen)
+    if not block:
+        return ""
+    stepper.observe()
+    # a fall off a bearing, or a block that has tipped or dropped
+    d = stepper.row[places_of(OUTPUTS, structure.sizes)["d"]]
+    for name, joint, moved in zip(structure.bearing_names, structure.bearings, d.tolist(), strict=True):
+        if joint.bearing is not None and moved > joint.bearing.capacity:
+            return f"block {structure.names[block - 1]} off the bearing {name}"
+    return f"block {structure.names[block - 1]}"
+
+
 class _Settling:
     """A structure on a still base after its run (still_base.py)."""
 
@@ -174,18 +198,8 @@ class _Settling:
         self._stepper = stepper
 
     @property
-    def fallen(self) -> str:
-        stepper, block = self._stepper, int(self._stepper.counts.fallen)
-        if not block:
-            return ""
-        structure = stepper.structure
-        stepper.observe()
-        # a fall off a bearing, or a block that has tipped or dropped
-        d = stepper.row[places_of(OUTPUTS, structure.sizes)["d"]]
-        for name, joint, moved in zip(structure.bearing_names, structure.bearings, d.tolist(), strict=True):
-            if joint.bearing is not None and moved > joint.bearing.capacity:
-                return f"block {structure.names[block - 1]} has come off the bearing {name}"
-        return f"block {structure.names[block - 1]} has fallen"
+    def what_fell(self) -> str:
+        return what_fell(self._stepper)
 
     @property
     def fall_time(self) -> float:

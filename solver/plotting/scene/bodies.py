@@ -137,15 +137,15 @@ def poses(bodies: Sequence[Any], histories: Any) -> tuple[FloatArray, FloatArray
     bodies : sequence
         Objects with the attributes `reach` and `tilt` of a Body.
     histories : object
-        Has ux, uy, uz, rx, ry, rz, or ux, uz, theta of a column, (rows, n) each.
+        Has ux, uy, uz, rx, ry, rz, or ux, uz, ry of a column, (rows, n) each.
     """
     if hasattr(histories, "rz"):
         found = [np.stack([getattr(histories, f"{kind}{axis}") for axis in "xyz"], axis=-1) for kind in "ur"]
         return found[0], found[1]
-    u, turn = np.zeros((2, *histories.theta.shape, 3))
-    turn[..., 1] = histories.theta  # clockwise, as x points to the right: about y
+    u, turn = np.zeros((2, *histories.ry.shape, 3))
+    turn[..., 1] = histories.ry  # clockwise, as x points to the right: about y
     reach, tilt = (np.array([getattr(body, name) for body in bodies]) for name in ("reach", "tilt"))
-    u[..., 0] = histories.ux - reach * (np.sin(tilt + histories.theta) - np.sin(tilt))
+    u[..., 0] = histories.ux - reach * (np.sin(tilt + histories.ry) - np.sin(tilt))
     u[..., 2] = histories.uz
     return u, turn
 

@@ -15,7 +15,10 @@ import numpy as np
 
 from ...common.errors import InputError
 from ...common.files import whole_file
+from ...models.column.outputs import OUTPUTS as OF_COLUMN
+from ...models.outputs import BLOCK
 from ...models.structure.blocks.faces import FloatArray
+from ...models.structure.outputs import OUTPUTS as OF_STRUCTURE
 from .bodies import Body, normal_of, poses, scene_of
 
 FPS = 30.0  # rows per second, at most
@@ -52,7 +55,7 @@ def animated(found: bytes, time: FloatArray, histories: Mapping[str, FloatArray]
         If an output is missing.
     """
     bodies = [SimpleNamespace(**node["extras"]) for node in _parts(found)[0]["nodes"] if "extras" in node]
-    outputs = ("ux", "uz", "theta") if bodies[0].in_plane else ("ux", "uy", "uz", "rx", "ry", "rz")
+    outputs = OF_COLUMN if bodies[0].in_plane else OF_STRUCTURE
 
     def history(number: int, output: str) -> FloatArray:
         for name in (f"block[{number}].{output}", f"block{number}.{output}"):
@@ -61,7 +64,9 @@ def animated(found: bytes, time: FloatArray, histories: Mapping[str, FloatArray]
         raise InputError(f"block[{number}].{output}: is missing, the table must have all outputs of blocks")
 
     rows = {
-        output: np.column_stack([history(number, output) for number in range(1, len(bodies) + 1)]) for output in outputs
+        one.field: np.column_stack([history(number, one.name) for number in range(1, len(bodies) + 1)])
+        for one in outputs
+        if one.owner == BLOCK
     }
     return _moving(found, time, *poses(bodies, SimpleNamespace(**rows)))
 

@@ -32,7 +32,7 @@ DIGITS = 5  # of lengths in m: of what is drawn
 WHOLE = 65535  # full scale of shares stored as 16-bit integers
 VERDICTS = {
     "standing": "It stands.",
-    "overturned": "It falls at {:.2f} s.",
+    "overturned": "It falls at {:.2f} s{}.",
     "undecided": "Whether it stands is undecided.",
 }
 FRAME = (
@@ -81,7 +81,9 @@ def small_page(response: Any, scale: float | None = None) -> str:
 def _page(response: Any, scale: float | None, fps: float, numbers: int, triangles: int) -> str:
     sizes, span = response.model.sizes, max(float(response.time[-1] - response.time[0]), 1e-9)
     scene = scene_of(response, min(fps, numbers / ((6 * sizes["block"] + sizes["joint"] + 3) * span)))
-    name, facts = escape(scene.name), VERDICTS.get(response.verdict, "").format(response.overturn_time)
+    what_fell = getattr(response, "what_fell", "")
+    name, facts = escape(scene.name), VERDICTS.get(response.verdict, "")
+    facts = facts.format(response.overturn_time, what_fell and f": {what_fell}")
     until = " before the fall" if math.isfinite(response.overturn_time) else ""
     line = f"{facts} Largest displacement{until} {length(largest_displacement(response)[0])}."
     folder = files(__package__)

@@ -73,7 +73,7 @@ def write_vtk(response: Any, folder: str | os.PathLike[str], fps: float = FPS) -
 def _histories(response: Any, owner: str) -> dict[str, FloatArray]:
     """Return the outputs of blocks or joints by name, (rows, count) each."""
     seen = [output for output in response.outputs if output.owner == owner and not output.only_peak]
-    return {output.field: getattr(response, output.field) for output in seen}
+    return {output.key: getattr(response, output.field) for output in seen}
 
 
 def _blocks(scene: Scene, k: int) -> tuple[list[FloatArray], list[int], dict[str, FloatArray]]:

@@ -1,0 +1,50 @@
+"""The lines on verdict and ensemble in the summary of a run, the same in the plane and in space."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..common.digits import percent
+from ..models.protocol import UNDECIDED
+from ..models.response import Result
+from ..models.uncertainty import PERCENTILES, Ensemble
+
+
+def verdict_line(response: Result) -> str:
+    """Return the verdict as one line, with the time of a fall and what has fallen."""
+    if response.verdict == UNDECIDED:
+        return f"undecided: {'' if response.overturned else 'not overturned, but '}{response.reason}"
+    if not response.overturned:
+        return f"standing: not overturned, {response.reason}"
+    late = ", after the end of the run" if response.overturn_time > response.time[-1] else ""
+    return f"overturned at {response.overturn_time:.4g} s: {response.what_fell}{late}"
+
+
+def ensemble_lines(ensemble: Ensemble, names: Sequence[object], moved: str, most: int | None = None) -> list[str]:
+    """Return the lines on an ensemble.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+        The ensemble.
+    names : sequence
+        Numbers or names of the blocks.
+    moved : str
+        The symbol of the displacement.
+    most : int, optional
+        The largest number of rows of the table.
+    """
+    spread, (low, high) = ensemble.spread, ensemble.share_bounds
+    lines = [
+        f"{ensemble.size} runs varied by {spread.stiffness:.2g} (stiffness), {spread.damping:.2g} (damping), "
+        f"{spread.motion:.2g} (motion): {ensemble.overturned} overturned, {ensemble.undecided} undecided; "
+        f"share that overturns {percent(low)} to {percent(high)} at 95 % confidence",
+        f"block  peak |{moved}| (mm) of those that stand, " + ", ".join(f"{point} %" for point in PERCENTILES),
+    ]
+    rows = zip(names, ensemble.peaks.T, strict=True)
+    lines += [f"{name!s:>5s}  " + "  ".join(f"{1e3 * peak:14.5g}" for peak in peaks) for name, peaks in rows][:most]
+    if np.isfinite(ensemble.amplification):
+        lines.append(f"the largest peak spreads by {ensemble.amplification:.3g} times what was varied")
+    return lines
