@@ -262,8 +262,8 @@ def _chosen(n: int, histories: Mapping[str, FloatArray], rows: int) -> dict[int,
     """Return the colours of the blocks that have lines: all, or the ends and those of the largest pressure and bend."""
     if n <= len(FEW_COLOURS):
         return dict(enumerate(FEW_COLOURS[:n]))
-    below = np.column_stack([histories["theta"][:rows, 1:], np.zeros(rows)])
-    joint = histories["theta"][:rows] - below
+    below = np.column_stack([histories["ry"][:rows, 1:], np.zeros(rows)])
+    joint = histories["ry"][:rows] - below
     ranked = [
         np.argsort(-np.max(np.nan_to_num(np.abs(values)), axis=0), kind="stable")
         for values in (histories["sigma_max"][:rows], joint)

@@ -33,7 +33,7 @@ def histories(n: int, samples: int = 500) -> tuple[np.ndarray, dict[str, np.ndar
     time = np.linspace(0.0, 5.0, samples)
     shape = np.linspace(1.0, 1.0 / n, n)
     wave = np.sin(7.0 * time)[:, None] * shape
-    scales = {"ux": 0.03, "theta": 2e-3, "N": 1e6, "M": 5e5, "S": 1e5, "T": 1e5, "sigma_max": 1e6}
+    scales = {"ux": 0.03, "ry": 2e-3, "N": 1e6, "My": 5e5, "S": 1e5, "Tx": 1e5, "sigma_max": 1e6}
     return time, {name: scale * wave for name, scale in scales.items()} | {"contact": 0.5 + 0.5 * wave}
 
 
@@ -86,9 +86,9 @@ def test_response_is_drawn_as_it_is(response: Response) -> None:
     assert len(figure.axes) == 9
     for words, name, factor in [
         ("displacement", "ux", 1e3),
-        ("rotation", "theta", 1e3),
+        ("rotation", "ry", 1e3),
         ("normal force", "N", 1e-3),
-        ("moment", "M", 1e-3),
+        ("moment", "My", 1e-3),
         ("shear", "S", 1e-3),
         ("pressure", "sigma_max", 1e-6),
     ]:
@@ -160,7 +160,7 @@ def test_a_thinned_history_goes_through_samples_and_keeps_gaps() -> None:
 def test_peaks_between_rows_are_marked() -> None:
     time, given = histories(3)
     largest = np.max(np.abs(given["N"]), axis=0)
-    peaks = {"N": largest * np.array([1.0, 1.5, 20.0]), "M": np.max(np.abs(given["M"]), axis=0)}
+    peaks = {"N": largest * np.array([1.0, 1.5, 20.0]), "My": np.max(np.abs(given["My"]), axis=0)}
     figure = plot_histories(time, given, peaks=peaks)
     axes, (_, second, third) = panel(figure, "normal force"), block_colours(3)
     found = marks(axes)
@@ -241,7 +241,7 @@ def fallen() -> tuple[np.ndarray, dict[str, np.ndarray]]:
     time, given = histories(3)
     falling = np.clip(time - 2.0, 0.0, 1.0)[:, None] ** 2 * np.array([2.5, 1.5, 0.5])
     given["ux"] = 0.1 * given["ux"] + falling
-    given["theta"] = given["theta"] + falling
+    given["ry"] = given["ry"] + falling
     return time, given | {"uz": np.zeros_like(falling)}
 
 
