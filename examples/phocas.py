@@ -90,7 +90,9 @@ def main() -> int:
     print("block  peak |ux| (mm)")
     for i, peak in enumerate(np.max(np.abs(histories["ux"]), axis=0), start=1):
         print(f"{i:5d}  {1e3 * peak:14.5g}")
-    print(f"overturned at {overturn_time:.4g} s" if overturned else "not overturned")
+    joint = int(results["overturn_joint"][-1])
+    fall = f"overturned at {overturn_time:.4g} s: block {joint} over joint {joint}"
+    print(fall if overturned else "not overturned")
     print(fmu, table, picture, scene, sep="\n")
     return 0
 

@@ -96,6 +96,29 @@ def _own(word: str, found: Verdicts) -> str:
     return f"As given the {word} {' and '.join(said)}."
 
 
+def falls_sentence(word: str, names: Sequence[str], runs: Sequence[Any]) -> str:
+    """Return the sentence on when and where the model as given falls, under the first motions that do it; or "".
+
+    Parameters
+    ----------
+    word : str
+        Column or structure.
+    names : sequence of str
+        Names of the motions.
+    runs : sequence
+        Responses of the model as given, one per motion.
+    """
+    fell = [
+        f"at {run.overturn_time:.4g} s under {name} ({run.what_fell})"
+        for name, run in zip(names, runs, strict=True)
+        if run.overturned
+    ]
+    if not fell:
+        return ""
+    more = f", and under {len(fell) - MOST_NAMED} more" if len(fell) > MOST_NAMED else ""
+    return f"The {word} as given falls {', '.join(fell[:MOST_NAMED])}{more}."
+
+
 def _motions(count: int) -> str:
     return f"all {count} motions" if count > 1 else "the motion"
 

@@ -20,7 +20,16 @@ from ..runs.table import Table
 from ..statics.rocking import restitution_sentence
 from . import of_column, of_structure  # noqa: F401  # subjects that they register
 from .action import ARTIFICIAL, Action, Level, Motions, action_on
-from .answer import PASSES, answer, components_sentence, cracked_sentence, margin_sentence, outcome_of, verdict_sentence
+from .answer import (
+    PASSES,
+    answer,
+    components_sentence,
+    cracked_sentence,
+    falls_sentence,
+    margin_sentence,
+    outcome_of,
+    verdict_sentence,
+)
 from .by_hand import ByHand
 from .limits import Plan
 from .margin import Margin, margin_of
@@ -148,6 +157,12 @@ class Check:
     def verdict(self) -> str:
         """The sentences on the model as given, and on the share of the varied models that falls."""
         return verdict_sentence(self.subject.model.kind.word, self.verdicts)
+
+    @property
+    def falls_sentence(self) -> str:
+        """The sentence on when the model as given falls, and what of it; "" if it does not."""
+        names = [scaled.name for scaled in self.action.motions]
+        return falls_sentence(self.subject.model.kind.word, names, self.responses)
 
     @property
     def margin_sentence(self) -> str:

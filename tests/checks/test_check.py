@@ -36,6 +36,7 @@ from solver.checks.scaling import ScaledMotion, applied
 from solver.checks.subject import subject_of
 from solver.checks.table import Row, overturning
 from solver.checks.verdicts import Verdicts
+from solver.commands.check_report import check_lines
 
 G = 9.80665
 BLOCK = Column("block", (Block(2.0, 0.5, 0.5, 1200.0, Joint(2e9, 2e-3, strength=2e6)),))
@@ -153,6 +154,11 @@ def test_a_column_that_falls_fails() -> None:
     assert strong.answer == "FAILS by: overturning, as given; overturning."
     assert row(strong, "pressure at the edge").outcome == row(strong, "displacement of the top").brief == "falls"
     assert re.match(r"As given the column falls under .*\. \d+ of 12 varied columns fell", strong.verdict)
+    fell = [run for run in strong.responses if run.overturned]
+    assert strong.falls_sentence.startswith("The column as given falls at ")
+    assert strong.falls_sentence.count("(block 1 over joint 1)") == min(len(fell), 3)
+    assert f"at {fell[0].overturn_time:.4g} s under " in strong.falls_sentence
+    assert strong.falls_sentence in check_lines(strong)
 
 
 def test_a_fall_is_no_slip_and_no_pressure() -> None:

@@ -27,6 +27,7 @@ from multiblock import (
     simulate_many,
     wavelets,
 )
+from solver.commands.outcome import verdict_line
 from solver.common.aliases import Renamed, aliases_of
 from solver.models.column.response import Response
 from solver.models.column.run import Glance
@@ -90,7 +91,10 @@ def test_both_say_what_has_fallen_and_when() -> None:
     for run in (planar, spatial):
         assert f"{run.what_fell} fell at {run.overturn_time:.4g} s" in repr(run)
         assert len(run.plot_model().axes) > 0
+    assert verdict_line(planar) == f"overturned at {planar.overturn_time:.4g} s: {planar.what_fell}"
+    assert verdict_line(spatial) == f"overturned at {spatial.overturn_time:.4g} s: block {name}"
     standing = runs()
+    assert [verdict_line(run).partition(",")[0] for run in standing] == ["standing: not overturned"] * 2
     assert [(run.fallen, run.what_fell) for run in standing] == [(0, "")] * 2
     with old("Response", "overturned_joint"):
         assert planar.overturned_joint == planar.fallen

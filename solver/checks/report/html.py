@@ -143,7 +143,9 @@ def _motions(check: Check) -> list[dict[str, str]]:
                 "pga": f"{scaled.motion.pga / STANDARD_GRAVITY:.3g}{across}",
                 "pgv": f"{pgv(scaled.motion):.3g}",
                 "moved": "" if response.overturned else three_digits(1e3 * check.subject.moved(response)),
-                "verdict": response.verdict,
+                "verdict": f"{response.verdict}, {response.what_fell} at {response.overturn_time:.4g} s"
+                if response.overturned
+                else response.verdict,
             }
         )
     return found
