@@ -77,7 +77,7 @@ def _entries(group: str, begin: Callable[..., Any], step: Callable[..., Any], se
         model: Reals, state: Reals, work: Reals, inputs: Reals, t: Real, times: SizedReals, ax: Reals, az: Reals,
         scale: Real, row: Reals,
     ) -> Int:  # fmt: skip
-        samples = Samples(times.size, times.row, ax, az, scale, False)
+        samples = Samples(times.size, times.row, ax, az, scale, 0, times.size, ax)
         see(inputs, model, state, work, t, samples, row)
         return 0
 

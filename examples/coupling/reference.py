@@ -16,8 +16,7 @@ import numpy as np
 os.environ["MULTIBLOCK_COMPILES"] = "1"  # kernels of its own: before the solver is imported
 
 from multiblock import Column
-from solver.kernels.column.api.engine import column_over
-from solver.kernels.column.formulations.base_motion import Samples
+from solver.kernels.column.api.engine import column_over, no_samples
 from solver.kernels.column.formulations.dispatch import evaluate
 from solver.kernels.column.formulations.exact import Motion
 from solver.kernels.column.formulations.feedthrough import split_reaction
@@ -97,8 +96,8 @@ def all_rates(column, kind, p, y, ground, row, split, rates):
 def integrate(n, arrays, kind, p, y, dt, samples, h, per, seen, parts, k, stage, out):
     """Steps of h s under samples every dt s, linear in between; after every `per` of them a row of (ux, unknowns)."""
     model, state, counts, base, work = arrays
-    none = Samples(0, row_of(base), row_of(base), row_of(base), 1.0, False)
-    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), none, row_of(work))
+    none = no_samples(row_of(base))
+    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), none, 0, row_of(work))
     row, split = _row(row_of(seen), n), _split(row_of(parts), 0)
     size = y.size
     last = samples.size - 1

@@ -116,7 +116,7 @@ def look_inside(
 ) -> None:
     """Leave in work.between the interpolation at fraction s of the step of h seconds from t."""
     silence = no_samples(row_of(base))
-    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), silence, row_of(work))
+    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), silence, 0, row_of(work))
     begin(column.work, bump)
     refine(column, t, h)
     interpolate_phase(column.work, h, s)
@@ -152,7 +152,7 @@ def test_interpolation_with_the_bump_is_of_a_higher_order() -> None:
 @from_python
 def _repeat(n, model, state, counts, base, work, t, step):
     silence = no_samples(row_of(base))
-    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), silence, row_of(work))
+    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), silence, 0, row_of(work))
     return repeat_step(column, ORDER_8, t, step)
 
 
