@@ -27,7 +27,7 @@ class Alias:
 
     def __init__(self, new: str, get: Callable[[Any], Any] | None = None) -> None:
         self.new, self._get = new, get or attrgetter(new)
-        self.__doc__ = f"Return `{new}`: this is its old name."
+        self.__doc__ = f"The old name of `{new}`."
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.old = name

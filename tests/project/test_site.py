@@ -18,7 +18,10 @@ from support.fmus import ROOT, read_results
 import multiblock
 from fmu_src.references import FAMILIES, REFERENCES
 from multiblock import Column, Plan, Structure
+from solver.common.aliases import aliases_of
+from solver.models.column.response import Response
 from solver.models.structure.neighbours import restitution_of
+from solver.models.structure.response import SpatialResponse
 
 pytestmark = pytest.mark.long  # runs the commands of the site
 
@@ -231,3 +234,12 @@ def test_every_variable_of_the_fmu_is_listed(parts: dict[str, str]) -> None:
     first = [name for name in REFERENCES if not re.match(r"body\d", name)]  # further bodies are alike
     names = [*first, *(family.replace(".", "[i].") for family in FAMILIES)]
     assert [name for name in names if f"| `{name}` |" not in text] == []
+
+
+def test_every_old_name_of_a_result_is_listed(parts: dict[str, str]) -> None:
+    rows = [[cell.strip() for cell in row.split(" | ")] for row in parts["result-names"].splitlines()[2:]]
+    listed = {name for row in rows for name in row[1].split(", ")}
+    old = {f"`{name}`" for kind in (Response, SpatialResponse) for name in aliases_of(kind)}
+    assert old | {"`My`"} == listed - {""}
+    assert [row[0] for row in rows if not (row[3] or row[4])] == []  # each has a meaning
+    assert "| `peak_ry` | `peak_theta` | `peak_ry` |" in parts["table-names"]
