@@ -16,7 +16,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 from solver import Column
-from solver.kernels.layout.spaces import PHASE_FIELDS
+from solver.kernels.layout import spaces as at
+
+PHASE_FIELDS = at.PHASE.per_n
 
 Array = NDArray[np.float64]
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": False, "nogil": True, "_nrt": False}

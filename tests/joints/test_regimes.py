@@ -176,7 +176,7 @@ def test_a_step_made_again_up_to_a_change_is_judged_again() -> None:
 
 def fill(phase: SimpleNamespace, values: Array) -> None:
     """Give a phase, seen by name, the values of a row."""
-    for name, part in zip(at.PHASE.fields, values.reshape(at.PHASE_FIELDS, -1), strict=True):
+    for name, part in zip(at.PHASE.fields, values.reshape(at.PHASE.per_n, -1), strict=True):
         getattr(phase, name)[:] = part
 
 
