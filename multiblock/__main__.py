@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from solver.commands.command_line import OneLineParser, add_commands, program_parser, run_command
 
@@ -13,8 +13,8 @@ OF_FMUS = {
 }
 
 
-def command_parser(words: Sequence[str]) -> OneLineParser:
-    """Return the parser of the command `multiblock`, with all commands; options of FMUs where `words` names them."""
+def command_parser(words: Collection[str] = OF_FMUS) -> OneLineParser:
+    """Return the parser of the command `multiblock`, with all commands; those of FMUs have options if `words` names them."""
     parser = program_parser("multiblock", "Seismic response of columns of rigid blocks, and FMUs of them.")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     add_commands(commands)
