@@ -14,7 +14,7 @@ OF_FMUS = {
 
 
 def command_parser(words: Collection[str] = OF_FMUS) -> OneLineParser:
-    """Return the parser of the command `multiblock`, with all commands; those of FMUs have options if `words` names them."""
+    """Return the parser of the command `multiblock`: all commands, those of FMUs with options if `words` names them."""
     parser = program_parser("multiblock", "Seismic response of columns of rigid blocks, and FMUs of them.")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     add_commands(commands)
