@@ -52,27 +52,28 @@ COLUMNS_PACKAGE = "multiblock_columns"  # name of examples/columns/ in an instal
 BUILDER_PACKAGES = ("pythonfmu", "matplotlib")
 SOURCES_FILE = "kernels/machine/sources.py"
 LEFT_AT_HOME = {
-    "bytecode.py",
-    "calibrate.py",
-    "capacity.py",
-    "checks",
-    "commands",
-    "documentation.py",
+    "fmu_src/bytecode.py",
+    "fmu_src/documentation.py",
     "fmu_src/exchange.py",
-    "intensity.py",
-    "licences.py",
-    "model_description3.py",
-    "native",
-    "oscillator.py",
-    "plotting",
-    "push.py",
-    "reference_run.py",
-    "rocking.py",
-    "static_plots.py",
-    "studies",
-    "wavelets.py",
-    "__main__.py",
-}  # not carried: an FMU does not need them
+    "fmu_src/licences.py",
+    "fmu_src/model_description3.py",
+    "fmu_src/native",
+    "fmu_src/reference_run.py",
+    "solver/__main__.py",
+    "solver/checks",
+    "solver/commands",
+    "solver/ground/intensity.py",
+    "solver/ground/oscillator.py",
+    "solver/ground/wavelets.py",
+    "solver/models/column/push.py",
+    "solver/models/structure/push.py",
+    "solver/plotting",
+    "solver/statics/calibrate.py",
+    "solver/statics/capacity.py",
+    "solver/statics/rocking.py",
+    "solver/statics/static_plots.py",
+    "solver/studies",
+}  # files and folders that are not carried: an FMU does not need them
 NEEDS = "The machine that runs it needs Python 3.11 or newer with numpy."
 NEEDS_OBJECTS = (
     "The machine that runs it needs Python 3.11 or newer with numpy and llvmlite, and the builder's system and kind of "
@@ -408,8 +409,8 @@ def _carry_package(package: ModuleType, files: dict[str, bytes], renamed: dict[s
     source = Path(package.__path__[0])
     texts = {}
     for file in sorted(source.rglob("*.py")):
-        path = file.relative_to(source)
-        if LEFT_AT_HOME & {*path.parts, f"{source.name}/{path.as_posix()}"}:
+        path = file.relative_to(source.parent)
+        if LEFT_AT_HOME.intersection(map(Path.as_posix, (path, *path.parents))):
             continue
         text = file.read_text(encoding="utf-8")
         for old, new in renamed.items():

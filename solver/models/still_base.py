@@ -16,7 +16,7 @@ class Settling(Protocol):
 
     @property
     def what_fell(self) -> str:
-        """What has fallen, in words, such as "block 2 over joint 2"; "" without a fall."""
+        """The parts that have fallen, in words, such as "block 2 over joint 2"; "" without a fall."""
 
     @property
     def fall_time(self) -> float:

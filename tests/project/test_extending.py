@@ -170,7 +170,7 @@ def test_outputs_of_a_structure_are_complete() -> None:
 
 
 def described(file: str, outputs: Sequence[Output]) -> list[str]:
-    """What the rows of a table of outputs lack: a sentence with the owner in it."""
+    """Return the rows of a table of outputs that lack a sentence, or the owner in it."""
     rows = [one for output in outputs for one in output.each]
     texts = [f"{file}: {one.name} has no sentence" for one in rows if not one.text]
     unnamed = [one for one in rows if one.owner != OF_BASE and one.text == one.text.format(i="", it="")]

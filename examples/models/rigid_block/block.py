@@ -91,7 +91,7 @@ class Rocking(Driven):
 
     @property
     def visible_peaks(self) -> FloatArray:
-        """Of ux, ry."""
+        """The peaks of ux and ry."""
         return float(self.arrays.state[2]) * np.array([self.model.height, 1.0])
 
     def why_it_stands(self) -> str:
