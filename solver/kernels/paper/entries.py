@@ -5,7 +5,7 @@ from ..column.api.entries import entries_of
 from ..column.batch.entries import lanes_entry
 from ..column.model.assembly import carries
 from ..column.model.description import NO_REST, describe
-from ..layout.spaces import OK, STATE, WORK
+from ..layout.spaces import OK
 from ..numba_ext.jit import kernel
 from . import outputs, stepping  # noqa: F401  versions of kernels
 from .equations import MODEL, factorize_mass, settle
@@ -25,6 +25,6 @@ def _assemble(column, given, from_rest, scratch, detail):
 
 
 assemble, run, observe_state, observe_snapshots, arrive_base, couple_base, examine_base = entries_of(
-    "paper", __name__, column_in(MODEL, STATE, WORK), assembled=_assemble
+    "paper", __name__, column_in(MODEL), assembled=_assemble
 )
 run_fixed_steps = lanes_entry("run_fixed_steps", "paper_lanes", __name__, SPACE, follow_fixed_steps)

@@ -15,6 +15,7 @@ from ..column.formulations.base_motion import base_motion
 from ..column.formulations.dispatch import evaluate_at
 from ..column.formulations.slips import evaluate_after_jump
 from ..column.joint.law import resultants
+from ..column.joint.sliding import less_below
 from ..column.model.assembly import settle_joints
 from ..layout import spaces as at
 from ..layout.spaces import NOT_CONVERGED, OK, ROTATES
@@ -48,15 +49,9 @@ sweep_rows = Table(  # scratch of the sweeps, over the row of work.room
 
 
 @leaf
-def difference(row, i, n):
-    """Return row[i] - row[i + 1]; the base below the last block counts as 0."""
-    return row[i] - row[i + 1] if i + 1 < n else row[i]
-
-
-@leaf
 def tilt(blocks, row, i, n):
     """Return the rotation of block i (rad) from displacements in a row, or its rate from velocities; 0 for the base."""
-    return difference(row, i, n) / blocks.height[i] if i < n else 0.0
+    return less_below(row, i, n) / blocks.height[i] if i < n else 0.0
 
 
 @kernel
@@ -139,8 +134,8 @@ def bear(model, phase, joints, hold, sweeps):
     turn, spin = tilt(blocks, phase.theta, 0, n), tilt(blocks, phase.theta_rate, 0, n)
     for i in range(n):
         # opening of joint i, and the rotation of the block below
-        opening = -difference(phase.opening, i, n)
-        opening_rate = -difference(phase.opening_rate, i, n)
+        opening = -less_below(phase.opening, i, n)
+        opening_rate = -less_below(phase.opening_rate, i, n)
         turn_below, spin_below = tilt(blocks, phase.theta, i + 1, n), tilt(blocks, phase.theta_rate, i + 1, n)
         sweeps.theta[i] = turn
         sweeps.opening[i] = opening
@@ -196,7 +191,7 @@ def _horizontal_sweep(blocks, phase, base_ax, lift, joints, sweeps, n):
         residual = (
             (centroid + 0.5 * opening) * inertial
             + (height + 0.5 * (opening + opening_above)) * shear
-            + blocks.inertia[i] * difference(phase.theta_acceleration, i, n) / height
+            + blocks.inertia[i] * less_below(phase.theta_acceleration, i, n) / height
             + (moment - moment_above)
             - sweeps.theta[i] * (centroid * heavy + height * weight)
         ) / height

@@ -5,9 +5,10 @@ from ..column.formulations.dispatch import base_as_shown, reach_of, top_motion
 from ..column.formulations.exact import Motion
 from ..column.formulations.feedthrough import share_reaction, split_reaction
 from ..column.formulations.outputs import show, show_joint
+from ..column.joint.sliding import less_below
 from ..layout.spaces import OK, RIGID_FIELDS
 from ..numba_ext.views import copy
-from .equations import difference, evaluate, of_paper, sweep_rows, tilt
+from .equations import evaluate, of_paper, sweep_rows, tilt
 
 
 @show.version(of_paper)
@@ -18,7 +19,7 @@ def _show(column, phase, resultants, motion, row):
     # outputs of the joints, from the base up
     for i in range(n - 1, -1, -1):
         turn, spin = tilt(blocks, phase.theta, i, n), tilt(blocks, phase.theta_rate, i, n)
-        opening, opening_rate = -difference(phase.opening, i, n), -difference(phase.opening_rate, i, n)
+        opening, opening_rate = -less_below(phase.opening, i, n), -less_below(phase.opening_rate, i, n)
         phi, slope, slope_rate = 0.5 * (turn + turn_below), turn - turn_below, spin - spin_below
         joints.uz[i] = -phase.opening[i]
         joints.theta[i] = turn
@@ -46,7 +47,7 @@ def _top_motion(column, phase, ux, rate, turn, spin):
 
 @reach_of.version(of_paper)
 def _reach_of(column, first, last, i):
-    return abs(difference(first, i, column.model.n))
+    return abs(less_below(first, i, column.model.n))
 
 
 @split_reaction.version(of_paper)

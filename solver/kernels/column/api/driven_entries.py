@@ -8,65 +8,62 @@ may be none.
 from ...layout.spaces import ROW, SPLIT
 from ...machine.entry import entry
 from ...machine.kinds import Int, Ints, Real, Reals, SizedReals
+from ...numba_ext.jit import leaf
 from ..formulations.base_motion import Samples
 from ..output.watch import Watch
 from . import engine, slopes
 
 _row, _split = ROW.over, SPLIT.over
+_of_columns = entry("column", f"{__package__}.entries")  # the module of the group, which imports this one
 
 
-def driven_entries_of(group, module, column_over=engine.column_over):
-    """Make `follow`, `look`, `rates` and `feedthrough` of a kind of column.
+@leaf
+def _driven(n, model, state, counts, base, work, times, ax, az, scale):
+    """Return the column over its rows, with a record without loads."""
+    samples = Samples(times.size, times.row, ax, az, scale, 0, times.size, ax)
+    return engine.column_over(n, model, state, counts, base, samples, 0, work)
 
-    Parameters
-    ----------
-    group, module : str
-        Group of the entries (machine/groups.py), and the module that they are made for.
-    column_over : callable
-        A leaf that returns the column over its rows (engine.py, `column_in`).
-    """
 
-    @entry(group, module)
-    def follow(
-        n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, inputs: Reals, start: Real, h: Real,
-        times: SizedReals, ax: Reals, az: Reals, scale: Real, row: Reals, split: Reals,
-    ) -> Int:  # fmt: skip
-        """Run `engine.follow`."""
-        samples = Samples(times.size, times.row, ax, az, scale, 0, times.size, ax)
-        column = column_over(n, model, state, counts, base, samples, 0, work)
-        return engine.follow(column, inputs, start, h, Watch(0, work, work, 1), _row(row, n), _split(split, 0))
+@_of_columns
+def follow(
+    n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, inputs: Reals, start: Real, h: Real,
+    times: SizedReals, ax: Reals, az: Reals, scale: Real, row: Reals, split: Reals,
+) -> Int:  # fmt: skip
+    """Run `engine.follow`."""
+    column = _driven(n, model, state, counts, base, work, times, ax, az, scale)
+    return engine.follow(column, inputs, start, h, Watch(0, work, work, 1), _row(row, n), _split(split, 0))
 
-    @entry(group, module)
-    def look(
-        n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, inputs: Reals, new_inputs: Int,
-        upright: Int, elapsed: Real, t: Real, times: SizedReals, ax: Reals, az: Reals, scale: Real, row: Reals,
-        split: Reals,
-    ) -> Int:  # fmt: skip
-        """Run `engine.look`."""
-        samples = Samples(times.size, times.row, ax, az, scale, 0, times.size, ax)
-        column = column_over(n, model, state, counts, base, samples, 0, work)
-        return engine.look(column, inputs, new_inputs, upright, elapsed, t, _row(row, n), _split(split, 0))
 
-    @entry(group, module)
-    def rates(
-        n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, t: Real, times: SizedReals,
-        ax: Reals, az: Reals, scale: Real, row: Reals, split: Reals, other: Reals, other_split: Reals,
-    ) -> Int:  # fmt: skip
-        """Run `slopes.rates`."""
-        samples = Samples(times.size, times.row, ax, az, scale, 0, times.size, ax)
-        column = column_over(n, model, state, counts, base, samples, 0, work)
-        here, there = _row(row, n), _row(other, n)
-        return slopes.rates(column, t, here, _split(split, 0), there, _split(other_split, 0))
+@_of_columns
+def look(
+    n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, inputs: Reals, new_inputs: Int,
+    upright: Int, elapsed: Real, t: Real, times: SizedReals, ax: Reals, az: Reals, scale: Real, row: Reals,
+    split: Reals,
+) -> Int:  # fmt: skip
+    """Run `engine.look`."""
+    column = _driven(n, model, state, counts, base, work, times, ax, az, scale)
+    return engine.look(column, inputs, new_inputs, upright, elapsed, t, _row(row, n), _split(split, 0))
 
-    @entry(group, module)
-    def feedthrough(
-        n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, inputs: Reals, seeds: Reals,
-        elapsed: Real, t: Real, times: SizedReals, ax: Reals, az: Reals, scale: Real, row: Reals, split: Reals,
-        other: Reals, other_split: Reals,
-    ) -> Int:  # fmt: skip
-        """Run `slopes.feedthrough`."""
-        samples = Samples(times.size, times.row, ax, az, scale, 0, times.size, ax)
-        column = column_over(n, model, state, counts, base, samples, 0, work)
-        here, there = _row(row, n), _row(other, n)
-        parts, other_parts = _split(split, 0), _split(other_split, 0)
-        return slopes.feedthrough(column, inputs, seeds, elapsed, t, here, parts, there, other_parts)
+
+@_of_columns
+def rates(
+    n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, t: Real, times: SizedReals,
+    ax: Reals, az: Reals, scale: Real, row: Reals, split: Reals, other: Reals, other_split: Reals,
+) -> Int:  # fmt: skip
+    """Run `slopes.rates`."""
+    column = _driven(n, model, state, counts, base, work, times, ax, az, scale)
+    here, there = _row(row, n), _row(other, n)
+    return slopes.rates(column, t, here, _split(split, 0), there, _split(other_split, 0))
+
+
+@_of_columns
+def feedthrough(
+    n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, inputs: Reals, seeds: Reals,
+    elapsed: Real, t: Real, times: SizedReals, ax: Reals, az: Reals, scale: Real, row: Reals, split: Reals,
+    other: Reals, other_split: Reals,
+) -> Int:  # fmt: skip
+    """Run `slopes.feedthrough`."""
+    column = _driven(n, model, state, counts, base, work, times, ax, az, scale)
+    here, there = _row(row, n), _row(other, n)
+    parts, other_parts = _split(split, 0), _split(other_split, 0)
+    return slopes.feedthrough(column, inputs, seeds, elapsed, t, here, parts, there, other_parts)

@@ -51,10 +51,10 @@ def scratch_room(n: int) -> int:
     return modes_scratch(n) if n <= MODAL_MOST else 1
 
 
-def column_in(model_space, state_space, work_space):
-    """Return a leaf that returns the column of n blocks over its rows, in these spaces."""
+def column_in(model_space):
+    """Return a leaf that returns the column of n blocks over its rows, with its model in this space."""
     # functions that lay names over rows
-    _model, _state, _work = model_space.over, state_space.over, work_space.over
+    _model, _state, _work = model_space.over, STATE.over, WORK.over
 
     @leaf
     def column_over(n, model, state, counts, base, samples, recorded, work):
@@ -67,7 +67,7 @@ def column_in(model_space, state_space, work_space):
     return column_over
 
 
-column_over = column_in(MODEL, STATE, WORK)
+column_over = column_in(MODEL)
 
 
 @leaf

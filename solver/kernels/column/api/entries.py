@@ -20,8 +20,7 @@ from ..output.watch import Watch
 from ..sections.faces import Face
 from ..sections.section import contact_of, lay_out, part_stiffness
 from ..stepping.advance import advance
-from . import engine
-from .driven_entries import driven_entries_of
+from . import driven_entries, engine  # noqa: F401  the first has entries of the group
 from .engine import BASE_INPUTS
 from .observing import base_of, observe_all, see
 
@@ -105,7 +104,6 @@ def entries_of(group, module, column_over=engine.column_over, assembled=engine.a
 
 
 assemble, run, observe_state, observe_snapshots, arrive_base, couple_base, examine_base = entries_of("column", __name__)
-driven_entries_of("column", __name__)
 
 
 # --- joints, for Python code without a closed form of its own

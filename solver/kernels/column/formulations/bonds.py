@@ -8,7 +8,7 @@ from ...numba_ext.jit import kernel, leaf
 from ...numba_ext.numbers import half_sine_cosine
 from ...numba_ext.views import copy
 from ..joint.bond import BROKEN, Bond, bonded_part
-from ..joint.sliding import opening_felt, opening_rate_felt, slip_of
+from ..joint.sliding import less_below, opening_felt, opening_rate_felt, slip_of
 from ..sections.section import contact_of, ends_of
 
 # Relative to the first step of the column: a bond that would break within this time is broken at once. Uniform tension
@@ -75,9 +75,7 @@ def keep_lost(model, work, phase):
 @leaf
 def motion_of_joint(model, phase, i):
     """Return the opening in the middle of the contact of joint i (m), the slope (rad), and their rates."""
-    turn, spin = phase.theta[i], phase.theta_rate[i]
-    if i + 1 < model.n:
-        turn, spin = turn - phase.theta[i + 1], spin - phase.theta_rate[i + 1]
+    turn, spin = less_below(phase.theta, i, model.n), less_below(phase.theta_rate, i, model.n)
     sine, cosine = half_sine_cosine(turn)
     slope, slope_rate = 2.0 * sine, cosine * spin
     slip, slip_rate = slip_of(model, phase, i)

@@ -67,6 +67,12 @@ def slip_of(model, phase, i):
 
 
 @leaf
+def less_below(row, i, n):
+    """Return row[i] - row[i + 1]: of joint i, between the blocks on both sides; the base below the last counts as 0."""
+    return row[i] - row[i + 1] if i + 1 < n else row[i]
+
+
+@leaf
 def opening_felt(opening, slip, slope):
     """Return the opening of a joint in the middle of its contact (m)."""
     return opening - 0.5 * slip * slope

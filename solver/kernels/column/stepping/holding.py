@@ -14,7 +14,7 @@ from ...numba_ext.numbers import sine_cosine
 from ..integrators.interpolation import quintic_of, refine, slips_of
 from ..joint.regimes import ANY
 from ..joint.resultants import margin_of, regime_of
-from ..joint.sliding import can_slide, opening_felt, opening_rate_felt, slip_of
+from ..joint.sliding import can_slide, less_below, opening_felt, opening_rate_felt, slip_of
 
 NO_CHANGE = 2.0  # a fraction of the step that is never reached
 AHEAD = 1e-7  # of the step: the regime at a change is taken this much later
@@ -71,11 +71,6 @@ def _margin(column, i, regime, turn, opening, slip, spin, opening_rate, slip_rat
     felt = opening_felt(opening, slip, slope)
     felt_rate = opening_rate_felt(opening_rate, slip, slip_rate, slope, slope_rate)
     return margin_of(column.model, column.work.joints, i, regime, slip, felt, slope, felt_rate, slope_rate)
-
-
-@leaf
-def less_below(row, i, n):
-    return row[i] - row[i + 1] if i + 1 < n else row[i]
 
 
 @kernel
