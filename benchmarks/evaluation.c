@@ -1,6 +1,6 @@
-/* One evaluation of the accelerations in C: the arithmetic of solver/kernels/column/formulations/exact.py and joint/law.py,
- * operation by operation, to find the extra cost of compiled Python. The layout of the arrays
- * (MODEL_BLOCKS(n), BLOCKS_MASS(n), SETTINGS_N, ...) is defined on the command line from the tables of
+/* One evaluation of the accelerations in C: the arithmetic of solver/kernels/column/formulations/exact.py and
+ * solver/kernels/column/joint/law.py, operation by operation, to find the extra cost of compiled Python. The layout of
+ * the arrays (MODEL_BLOCKS(n), BLOCKS_MASS(n), SETTINGS_N, ...) is defined on the command line from the tables of
  * solver/kernels/layout/spaces.py. */
 #include <math.h>
 #include <stdint.h>
