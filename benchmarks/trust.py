@@ -36,7 +36,10 @@ def peaks(scene: Scene) -> dict[str, Any]:
     fine, coarse = (
         simulate(scene.column, scene.motion, scene.duration, settle=0.0, output_step=step) for step in (FINE, COARSE)
     )
-    seen = {name: float(np.min(np.max(np.abs(getattr(coarse, name)), axis=0) / coarse.peaks[name])) for name in "NST"}
+    seen = {
+        name: float(np.min(np.max(np.abs(getattr(coarse, name)), axis=0) / coarse.peaks[name]))
+        for name in ("N", "S", "Tx")
+    }
     return {
         "scene": scene.title,
         "same": all(np.array_equal(peak, coarse.peaks[name]) for name, peak in fine.peaks.items()),

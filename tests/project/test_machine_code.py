@@ -44,7 +44,7 @@ def loaded_kernel_says(project: Path) -> float:
 def test_a_change_in_any_kernel_file_is_compiled_again(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "solver", tmp_path / "solver", ignore=shutil.ignore_patterns("__pycache__"))
     assert loaded_kernel_says(tmp_path) == pytest.approx(1.0, rel=1e-14)
-    circle = tmp_path / "solver" / "kernels" / "sections" / "circle.py"
+    circle = tmp_path / "solver" / "kernels" / "engine" / "circle.py"
     text = circle.read_text()
     changed = text.replace("area += sign * a", "area += 2.0 * sign * a")
     assert changed != text
