@@ -20,8 +20,8 @@ from multiblock import InputError, Motion, SolverError, Structure, arch, colonna
 from solver.common.executors import cores
 from solver.ground.wavelets import one_sine
 from solver.models.protocol import OVERTURNED, SETTLE, STANDING, Run
-from solver.models.structure.kept import FROM_LANES
 from solver.models.structure.lanes import follow_in_lanes
+from solver.models.structure.outputs import FROM_LANES
 from solver.models.structure.rest import rest_of
 from solver.models.structure.run import begun, settled_verdict
 

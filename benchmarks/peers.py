@@ -19,7 +19,7 @@ import numpy as np
 from multiblock import Column, Motion, Structure, arch, push_over, simulate
 from solver.common.errors import InputWarning
 from solver.models.structure.run import SpatialState, begun
-from solver.statics.edges import damping_on_edge
+from solver.statics.rocking import damping_on_edge
 from validation.limits import largest_push
 
 from . import peer_programs, rigid_blocks

@@ -34,8 +34,7 @@ from solver.plotting.record_plots import plot_records
 from solver.plotting.style import BLUE, INK, RED, STONE, VERDICT_COLOURS, header, tidy
 from solver.plotting.words import setting_of, verdict_of
 from solver.statics.calibrate import with_joints
-from solver.statics.edges import column_damping_on_edge
-from solver.statics.rocking import pulled_aside, restitution_from
+from solver.statics.rocking import column_damping_on_edge, pulled_aside, restitution_from
 
 HERE = Path(__file__).resolve().parent
 EXAGGERATION = 50.0

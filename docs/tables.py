@@ -27,16 +27,16 @@ from solver.common.ranges import NUMBERS
 from solver.kernels.column.sections.faces import SECTIONS
 from solver.models.column import file as column_file
 from solver.models.column.block import BLOCK_SECTIONS
-from solver.models.column.kept import KEPT
 from solver.models.column.kind import KIND as COLUMNS
 from solver.models.column.materials import MATERIALS
+from solver.models.column.outputs import KEPT
 from solver.models.column.response import Response
 from solver.models.column.settings import FORMULATIONS, INTEGRATORS, SKIPS
 from solver.models.outputs import BEARING, BOND, CONTACT, PORT, TIE, Output
 from solver.models.response import Result
-from solver.models.structure.kept import KEPT as KEPT_IN_SPACE
 from solver.models.structure.kind import STRUCTURES
 from solver.models.structure.model import Structure
+from solver.models.structure.outputs import KEPT as KEPT_IN_SPACE
 from solver.models.structure.outputs import StructureHistories
 from solver.models.structure.response import SpatialResponse
 from solver.studies import definition, distributions, motions

@@ -14,7 +14,7 @@ from multiblock import arch, colonnade, wall
 from solver import InputError
 from solver.models.structure.model import Structure
 from solver.models.structure.modes import modes_in_space
-from solver.models.structure.plausible import known_warnings_in_space
+from solver.models.structure.rest import known_warnings_in_space
 
 TOML = """name = "mixed"
 g = 9.81

@@ -19,7 +19,7 @@ from solver import Block, Column, InputError, Joint, Motion, Settings, SolverErr
 from solver.kernels.layout import spaces as at
 from solver.models.column.packing import settlements
 from solver.models.column.stepper import Stepper
-from solver.models.paper.stability import longest_stable_step
+from solver.models.paper.kind import longest_stable_step
 
 ROOT = Path(__file__).resolve().parent.parent
 HEIGHT, WIDTH, MASS = 14.07, 1.56, 81000.0  # of the Column of Phocas

@@ -10,7 +10,7 @@ import numpy as np
 
 from multiblock import InputError, Structure
 from solver.models.structure.hull_tables import with_hulls
-from solver.statics.edges import damping_on_edge
+from solver.statics.rocking import damping_on_edge
 
 from .rigid_block import FloatArray
 from .rims import WHOLE

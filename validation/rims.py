@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from multiblock import Column
-from solver.statics.edges import area_on_edge, damping_on_edge
+from solver.statics.rocking import area_on_edge, damping_on_edge
 
 WHOLE = 0.5  # of the width: a rim so wide leaves nothing open
 

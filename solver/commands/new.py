@@ -18,8 +18,7 @@ from ..models.column.model import Column
 from ..models.column.rest import check_rest
 from ..models.structure.blocks.meshes import UP
 from ..models.structure.model import Structure
-from ..statics.edges import column_damping_on_edge
-from ..statics.rocking import critical_damping, restitution_sentence
+from ..statics.rocking import column_damping_on_edge, critical_damping, restitution_sentence
 from .command_files import add_force, check_suffix
 from .new_contacts import EVERYWHERE, Touching, asked_contact, rim_lines, strips_of
 from .new_mesh import new_from_mesh

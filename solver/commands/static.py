@@ -14,8 +14,8 @@ from ..models.column.modes import Modes, natural_modes
 from ..models.column.rest import check_stable
 from ..models.structure.model import Structure
 from ..models.structure.modes import SpatialModes, modes_in_space
-from ..models.structure.plausible import known_warnings_in_space
 from ..models.structure.push import PushOver, push_over
+from ..models.structure.rest import known_warnings_in_space
 from ..statics.capacity import CapacityCurve, capacity_curve, rest_of
 from .command_files import (
     PICTURES,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Iterable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from .errors import InputWarning
 
@@ -36,10 +36,7 @@ class Facts(NamedTuple):
     loaded: Sequence[bool]  # whether the mass includes a load without volume
     height: Numbers  # m
     g: float  # m/s2
-    stiffness: Numbers  # N/m3
-    damping: Numbers  # s
-    friction: Sequence[float | None]
-    strength: Sequence[float | None]  # Pa
+    laws: Sequence[Any]  # with stiffness (N/m3), damping (s), friction, strength (Pa); the last two may be None
     area: Numbers  # m2
     upper: Sequence[int]  # index of the block on each joint
     carried: Numbers  # N, force on each joint at rest; empty if no rest was computed
@@ -54,9 +51,10 @@ def lines_of(facts: Facts) -> list[str]:
     if g and not GRAVITIES[0] <= g <= GRAVITIES[1]:
         lines.append(f"g = {g:g}: should be {GRAVITIES[0]:g} to {GRAVITIES[1]:g} on Earth; g is in m/s2")
     if ratio > facts.most_damped:
-        i = facts.damping.index(max(facts.damping))
+        damping = [law.damping for law in facts.laws]
+        i = damping.index(max(damping))
         lines.append(
-            f"{facts.joint_key(i)}.damping = {facts.damping[i]:g}: the first mode has {ratio:.3g} of critical "
+            f"{facts.joint_key(i)}.damping = {damping[i]:g}: the first mode has {ratio:.3g} of critical "
             f"damping, should be {facts.most_damped:g} at most; damping is a time in s, not a ratio"
         )
     return lines
@@ -100,15 +98,15 @@ def _at_rest(facts: Facts) -> list[str]:
     lines: list[str] = []
     if not len(facts.carried):
         return lines
-    each = list(zip(facts.carried, facts.area, facts.stiffness, facts.upper, strict=True))
+    each = list(zip(facts.carried, facts.area, facts.laws, facts.upper, strict=True))
     # settlement relative to the height of the block
-    settled = [carried / (stiffness * area) for carried, area, stiffness, _ in each]
+    settled = [carried / (law.stiffness * area) for carried, area, law, _ in each]
     part = [own / facts.height[upper] for own, (_, _, _, upper) in zip(settled, each, strict=True)]
     i = part.index(max(part))
     if part[i] > MOST_SETTLED:
         lines.append(
-            f"{facts.joint_key(i)}.stiffness = {facts.stiffness[i]:g}: {facts.block_name(facts.upper[i])} settles by "
-            f"{settled[i]:.3g} m at rest, {part[i]:.2g} of its height; {UNITS_OF_STIFFNESS}"
+            f"{facts.joint_key(i)}.stiffness = {facts.laws[i].stiffness:g}: {facts.block_name(facts.upper[i])} settles "
+            f"by {settled[i]:.3g} m at rest, {part[i]:.2g} of its height; {UNITS_OF_STIFFNESS}"
         )
     # pressure
     pressure = [carried / area for carried, area, _, _ in each]
@@ -125,7 +123,7 @@ def _of_laws(facts: Facts) -> list[str]:
     """Check friction and strength."""
     lines = []
     # the largest coefficient of friction
-    friction = [value or 0.0 for value in facts.friction]
+    friction = [law.friction or 0.0 for law in facts.laws]
     i = friction.index(max(friction)) if friction else 0
     if friction and friction[i] > MOST_FRICTION:
         lines.append(
@@ -133,7 +131,7 @@ def _of_laws(facts: Facts) -> list[str]:
             "coefficient, not an angle in degrees"
         )
     # the least strength
-    strength = [math.inf if value is None else value for value in facts.strength]
+    strength = [math.inf if law.strength is None else law.strength for law in facts.laws]
     i = strength.index(min(strength)) if strength else 0
     if strength and strength[i] < LEAST_STRENGTH:
         lines.append(

@@ -13,8 +13,8 @@ import numpy as np
 from ..common.errors import InputError
 from ..ground.motion import Motion
 from .outputs import FloatArray, peaks_by_name
-from .protocol import Kept, Kind, Plan, kept_peaks
-from .still_base import Settling, settled
+from .protocol import OF_RUN, Kept, Kind, Plan, kept_peaks
+from .still_base import Settling, conclude
 
 NOT_YET = -1.0  # s, the value that stands for no fall
 INPUTS = 2  # the acceleration of the base and its slope
@@ -175,24 +175,14 @@ class Driven(Settling):
 
 
 class Driving(Kind):
-    """A kind of models that are stepped in Python.
+    """A kind of models that are stepped in Python."""
 
-    Attributes
-    ----------
-    stepper : type
-        The class that steps a model.
-    response : type
-        The class of its results, with a table of outputs.
-    """
-
-    stepper: type[Driven]
-    response: type[Any]
+    stepper: type[Driven]  # steps a model
+    response: type[Any]  # of the results, with a table of outputs
 
     def __init_subclass__(cls) -> None:
         cls.outputs = cls.response.outputs
-        results = {"verdict": Kept(kind=np.uint8), "path": Kept(kind=np.uint8), "overturn_time": Kept("s", np.float64)}
-        results |= {"fallen": Kept(kind=np.int64), "steps": Kept(kind=np.int64)}
-        cls.kept = {**kept_peaks(cls.outputs), **results}
+        cls.kept = {**kept_peaks(cls.outputs), **OF_RUN, "fallen": Kept(kind=np.int64)}
 
     def single_run(self, model: Any, plan: Plan) -> tuple[Any, FloatArray]:
         """Follow a model through the motion, then on the still base.
@@ -211,11 +201,8 @@ class Driving(Kind):
             if plan.callback is not None:
                 plan.callback(t, body)
         body.advance(t, stop - t)
-        # the verdict, on a still base
-        peaks = peaks_by_name(self.outputs, model.sizes, body.visible_peaks)
-        verdict = settled(body, stop, plan.settle)
-        stats = {"steps": body.counts.steps, "settled_for": verdict.time - stop}
+        peaks, stats = peaks_by_name(self.outputs, model.sizes, body.visible_peaks), {"steps": body.counts.steps}
         found = self.response(model, np.array(rows), time=plan.times, peaks=peaks, stats=stats, motion=plan.motion)
-        found.verdict, found.reason, found.overturn_time = verdict.word, verdict.reason, body.fall_time
-        found.fallen, found.what_fell = body.fallen, body.what_fell
+        # the verdict, on a still base
+        conclude(found, body, stop, plan.settle)
         return found, getattr(found, self.largest)

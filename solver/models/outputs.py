@@ -167,19 +167,7 @@ def check_digits(key: str, digits: int) -> int:
 
 
 def places_of(outputs: Sequence[Output], sizes: Mapping[str, int]) -> Mapping[str, slice]:
-    """Return the slice of each field in an output row, or in the peaks.
-
-    Parameters
-    ----------
-    outputs : sequence of Output
-        The table of outputs.
-    sizes : mapping of str to int
-        The number of owners of each kind, as in `Model.sizes`.
-
-    Returns
-    -------
-    mapping of str to slice
-    """
+    """Return the slice of each field in an output row, or in the peaks; `sizes` are those of `Model.sizes`."""
     return _places(tuple(outputs), tuple(sizes.items()))
 
 
@@ -194,16 +182,9 @@ def _places(outputs: tuple[Output, ...], sizes: tuple[tuple[str, int], ...]) -> 
 
 
 def visible_peaks(outputs: Sequence[Output], sizes: Mapping[str, int], peaks: FloatArray) -> FloatArray:
-    """Convert the peaks that kernels store to those shown to users; a copy.
+    """Convert the peaks that kernels store, 1 - value for outputs `by_least`, to those shown to users; a copy.
 
-    Parameters
-    ----------
-    outputs : sequence of Output
-        The table of outputs.
-    sizes : mapping of str to int
-        The number of owners of each kind, as in `Model.sizes`.
-    peaks : ndarray
-        The peaks of the kernels, in the order of the outputs; 1 - value for outputs `by_least`.
+    They are in the order of the outputs; `sizes` are those of `Model.sizes`.
     """
     visible, places = peaks.copy(), places_of(outputs, sizes)
     for field in (output.field for output in outputs if output.by_least):

@@ -32,21 +32,9 @@ class Released(NamedTuple):
 
 
 def ports_from(data: Mapping[str, Any], names: Sequence[str], point: Point) -> tuple[Port, ...]:
-    """Read the ports in the tables `port` of a file.
+    """Read the ports in the tables `port` of a file, on blocks of these names; `point` makes coordinates (m) of `at`.
 
-    Parameters
-    ----------
-    data : mapping
-        The content of the file.
-    names : sequence of str
-        The names of the blocks.
-    point : callable
-        Converts the value of `at` to coordinates (m).
-
-    Raises
-    ------
-    InputError
-        If a table or name is invalid.
+    Raises InputError if a table or name is invalid.
     """
     found: dict[str, Port] = {}
     tables = data.get("port", [])

@@ -67,21 +67,20 @@ class Verdict(NamedTuple):
 
 
 class Kept(NamedTuple):
-    """A result of a run that can be stored.
-
-    Attributes
-    ----------
-    unit : str
-        The unit.
-    kind : type or None
-        The type of a single value, or None for a number of each owner.
-    of : str
-        The owner: block, joint, tie or base (`Model.sizes`).
-    """
+    """A result of a run that can be stored."""
 
     unit: str = ""
-    kind: Any = None
+    kind: Any = None  # the type of a single value; None: a number of each owner
     of: str = "block"  # or joint, tie, base: see Model.sizes
+
+
+# results of every run; verdict and path are codes of WORDS
+OF_RUN = {
+    "verdict": Kept(kind=np.uint8),
+    "overturn_time": Kept("s", np.float64),
+    "steps": Kept(kind=np.int64),
+    "path": Kept(kind=np.uint8),
+}
 
 
 def kept_peaks(outputs: Sequence[Output]) -> dict[str, Kept]:
@@ -93,21 +92,11 @@ def kept_peaks(outputs: Sequence[Output]) -> dict[str, Kept]:
 
 
 class Lanes(NamedTuple):
-    """The use of lanes for runs of a model.
+    """The use of lanes for runs of a model."""
 
-    Attributes
-    ----------
-    why_not : str
-        The reason against lanes, "" if they are used.
-    share : hashable
-        The key that runs in common lanes share.
-    first_step : float
-        The length of the first step (s).
-    """
-
-    why_not: str
-    share: Hashable
-    first_step: float
+    why_not: str  # the reason against lanes, "" if they are used
+    share: Hashable  # the key that runs in common lanes share
+    first_step: float  # s
 
 
 class Work(NamedTuple):
@@ -123,21 +112,11 @@ class Work(NamedTuple):
 
 @dataclass(frozen=True)
 class Settings:
-    """The settings of every model.
+    """The settings of every model."""
 
-    Attributes
-    ----------
-    tolerance : float
-        The relative error of a run.
-    integrator : str
-        The integrator.
-    without : tuple of str
-        The omitted features, in the words of the kind.
-    """
-
-    tolerance: float = 1e-6
+    tolerance: float = 1e-6  # relative error of a run
     integrator: str = ""
-    without: tuple[str, ...] = ()
+    without: tuple[str, ...] = ()  # omitted features, in the words of the kind
 
 
 class Law(Protocol):
@@ -404,19 +383,9 @@ class Kind:
         return [name]
 
     def with_numbers(self, model: Any, values: Mapping[str, tuple[float, bool]]) -> Any:
-        """Return a copy of a model with other numbers.
+        """Return a copy of a model with other numbers by name: the number, and whether it is a factor on its value.
 
-        Parameters
-        ----------
-        model : Model
-            The model.
-        values : mapping
-            Name -> (number, whether it is a factor on the present value).
-
-        Raises
-        ------
-        InputError
-            If a name or number is invalid.
+        Raises InputError if a name or number is invalid.
         """
         fields = {name.rpartition(".")[2]: value for name, value in values.items()}
         missing = next((key for key, (_, times) in fields.items() if times and getattr(model, key) is None), None)

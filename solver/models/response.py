@@ -1,4 +1,4 @@
-"""The responses of all models: verdict, error estimates, conversion to frames and files."""
+"""The results of all models, responses and modes: verdict, error estimates, conversion to frames and files."""
 
 from __future__ import annotations
 
@@ -9,13 +9,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..common.aliases import Renamed, aliases_of
+from ..common.files import write_table
 from ..common.frames import Frame, Framed
 from ..common.notebook import Shown, counted
 from ..ground.motion import Motion
 from .outputs import DIGITS, JOINT, FloatArray, Histories, units_of
-from .pictures import Pictures, pictures_of, scenes_of
+from .pictures import Pictures, PicturesOfModes, pictures_of, scenes_of
 from .protocol import SCALAR, UNDECIDED
 from .uncertainty import Ensemble, ErrorEstimate
 
@@ -91,7 +93,7 @@ class Result(Histories, Framed, Shown):
         return ()
 
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
-        """Write time and every history with `digits` significant digits.
+        """Write time and every history with `digits` significant digits, under names such as block[1].ux, base.Fx.
 
         Raises InputError for invalid `digits`, OSError.
         """
@@ -217,3 +219,42 @@ class Result(Histories, Framed, Shown):
         of = {output.key: self.dimensions.get(output.owner, output.owner) for output in seen}
         labels = {self.dimensions.get(owner, owner): names for owner, names in self.labels.items()}
         return Frame(("time", self.time), columns, units_of(seen), attributes, of, labels)
+
+
+class ModeTable(Framed):
+    """The modes of a model as a table, a row for each; a subclass has the columns, and the model's frequencies (Hz)."""
+
+    model: Any
+    frequency: FloatArray
+    units: ClassVar[Mapping[str, str]]
+
+    @property
+    def _columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: a number of each mode, (modes,), or of the blocks in it, (modes, n)."""
+        raise NotImplementedError
+
+    def _frame(self) -> Frame:
+        index = "mode", np.arange(1, len(self.frequency) + 1)
+        return Frame(index, self._columns, self.units, {self.model.kind.word: self.model.name})
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a row for each mode: frequency, damping ratio, effective masses, shape.
+
+        Raises OSError if the file cannot be written.
+        """
+        labels = getattr(self.model, "names", range(1, self.model.n + 1))  # blocks of a column have numbers
+        names, parts = ["mode"], []
+        for name, values in self._columns.items():
+            if values.dtype.kind == "f":
+                names += [name] if values.ndim == 1 else [f"block[{label}].{name}" for label in labels]
+                parts.append(values.reshape(len(values), -1))
+        rows = enumerate(np.hstack(parts), start=1)
+        write_table(path, names, ([k, *map(repr, map(float, row))] for k, row in rows))
+
+    def plot(self, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:
+        """Draw the first `most` shapes, and save them to `path` if given.
+
+        Raises InputError without matplotlib (the extra `plot`), OSError.
+        """
+        pictures: PicturesOfModes = pictures_of(self)
+        return pictures.plot_modes(self, path, most)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Protocol
+from typing import Any, Protocol
 
 from ..common.errors import SolverError
 from .protocol import OVERTURNED, STANDING, UNDECIDED, Verdict
@@ -15,12 +15,16 @@ class Settling(Protocol):
     """A model in motion whose base has come to rest."""
 
     @property
+    def fallen(self) -> int:
+        """The number of the block that has fallen; 0 without a fall."""
+
+    @property
     def what_fell(self) -> str:
         """The parts that have fallen, in words, such as "block 2 over joint 2"; "" without a fall."""
 
     @property
     def fall_time(self) -> float:
-        """The time of the fall (s)."""
+        """The time of the fall (s); NaN without a fall."""
 
     @property
     def unclear(self) -> str:
@@ -42,17 +46,7 @@ class Settling(Protocol):
 
 
 def settled(model: Settling, stop: float, settle: float) -> Verdict:
-    """Determine the verdict on a run.
-
-    Parameters
-    ----------
-    model : Settling
-        The model at the end of the run.
-    stop : float
-        The time of the end of the run (s).
-    settle : float
-        The longest time that the model is followed after the end (s).
-    """
+    """Determine the verdict on a run that ended at time `stop` (s), after at most `settle` (s) on a still base."""
     t = stop
     # alternate checks of the energy and pieces of motion
     while not model.what_fell:
@@ -70,3 +64,11 @@ def settled(model: Settling, stop: float, settle: float) -> Verdict:
     later = model.fall_time - stop
     when = f"{later:.4g} s after the end of the run" if later > 0.0 else "within the run"
     return Verdict(OVERTURNED, f"{model.what_fell}, {when}", max(t, stop))
+
+
+def conclude(response: Any, model: Settling, stop: float, settle: float) -> None:
+    """Determine the verdict on a run, and enter it and the fall into its response; the rest as in `settled`."""
+    verdict = settled(model, stop, settle)
+    response.verdict, response.reason = verdict.word, verdict.reason
+    response.fallen, response.what_fell, response.overturn_time = model.fallen, model.what_fell, model.fall_time
+    response.stats["settled_for"] = verdict.time - stop

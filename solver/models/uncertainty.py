@@ -142,16 +142,7 @@ LEAST_CHANGE, MOST_CHANGE = 1e-3, 1e3  # of a value by its factor; the valid ran
 def vary(model: Any, motion: Motion, spread: Spread, rng: np.random.Generator) -> tuple[Any, Motion]:
     """Return a model (protocol.py) and a motion with varied data, all as likely as the given ones.
 
-    Parameters
-    ----------
-    model : Model
-        The model.
-    motion : Motion
-        The motion of the base.
-    spread : Spread
-        The standard deviations of the factors.
-    rng : numpy.random.Generator
-        The source of random numbers.
+    Factors have the standard deviations of `spread`; `rng` draws them.
     """
 
     def factors(size: float, count: int) -> list[float]:
@@ -173,19 +164,7 @@ class Varied(NamedTuple):
 
 
 def ensemble_from(runs: Sequence[Varied], spread: Spread, time: FloatArray, in_lanes: bool) -> Ensemble:
-    """Make the ensemble of varied runs.
-
-    Parameters
-    ----------
-    runs : sequence of Varied
-        The runs.
-    spread : Spread
-        The spread of their data.
-    time : ndarray of shape (nt,)
-        The times of their rows (s).
-    in_lanes : bool
-        Whether they were made in lanes.
-    """
+    """Make the ensemble of runs with data of a spread, and rows at times (nt,), s; `in_lanes`: made in lanes."""
     moved, overturn_time = (np.array([getattr(run, name) for run in runs]) for name in ("peaks", "overturn_time"))
     stands = np.array([run.verdict != "overturned" for run in runs])
     ux = np.array([run.ux for run in runs])

@@ -57,25 +57,13 @@ class Chunk:
 
 @dataclass
 class Tally:
-    """The record of how runs were made.
+    """The record of how runs were made."""
 
-    Attributes
-    ----------
-    paths : Counter
-        Number of runs by path, in lanes or scalar.
-    why_scalar : Counter
-        Number of scalar runs by reason.
-    failures, warnings : dict of int to str
-        Messages by the number of the run.
-    seconds : float
-        Wall-clock time, s.
-    """
-
-    paths: Counter[str] = field(default_factory=Counter)
-    why_scalar: Counter[str] = field(default_factory=Counter)
-    failures: dict[int, str] = field(default_factory=dict)
+    paths: Counter[str] = field(default_factory=Counter)  # runs by path, in lanes or scalar
+    why_scalar: Counter[str] = field(default_factory=Counter)  # scalar runs by reason
+    failures: dict[int, str] = field(default_factory=dict)  # messages by the number of the run
     warnings: dict[int, str] = field(default_factory=dict)
-    seconds: float = 0.0
+    seconds: float = 0.0  # of wall-clock time
 
 
 Made = tuple[Table, Tally]
@@ -86,24 +74,9 @@ class Stopped(Exception):  # noqa: N818  nothing went wrong
 
 
 def make_runs(chunk: Chunk, flag: FloatArray | None = None) -> Made:
-    """Make the runs of a chunk in one thread.
+    """Make the runs of a chunk in one thread; a flag (1,) that is set from outside stops them soon.
 
-    Parameters
-    ----------
-    chunk : Chunk
-    flag : array (1,), optional
-        Set to a value other than zero from outside, it stops the runs soon.
-
-    Returns
-    -------
-    tuple of Table and Tally
-
-    Raises
-    ------
-    InputError
-        If a model cannot stand.
-    Stopped
-        If the flag was set.
+    Raises InputError if a model cannot stand, Stopped if the flag was set.
     """
     with my_turn():
         chunk.kind.load(chunk.runs[0].model, chunk.keep)

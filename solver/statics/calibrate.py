@@ -34,9 +34,9 @@ from ..common.text_tables import check_times, from_zero, table_of
 from ..models.column.model import Column
 from ..models.column.modes import modes_about_rest
 from ..models.column.packing import FloatArray
-from .edges import column_damping_on_edge as column_damping_on_edge
-from .edges import damping_on_edge as damping_on_edge
 from .rocking import RELEASE, housner_restitution, pulled_aside, restitution, restitution_from, rocking_part
+from .rocking import column_damping_on_edge as column_damping_on_edge
+from .rocking import damping_on_edge as damping_on_edge
 
 ETAS = np.geomspace(1e-6, 10.0, 15)  # s, dampings that bracket the solution
 DIGITS = 1e-6  # relative tolerance of eta
@@ -294,8 +294,8 @@ def _warned(fit: ModulusFit) -> ModulusFit:
     return fit
 
 
-def _warn(line: str) -> None:
-    warnings.warn(line, InputWarning, stacklevel=4)
+def _warn(line: str, level: int = 4) -> None:
+    warnings.warn(line, InputWarning, stacklevel=level)
 
 
 def sway_frequencies(column: Column) -> FloatArray:
@@ -392,25 +392,16 @@ def damping_from_restitution(column: Column, wanted: float | None = None, releas
     k = crossed[0]
     if len(crossed) > 1:
         others = " and ".join(f"{ETAS[j]:.2g} to {ETAS[j + 1]:.2g} s" for j in crossed[1:])
-        warnings.warn(
-            f"restitution = {wanted:.6g}: damping from {others} has it as well, the least is taken; it is not "
-            f"monotone: {curve}",
-            InputWarning,
-            stacklevel=2,
-        )
+        least = "has it as well, the least is taken; it is not monotone"
+        _warn(f"restitution = {wanted:.6g}: damping from {others} {least}: {curve}", 3)
     eta = math.exp(float(brentq(above, logarithms[k], logarithms[k + 1], xtol=DIGITS)))
     if eta > most:
-        beyond = (
-            f"restitution = {wanted:.6g}: takes damping = {eta:.3g} s, beyond the critical one, {most:.3g} s in the "
-        )
+        critical = f"the critical one, {most:.3g} s in the first mode"
+        beyond = f"restitution = {wanted:.6g}: takes damping = {eta:.3g} s, beyond {critical}"
         if rigid:
             nearest = wanted + above(math.log(most))
-            raise InputError(f"{beyond}first mode: the nearest up to it is {nearest:.4g}, of damping = {most:.3g} s")
-        warnings.warn(
-            f"{beyond}first mode: joints that no block has; a rim has it at less (--rim auto)",
-            InputWarning,
-            stacklevel=2,
-        )
+            raise InputError(f"{beyond}: the nearest up to it is {nearest:.4g}, of damping = {most:.3g} s")
+        _warn(f"{beyond}: joints that no block has; a rim has it at less (--rim auto)", 3)
     return eta
 
 
@@ -488,7 +479,7 @@ def rim_from_restitution(column: Column, wanted: float | None = None, release: f
         raise InputError(
             f"{line}; softer joints lose more, and so do bases long across the motion, or strips at their edges"
         )
-    warnings.warn(line, InputWarning, stacklevel=2)
+    _warn(line, 3)
     return nearest
 
 

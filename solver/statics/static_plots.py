@@ -26,21 +26,9 @@ TURNED, RAISED = 0.3, 0.1  # rad, and part of the lowest block's height: largest
 
 
 def plot_modes(modes: Modes, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:
-    """Draw the shapes of the first modes.
+    """Draw the shapes of the first modes, at most `most`, and save the picture to `path` if given.
 
-    Parameters
-    ----------
-    modes : Modes
-        The modes.
-    path : str or path, optional
-        File to which the picture is saved.
-    most : int
-        Largest number of modes drawn.
-
-    Raises
-    ------
-    InputError, OSError
-        As `save` does.
+    Raises InputError, OSError as `save` does.
     """
     count = min(most, len(modes.frequency))
     figure = Figure(figsize=(max(4.0, 0.4 + 1.9 * count), 5.5), layout="constrained")
@@ -152,13 +140,6 @@ def spread(wanted: Sequence[float], gap: float, low: float, high: float) -> list
     """Return heights for labels near the wanted ones, from the highest down, at least `gap` apart.
 
     They lie between `low` and `high` if there is room.
-
-    Parameters
-    ----------
-    wanted : sequence of float
-        Wanted heights, descending.
-    gap, low, high : float
-        Least distance, and limits, in the units of `wanted`.
     """
     places: list[float] = []
     for height in wanted:

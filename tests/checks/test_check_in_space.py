@@ -36,7 +36,7 @@ from solver.commands.command_line import main
 from solver.models.protocol import SETTLE, WORDS
 from solver.models.structure.blocks.faces import Face
 from solver.models.structure.blocks.shapes import rectangle
-from solver.models.structure.planar import column_of
+from solver.models.structure.stack import column_of
 from solver.runs.table import Table
 
 G = 9.80665

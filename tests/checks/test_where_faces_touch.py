@@ -12,7 +12,7 @@ from support.fmus import ROOT
 
 from multiblock import Plan, check, housner_restitution, natural_frequencies, restitution
 from solver.models.structure.modes import modes_in_space
-from solver.statics.edges import damping_on_edge
+from solver.statics.rocking import damping_on_edge
 
 EXAMPLE = ROOT / "examples" / "structures" / "where_faces_touch.py"
 FACES = ("whole", "rim", "feet")

@@ -16,7 +16,7 @@ from solver.commands.new_structures import BUILT
 from solver.models.column.materials import DRY_JOINT, MATERIALS
 from solver.models.structure.rest import rest_of
 from solver.statics.calibrate import with_joints, with_rim
-from solver.statics.edges import column_damping_on_edge
+from solver.statics.rocking import column_damping_on_edge
 
 
 def ask(monkeypatch: pytest.MonkeyPatch, path: Path, *answers: str) -> int:

@@ -22,7 +22,7 @@ from solver.models.column.linearization import StillColumn
 from solver.models.column.numbers import column_with
 from solver.models.column.run import phase_of
 from solver.models.column.stepper import Stepper
-from solver.models.structure.planar import column_of
+from solver.models.structure.stack import column_of
 from solver.statics.capacity import capacity_curve
 
 examples = settings(deadline=None, max_examples=150, derandomize=True)

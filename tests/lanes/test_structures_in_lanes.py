@@ -16,9 +16,9 @@ from solver import simulate
 from solver.ground.motion import Motion
 from solver.models.protocol import Run
 from solver.models.structure.builders import arch, colonnade
-from solver.models.structure.kept import FROM_LANES
 from solver.models.structure.lanes import follow_in_lanes
 from solver.models.structure.model import Structure
+from solver.models.structure.outputs import FROM_LANES
 from solver.models.structure.rest import rest_of
 from solver.runs.many import simulate_many
 

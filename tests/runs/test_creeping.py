@@ -11,12 +11,18 @@ from support.barriers import barrier
 from support.probe import G, monolith, phocas, settled
 
 from solver import Column, InitialState, Motion, simulate
-from solver.models.column.creeping import SHARE, levers_left, on_its_axis
 from solver.models.column.kinematics import Chain
 from solver.models.column.leaning import PARTS, least_energy
 from solver.models.column.run import phase_of
 from solver.models.column.stepper import Stepper
-from solver.models.column.verdict import CREEPS, cannot_fall, creeps_no_further
+from solver.models.column.verdict import (
+    CREEPS,
+    CREEPS_UNDER,
+    cannot_fall,
+    creeps_no_further,
+    levers_left,
+    on_its_axis,
+)
 
 
 def rough(column: Column, friction: float | None, offsets: np.ndarray | None = None, **others: float) -> Column:
@@ -44,7 +50,7 @@ def test_a_block_may_slide_by_its_energy_over_the_friction() -> None:
     column = rough(monolith(eta=1e-3), 0.4)
     weight, half = 81000.0 * G, 0.78
     assert levers_left(column, np.array([-0.1]), 0.0) == pytest.approx(1.0 - 0.1 / half, rel=1e-12)
-    reach = 2000.0 / (SHARE * 0.4 * weight)
+    reach = 2000.0 / (CREEPS_UNDER * 0.4 * weight)
     assert levers_left(column, np.array([0.1]), 2000.0) == pytest.approx(1.0 - (0.1 + reach) / half, rel=1e-12)
     pinned = rough(monolith(eta=1e-3), 1e-6, dowel=5e4)
     assert levers_left(pinned, np.zeros(1), 2000.0) == pytest.approx(1.0 - 2000.0 / 5e4 / half, rel=1e-6)

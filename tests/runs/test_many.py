@@ -17,8 +17,7 @@ from support.probe import PHOCAS_STIFFNESS, G, monolith, phocas
 
 from solver import Block, Column, InputError, Joint, Motion, Table, simulate, simulate_many
 from solver.common.turns import my_turn, others_turn
-from solver.models.column.kept import KEPT, WATCHED
-from solver.models.column.outputs import OUTPUTS
+from solver.models.column.outputs import KEPT, OUTPUTS, WATCHED
 from solver.runs.many import ExecutorError, parts_of_many
 from solver.runs.pace import MOST_RUNS
 

@@ -19,7 +19,7 @@ from solver.models.column.model import Column
 from solver.models.structure.blocks.hulls import bulk_of, checked, convex_surface, hull_of
 from solver.models.structure.hull_tables import with_hulls
 from solver.models.structure.overlap import deepest_overlap
-from solver.models.structure.planar import column_of
+from solver.models.structure.stack import column_of
 from solver.plotting.structures import structure_picture
 
 EXAMPLES = ROOT / "examples" / "structures"

@@ -13,8 +13,8 @@ from support.structures import stack
 from solver import Column, InputError, Response, simulate
 from solver.ground.motion import Motion
 from solver.models.structure.model import Structure
-from solver.models.structure.planar import column_of
 from solver.models.structure.response import SpatialResponse
+from solver.models.structure.stack import column_of
 
 MOTION = Motion.harmonic(0.05 * G, 2.0, 1.0)
 

@@ -10,7 +10,7 @@ from support.probe import phocas
 
 from solver import Column, InputError, SolverError, natural_frequencies
 from solver.models.column.stepper import Stepper
-from solver.models.paper.stability import longest_stable_step
+from solver.models.paper.kind import longest_stable_step
 
 
 def elastic_growth(column: Column, step: float) -> float:

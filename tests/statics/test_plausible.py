@@ -13,7 +13,7 @@ from support.fmus import ROOT
 from multiblock import Column, InputWarning, Motion, Structure, modes_in_space, simulate, simulate_many
 from solver.ground.plausible import check_strength
 from solver.models.column.rest import warnings_of
-from solver.models.structure.plausible import known_warnings_in_space
+from solver.models.structure.rest import known_warnings_in_space
 from solver.studies import Study
 from solver.studies.execution import run_study
 
@@ -63,6 +63,13 @@ def test_the_first_damping_ratio_is_that_of_the_modes() -> None:
     (line,) = known_warnings_in_space(structure)
     said = float(line.partition("first mode has ")[2].split()[0])
     assert said == pytest.approx(ratio, rel=1e-2)  # three digits; measured: 3e-5 before they are rounded
+
+
+def test_the_stiffness_of_a_tie_is_no_damping() -> None:
+    tie = {"between": ["stone", "base"], "from": [0.45, 0.0, 0.5], "to": [2.0, 0.0, 0.0], "tension_only": False}
+    stone = {"name": "stone", "on": "base", **SIZES, "density": 2700.0}
+    data = {"name": "tied", "joints": {**LAW, "damping": 1e-4}, "block": [stone], "tie": [{**tie, "stiffness": 1e7}]}
+    assert known_warnings_in_space(Structure.from_dict(data)) == ()
 
 
 def test_what_is_sound_is_not_warned_of() -> None:

@@ -13,8 +13,14 @@ import pytest
 from solver import Block, Column, InitialState, InputError, InputWarning, Joint, Motion, Settings, simulate
 from solver.commands.command_line import main
 from solver.statics.calibrate import rim_from_restitution, with_joints, with_rim
-from solver.statics.edges import area_on_edge, column_damping_on_edge, damping_on_edge
-from solver.statics.rocking import housner_restitution, pulled_aside, restitution
+from solver.statics.rocking import (
+    area_on_edge,
+    column_damping_on_edge,
+    damping_on_edge,
+    housner_restitution,
+    pulled_aside,
+    restitution,
+)
 
 WIDTH, HEIGHT = 0.5, 1.9  # m
 ALPHA = math.atan2(WIDTH, HEIGHT)

@@ -13,7 +13,7 @@ from solver.models.structure.blocks.parts import Joint
 from solver.models.structure.model import Structure
 from solver.models.structure.response import SpatialResponse
 from solver.models.structure.run import SpatialState, single_run
-from solver.statics.edges import damping_on_edge
+from solver.statics.rocking import damping_on_edge
 
 MODULUS = 533.0 * 9.80665e6  # N/m3, of the paper's column
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from multiblock import InputError, Motion, SpatialState, Structure, arch, push_over, simulate
 from solver.models.structure.rest import rest_of
-from solver.statics.edges import damping_on_edge
+from solver.statics.rocking import damping_on_edge
 
 from ..case import Case, Outcome
 from ..limits import largest_push

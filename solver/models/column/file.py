@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from ...common.errors import InputError, InputWarning, check_number, check_whole, shown
 from ...common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, check_keys
-from ...common.tables import PLACE
+from ...common.tables import PLACE, check_table
 from ..ports import ports_from
 from .block import BLOCK_SECTIONS, Block, Joint, check_block
 from .materials import MATERIALS, Material
@@ -89,15 +89,13 @@ def has_blocks_in_space(data: Mapping[str, Any]) -> bool:
     return any({"on", "position", "shape"} & table.keys() for table in blocks)
 
 
-def _table(key: str, data: Mapping[str, Any], known: Collection[str]) -> Mapping[str, Any]:
+def _table(key: str, data: Mapping[str, Any], known: Sequence[str]) -> Mapping[str, Any]:
     """Return the optional table under the last part of `key`, empty if absent.
 
     Raises InputError if it has keys that are not `known`.
     """
-    table = data.get(key.rpartition(".")[2], {})
-    if not isinstance(table, Mapping):
-        raise InputError(f"{key} = {shown(table)}: must be a table with the keys {', '.join(known)}")
-    check_keys(f"{key}.", table, known)
+    table: Mapping[str, Any] = data.get(key.rpartition(".")[2], {})
+    check_table(f"{key}.", table, known)
     return table
 
 
@@ -244,9 +242,7 @@ def _faces_from(key: str, table: Mapping[str, Any], section: str) -> dict[str, f
 def _loaded(key: str, table: Mapping[str, Any], block: Block) -> Block:
     """Return the block with a load that rests on it and rotates with it."""
     load = table["load"]
-    if not isinstance(load, Mapping):
-        raise InputError(f"{key}.load = {shown(load)}: must be a table with the keys {', '.join(_LOAD_KEYS)}")
-    check_keys(f"{key}.load.", load, _LOAD_KEYS)
+    check_table(f"{key}.load.", load, _LOAD_KEYS)
     above = _number(f"{key}.load", load, "above") if "above" in load else 0.0
     mass, centroid, inertia = with_load(
         block.mass,
@@ -278,16 +274,9 @@ def plain(items: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def with_load(mass: float, centroid: float, inertia: float, load: float, place: float) -> tuple[float, float, float]:
-    """Return mass (kg), centroid (m) and inertia (kg m2) of a body with a load, a point mass.
+    """Return mass (kg), centroid (m above the bottom face) and inertia (kg m2) of a body with a point mass on it.
 
-    Parameters
-    ----------
-    mass, centroid, inertia : float
-        The properties of the body (kg, m above its bottom face, kg m2).
-    load : float
-        The mass of the load (kg).
-    place : float
-        The height of the load above the bottom face (m).
+    The load (kg) is at the height `place` above the bottom face (m); the first three arguments are those of the body.
     """
     both = mass + load
     middle = (mass * centroid + load * place) / both

@@ -19,14 +19,13 @@ from ...kernels.layout import spaces
 from ...kernels.machine.library import load
 from ..protocol import LANES, LOADED, OVERTURNED, Kind, Lanes, Plan, Run, Work, code_of, output_times
 from ..uncertainty import Varied
-from .kept import KEPT, KEYS, WATCHED
 from .kinematics import Chain, chain_of
 from .lane_policy import HELD, IN_LANES, first_step_of, kind_of, why_not_in_lanes
-from .lanes import BatchResult, LaneKernels, follow_in_lanes, lanes_of, load_kernels
+from .lanes import LaneKernels, follow_in_lanes, lanes_of, load_kernels
 from .model import Column
 from .numbers import column_with, is_of_column, single_names
-from .outputs import OUTPUTS
-from .packing import FloatArray, IntArray
+from .outputs import KEPT, KEYS, OUTPUTS, WATCHED
+from .packing import FloatArray
 from .response import Response
 from .rest import check_stable, known_warnings, warnings_of
 from .run import outcome, single_run
@@ -39,24 +38,12 @@ ALONE = 10.0  # cost of a run alone, relative to lanes
 
 
 class Columns(Kind):
-    """The kind of columns in their plane, with finite rotations; models/paper/kind.py has other equations.
+    """The kind of columns in their plane, with finite rotations; models/paper/kind.py has other equations."""
 
-    Attributes
-    ----------
-    entries : module
-        The kernels.
-    chain : type
-        The interpretation of a phase.
-    own_lanes : LaneKernels or None
-        The only kind of lanes; None: those of lanes.py.
-    fixed : bool
-        Whether the steps are those of the settings.
-    """
-
-    entries: ModuleType = entries
-    chain: type[Chain] = Chain
-    own_lanes: LaneKernels | None = None
-    fixed = False
+    entries: ModuleType = entries  # the kernels
+    chain: type[Chain] = Chain  # what a phase means
+    own_lanes: LaneKernels | None = None  # the only kind of lanes; None: those of lanes.py
+    fixed = False  # whether the steps are those of the settings
     takes_loads = True
     why_not = staticmethod(why_not_in_lanes)
 
@@ -133,7 +120,14 @@ class Columns(Kind):
             left = {name: np.array(_at_the_end(name, chain, batch.ends)) for name in _left(keep)}
         for values in left.values():
             values[batch.fallen > 0] = math.nan
-        words, times, joints = _verdicts(runs, batch, chain, settle, flag)
+        # verdicts; unfinished runs are repeated alone later
+        words, times, joints = np.full(len(runs), code_of("verdict", OVERTURNED)), batch.overturn_time, batch.fallen
+        ended = np.flatnonzero(batch.finished & (joints == 0))
+        if ended.size:
+            some, phases = None if chain is None else chain.some(ended), batch.ends[ended]
+            stops = np.array([runs[k].motion.start + runs[k].duration for k in ended.tolist()])
+            found = outcomes_of([columns[k] for k in ended.tolist()], some, phases, stops, settle, flag)
+            words[ended], times[ended], joints[ended] = found
         made: dict[str, NDArray[Any]] = {
             **left,
             "peak_ux": batch.peak_top_ux,
@@ -210,50 +204,6 @@ KIND = Columns()
 
 def _left(keep: Collection[str]) -> list[str]:
     return [name for name in LEFT if name in keep]
-
-
-def _verdicts(
-    runs: Sequence[Run], batch: BatchResult, chain: Chain | None, settle: float, flag: FloatArray
-) -> tuple[IntArray, FloatArray, IntArray]:
-    """Determine the verdicts after runs in lanes; undecided runs are followed further.
-
-    Parameters
-    ----------
-    runs : sequence of Run
-        The runs.
-    batch : BatchResult
-        Their results.
-    chain : Chain or None
-        The data of the columns; None for columns with slips, which are followed one by one.
-    settle : float
-        The longest time that a column is followed after the run (s).
-    flag : ndarray
-        Once flag[0] is set, the call returns soon.
-
-    Returns
-    -------
-    words : ndarray of int
-        The codes of the verdicts.
-    times : ndarray
-        The times of overturning (s), NaN if a column stands.
-    joints : ndarray of int
-        The joints over which columns fell, 0 if they stand.
-    """
-    joints, times = batch.fallen.copy(), batch.overturn_time.copy()
-    words = np.full(len(runs), code_of("verdict", OVERTURNED))  # also unfinished runs, repeated alone later
-    ended = np.flatnonzero(batch.finished & (joints == 0))
-    stops = np.array([run.motion.start + run.duration for run in runs])
-    if chain is not None and ended.size:
-        columns = [runs[k].model for k in ended.tolist()]
-        found = outcomes_of(columns, chain.some(ended), batch.ends[ended], stops[ended], settle, flag)
-        words[ended], times[ended], joints[ended] = found
-    elif chain is None:
-        for k in ended.tolist():
-            if flag[0]:
-                break
-            word, times[k], joints[k] = outcome(runs[k].model, batch.ends[k], float(stops[k]), settle)
-            words[k] = code_of("verdict", word)
-    return words, times, joints
 
 
 def _at_the_end(name: str, chain: Chain, phase: FloatArray) -> Any:

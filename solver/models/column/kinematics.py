@@ -49,21 +49,11 @@ class Places(NamedTuple):
 
 
 class Joints(NamedTuple):
-    """The joints in the plane, (..., n) each.
+    """The joints in the plane, (..., n) each."""
 
-    Attributes
-    ----------
-    half_turn : ndarray
-        Half the rotation of the block relative to the body below (rad).
-    normal : ndarray of complex
-        The unit normals.
-    step : ndarray of complex
-        The vectors from the lower face to the upper (m).
-    """
-
-    half_turn: FloatArray
-    normal: NDArray[np.complex128]
-    step: NDArray[np.complex128]
+    half_turn: FloatArray  # rad, half the rotation of the block relative to the body below
+    normal: NDArray[np.complex128]  # unit normals
+    step: NDArray[np.complex128]  # m, from the lower face to the upper
 
 
 class Chain:
@@ -217,16 +207,9 @@ class Chain:
         return 1j * places.spin * np.exp(1j * (places.theta + self.tilt))
 
     def elastic(self, opening: FloatArray, slope: FloatArray, slip: FloatArray | float = 0.0) -> FloatArray:
-        """Return the elastic energy of each joint (J).
+        """Return the elastic energy of each joint (J), (..., n).
 
-        Parameters
-        ----------
-        opening : ndarray of shape (..., n)
-            The opening at the middle of the contact (m).
-        slope : ndarray of shape (..., n)
-            The slope between the faces (rad).
-        slip : ndarray or float
-            The slip (m).
+        It follows from the opening in the middle (m), the slope between the faces (rad) and the slip (m).
         """
         steep = np.abs(slope)
         deepest = 0.5 * self.width * steep - opening
@@ -295,15 +278,10 @@ class Chain:
         return found.reshape(slope.shape)
 
     def grazed(self, part: float) -> tuple[FloatArray, FloatArray]:
-        """Return the tangent of the energy of joints in contact over the fraction `part` of their width.
+        """Return the tangent of the energy of joints in contact over the fraction `part` of their width, (columns, n).
 
-        Returns
-        -------
-        lever : ndarray of shape (columns, n)
-            The distance of the resultant from the middle (m).
-        gives : ndarray of shape (columns, n)
-            The excess of the elastic energy (J) over its tangent there, divided by the square of the resultant, 1/(N/m)
-            (verdict.py, `least_energies`).
+        First the distance of the resultant from the middle (m); then the excess of the elastic energy over its tangent
+        there, divided by the square of the resultant, 1/(N/m) (verdict.py, `least_energies`).
         """
         lever, gives = self.width * (0.5 - part / 3.0), (2.0 / (3.0 * part) - 0.5) / (self.rigidity * self.width)
         if np.all(self.rectangles):

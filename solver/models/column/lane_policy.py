@@ -95,16 +95,7 @@ def _dampers(column: Column) -> tuple[float, float]:
 def enters_at_once(column: Column, order: float, motion: Motion, samples: int) -> bool:
     """Return True if a run enters its lane at once, without a first part made by modes.
 
-    Parameters
-    ----------
-    column : Column
-        The column.
-    order : float
-        The order of its explicit method.
-    motion : Motion
-        The motion of the base.
-    samples : int
-        The number of samples that the kernels follow, 0 if there is only the harmonic part.
+    `order` is that of its explicit method; `samples` are those that the kernels follow, 0 for a harmonic part alone.
     """
     if order != dormand_prince.ORDER:
         return False

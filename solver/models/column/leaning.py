@@ -32,21 +32,9 @@ def leans_for_good(column: Column, phase: FloatArray) -> bool:
 
 @lru_cache(maxsize=64)
 def least_energy(column: Column, part: float) -> tuple[float, FloatArray]:
-    """Return the least energy above rest with a block at its limit to either side and the others within theirs.
+    """Return the least energy above rest (J) with a block at its limit to either side and the others within theirs.
 
-    Parameters
-    ----------
-    column : Column
-        The column.
-    part : float
-        The limits, as a fraction of the angles on edge.
-
-    Returns
-    -------
-    energy : float
-        The least energy (J).
-    limits : ndarray of shape (n,)
-        The limits (rad), rounded to the grid.
+    The limits, rad (n,), are `part` of the angles on edge, rounded to the grid; they are returned second.
     """
     chain = chain_of(column)
     most = limits_of(chain, part)

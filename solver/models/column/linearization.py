@@ -47,20 +47,9 @@ class StillColumn:
     def accelerations(
         self, q: FloatArray, ax: float = 0.0, az: float = 0.0, rates: FloatArray | None = None
     ) -> FloatArray:
-        """Return the second derivatives of the coordinates.
+        """Return the second derivatives of the coordinates q, (2 n,).
 
-        Parameters
-        ----------
-        q : ndarray of shape (2 n,)
-            The coordinates.
-        ax, az : float
-            The accelerations of the base (m/s2).
-        rates : ndarray of shape (2 n,), optional
-            The rates of the coordinates, zero by default.
-
-        Returns
-        -------
-        ndarray of shape (2 n,)
+        `ax` and `az` are the accelerations of the base (m/s2), `rates` the rates of the coordinates, zero by default.
         """
         self._observe(q, ax, az, rates)
         return np.concatenate([self._between.theta_acceleration, self._between.opening_acceleration])

@@ -3,31 +3,26 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...common.aliases import Alias
 from ...common.errors import InputError, SolverError
-from ...common.files import write_table
-from ...common.frames import Frame, Framed
-from ..pictures import PicturesOfModes, pictures_of
+from ..response import ModeTable
 from .linearization import StillColumn, stuck, undamped
 from .model import Column
 from .packing import FloatArray
 from .rest import check_rest
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 PART = 1e-2  # of the rotation that opens a joint: size of finite differences
 
 
 @dataclass(frozen=True, eq=False)
-class Modes(Framed):
+class Modes(ModeTable):
     """The 2 n modes of a column, by frequency. Shapes (2 n, n): block 1, the top block, first.
 
     A shape is scaled so that the largest of its ux and uz is 1 m; block i then has the rotation ry (rad).
@@ -43,31 +38,12 @@ class Modes(Framed):
     mass_x: FloatArray  # (2 n,) kg, effective mass under horizontal motion; the remaining mass follows the base
     mass_z: FloatArray  # (2 n,) kg, under vertical motion
     column, theta = Alias("model"), Alias("ry")
+    units = MappingProxyType({"frequency": "Hz", "mass_x": "kg", "mass_z": "kg", "ux": "m", "uz": "m", "theta": "rad"})
 
-    def _frame(self) -> Frame:
-        units = {"frequency": "Hz", "mass_x": "kg", "mass_z": "kg", "ux": "m", "uz": "m", "theta": "rad"}
-        names = ("frequency", "damping_ratio", "sways", *list(units)[1:-1])
-        columns = {name: getattr(self, name) for name in names} | {"theta": self.ry}
-        return Frame(("mode", np.arange(1, len(self.frequency) + 1)), columns, units, {"column": self.model.name})
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a row for each mode: frequency, damping ratio, effective masses, shape.
-
-        Raises OSError if the file cannot be written.
-        """
-        names = ["mode", "frequency", "damping_ratio", "mass_x", "mass_z"]
-        names += [f"block[{i + 1}].{name}" for name in ("ux", "uz", "theta") for i in range(self.model.n)]
-        parts = [self.frequency[:, None], self.damping_ratio[:, None], self.mass_x[:, None], self.mass_z[:, None]]
-        rows = np.hstack([*parts, self.ux, self.uz, self.ry])
-        write_table(path, names, ([k, *map(repr, map(float, row))] for k, row in enumerate(rows, start=1)))
-
-    def plot(self, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:
-        """Draw the first `most` shapes, and save them to `path` if given.
-
-        Raises InputError without matplotlib, OSError.
-        """
-        pictures: PicturesOfModes = pictures_of(self)
-        return pictures.plot_modes(self, path, most)
+    @property
+    def _columns(self) -> dict[str, NDArray[Any]]:
+        names = ("frequency", "damping_ratio", "sways", "mass_x", "mass_z", "ux", "uz")
+        return {name: getattr(self, name) for name in names} | {"theta": self.ry}
 
 
 def natural_frequencies(column: Column, formulation: str | None = None) -> FloatArray:

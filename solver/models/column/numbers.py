@@ -44,19 +44,9 @@ def single_names(name: str, blocks: int) -> list[str]:
 
 
 def column_with(column: Column, values: Mapping[str, tuple[float, bool]]) -> Column:
-    """Return the column with other numbers; shapes are set first, then the others in their order.
+    """Return the column with other numbers, by name: the number, and whether it is a factor on the present value.
 
-    Parameters
-    ----------
-    column : Column
-        The column.
-    values : mapping
-        Name -> (number, whether it is a factor on the present value).
-
-    Raises
-    ------
-    InputError
-        If a name or number is invalid.
+    Shapes are set first, then the others in their order. Raises InputError if a name or number is invalid.
     """
     if not values:
         return column
@@ -143,13 +133,10 @@ def _put(table: dict[str, Any], name: str, key: str, number: float, relative: bo
         raise InputError(f"{name}: must be given without relative")
 
 
-def _is_length(key: str) -> bool:
-    return key in NUMBERS and NUMBERS[key][1].startswith(("a positive length", "a length"))
-
-
 def _scale(table: dict[str, Any], factor: float, skip: tuple[str, ...] = ()) -> None:
     for key, value in table.items():
-        if _is_length(key) and key not in skip and value is not None:
+        is_length = key in NUMBERS and NUMBERS[key][1].startswith(("a positive length", "a length"))
+        if is_length and key not in skip and value is not None:
             table[key] = factor * value
         if key == "strips":
             table[key] = [factor * depth for depth in value]

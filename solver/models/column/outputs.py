@@ -1,4 +1,4 @@
-"""The outputs of a column, in the order of kernels/layout/spaces.py (PEAKS): one in each row here.
+"""The outputs of a column, in the order of kernels/layout/spaces.py (PEAKS): one in each row here; what runs can store.
 
 Those of ports, then of bonds follow an output row; as peaks they precede those of `friction`.
 """
@@ -12,6 +12,7 @@ import numpy as np
 from ...common.aliases import Alias
 from ...kernels.layout import spaces as at
 from ..outputs import BASE, BLOCK, BOND, JOINT, PORT, FloatArray, Histories, Output, units_of
+from ..protocol import OF_RUN, Kept, kept_peaks
 
 
 class ColumnHistories(Histories):
@@ -71,3 +72,29 @@ _PORTS = [f"port_{name}" for name in at.SPOTS.fields]
 _KEYS = [*at.OUTPUTS.fields, *at.REACTION.fields, *_PORTS, "bond", "friction"]
 _ORDER = "solver/models/column/outputs.py: the keys must be, in this order, those of solver/kernels/layout/spaces.py"
 assert [output.key for output in OUTPUTS] == _KEYS, f"{_ORDER}: {', '.join(_KEYS)}"
+
+
+# --- the results of each of many runs that can be stored, by name
+
+WATCHED = {output.kept for output in OUTPUTS if output.field != "ux"}  # peaks that lanes do not watch
+# peaks: of the absolute values within the duration; docs/studies.md defines each
+KEPT: dict[str, Kept] = {
+    # the entries of a joint are listed by its block
+    **{
+        name: kept if kept.of in (PORT, BOND) else kept._replace(of=BLOCK) for name, kept in kept_peaks(OUTPUTS).items()
+    },
+    "peak_centroid_ux": Kept("m"),
+    "residual_ux": Kept("m"),
+    "residual_theta": Kept("rad"),
+    "residual_slip": Kept("m"),
+    "energy": Kept("J", np.float64),
+    **OF_RUN,
+    "overturned_joint": Kept(kind=np.int64),
+    "evaluations": Kept(kind=np.int64),
+}
+KEYS = {output.extreme: output.kept for output in OUTPUTS if output.extreme != output.kept} | {
+    "peak_top_ux": "peak_ux",
+    "residual_top_ux": "residual_ux",
+    "residual_ry": "residual_theta",
+    "fallen": "overturned_joint",
+}

@@ -98,14 +98,7 @@ def copied(arrays: Arrays) -> Arrays:
 def coordinates_of(rigid: FloatArray, slips: FloatArray, n: int) -> FloatArray:
     """Return coordinates and rates as in models/column/kinematics.py, (..., 4 n), or (..., 6 n) with slips.
 
-    Parameters
-    ----------
-    rigid : ndarray
-        Arrays that begin with the first part of phases.
-    slips : ndarray
-        Arrays that begin with the second part of phases; may be empty.
-    n : int
-        The number of blocks.
+    `rigid` begins with the first part of phases, `slips` with the second part; it may be empty.
     """
     moving = rigid[..., : 4 * n]
     if not slips.shape[-1]:

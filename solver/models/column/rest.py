@@ -52,7 +52,6 @@ def warnings_of(column: Column) -> list[str]:
 
     Of all blocks or joints with the same mistake, the line is about the worst.
     """
-    laws = [block.joint for block in column.blocks]
     # a block whose mass includes a load has its own centroid and inertia
     return plausible.lines_of(
         plausible.Facts(
@@ -65,10 +64,7 @@ def warnings_of(column: Column) -> list[str]:
             loaded=[bool(block.centroid and block.inertia) for block in column.blocks],
             height=[block.height for block in column.blocks],
             g=column.g,
-            stiffness=[law.stiffness for law in laws],
-            damping=[law.damping for law in laws],
-            friction=[law.friction for law in laws],
-            strength=[law.strength for law in laws],
+            laws=column.laws,
             area=[contact.area for contact in column.contacts],
             upper=range(column.n),
             carried=carried_weights(column).tolist(),

@@ -13,7 +13,7 @@ from ...common.aliases import Alias
 from ...kernels.layout import spaces as at
 from ..ports import Released
 from ..protocol import Plan, Verdict
-from ..still_base import Settling, settled
+from ..still_base import Settling, conclude, settled
 from .kinematics import chain_of
 from .model import Column
 from .packing import FloatArray, InitialState, coordinates_of
@@ -60,25 +60,18 @@ def single_run(column: Column, plan: Plan) -> tuple[Response, FloatArray]:
     begin = clock.perf_counter()
     snapshots = stepper.run(plan.motion, stop, plan.times, after_chunk)
     stats = _stats(stepper, clock.perf_counter() - begin)
-    peaks = stepper.peaks
-    # the verdict, on a still base
-    verdict = settled_verdict(stepper, stop, plan.settle)
-    stats["settled_for"] = verdict.time - stop
     phases = _coordinates(at.phases_in(snapshots), column)
     response = Response(
         column,
         lambda: stepper.rows_of(snapshots, plan.times),
         phases,
         time=plan.times,
-        peaks=peaks,
-        overturn_time=stepper.fall_time,
-        fallen=stepper.fallen,
-        what_fell=what_fell(stepper.fallen),
+        peaks=stepper.peaks,
         stats=stats,
-        verdict=verdict.word,
-        reason=verdict.reason,
         motion=plan.motion,
     )
+    # the verdict, on a still base
+    conclude(response, _Settling(stepper), stop, plan.settle)
     if "resultants" in column.settings.without:
         response.observe()
     return response, phases
@@ -100,11 +93,6 @@ def _coordinates(phases: FloatArray, column: Column) -> FloatArray:
     return np.concatenate([found, still, behind[..., : 2 * n]], axis=-1)
 
 
-def what_fell(block: int) -> str:
-    """Return the block that has fallen in words, from its number; "" for 0."""
-    return f"block {block} over joint {block}" if block else ""
-
-
 class _Settling(Settling):
     """A column on a still base (still_base.py)."""
 
@@ -112,8 +100,12 @@ class _Settling(Settling):
         self._stepper, self._column = stepper, stepper.column
 
     @property
+    def fallen(self) -> int:
+        return self._stepper.fallen
+
+    @property
     def what_fell(self) -> str:
-        return what_fell(self._stepper.fallen)
+        return f"block {self.fallen} over joint {self.fallen}" if self.fallen else ""
 
     @property
     def fall_time(self) -> float:
@@ -148,27 +140,10 @@ def settled_verdict(stepper: Stepper, stop: float, settle: float) -> Verdict:
 
 
 def outcome(column: Column, phase: FloatArray, stop: float, settle: float) -> tuple[str, float, int]:
-    """Determine the outcome of a column on a base that is still from time `stop` on.
+    """Return the verdict on a column, the time of its fall (s), NaN if it stands, and the joint over which it falls.
 
-    Parameters
-    ----------
-    column : Column
-        The column.
-    phase : ndarray
-        Its phase at time `stop` (kinematics.py).
-    stop : float
-        The time at which the base is still (s).
-    settle : float
-        The longest time that the column is followed after it (s).
-
-    Returns
-    -------
-    word : str
-        The verdict.
-    time : float
-        The time of overturning (s), NaN if it stands.
-    joint : int
-        The joint over which it falls, 0 if it stands.
+    Its base is still from time `stop` (s) on, at which it has this phase (kinematics.py). It is followed for at most
+    `settle` (s). The joint is 0 if it stands.
     """
     chain = chain_of(column)
     places = chain.places(phase)

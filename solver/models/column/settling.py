@@ -20,26 +20,16 @@ from .verdict import Barriers, surely_stand
 
 
 class Outcomes(NamedTuple):
-    """The outcomes of columns.
+    """The outcomes of columns."""
 
-    Attributes
-    ----------
-    words : ndarray of int
-        The codes of the verdicts (protocol.WORDS).
-    times : ndarray
-        The times of overturning (s), NaN if a column stands.
-    joints : ndarray of int
-        The joints over which columns fall, 0 if they stand.
-    """
-
-    words: IntArray
-    times: FloatArray
-    joints: IntArray
+    words: IntArray  # codes of the verdicts (protocol.WORDS)
+    times: FloatArray  # s, of overturning; NaN if a column stands
+    joints: IntArray  # over which columns fall, 0 if they stand
 
 
 def outcomes_of(
     columns: Sequence[Column],
-    chain: Chain,
+    chain: Chain | None,
     phases: FloatArray,
     stops: FloatArray,
     settle: float,
@@ -53,8 +43,8 @@ def outcomes_of(
     ----------
     columns : sequence of Column
         The columns.
-    chain : Chain
-        Their data (Chain.of_many).
+    chain : Chain or None
+        Their data (Chain.of_many); None for columns with slips, which are followed one by one.
     phases : ndarray of shape (columns, 4 n)
         Their phases at the times `stops`.
     stops : ndarray of shape (columns,)
@@ -66,12 +56,24 @@ def outcomes_of(
     """
     count, code = len(columns), partial(code_of, "verdict")
     found = Outcomes(np.full(count, code(UNDECIDED)), np.full(count, math.nan), np.zeros(count, dtype=np.int64))
+
+    def alone(k: int, column: Column, phase: FloatArray, begin: float, longest: float) -> None:
+        word, found.times[k], found.joints[k] = outcome(column, phase, begin, longest)
+        found.words[k] = code(word)
+
+    if chain is None:
+        for k, column in enumerate(columns):
+            if not flag[0]:
+                alone(k, column, phases[k], float(stops[k]), settle)
+        return found
     kind = lanes_of(columns)
-    left = _not_standing(chain, phases)
+    # a quick bound proves most of them to stand
+    turned = np.abs(chain.places(phases).theta)
+    left = np.flatnonzero(~surely_stand(chain, chain.energies(phases), turned))
     found.words[:] = code(STANDING)
     if not left.size:
         return found
-    columns, chain, phases, stops = [columns[k] for k in left], chain.some(left), phases[left], stops[left]
+    columns, chain, phases, stops = [columns[k] for k in left.tolist()], chain.some(left), phases[left], stops[left]
     first, same = _alike(columns)  # one column may occur for many motions
     barriers = Barriers(chain.some(first))
     numbers, some = left, np.arange(len(left))  # remaining indices among the arguments, and here
@@ -92,10 +94,8 @@ def outcomes_of(
         which = numbers[some[fell]]
         found.words[which] = code(OVERTURNED)
         found.times[which], found.joints[which] = made.overturn_time[fell], made.fallen[fell]
-        for k in some[~made.finished]:  # alone, from the previous state
-            word, time, joint = outcome(columns[k], phases[k], float(stops[k] + begin), settle - begin)
-            number = numbers[k]
-            found.words[number], found.times[number], found.joints[number] = code(word), time, joint
+        for k in some[~made.finished].tolist():  # alone, from the previous state
+            alone(numbers[k], columns[k], phases[k], float(stops[k] + begin), settle - begin)
         phases[some] = made.ends
         some = some[made.finished & ~fell]
         looks += 1
@@ -107,9 +107,3 @@ def _alike(columns: Sequence[Column]) -> tuple[IntArray, IntArray]:
     known: dict[int, int] = {}
     same = np.array([known.setdefault(id(column), len(known)) for column in columns])
     return np.unique(same, return_index=True)[1], same
-
-
-def _not_standing(chain: Chain, phases: FloatArray) -> IntArray:
-    """Return the indices of the columns that no quick bound proves to stand."""
-    turned = np.abs(chain.places(phases).theta)
-    return np.flatnonzero(~surely_stand(chain, chain.energies(phases), turned))

@@ -25,9 +25,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .creeping import levers_left, on_its_axis
 from .kinematics import Chain, chain_of
 from .leaning import leans_for_good, least_of_chain
+from .linearization import with_all_joints
 from .model import Column
 from .packing import FloatArray, IntArray, pack_model
 from .sticking import sticks_for_good
@@ -39,6 +39,7 @@ GRID = 32  # rotations up to the largest limit, denser near upright, where joint
 # The largest energy of a column that stands for certain is the barrier times `Chain.safe`: the remainder covers the
 # grid (measured: at most 1 % too high), the error of the motion, and effects that its equations neglect.
 CREEPS = 0.9  # factor on that for a column whose joints may slide
+CREEPS_UNDER = 0.5  # fraction of the weight on a joint, assumed to act while it slides
 SHARES = (0.25, 1.0)  # limits for many columns, as `part` of `least_energies`
 GRAZED = (0.2, 0.7)  # lengths of the contact, as `grazed` of `least_energies`
 MOST_TURNED = 0.25  # rad, less than half of any angle of no return (kernels/column/model/assembly.py, LEAST_FALL)
@@ -74,7 +75,13 @@ def is_held(column: Column, energy: float, turned: FloatArray) -> bool:
 
 
 def creeps_no_further(column: Column, phase: FloatArray) -> bool:
-    """Return True if a column with sliding joints lacks the energy to fall from any position it may slide to."""
+    """Return True if a column with sliding joints lacks the energy to fall from any position it may slide to.
+
+    The barrier is proportional to the square of the lever over which a group of blocks topples: half the width of the
+    joint under the group, less the distance of its centroid from the middle of that joint. Slips shorten the levers,
+    and further sliding takes energy. This is no proof, for a joint may slide while it carries less than assumed. The
+    creep of columns is measured (docs/sliding.md).
+    """
     straight = on_its_axis(column)
     if straight is None:
         return False
@@ -84,17 +91,35 @@ def creeps_no_further(column: Column, phase: FloatArray) -> bool:
     return left > 0.0 and is_held(straight, energy / (CREEPS * left**2), np.abs(places.theta) / left)
 
 
+def levers_left(column: Column, slip: FloatArray, energy: float) -> float:
+    """Return the least remaining fraction of the lever of any group of blocks, 0 if a group may lose all of it.
+
+    With the remaining energy E, a joint under the weight W slides by at most E / (mu W), if it carries that weight
+    while it slides; CREEPS_UNDER of it is assumed. `slip` has the slips, m (n,); `energy` is that above rest (J).
+    """
+    chain = chain_of(column)
+    joints = [block.joint for block in column.blocks]
+    friction = np.array([np.inf if joint.friction is None else joint.friction for joint in joints])
+    dowel = np.array([joint.dowel or 0.0 for joint in joints])
+    reach = max(0.0, energy) / (CREEPS_UNDER * friction * chain.weight + dowel)
+    moved = np.cumsum((np.abs(slip) + reach) * chain.weight) / chain.weight
+    return max(0.0, 1.0 - float(np.max(moved / (0.5 * chain.width))))
+
+
+@lru_cache(maxsize=256)
+def on_its_axis(column: Column) -> Column | None:
+    """Return the column without offsets, bonds and sliding; None if it is off its axis for another reason.
+
+    Without bonds, as tension only adds to the resistance of a column.
+    """
+    straight = with_all_joints(column, friction=None, dowel=None, offset=None, tensile_strength=0.0, cohesion=0.0)
+    return None if straight.off_axis else straight
+
+
 def surely_stand(chain: Chain, energy: FloatArray, turned: FloatArray) -> NDArray[np.bool_]:
     """Return the mask of the columns that a quick bound proves to stand for ever.
 
-    Parameters
-    ----------
-    chain : Chain
-        The data of the columns (Chain.of_many).
-    energy : ndarray of shape (columns,)
-        Their energies above rest (J).
-    turned : ndarray of shape (columns, n)
-        Their absolute rotations (rad).
+    `energy` (columns,) is theirs above rest (J), `turned` (columns, n) their absolute rotations (rad).
     """
     theta = np.max(turned, axis=-1)
     stands = np.zeros(len(energy), dtype=bool)
@@ -105,30 +130,14 @@ def surely_stand(chain: Chain, energy: FloatArray, turned: FloatArray) -> NDArra
 
 
 def least_energies(chain: Chain, part: float, grazed: float) -> tuple[FloatArray, FloatArray]:
-    """Return a lower bound of the energy for a block of each of many columns to turn by a limit.
+    """Return a lower bound of the energy (J) for a block of each of many columns to turn by a limit, and that limit.
 
     To turn block i by alpha, the joints under it have to turn by alpha together. Under a weight W the energy of a joint
     over the sine of its turn is convex, and lies above each of its tangents: where the contact has the part c =
     `grazed` of the width, that of slope W x, which passes W^2 ((x - e) / (2 k S) - 1 / (2 k A)) below the origin; x and
     e are the distances of the resultant and the edge from the middle, S is the first moment about the edge, A the whole
     area. In a rectangle of the width b that is W b (1/2 - c/3) and W^2 / (k A) (2/(3 c) - 1/2). The blocks give back (1
-    - cos alpha) of their toppling moments.
-
-    Parameters
-    ----------
-    chain : Chain
-        The data of the columns (Chain.of_many).
-    part : float
-        alpha, as a fraction of that with the largest bound.
-    grazed : float
-        c, the fraction of the width in contact.
-
-    Returns
-    -------
-    energy : ndarray of shape (columns,)
-        The bounds (J).
-    alpha : ndarray of shape (columns,)
-        The limits (rad).
+    - cos alpha) of their toppling moments. alpha is `part` of that with the largest bound.
     """
     toppling = np.sum(chain.toppling, axis=-1)
     weight = chain.weight
@@ -152,16 +161,9 @@ class Barriers:
         self._energies = np.full(self._ceilings.shape, np.nan)
 
     def hold(self, some: IntArray, energy: FloatArray, turned: FloatArray) -> NDArray[np.bool_]:
-        """Return the mask of columns that stand for ever, as `is_held`.
+        """Return the mask of the columns with the indices `some` that stand for ever, as `is_held`.
 
-        Parameters
-        ----------
-        some : ndarray of int
-            The indices of the columns; one may occur more than once.
-        energy : ndarray
-            The energy of each (J).
-        turned : ndarray of shape (some, n)
-            The absolute rotations of each (rad).
+        An index may occur more than once. `energy` (J) and the rotations `turned`, rad (some, n), are those of each.
         """
         held = np.zeros(len(some), dtype=bool)
         safe = self._chain.safe

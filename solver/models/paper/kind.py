@@ -1,22 +1,63 @@
-"""Columns by the equations of the paper as a kind of model: columns with other kernels, lanes and coordinates."""
+"""Columns by the equations of the paper as a kind of model, with other kernels, lanes, coordinates and steps."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
+from dataclasses import replace
+from functools import lru_cache
 
+import numpy as np
+
+from ...common.errors import InputError
+from ...ground.motion import STANDARD_GRAVITY
 from ...kernels.machine.library import load
 from ...kernels.paper import entries
 from ..column.kind import Columns
+from ..column.kinematics import Chain, Places, from_base, over_below
 from ..column.lane_policy import why_no_lanes
 from ..column.lanes import LaneKernels
+from ..column.linearization import SHORT, StillColumn, undamped
 from ..column.model import Column
+from ..column.modes import PART
+from ..column.packing import FloatArray
 from ..column.response import Response
 from ..protocol import Lanes, Plan, Work
-from .kinematics import PaperChain
-from .stability import check_step
 
 # cost of a run alone, relative to a column of the exact formulation in lanes; and s, the same times the step in lanes
 ALONE, IN_LANES = 300.0, 1.3e-3
+SLACK = 1e-6  # relative accuracy of the longest stable step
+
+
+class PaperChain(Chain):
+    """A column whose coordinates are the displacements v of the top faces and the settlements w of the blocks (m).
+
+    Rotations and openings follow from v and w to first order.
+    """
+
+    safe = 0.9  # part of the barrier, for the terms that the first order neglects
+
+    def places(self, phase: FloatArray) -> Places:
+        """Return the rotations and openings of a phase, and their rates."""
+        v, w, v_rate, w_rate = (over_below(phase[..., k : k + self.n]) for k in range(0, 4 * self.n, self.n))
+        return Places(v / self.height, -w, v_rate / self.height, -w_rate)
+
+    @staticmethod
+    def coordinates(height: FloatArray, theta: FloatArray, opening: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return v and w, or their rates, from rotations and openings, or their rates."""
+        return from_base(height * theta), -from_base(opening)
+
+    def top_displacements(self, phase: FloatArray) -> FloatArray:
+        """Return v (m), (..., n)."""
+        return phase[..., : self.n].copy()
+
+    def centroid_displacements(self, phase: FloatArray) -> FloatArray:
+        """Return the displacements of the centroids to first order, m (..., n)."""
+        return self.top_displacements(phase) - (self.height - self.centroid) * self.places(phase).theta
+
+    def top_velocities(self, phase: FloatArray) -> FloatArray:
+        """Return the rates of v (m/s), (..., n)."""
+        return phase[..., 2 * self.n : 3 * self.n].copy()
 
 
 class PaperColumns(Columns):
@@ -26,7 +67,14 @@ class PaperColumns(Columns):
     chain = PaperChain
     own_lanes = LaneKernels(entries.run_fixed_steps, stages=1)
     fixed = True
-    check_step = staticmethod(check_step)
+
+    @staticmethod
+    def check_step(column: Column) -> None:
+        """Raise InputError for a step that is not stable."""
+        step = column.settings.step
+        if step > SHORT and step > (most := longest_stable_step(column.with_settings(step=SHORT))) * (1.0 + SLACK):
+            limit = f"must be at most {most:.4g} s, where central differences are stable"
+            raise InputError(f"solver.step = {step}: {limit}")
 
     def lanes(self, model: Column, keep: Collection[str]) -> Lanes:
         """Return how runs are made in lanes: all columns of equal numbers of blocks share them."""
@@ -39,8 +87,7 @@ class PaperColumns(Columns):
         return why_no_lanes(model) or others
 
     def load(self, model: Column, keep: Collection[str]) -> None:
-        """Load the kernels of these lanes."""
-        load_lanes()
+        load(entries.run_fixed_steps.group)
 
     def work(self, model: Column, keep: Collection[str]) -> Work:
         """Return the approximate cost, which depends on the step in lanes."""
@@ -54,6 +101,16 @@ class PaperColumns(Columns):
 KIND = PaperColumns()
 
 
-def load_lanes() -> None:
-    """Load the kernels of lanes into this process."""
-    load(entries.run_fixed_steps.group)
+@lru_cache(maxsize=64)
+def longest_stable_step(column: Column) -> float:
+    """Return the stable limit of the step (s), 2 / (omega (sqrt(1 + d^2) + d)), of the column in full contact.
+
+    omega is the angular frequency of the highest mode, and d = eta omega counts because rates are extrapolated
+    explicitly: a mode x'' + eta omega^2 x' + omega^2 x = 0, stepped as in kernels/paper/stepping.py, reaches the
+    amplification factor -1 where (omega h)^2 / 4 + d omega h = 1. Joints that open only become softer. Without gravity
+    they are assumed closed.
+    """
+    still = StillColumn(undamped(replace(column, g=column.g or STANDARD_GRAVITY)))
+    omega = math.sqrt(np.max(np.abs(np.linalg.eigvals(still.stiffness(still.rest, PART)))))
+    d = omega * max(block.joint.damping for block in column.blocks)
+    return 2.0 / (omega * (math.hypot(1.0, d) + d))

@@ -63,25 +63,10 @@ def check_table(key: str, table: Mapping[str, Any]) -> str:
 def bearings_from(
     key: str, table: Mapping[str, Any], bodies: tuple[int, int], axes: FloatArray, places: Sequence[FloatArray]
 ) -> list[Joint]:
-    """Return the bearings of a table between two bodies: equal ones at several positions.
+    """Return the bearings of a table between the bodies (upper, lower): equal ones at several places (3,), m.
 
-    Parameters
-    ----------
-    key : str
-        Name of the table, for messages.
-    table : mapping
-        Table of the file.
-    bodies : tuple of int
-        Indices of the upper and the lower body.
-    axes : array (3, 3)
-        Axes of the bearings by columns, the normal last.
-    places : sequence of array (3,)
-        Positions, m.
-
-    Raises
-    ------
-    InputError
-        If a key or a value is wrong.
+    `key` names the table in messages; `axes` (3, 3) are those of the bearings by columns, the normal last. Raises
+    InputError if a key or a value is wrong.
     """
     kind = check_table(key, table)
     given = {

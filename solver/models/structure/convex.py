@@ -148,19 +148,7 @@ def _directions(vectors: FloatArray) -> FloatArray:
 
 
 def along_axes(one: Hull, other: Hull, r1: FloatArray, r2: FloatArray, between: FloatArray) -> FloatArray:
-    """Return the signed distance along the axis that separates best, negative by the overlap, m (rows,).
-
-    For drums the axes are not complete: an overlap may seem deeper than it is (see `distance`).
-
-    Parameters
-    ----------
-    one, other : Hull
-        The bodies.
-    r1, r2 : array (rows, 3)
-        Rotations since built, rad.
-    between : array (rows, 3)
-        From the centroid of `one` to that of `other`, m.
-    """
+    """Return the distance of two convex blocks along the axes that may separate them; arguments as in `distance`."""
     mine, yours = ((hull, rotation[:, None]) for hull, rotation in ((one, r1), (other, r2)))
     # candidate axes: normals, cross products of edges, axes of drums, line of centroids
     normals = [hull.normals + turned(rotation, hull.normals[None]) for hull, rotation in (mine, yours)]

@@ -17,7 +17,7 @@ from ..column.file import has_blocks_in_space
 from ..ports import Port, ports_from
 from .bearing_tables import bearings_from
 from .bearing_tables import check_table as check_bearing
-from .blocks.contacts import joints_between, turned_face, with_rim
+from .blocks.contacts import axes_of, joints_between, with_rim
 from .blocks.faces import Face, FloatArray, polygon_moments
 from .blocks.outlines import MEANING, MOST_CORNERS, outline_of
 from .blocks.parts import BASE, BESIDE_COLUMN, OF_COLUMN, TOLERANCE, Bed, Joint, Solid, Tie
@@ -66,19 +66,8 @@ _OF_TIES = {
 def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> dict[str, Any]:
     """Return the fields of a structure from its file (docs/structures.md), with hulls in place of meshes.
 
-    The hulls are those of hull_tables.py.
-
-    Parameters
-    ----------
-    data : mapping
-        The file.
-    surfaces : mapping
-        Triangles (k, 3, 3), m, to draw the blocks of a table by, keyed by the number of the table from 1.
-
-    Raises
-    ------
-    InputError
-        If a key or a value is wrong.
+    `surfaces` has triangles (k, 3, 3), m, to draw the blocks of a table by, keyed by the number of the table from 1.
+    Raises InputError if a key or a value is wrong.
     """
     check_table("", data, _KEYS)
     if "name" not in data:
@@ -391,8 +380,7 @@ def _frame(key: str, table: Mapping[str, Any]) -> FloatArray:
     size = float(np.linalg.norm(normal))
     if not size > 0.0:
         raise InputError(f"{key}.normal = {shown(table['normal'])}: must have a length")
-    across = np.column_stack([np.zeros(3), np.zeros(3), normal / size])
-    return turned_face(Face(np.zeros(3), across, np.zeros((0, 2)), 1.0)).axes
+    return axes_of(normal / size)
 
 
 def _bearings_from(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> list[Joint]:

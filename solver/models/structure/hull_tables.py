@@ -175,18 +175,9 @@ def _mesh_table(key: str, table: Mapping[str, Any]) -> tuple[Mapping[str, Any], 
 
 
 def _warn_of_hollow_foot(key: str, file: str, triangles: FloatArray, feet: Sequence[FloatArray], level: float) -> None:
-    """Warn if the convex outline of a foot is far larger than the area of the mesh there, as under a ring.
+    """Warn if the convex outlines of the feet, (corners, 2) m, are far larger than the area of the mesh `file` there.
 
-    Parameters
-    ----------
-    key, file : str
-        Name of the key and of the mesh, for the message.
-    triangles : array (k, 3, 3)
-        Surface of the mesh, m.
-    feet : sequence of array (corners, 2)
-        Outlines of the feet, m.
-    level : float
-        Height above the lowest point within which the mesh touches, m.
+    That is so under a ring. The mesh has triangles (k, 3, 3), m, and touches up to `level` above its lowest point (m).
     """
     lowest = triangles[np.max(triangles[:, :, 2], axis=1) <= np.min(triangles[:, :, 2]) + level]
     a, b = lowest[:, 1, :2] - lowest[:, 0, :2], lowest[:, 2, :2] - lowest[:, 0, :2]

@@ -14,7 +14,6 @@ from ..column.numbers import SIZE, column_with, is_of_column
 from ..protocol import LOADED, SETTLE, Kind, Lanes, NoRestError, Plan, Run, Work, output_times, table_entry
 from .blocks.faces import FloatArray
 from .blocks.parts import OF_COLUMN
-from .kept import FROM_LANES, KEPT, KEYS, OF_RUN
 from .lanes import follow_in_lanes, is_flat_run, load_lanes, longest_step_of, share_of
 from .model import Structure
 from .numbers import (
@@ -24,12 +23,11 @@ from .numbers import (
     single_names_in_space,
     structure_with,
 )
-from .outputs import OUTPUTS
-from .planar import column_of
-from .plausible import known_warnings_in_space
+from .outputs import ALWAYS_KEPT, FROM_LANES, KEPT, KEYS, OUTPUTS
 from .response import SpatialResponse
-from .rest import rest_of
+from .rest import known_warnings_in_space, rest_of
 from .run import single_run
+from .stack import column_of
 
 WORK = 50.0  # cost of a block for a second in a run alone, relative to a column in lanes
 
@@ -105,7 +103,7 @@ class Structures(Kind):
 
     def alone(self, run: Run, keep: Collection[str], settle: float, look: Callable[..., object]) -> dict[str, Any]:
         """Follow one run without recording peaks that are not kept; return its results by name."""
-        watches = any(name not in (*OF_RUN, "peak_u") for name in keep)
+        watches = any(name not in (*ALWAYS_KEPT, "peak_u") for name in keep)
         structure = run.model.with_settings(without=None if watches else ("peaks",))
         times = output_times(run.motion, run.duration)
         found = single_run(structure, Plan(run.motion, run.duration, times, None, settle, look))

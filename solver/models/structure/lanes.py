@@ -67,7 +67,7 @@ def is_flat_run(structure: Structure, motion: Motion) -> bool:
 def follow_in_lanes(
     runs: Sequence[Run], rests: Sequence[Rest], settle: float, flag: FloatArray | None = None
 ) -> list[dict[str, Any]]:
-    """Return the results of runs that share lanes, by the names of kept.py; empty where lanes cannot continue.
+    """Return the results of runs that share lanes, by the names of outputs.py; empty where lanes cannot continue.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ class _Lanes:
         return self._steppers[id(self._runs[k].model)]
 
     def named(self, k: int) -> dict[str, FloatArray]:
-        """Return the peaks of run k so far by the names of kept.py: of blocks, bearings, neighbours; bond shares."""
+        """Return the peaks of run k so far by the names of outputs.py: of blocks, bearings, neighbours; bond shares."""
         size = at.PEAKS.per_n * self._sizes.n
         of_blocks, of_bearings, gaps = np.split(self.peaks[k].copy(), [size, size + self._sizes.b])
         rows, left = of_blocks.reshape(len(NAMES), -1), shares_left(self._states[k], self._runs[k].model.model)

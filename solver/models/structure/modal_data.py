@@ -163,19 +163,7 @@ def _fill_modes(
     shape: FloatArray,
     inverse: FloatArray,
 ) -> None:
-    """Fill in the records of the modes of a group.
-
-    Parameters
-    ----------
-    modes
-        Records to fill, one row for each mode.
-    structure
-        The structure.
-    group
-        Indices of the coordinates.
-    square, shape, inverse
-        From `_modes`.
-    """
+    """Fill in the records of the modes of a group of coordinates, a row for each; the last three are from `_modes`."""
     axis, body = group % 6, group // 6
     per = np.where(axis < 3, 1.0 / np.array([block.size for block in structure.blocks])[body], 1.0)
     parts = np.zeros((structure.n, 2, len(group)))

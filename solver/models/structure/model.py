@@ -244,16 +244,9 @@ class Structure(Shown):
         return replace(self, tolerance=tolerance, without=without, described=described)
 
     def with_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Structure:
-        """Return a copy with other laws of its joints.
+        """Return a copy whose joints have these moduli (N/m3) and dampings (s).
 
         The rubber of a bearing is scaled by the same factor as its modulus.
-
-        Parameters
-        ----------
-        stiffness : sequence of float
-            Modulus of each joint, N/m3.
-        damping : sequence of float
-            Damping of each joint, s.
         """
         joints = tuple(
             replace(joint, bed=replace(joint.bed, stiffness=float(k), damping=float(eta)), bearing=_stiffer(joint, k))

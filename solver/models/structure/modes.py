@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from types import MappingProxyType
 
 import numpy as np
 
 from ...common.aliases import Alias
 from ...common.errors import InputError
-from ...common.files import write_table
-from ...common.frames import Frame, Framed
 from ...kernels.structure.layout import OF_BLOCK
 from ..outputs import places_of
-from ..pictures import PicturesOfModes, pictures_of
+from ..response import ModeTable
 from .blocks.faces import FloatArray
 from .model import Structure
 from .neighbours import NEAR
@@ -23,15 +20,12 @@ from .outputs import OUTPUTS, UNITS
 from .rest import Rest, deltas_of, full_stiffness, residual_of, rest_of, start_from, sticking
 from .stepper import Stepper
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 SLIDING_PART = 1e-3  # of the settlement: differences for the tangent while bearings slide
 PART = 1e-6  # of the settlement: differences of rates, times 1 / omega of the fastest mode
 
 
 @dataclass(frozen=True, eq=False)
-class SpatialModes(Framed):
+class SpatialModes(ModeTable):
     """The 6 n modes of a structure by increasing frequency; joints that are partly open at rest stay so.
 
     Each shape is scaled so that the largest displacement, or rotation times the size of its block, is 1 m.
@@ -45,6 +39,7 @@ class SpatialModes(Framed):
     damping_ratio: FloatArray  # (6 n,) of critical, without coupling of modes; NaN without weight: contacts unknown
     twists: FloatArray  # (6 n,) share of the moment of inertia about the vertical axis through the centroid
     structure = Alias("model")
+    units = MappingProxyType({"frequency": "Hz", **dict.fromkeys(("mass_x", "mass_y", "mass_z"), "kg"), **UNITS})
 
     @property
     def ux(self) -> FloatArray:
@@ -78,30 +73,10 @@ class SpatialModes(Framed):
 
     @property
     def _columns(self) -> dict[str, FloatArray]:
-        """The columns of the table: numbers of each mode, (6 n,), and of the blocks in it, (6 n, n)."""
         found = {"frequency": self.frequency, "damping_ratio": self.damping_ratio}
         found |= {f"mass_{axis}": self.mass[:, k] for k, axis in enumerate("xyz")} | {"twist": self.twists}
         shapes = np.concatenate([self.displacement, self.rotation], axis=2)
         return found | {name: shapes[..., k] for k, name in enumerate(OF_BLOCK)}
-
-    def _frame(self) -> Frame:
-        units = {"frequency": "Hz", **dict.fromkeys(("mass_x", "mass_y", "mass_z"), "kg"), **UNITS}
-        index = "mode", np.arange(1, len(self.frequency) + 1)
-        return Frame(index, self._columns, units, {"structure": self.model.name})
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a row for each mode: frequency, damping ratio, effective masses, twist, shape. Raises OSError."""
-        names, parts = ["mode"], []
-        for name, values in self._columns.items():
-            names += [name] if values.ndim == 1 else [f"block[{block}].{name}" for block in self.model.names]
-            parts.append(values.reshape(len(values), -1))
-        rows = np.hstack(parts)
-        write_table(path, names, ([k, *map(repr, map(float, row))] for k, row in enumerate(rows, start=1)))
-
-    def plot(self, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:
-        """Draw the first `most` shapes; saved to `path` if given. Raises InputError without matplotlib, OSError."""
-        pictures: PicturesOfModes = pictures_of(self)
-        return pictures.plot_modes(self, path, most)
 
 
 def modes_in_space(structure: Structure) -> SpatialModes:

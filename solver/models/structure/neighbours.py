@@ -52,21 +52,10 @@ NEAR = 1e-6  # m
 
 
 def neighbours_from(data: Mapping[str, Any], blocks: tuple[Solid, ...], joints: Sequence[Joint]) -> tuple[Pair, ...]:
-    """Return the pairs that the table `neighbours` of a structure describes; empty without one.
+    """Return the pairs that the table `neighbours` of a structure's file describes; empty without one.
 
-    Parameters
-    ----------
-    data : mapping
-        The file of the structure.
-    blocks : tuple of Solid
-        The blocks.
-    joints : sequence of Joint
-        The joints, whose blocks are no neighbours.
-
-    Raises
-    ------
-    InputError
-        If a key or a value is wrong, or if blocks overlap as built.
+    Blocks with a joint between them are no neighbours. Raises InputError if a key or a value is wrong, or if blocks
+    overlap as built.
     """
     if "neighbours" not in data:
         return ()
@@ -325,17 +314,9 @@ def _with_law(key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Soli
 def restitution_of(damping: float, mass: float, stiffness: float) -> float:
     """Return the coefficient of restitution of a central impact on a damped bed that bears no tension.
 
-    The impact is the damped half-oscillation until the force is zero.
+    The damping is in s, the stiffness of the bed in N/m; the mass (kg) of two blocks is m1 m2 / (m1 + m2). The impact
+    is the damped half-oscillation until the force is zero.
     Source: T. Schwager and T. Pöschel, Granular Matter 9 (2007) 465.
-
-    Parameters
-    ----------
-    damping : float
-        Damping of the bed, s.
-    mass : float
-        Mass, kg; of two blocks m1 m2 / (m1 + m2).
-    stiffness : float
-        Stiffness of the bed, N/m.
     """
     zeta = 0.5 * damping * math.sqrt(stiffness / mass)
     if zeta == 0.0:

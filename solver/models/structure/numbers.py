@@ -36,24 +36,12 @@ _LENGTHS = (
 
 
 class Named(NamedTuple):
-    """A dotted name in its parts.
+    """A dotted name in its parts."""
 
-    Attributes
-    ----------
-    kind : str
-        block, joint, tie or bearing.
-    which : str
-        Name or number; "" for all.
-    key : str
-        Key of the table.
-    coordinate : int
-        Number of the coordinate from 1; 0 for a scalar.
-    """
-
-    kind: str
-    which: str
-    key: str
-    coordinate: int
+    kind: str  # block, joint, tie or bearing
+    which: str  # name or number; "" for all
+    key: str  # of the table
+    coordinate: int  # from 1; 0 for a scalar
 
 
 def is_of_structure(name: str) -> bool:
@@ -87,20 +75,9 @@ def unit_in_space(name: str) -> str:
 
 
 def structure_with(structure: Structure, values: Mapping[str, tuple[float, bool]]) -> Structure:
-    """Return the structure with some of its numbers replaced.
+    """Return the structure with other numbers, by name: the number, and whether it is a factor on the present value.
 
-    Parameters
-    ----------
-    structure : Structure
-        The structure.
-    values : mapping
-        By name: a number, and whether it multiplies the present one. The size comes first, then the others in their
-        order.
-
-    Raises
-    ------
-    InputError
-        If a name or a number is wrong.
+    The size is set first, then the others in their order. Raises InputError if a name or number is wrong.
     """
     if not values:
         return structure

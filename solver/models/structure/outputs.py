@@ -1,9 +1,9 @@
-"""The outputs of a structure, one entry for each, in the order of kernels/structure/layout.py."""
+"""The outputs of a structure, one entry for each, in the order of kernels/structure/layout.py; what runs can store."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from ...common.aliases import Alias
 from ...common.errors import InputError
 from ...kernels.structure import layout as at
 from ..outputs import BASE, BEARING, BLOCK, BOND, CONTACT, JOINT, PORT, TIE, Histories, Output, units_of
+from ..protocol import OF_RUN, Kept, kept_peaks
 from .blocks.faces import FloatArray
 from .blocks.shapes import turned
 
@@ -18,14 +19,9 @@ if TYPE_CHECKING:
     from .model import Structure
 
 
-class _Component:
-    """A component of the reaction of the base, (rows,)."""
-
-    def __init__(self, number: int) -> None:
-        self._number = number
-
-    def __get__(self, owner: StructureHistories | None, kind: Any = None) -> Any:
-        return self if owner is None else owner.base[:, self._number]
+def _of_base(number: int) -> property:
+    """Return the property of a component of the reaction of the base, (rows,)."""
+    return property(lambda histories: histories.base[:, number])
 
 
 class StructureHistories(Histories):
@@ -85,7 +81,7 @@ class StructureHistories(Histories):
     model: Structure
     line_end = "\n"
     structure = Alias("model")
-    base_Fx, base_Fy, base_Fz, base_Mx, base_My, base_Mz = (_Component(k) for k in range(6))
+    base_Fx, base_Fy, base_Fz, base_Mx, base_My, base_Mz = (_of_base(k) for k in range(6))
 
     @property
     def labels(self) -> dict[str, Sequence[object]]:
@@ -176,3 +172,18 @@ _ORDER = "solver/models/structure/outputs.py: the rows must be, in this order, t
 _ORDER = f"{_ORDER} solver/kernels/structure/layout.py: {', '.join(_FIELDS)}; parts of base: {', '.join(at.OF_BASE)}"
 assert [output.field for output in OUTPUTS] == _FIELDS, _ORDER
 assert [*_BASE, *_WHOLE] == [*at.OF_BASE], _ORDER
+
+
+# --- the results of each of many runs that can be stored, by name
+
+ALWAYS_KEPT = {
+    **OF_RUN,
+    "fallen": Kept(kind=np.int64),
+    "evaluations": Kept(kind=np.int64),
+    "settled_for": Kept("s", np.float64),
+}
+KEPT: dict[str, Kept] = {**ALWAYS_KEPT, "peak_u": Kept("m"), **kept_peaks(OUTPUTS)}
+KEPT |= {f"peak_base_{one.name}": Kept(one.unit, np.float64, BASE) for one in StructureHistories.base.parts}
+KEPT["least_contact"] = KEPT.pop("least_contact")  # the last one
+FROM_LANES = {*ALWAYS_KEPT, "peak_u", "peak_ux", "peak_uy", "peak_uz", "peak_d", "least_gap", "least_bond"}
+KEYS = {"peak_centroid_ux": "peak_ux"}

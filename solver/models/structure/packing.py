@@ -12,27 +12,17 @@ import numpy as np
 from ...kernels.column.model.assembly import LIGHTLY_DAMPED
 from ...kernels.structure import layout as at
 from ...kernels.structure.modal_layout import AXES, MODAL_ROOM
-from ..column.packing import IntArray
+from ..column.packing import Arrays as Arrays
 from ..ports import Port
 from .blocks.contacts import GROUND, inside_of
 from .blocks.faces import Face, FloatArray, edge_distance, polygon_moments
-from .blocks.parts import Bearing, Joint, Pair, Side, Solid, Tie
+from .blocks.parts import Joint, Pair, Side, Solid, Tie
 
 FLOOR = 1e-3  # of the settlement under weight: the least motion relative to which errors are measured
 # least damping along a joint that may slide, times the frequency of the fastest joint: the elastic slip follows the
 # motion within that time, which explicit steps must resolve
 RELAXATION = 0.1
 FIRST = 0.1  # of 1 / omega of the fastest joint: first step
-
-
-class Arrays(NamedTuple):
-    """The flat arrays of a structure in motion; copying `state`, `counts` and `base` saves its state."""
-
-    model: FloatArray
-    state: FloatArray
-    counts: IntArray
-    base: FloatArray
-    work: FloatArray
 
 
 class Model(NamedTuple):
@@ -102,17 +92,7 @@ class Parts(NamedTuple):
 
 
 def model_of(parts: Parts, g: float, tolerance: float) -> Model:
-    """Return the model of a structure, without modes.
-
-    Parameters
-    ----------
-    parts : Parts
-        The parts.
-    g : float
-        Gravity, m/s2.
-    tolerance : float
-        Error tolerance relative to the largest motion.
-    """
+    """Return the model of a structure without modes, with gravity (m/s2) and a tolerance relative to the motion."""
     made = _model_of(parts, g)
     made = made._replace(numbers=made.numbers.copy())
     settings = made.names.settings
@@ -244,14 +224,10 @@ def _fill_joint(table: Any, j: int, joint: Joint, solids: tuple[Solid, ...], pla
     table.first[j], table.corners[j] = place, len(face.outline)
     table.rim_a[j], table.rim_b[j] = math.inf, math.inf
     if joint.bearing is not None:
-        _fill_bearing(table, j, joint.bearing)
-
-
-def _fill_bearing(table: Any, j: int, bearing: Bearing) -> None:
-    table.section[j], table.twist[j] = at.POINT, 0.0
-    table.rim_a[j], table.rim_b[j] = 0.0, 0.0  # a point has no edges: a slip moves no contact
-    for name in ("pendulum", "spring", "dashpot", "ring", "ring_stiffness", "ring_damping", "capacity", "holds"):
-        getattr(table, name)[j] = getattr(bearing, name)
+        table.section[j], table.twist[j] = at.POINT, 0.0
+        table.rim_a[j], table.rim_b[j] = 0.0, 0.0  # a point has no edges: a slip moves no contact
+        for name in ("pendulum", "spring", "dashpot", "ring", "ring_stiffness", "ring_damping", "capacity", "holds"):
+            getattr(table, name)[j] = getattr(joint.bearing, name)
 
 
 def _faces_of(joint: Joint, above: Face | None, below: Face | None) -> tuple[FloatArray, ...]:

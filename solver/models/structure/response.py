@@ -15,7 +15,7 @@ from ...common.aliases import Alias
 from ...common.errors import needing
 from ...common.frames import EXTRA
 from ...common.notebook import history, rows_of
-from ..outputs import BASE, CONTACT, DIGITS, TIE, peaks_by_name
+from ..outputs import BASE, CONTACT, TIE, peaks_by_name
 from ..pictures import PicturesOfStructures, pictures_of
 from ..response import Result
 from .blocks.faces import FloatArray
@@ -128,10 +128,6 @@ class SpatialResponse(StructureHistories, Result):
         """The warnings of the run, of blocks that overlap where the model has no contact."""
         return (self.overlap.sentence,) if self.overlap.between else ()
 
-    def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
-        """Write time and every history, under names such as block[left].ux, joint[left-base].N, tie[1].F, base.Fx."""
-        super().to_csv(path, digits)
-
     @property
     def names(self) -> list[str]:
         """The names of the columns of the CSV."""
@@ -145,13 +141,6 @@ class SpatialResponse(StructureHistories, Result):
         with needing(EXTRA, "pandas"):
             import pandas
         return pandas.DataFrame(self.rows, index=pandas.Index(self.time, name="time"), columns=self.row_names)
-
-    def to_xarray(self) -> Any:
-        """Return the histories as an xarray.Dataset over time and the names of blocks, joints and ties.
-
-        Raises InputError without xarray (the extra `studies`).
-        """
-        return super().to_xarray()
 
     def plot_plan(
         self, path: str | os.PathLike[str] | None = None, blocks: Sequence[str | int] | None = None

@@ -1,4 +1,4 @@
-"""The rest under weight, from the structure as built and without weight, by Newton's method.
+"""The rest under weight, from the structure as built and without weight, by Newton's method; signs of mistaken units.
 
 If joints may slide, the weight is applied in steps, and the joints remember each: a statically indeterminate structure
 rests as if it had been built on falsework that is then slowly lowered.
@@ -15,12 +15,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...common import plausible
 from ...common.errors import InputError
 from ...kernels.structure import layout as at
+from ..column.model import Column
+from ..column.rest import known_warnings
 from ..ports import Port
 from ..protocol import NoRestError
 from .blocks.faces import FloatArray
-from .blocks.parts import Joint, Pair, Solid, Tie
+from .blocks.parts import OF_COLUMN, Joint, Pair, Solid, Tie
 from .model import Structure
 from .packing import FLOOR, centroid_of
 from .stepper import Stepper
@@ -38,6 +41,7 @@ MOST_PARTS = 5
 PERTURBED = 1e-3  # of the settlement: differences for the tangent
 OF_ONE = 0.1  # of the settlement of a joint under one block: differences for the tangent at rest
 SOFTENING = 1e-4  # of the stiffness in full contact: first addition to a tangent that does not converge
+ITERATIONS = 4  # inverse iterations to the first mode, from a sway of the structure
 
 
 class Rest(NamedTuple):
@@ -73,8 +77,13 @@ def _rest_of(
     if not structure.weight > 0.0:
         return _finished(Stepper(structure), linear)
     slides = any(joint.bed.friction is not None for joint in structure.joints)
-    settlement = _solved(structure, linear, weights(structure))
-    size, close = float(np.max(np.abs(settlement))), _least_delta(structure)
+    try:
+        settlement: FloatArray = np.linalg.solve(linear, weights(structure)).astype(np.float64)
+    except np.linalg.LinAlgError:
+        raise InputError("some block is free to move") from None
+    size, settings = float(np.max(np.abs(settlement))), structure.model.names.settings
+    # differences, and those so small that no joint under the weight of one block opens
+    close = deltas_of(structure, OF_ONE * settings.motion_floor * settings.extent / FLOOR)
     deltas = [PERTURBED * deltas_of(structure, part * size) for part in _parts_of(structure, size)]
     # ever smaller differences and other numbers of steps, until one converges
     for delta, loads in product(deltas, LOADS if slides else (1,)):
@@ -169,19 +178,6 @@ def deltas_of(structure: Structure, settlement: float) -> FloatArray:
     return (settlement * parts.ravel()).astype(np.float64)
 
 
-def _least_delta(structure: Structure) -> FloatArray:
-    """Return differences so small that no joint under the weight of one block opens."""
-    settings = structure.model.names.settings
-    return deltas_of(structure, OF_ONE * settings.motion_floor * settings.extent / FLOOR)
-
-
-def _solved(structure: Structure, stiffness: FloatArray, load: FloatArray) -> FloatArray:
-    try:
-        return np.linalg.solve(stiffness, load).astype(np.float64)
-    except np.linalg.LinAlgError:
-        raise InputError("some block is free to move") from None
-
-
 def full_stiffness(structure: Structure) -> FloatArray:
     """Return the stiffness with all joints in full contact and all ties taut, as built, without weight, (6 n, 6 n)."""
     springs = []
@@ -217,14 +213,8 @@ def _assembled(
 ) -> FloatArray:
     """Assemble springs or dashpots in the coordinates of the blocks, (6 n, 6 n).
 
-    Parameters
-    ----------
-    structure
-        The structure.
-    joints
-        Across and along each joint, per area; in parallel with the slider of a bearing: spring and pendulum.
-    ties
-        Along each tie.
+    Each joint has one across and one along, per area, and those of a bearing beside its slider: spring and pendulum.
+    Each tie has one along itself.
     """
     n = structure.n
     matrix = np.zeros((6 * (n + 1), 6 * (n + 1)))
@@ -365,3 +355,70 @@ def _rounding(phase: FloatArray, linear: FloatArray, per: FloatArray) -> float:
     see = at.PHASE.see(phase, len(per) // 6)
     place = np.array([see.ux, see.uy, see.uz, 2.0 * see.q1, 2.0 * see.q2, 2.0 * see.q3]).T.ravel()
     return float(np.finfo(np.float64).eps * np.max(per * (np.abs(linear) @ np.abs(place))))
+
+
+# --- values that are valid but probably unintended (common/plausible.py)
+
+
+@lru_cache(maxsize=64)
+def known_warnings_in_space(structure: Structure, at_rest: bool = True) -> tuple[str, ...]:
+    """Return warnings of implausible values of a structure, a line each; those of the column's file for a stack.
+
+    at_rest: also check what follows from the rest, if there is one.
+    """
+    if structure.is_stack:
+        return known_warnings(Column.from_dict(structure.to_dict()[OF_COLUMN]))
+    rest = None
+    if at_rest:
+        with suppress(InputError):
+            rest = rest_of(structure)
+    # facts by block and by joint
+    blocks, beds = structure.blocks, structure.laws
+    first = 6 * structure.n
+    facts = plausible.Facts(
+        block_key=lambda i: f"block[{structure.names[i]}]",
+        block_name=lambda i: structure.names[i],
+        joint_key=lambda j: f"joint[{structure.joint_names[j]}]",
+        joint_name=lambda j: f"joint[{structure.joint_names[j]}]",
+        mass=[block.mass for block in blocks],
+        volume=[block.volume for block in blocks],
+        loaded=[False] * structure.n,
+        height=[float(np.ptp(block.corners[:, 2])) for block in blocks],
+        g=structure.g,
+        laws=beds,
+        area=[joint.moments[0] for joint in structure.joints],
+        upper=[joint.upper for joint in structure.joints],
+        carried=[] if rest is None else rest.row[first : first + len(beds)].tolist(),
+        damping_ratio=0.0 if rest is None else _first_damping_ratio(structure, rest),
+        most_damped=plausible.MOST_DAMPED_ON_RIMS if any(bed.rim for bed in beds) else plausible.MOST_DAMPED,
+    )
+    return tuple(plausible.lines_of(facts))
+
+
+def _first_damping_ratio(structure: Structure, rest: Rest) -> float:
+    """Return the damping ratio of the first sway mode, all joints in full contact; 0 without damping or weight.
+
+    It is found by inverse iteration, accurately enough for a warning; `modes_in_space` computes it exactly.
+    """
+    if not any(bed.damping for bed in structure.laws) or not structure.weight > 0.0:
+        return 0.0
+    # damping matrix of the joints; bearings and ties are meant to damp
+    rates = [(bed.damping * bed.stiffness, bed.shear_ratio) for bed in structure.laws]
+    dashpots = [(across, ratio * across, (0.0, 0.0)) for across, ratio in rates]
+    dampers = _assembled(structure, dashpots, [0.0] * len(structure.ties))
+    inertia = np.zeros((structure.n, 6, 6))
+    for own, block in zip(inertia, structure.blocks, strict=True):
+        own[:3, :3], own[3:, 3:] = block.mass * np.eye(3), block.inertia
+    stiffness = 0.5 * (rest.stiffness + rest.stiffness.T)
+
+    def inertial(shape: FloatArray) -> FloatArray:
+        return np.einsum("bij,bj->bi", inertia, shape.reshape(-1, 6)).ravel()
+
+    # inverse iteration, then the Rayleigh quotients
+    shape = np.tile([1.0, 0.7, 0.0, 0.0, 0.0, 0.0], structure.n)
+    for _ in range(ITERATIONS):
+        shape = np.linalg.solve(stiffness, inertial(shape))
+        shape /= np.max(np.abs(shape))
+    elastic, kinetic = float(shape @ stiffness @ shape), float(shape @ inertial(shape))
+    ratio = float(shape @ dampers @ shape) / (2.0 * math.sqrt(abs(elastic * kinetic)))
+    return ratio if math.isfinite(ratio) else 0.0

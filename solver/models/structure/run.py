@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
 import warnings
 from collections.abc import Callable
@@ -16,8 +17,8 @@ from ...ground.motion import Motion
 from ...kernels.structure import layout as at
 from ..outputs import places_of
 from ..ports import Released
-from ..protocol import OVERTURNED, Plan, Verdict
-from ..still_base import settled
+from ..protocol import Plan, Verdict
+from ..still_base import conclude, settled
 from .blocks.faces import FloatArray
 from .modal_data import modal_data_of
 from .model import Structure
@@ -93,11 +94,7 @@ def single_run(structure: Structure, plan: Plan) -> SpatialResponse:
     peaks = peaks_in_space(structure, rows, stepper.state.peaks)
     again = partial(moved, structure, motion, stop, plan.times, plan.initial)
     response = SpatialResponse(structure, rows, again, time=plan.times, peaks=peaks, stats=stats, motion=motion)
-    found = settled_verdict(stepper, stop, plan.settle)
-    response.verdict, response.reason, stats["settled_for"] = found.word, found.reason, found.time - stop
-    if found.word == OVERTURNED:
-        response.overturn_time = float(stepper.control.fall_time)
-        response.fallen, response.what_fell = int(stepper.counts.fallen), what_fell(stepper)
+    conclude(response, _Settling(stepper), stop, plan.settle)
     return response
 
 
@@ -175,20 +172,6 @@ def set_initial(stepper: Stepper, initial: SpatialState) -> None:
             getattr(stepper.slips, f"p{k}")[:] = getattr(found, f"s{k}")
 
 
-def what_fell(stepper: Stepper) -> str:
-    """Return the block that has fallen, and the bearing it has come off, in words; "" if none has."""
-    structure, block = stepper.structure, int(stepper.counts.fallen)
-    if not block:
-        return ""
-    stepper.observe()
-    # a fall off a bearing, or a block that has tipped or dropped
-    d = stepper.row[places_of(OUTPUTS, structure.sizes)["d"]]
-    for name, joint, moved in zip(structure.bearing_names, structure.bearings, d.tolist(), strict=True):
-        if joint.bearing is not None and moved > joint.bearing.capacity:
-            return f"block {structure.names[block - 1]} off the bearing {name}"
-    return f"block {structure.names[block - 1]}"
-
-
 class _Settling:
     """A structure on a still base after its run (still_base.py)."""
 
@@ -198,12 +181,26 @@ class _Settling:
         self._stepper = stepper
 
     @property
+    def fallen(self) -> int:
+        return int(self._stepper.counts.fallen)
+
+    @property
     def what_fell(self) -> str:
-        return what_fell(self._stepper)
+        """The block that has fallen, and the bearing it has come off, in words; "" if none has."""
+        stepper, structure = self._stepper, self._stepper.structure
+        if not self.fallen:
+            return ""
+        # a fall off a bearing, or a block that has tipped or dropped
+        stepper.observe()
+        d, block = stepper.row[places_of(OUTPUTS, structure.sizes)["d"]], f"block {structure.names[self.fallen - 1]}"
+        for name, joint, moved in zip(structure.bearing_names, structure.bearings, d.tolist(), strict=True):
+            if joint.bearing is not None and moved > joint.bearing.capacity:
+                return f"{block} off the bearing {name}"
+        return block
 
     @property
     def fall_time(self) -> float:
-        return float(self._stepper.control.fall_time)
+        return float(self._stepper.control.fall_time) if self.fallen else math.nan
 
     def why_it_stands(self) -> str:
         stepper = self._stepper

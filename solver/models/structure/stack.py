@@ -1,4 +1,4 @@
-"""A column as a structure in space."""
+"""A column as a structure in space, and the column that a structure is equivalent to, if any."""
 
 from __future__ import annotations
 
@@ -18,17 +18,20 @@ from ...kernels.column.sections.faces import (
     is_round,
 )
 from ...kernels.column.sections.faces import Face as PlaneFace
-from ..column.block import Block
+from ..column import block as planar
+from ..column.model import Column
+from ..column.settings import Settings
 from ..ports import Port
 from .blocks.contacts import GROUND, with_rim
-from .blocks.faces import Face, shared
+from .blocks.faces import Face, FloatArray, shared
 from .blocks.parts import OF_COLUMN, Bed, Joint, Solid
 from .blocks.shapes import box, drum, placed, rectangle
 
 if TYPE_CHECKING:
-    from ..column.model import Column
+    from .model import Structure
 
 IN_SPACE = (RECTANGLE, CIRCLE, ANNULUS, STRIPS)  # sections with a form in space; of strips a message says more
+CLOSE = 1e-9  # relative difference of a structure from the stack of its column
 
 
 def stacked(column: Column) -> dict[str, Any]:
@@ -61,15 +64,16 @@ def in_three(data: Mapping[str, Any]) -> dict[str, Any]:
     tables = data["port"]
     if not isinstance(tables, list):
         return {"port": tables}
-    return {"port": [_in_three(table) if isinstance(table, Mapping) else table for table in tables]}
+    found = []
+    for table in tables:
+        at = table.get("at") if isinstance(table, Mapping) else None
+        if isinstance(at, (list, tuple)) and len(at) == 2:
+            table = {**table, "at": [at[0], 0.0, at[1]]}
+        found.append(table)
+    return {"port": found}
 
 
-def _in_three(table: Mapping[str, Any]) -> Mapping[str, Any]:
-    at = table.get("at")
-    return {**table, "at": [at[0], 0.0, at[1]]} if isinstance(at, (list, tuple)) and len(at) == 2 else table
-
-
-def _solid(name: str, block: Block, foot: float) -> Solid:
+def _solid(name: str, block: planar.Block, foot: float) -> Solid:
     top = block.top_width or block.width, block.top_depth or block.depth
     if is_round(block.shape[0]):
         made = drum(name, block.width, top[0], block.bore or 0.0, block.height, 1.0)
@@ -107,3 +111,95 @@ def _level(face: PlaneFace, height: float, way: float) -> Face:
     if is_round(face.section):
         return Face(centre, axes, np.empty((0, 2)), 0.5 * face.width, 0.5 * face.bore)
     return Face(centre, axes, rectangle(face.width, face.depth))
+
+
+def column_of(structure: Structure) -> Column | None:
+    """Return the column whose stack (`Structure.stack`) is this structure; None if there is none.
+
+    The structure must consist of boxes or drums, each centred on the one below, without ties, bearings, neighbours or
+    bonds. A structure is elastic along its joints and a column is rigid: a run of the column neglects that.
+    """
+    # blocks from the top, each on one joint to the next block
+    order = np.argsort([-float(block.centroid[2]) for block in structure.blocks], kind="stable")
+    solids = [structure.blocks[i] for i in order]
+    under = {joint.upper: joint for joint in structure.joints}
+    if structure.ties or structure.bearings or structure.neighbours or structure.bonds:
+        return None
+    if not len(under) == len(structure.joints) == structure.n:
+        return None
+    joints = [under[i] for i in order]
+    lowers = [*order[1:], structure.n]
+    if any(joint.lower != lower for joint, lower in zip(joints, lowers, strict=True)):
+        return None
+    # build the column and compare its stack with the structure
+    settings = Settings(tolerance=structure.tolerance, without=structure.without)
+    try:
+        blocks = tuple(_block(solid, joint) for solid, joint in zip(solids, joints, strict=True))
+        column = Column(structure.name, blocks, settings, structure.g)
+        again = stacked(column)
+    except (InputError, IndexError):  # neither boxes nor drums, or outside the limits of a column
+        return None
+    same = all(map(_same_solid, again["blocks"], solids))
+    same = same and all(_same_face(a.face, b.face) for a, b in zip(again["joints"], joints, strict=True))
+    return column if same else None
+
+
+def _block(solid: Solid, joint: Joint) -> planar.Block:
+    """Return the column block of a box or a drum; its faces are bottom and top first (shapes.py)."""
+    bottom, top = solid.faces[:2]
+    section, width, depth, bore = _section(bottom)
+    _, top_width, top_depth, _ = _section(top)
+    bed, foot = joint.bed, float(bottom.centre[2])
+    dowel, strength = bed.dowel or None, bed.strength
+    law = planar.Joint(bed.stiffness, bed.damping, friction=bed.friction, dowel=dowel, strength=strength, rim=bed.rim)
+    # the section of the joint, where it differs from that of the block
+    contact, *sizes = _section(joint.face)
+    own = (width, depth, bore)
+    if contact != section or any(abs((a or 0.0) - (b or 0.0)) > CLOSE * width for a, b in zip(sizes, own, strict=True)):
+        round_ = contact != "rectangle"
+        law = replace(law, section=contact, width=sizes[0], depth=None if round_ else sizes[1], bore=sizes[2])
+    return planar.Block(
+        height=float(top.centre[2]) - foot,
+        width=width,
+        depth=depth,
+        mass=solid.mass,
+        joint=law,
+        centroid=float(solid.centroid[2]) - foot,
+        inertia=float(solid.inertia[1, 1]),
+        section=section,
+        top_width=None if top_width == width else top_width,
+        top_depth=None if top_depth == depth else top_depth,
+        bore=bore,
+    )
+
+
+def _section(face: Face) -> tuple[str, float, float, float | None]:
+    """Return section, width, depth and bore of a horizontal face in the terms of a column (m)."""
+    if face.radius:
+        wide, bore = 2.0 * face.radius, 2.0 * face.bore
+        return ("annulus" if bore else "circle"), wide, wide, bore or None
+    width, depth = np.ptp(face.points(), axis=0)[:2]
+    return "rectangle", float(width), float(depth), None
+
+
+def _same(one: FloatArray | float, other: FloatArray | float, size: float) -> bool:
+    return np.shape(one) == np.shape(other) and bool(np.all(np.abs(np.subtract(one, other)) <= CLOSE * size))
+
+
+def _same_solid(one: Solid, other: Solid) -> bool:
+    return (
+        _same(one.mass, other.mass, other.mass)
+        and _same(one.centroid, other.centroid, float(np.max(other.corners[:, 2])))
+        and _same(one.inertia, other.inertia, float(np.max(other.inertia)))
+        and all(_same_face(a, b) for a, b in zip(one.faces[:2], other.faces[:2], strict=True))
+    )
+
+
+def _same_face(one: Face, other: Face) -> bool:
+    size = max(other.size, abs(float(other.centre[2])))
+    return (
+        _same(one.centre, other.centre, size)
+        and _same(np.sort(one.points(), axis=0), np.sort(other.points(), axis=0), size)
+        and _same(one.radius, other.radius, size)
+        and _same(one.bore, other.bore, size)
+    )

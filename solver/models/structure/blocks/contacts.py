@@ -20,25 +20,10 @@ GROUND = Face(np.zeros(3), np.eye(3), rectangle(ENDLESS, ENDLESS))
 def joints_between(
     solids: tuple[Solid, ...], upper: int, lower: int, bed: Bed, key: str, sides: bool = False
 ) -> list[Joint]:
-    """Return the joints of all pairs of faces that two bodies share.
+    """Return the joints of all pairs of faces that two bodies share; the base is body `len(solids)`.
 
-    Parameters
-    ----------
-    solids : tuple of Solid
-        All blocks.
-    upper, lower : int
-        Indices of the bodies; `len(solids)` is the base.
-    bed : Bed
-        Law of the joints.
-    key : str
-        Table of the joints, for messages.
-    sides : bool
-        Include faces that are not on top of the lower body; otherwise they count only if there is no other.
-
-    Raises
-    ------
-    InputError
-        If the bodies share no face.
+    Faces count that are on top of the lower body; others only if there are none, or with `sides`. `key` names the table
+    of the joints in messages. Raises InputError if the bodies share no face.
     """
     below = (GROUND,) if lower == len(solids) else solids[lower].faces
     above = solids[upper].faces
@@ -104,10 +89,16 @@ def axis_of(normal: FloatArray) -> FloatArray:
     return along / np.linalg.norm(along)
 
 
-def turned_face(face: Face) -> Face:
-    """Return the same face with its axes as `axis_of` defines them."""
-    along = axis_of(face.normal)
-    axes = np.column_stack([along, np.cross(face.normal, along), face.normal])
+def axes_of(normal: FloatArray) -> FloatArray:
+    """Return the axes of a face with this normal by columns, (3, 3); the first as `axis_of` defines it."""
+    along = axis_of(normal)
+    axes = np.column_stack([along, np.cross(normal, along), normal])
     axes[np.abs(axes) < 1e-15] = 0.0
+    return axes
+
+
+def turned_face(face: Face) -> Face:
+    """Return the same face with its axes as `axes_of` defines them."""
+    axes = axes_of(face.normal)
     outline = face.outline @ (face.axes[:, :2].T @ axes[:, :2]) if not face.radius else face.outline
     return Face(face.centre, axes, outline, face.radius, face.bore)

@@ -20,27 +20,11 @@ SURE = 1e-9  # of the volume: the least improvement of a better cut, so that rou
 
 
 def convex_parts(triangles: FloatArray, most: int) -> list[FloatArray]:
-    """Return the points of the convex hulls of the parts of a closed surface.
+    """Return the corners (n, 3) of the convex hulls of at most `most` parts of a closed surface (k, 3, 3), m.
 
     The part whose hull exceeds it most in volume is cut first, by the plane that leaves the least volume of hulls.
-    Where no single cut reduces it, the first of two cuts that do is made.
-
-    Parameters
-    ----------
-    triangles : array (k, 3, 3)
-        Closed surface, m.
-    most : int
-        Largest number of parts.
-
-    Returns
-    -------
-    list of array (n, 3)
-        Corners of the hull of each part, m.
-
-    Raises
-    ------
-    InputError
-        If the surface bounds no solid, or more separate solids than `most`.
+    Where no single cut reduces it, the first of two cuts that do is made. Raises InputError if the surface bounds no
+    solid, or more separate solids than `most`.
     """
     with needing(EXTRA, "manifold3d"):
         from manifold3d import Error, Manifold, Mesh64

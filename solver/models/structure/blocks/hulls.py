@@ -219,22 +219,10 @@ def _farthest(points: FloatArray) -> FloatArray:
 
 
 def feet_of(points: FloatArray, level: float, count: int = 1) -> tuple[FloatArray, ...]:
-    """Return the convex polygons around the lowest points.
+    """Return the convex polygons (corners, 2) around the lowest of points (n, 3), m; empty if one has no area.
 
-    Parameters
-    ----------
-    points : array (n, 3)
-        Points of the block, m.
-    level : float
-        Height above the lowest point within which points belong to a foot, m.
-    count : int
-        Number of groups into which these points are divided, by single linkage: points nearer to each other than the
-        groups are belong to one group.
-
-    Returns
-    -------
-    tuple of array (corners, 2)
-        Polygons, m, anticlockwise; empty if a group has no area.
+    Points within `level` (m) of the lowest belong to feet. They are divided into `count` groups by single linkage:
+    points nearer to each other than the groups are belong to one group.
     """
     low = np.unique(points[points[:, 2] <= np.min(points[:, 2]) + level, :2], axis=0)
     extent = float(np.max(np.ptp(points, axis=0)))

@@ -15,7 +15,7 @@ import numpy as np
 from ....common.errors import InputError, InputWarning, needing, reading, shortened
 from ....common.files import MB, content_of
 from .faces import FloatArray
-from .shells import EXTRA, check_closed, check_shells, repaired, solids_apart
+from .shells import EXTRA, check_closed, check_shells, repaired, solids_apart, volume_of
 
 MOST = 200 * MB  # of a mesh, and of all buffers that it names
 KINDS = (".obj", ".stl", ".gltf", ".glb", ".ply", ".off")
@@ -82,9 +82,7 @@ def triangles_of(path: Path, unit: float, up: str | None, repair: bool = False) 
         order = TURNS[up or ("y" if kind in (".gltf", ".glb") else "z")]
         found: FloatArray = unit * corners[faces][:, :, order]
         corners = unit * corners[:, order]
-        middle = np.mean(found, axis=(0, 1))
-        a, b, c = np.moveaxis(found - middle, 1, 0)
-        if not float(np.einsum("ij,ij->", a, np.cross(b, c))) > 0.0:
+        if not volume_of(found) > 0.0:
             faces, found = faces[:, ::-1], found[:, ::-1].copy()
         check_shells(corners, faces)
         solids = solids_apart(corners, faces)

@@ -38,18 +38,9 @@ def rectangle(width: float, depth: float) -> FloatArray:
 
 
 def box(name: str, bottom: tuple[float, float], top: tuple[float, float], height: float, density: float) -> Solid:
-    """Return a box standing on the origin, whose bottom and top faces may differ.
+    """Return a box standing on the origin, whose bottom and top faces, (width, depth), may differ.
 
-    Parameters
-    ----------
-    name : str
-        Name of the block.
-    bottom, top : tuple of float
-        Width and depth of the faces, m.
-    height : float
-        Height, m.
-    density : float
-        Density, kg/m3.
+    Lengths are in m, the density in kg/m3.
     """
 
     def section(part: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

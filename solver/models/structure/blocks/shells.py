@@ -59,7 +59,7 @@ def solids_apart(corners: FloatArray, faces: IntArray) -> int:
     if count == 1:
         return 1
     parts = [faces[shell == k] for k in range(count)]
-    solids = [part for part in parts if _volume(corners[part]) > 0.0]  # a void is none
+    solids = [part for part in parts if volume_of(corners[part]) > 0.0]  # a void is none
     boxes = np.array([[np.min(corners[part], axis=(0, 1)), np.max(corners[part], axis=(0, 1))] for part in solids])
     near = ROUNDED * float(np.max(np.ptp(corners, axis=0)))
     meet = np.all(boxes[:, None, 0] <= boxes[None, :, 1] + near, axis=2)
@@ -77,7 +77,7 @@ def repaired(corners: FloatArray, faces: IntArray) -> tuple[IntArray, int]:
     made = np.where(turned[:, None], faces[:, ::-1], faces)
     shell = _components(edge.reshape(3, -1).T)
     for k in range(int(np.max(shell)) + 1):
-        if _volume(corners[made[shell == k]]) < 0.0:
+        if volume_of(corners[made[shell == k]]) < 0.0:
             made[shell == k] = made[shell == k][:, ::-1]
             turned[shell == k] ^= True
     outwards = made.copy()
@@ -138,7 +138,7 @@ def _orientation(faces: IntArray, edges: IntArray) -> NDArray[np.bool_]:
     return turned
 
 
-def _volume(triangles: FloatArray) -> float:
+def volume_of(triangles: FloatArray) -> float:
     """Return the signed volume bounded by triangles (k, 3, 3), m3; negative if they look inwards."""
     a, b, c = np.moveaxis(triangles - np.mean(triangles, axis=(0, 1)), 1, 0)
     return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0
