@@ -138,7 +138,7 @@ class ColumnBody(Body, word="column"):
     base = at.BASE.fields
 
     def __init__(self, column: Column, drive: Drive = USUAL) -> None:
-        self.column, self.name, self.tolerance = column, column.name, column.settings.tolerance
+        self.model, self.name, self.tolerance = column, column.name, column.settings.tolerance
         of_ports = variables.inputs_of_ports(column)
         self.drive, self.inputs = drive, (*variables.INPUTS, *of_ports, *drive.inputs())
         self.text = json.dumps({"column": column.to_dict(), "drive": drive}, indent=1)
@@ -150,7 +150,7 @@ class ColumnBody(Body, word="column"):
         self.why_not_native = "has solver.formulation = paper, must be exact" if column.kind.fixed else ""
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
-        return variables.variables(self.column, record, reads_files, self.drive)
+        return variables.variables(self.model, record, reads_files, self.drive)
 
     @classmethod
     def read(cls, data: Any, drive: Drive = USUAL) -> Body:
@@ -158,7 +158,7 @@ class ColumnBody(Body, word="column"):
 
     def described(self, value: Value) -> Described:
         try:
-            return Described(variables.column_from(self.column, value), self.drive.chosen(value))
+            return Described(variables.column_from(self.model, value), self.drive.chosen(value))
         except InputError as error:
             message = re.sub(r"block\[(\d+)\]\.joint\.", r"joint[\1].", str(error))
             raise InputError(message) from error
@@ -169,10 +169,8 @@ class ColumnBody(Body, word="column"):
         return made
 
     def state_ranges(self, stepper: in_plane.Stepper | None = None) -> Ranges:
-        column = self.column
-        loads = len(variables.inputs_of_ports(column))
-        spots = at.SPOTS.size(len(column.ports))
-        return state_ranges.of_column(column.n, spots, loads, self.drive.is_chosen)
+        loads, spots = len(variables.inputs_of_ports(self.model)), at.SPOTS.size(len(self.model.ports))
+        return state_ranges.of_column(self.model.n, spots, loads, self.drive.is_chosen)
 
     def retune(self, stepper: in_plane.Stepper, described: Described) -> None:
         stepper.retune(described.column)
@@ -193,7 +191,7 @@ class StructureBody(Body, word="structure"):
     why_not_native = ""
 
     def __init__(self, data: Mapping[str, Any], model: list[float] | None = None, drive: Drive = USUAL) -> None:
-        structure = self.structure = Structure.from_dict(data)
+        structure = self.model = Structure.from_dict(data)
         self.packed = packed(structure) if model is None else np.array(model, dtype=np.float64)
         self.name, self.tolerance = structure.name, structure.tolerance
         self.drive = drive
@@ -207,7 +205,7 @@ class StructureBody(Body, word="structure"):
         self.sizes = size, driven_size(drive.most_bodies, int(drive.turns)), size
 
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
-        return structure_variables.structure_variables(self.structure, record, reads_files, self.drive)
+        return structure_variables.structure_variables(self.model, record, reads_files, self.drive)
 
     @classmethod
     def read(cls, data: Any) -> Body:
@@ -226,7 +224,7 @@ class StructureBody(Body, word="structure"):
         return Chosen(tolerance, float(code), scale, *of_drive)
 
     def stepper(self, described: Chosen) -> DrivenStructure:
-        return DrivenStructure(self.structure, self.packed, described)
+        return DrivenStructure(self.model, self.packed, described)
 
     def state_ranges(self, stepper: DrivenStructure | None = None) -> Ranges:
         return state_ranges.of_structure(sizes_in(self.packed), self.drive.is_chosen)

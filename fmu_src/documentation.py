@@ -8,6 +8,7 @@ from __future__ import annotations
 import io
 from functools import singledispatch
 from html import escape
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -16,18 +17,18 @@ from matplotlib.transforms import Affine2D
 
 from solver.models.column.model import Column
 from solver.models.structure.model import Structure
-from solver.plotting.scene.bodies import parts_of, walls_of
+from solver.plotting.drawings import Places, corners_of, draw_column
+from solver.plotting.scene.bodies import has_parts, parts_of, walls_of
 from solver.plotting.scene.gltf import still
-from solver.plotting.structures import draw_blocks
+from solver.plotting.structures import structure_picture
+from solver.plotting.style import BLUE, INK, RED, STONE
 
-from .body import Body, ColumnBody, StructureBody
+from .body import Body
 from .description_parts import DISPLAY_UNITS
 from .exchange import exchange, html
 from .variables import Variable
 
-STONE = "#cdbfa7"
-INK = "#3b3a38"
-RED = "#d55e00"
+MOST_NUMBERED = 20  # blocks
 ARROW = {"arrowstyle": "-|>", "color": RED, "linewidth": 1.6, "mutation_scale": 12}
 
 PAGE = """\
@@ -95,37 +96,36 @@ HEADINGS = {"input": "Inputs", "output": "Outputs", "parameter": "Parameters"}
 
 def pages(body: Body, table: list[Variable], needs: str) -> dict[str, bytes]:
     """Return the files of the documentation by path; `needs`: a line on the needs of the machine that runs the FMU."""
-    picture, words = _shown(body)
+    picture, words = _shown(body.model)
     others = {"documentation/signs.png": sign_conventions()} if "signs.png" in words["signs"] else {}
     page = _page(body, table, {**words, "needs": escape(needs)})
     pictures = dict.fromkeys(("documentation/model.png", "documentation/diagram.png"), picture)  # the latter for FMI 3
-    return {"documentation/index.html": page.encode()} | pictures | others | _scene(body)
+    return {"documentation/index.html": page.encode()} | pictures | others | _scene(body.model)
 
 
-def _scene(body: Body) -> dict[str, bytes]:
+def _scene(model: Any) -> dict[str, bytes]:
     """Return the blocks as binary glTF, for examples/animate_fmu.py; of a structure from a mesh its hull."""
-    if not isinstance(body, (ColumnBody, StructureBody)):
+    if not has_parts(model):
         return {}
-    model = body.column if isinstance(body, ColumnBody) else body.structure
     return {"resources/scene.glb": still(model.name, parts_of(model)[0], not model.kind.across, walls_of(model))}
 
 
 @singledispatch
-def _shown(body: Body) -> tuple[bytes, dict[str, str]]:
+def _shown(model: Any) -> tuple[bytes, dict[str, str]]:
     """Return a picture of the model and the texts of the page; of an unknown model its name."""
     figure = Figure(figsize=(3.0, 3.0))
-    figure.text(0.5, 0.5, body.name, ha="center", color=INK, bbox={"facecolor": STONE, "edgecolor": INK})
+    figure.text(0.5, 0.5, model.name, ha="center", color=INK, bbox={"facecolor": STONE, "edgecolor": INK})
     return _png(figure), OF_ANY
 
 
 @_shown.register
-def _(body: ColumnBody) -> tuple[bytes, dict[str, str]]:
-    return drawing(body.column), OF_COLUMN
+def _(column: Column) -> tuple[bytes, dict[str, str]]:
+    return drawing(column), OF_COLUMN
 
 
 @_shown.register
-def _(body: StructureBody) -> tuple[bytes, dict[str, str]]:
-    return drawing_in_space(body.structure), OF_STRUCTURE
+def _(structure: Structure) -> tuple[bytes, dict[str, str]]:
+    return _png(structure_picture(structure, 3.0)), OF_STRUCTURE
 
 
 def _page(body: Body, table: list[Variable], words: dict[str, str]) -> str:
@@ -158,34 +158,19 @@ def _row(variable: Variable) -> str:
 
 
 def drawing(column: Column) -> bytes:
-    """Return model.png of a column: the blocks to scale, on their joints."""
+    """Return model.png of a column: the numbered blocks to scale, on the contacts of their joints."""
     figure = Figure(figsize=(3.0, 3.0), layout="constrained")
     axes = figure.subplots()
-    height = sum(block.height for block in column.blocks)
-    width = max(block.width for block in column.blocks)
-    foot = 0.0
-    for i in range(column.n - 1, -1, -1):
-        block = column.blocks[i]
-        shape = Rectangle((-0.5 * block.width, foot), block.width, block.height, facecolor=STONE, edgecolor=INK)
-        axes.add_patch(shape)
-        if column.n <= 20:
-            axes.text(0.0, foot + 0.5 * block.height, str(i + 1), ha="center", va="center", color=INK, fontsize=8)
-        contact = column.contacts[i]
-        axes.plot([contact.left, contact.right], [foot, foot], color="#0072b2", linewidth=2.0, solid_capstyle="butt")
-        foot += block.height
-    axes.axhline(-0.01 * height, color=INK, linewidth=3.0)
-    reach = 0.6 * max(height, width)
-    axes.set(xlim=(-reach, reach), ylim=(-0.08 * height, 1.04 * height), aspect="equal")
-    axes.set_axis_off()
-    return _png(figure)
-
-
-def drawing_in_space(structure: Structure) -> bytes:
-    """Return model.png of a structure, as built."""
-    figure = Figure(figsize=(3.0, 3.0), layout="constrained")
-    axes = figure.add_subplot(projection="3d")
-    draw_blocks(axes, structure, np.zeros((structure.n, 3)), np.zeros((structure.n, 3)))
-    axes.set_axis_off()
+    zero = np.zeros((1, column.n))
+    places = Places(column, zero, zero, zero)
+    draw_column(axes, places, 0, 1.0)
+    for number, (corners, contact) in enumerate(zip(corners_of(places, 0, 1.0), column.contacts, strict=True), start=1):
+        if column.n <= MOST_NUMBERED:
+            axes.text(*corners.mean(axis=0), str(number), ha="center", va="center", color=INK, fontsize=8)
+        # the ends of the contact, on the bottom face from the first corner to the second
+        along = (corners[1] - corners[0]) / np.linalg.norm(corners[1] - corners[0])
+        ends = corners[:2].mean(axis=0) + np.outer((contact.left, contact.right), along)
+        axes.plot(*ends.T, color=BLUE, linewidth=2.0, solid_capstyle="butt")
     return _png(figure)
 
 

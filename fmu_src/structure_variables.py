@@ -11,7 +11,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from solver.common.errors import InputError
 from solver.ground.loads import COMPONENTS
 from solver.ground.motion import STANDARD_GRAVITY
 from solver.kernels.structure.layout import DRIVEN, DRIVEN_TURN
@@ -20,7 +19,7 @@ from solver.models.structure.model import Structure
 from solver.models.structure.outputs import OUTPUTS
 
 from .drive import USUAL, Drive
-from .references import FAMILY, OF_STRUCTURE, OF_TURNING_STRUCTURE
+from .references import OF_STRUCTURE, OF_TURNING_STRUCTURE
 from .rules import DAMPING_SCALE_LIMITS
 from .variables import (
     OVERTURNED_BLOCK,
@@ -29,7 +28,7 @@ from .variables import (
     driven_outputs,
     input_of,
     inputs_of,
-    named_ports,
+    numbered,
     of_record,
     outcome,
     parameter_of,
@@ -95,22 +94,11 @@ def structure_variables(
     structure: Structure, record: str = "", reads_files: bool = True, drive: Drive = USUAL
 ) -> list[Variable]:
     """Return the table, as `variables` for a column. Raises InputError for a structure with too many joints or ties."""
-    several = {
-        "joint": structure.joints,
-        "tie": structure.ties,
-        "contact": structure.neighbours,
-        "port": structure.ports,
-    }
-    for what, parts in several.items():
-        if len(parts) > FAMILY:
-            raise InputError(f"{what}: {len(parts)} of them, must be at most {FAMILY} in an FMU")
     # names of the owners in descriptions
     named = {BLOCK: structure.names, JOINT: structure.joint_names, BEARING: structure.bearing_names}
-    names = {what: [f"{what} {i} ({name})" for i, name in enumerate(of, start=1)] for what, of in named.items()}
+    named |= {CONTACT: structure.contact_names, BOND: structure.bond_names, PORT: [port.name for port in structure.ports]}
+    names = {what: numbered(what, of) for what, of in named.items()}
     names[TIE] = [f"tie {e}" for e in range(1, len(structure.ties) + 1)]
-    names[CONTACT] = [f"contact {p} ({name})" for p, name in enumerate(structure.contact_names, start=1)]
-    names[BOND] = [f"bond {e} ({name})" for e, name in enumerate(structure.bond_names, start=1)]
-    names[PORT] = named_ports(structure.ports)
     # outputs, with the inputs that they depend on
     sizes = _sizes(structure)
     row, peaks = seen(OUTPUTS, names, lambda unit, i: sizes[unit])

@@ -139,9 +139,9 @@ def inputs_of(ports: Sequence[Port], components: Sequence[str], size: Mapping[st
     return found
 
 
-def named_ports(ports: Sequence[Port]) -> list[str]:
-    """Return the names of ports in descriptions."""
-    return [f"port {p} ({port.name})" for p, port in enumerate(ports, start=1)]
+def numbered(owner: str, names: Iterable[str]) -> list[str]:
+    """Return the names of ports, blocks and so on in descriptions, with their numbers."""
+    return [f"{owner} {i} ({name})" for i, name in enumerate(names, start=1)]
 
 
 # inputs that an output of the row depends on without delay, by default all; TURNING for the base joint alone
@@ -248,9 +248,7 @@ def variables(column: Column, record: str = "", reads_files: bool = True, drive:
     """
     parameters = [*_parameters(column), *(drive.parameters if drive else ()), *of_record(record, reads_files)]
     numbers, sizes = [""] * column.n, _sizes(column)  # blocks have no names; the base has the sizes of the lowest joint
-    if len(column.ports) > FAMILY:
-        raise InputError(f"port: {len(column.ports)} of them, must be at most {FAMILY} in an FMU")
-    names = {BLOCK: numbers, JOINT: numbers, PORT: named_ports(column.ports)}
+    names = {BLOCK: numbers, JOINT: numbers, PORT: numbered(PORT, [port.name for port in column.ports])}
     names[BOND] = numbers if column.is_brittle else []
     # outputs, with the inputs that they depend on without delay
     row, peaks = seen(OUTPUTS, names, lambda unit, i: sizes[unit][i - 1] if unit in sizes else USUAL_RATES[unit])
@@ -316,7 +314,15 @@ def seen(
     nominal : callable
         Returns the typical size from the unit and the number of the block or joint, 0 for the base; solvers of a system
         scale by it.
+
+    Raises
+    ------
+    InputError
+        If there are too many of an owner.
     """
+    for owner, of in names.items():
+        if len(of) > FAMILY:
+            raise InputError(f"{owner}: {len(of)} of them, must be at most {FAMILY} in an FMU")
     row, peaks = [], []
     peak: dict[str, Any] = {"variability": "discrete", "minimum": 0.0, "initially": ()}
     for output in outputs:

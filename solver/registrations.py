@@ -1,17 +1,19 @@
 """What lower layers ask of higher ones, by class: the kinds of models, the modules that draw results.
 
-Each function imports what it returns, so that neither matplotlib nor the kernels of lanes are loaded before they are
-used.
+A module is imported when it is first asked for, so that neither matplotlib nor the kernels of lanes are loaded before
+they are used.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from importlib import import_module
 from typing import Any
 
 from .models.column.model import Column
 from .models.column.modes import Modes
 from .models.column.response import Response
-from .models.pictures import Pictures, PicturesOfModes, PicturesOfStructures, Scenes, drawing_of, scenes_of
+from .models.pictures import drawing_of, scenes_of
 from .models.protocol import Kind, kind_of, structure_of
 from .models.response import Result
 from .models.structure.model import Structure
@@ -38,35 +40,16 @@ def _kind_of_structure(structure: Structure) -> Kind:
     return STRUCTURES
 
 
-@structure_of.register(Column)
-def _stack(column: Column) -> Structure:
-    return Structure.stack(column)
+structure_of.register(Column, Structure.stack)
 
 
-@drawing_of.register(Response)
-def _pictures_of_columns(response: Response) -> Pictures:
-    from .plotting import of_column
-
-    return of_column
+def _importing(module: str) -> Callable[[Any], Any]:
+    """Return a function of any result that imports a module of this package."""
+    return lambda result: import_module(module, __package__)
 
 
-@drawing_of.register(StructureHistories)
-@drawing_of.register(SpatialModes)
-def _pictures_of_structures(result: Any) -> PicturesOfStructures:
-    from .plotting import of_structure
-
-    return of_structure
-
-
-@drawing_of.register(Modes)
-def _pictures_of_modes(modes: Modes) -> PicturesOfModes:
-    from .statics import static_plots
-
-    return static_plots
-
-
-@scenes_of.register(Result)
-def _scenes(response: Result) -> Scenes:
-    from .plotting import scene
-
-    return scene
+drawing_of.register(Response, _importing(".plotting.of_column"))
+drawing_of.register(StructureHistories, _importing(".plotting.of_structure"))
+drawing_of.register(SpatialModes, _importing(".plotting.of_structure"))
+drawing_of.register(Modes, _importing(".statics.static_plots"))
+scenes_of.register(Result, _importing(".plotting.scene"))

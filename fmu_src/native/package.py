@@ -57,7 +57,7 @@ FLAGS_3 = {
 
 # description for the C core, by kind of body
 SUBJECTS: dict[type[Body], Callable[[Any], Subject]] = {
-    ColumnBody: lambda body: column_subject(body.column, body.drive),
+    ColumnBody: lambda body: column_subject(body.model, body.drive),
     StructureBody: structure_subject,
 }
 XML = b'<?xml version="1.0" encoding="UTF-8"?>\n'

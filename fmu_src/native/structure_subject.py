@@ -28,7 +28,7 @@ def structure_subject(body: StructureBody) -> Subject:
         falls=True,
         sizes={
             **{
-                "N": body.structure.n,
+                "N": body.model.n,
                 "COUNTS": at.COUNTS.beside,
                 "BASE": at.INPUT_MOTION.size(sizes),
                 "ROW": sizes.visible,
@@ -45,7 +45,7 @@ def structure_subject(body: StructureBody) -> Subject:
         places={**OF_BLOCKS, "FALLEN": OVERTURNED_BLOCK.name},
         inputs=[item.name for item in body.inputs],
         slopes={f"base.a{axis}": f"base.j{axis}" for axis in "xyz"}
-        | slopes_of(structure_variables.inputs_of_ports(body.structure)),
+        | slopes_of(structure_variables.inputs_of_ports(body.model)),
         split="driven.x" if body.sizes[1] else FIRST_PEAK,
         given=[*(given[name] for name in driven.GIVEN.fields), *body.packed.tolist()],
         choices=[
@@ -58,7 +58,7 @@ def structure_subject(body: StructureBody) -> Subject:
             Check(RECORD_SCALE, *rules.SCALE_LIMITS),
         ],
         reasons=REASONS,
-        peaks=peaks_of(OUTPUTS, body.structure.sizes, lengths["STATE"]),
+        peaks=peaks_of(OUTPUTS, body.model.sizes, lengths["STATE"]),
         ranges=body.state_ranges(),
         base=at.BASE.fields,
         group=entries.follow.group,

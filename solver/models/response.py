@@ -17,7 +17,7 @@ from ..common.frames import Frame, Framed
 from ..common.notebook import Shown, counted
 from ..ground.motion import Motion
 from .outputs import DIGITS, JOINT, FloatArray, Histories, units_of
-from .pictures import Pictures, PicturesOfModes, pictures_of, scenes_of
+from .pictures import draw, scenes_of
 from .protocol import SCALAR, UNDECIDED
 from .uncertainty import Ensemble, ErrorEstimate
 
@@ -104,8 +104,7 @@ class Result(Histories, Framed, Shown):
 
         Raises InputError without matplotlib (the extra `plot`).
         """
-        pictures: Pictures = pictures_of(self)
-        return pictures.plot_response(self, path)
+        return draw(self, "plot_response", path)
 
     def plot_model(
         self, path: str | os.PathLike[str] | None = None, at: float | None = None, scale: float | None = None
@@ -126,8 +125,7 @@ class Result(Histories, Framed, Shown):
         InputError
             Without matplotlib (the extra `plot`).
         """
-        pictures: Pictures = pictures_of(self)
-        return pictures.plot_model(self, path, at, scale)
+        return draw(self, "plot_model", path, at, scale)
 
     def film(
         self,
@@ -157,8 +155,7 @@ class Result(Histories, Framed, Shown):
         InputError
             Without matplotlib (the extra `plot`).
         """
-        pictures: Pictures = pictures_of(self)
-        pictures.film(self, path, scale, fps, speed, callback)
+        draw(self, "film", path, scale, fps, speed, callback)
 
     def view(self, path: str | os.PathLike[str], scale: float | None = None) -> None:
         """Write one HTML page that plays the motion in any browser and fetches nothing.
@@ -256,5 +253,4 @@ class ModeTable(Framed):
 
         Raises InputError without matplotlib (the extra `plot`), OSError.
         """
-        pictures: PicturesOfModes = pictures_of(self)
-        return pictures.plot_modes(self, path, most)
+        return draw(self, "plot_modes", path, most)

@@ -15,9 +15,8 @@ from ..common.errors import POSITIVE, check_number
 from ..models.column.model import Column
 from ..models.column.packing import FloatArray
 from ..models.column.response import Response
-from .figures import Figure
 from .largest import length
-from .style import GREY, INK, RED, STONE, header, nice, save
+from .style import Figure, GREY, INK, RED, STONE, header, nice, save
 from .words import setting_of
 
 SHOWN = 0.15  # of the column's height: displacement of its top in a picture whose scale is not given
@@ -67,29 +66,9 @@ def plot_model(
     """Draw the deformed column relative to its base, and save the figure if `path` is given.
 
     The figure states the factor on the deformation, with a scale bar, the heights and the numbers of the joints.
-
-    Parameters
-    ----------
-    response : Response
-    path : path-like, optional
-        File to save to.
-    at : float, optional
-        Time, s, of which the nearest row is drawn. Default: the row of the largest abs(ux) of any block; of a column
-        that falls, the last row before its top has moved by half the height.
-    scale : float, optional
-        Factor on rotations and openings. Default: 1, 2 or 5 times a power of ten at which the motion is visible, 1
-        where it is large.
-
-    Returns
-    -------
-    Figure
-
-    Raises
-    ------
-    InputError
-        If `at` or `scale` is out of range, or the suffix of `path` is unknown.
-    OSError
-        If the file cannot be written.
+    Arguments and errors are those of `Result.plot_model`. By default `at` is the time of the largest abs(ux) of any
+    block, of a column that falls the last row before its top has moved by half the height; `scale` is 1, 2 or 5 times a
+    power of ten at which the motion is visible, 1 where it is large.
     """
     k = _peak(response) if at is None else _row(response, at)
     scale = scale_of(response, scale)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
@@ -22,12 +22,11 @@ from ..models.column.model import Column
 from ..models.column.packing import FloatArray, carried_weights
 from ..models.column.response import Response, friction_history
 from .drawings import Places
-from .figures import Figure
 from .largest import rows_before_fall
 from .lines import draw_ensemble, draw_lines, reduced
 from .profiles import draw_last_moments, draw_offsets, draw_profiles
-from .style import FEW_COLOURS, GREY, INK, RED, TINT, VERDICT_COLOURS, aside, header, name_of, save, show_names, tidy
-from .words import setting_of, verdict_of
+from .style import FEW_COLOURS, GREY, RED, TINT, Figure, aside, name_of, save, show_names, tidy
+from .words import setting_of, verdict_of, write_header
 
 GROUND_SAMPLES = 20_000  # of a harmonic, which has no samples
 HISTORIES = ("ux", "ry", "N", "My", "S", "Tx", "contact", "sigma_max")
@@ -93,17 +92,24 @@ class _Shown:
         return self.column.slides and "slip" in self.histories
 
 
-def plot_response(response: Response, path: str | os.PathLike[str] | None = None) -> Figure:
-    """Draw a Response, and save the figure if `path` is given. Raises InputError, OSError as `plot_histories` does.
+def plot_response(
+    response: Response,
+    path: str | os.PathLike[str] | None = None,
+    title: str | None = None,
+    names: Sequence[str] = (*HISTORIES, *OTHERS),
+) -> Figure:
+    """Draw histories of a Response by name, and save the figure if `path` is given.
 
-    If the response has an ensemble, the 16 % to 84 % range of ux is drawn as a band, its median as a dashed line.
+    If the response has an ensemble, the 16 % to 84 % range of ux is drawn as a band, its median as a dashed line. Raises
+    InputError, OSError as `plot_histories` does.
     """
     ensemble = getattr(response, "ensemble", None)
     return plot_histories(
         response.time,
-        {name: getattr(response, name) for name in (*HISTORIES, *OTHERS)},
+        {name: getattr(response, name) for name in names},
         response.model,
         response.motion,
+        title,
         overturn_time=response.overturn_time,
         path=path,
         ensemble=None if ensemble is None else ensemble.ux,
@@ -193,8 +199,8 @@ def plot_histories(
         names[0] += "; grey: all"
     marked = any(line.get_label() == PEAK for axes in panels for line in axes.lines)
     show_names(figure, names, [shown.chosen[i] for i in sorted(shown.chosen)], mark=PEAK if marked else "")
-    word, sentence = verdict or verdict_of(SimpleNamespace(overturn_time=overturn_time, what_fell=""))
-    header(figure, setting_of(column, motion) if title is None else title, sentence, VERDICT_COLOURS.get(word, INK))
+    verdict = verdict or verdict_of(SimpleNamespace(overturn_time=overturn_time, what_fell=""))
+    write_header(figure, setting_of(column, motion) if title is None else title, verdict)
     return save(figure, path)
 
 

@@ -12,8 +12,7 @@ from ..common.digits import percent
 from ..common.errors import InputError
 from ..ground.intensity import DAMPING, NAMES, components, histories, lines_of, spectrum
 from ..ground.motion import STANDARD_GRAVITY, Motion
-from .figures import Figure
-from .style import block_colours, header, plain, save, tidy
+from .style import Figure, block_colours, header, plain, save, tidy
 
 LONG_NAME = 40  # letters: two names in a line of the legend, not three
 _STYLES: dict[str, str] = {"ax": "-", "ay": "-.", "az": "--"}

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .figures import Figure
-from .structures import VISIBLE, draw_blocks, extent_of
-from .style import BLUE, GREY, INK, RED, header, nice, plain, save, tidy
+from .structures import VISIBLE, draw_blocks, extent_of, visible_scale
+from .style import Figure, BLUE, GREY, INK, RED, header, plain, save, tidy
 
 if TYPE_CHECKING:
     from ..models.structure.modes import SpatialModes
@@ -73,8 +72,7 @@ def plot_push_over(found: PushOver, path: str | os.PathLike[str] | None) -> Figu
     # deformed structure at the largest push
     drawn = figure.add_subplot(grid[1], projection="3d")
     u = np.stack([found.ux[-1], found.uy[-1], found.uz[-1]], axis=-1)
-    largest = max(float(np.max(np.abs(u))), 1e-12)
-    scale = max(1.0, nice(VISIBLE * extent_of(structure) / largest))
+    scale = visible_scale(structure, u)
     draw_blocks(drawn, structure, scale * u, scale * found.rotation[-1])
     drawn.set_title(f"at the largest push, deformation x {scale:g}", fontsize=10)
     towards = f"Towards {math.degrees(found.direction):.4g} degrees from x to y it" if found.pattern is None else "It"

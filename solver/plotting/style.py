@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 import os
 import re
@@ -15,15 +16,15 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize, to_hex
+from matplotlib.figure import Figure as PlainFigure
 from matplotlib.lines import Line2D
 
 from ..common.errors import InputError
 from ..common.files import whole_file
-from .figures import Figure
 
 Where = Literal["outside lower center", "outside upper center", "outside right upper"]
 
-DPI = 150
+DPI, SHOWN_DPI = 150, 72  # of files, in notebooks
 NICE = (1.0, 2.0, 5.0)  # times powers of ten: scales to choose from
 STONE, INK, GREY, GRID = "#cdbfa7", "#3b3a38", "#7a7873", "0.9"
 # Okabe and Ito's colours that stand out on white; the colour-blind can distinguish them too
@@ -33,6 +34,15 @@ TINT = "#f6e3d8"  # background while a column falls
 # colours of the line under the title
 VERDICT_COLOURS = {"standing": "#00704f", "overturned": "#b04a00", "undecided": GREY}
 TITLE, LINE, LETTER = 13.0, 10.5, 0.112  # font sizes of title and line, points; mean width of a letter of the title, in
+
+
+class Figure(PlainFigure):
+    """A matplotlib figure with the PNG representation that IPython asks for: a notebook shows it without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        png = io.BytesIO()
+        self.savefig(png, format="png", dpi=SHOWN_DPI)
+        return png.getvalue()
 
 
 def plain(name: str) -> str:

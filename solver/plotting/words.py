@@ -11,7 +11,7 @@ from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..models.outputs import BLOCK
 from .largest import largest_displacement, length
-from .style import plain
+from .style import Figure, INK, VERDICT_COLOURS, header, plain
 
 
 def setting_of(column: Any, motion: Motion | None) -> str:
@@ -57,3 +57,11 @@ def verdict_of(response: Any) -> tuple[str, str]:
     if ensemble is not None:
         text += f"; {ensemble.overturned} of {ensemble.size} varied runs overturn"
     return word, f"{text}."
+
+
+def write_header(figure: Figure, title: str, verdict: tuple[str, str]) -> str:
+    """Write a title and the sentence of a verdict over a figure, and return the colour of the verdict."""
+    word, sentence = verdict
+    colour = VERDICT_COLOURS.get(word, INK)
+    header(figure, title, sentence, colour)
+    return colour

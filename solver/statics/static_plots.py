@@ -13,9 +13,8 @@ from matplotlib.axes import Axes
 from ..ground.motion import STANDARD_GRAVITY
 from ..models.column.model import Column
 from ..plotting.drawings import SHOWN, Places, draw_column, measure_column
-from ..plotting.figures import Figure
 from ..plotting.largest import length
-from ..plotting.style import BLUE, GREY, RED, header, save, tidy
+from ..plotting.style import Figure, BLUE, GREY, RED, header, save, tidy
 
 if TYPE_CHECKING:
     from ..models.column.modes import Modes

@@ -20,8 +20,7 @@ from ..models.protocol import FloatArray
 from ..models.structure.blocks.parts import OF_COLUMN
 from ..models.structure.numbers import unit_in_space
 from ..models.uncertainty import PERCENTILES
-from ..plotting.figures import Figure
-from ..plotting.style import FEW_COLOURS, block_colours, header, save, show_blocks, tidy
+from ..plotting.style import Figure, FEW_COLOURS, block_colours, header, save, show_blocks, tidy
 from .motions import Measure
 from .results import Results
 from .statistics import (

@@ -8,7 +8,7 @@ import json
 import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from ..common.errors import InputError, needing, reading
 from ..common.files import whole_file, write_table
 from ..common.frames import Frame, Framed
 from ..common.notebook import Shown, rows_of
-from ..models.pictures import pictures_of
+from ..models.pictures import draw
 from ..models.protocol import WORDS
 from ..runs.table import Columns, counts
 from .contents import FAILED, check_head, check_row, kept_in, length_of
@@ -31,12 +31,6 @@ if TYPE_CHECKING:
 UNITS = {"pga": "g", "pgv": "m/s", "sa": "g"} | {name: one.unit for name, one in ALL_KEPT.items() if one.unit}
 ROWS_AT_ONCE = 4096
 NAMED = "motion_name"
-
-
-class PicturesOfStudies(Protocol):
-    """The module that draws results of studies."""
-
-    def draw(self, results: Any, path: str | os.PathLike[str] | None, /) -> Figure: ...
 
 
 class Results(Framed, Shown):
@@ -139,8 +133,7 @@ class Results(Framed, Shown):
 
         Raises InputError without finished runs, and without matplotlib (the extra `plot`).
         """
-        pictures: PicturesOfStudies = pictures_of(self)
-        return pictures.draw(self, path)
+        return draw(self, "draw", path)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write one line per run, with all digits; missing values are empty. Raises InputError, OSError."""

@@ -19,7 +19,6 @@ from support.inside import imports
 
 from multiblock import wavelets
 from solver import Block, Column, InputError, Joint, Motion, Response, simulate
-from solver.checks.report.pictures import histories_picture
 from solver.plotting import plots
 from solver.plotting.lines import COLUMNS, thinned
 from solver.plotting.plots import PEAK
@@ -355,7 +354,7 @@ def test_the_figure_of_a_report_shows_peaks_between_rows() -> None:
     run = simulate(block, wavelets.one_sine(0.25 * 9.80665, 1.2), output_step=0.2, check=False)
     assert run.verdict == "standing"
     assert np.max(np.abs(run.ux)) < 0.98 * run.peak_top_ux[0]
-    title = panel(histories_picture(run, "a block"), "displacement").get_title(loc="right")
+    title = panel(plots.plot_response(run, None, "a block", plots.HISTORIES), "displacement").get_title(loc="right")
     assert title == f"peak {1e3 * run.peak_top_ux[0]:.4g} mm, block 1"
 
 

@@ -173,7 +173,7 @@ def test_fmus_of_both_kinds_turn_alike(drive: Drive, tmp_path: Path) -> None:
         given |= {"base.theta_x": 2e-3 * time**2, "base.omega_x": 4e-3 * time, "base.alpha_x": 4e-3 + 0.0 * time}
         given |= {"base.theta_y": 1e-3 * np.sin(5.0 * time), "base.omega_y": 5e-3 * np.cos(5.0 * time)}
     codes = DRIVES[drive.drive], SLOPES[drive.slope], 1.0, 1.0
-    body = DrivenStructure(read.structure, read.packed, Chosen(read.tolerance, 0.0, 1.0, *codes))
+    body = DrivenStructure(read.model, read.packed, Chosen(read.tolerance, 0.0, 1.0, *codes))
     rows = []
     for k in range(count):
         body.drive(time[k], *(given[name][k] for name in given))

@@ -13,7 +13,7 @@ from support.fmus import ROOT
 
 from solver import Motion, simulate
 from solver.models.structure.model import Structure
-from solver.plotting.structures import draw_blocks, film
+from solver.plotting.structures import draw_blocks
 
 TRILITH = ROOT / "examples" / "structures" / "trilith.toml"
 
@@ -49,6 +49,6 @@ def test_what_has_moved_far_stays_in_the_picture(tmp_path: Path) -> None:
 def test_a_film_shows_its_progress_and_is_small(tmp_path: Path) -> None:
     response = simulate(Structure.from_toml(TRILITH), Motion.harmonic(3.0, 2.0, 2.0, direction=0.4), settle=0.0)
     seen: list[tuple[int, int]] = []
-    film(response, tmp_path / "film.gif", callback=lambda done, total: seen.append((done, total)))
+    response.film(tmp_path / "film.gif", callback=lambda done, total: seen.append((done, total)))
     assert seen == [(k, 41) for k in range(1, 42)]
     assert (tmp_path / "film.gif").stat().st_size < 41 * 3600  # 3 MB for 820 pictures

@@ -11,7 +11,7 @@ from matplotlib.image import imread
 from support.fmus import ROOT
 
 from solver import Column, InputError
-from solver.plotting.figures import Figure
+from solver.plotting.style import Figure
 from solver.studies import Results, Shaking, fragility, ida, montecarlo, spectrum, sweep
 from solver.studies.pictures import _draw_broken, draw, last_before_falls
 

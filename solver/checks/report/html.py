@@ -72,6 +72,7 @@ def _content(checks: Sequence[Check]) -> dict[str, Any]:
     check = checks[0]
     run = check.responses[check.governing]
     shown = shown_of(check.subject.model, check, run)
+    at = min(run.overturn_time, float(run.time[-1])) if run.overturned else None  # else at its largest displacement
     return {
         "check": check,
         "word": check.subject.model.kind.word,
@@ -98,7 +99,7 @@ def _content(checks: Sequence[Check]) -> dict[str, Any]:
             "model": embedded(shown.picture, check.subject.model.kind.across),
             "spectra": embedded(spectra_picture(check)),
             "histories": embedded(shown.histories),
-            "deformed": embedded(shown.deformed, check.subject.model.kind.across),
+            "deformed": embedded(run.plot_model(at=at), check.subject.model.kind.across),
         },
         "scene": Markup(frame_of(run)),
         "worst": check.action.motions[check.governing],

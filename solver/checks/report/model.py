@@ -17,9 +17,10 @@ from ...models.column.response import Response
 from ...models.structure.blocks.parts import Joint, Solid, Tie
 from ...models.structure.model import Structure
 from ...models.structure.response import SpatialResponse
-from ...plotting.structures import plot_response, structure_picture
+from ...plotting.plots import HISTORIES, plot_response
+from ...plotting.structures import structure_picture
 from ..check import Check
-from .pictures import column_picture, deformed_picture, histories_picture
+from .pictures import column_picture
 
 
 class Sheet(NamedTuple):
@@ -37,7 +38,6 @@ class Shown(NamedTuple):
     sheets: list[Sheet]
     picture: Figure
     histories: Figure
-    deformed: Figure
 
 
 @singledispatch
@@ -74,8 +74,7 @@ def _column(model: Column, check: Check, run: Response) -> Shown:
         f"{push}Blocks count from the top; each has the joint under it.",
         _of_column(model),
         column_picture(model),
-        histories_picture(run, title),
-        deformed_picture(run),
+        plot_response(run, None, title, HISTORIES),
     )
 
 
@@ -142,7 +141,6 @@ def _merged(rows: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
 @shown_of.register
 def _structure(structure: Structure, check: Check, run: SpatialResponse) -> Shown:
     # blocks and joints; then bearings, mortar and ties, if there are any
-    at = min(run.overturn_time, float(run.time[-1])) if run.overturned else None
     sheets = [
         Sheet(("block", "shape (m)", "mass (kg)"), _merged([_solid(block) for block in structure.blocks])),
         Sheet(
@@ -167,8 +165,7 @@ def _structure(structure: Structure, check: Check, run: SpatialResponse) -> Show
         f"{len(structure.joints)} joints, {len(structure.ties)} ties.",
         sheets,
         structure_picture(structure),
-        plot_response(run, None),
-        run.plot_model(at=at),
+        run.plot(),
     )
 
 

@@ -11,11 +11,8 @@ from matplotlib.figure import Figure
 
 from ...ground.motion import STANDARD_GRAVITY
 from ...models.column.model import Column
-from ...models.column.response import Response
-from ...plotting.drawings import Places, draw_column, plot_model
-from ...plotting.plots import HISTORIES, plot_histories
+from ...plotting.drawings import Places, draw_column
 from ...plotting.style import INK, block_colours, plain
-from ...plotting.words import verdict_of
 from ..check import Check
 from ..scaling import MEAN_FROM, horizontal_psa
 
@@ -85,26 +82,3 @@ def spectra_picture(check: Check) -> Figure:
     axes.spines[["top", "right"]].set_visible(False)
     figure.legend(loc="outside right upper", fontsize=7, frameon=False)
     return figure
-
-
-def histories_picture(response: Response, title: str) -> Figure:
-    """Draw the histories of a run."""
-    histories = {name: getattr(response, name) for name in HISTORIES}
-    return plot_histories(
-        response.time,
-        histories,
-        response.model,
-        response.motion,
-        title,
-        response.overturn_time,
-        verdict=verdict_of(response),
-        peaks=response.peaks,
-    )
-
-
-def deformed_picture(response: Response) -> Figure:
-    """Draw the column at its largest displacement, or at the time at which it counts as fallen."""
-    at = None
-    if response.overturned:
-        at = float(min(response.overturn_time, response.time[-1]))
-    return plot_model(response, at=at)

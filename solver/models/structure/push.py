@@ -22,7 +22,7 @@ from ...ground.loads import pattern_of
 from ...ground.motion import STANDARD_GRAVITY
 from ...kernels.structure.layout import LOAD
 from ..outputs import DIGITS, places_of
-from ..pictures import PicturesOfStructures, pictures_of
+from ..pictures import draw
 from .blocks.faces import FloatArray
 from .model import Structure
 from .outputs import OUTPUTS, StructureHistories
@@ -156,8 +156,7 @@ class PushOver(StructureHistories, Shown):
 
         Raises InputError without matplotlib (the extra `plot`), OSError.
         """
-        pictures: PicturesOfStructures = pictures_of(self)
-        return pictures.plot_push_over(self, path)
+        return draw(self, "plot_push_over", path)
 
 
 def push_over(

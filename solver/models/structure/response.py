@@ -16,7 +16,7 @@ from ...common.errors import needing
 from ...common.frames import EXTRA
 from ...common.notebook import history, rows_of
 from ..outputs import BASE, CONTACT, TIE, peaks_by_name
-from ..pictures import PicturesOfStructures, pictures_of
+from ..pictures import draw
 from ..response import Result
 from .blocks.faces import FloatArray
 from .outputs import OUTPUTS, StructureHistories
@@ -149,8 +149,7 @@ class SpatialResponse(StructureHistories, Result):
 
         Raises InputError without matplotlib (the extra `plot`).
         """
-        pictures: PicturesOfStructures = pictures_of(self)
-        return pictures.plot_plan(self, path, blocks)
+        return draw(self, "plot_plan", path, blocks)
 
 
 def peaks_in_space(structure: Structure, rows: FloatArray, peaks: FloatArray) -> dict[str, FloatArray]:

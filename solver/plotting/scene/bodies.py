@@ -107,16 +107,12 @@ def has_parts(model: Any) -> bool:
     return parts_of.dispatch(type(model)) is not parts_of.dispatch(object)
 
 
-@singledispatch
 def walls_of(model: Any) -> tuple[Body, ...]:
     """Return the walls that blocks of a structure may meet, clipped near the blocks; none of other models."""
-    return ()
-
-
-@walls_of.register
-def _(structure: Structure) -> tuple[Body, ...]:
-    faces = {pair.wall: pair.beside for pair in structure.neighbours if pair.wall and isinstance(pair.beside, Face)}
-    corners = np.concatenate([block.corners for block in structure.blocks])
+    if not isinstance(model, Structure):
+        return ()
+    faces = {pair.wall: pair.beside for pair in model.neighbours if pair.wall and isinstance(pair.beside, Face)}
+    corners = np.concatenate([block.corners for block in model.blocks])
     beyond = AROUND * float(np.max(np.ptp(corners, axis=0)))
     found = []
     for number, face in sorted(faces.items()):
