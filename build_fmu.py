@@ -208,33 +208,16 @@ def build_native_fmu(
 ) -> Path:
     """Build the FMU that needs no Python, and return its path; prints which external symbols its libraries need.
 
+    The arguments that are not listed, and the errors, are those of `build_fmu`.
+
     Parameters
     ----------
     column_file : Path
         TOML file of a column or structure.
-    output : Path, optional
-        FMU file. Default: NAME.fmu in the current folder.
-    record : Path, optional
-        Record to put inside.
     platforms : sequence of str, optional
         Names in PLATFORMS[form.fmi]. Default: all of them.
     form : Form
         Version of FMI, and options of the archive.
-    space : bool
-        If True, solve a column as a structure in space.
-    drive : Drive
-        How the base moves (fmu_src/drive.py).
-    plain_names : bool
-        If True, name variables as `without_brackets` does.
-    reference : bool
-        If True, add the reference results that `replay` compares with.
-
-    Raises
-    ------
-    InputError
-        If an argument is wrong, or the model has no native FMU.
-    OSError
-        If a file cannot be read or written.
     """
     with needing("native", *BUILDER_PACKAGES):
         from fmu_src.native.package import native_files, needs_report

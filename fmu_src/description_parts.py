@@ -69,66 +69,36 @@ INITIAL = {"parameter": "exact", "output": "calculated"}  # causality -> origin 
 
 @dataclass(frozen=True)
 class Experiment:
-    """The default start, end and communication step of a run, s.
-
-    `tolerance` is that of the solver as built, None without one.
-    """
+    """The default start, end and communication step of a run, s."""
 
     start: float = START_TIME
     stop: float = STOP_TIME
     step: float = STEP_SIZE
-    tolerance: float | None = None
+    tolerance: float | None = None  # of the solver as built, None without one
 
 
 @dataclass(frozen=True)
 class About:
-    """The facts about an FMU for the model description, beside its variables.
+    """The facts about an FMU for the model description, beside its variables."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the model, from which the model identifier is made.
-    identity : str
-        Text that binary and description share.
-    description, version : str
-    experiment : Experiment
-    flags : mapping of str to bool or int
-        Capabilities.
-    tool : str
-        Program that made the FMU.
-    """
-
-    name: str
-    identity: str
+    name: str  # of the model, from which the model identifier is made
+    identity: str  # text that binary and description share
     description: str
     version: str
     experiment: Experiment
-    flags: Mapping[str, bool | int]
-    tool: str
+    flags: Mapping[str, bool | int]  # capabilities
+    tool: str  # program that made the FMU
 
 
 @dataclass(frozen=True)
 class Standard:
-    """The names that a version of FMI uses.
-
-    Attributes
-    ----------
-    version : str
-    identity : str
-        Attribute with the text that binary and description share.
-    enumeration : tuple of str
-        Elements around the items of an enumeration, the outermost first.
-    root : mapping of str to str
-        Attributes of the root that only this version has.
-    units : frozenset of str
-        Units that are defined in any case.
-    """
+    """The names that a version of FMI uses."""
 
     version: str
-    identity: str
-    enumeration: tuple[str, ...]
-    root: Mapping[str, str] = field(default_factory=dict)
-    units: frozenset[str] = frozenset()
+    identity: str  # attribute with the text that binary and description share
+    enumeration: tuple[str, ...]  # elements around the items of an enumeration, the outermost first
+    root: Mapping[str, str] = field(default_factory=dict)  # attributes of the root that only this version has
+    units: frozenset[str] = frozenset()  # defined in any case
 
 
 def beginning(standard: Standard, about: About, table: list[Variable]) -> Element:
@@ -177,6 +147,15 @@ def _add_choices(root: Element, standard: Standard, choices: Mapping[str, Choice
 def by_role(table: list[Variable]) -> list[Variable]:
     """Sort by causality: inputs, outputs, parameters, otherwise in the order of the table."""
     return sorted(table, key=lambda variable: ROLES.index(variable.causality))
+
+
+def declared(variable: Variable) -> dict[str, str]:
+    """Return name, reference, description and role of a variable as XML attributes."""
+    found = {"name": variable.name, "valueReference": str(variable.reference), "description": variable.description}
+    found |= {"causality": variable.causality, "variability": variable.variability}
+    if variable.causality in INITIAL:
+        found["initial"] = INITIAL[variable.causality]
+    return found
 
 
 def attributes(variable: Variable, nominal: float | None, **more: float | int | bool | str | None) -> dict[str, str]:

@@ -29,6 +29,7 @@ from .exchange import exchange, html
 from .variables import Variable
 
 MOST_NUMBERED = 20  # blocks
+ON_STONE = {"facecolor": STONE, "linewidth": 0.0, "pad": 1.0}  # hides the axis of the column behind a number
 ARROW = {"arrowstyle": "-|>", "color": RED, "linewidth": 1.6, "mutation_scale": 12}
 
 PAGE = """\
@@ -166,11 +167,13 @@ def drawing(column: Column) -> bytes:
     draw_column(axes, places, 0, 1.0)
     for number, (corners, contact) in enumerate(zip(corners_of(places, 0, 1.0), column.contacts, strict=True), start=1):
         if column.n <= MOST_NUMBERED:
-            axes.text(*corners.mean(axis=0), str(number), ha="center", va="center", color=INK, fontsize=8)
+            x, z = corners.mean(axis=0)
+            axes.text(x, z, str(number), ha="center", va="center", color=INK, fontsize=8, bbox=ON_STONE)
         # the ends of the contact, on the bottom face from the first corner to the second
         along = (corners[1] - corners[0]) / np.linalg.norm(corners[1] - corners[0])
         ends = corners[:2].mean(axis=0) + np.outer((contact.left, contact.right), along)
-        axes.plot(*ends.T, color=BLUE, linewidth=2.0, solid_capstyle="butt")
+        axes.plot(*ends.T, color=BLUE, linewidth=2.0, solid_capstyle="butt", zorder=2.5)
+    axes.set_ylim(bottom=1.5 * axes.get_ylim()[0])
     return _png(figure)
 
 

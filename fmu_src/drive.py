@@ -54,22 +54,12 @@ def idle(drive: str, name: str) -> Idle | None:
 
 
 class Drive(NamedTuple):
-    """The drive of an FMU as built.
+    """The drive of an FMU as built."""
 
-    Attributes
-    ----------
-    drive, slope : str
-        Words of DRIVES and SLOPES (kernels/layout/spaces.py).
-    bodies : int
-        Largest number of bodies at the base.
-    turns : bool
-        True if the base of a structure may turn; that of a column always may.
-    """
-
-    drive: str = "acceleration"
-    slope: str = "parabola"
-    bodies: int = 1
-    turns: bool = False
+    drive: str = "acceleration"  # a word of DRIVES (kernels/layout/spaces.py)
+    slope: str = "parabola"  # a word of SLOPES
+    bodies: int = 1  # the largest number of bodies at the base
+    turns: bool = False  # whether the base of a structure may turn; that of a column always may
 
     @property
     def is_chosen(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from xml.etree.ElementTree import Element, SubElement
 
-from .description_parts import INITIAL, About, Standard, attributes, beginning, by_role
+from .description_parts import About, Standard, attributes, beginning, by_role, declared
 from .variables import Variable
 
 FMI_2 = Standard("2.0", "guid", ("SimpleType", "Enumeration"), {"numberOfEventIndicators": "0"})
@@ -27,25 +27,11 @@ def model_description(about: About, table: list[Variable]) -> Element:
     root = beginning(FMI_2, about, table)
     listed = SubElement(root, "ModelVariables")
     for variable in table:
-        listed.append(_scalar_variable(variable))
+        # parameters start at a given value, outputs are calculated, inputs have neither
+        element = SubElement(listed, "ScalarVariable", declared(variable))
+        SubElement(element, variable.kind, attributes(variable, variable.nominal, start=variable.start))
     root.append(_structure(table))
     return root
-
-
-def _scalar_variable(variable: Variable) -> Element:
-    """Return one ScalarVariable; parameters start at a given value, outputs are calculated, inputs have neither."""
-    element = Element(
-        "ScalarVariable",
-        name=variable.name,
-        valueReference=str(variable.reference),
-        description=variable.description,
-        causality=variable.causality,
-        variability=variable.variability,
-    )
-    if variable.causality in INITIAL:
-        element.set("initial", INITIAL[variable.causality])
-    SubElement(element, variable.kind, attributes(variable, variable.nominal, start=variable.start))
-    return element
 
 
 def _structure(table: list[Variable]) -> Element:

@@ -10,7 +10,7 @@ import re
 from collections.abc import Collection
 from xml.etree.ElementTree import Element, SubElement
 
-from .description_parts import INITIAL, About, Standard, attributes, beginning, by_role, shown
+from .description_parts import About, Standard, attributes, beginning, by_role, declared, shown
 from .drive import USUAL, Drive, idle
 from .references import array_of
 from .variables import Variable
@@ -70,15 +70,9 @@ def _variable(name: str, elements: list[Variable], followed: bool) -> Element:
     """Return one variable; an array has the limits that all its elements share."""
     first = elements[0]
     is_array = name != first.name
-    words = {
-        "name": name,
-        "valueReference": str(first.reference),
-        "description": re.sub(ELEMENT, r"\1 i", first.description) if is_array else first.description,
-        "causality": first.causality,
-        "variability": first.variability,
-    }
-    if first.causality in INITIAL:
-        words["initial"] = INITIAL[first.causality]
+    words = declared(first) | {"name": name}
+    if is_array:
+        words["description"] = re.sub(ELEMENT, r"\1 i", first.description)
     if followed:
         words["intermediateUpdate"] = "true"
     # limits, length and start values
@@ -158,7 +152,8 @@ def terminals(table: list[Variable], has_icon: bool = False, drive: Drive = USUA
             port = re.search(r"port \d+ \(.*\)", variable.description) if scalars else None
             about = OF_BODY if kind == "body" else OF_PORT.format(port[0] if port else "points of blocks")
             made[owner] = _terminal(found, owner, kind, about)
-        _member(made[owner], name, member)
+        words = {"variableName": name, "memberName": member, "variableKind": "signal"}
+        SubElement(made[owner], "TerminalMemberVariable", words)
     return root
 
 
@@ -173,8 +168,3 @@ def _terminal(parent: Element, name: str, kind: str, description: str) -> Elemen
     words = {"name": name, "matchingRule": "plug", "terminalKind": f"org.multiblock-fmu.{kind}"}
     words["description"] = description
     return SubElement(parent, "Terminal", words)
-
-
-def _member(terminal: Element, name: str, member: str) -> None:
-    words = {"variableName": name, "memberName": member, "variableKind": "signal"}
-    SubElement(terminal, "TerminalMemberVariable", words)

@@ -111,6 +111,7 @@ def replay(file: Path) -> str:
     """Repeat the reference run of an FMU with FMPy, and report the agreement. Raises InputError if results differ."""
     with needing("fmu", "fmpy"):
         import fmpy
+        from fmpy import read_model_description
     inputs, expected = _carried(file)
     names = [name for name in expected.dtype.names or () if name != "time"]
     run: dict[str, Any] = {"stop_time": STEPS * STEP, "output_interval": STEP, "fmi_type": "CoSimulation"}
@@ -120,7 +121,8 @@ def replay(file: Path) -> str:
     except Exception as error:
         raise InputError(f"{file}: does not run its reference results: {error}") from error
     # differences, relative to the largest value of each unit
-    units = {v.name: v.unit or (v.declaredType.unit if v.declaredType else "") for v in _variables(file)}
+    variables = read_model_description(str(file), validate=False).modelVariables
+    units = {v.name: v.unit or (v.declaredType.unit if v.declaredType else "") for v in variables}
     largest: dict[str, float] = {}
     for name in names:
         largest[units[name]] = max(largest.get(units[name], 0.0), float(np.max(np.abs(expected[name]))))
@@ -135,12 +137,6 @@ def _difference(found: Any, expected: Any, largest: float) -> float:
     if len(found) != len(expected):
         return math.inf
     return float(np.max(np.abs(found - expected))) / (largest or 1.0)
-
-
-def _variables(file: Path) -> Any:
-    from fmpy import read_model_description
-
-    return read_model_description(str(file), validate=False).modelVariables
 
 
 def _carried(file: Path) -> tuple[Any, ...]:

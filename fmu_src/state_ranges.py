@@ -25,25 +25,13 @@ MOST_COUNT = 2.0**53
 
 
 class Range(NamedTuple):
-    """The values that a number may have: low <= value <= high.
-
-    Attributes
-    ----------
-    low, high : float
-        Bounds.
-    whole : bool
-        True if only integers are valid.
-    may_lack : bool
-        True if NaN stands for "not known".
-    of_inputs : bool
-        True if the number follows from the inputs, so that any value is valid until a step has been made with them.
-    """
+    """The values that a number may have: low <= value <= high."""
 
     low: float = -MOST
     high: float = MOST
-    whole: bool = False
-    may_lack: bool = False
-    of_inputs: bool = False
+    whole: bool = False  # whether only integers are valid
+    may_lack: bool = False  # whether NaN stands for "not known"
+    of_inputs: bool = False  # whether it follows from the inputs: any value is valid until a step was made with them
 
 
 ANY, FINITE, NONE = Range(), Range(-np.finfo(float).max, np.finfo(float).max), Range(0.0, 0.0)

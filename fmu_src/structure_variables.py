@@ -85,19 +85,15 @@ def _direct(structure: Structure, name: str, drive: Drive) -> tuple[str, ...]:
     return (*base, *(f"port[{p}].{component}" for component in COMPONENTS for p in beside))
 
 
-def _moved_by(drive: Drive) -> tuple[str, ...]:
-    """Return the names of the motion of a base that bodies drive, in the order of the kernels."""
-    return (*DRIVEN.fields, *(DRIVEN_TURN.fields if drive.turns else ())) if drive.is_chosen else ()
-
-
 def structure_variables(
     structure: Structure, record: str = "", reads_files: bool = True, drive: Drive = USUAL
 ) -> list[Variable]:
     """Return the table, as `variables` for a column. Raises InputError for a structure with too many joints or ties."""
     # names of the owners in descriptions
-    named = {BLOCK: structure.names, JOINT: structure.joint_names, BEARING: structure.bearing_names}
-    named |= {CONTACT: structure.contact_names, BOND: structure.bond_names, PORT: [port.name for port in structure.ports]}
-    names = {what: numbered(what, of) for what, of in named.items()}
+    names = {BLOCK: numbered(BLOCK, structure.names), JOINT: numbered(JOINT, structure.joint_names)}
+    names |= {BEARING: numbered(BEARING, structure.bearing_names), BOND: numbered(BOND, structure.bond_names)}
+    names |= {CONTACT: numbered(CONTACT, structure.contact_names)}
+    names[PORT] = numbered(PORT, [port.name for port in structure.ports])
     names[TIE] = [f"tie {e}" for e in range(1, len(structure.ties) + 1)]
     # outputs, with the inputs that they depend on
     sizes = _sizes(structure)
@@ -113,7 +109,8 @@ def structure_variables(
         *drive.parameters,
         *of_record(record, reads_files),
     ]
-    moved = [replace(output, initially=()) for output in driven_outputs(_moved_by(drive), {})]
+    fields = (*DRIVEN.fields, *(DRIVEN_TURN.fields if drive.turns else ())) if drive.is_chosen else ()
+    moved = [replace(output, initially=()) for output in driven_outputs(fields, {})]
     return [*inputs_of_structure(structure, drive), *row, *moved, *peaks, *outcome(OVERTURNED_BLOCK), *parameters]
 
 

@@ -20,7 +20,7 @@ from master import Fmu, Run, couple
 from multiblock import Column, InputError, Motion
 from solver.plotting.lines import thinned
 from solver.plotting.plots import draw_ground
-from solver.plotting.style import Figure, BLUE, RED, header, save, show_names, tidy
+from solver.plotting.style import BLUE, RED, Figure, header, save, show_names, tidy
 from solver.plotting.words import length, setting_of
 
 STEP = 1e-3  # s

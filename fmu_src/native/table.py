@@ -73,26 +73,11 @@ class Peak(NamedTuple):
 
 @dataclass(frozen=True)
 class Subject:
-    """The simulated body, as the core has to know it.
+    """The simulated body, as the core has to know it."""
 
-    Attributes
-    ----------
-    falls : bool
-        True if it has a verdict, and peaks, in the order of the variables. A partner of a column has none, nor their
-        codes and places.
-    sizes, codes : dict of str to int
-        By name in `SIZES` and `CODES`.
-    segment : int
-        Index in `base` of the number of a sample, -1 without one.
-    ranges : Ranges or None
-        Ranges of the numbers of its state. None: all are finite.
-    group : str
-        Group of its kernels (solver/kernels/machine/groups.py).
-    """
-
-    falls: bool
-    sizes: dict[str, int]
-    codes: dict[str, int]
+    falls: bool  # whether it has a verdict, and peaks in the order of the variables; a partner of a column has neither
+    sizes: dict[str, int]  # by name in SIZES
+    codes: dict[str, int]  # by name in CODES
     places: dict[str, str]  # of PLACES -> variable
     inputs: list[str]  # in the order of the kernels
     slopes: dict[str, str]  # input -> the input that is its slope
@@ -103,10 +88,10 @@ class Subject:
     reasons: dict[int, str]
     peaks: list[Peak] = field(default_factory=list)
     misfits: list[tuple[str, str]] = field(default_factory=list)  # name and relation, by the kind from 1
-    segment: int = -1
-    ranges: Ranges | None = None
+    segment: int = -1  # index in `base` of the number of a sample, -1 without one
+    ranges: Ranges | None = None  # of the numbers of its state; None: all are finite
     base: tuple[str, ...] = ()  # fields of `base`; accelerations by the names of their inputs
-    group: str = of_columns.run.group
+    group: str = of_columns.run.group  # of its kernels (solver/kernels/machine/groups.py)
 
     @property
     def lines(self) -> dict[str, str]:
@@ -117,32 +102,18 @@ class Subject:
 
 @dataclass(frozen=True)
 class Check:
-    """The limits of a Real parameter, and another variable that bounds it.
-
-    Attributes
-    ----------
-    name : str
-    limits : tuple of float
-    meaning : str
-        Valid values, for the message.
-    fixed : float, optional
-        Constant of that name, which is no parameter, and is checked against the bound alone.
-    otherwise : str
-        Variable that bounds where the value of `bound` is 0.
-    needs : str
-        Variable that may not be 0.
-    """
+    """The limits of a Real parameter, and another variable that bounds it."""
 
     name: str
     limits: tuple[float, float]
-    meaning: str
+    meaning: str  # valid values, for the message
     optional: bool = False  # 0 stands for "not given"
     bound: str = ""
     strict: bool = False
     relation: str = ""
-    fixed: float | None = None
-    otherwise: str = ""
-    needs: str = ""
+    fixed: float | None = None  # a constant of that name, no parameter, which is checked against the bound alone
+    otherwise: str = ""  # the variable that bounds where the value of `bound` is 0
+    needs: str = ""  # a variable that may not be 0
 
 
 @dataclass(frozen=True)

@@ -84,16 +84,11 @@ def verdict_sentence(word: str, found: Verdicts) -> str:
 
     `word` names the model: column or structure.
     """
-    return f"{_own(word, found)} {_varied(word, found)}"
-
-
-def _own(word: str, found: Verdicts) -> str:
     count, fell, left = len(found.names), found.own_falls, found.own_undecided
-    if not fell + left:
-        return f"As given the {word} stands under {_motions(count)}."
     said = [f"falls under {_named(fell, count)}"] if fell else []
     said += [f"is undecided under {_named(left, count)}"] if left else []
-    return f"As given the {word} {' and '.join(said)}."
+    said = said or [f"stands under {f'all {count} motions' if count > 1 else 'the motion'}"]
+    return f"As given the {word} {' and '.join(said)}. {_varied(word, found)}"
 
 
 def falls_sentence(word: str, names: Sequence[str], runs: Sequence[Any]) -> str:
@@ -117,10 +112,6 @@ def falls_sentence(word: str, names: Sequence[str], runs: Sequence[Any]) -> str:
         return ""
     more = f", and under {len(fell) - MOST_NAMED} more" if len(fell) > MOST_NAMED else ""
     return f"The {word} as given falls {', '.join(fell[:MOST_NAMED])}{more}."
-
-
-def _motions(count: int) -> str:
-    return f"all {count} motions" if count > 1 else "the motion"
 
 
 def _named(names: Sequence[str], count: int) -> str:

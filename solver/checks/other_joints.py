@@ -68,7 +68,7 @@ def joints_sentence(rows: Sequence[Any], others: Sequence[OtherJoints]) -> str:
     """Return the sentence on whether the answer of the rows changes with other joints, and what to measure then."""
     if not others:
         return "Whether the answer hangs on the modulus or the damping of the joints was not tried."
-    own = outcome_of(without_margin(rows))
+    own = outcome_of([row for row in rows if row.name != "overturning, margin"])  # not computed with other joints
     tried = ", ".join(f"{one.factor:g} times the {one.key}" for one in others)
     hangs = list(dict.fromkeys(one.key for one in others if one.outcome != own))
     if not hangs:
@@ -76,8 +76,3 @@ def joints_sentence(rows: Sequence[Any], others: Sequence[OtherJoints]) -> str:
     said = "; ".join(one.text for one in others if one.key in hangs)
     which = " and on the ".join(hangs)
     return f"The answer hangs on the {which}: measure {'it' if len(hangs) == 1 else 'them'}. {said}."
-
-
-def without_margin(rows: Sequence[Any]) -> list[Any]:
-    """Return the rows without that of the margin, which is not computed with other joints."""
-    return [row for row in rows if row.name != "overturning, margin"]

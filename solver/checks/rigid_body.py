@@ -9,13 +9,12 @@ and of A.1 for the second horizontal component (FH) are left out: the model is p
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..common.errors import InputError
 from ..models.column.model import Column
-from ..statics.rocking import parts_above
+from ..statics.rocking import Part, rocking_part
 from .spectra import FloatArray, Spectral
 
 ANGLES = 400  # number of rotations tried, and of frequencies for sliding
@@ -23,33 +22,16 @@ SLIDING_DAMPING = 0.10
 SLOWEST, FASTEST = 0.05, 33.0  # Hz, range of frequencies for sliding
 
 
-@dataclass(frozen=True)
-class RigidBody:
-    """The part of a column above a joint, as one rigid body."""
+class RigidBody(Part):
+    """The part of a column above a joint, as one rigid body that rocks.
 
-    joint: int  # from the top, 1 is the highest
-    mass: float  # kg
-    half_width: float  # m, from below the centroid to the nearer edge of the joint's contact
-    centroid: float  # m, above the joint
-    inertia: float  # kg m2, about the edge
-
-    @property
-    def slenderness(self) -> float:
-        """The ratio a = b / h."""
-        return self.half_width / self.centroid
+    Its restitution is C_R = 1 - 2 a^2 / C_I, with a = b / h and C_I = I / (M h^2).
+    """
 
     @property
     def edge_angle(self) -> float:
         """The rotation at which the body balances on its edge (rad)."""
         return math.atan(self.slenderness)
-
-    @property
-    def restitution(self) -> float:
-        """Housner's coefficient C_R = 1 - 2 a^2 / C_I, with C_I = I / (M h^2).
-
-        It is the ratio of the rotation rates after and before an impact.
-        """
-        return 1.0 - 2.0 * self.mass * self.half_width**2 / self.inertia
 
     @property
     def damping(self) -> float:
@@ -93,14 +75,9 @@ class RigidBody:
         return math.inf if last == ANGLES - 1 else _crossing(angles, missing, last)
 
 
-def rigid_bodies(column: Column) -> list[RigidBody]:
-    """Return the straight parts above each joint, the top joint first."""
-    return [RigidBody(*part) for part in parts_above(column)]
-
-
 def governing_body(column: Column) -> RigidBody:
     """Return the part that the least push sets in motion."""
-    return min(rigid_bodies(column), key=lambda body: body.slenderness)
+    return RigidBody(*rocking_part(column))
 
 
 def sliding_distance(friction: float, vertical: float, action: Spectral, g: float) -> float:

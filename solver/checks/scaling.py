@@ -24,10 +24,8 @@ FEWEST, MEAN_FROM = 3, 7  # least numbers of motions, and of those whose mean co
 LEAST_PART = 0.9  # least ratio of the mean spectrum to the target: EN 1998-1, 3.2.3.1.2(4)
 MOST_RAISED = 1.15  # largest factor on artificial motions; for spectra of codes a single motion needs 1.07
 PERIODS_OF_FIT = 40
-USUAL_FACTOR, MOST_FACTOR = (
-    10.0,
-    100.0,
-)  # on records, and their inverses: beyond the first a caution, beyond the second an error
+# on records, and their inverses: beyond the first a caution, beyond the second an error
+USUAL_FACTOR, MOST_FACTOR = 10.0, 100.0
 VERTICAL_RANGE = (0.05, 1.0)  # s, range of the fit of vertical components: plateau and next branch of the codes
 
 
@@ -125,19 +123,7 @@ def _farthest(scaled: ScaledMotion) -> float:
 
 
 def applied(name: str, motion: Motion, factor: float, vertical_factor: float | None = None) -> ScaledMotion:
-    """Scale the components of a motion.
-
-    Parameters
-    ----------
-    name : str
-        Name of the motion.
-    motion : Motion
-        The motion.
-    factor : float
-        Factor on the horizontal components.
-    vertical_factor : float, optional
-        Factor on the vertical component, by default `factor`.
-    """
+    """Scale a motion: `factor` is that on the horizontal components, `vertical_factor` by default the same."""
     vertical = factor if vertical_factor is None else vertical_factor
     scaled = motion.scaled(factor)
     if vertical != factor:
@@ -146,21 +132,10 @@ def applied(name: str, motion: Motion, factor: float, vertical_factor: float | N
 
 
 def scaled_to_pga(motions: Mapping[str, Motion], pga: float, vertical_pga: float | None = None) -> list[ScaledMotion]:
-    """Scale each motion to the same largest horizontal acceleration.
+    """Scale each motion to the same largest horizontal acceleration `pga` (m/s2).
 
-    Parameters
-    ----------
-    motions : mapping
-        The motions by name.
-    pga : float
-        Largest horizontal acceleration (m/s2).
-    vertical_pga : float, optional
-        Largest vertical acceleration (m/s2). By default the vertical component gets the factor of the horizontal ones.
-
-    Raises
-    ------
-    InputError
-        If a motion is zero, or `pga` is not positive.
+    `vertical_pga` is the largest vertical acceleration (m/s2); by default the vertical component gets the factor of the
+    horizontal ones. Raises InputError if a motion is zero, or `pga` is not positive.
     """
     pga = check_number("pga", pga, POSITIVE, "an acceleration in m/s2")
     found = []
@@ -172,23 +147,9 @@ def scaled_to_pga(motions: Mapping[str, Motion], pga: float, vertical_pga: float
 
 
 def scaled_to_sa(motions: Mapping[str, Motion], period: float, sa: float) -> list[ScaledMotion]:
-    """Scale each motion to the same spectral acceleration of 5 % damping at one period.
+    """Scale each motion to the same spectral acceleration `sa` (m/s2) of 5 % damping at one period (s).
 
-    The vertical component gets the same factor.
-
-    Parameters
-    ----------
-    motions : mapping
-        The motions by name.
-    period : float
-        Period (s).
-    sa : float
-        Spectral acceleration (m/s2).
-
-    Raises
-    ------
-    InputError
-        If a motion is zero, or `sa` is not positive.
+    The vertical component gets the same factor. Raises InputError if a motion is zero, or `sa` is not positive.
     """
     sa = check_number("sa", sa, POSITIVE, "an acceleration in m/s2")
     return [
@@ -242,25 +203,11 @@ class Fit:
 def scaled_to_spectrum(
     motions: Mapping[str, Motion], target: TargetSpectrum, periods: Sequence[float], least: float = LEAST_PART
 ) -> list[ScaledMotion]:
-    """Scale motions so that their spectra follow a target over a range of periods.
+    """Scale motions so that their spectra follow a target over a range of periods (s), shortest and longest.
 
-    Vertical components follow the vertical spectrum of the target, if it has one.
-
-    Parameters
-    ----------
-    motions : mapping
-        The motions by name.
-    target : TargetSpectrum
-        The target.
-    periods : sequence of float
-        Shortest and longest period (s).
-    least : float
-        Least ratio of the mean spectrum to the target (`Fit.factors`); 0 for no such rule.
-
-    Raises
-    ------
-    InputError
-        If a motion is zero, or a value is out of range.
+    Vertical components follow the vertical spectrum of the target, if it has one. `least` is the least ratio of the
+    mean spectrum to the target (`Fit.factors`), 0 for no such rule. Raises InputError if a motion is zero, or a value
+    is out of range.
     """
     shortest, longest = check_periods(periods)
     least = check_least(least)
@@ -284,23 +231,8 @@ def raised_to_spectrum(
 ) -> list[ScaledMotion]:
     """Scale artificial motions by one factor so that their mean spectrum is nowhere below `least` of the target.
 
-    Vertical components have a common factor of their own.
-
-    Parameters
-    ----------
-    motions : mapping
-        The motions by name.
-    target : TargetSpectrum
-        The target.
-    periods : sequence of float
-        Shortest and longest period (s).
-    least : float
-        Least ratio of the mean spectrum to the target.
-
-    Raises
-    ------
-    InputError
-        If the factor would exceed MOST_RAISED, where the target is too rough to be fitted.
+    `periods` are the shortest and the longest (s); vertical components have a common factor of their own. Raises
+    InputError if the factor would exceed MOST_RAISED, where the target is too rough to be fitted.
     """
     span, least = check_periods(periods), check_least(least)
     factor, vertical = _raise(Fit(motions, target, span), target.name, least), None

@@ -38,42 +38,26 @@ def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument("column", type=Path, metavar="FILE.toml", help="a column, or a structure in space")
     parser.add_argument("records", type=Path, nargs="*", metavar="RECORD", help=FORMATS)
     parser.add_argument("--vertical", type=Path, nargs="+", metavar="FILE", help="vertical components, in that order")
-    parser.add_argument(
-        "--across", type=Path, nargs="+", metavar="FILE", help="the other horizontal ones, of a structure in space"
-    )
+    words = "the other horizontal ones, of a structure in space"
+    parser.add_argument("--across", type=Path, nargs="+", metavar="FILE", help=words)
     # in space, in the plane, or in both directions
     way = parser.add_mutually_exclusive_group()
     add_space(way)
-    way.add_argument(
-        "--plane", action="store_true", help="check a column in its plane, under one horizontal component, not in space"
-    )
-    way.add_argument(
-        "--both",
-        action="store_true",
-        help="check twice: a column in its plane along its width, then along its depth, under one component each; a "
-        "structure under the motions, then turned by a quarter",
-    )
+    words = "check a column in its plane, under one horizontal component, not in space"
+    way.add_argument("--plane", action="store_true", help=words)
+    words = "check twice: a column in its plane along its width, then along its depth, under one component each; a "
+    words += "structure under the motions, then turned by a quarter"
+    way.add_argument("--both", action="store_true", help=words)
     add_file_options(parser)
     _add_action(parser)
     _add_plan(parser)
-    parser.add_argument(
-        "--variant",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="FILE.toml",
-        help="another file, checked beside; may be repeated",
-    )
+    words = "another file, checked beside; may be repeated"
+    parser.add_argument("--variant", type=Path, action="append", default=[], metavar="FILE.toml", help=words)
     # output
     parser.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the table, with each motion")
     parser.add_argument("--report", type=Path, metavar="FILE.html", help="write a report with pictures, to be printed")
-    parser.add_argument(
-        "--note",
-        action="append",
-        default=[],
-        metavar="TEXT",
-        help="a line under the title of the report, for instance project, author and date; more by repeating it",
-    )
+    words = "a line under the title of the report, for instance project, author and date; more by repeating it"
+    parser.add_argument("--note", action="append", default=[], metavar="TEXT", help=words)
     add_force(parser)
 
 
@@ -86,23 +70,12 @@ def _add_action(parser: argparse.ArgumentParser) -> None:
     # options of the target and of made motions
     action.add_argument("--vertical-pga", type=float, metavar="G", help="with --pga: of the vertical components, g")
     add_code_options(action)
-    action.add_argument(
-        "--periods", type=float, nargs=2, metavar=("S", "S"), help="range in which spectra follow the target"
-    )
-    action.add_argument(
-        "--least",
-        type=float,
-        default=LEAST_PART,
-        metavar="PART",
-        help=f"least part of the target that spectra keep (default: {LEAST_PART:g})",
-    )
-    action.add_argument(
-        "--artificial",
-        type=int,
-        default=ARTIFICIAL,
-        metavar="N",
-        help=f"motions made where no record is given (default: {ARTIFICIAL})",
-    )
+    words = "range in which spectra follow the target"
+    action.add_argument("--periods", type=float, nargs=2, metavar=("S", "S"), help=words)
+    words = f"least part of the target that spectra keep (default: {LEAST_PART:g})"
+    action.add_argument("--least", type=float, default=LEAST_PART, metavar="PART", help=words)
+    words = f"motions made where no record is given (default: {ARTIFICIAL})"
+    action.add_argument("--artificial", type=int, default=ARTIFICIAL, metavar="N", help=words)
     action.add_argument("--force-scale", action="store_true", help="apply factors on records beyond 0.01 to 100 too")
     action.add_argument("--artificial-vertical", action="store_true", help="with vertical components, by the codes")
     action.add_argument("--seed", type=int, default=0, metavar="N", help="of the first of them (default: 0)")
@@ -112,37 +85,22 @@ def _add_plan(parser: argparse.ArgumentParser) -> None:
     usual = Plan()
     plan = parser.add_argument_group("what is compared")
     keys = ", ".join(f"{item.name} {item.default if item.default is not None else 'none'}" for item in fields(Limits))
-    plan.add_argument(
-        "--limit", action="append", default=[], metavar="KEY=VALUE", help=f"a limit; may be repeated (defaults: {keys})"
-    )
-    plan.add_argument(
-        "--ensemble",
-        type=int,
-        default=usual.ensemble,
-        metavar="RUNS",
-        help=f"a motion (default: {usual.ensemble}); of structures of forty blocks 2, with --no-margin, take minutes",
-    )
-    plan.add_argument(
-        "--spread",
-        type=float,
-        nargs=3,
-        default=(UNCERTAIN.stiffness, UNCERTAIN.damping, UNCERTAIN.motion),
-        metavar=("STIFFNESS", "DAMPING", "MOTION"),
-        help=f"of the varied data (default: {UNCERTAIN.stiffness:g} {UNCERTAIN.damping:g} {UNCERTAIN.motion:g})",
-    )
+    words = f"a limit; may be repeated (defaults: {keys})"
+    plan.add_argument("--limit", action="append", default=[], metavar="KEY=VALUE", help=words)
+    words = f"a motion (default: {usual.ensemble}); of structures of forty blocks 2, with --no-margin, take minutes"
+    plan.add_argument("--ensemble", type=int, default=usual.ensemble, metavar="RUNS", help=words)
+    spread = UNCERTAIN.stiffness, UNCERTAIN.damping, UNCERTAIN.motion
+    words = "of the varied data (default: {:g} {:g} {:g})".format(*spread)
+    names = ("STIFFNESS", "DAMPING", "MOTION")
+    plan.add_argument("--spread", type=float, nargs=3, default=spread, metavar=names, help=words)
     plan.add_argument("--spread-seed", type=int, default=UNCERTAIN.seed, metavar="N", help="(default: 0)")
     # parts of the check that may be skipped
     plan.add_argument("--no-margin", action="store_true", help="do not look for the factor at which it begins to fall")
-    plan.add_argument(
-        "--no-joints", action="store_true", help="do not repeat the runs with other moduli and dampings of the joints"
-    )
-    plan.add_argument(
-        "--confidence-factor",
-        type=float,
-        default=usual.confidence_factor,
-        metavar="FC",
-        help=f"of the Circolare (default: {usual.confidence_factor:g})",
-    )
+    words = "do not repeat the runs with other moduli and dampings of the joints"
+    plan.add_argument("--no-joints", action="store_true", help=words)
+    factor = usual.confidence_factor
+    words = f"of the Circolare (default: {factor:g})"
+    plan.add_argument("--confidence-factor", type=float, default=factor, metavar="FC", help=words)
 
 
 def _check(options: argparse.Namespace) -> None:

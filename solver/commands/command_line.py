@@ -17,14 +17,13 @@ from .. import __version__
 from ..common.digits import percent
 from ..common.errors import InputError, InputWarning, SolverError, reading
 from ..common.files import check_outputs, printable, with_point
-from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..ground.motion import STANDARD_GRAVITY
 from ..kernels.machine.messages import MachineCodeError, announcing
 from ..models.column.response import Response
 from ..models.column.settings import FORMULATIONS, INTEGRATORS
 from ..models.outputs import DIGITS, check_digits
 from ..models.protocol import OUTPUT_STEP, SETTLE
 from ..models.uncertainty import Spread
-from ..runs.simulate import simulate
 from . import structure
 from .calibrate import add_calibrate_command
 from .check import add_check_command
@@ -39,7 +38,6 @@ from .command_files import (
     read_subject,
     write_outputs,
 )
-from .cracks import cracks
 from .export import add_export_command
 from .motion_options import (
     FORMATS,
@@ -51,8 +49,8 @@ from .motion_options import (
     read_with_options,
 )
 from .new import add_new_command
-from .outcome import ensemble_lines, verdict_line
-from .progress import Line, ProgressLine
+from .outcome import cracks, ensemble_lines, verdict_line
+from .progress import Line, simulated
 from .reports import column_report, motion_report
 from .static import add_static_commands
 from .study import add_command as add_study
@@ -248,7 +246,7 @@ def _simulate(options: argparse.Namespace) -> None:
     given |= {"check": not options.no_check, "spread": Spread(stiffness, damping, shaking, options.spread_seed)}
     # run, summary and files
     try:
-        response = _run(subject, motion, options.duration, **given)
+        response = simulated(subject, motion, options.duration, **given)
         print(summary_of(response))
         writers: tuple[Callable[[Path], object], ...] = (
             lambda path: response.to_csv(path, options.digits),
@@ -266,12 +264,6 @@ def _film(response: Any, path: Path) -> None:
     """Write a film of a response, with a progress line on a terminal."""
     with Line(unit="picture") as line:
         response.film(path, callback=line.show if sys.stderr.isatty() else None)
-
-
-def _run(subject: Any, motion: Motion, duration: float | None, **options: Any) -> Any:
-    """Call `simulate` with a progress line on a terminal."""
-    with ProgressLine(motion.start, motion.duration if duration is None else duration) as line:
-        return simulate(subject, motion, duration, callback=line if sys.stderr.isatty() else None, **options)
 
 
 def _record(options: argparse.Namespace) -> None:

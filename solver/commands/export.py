@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Any
 
 from ..common.errors import InputError
 from ..common.files import check_outputs
-from ..runs.simulate import simulate
 from .command_files import add_force, add_space, read_subject, write_outputs
 from .motion_options import add_motion_options, motion_of
-from .progress import ProgressLine
+from .progress import simulated
 
 KINDS = {".glb": "to_gltf", ".html": "view", ".csv": "to_csv", "": "to_vtk"}  # by suffix; none: a folder
 
@@ -44,8 +42,5 @@ def _export(options: argparse.Namespace) -> None:
     motion, lines = motion_of(options)
     if lines:
         print(*lines, sep="\n", flush=True)
-    duration = options.duration
-    with ProgressLine(motion.start, motion.duration if duration is None else duration) as line:
-        shown = line if sys.stderr.isatty() else None
-        response = simulate(subject, motion, duration, check=False, callback=shown)
+    response = simulated(subject, motion, options.duration, check=False)
     write_outputs([(options.output, getattr(response, KINDS[kind]))])

@@ -13,16 +13,16 @@ from ..common.errors import InputError, reading
 from ..common.files import MB, check_file_name, check_outputs, whole_file
 from ..common.text import lines_of
 from ..common.text_tables import table_of
-from ..models.column.materials import MATERIALS, Material
+from ..models.column.materials import MATERIALS
 from ..models.column.model import Column
 from ..models.column.rest import check_rest
 from ..models.structure.blocks.meshes import UP
 from ..models.structure.model import Structure
 from ..statics.rocking import column_damping_on_edge, critical_damping, restitution_sentence
 from .command_files import add_force, check_suffix
-from .new_contacts import EVERYWHERE, Touching, asked_contact, rim_lines, strips_of
+from .new_contacts import asked_contact, strips_of
 from .new_mesh import new_from_mesh
-from .new_structures import BUILT, Built, bounce_damping, origin_of_stiffness, sliding_lines, structure_text
+from .new_structures import BUILT, Built, Law, bounce_damping, origin_of_stiffness, structure_text
 from .questions import HEIGHT, SIZE, Limits, Question, answer_to, choice, number, parsed
 
 T = TypeVar("T")
@@ -180,19 +180,20 @@ def _new(options: argparse.Namespace) -> None:
     # contact, damping and friction of the joints
     width = BUILT[shape].face(asked) if shape in BUILT else min(_least_size(block) for block in blocks)
     touching = asked_contact(width, MATERIALS[material].has_joints, stands_alone=shape == "statue")
-    built = structure_text(name, BUILT[shape], asked, material, DAMPING, touching) if shape in BUILT else ""
-    damping = _asked_damping(blocks, material, touching, built)
+    trial = Law(material, DAMPING, touching)
+    built = structure_text(name, BUILT[shape], asked, trial) if shape in BUILT else ""
+    damping = _asked_damping(blocks, trial, built)
     friction = choice("joints may slide", {"yes": "by friction", "no": "they never slide"}, "no") == "yes"
     dowel = 0.0
     if friction:
         force = ((0.0, 1e9), "a force in kN, zero or positive")
         dowel = number(Question("shear that dowels bear in each joint (kN), 0 without", 0.0, force, 1e3))
-    law = material, damping, touching, friction, dowel
+    law = Law(material, damping, touching, friction, dowel)
     # text of the file, validated before it is written
     if shape in BUILT:
-        text = structure_text(name, BUILT[shape], asked, *law)
+        text = structure_text(name, BUILT[shape], asked, law)
     else:
-        text = column_text(name, SHAPES[shape].text, blocks, *law)
+        text = column_text(name, SHAPES[shape].text, blocks, law)
     with reading(path):
         said = (_structure_said if shape in BUILT else _column_said)(tomllib.loads(text), path)
         with whole_file(path) as beside:
@@ -206,15 +207,15 @@ def _least_size(block: dict[str, float]) -> float:
     return min(block[name] for name in names if name in block)
 
 
-def _asked_damping(blocks: Sequence[dict[str, float]], material: str, touching: Touching, built: str) -> float:
+def _asked_damping(blocks: Sequence[dict[str, float]], law: Law, built: str) -> float:
     """Ask for the damping, s; the proposal is the critical damping of the rocking part, computed with its joint.
 
     Parameters
     ----------
     blocks : sequence of dict
         Blocks of a column; empty for a structure.
-    material : str
-    touching : Touching
+    law : Law
+        With another damping.
     built : str
         Text of a structure with another damping; empty for a column.
     """
@@ -222,13 +223,12 @@ def _asked_damping(blocks: Sequence[dict[str, float]], material: str, touching: 
         proposed = bounce_damping(Structure.from_dict(tomllib.loads(built)))
         words = "damping eta of the joints (s); proposed: 2 sqrt(m / (k A)) of the blocks, no measured value"
     else:
-        text = column_text("column", "column", blocks, material, DAMPING, touching)
+        text = column_text("column", "column", blocks, law)
         column = Column.from_dict(tomllib.loads(text))
-        critical = critical_damping(column) if touching.everywhere else column_damping_on_edge(column)
+        critical = critical_damping(column) if law.touching.everywhere else column_damping_on_edge(column)
         proposed = float(f"{min(critical, DAMPINGS[0][1]):.2g}")
-        what = (
-            "2 sqrt(m / (k A)) of the part that rocks" if touching.everywhere else "critical as it stands on its edge"
-        )
+        rocks = "2 sqrt(m / (k A)) of the part that rocks"
+        what = rocks if law.touching.everywhere else "critical as it stands on its edge"
         words = f"damping eta of the joints (s); proposed: {what}, no measured value"
     return number(Question(words, proposed, DAMPINGS))
 
@@ -260,16 +260,7 @@ def _structure_said(data: dict[str, Any], path: Path) -> list[str]:
     ]
 
 
-def column_text(
-    name: str,
-    what: str,
-    blocks: Sequence[dict[str, float]],
-    material: str,
-    damping: float,
-    touching: Touching = EVERYWHERE,
-    friction: bool = False,
-    dowel: float = 0.0,
-) -> str:
+def column_text(name: str, what: str, blocks: Sequence[dict[str, float]], law: Law) -> str:
     """Return the text of a column file, with comments; `Column.from_toml` validates it later.
 
     Parameters
@@ -279,30 +270,21 @@ def column_text(
         Description, for the first comment.
     blocks : sequence of dict
         Keys of the blocks from the top down, without joint and density.
-    material : str
-        Name of a material in `MATERIALS`.
-    damping : float
-        Of the joints, s.
-    touching : Touching
-        Part of the faces in contact.
-    friction : bool
-        If True, joints may slide.
-    dowel : float
-        Shear that each joint bears beside friction, N.
+    law : Law
     """
-    found: Material = MATERIALS[material]
+    found = law.found
     lines = [
         f"# {what[0].upper()}{what[1:]}. Lengths in m, masses in kg, blocks from the top down.",
-        f"# {material}: {found.source}",
+        f"# {law.material}: {found.source}",
         "# Better than any table: measure a natural frequency, and `multiblock calibrate --frequencies`.",
         f'name = "{name}"',
-        f'material = "{material}"           # density, strength and stiffness of all that is not given below',
+        f'material = "{law.material}"           # density, strength and stiffness of all that is not given below',
         "",
         "[joint]                      # of every block, under it",
-        f"damping = {damping!r}            # s, eta: a mode of frequency f has the damping ratio pi f eta; a guess",
+        f"damping = {law.damping!r}            # s, eta: a mode of frequency f has the damping ratio pi f eta; a guess",
         f"# strength = {found.strength!r}  # Pa, of the material: pressure at the edge is compared with it",
     ]
-    lines += rim_lines(touching) + sliding_lines(found, friction, dowel)
+    lines += law.lines
     # the blocks from the top down
     why = origin_of_stiffness(found)
     for place, block in enumerate(blocks):
@@ -315,7 +297,7 @@ def column_text(
         if "mass" not in block:
             lines.append(f"# density = {found.density:.10g}         # kg/m3, of the material")
         lines.append(f"# joint.stiffness = {found.modulus(block['height']):.4g}  # N/m3, of the material: {why}")
-        lines += strips_of(touching, block) if place == 0 else []
+        lines += strips_of(law.touching, block) if place == 0 else []
     return "\n".join(lines) + "\n"
 
 

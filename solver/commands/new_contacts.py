@@ -60,15 +60,6 @@ def asked_contact(width: float, mortared: bool, stands_alone: bool) -> Touching:
     return Touching(rim=asked) if chosen == RIM else Touching(foot=asked)
 
 
-def rim_lines(touching: Touching) -> list[str]:
-    """Return the lines of a file for faces that touch in a rim; none without a rim."""
-    if not touching.rim:
-        return []
-    return [
-        f"rim = {touching.rim:.6g}                 # m, faces touch in a band along their edges; left out: all over"
-    ]
-
-
 def strips_of(touching: Touching, block: dict[str, float]) -> list[str]:
     """Return the lines of a block that stands on two feet; none without feet."""
     if not touching.foot:

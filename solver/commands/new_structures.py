@@ -12,7 +12,7 @@ import numpy as np
 from ..models.column.materials import MATERIALS, Material
 from ..models.structure.builders import arch
 from ..models.structure.model import Structure
-from .new_contacts import EVERYWHERE, Touching, rim_lines
+from .new_contacts import EVERYWHERE, Touching
 from .questions import Limits, Question
 
 Asked = Mapping[str, float]
@@ -21,27 +21,43 @@ COUNTS: Limits = ((1.0, 100.0), "a whole number from 1 to 100")
 SEVERAL: Limits = ((2.0, 100.0), "a whole number from 2 to 100")
 
 
-class Built(NamedTuple):
-    """A structure to choose: its description, its questions, and the functions of the answers.
+class Law(NamedTuple):
+    """The material of the blocks of a new file, and the answers on its joints."""
 
-    Attributes
-    ----------
-    text : str
-        Description.
-    questions : dict of str to Question
-    parts : callable
-        Returns the tables [[block]] and [[joint]], with a density.
-    high : callable
-        Returns the height on which the modulus of a joint depends, m.
-    face : callable
-        Returns the width of the smallest face, m.
-    """
+    material: str  # a name in MATERIALS
+    damping: float  # s
+    touching: Touching = EVERYWHERE  # the part of the faces in contact
+    friction: bool = False  # whether joints may slide
+    dowel: float = 0.0  # N, shear that each joint bears beside friction
+
+    @property
+    def found(self) -> Material:
+        """The data of the material."""
+        return MATERIALS[self.material]
+
+    @property
+    def lines(self) -> list[str]:
+        """The lines of the file on rim, friction and dowel, where there are any."""
+        lines, rim = [], self.touching.rim
+        if rim:
+            lines.append(
+                f"rim = {rim:.6g}                 # m, faces touch in a band along their edges; left out: all over"
+            )
+        if self.friction:
+            lines.append(f"friction = {self.found.friction!r}         # coefficient; without it the joints never slide")
+        if self.dowel:
+            lines.append(f"dowel = {self.dowel!r}            # N, shear borne beside friction")
+        return lines
+
+
+class Built(NamedTuple):
+    """A structure to choose: its description, its questions, and the functions of the answers."""
 
     text: str
     questions: dict[str, Question]
-    parts: Callable[[Asked], dict[str, Any]]
-    high: Callable[[Asked], float]
-    face: Callable[[Asked], float]
+    parts: Callable[[Asked], dict[str, Any]]  # the tables [[block]] and [[joint]], with a density
+    high: Callable[[Asked], float]  # m, on which the modulus of a joint depends
+    face: Callable[[Asked], float]  # m, width of the smallest face
 
 
 def _colonnade(asked: Asked) -> dict[str, Any]:
@@ -136,16 +152,6 @@ def origin_of_stiffness(material: Material) -> str:
     return "E / H of masonry" if material.has_joints else "1 / (H / E + 1 / 5e9): a dry joint, estimated"
 
 
-def sliding_lines(material: Material, friction: bool, dowel: float) -> list[str]:
-    """Return the lines of a file that let joints slide; none without friction and dowel, N."""
-    lines = []
-    if friction:
-        lines.append(f"friction = {material.friction!r}         # coefficient; without it the joints never slide")
-    if dowel:
-        lines.append(f"dowel = {dowel!r}            # N, shear borne beside friction")
-    return lines
-
-
 def bounce_damping(structure: Structure) -> float:
     """Return eta, s, at which blocks bounce with critical damping: the median of 2 sqrt(m / (k A)), to two digits.
 
@@ -158,49 +164,22 @@ def bounce_damping(structure: Structure) -> float:
     return float(f"{np.median(2.0 * np.sqrt(masses[beds > 0.0] / beds[beds > 0.0])):.2g}")
 
 
-def structure_text(
-    name: str,
-    built: Built,
-    asked: Asked,
-    material: str,
-    damping: float,
-    touching: Touching = EVERYWHERE,
-    friction: bool = False,
-    dowel: float = 0.0,
-) -> str:
-    """Return the text of the file of a structure, with comments. Raises InputError.
-
-    Parameters
-    ----------
-    name : str
-    built : Built
-    asked : mapping of str to float
-        Answers to its questions, in SI units.
-    material : str
-        Name of a material in `MATERIALS`.
-    damping : float
-        Of all joints, s.
-    touching : Touching
-        Part of the faces in contact.
-    friction : bool
-        If True, joints may slide.
-    dowel : float
-        Shear that each joint bears beside friction, N.
-    """
-    found = MATERIALS[material]
+def structure_text(name: str, built: Built, asked: Asked, law: Law) -> str:
+    """Return the text of the file of a structure with these answers in SI units, with comments. Raises InputError."""
+    found = law.found
     why = origin_of_stiffness(found)
     lines = [
         f"# {built.text[0].upper()}{built.text[1:]}. Lengths in m along x, y and z (up), masses in kg.",
-        f"# {material}: {found.source}",
+        f"# {law.material}: {found.source}",
         "# Better than any table: measure a natural frequency, and choose the stiffness by `multiblock modes`.",
         f'name = "{name}"',
         "",
         "[joints]                     # of every joint",
         f"stiffness = {found.modulus(built.high(asked)):.4g}        # N/m3, of the material: {why}",
-        f"damping = {damping!r}            # s, eta: a mode of frequency f has the damping ratio pi f eta",
+        f"damping = {law.damping!r}            # s, eta: a mode of frequency f has the damping ratio pi f eta",
         f"strength = {found.strength!r}      # Pa, with which `multiblock check` compares the pressure",
     ]
-    lines += rim_lines(touching) + sliding_lines(found, friction, dowel)
+    lines += law.lines
     for table, parts in built.parts(asked).items():
         for part in parts:
             lines += ["", f"[[{table}]]", *(f"{key} = {_value(value)}" for key, value in part.items())]

@@ -1,4 +1,4 @@
-"""The lines on verdict and ensemble in the summary of a run, the same in the plane and in space."""
+"""The lines on verdict, ensemble and cracks in the summary of a run, the same in the plane and in space."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..common.digits import percent
+from ..models.outputs import FloatArray
 from ..models.protocol import UNDECIDED
 from ..models.response import Result
 from ..models.uncertainty import PERCENTILES, Ensemble
+
+MOST_NAMED = 10  # joints that have cracked
 
 
 def verdict_line(response: Result) -> str:
@@ -48,3 +51,23 @@ def ensemble_lines(ensemble: Ensemble, names: Sequence[object], moved: str, most
     if np.isfinite(ensemble.amplification):
         lines.append(f"the largest peak spreads by {ensemble.amplification:.3g} times what was varied")
     return lines
+
+
+def cracks(names: Sequence[str], left: FloatArray) -> list[str]:
+    """Return a line on the joints that have cracked; no line without such joints.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of the joints.
+    left : array (len(names),)
+        Bonded share of each joint, 0 to 1.
+    """
+    if not names:
+        return []
+    hurt = [(name, part) for name, part in zip(names, left, strict=True) if part < 1.0]
+    named = [f"{name} {part:.3g}" if part else f"{name} nothing" for name, part in hurt]
+    if not named:
+        return ["no joint has cracked"]
+    beyond = f", and {len(named) - MOST_NAMED} more" if len(named) > MOST_NAMED else ""
+    return [f"joints that have cracked, and what is bonded of them: {', '.join(named[:MOST_NAMED])}{beyond}"]

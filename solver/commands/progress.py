@@ -8,6 +8,8 @@ from types import TracebackType
 from typing import Any, Self
 
 from ..common.digits import percent
+from ..ground.motion import Motion
+from ..runs.simulate import simulate
 
 PATIENCE = 2.0  # s, before which nothing is shown
 FIRST_LINE, LONGER = 10.0, 1.5  # s until the first line in a pipe; factor from the time of a line to that of the next
@@ -52,6 +54,12 @@ class ProgressLine(Line):
     def __call__(self, t: float, seen: object) -> None:
         """Show that time t, s, is reached."""
         self.show(min(self._duration, t - self._start), self._duration)
+
+
+def simulated(subject: Any, motion: Motion, duration: float | None, **options: Any) -> Any:
+    """Call `simulate` with a progress line on a terminal."""
+    with ProgressLine(motion.start, motion.duration if duration is None else duration) as line:
+        return simulate(subject, motion, duration, callback=line if sys.stderr.isatty() else None, **options)
 
 
 class RunsLine(Line):

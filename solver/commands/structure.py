@@ -11,8 +11,7 @@ from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..models.structure.model import Structure
 from ..models.structure.modes import frequencies_apart
 from ..models.structure.response import SpatialResponse
-from .cracks import cracks
-from .outcome import ensemble_lines, verdict_line
+from .outcome import cracks, ensemble_lines, verdict_line
 
 MOST_LINES = 20  # rows of a table
 MOST_BLOCKS = 60  # with more, natural frequencies take too long for a report

@@ -21,18 +21,10 @@ MOST_FIRST_STEPS = 1e8  # steps in the duration of a run in lanes, which do not 
 
 
 class Cause(NamedTuple):
-    """A quantity that limits the step.
+    """A quantity that limits the step."""
 
-    Attributes
-    ----------
-    rate : float
-        The rate that steps have to follow (1/s).
-    words : str
-        The description for a message.
-    """
-
-    rate: float
-    words: str
+    rate: float  # 1/s, which steps have to follow
+    words: str  # the description for a message
 
 
 def is_too_much(work: float, part: float, most: float) -> bool:

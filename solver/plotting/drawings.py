@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -16,7 +17,7 @@ from ..models.column.model import Column
 from ..models.column.packing import FloatArray
 from ..models.column.response import Response
 from .largest import length
-from .style import Figure, GREY, INK, RED, STONE, header, nice, save
+from .style import GREY, INK, RED, STONE, Figure, header, nice, save
 from .words import setting_of
 
 SHOWN = 0.15  # of the column's height: displacement of its top in a picture whose scale is not given
@@ -40,21 +41,12 @@ class Shapes(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """The displacement histories of a column without the rest of a response.
-
-    Attributes
-    ----------
-    model : Column
-    ux, uz : array (rows, n)
-        Displacements, m.
-    ry : array (rows, n)
-        Rotations, rad.
-    """
+    """The displacement histories of a column, (rows, n) each, without the rest of a response."""
 
     model: Column
-    ux: FloatArray
-    uz: FloatArray
-    ry: FloatArray
+    ux: FloatArray  # m
+    uz: FloatArray  # m
+    ry: FloatArray  # rad
 
 
 def plot_model(
@@ -126,25 +118,30 @@ def draw_column(axes: Axes, response: Shapes, k: int, scale: float, linewidth: f
 def measure_column(axes: Axes, response: Shapes, k: int, scale: float) -> None:
     """Add heights on the left, joint numbers on the right, the factor on the deformation and a scale bar."""
     corners = corners_of(response, k, scale)
-    n, height = len(corners), sum(block.height for block in response.model.blocks)
+    height = sum(block.height for block in response.model.blocks)
     (left, _), (right, top) = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
     left, right, low = left - 0.22 * height, right + 0.2 * height, -0.17 * height
-    every = math.ceil(n / MOST_NUMBERED)
+    number_joints(axes, corners)
+    axes.set(xlim=(left, right), ylim=(low, max(1.04 * height, top + 0.03 * height)))
+    axes.text(left, 0.35 * low, rf"$\times$ {scale:g}", fontsize=22, color=RED, ha="left", va="top")
+    begin, bar = left + 0.42 * (right - left), nice(BAR * (right - left) / scale)
+    axes.plot([begin, begin + scale * bar], 2 * [0.52 * low], color=RED, linewidth=3.0, solid_capstyle="butt")
+    axes.text(begin, 0.6 * low, f"{length(bar)} of motion", fontsize=9, color=RED, ha="left", va="top")
+    rule_heights(axes, height, left)
+
+
+def number_joints(axes: Axes, corners: Sequence[FloatArray]) -> None:
+    """Write the numbers of the joints on the right of the blocks above them; of many every second, third ..."""
+    n, every = len(corners), math.ceil(len(corners) / MOST_NUMBERED)
     for number, outline in enumerate(corners, start=1):
         if (n - number) % every == 0:
             end = max(outline[0], outline[1], key=lambda corner: float(corner[0]))
             text = f"joint {number}" if number <= every else f"{number}"
             above = 6.0 if number == n else 0.0  # the ground would strike it through
             axes.annotate(text, end, (5.0, above), textcoords="offset points", fontsize=9, va="center", color=INK)
-    axes.set(xlim=(left, right), ylim=(low, max(1.04 * height, top + 0.03 * height)))
-    axes.text(left, 0.35 * low, rf"$\times$ {scale:g}", fontsize=22, color=RED, ha="left", va="top")
-    begin, bar = left + 0.42 * (right - left), nice(BAR * (right - left) / scale)
-    axes.plot([begin, begin + scale * bar], 2 * [0.52 * low], color=RED, linewidth=3.0, solid_capstyle="butt")
-    axes.text(begin, 0.6 * low, f"{length(bar)} of motion", fontsize=9, color=RED, ha="left", va="top")
-    _rule_heights(axes, height, left)
 
 
-def _rule_heights(axes: Axes, height: float, place: float) -> None:
+def rule_heights(axes: Axes, height: float, place: float) -> None:
     """Draw a scale of heights, m, from the ground to the top of the column as built."""
     every = nice(height / 4.0)
     marks = [every * k for k in range(math.ceil(height / every - 0.3))]

@@ -19,7 +19,7 @@ from PIL import Image
 
 from ..common.errors import POSITIVE, InputError, check_number
 from ..common.files import whole_file
-from .style import Figure, GRID, INK, RED, tidy
+from .style import GRID, INK, RED, Figure, tidy
 from .words import setting_of, verdict_of, write_header
 
 FILMS = (".gif", ".mp4")
@@ -168,7 +168,7 @@ def _write_gif(scene: Scene, frames: Iterator[Pixels], fps: int, path: Path) -> 
 
 
 def _palette(colours: Sequence[str]) -> Image.Image:
-    """Return a palette of colours and their blends with white, as at edges; one made from a frame loses rare colours."""
+    """Return a palette of colours and their blends with white, as at edges; that of a frame would lose rare ones."""
     blends = {tuple(round(255 * (1.0 - part * (1.0 - c))) for c in to_rgb(name)) for name in colours for part in BLENDS}
     whole = {blend for blend in blends if min(blend) < PALE} | {tuple(round(255 * c) for c in to_rgb(GRID))}
     palette = Image.new("P", (1, 1))

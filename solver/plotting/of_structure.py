@@ -19,7 +19,7 @@ from .plots import draw_ground
 from .solids import EDGE, SHADED
 from .structure_statics import plot_modes, plot_push_over
 from .structures import GROUND, WALL, all_corners, draw_blocks, visible_scale
-from .style import Figure, RED, TINT, aside, plain, save, tidy
+from .style import RED, TINT, Figure, aside, plain, save, tidy
 from .words import setting_of, verdict_of, write_header
 
 __all__ = ["film", "plot_model", "plot_modes", "plot_plan", "plot_push_over", "plot_response"]

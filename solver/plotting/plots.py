@@ -100,8 +100,8 @@ def plot_response(
 ) -> Figure:
     """Draw histories of a Response by name, and save the figure if `path` is given.
 
-    If the response has an ensemble, the 16 % to 84 % range of ux is drawn as a band, its median as a dashed line. Raises
-    InputError, OSError as `plot_histories` does.
+    If the response has an ensemble, the 16 % to 84 % range of ux is drawn as a band, its median as a dashed line.
+    Raises InputError, OSError as `plot_histories` does.
     """
     ensemble = getattr(response, "ensemble", None)
     return plot_histories(

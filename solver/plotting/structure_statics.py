@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .structures import VISIBLE, draw_blocks, extent_of, visible_scale
-from .style import Figure, BLUE, GREY, INK, RED, header, plain, save, tidy
+from .style import BLUE, GREY, INK, RED, Figure, header, plain, save, tidy
 
 if TYPE_CHECKING:
     from ..models.structure.modes import SpatialModes

@@ -13,7 +13,7 @@ from ..models.structure.blocks.parts import Joint
 from ..models.structure.model import Structure
 from .scene.bodies import normal_of, parts_of, walls_of
 from .solids import EDGE, Solids, towards_viewer
-from .style import Figure, GREY, nice
+from .style import GREY, Figure, nice
 
 VISIBLE = 0.08  # of the extent: largest deformation in a picture
 MARGIN, BAR = 0.06, 0.2  # of the extent: ground around the blocks, longest bar of the scale

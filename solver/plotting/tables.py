@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from ..common.errors import InputError
 from ..common.frames import Frame
 from ..common.notebook import counted
-from .style import Figure, INK, VERDICT_COLOURS, header, save, tidy
+from .style import INK, VERDICT_COLOURS, Figure, header, save, tidy
 
 MOVES = ("peak_u", "peak_ux")  # keys of structures, of columns: the first one in the table is plotted
 NAMES = "peak_u, peak_top_ux, peak_centroid_ux"  # of the same in Python

@@ -11,7 +11,7 @@ from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..models.outputs import BLOCK
 from .largest import largest_displacement, length
-from .style import Figure, INK, VERDICT_COLOURS, header, plain
+from .style import INK, VERDICT_COLOURS, Figure, header, plain
 
 
 def setting_of(column: Any, motion: Motion | None) -> str:

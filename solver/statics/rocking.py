@@ -40,6 +40,11 @@ class Part(NamedTuple):
         """Half the width over the height of the centroid."""
         return self.half_width / self.centroid
 
+    @property
+    def restitution(self) -> float:
+        """Housner's ratio of the rotation rates after and before an impact, by angular momentum about the new edge."""
+        return 1.0 - 2.0 * self.mass * self.half_width**2 / self.inertia
+
 
 def parts_above(column: Column) -> list[Part]:
     """Return the part above each joint, the top joint first."""
@@ -63,12 +68,10 @@ def rocking_part(column: Column) -> Part:
 def housner_restitution(column: Column) -> float:
     """Return the ratio of the rotation rates after and before an impact of Housner's rigid block (1963).
 
-    The block is the part that rocks. From angular momentum about the new edge: 1 - 2 m c^2 / I, with c half the width
-    of the joint under the part and I its moment of inertia about an edge. For a homogeneous rectangle this is 1 - 1.5
-    sin^2(alpha).
+    The block is the part that rocks: 1 - 2 m c^2 / I, with c half the width of the joint under the part and I its
+    moment of inertia about an edge. For a homogeneous rectangle this is 1 - 1.5 sin^2(alpha).
     """
-    part = rocking_part(column)
-    return 1.0 - 2.0 * part.mass * part.half_width**2 / part.inertia
+    return rocking_part(column).restitution
 
 
 def critical_damping(column: Column) -> float:

@@ -14,7 +14,7 @@ from ..ground.motion import STANDARD_GRAVITY
 from ..models.column.model import Column
 from ..plotting.drawings import SHOWN, Places, draw_column, measure_column
 from ..plotting.largest import length
-from ..plotting.style import Figure, BLUE, GREY, RED, header, save, tidy
+from ..plotting.style import BLUE, GREY, RED, Figure, header, save, tidy
 
 if TYPE_CHECKING:
     from ..models.column.modes import Modes
@@ -24,8 +24,8 @@ SMALL = 1e-6  # m: the amplitude of shapes, which drawings magnify
 TURNED, RAISED = 0.3, 0.1  # rad, and part of the lowest block's height: largest rotation and rise of a drawn shape
 
 
-def plot_modes(modes: Modes, path: str | os.PathLike[str] | None = None, most: int = 6) -> Figure:
-    """Draw the shapes of the first modes, at most `most`, and save the picture to `path` if given.
+def plot_modes(modes: Modes, path: str | os.PathLike[str] | None, most: int) -> Figure:
+    """Draw the shapes of the first `most` modes, and save the picture to `path` if given.
 
     Raises InputError, OSError as `save` does.
     """

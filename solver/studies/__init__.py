@@ -1,17 +1,19 @@
 """Studies: the runs of columns and motions that differ by a plan, in one table."""
 
+from typing import Any
+
 from ..models.pictures import drawing_of
 from .definition import Study
 from .distributions import Distribution, Random
 from .execution import StudyError, run_study
 from .motions import Measure, Shaking
-from .results import PicturesOfStudies, Results
+from .results import Results
 from .standard import fragility, ida, montecarlo, spectrum, sweep
 from .statistics import fit_fragility, ida_curves, influences
 
 
-@drawing_of.register(Results)
-def _pictures(results: Results) -> PicturesOfStudies:
+@drawing_of.register
+def _pictures(results: Results) -> Any:
     from . import pictures
 
     return pictures

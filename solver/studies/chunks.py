@@ -62,13 +62,12 @@ def _rows(study: Study, numbers: Sequence[int]) -> list[list[Any]]:
         kept = study.columns[0].kind.kept
         for place, (number, (run, values, measures)) in enumerate(ready):
             sizes = run.model.sizes
-            found = {name: _own(column[place], sizes[kept[name].of]) for name, column in outputs.items()}
+            found = {
+                # the entries of a list for parts that the model has
+                name: column[place] if kept[name].kind is not None else column[place][: sizes[kept[name].of]]
+                for name, column in outputs.items()
+            }
             failure = tally.failures.get(place, "")
             rows.append([number, list(values.values()), list(measures.values()), found, failure])
     rows.sort(key=lambda row: row[0])
     return rows
-
-
-def _own(value: Any, count: int) -> Any:
-    """Return the results of a run without the entries for parts that its model does not have."""
-    return value[:count] if isinstance(value, list) else value

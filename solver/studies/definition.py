@@ -25,10 +25,12 @@ from ..common.notebook import Shown, counted
 from ..common.ranges import check_choice, check_keys
 from ..ground.motion import Motion
 from ..kernels.machine.sources import SOURCES
+from ..models.column.model import Column
 from ..models.protocol import FloatArray, Model, Run
+from ..models.structure.model import Structure
 from .distributions import Random
-from .motions import BESIDE, LOAD_SCALE, OF_MOTION, Measure, Shaking, tilted
-from .subjects import DIRECTION, IN_PLANE, OF_SPACE, always_kept, check_alike, check_motion, sizes_of, subjects_in
+from .motions import BESIDE, DIRECTION, IN_PLANE, LOAD_SCALE, OF_MOTION, OF_SPACE, Measure, Shaking, tilted
+from .subjects import always_kept, check_alike, sizes_of
 
 KINDS = ("sweep", "ida", "fragility", "spectrum", "montecarlo")
 SAMPLINGS = ("latin-hypercube", "sobol", "random")
@@ -129,10 +131,12 @@ class Study(Shown):
             check_number(f"limits[{k}]", limit, POSITIVE, "a positive displacement in m")
         # models and outputs
         check_alike(self.columns)
-        object.__setattr__(self, "keep", tuple(self.keep) or always_kept(self.columns[0].kind))
+        kind = self.columns[0].kind
+        always = always_kept(kind)
+        object.__setattr__(self, "keep", tuple(self.keep) or always)
         for name in self.keep:
-            check_choice("keep", name, tuple(self.columns[0].kind.kept))
-        for name in always_kept(self.columns[0].kind):
+            check_choice("keep", name, tuple(kind.kept))
+        for name in always:
             if name not in self.keep:
                 raise InputError(f"keep: must have {name}, which every picture and table needs")
         if self.tolerance is not None:  # checked as the columns' own
@@ -147,9 +151,10 @@ class Study(Shown):
             raise InputError(f"random.{min(twice)}: must not be in the grid too")
         # numbers that all motions have
         known = set.intersection(*(Shaking.numbers_of(shaking.formula) for shaking in self.motions))
-        for k, shaking in enumerate(self.motions, start=1):
-            check_motion(f"motion[{k}]", shaking, self.in_space)
-        known -= set() if self.in_space else {*OF_SPACE}
+        if not self.in_space:
+            known -= {*OF_SPACE}
+            for k, shaking in enumerate(self.motions, start=1):
+                shaking.check_in_plane(f"motion[{k}]")
         # each varied name must belong to intensity, motions or models
         for name in (*self.grid, *self.random):
             if name == INTENSITY:
@@ -256,7 +261,8 @@ class Study(Shown):
         return {name: (name.removeprefix(OF_MOTION), self._relative(name)) for name in names}
 
     def _relative(self, name: str) -> bool:
-        parameter = self.random.get(name) or self.random.get(_without_number(name))
+        part, _, key = name.partition(".")  # a number of one block may follow from that of all
+        parameter = self.random.get(name) or self.random.get(f"{part.partition('[')[0]}.{key}")
         return parameter is not None and parameter.relative
 
     def _numbers(self, values: Mapping[str, float], shaking: Shaking) -> dict[str, float]:
@@ -341,12 +347,11 @@ class Study(Shown):
             simple["keep"] = tuple(_texts("keep", data["keep"]))
         if "limits" in data:
             simple["limits"] = axis("limits", data["limits"])
+        made = Structure if {"structure", "structures"} & data.keys() else Column
         return cls(
             name=data["name"],
             kind=data["kind"],
-            columns=subjects_in(
-                [Path(folder) / path for path in _paths(data)], "structure" in data or "structures" in data
-            ),
+            columns=tuple(made.from_toml(Path(folder) / path) for path in _paths(data)),
             motions=tuple(
                 Shaking.from_table(f"motion[{k}]", table, Path(folder)) for k, table in enumerate(tables, start=1)
             ),
@@ -461,11 +466,6 @@ def _base(
     given = study.measure
     measures = (given if given is not None and given.name == name else Measure(name) for name in study.measured)
     return made, {measure.name: measure.of(made) for measure in measures}
-
-
-def _without_number(name: str) -> str:
-    part, _, key = name.partition(".")
-    return f"{part.partition('[')[0]}.{key}"
 
 
 def _thinned(values: tuple[float, ...]) -> tuple[float, ...]:

@@ -28,23 +28,11 @@ ACROSS = "across"  # for noise: ratio of the second component to the first; for 
 
 @dataclass(frozen=True)
 class Formula:
-    """A motion by numbers.
+    """A motion by numbers."""
 
-    Attributes
-    ----------
-    needs
-        Numbers that are required.
-    makes
-        Function that builds the motion from them.
-    optional
-        Numbers that may be left out.
-    amplitude
-        The number that sets the size, "" if the size is fixed.
-    """
-
-    needs: tuple[str, ...]
-    makes: Callable[..., Motion]
-    optional: tuple[str, ...] = ()
+    needs: tuple[str, ...]  # numbers that are required
+    makes: Callable[..., Motion]  # from the numbers
+    optional: tuple[str, ...] = ()  # numbers that may be left out
     amplitude: str = "amplitude"  # the number that sets its size; "": its size is fixed
 
 
@@ -84,8 +72,10 @@ WHOLE = ("seed",)
 _OF_RECORDS = ("record", "vertical", "across", "dt", "units", "channel", "vertical_channel")
 # numbers of every motion: factor; tilt of the base (rad, clockwise positive); for structures also the direction in plan
 # (rad, from x to y) and a factor on the loads on their ports
-LOAD_SCALE = "load_scale"
-BESIDE = ("scale", "tilt", "direction", LOAD_SCALE)
+LOAD_SCALE, DIRECTION = "load_scale", "direction"
+BESIDE = ("scale", "tilt", DIRECTION, LOAD_SCALE)
+OF_SPACE = (ACROSS, DIRECTION)  # numbers of a motion that leaves the plane of a column
+IN_PLANE = "a column moves in its plane; structure = FILE, in place of column, solves it in space"
 MEASURES = ("pga", "pgv", "sa")
 
 
@@ -184,6 +174,14 @@ class Shaking:
             raise InputError(f'{key}.load = {shown(loads)}: must be a table, as {{ "roof.Fx" = 1000.0 }}')
         shown_as = shown_as if name is None else name
         return cls(shown_as, formula, given, record, loads_by_port(loads, folder))
+
+    def check_in_plane(self, key: str) -> None:
+        """Raise InputError, with `key`, for a motion that leaves the plane of a column."""
+        for name in OF_SPACE:
+            if name in self.numbers:
+                raise InputError(f"{key}.{name}: must be left out, {IN_PLANE}")
+        if self.record is not None and self.record.has_ay:
+            raise InputError(f"{key}: ay: {IN_PLANE}")
 
     def with_loads(self, motion: Motion, before: Motion, factor: float | None) -> Motion:
         """Return the motion with the loads of this table and of its record, times a factor.

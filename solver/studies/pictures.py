@@ -20,7 +20,7 @@ from ..models.protocol import FloatArray
 from ..models.structure.blocks.parts import OF_COLUMN
 from ..models.structure.numbers import unit_in_space
 from ..models.uncertainty import PERCENTILES
-from ..plotting.style import Figure, FEW_COLOURS, block_colours, header, save, show_blocks, tidy
+from ..plotting.style import FEW_COLOURS, Figure, block_colours, header, save, show_blocks, tidy
 from .motions import Measure
 from .results import Results
 from .statistics import (
@@ -40,7 +40,7 @@ from .statistics import (
     said_undecided,
     varied_beside,
 )
-from .subjects import can_slide, subject_from
+from .subjects import subject_from
 
 WIDTH = 138  # characters of a line of the caption
 LONG = 45  # most characters of names in a title
@@ -426,7 +426,8 @@ def _some(tables: Sequence[Mapping[str, Any]], most: int) -> str:
 def limits_of_model(results: Results) -> str:
     """Return the sentence on the effects that the model leaves out."""
     subjects = [subject_from(column) for column in results.study["columns"]]
-    slide = any(map(can_slide, subjects)) or "joint.friction" in results.study["random"]
+    friction = [law.friction for subject in subjects for law in subject.laws]
+    slide = any(value is not None for value in friction) or "joint.friction" in results.study["random"]
     limits = "do not crush" if slide else "neither slide nor crush"
     motion = "Motion in space" if subjects[0].kind.across else "Plane motion"
     return f"{motion} of rigid blocks on elastic joints without tension, which {limits}."

@@ -22,7 +22,7 @@ from ..models.protocol import WORDS
 from ..runs.table import Columns, counts
 from .contents import FAILED, check_head, check_row, kept_in, length_of
 from .journal import read_journal
-from .subjects import ALL_KEPT, always_kept, kind_in
+from .subjects import ALL_KEPT, kind_in
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -114,7 +114,7 @@ class Results(Framed, Shown):
 
         For columns those of top faces; for structures those of centroids, in any direction.
         """
-        return self[always_kept(kind_in(self.head))[0]]
+        return self[kind_in(self.head).displacements]
 
     @property
     def largest(self) -> NDArray[np.float64]:

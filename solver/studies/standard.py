@@ -181,7 +181,10 @@ def _run(
         columns=tuple(column) if isinstance(column, Sequence) else (column,),
         motions=_shakings(motions),
         grid={key: tuple(float(value) for value in values) for key, values in grid.items()},
-        random={key: _random(key, parameter) for key, parameter in random.items()},
+        random={
+            key: parameter if isinstance(parameter, Random) else Random.from_table(f"random.{key}", parameter)
+            for key, parameter in random.items()
+        },
         measure=measure,
         **of_study,
     )
@@ -196,7 +199,3 @@ def _shakings(motions: Motions) -> tuple[Shaking, ...]:
     if isinstance(motions, Mapping):
         return tuple(Shaking(name, record=motion) for name, motion in motions.items())
     return tuple(motions)
-
-
-def _random(name: str, parameter: Random | Mapping[str, Any]) -> Random:
-    return parameter if isinstance(parameter, Random) else Random.from_table(f"random.{name}", parameter)

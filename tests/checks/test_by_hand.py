@@ -7,8 +7,9 @@ import pytest
 
 from multiblock import Block, Column, InputError, Joint, housner_restitution, spectra
 from solver.checks.kinematic import COLLAPSE, mechanism
-from solver.checks.rigid_body import governing_body, rigid_bodies, sliding_distance
+from solver.checks.rigid_body import RigidBody, governing_body, sliding_distance
 from solver.checks.spectra import CornerSpectrum
+from solver.statics.rocking import parts_above
 
 STIFF = 1e13  # N/m3, so that the curve of pushes is nearly that of a rigid block
 G = 9.80665
@@ -66,8 +67,8 @@ def test_demand_is_that_of_the_displacement_spectrum() -> None:
 
 
 def test_parts_of_a_stack_are_the_bodies_of_one_block() -> None:
-    one = rigid_bodies(column(1, height=3.0))[0]
-    parts = rigid_bodies(column(3))
+    one = RigidBody(*parts_above(column(1, height=3.0))[0])
+    parts = [RigidBody(*part) for part in parts_above(column(3))]
     assert [body.joint for body in parts] == [1, 2, 3]
     for name in ("mass", "half_width", "centroid", "inertia"):
         assert getattr(parts[2], name) == pytest.approx(getattr(one, name), rel=1e-12)
@@ -79,7 +80,7 @@ def test_parts_of_a_stack_are_the_bodies_of_one_block() -> None:
 
 def test_capacity_and_frequency_have_the_energy_of_the_turned_block() -> None:
     """Twice the work of the restoring moment, by quadrature, over the square of the rotation."""
-    body = rigid_bodies(column(1, height=3.0))[0]
+    body = RigidBody(*parts_above(column(1, height=3.0))[0])
     radius, alpha, theta = math.hypot(0.25, 1.5), body.edge_angle, 0.1
     angles = np.linspace(0.0, theta, 20_001)
     moment = body.mass * G * radius * np.sin(alpha - angles)
@@ -90,7 +91,7 @@ def test_capacity_and_frequency_have_the_energy_of_the_turned_block() -> None:
 
 
 def test_rotation_balances_demand_and_capacity() -> None:
-    body = rigid_bodies(column(1, width=0.8, height=4.0))[0]
+    body = RigidBody(*parts_above(column(1, width=0.8, height=4.0))[0])
     action = spectra.eurocode8(0.3 * G, "C")
     theta = body.rotation(action, G)
     assert 0.0 < theta < body.edge_angle

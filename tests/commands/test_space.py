@@ -96,7 +96,7 @@ def test_an_fmu_carries_it() -> None:
     assert isinstance(body, StructureBody)
     again = body_of(body.text)
     assert isinstance(again, StructureBody)
-    assert again.structure.names == ("block1", "block2", "block3")
+    assert again.model.names == ("block1", "block2", "block3")
     assert np.array_equal(again.packed, body.packed)
 
 

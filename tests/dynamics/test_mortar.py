@@ -16,7 +16,7 @@ from support.probe import G
 
 import multiblock
 from multiblock import InputError, Motion
-from solver.commands.cracks import cracks
+from solver.commands.outcome import cracks
 from solver.kernels.layout import spaces as at
 from solver.models.column.block import Block, Joint
 from solver.models.column.file import parts_from

@@ -192,7 +192,7 @@ def test_what_is_said_by_nan_and_infinity_is_no_fault() -> None:
 
 
 def headers(body: Body) -> str:
-    subject = structure_subject(body) if isinstance(body, StructureBody) else column_subject(body.model)  # type: ignore[attr-defined]
+    subject = structure_subject(body) if isinstance(body, StructureBody) else column_subject(body.model)
     return table.declarations(table.Contents(subject, body.table(reads_files=False), "0", "", None))
 
 

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import base64
 import io
-import math
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from ...ground.motion import STANDARD_GRAVITY
 from ...models.column.model import Column
-from ...plotting.drawings import Places, draw_column
-from ...plotting.style import INK, block_colours, plain
+from ...plotting.drawings import Places, corners_of, draw_column, number_joints, rule_heights
+from ...plotting.style import block_colours, plain
 from ..check import Check
 from ..scaling import MEAN_FROM, horizontal_psa
 
 DPI = 140
 PERIODS = np.geomspace(0.04, 4.0, 100)  # s
-MOST_NUMBERED = 15  # largest number of joint labels; of more joints every second, third ... is labelled
 LABELS = {0.05: "0.05", 0.1: "0.1", 0.2: "0.2", 0.5: "0.5", 1.0: "1", 2.0: "2", 4.0: "4"}
 
 
@@ -33,25 +31,17 @@ def embedded(figure: Figure, tight: bool = False) -> str:
 
 
 def column_picture(column: Column) -> Figure:
-    """Draw the column as built, with its height and the numbers of its joints."""
-    height = sum(block.height for block in column.blocks)
+    """Draw the column as built, with its heights and the numbers of its joints."""
     figure = Figure(figsize=(2.6, 4.6), layout="constrained")
     axes = figure.add_subplot()
     zero = np.zeros((1, column.n))
-    draw_column(axes, Places(column, zero, zero, zero), 0, 1.0)
-    widest = max(max(block.width, block.top_width or 0.0) for block in column.blocks)
-    aside, foot = 0.62 * widest, height
-    # numbers of the joints, on the right
-    every = math.ceil(column.n / MOST_NUMBERED)
-    for number, block in enumerate(column.blocks, start=1):
-        foot -= block.height
-        if (column.n - number) % every == 0:
-            axes.text(aside, foot, f"{number}", fontsize=10, va="center" if number < column.n else "bottom", color=INK)
-    # height, on the left
-    axes.annotate("", (-aside, 0.0), (-aside, height), arrowprops={"arrowstyle": "<->", "color": INK, "lw": 0.8})
-    axes.text(-1.1 * aside, 0.5 * height, f"{height:.4g} m", rotation=90, ha="right", va="center", fontsize=11)
-    axes.set_title("joints", loc="right", fontsize=10)
-    axes.set(xlim=(-0.62 * widest - 0.16 * height, 0.62 * widest + 0.16 * height), ylim=(-0.03 * height, 1.05 * height))
+    places = Places(column, zero, zero, zero)
+    draw_column(axes, places, 0, 1.0)
+    corners, height = corners_of(places, 0, 1.0), sum(block.height for block in column.blocks)
+    (left, _), (right, _) = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
+    number_joints(axes, corners)
+    rule_heights(axes, height, left - 0.2 * height)
+    axes.set(xlim=(left - 0.22 * height, right + 0.18 * height), ylim=(-0.03 * height, 1.05 * height))
     return figure
 
 

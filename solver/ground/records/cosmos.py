@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from ...common.errors import InputError, check_whole
+from ...common.errors import InputError
 from ...common.text import fixed_columns, number, rows_of_numbers
-from .record import Record, equally_spaced
+from .record import Record, equally_spaced, place_of_channel
 from .units import factor_of
 
 NAME = "COSMOS or CSMIP V1/V2"
@@ -56,11 +56,6 @@ def _heading(line: str) -> re.Match[str] | None:
     return next((found for pattern in (_COSMOS, _CSMIP, _CSMIP_V1) if (found := pattern.match(line))), None)
 
 
-def _tells(line: str) -> bool:
-    """Return True if a line ends a block or begins the next, rather than being a row of numbers."""
-    return _END.match(line) is not None or _heading(line) is not None
-
-
 def read(lines: list[str], channel: int | None = None) -> Record:
     """Read the accelerations of a channel, counted from 1; None means the only one.
 
@@ -69,11 +64,7 @@ def read(lines: list[str], channel: int | None = None) -> Record:
     blocks = _accelerations(lines)
     if not blocks:
         raise InputError("no block of accelerations, must have one (V1 or V2)")
-    if channel is None and len(blocks) > 1:
-        listed = ", ".join(f"{k} {block.title}".strip() for k, block in enumerate(blocks, start=1))
-        raise InputError(f"{len(blocks)} channels: channel must be given, one of {listed[:200]}")
-    channel = 1 if channel is None else check_whole("channel", channel, 1, len(blocks), f"1 to {len(blocks)}")
-    block = blocks[channel - 1]
+    block = blocks[place_of_channel(channel, [block.title for block in blocks])]
     units = re.sub(r"\(\s*\d+\s*\)", "", block.heading["units"]).strip(" .")
     factor = factor_of(units, block.line, " (counts are raw: take the V1 or V2 file)")
     samples = _samples(lines, block)
@@ -115,8 +106,9 @@ def _real_header(lines: list[str], first: int, heading: re.Match[str]) -> float:
 
 
 def _samples(lines: list[str], block: _Block) -> list[float]:
-    """Return the numbers of a block, up to the next line that is not a row of numbers."""
-    end = next((k for k in range(block.line, len(lines)) if _tells(lines[k])), len(lines))
+    """Return the numbers of a block, up to the line that ends it or begins the next."""
+    ends = (k for k in range(block.line, len(lines)) if _END.match(lines[k]) or _heading(lines[k]))
+    end = next(ends, len(lines))
     if block.heading["width"] is None:
         return rows_of_numbers(lines[:end], block.line)
     width = int(block.heading["width"])

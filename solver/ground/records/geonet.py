@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 
-from ...common.errors import InputError, check_whole
+from ...common.errors import InputError
 from ...common.text import fixed_columns
-from .record import Record, equally_spaced
+from .record import Record, equally_spaced, place_of_channel
 
 NAME = "GeoNet V1A/V2A"
 _FIRST = re.compile(r"(Unc|C)orrected accelerogram\b.*\bGNS\b")
@@ -27,11 +27,7 @@ def read(lines: list[str], channel: int | None = None) -> Record:
     """
     # the channel
     first = [k for k, line in enumerate(lines) if _FIRST.match(line)]
-    if channel is None and len(first) > 1:
-        listed = ", ".join(f"{n} {_direction(lines, k)}" for n, k in enumerate(first, start=1))
-        raise InputError(f"{len(first)} channels: channel must be given, one of {listed[:200]}")
-    channel = 1 if channel is None else check_whole("channel", channel, 1, len(first), f"1 to {len(first)}")
-    k = first[channel - 1]
+    k = first[place_of_channel(channel, [_direction(lines, k) for k in first])]
     # its header
     header = lines[k : k + _HEADER]
     counts = fixed_columns(k + _INTEGERS + 1, header[_INTEGERS], 8) if len(header) == _HEADER else []

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
+import re
 
 from ...common.errors import InputError, reading, shown
 from ...common.text import lines_of
-from . import columns, cosmos, esm, geonet, knet, others, peer, smc
+from . import columns, cosmos, esm, geonet, knet, peer, smc
 from .record import Record
 
 # modules of formats with a header, in the order in which they are recognized
@@ -15,36 +16,30 @@ _OF_CHANNELS = (geonet, cosmos)  # of several: read(lines, channel)
 _READERS = {columns.CSV: columns.read_csv} | {known.NAME: known.read for known in _FORMATS}
 _READERS_OF_CHANNELS = {known.NAME: known.read for known in _OF_CHANNELS}
 NAMES = tuple(sorted({*_READERS, *_READERS_OF_CHANNELS}))
+HEAD = 12  # lines among which a format that is not supported is recognized
+_OTHERS = {
+    "USC and Caltech Volume I and II": r"(FILE\s+\d+ OF UNCORRECTED ACCELEROGRAM DATA|CORRECTED ACCELEROGRAM\s+II)",
+    "BHRC V1": r"\* VOL1DS FILE",
+    "RENADIC V1 and CSMIP V1 before 1999": r"UNCORRECTED ACCELEROGRAM DATA\b",
+    "CSMIP V3 (spectra)": r"Response and Fourier amplitude spectra\b",
+    "NSMN (Turkey)": r"STRONG GROUND MOTION RECORDS OF TURK",
+    "UNAM": r"\s*(INSTITUTO DE INGENIERIA, UNAM|ARCHIVO ESTANDAR DE ACELERACION)",
+    "CWB (Taiwan)": r"#Earthquake Information\b",
+}
 
 
 def read_record(
     path: str | os.PathLike[str], dt: float | None = None, units: str | None = None, channel: int | None = None
 ) -> Record:
-    """Read a record in any of the known formats.
+    """Read a record in any of the known formats, with the arguments and errors of `Motion.from_file`.
 
     `dt`, `units` and `channel` are refused for formats that do not need them.
-
-    Parameters
-    ----------
-    path : path-like
-        The file.
-    dt : float, optional
-        The sampling interval (s) of plain columns, which do not state it.
-    units : {"g", "m/s2", "cm/s2"}, optional
-        The unit of plain columns, which do not state it.
-    channel : int, optional
-        The channel, from 1, of a file that holds several.
-
-    Raises
-    ------
-    InputError
-        If the file is invalid: begins with `path`, with the line of the file if there is one.
     """
     with reading(path):
         lines = lines_of(path)
         name = _format(lines)
         if name == columns.PLAIN:
-            others.check_is_none(lines, units)
+            _refuse_others(lines, units)
         # arguments that the format does not need are refused
         for key, value, used in (
             ("dt", dt, name == columns.PLAIN),
@@ -58,6 +53,21 @@ def read_record(
         if name in _READERS_OF_CHANNELS:
             return _READERS_OF_CHANNELS[name](lines, channel)
         return _READERS[name](lines)
+
+
+def _refuse_others(lines: list[str], units: str | None) -> None:
+    """Raise InputError for a file in a known but unsupported format.
+
+    With `units`, a file that begins with # is plain columns under comments, and accepted.
+    """
+    if units is not None and lines[0].startswith("#"):
+        return
+    for name, pattern in _OTHERS.items():
+        if any(re.match(pattern, line) for line in lines[:HEAD]):
+            raise InputError(
+                f"{name} files are not read: convert with gmprocess (USGS) or by hand to columns of time and "
+                "acceleration, and give units (--units)"
+            )
 
 
 def format_of(path: str | os.PathLike[str]) -> str:

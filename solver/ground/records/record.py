@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.errors import POSITIVE, InputError, check_number
+from ...common.errors import POSITIVE, InputError, check_number, check_whole
 
 FloatArray = NDArray[np.float64]
 
@@ -56,3 +56,11 @@ def equally_spaced(
     ax = np.array(samples, dtype=np.float64)
     time = dt * np.arange(len(ax), dtype=np.float64)
     return Record(name, time, ax, np.zeros(len(ax)), " ".join(title.split()), notes)
+
+
+def place_of_channel(channel: int | None, titles: Sequence[str]) -> int:
+    """Return the index of a channel, counted from 1, of those of a file; None means the only one. Raises InputError."""
+    if channel is None and len(titles) > 1:
+        listed = ", ".join(f"{k} {title}".strip() for k, title in enumerate(titles, start=1))
+        raise InputError(f"{len(titles)} channels: channel must be given, one of {listed[:200]}")
+    return (1 if channel is None else check_whole("channel", channel, 1, len(titles), f"1 to {len(titles)}")) - 1

@@ -42,28 +42,14 @@ FRAME = (
 
 
 def write_view(response: Any, path: str | os.PathLike[str], scale: float | None) -> None:
-    """Write the page of a response. Raises InputError, OSError.
-
-    Parameters
-    ----------
-    response : Response or SpatialResponse
-    path : path-like
-        File to write, .html.
-    scale : float or None
-        Initial factor on the deformation. None: chosen so that the motion is visible.
-    """
-    check_page(path)
+    """Write the page of a response as `Result.view` describes. Raises InputError, OSError."""
+    if Path(path).suffix.lower() != ".html":
+        raise InputError(f"{path}: must end in .html")
     if scale is not None:
         scale = check_number("scale", scale, POSITIVE, "a positive factor on the deformation")
     text = _page(response, scale, FPS, MOST_NUMBERS, MOST_TRIANGLES)
     with whole_file(path) as partial:
         Path(partial).write_text(text, encoding="utf-8")
-
-
-def check_page(path: str | os.PathLike[str]) -> None:
-    """Raise InputError unless the file name ends in .html."""
-    if Path(path).suffix.lower() != ".html":
-        raise InputError(f"{path}: must end in .html")
 
 
 def frame_of(response: Any, height: int = 480) -> str:

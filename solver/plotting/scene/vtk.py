@@ -16,7 +16,6 @@ from ...models.structure.blocks.faces import FloatArray
 from ...models.structure.blocks.shapes import turned
 from .bodies import Contact, Scene, normal_of, scene_of
 
-FPS = 30.0
 POLYGON = 7  # VTK cell type
 NAMES = {"float64": "Float64", "int64": "Int64", "uint8": "UInt8"}
 PAGE = """<?xml version="1.0"?>
@@ -32,25 +31,11 @@ SERIES = """<?xml version="1.0"?>
 """
 
 
-def write_vtk(response: Any, folder: str | os.PathLike[str], fps: float = FPS) -> None:
+def write_vtk(response: Any, folder: str | os.PathLike[str], fps: float) -> None:
     """Write blocks.pvd and joints.pvd, with a file of each for every instant, and walls.vtu if there are walls.
 
     Cells carry the number of their block or joint and its outputs; points of joints carry the elastic pressure, Pa.
-
-    Parameters
-    ----------
-    response : Response or SpatialResponse
-    folder : path-like
-        Folder to write to; created if it is missing.
-    fps : float
-        Largest number of instants per second.
-
-    Raises
-    ------
-    InputError
-        If `folder` is not a folder, or `fps` is not positive.
-    OSError
-        If a file cannot be written.
+    Raises InputError if `folder` is not a folder, or `fps` (instants per second, at most) is not positive; OSError.
     """
     fps = check_number("fps", fps, POSITIVE, "a positive number of rows a second")
     where = Path(folder)
