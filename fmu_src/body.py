@@ -26,7 +26,8 @@ from solver.models.column.model import Column
 from solver.models.column.rest import check_rest
 from solver.models.outputs import BASE, BOND
 from solver.models.protocol import Kind
-from solver.models.structure.driven import SKIP_CODES, Chosen, DrivenStructure, driven_size, packed, record_of, sizes_in
+from solver.models.samples import Samples, samples_of
+from solver.models.structure.driven import SKIP_CODES, Chosen, DrivenStructure, driven_size, packed, sizes_in
 from solver.models.structure.file import describes_structure, in_space
 from solver.models.structure.hull_tables import in_folder, with_hulls
 from solver.models.structure.model import Structure
@@ -175,11 +176,10 @@ class ColumnBody(Body, word="column"):
     def retune(self, stepper: in_plane.Stepper, described: Described) -> None:
         stepper.retune(described.column)
 
-    def samples(self, motion: Motion | None) -> in_plane.Record:
-        if motion is None:
-            return in_plane.SILENCE
-        check_in_plane(motion)
-        return in_plane.Record(motion.time, motion.ax, motion.az)
+    def samples(self, motion: Motion | None) -> Samples:
+        if motion is not None:
+            check_in_plane(motion)
+        return samples_of(motion)
 
 
 class StructureBody(Body, word="structure"):
@@ -229,8 +229,8 @@ class StructureBody(Body, word="structure"):
     def state_ranges(self, stepper: DrivenStructure | None = None) -> Ranges:
         return state_ranges.of_structure(sizes_in(self.packed), self.drive.is_chosen)
 
-    def samples(self, motion: Motion | None) -> Any:
-        return record_of(motion)
+    def samples(self, motion: Motion | None) -> Samples:
+        return samples_of(motion)
 
 
 def body_of(text: str) -> Body:

@@ -106,8 +106,7 @@ STRUCTURE_COUNTS: Described = {
     **_all(("started", "resting", "probing"), FLAG),
 }
 STRUCTURE_BASE: Described = {
-    **_all(("amplitude_x", "amplitude_y", "omega", "phase", "held"), NONE, "motion."),  # as of a column
-    "motion.scale": ANY,
+    **_all(("amplitude_x", "amplitude_y", "omega", "phase"), NONE, "motion."),  # as of a column
     **_all(("ax", "ay", "az", "jx", "jy", "jz"), INPUT, "motion."),
     "motion.t0": TIME,
     "motion.coupled": FLAG,

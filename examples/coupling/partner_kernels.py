@@ -14,8 +14,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from solver.kernels.column.formulations.base_motion import Samples, record_line
-from solver.kernels.engine.samples import SAMPLE_SLACK, segment_at
+from solver.kernels.column.formulations.base_motion import record_line
+from solver.kernels.engine.samples import SAMPLE_SLACK, segment_at, unloaded
 from solver.kernels.machine.entry import entry
 from solver.kernels.machine.groups import GROUPS, Group
 from solver.kernels.machine.kinds import Int, Real, Reals, SizedReals
@@ -77,7 +77,7 @@ def _entries(group: str, begin: Callable[..., Any], step: Callable[..., Any], se
         model: Reals, state: Reals, work: Reals, inputs: Reals, t: Real, times: SizedReals, ax: Reals, az: Reals,
         scale: Real, row: Reals,
     ) -> Int:  # fmt: skip
-        samples = Samples(times.size, times.row, ax, az, scale, 0, times.size, ax)
+        samples = unloaded(times.row, times.size, ax, ax, az, scale, 0)
         see(inputs, model, state, work, t, samples, row)
         return 0
 

@@ -12,7 +12,8 @@ from support.probe import coordinates, put_back
 
 from solver import Column, InitialState, InputError, Motion, SolverError
 from solver.common.errors import TooMuchWorkError
-from solver.models.column.stepper import Record, Stepper
+from solver.models.column.stepper import Stepper
+from solver.models.samples import samples_of
 
 
 def test_whatever_the_caller_has_the_kernels_are_compiled_once() -> None:
@@ -26,7 +27,7 @@ def test_whatever_the_caller_has_the_kernels_are_compiled_once() -> None:
     ):
         Stepper(column).run(motion, motion.end, times)
         stepper = Stepper(column)
-        stepper.record = Record(motion.time, motion.ax[::1], [0] * motion.ax.size)
+        stepper.record = samples_of(motion)
         stepper.advance(0, 1)
         stepper.observe(1)
 

@@ -152,7 +152,7 @@ def test_counts_are_held_to_what_they_count(name: str, wrong: int) -> None:
 
 @pytest.mark.parametrize(
     ("name", "wrong"),
-    [("theta_x", 7.0), ("theta_y", np.nan), ("t0", np.inf), ("steps", 3.0), ("steps", 1.5), ("held", 1.0)],
+    [("theta_x", 7.0), ("theta_y", np.nan), ("t0", np.inf), ("steps", 3.0), ("steps", 1.5), ("amplitude_x", 1.0)],
 )
 def test_the_turning_base_is_held_to_its_ranges(name: str, wrong: float) -> None:
     ranges = state_ranges.of_structure(SIZES)

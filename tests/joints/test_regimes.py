@@ -15,11 +15,12 @@ from support.joints import contact_regime, held_forces, regime_margin
 from support.probe import Array, G, coordinates, phocas
 
 from solver import InitialState, Motion, simulate
-from solver.kernels.column.api.engine import column_over, no_samples
+from solver.kernels.column.api.engine import column_over
 from solver.kernels.column.integrators.interpolation import begin, interpolate_phase, refine
 from solver.kernels.column.integrators.traits import ORDER_8
 from solver.kernels.column.joint.regimes import FULL, OPEN, RIGHT
 from solver.kernels.column.stepping.advance import repeat_step
+from solver.kernels.engine.samples import no_samples
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import row_of
@@ -116,7 +117,7 @@ def look_inside(
 ) -> None:
     """Leave in work.between the interpolation at fraction s of the step of h seconds from t."""
     silence = no_samples(row_of(base))
-    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), silence, 0, row_of(work))
+    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), silence, row_of(work))
     begin(column.work, bump)
     refine(column, t, h)
     interpolate_phase(column.work, h, s)
@@ -152,7 +153,7 @@ def test_interpolation_with_the_bump_is_of_a_higher_order() -> None:
 @from_python
 def _repeat(n, model, state, counts, base, work, t, step):
     silence = no_samples(row_of(base))
-    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), silence, 0, row_of(work))
+    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), silence, row_of(work))
     return repeat_step(column, ORDER_8, t, step)
 
 

@@ -20,6 +20,7 @@ from solver.models.structure.lanes import follow_in_lanes
 from solver.models.structure.model import Structure
 from solver.models.structure.outputs import FROM_LANES
 from solver.models.structure.rest import rest_of
+from solver.models.uncertainty import Spread
 from solver.runs.many import simulate_many
 
 TRILITH = ROOT / "examples" / "structures" / "trilith.toml"
@@ -239,3 +240,24 @@ def test_the_trilith_of_the_examples() -> None:
     alone = simulate(structure, motion, settle=0.0)
     for axis in ("ux", "uy", "uz"):
         np.testing.assert_allclose(found[f"peak_{axis}"], alone.peaks[axis], rtol=1e-4, atol=1e-7)
+
+
+@pytest.mark.parametrize("friction", [None, 0.4])
+def test_an_ensemble_in_lanes_is_that_of_runs_alone(friction: float | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Displacements over time within a tenth of the tolerance (measured: 0.01); some of the eight fall."""
+    structure, motion, spread = trilith(friction), waves(1, 0.5)[0], Spread(0.05, 0.05, 0.2)
+    ensembles = []
+    for lanes in (True, False):
+        if not lanes:
+            monkeypatch.setattr(type(structure.kind), "in_lanes", lambda *_: False)
+        ensemble = simulate(structure, motion, ensemble=8, spread=spread, output_step=0.01).ensemble
+        assert ensemble is not None
+        assert ensemble.in_lanes is lanes
+        ensembles.append(ensemble)
+    ours, alone = ensembles
+    assert ours.verdicts == alone.verdicts
+    assert ours.overturned == 5
+    assert ours.overturn_time == pytest.approx(alone.overturn_time, abs=0.01, nan_ok=True)  # measured: 1.2e-3 s
+    assert ours.ux == pytest.approx(alone.ux, abs=1e-4 * float(np.nanmax(alone.ux)), nan_ok=True)
+    stands = np.array([verdict != "overturned" for verdict in alone.verdicts])
+    assert ours.displacements[stands] == pytest.approx(alone.displacements[stands], rel=1e-3)

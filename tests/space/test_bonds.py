@@ -15,6 +15,7 @@ from multiblock import Column, push_over, simulate_many, wavelets
 from solver import InputError, simulate
 from solver.commands.structure import summary
 from solver.ground.motion import Motion
+from solver.kernels.engine.samples import no_samples
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import row_of
 from solver.kernels.structure import layout as at
@@ -420,8 +421,11 @@ def test_a_column_of_mortar_and_its_stack_agree_as_the_bed_stiffens_along() -> N
 
 
 @from_python
-def _corners_put(model: FloatArray, state: FloatArray, counts: NDArray[np.int64], work: FloatArray) -> float:
-    scene = at.scene_of(row_of(model), row_of(state), row_of(counts), row_of(work))
+def _corners_put(
+    model: FloatArray, state: FloatArray, counts: NDArray[np.int64], base: FloatArray, work: FloatArray
+) -> float:
+    of_arrays = row_of(model), row_of(state), row_of(counts), row_of(base)
+    scene = at.scene_of(*of_arrays, no_samples(row_of(work)), row_of(work))
     return float(put_bond(scene, 0))
 
 
@@ -433,7 +437,7 @@ def test_no_bond_has_more_corners_than_there_is_room_for(corners: float, put: fl
     state, work = np.append(arrays.state, np.zeros(1000)), np.full(arrays.work.size + 1000, -7.0)
     left = at.STATE.see(state, model.sizes).bonded
     left[0] = corners
-    assert _corners_put(arrays.model, state, arrays.counts, work) == put
+    assert _corners_put(arrays.model, state, arrays.counts, arrays.base, work) == put
     seen = at.WORK.see(np.arange(work.size), model.sizes)
     written = np.flatnonzero(work != -7.0)
     assert written[0] == seen.room[0]

@@ -50,7 +50,7 @@ def bed(structure: Structure, slips: Any, p: FloatArray, q: FloatArray) -> Float
 def beds_after(lanes, model, slips, p, q, found):
     """As `bed_after`, eight at once."""
     row = row_of(model)
-    queue = Queue(0, row, row, row, row, row, row, row, row, row, row)
+    queue = Queue(0, row, row, row, row, row, row, row, row, row, row, 0, row, row)
     scene = batch_over(sizes_in(row), lanes_of(lanes), queue).scene
     slid, p, q, into = lanes_of(slips), lanes_of(p), lanes_of(q), lanes_of(found)
     scene.slips.p1[0], scene.slips.p2[0], scene.slips.p3[0] = slid[0], slid[1], slid[2]

@@ -314,7 +314,6 @@ TREND = Record("known", "margin")  # N, against sliding in the middle of the ste
 # of the present call, set at its begin
 LOADING = Record(
     "ports",  # number of ports
-    "recorded",  # not 0 where the record has loads
     "general",  # not 0 where there are ports or bonds
 )
 SLIPS = Record(

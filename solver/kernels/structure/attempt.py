@@ -32,10 +32,10 @@ def rate(scene, k):
 
 
 @kernel
-def evaluate_at(scene, shaking, segment, y, f, t):
+def evaluate_at(scene, segment, y, f, t):
     """Fill `f` with the rates of the state `y` at time t (s) and count the evaluation."""
     scene.counts.evaluations += 1
-    ax, ay, az = taken_at(scene, shaking, segment, t)
+    ax, ay, az = taken_at(scene, segment, t)
     evaluate_state(scene, y, f, ax, ay, az)
 
 
@@ -50,7 +50,7 @@ def scale_quaternions(n, phase):
 
 
 @kernel
-def attempt_5(scene, shaking, segment, t, h):
+def attempt_5(scene, segment, t, h):
     """Make one step of order 5 over h seconds from row START to row END; return its error in tolerances.
 
     The stages use the rows of rates and the row STAGE; the row BETWEEN is filled with the embedded errors of the state.
@@ -64,29 +64,29 @@ def attempt_5(scene, shaking, segment, t, h):
     # stage 1
     for i in range(count):
         stage[i] = y[i] + h * (dp.A1_0 * f0[i])
-    evaluate_at(scene, shaking, segment, middle, rate(scene, 1), t + dp.C1 * h)
+    evaluate_at(scene, segment, middle, rate(scene, 1), t + dp.C1 * h)
     # stage 2
     for i in range(count):
         stage[i] = y[i] + h * (dp.A2_0 * f0[i] + dp.A2_1 * f1[i])
-    evaluate_at(scene, shaking, segment, middle, rate(scene, 2), t + dp.C2 * h)
+    evaluate_at(scene, segment, middle, rate(scene, 2), t + dp.C2 * h)
     # stage 3
     for i in range(count):
         stage[i] = y[i] + h * (dp.A3_0 * f0[i] + dp.A3_1 * f1[i] + dp.A3_2 * f2[i])
-    evaluate_at(scene, shaking, segment, middle, rate(scene, 3), t + dp.C3 * h)
+    evaluate_at(scene, segment, middle, rate(scene, 3), t + dp.C3 * h)
     # stage 4
     for i in range(count):
         stage[i] = y[i] + h * (dp.A4_0 * f0[i] + dp.A4_1 * f1[i] + dp.A4_2 * f2[i] + dp.A4_3 * f3[i])
-    evaluate_at(scene, shaking, segment, middle, rate(scene, 4), t + dp.C4 * h)
+    evaluate_at(scene, segment, middle, rate(scene, 4), t + dp.C4 * h)
     # stage 5
     for i in range(count):
         early = dp.A5_0 * f0[i] + dp.A5_1 * f1[i] + dp.A5_2 * f2[i]
         stage[i] = y[i] + h * (early + dp.A5_3 * f3[i] + dp.A5_4 * f4[i])
-    evaluate_at(scene, shaking, segment, middle, rate(scene, 5), t + dp.C5 * h)
+    evaluate_at(scene, segment, middle, rate(scene, 5), t + dp.C5 * h)
     # the state of order 5 at the end, and its rates
     for i in range(count):
         end[i] = y[i] + h * (dp.B_0 * f0[i] + dp.B_2 * f2[i] + dp.B_3 * f3[i] + dp.B_4 * f4[i] + dp.B_5 * f5[i])
     scale_quaternions(scene.n, _phase(ending, scene.n))
-    evaluate_at(scene, shaking, segment, ending, rate(scene, STAGES - 1), t + h)
+    evaluate_at(scene, segment, ending, rate(scene, STAGES - 1), t + h)
     # the difference to the embedded method of order 4
     for i in range(count):
         early = dp.ERROR_0 * f0[i] + dp.ERROR_2 * f2[i] + dp.ERROR_3 * f3[i]
@@ -103,8 +103,8 @@ def _step_to(table_row: int) -> Any:
     to, slope = (END, STAGES - 1) if ends else (STAGE, table_row)
 
     @leaf
-    def step_to(scene, shaking, segment, t, h):
-        before(scene, shaking, segment, t, h)
+    def step_to(scene, segment, t, h):
+        before(scene, segment, t, h)
         y, reached = packs_of(row(scene, START)), row(scene, to)
         found = packs_of(reached)
         # the state of this stage, and its rates
@@ -112,13 +112,13 @@ def _step_to(table_row: int) -> Any:
             found[i] = y[i] + h * sum_of(scene, i)
         if ends:
             scale_quaternions(scene.n, _phase(reached, scene.n))
-        evaluate_at(scene, shaking, segment, reached, rate(scene, slope), t + node * h)
+        evaluate_at(scene, segment, reached, rate(scene, slope), t + node * h)
 
     return step_to
 
 
 @leaf
-def _nothing(scene, shaking, segment, t, h):
+def _nothing(scene, segment, t, h):
     return
 
 
@@ -278,13 +278,13 @@ _step, _error_5, _error_3 = _step_to(order_8.END), _error_by(order_8.ERROR_5), _
 
 
 @kernel
-def attempt(scene, shaking, segment, t, h):
+def attempt(scene, segment, t, h):
     """Make one explicit step over h seconds from row START to row END; return its error in tolerances."""
     # order 8 combines two embedded errors; order 5 may be bounded by force errors too
     if scene.settings.order == order_8.ORDER:
-        _step(scene, shaking, segment, t, h)
+        _step(scene, segment, t, h)
         return order_8.error_of(_error_5(scene, h), _error_3(scene, h))
-    return _with_forces(scene, attempt_5(scene, shaking, segment, t, h))
+    return _with_forces(scene, attempt_5(scene, segment, t, h))
 
 
 @leaf

@@ -1,80 +1,27 @@
-"""The base acceleration in three components: record samples, plus a horizontal harmonic, plus inputs."""
+"""The base acceleration in three components: record samples, plus a horizontal harmonic, plus inputs.
+
+The acceleration of the record is zero before its first and after its last sample, and so is the harmonic part.
+"""
 
 import math
-from typing import NamedTuple
 
-from ..engine.samples import segment_at
+from ..engine.samples import is_silent
 from ..numba_ext.jit import by_width, kernel, leaf
 from ..numba_ext.lanes import LanesType, any_of
 from ..numba_ext.numbers import sine
 
-SLACK = 1e-9  # of a sampling interval: closer instants are equal
-
-
-class Shaking(NamedTuple):
-    """The samples of the base acceleration and of the loads at ports, and the inputs added to them.
-
-    The acceleration is zero before the first and after the last sample.
-
-    Attributes
-    ----------
-    size, shaken : int
-        Number of `times`, and of those that have a sample of the base; loads may go on after the base.
-    times : row
-        Times of the samples, s.
-    ax, ay, az : row
-        Samples of the acceleration, m/s2.
-    base : record BASE
-        Harmonic part, inputs and rotation of the base.
-    loaded : int
-        1 if there are loads at ports.
-    loads : row
-        For each interval, the values of all loads at its start, then their slopes (port.py).
-    inputs : row
-        INPUT_LOADS at time t0 of `base`.
-    """
-
-    size: int  # of times
-    shaken: int  # of them with a sample of the base
-    times: object
-    ax: object
-    ay: object
-    az: object
-    base: object  # BASE
-    loaded: int  # 1: there are loads
-    loads: object
-    inputs: object  # INPUT_LOADS, at time t0
-
-
-@leaf
-def segment_after(shaking, t):
-    """Return the index of the sample from which a step that begins at time t continues; -1 before the first."""
-    k = segment_at(shaking, t)
-    # a time just before a sample belongs to the next interval
-    if 0 <= k + 1 < shaking.size:
-        width = shaking.times[1] - shaking.times[0] if k < 0 else shaking.times[k + 1] - shaking.times[k]
-        if shaking.times[k + 1] - t <= SLACK * width:
-            k += 1
-    return k
-
-
-@leaf
-def is_still(shaking, k):
-    """Return True if the record is zero on the interval from sample k to the next."""
-    return k < 0 or k >= shaking.shaken - 1
-
 
 @by_width
-def acceleration(shaking, k, t):
+def acceleration(scene, k, t):
     """Return the base acceleration (ax, ay, az), m/s2, at time t (s) on segment k.
 
-    In lanes each lane has its own segment, whose line is in `shaking.base` (in_lanes.py); k is not used then.
+    In lanes each lane has its own segment, whose line is in `scene.base` (in_lanes.py); k is not used then.
     """
     return _of_lanes if isinstance(t, LanesType) else _of_one
 
 
-def _of_lanes(shaking, k, t):
-    base = shaking.base
+def _of_lanes(scene, k, t):
+    base = scene.base
     past = t - base.t0
     # the line of the segment, then the harmonic
     ax, ay, az = base.ax + base.jx * past, base.ay + base.jy * past, base.az + base.jz * past
@@ -85,20 +32,20 @@ def _of_lanes(shaking, k, t):
     return ax, ay, az
 
 
-def _of_one(shaking, k, t):
-    base = shaking.base
+def _of_one(scene, k, t):
+    base, samples, scale = scene.base, scene.samples, scene.samples.scale
     past = t - base.t0
     # inputs, linear in time
     beside = base.ax + base.jx * past, base.ay + base.jy * past, base.az + base.jz * past
-    if is_still(shaking, k):
+    if is_silent(samples, k):
         return beside
     # record: held samples, or straight lines between them
-    ax, ay, az = base.scale * shaking.ax[k], base.scale * shaking.ay[k], base.scale * shaking.az[k]
-    if base.held == 0.0:
-        part = (t - shaking.times[k]) / (shaking.times[k + 1] - shaking.times[k])
-        ax += part * (base.scale * shaking.ax[k + 1] - ax)
-        ay += part * (base.scale * shaking.ay[k + 1] - ay)
-        az += part * (base.scale * shaking.az[k + 1] - az)
+    ax, ay, az = scale * samples.ax[k], scale * samples.ay[k], scale * samples.az[k]
+    if samples.held == 0:
+        part = (t - samples.times[k]) / (samples.times[k + 1] - samples.times[k])
+        ax += part * (scale * samples.ax[k + 1] - ax)
+        ay += part * (scale * samples.ay[k + 1] - ay)
+        az += part * (scale * samples.az[k + 1] - az)
     # harmonic
     if base.omega != 0.0:
         sine = math.sin(base.omega * t + base.phase)
@@ -108,7 +55,7 @@ def _of_one(shaking, k, t):
 
 
 @leaf
-def line(shaking, k, t):
+def line(scene, k, t):
     """Return the part of the base acceleration that is linear in time on segment k, and its slope.
 
     Returns
@@ -116,30 +63,30 @@ def line(shaking, k, t):
     ax, ay, az, jx, jy, jz : float
         Value at time t, m/s2, and slope, m/s3.
     """
-    base = shaking.base
+    base, samples, scale = scene.base, scene.samples, scene.samples.scale
     past = t - base.t0
     # inputs
     ax, ay, az = base.ax + base.jx * past, base.ay + base.jy * past, base.az + base.jz * past
     jx, jy, jz = base.jx, base.jy, base.jz
-    if is_still(shaking, k):
+    if is_silent(samples, k):
         return ax, ay, az, jx, jy, jz
     # record
-    ax, ay, az = ax + base.scale * shaking.ax[k], ay + base.scale * shaking.ay[k], az + base.scale * shaking.az[k]
-    if base.held != 0.0:
+    ax, ay, az = ax + scale * samples.ax[k], ay + scale * samples.ay[k], az + scale * samples.az[k]
+    if samples.held != 0:
         return ax, ay, az, jx, jy, jz
     # slope of the straight line between samples
-    per, within = base.scale / (shaking.times[k + 1] - shaking.times[k]), t - shaking.times[k]
-    x = per * (shaking.ax[k + 1] - shaking.ax[k])
-    y = per * (shaking.ay[k + 1] - shaking.ay[k])
-    z = per * (shaking.az[k + 1] - shaking.az[k])
+    per, within = scale / (samples.times[k + 1] - samples.times[k]), t - samples.times[k]
+    x = per * (samples.ax[k + 1] - samples.ax[k])
+    y = per * (samples.ay[k + 1] - samples.ay[k])
+    z = per * (samples.az[k + 1] - samples.az[k])
     return ax + x * within, ay + y * within, az + z * within, jx + x, jy + y, jz + z
 
 
 @kernel
-def is_quiet(shaking, k):
+def is_quiet(scene, k):
     """Return True if the base and its inputs are still and no load acts from segment k on."""
-    base = shaking.base
+    base, samples = scene.base, scene.samples
     # inputs
     pushed = base.ax != 0.0 or base.ay != 0.0 or base.az != 0.0
     pushed = pushed or base.jx != 0.0 or base.jy != 0.0 or base.jz != 0.0
-    return k >= shaking.size - 1 and not pushed
+    return k >= samples.size - 1 and not pushed

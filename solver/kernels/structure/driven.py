@@ -7,6 +7,7 @@ state, without dependence on the acceleration of the same instant; only accelera
 import math
 
 from ..engine.control import most_of_a_call, most_work
+from ..engine.samples import no_samples, segment_from
 from ..layout.spaces import (
     ACCELERATION,
     CALL_TOO_LONG,
@@ -17,7 +18,6 @@ from ..layout.spaces import (
 )
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.views import Record, clear, copy
-from .base import Shaking, segment_after
 from .coupled import INPUTS, arrive, examine_step, exchange, show_driven, start_at, turn, turned_by
 from .evaluate import evaluate, evaluate_state, moving, recall, show
 from .extras import let_go, taken_at
@@ -99,7 +99,7 @@ def assemble(model, state, counts, base, work, given, from_rest):
     for p in range(sizes.pairs):
         made.pairs.damping[p] *= described.damping_scale
         made.pairs.decay[p] /= described.damping_scale
-    scene = scene_of(model, state, counts, work)
+    scene = scene_of(model, state, counts, base, no_samples(given), work)
     # initial state
     if from_rest != 0:
         lasting = _state(state, sizes)
@@ -109,32 +109,25 @@ def assemble(model, state, counts, base, work, given, from_rest):
         clear(base, _input(base, sizes).total)
     # modes
     let_go(scene)
-    prepare(scene, _shaking(base, sizes, 0, given, given, given, given, 1.0))
+    prepare(scene)
     return OK
 
 
 @leaf
-def _shaking(base, sizes, count, times, ax, ay, az, scale):
-    inputs = _input(base, sizes)
-    inputs.motion.scale = scale
-    return Shaking(count, count, times, ax, ay, az, inputs.motion, 0, times, inputs.loads.row)
-
-
-@leaf
-def _load(scene, shaking, inputs, elapsed, t):
+def _load(scene, inputs, elapsed, t):
     """Set the inputs at the ports, which the caller set `elapsed` s before time t, and their slopes."""
     count, given = _LOAD * scene.extras.spotted, inputs[_INPUTS:]
     # extrapolate to the time t0 of the inputs
-    past = elapsed - (t - shaking.base.t0)
+    past = elapsed - (t - scene.base.t0)
     for i in range(count):
         slope = given[count + i]
-        shaking.inputs[i], shaking.inputs[count + i] = given[i] + slope * past, slope
+        scene.extras.inputs[i], scene.extras.inputs[count + i] = given[i] + slope * past, slope
 
 
 @kernel
-def _drive(scene, base, inputs, elapsed, t):
+def _drive(scene, inputs, elapsed, t):
     """Set the inputs that the base follows from time t on, which the caller set `elapsed` s before."""
-    given = _inputs(inputs, 0)
+    base, given = scene.base, _inputs(inputs, 0)
     # rotation
     start_at(base, t)
     if scene.settings.turns != 0.0:
@@ -148,23 +141,23 @@ def _drive(scene, base, inputs, elapsed, t):
 
 
 @kernel
-def _see(scene, base, phase, t, visible):
+def _see(scene, phase, t, visible):
     """Fill the output row `visible` from the state at time t, on a base without acceleration."""
     recall(scene, phase.buffer)
     # without acceleration of the base
-    turn_base(scene, base, t, 0.0, 0.0, 0.0)
+    turn_base(scene, scene.base, t, 0.0, 0.0, 0.0)
     evaluate(scene, phase, _phase(row(scene, RATES), scene.n), 0.0, 0.0, 0.0)
     show(scene, phase, visible)
     stop_turning(scene)
 
 
 @kernel
-def _see_pushed(scene, shaking, phase, t, visible):
+def _see_pushed(scene, phase, t, visible):
     """Fill the output row `visible` from the state, the base acceleration and the loads at time t.
 
     Accelerations of ports depend on all three.
     """
-    pushed = taken_at(scene, shaking, segment_after(shaking, t), t)
+    pushed = taken_at(scene, segment_from(scene.samples, t), t)
     recall(scene, phase.buffer)
     evaluate(scene, phase, _phase(row(scene, RATES), scene.n), pushed[0], pushed[1], pushed[2])
     show(scene, phase, visible)
@@ -183,23 +176,23 @@ def _are_bounded(base, h):
 
 
 @kernel
-def _is_flat(scene, shaking, phase, t, stop):
+def _is_flat(scene, phase, t, stop):
     """Return True if neither the state nor base, record and ports until `stop` move anything across the plane x, z."""
-    n, ports = scene.n, scene.extras.spotted
-    if shaking.base.ay != 0.0 or shaking.base.jy != 0.0:
+    n, ports, samples = scene.n, scene.extras.spotted, scene.samples
+    if scene.base.ay != 0.0 or scene.base.jy != 0.0:
         return False
     # loads at ports across the plane
     for way in (1, 3, 5):  # fy, mx, mz, and their slopes
         for p in range(way * ports, (way + 1) * ports):
-            if shaking.inputs[p] != 0.0 or shaking.inputs[_LOAD * ports + p] != 0.0:
+            if scene.extras.inputs[p] != 0.0 or scene.extras.inputs[_LOAD * ports + p] != 0.0:
                 return False
     # samples of the record
-    for k in range(max(0, segment_after(shaking, t)), shaking.size):
-        if shaking.ay[k] != 0.0:
+    for k in range(max(0, segment_from(samples, t)), samples.size):
+        if samples.ay[k] != 0.0:
             return False
-        if shaking.times[k] >= stop:
+        if samples.times[k] >= stop:
             break
-    return _lies_flat(shaking.base, phase, n)
+    return _lies_flat(scene.base, phase, n)
 
 
 @leaf
@@ -216,7 +209,7 @@ def _lies_flat(base, phase, n):
 
 
 @kernel
-def follow(model, state, counts, base, work, inputs, start, h, count, times, ax, ay, az, scale, visible):
+def follow(model, state, counts, base, work, inputs, start, h, samples, visible):
     """Advance the structure from time `start` over h, s, under inputs that begin there, and the record; return a code.
 
     A structure that is its own mirror image in the plane x, z stays exactly in it while nothing moves it across.
@@ -229,8 +222,8 @@ def follow(model, state, counts, base, work, inputs, start, h, count, times, ax,
         INPUTS, loads at ports, and where they apply rotation and bodies (coupled.py).
     start, h : float
         Time and length of the communication step, s.
-    count, times, ax, ay, az, scale : int, rows, float
-        Number of samples of the record, their times (s), accelerations (m/s2), and a factor on these.
+    samples : Samples
+        The record, without loads.
     visible : row
         Scratch space for an output row.
 
@@ -239,47 +232,44 @@ def follow(model, state, counts, base, work, inputs, start, h, count, times, ax,
     int
         OK or the code of an error (layout/spaces.py).
     """
-    sizes = sizes_in(model)
-    scene, shaking = scene_of(model, state, counts, work), _shaking(base, sizes, count, times, ax, ay, az, scale)
+    sizes, scene = sizes_in(model), scene_of(model, state, counts, base, samples, work)
     phase, stop = _state(state, sizes).phase, start + h
     is_plane = _head(model, 0).is_plane != 0.0
     # motion of the base: by inputs, or by the forces of bodies and structure
     if scene.settings.drive == ACCELERATION:
-        _drive(scene, shaking.base, inputs, 0.0, start)
+        _drive(scene, inputs, 0.0, start)
         if scene.settings.turns != 0.0:
-            turn(scene, phase, shaking.base, inputs)
+            turn(scene, phase, scene.base, inputs)
     else:
         code = RECORD_BESIDE
-        if count == 0:
-            arrive(scene, phase, shaking.base, inputs, start)
-            _see(scene, shaking.base, phase, start, visible)
-            flat = is_plane and _lies_flat(shaking.base, phase, scene.n)
-            code = exchange(scene, shaking.base, inputs, flat, visible[scene.visible - _REACTION :])
+        if samples.size == 0:
+            arrive(scene, phase, scene.base, inputs, start)
+            _see(scene, phase, start, visible)
+            flat = is_plane and _lies_flat(scene.base, phase, scene.n)
+            code = exchange(scene, scene.base, inputs, flat, visible[scene.visible - _REACTION :])
         if code != OK:
             return code
-        examine_step(scene, shaking.base, h)
+        examine_step(scene, scene.base, h)
     # loads
-    _load(scene, shaking, inputs, 0.0, start)
-    if not _are_bounded(shaking.base, h):
+    _load(scene, inputs, 0.0, start)
+    if not _are_bounded(scene.base, h):
         return INPUT_TOO_LARGE
     # plane motion, and the most steps of this call
     scene.counts.resting = 0
-    flat = is_plane and _is_flat(scene, shaking, phase, start, stop)
+    flat = is_plane and _is_flat(scene, phase, start, stop)
     most, bounded = most_work(scene.settings, h), most_of_a_call(HEAVIER * (scene.n + scene.m))
     code_beyond = TOO_MUCH_WORK if most <= bounded else CALL_TOO_LONG
     # the plane motion, if it is one
     scene.settings.in_plane = 1.0 if flat else 0.0
     # steps
     state_row, nothing = phase.buffer, Watch(0, work, work, 0)
-    code = advance(scene, shaking, nothing, state_row, start, stop, int(min(most, bounded)) // STAGES)
+    code = advance(scene, nothing, state_row, start, stop, int(min(most, bounded)) // STAGES)
     scene.settings.in_plane = 0.0  # valid in this step only
     return code_beyond if code == PAUSED else code
 
 
 @kernel
-def look(
-    model, state, counts, base, work, inputs, new_inputs, elapsed, t, count, times, ax, ay, az, scale, visible, driven
-):
+def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, samples, visible, driven):
     """Fill an output row from the state. Return OK.
 
     Parameters
@@ -290,48 +280,46 @@ def look(
         With `new_inputs` 1 base and ports follow these inputs from time t on; they were set `elapsed` s before.
     t : float
         Time, s.
-    count, times, ax, ay, az, scale : int, rows, float
-        The record, as of `follow`.
+    samples : Samples
+        The record, without loads.
     visible : row
         The output row to fill.
     driven : row
         Filled with the motion of the base, where bodies may drive it, as the last step left it.
     """
-    sizes, scene = sizes_in(model), scene_of(model, state, counts, work)
+    sizes, scene = sizes_in(model), scene_of(model, state, counts, base, samples, work)
     phase = _state(state, sizes).phase
     # motion of the base
-    show_driven(scene.settings, _input(base, sizes).motion, t, 0, driven)
+    show_driven(scene.settings, scene.base, t, 0, driven)
     if new_inputs != 0 and scene.settings.drive == ACCELERATION:  # otherwise no output depends on them
-        _drive(scene, _input(base, sizes).motion, inputs, elapsed, t)
+        _drive(scene, inputs, elapsed, t)
     # without ports no output depends on inputs
     if scene.extras.spotted == 0:
-        _see(scene, _input(base, sizes).motion, phase, t, visible)
+        _see(scene, phase, t, visible)
         return OK
     # accelerations of ports
-    shaking = _shaking(base, sizes, count, times, ax, ay, az, scale)
     if new_inputs != 0:
-        _load(scene, shaking, inputs, elapsed, t)
-    _see_pushed(scene, shaking, phase, t, visible)
+        _load(scene, inputs, elapsed, t)
+    _see_pushed(scene, phase, t, visible)
     return OK
 
 
 @kernel
-def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, visible, driven):
+def rates(model, state, counts, base, work, t, samples, visible, driven):
     """Fill an output row with the rates of all outputs at time t, 1/s. Return OK. `look` has been called at t.
 
     The rates are central differences of the outputs along the rates of the state, over a fraction of the first step.
     The arguments are those of `look`; driven: filled with the rates of the motion of the base.
     """
-    sizes = sizes_in(model)
-    scene, shaking = scene_of(model, state, counts, work), _shaking(base, sizes, count, times, ax, ay, az, scale)
+    sizes, scene = sizes_in(model), scene_of(model, state, counts, base, samples, work)
     size, here, between = scene.visible, _state(state, sizes).phase.buffer, row(scene, STAGE)
     clear(visible, size)
-    show_driven(scene.settings, shaking.base, t, 1, driven)
+    show_driven(scene.settings, scene.base, t, 1, driven)
     if scene.counts.fallen > 0:
         return OK
     # rates of the state
-    pace, segment = row(scene, RATES), segment_after(shaking, t)
-    pushed = taken_at(scene, shaking, segment, t)
+    pace, segment = row(scene, RATES), segment_from(scene.samples, t)
+    pushed = taken_at(scene, segment, t)
     recall(scene, here)
     evaluate_state(scene, here, pace, pushed[0], pushed[1], pushed[2])
     # outputs on both sides of time t
@@ -339,7 +327,7 @@ def rates(model, state, counts, base, work, t, count, times, ax, ay, az, scale, 
     for _ in range(2):
         for i in range(moving(scene)):
             between[i] = here[i] + past * pace[i]
-        pushed = taken_at(scene, shaking, segment, t + past)
+        pushed = taken_at(scene, segment, t + past)
         evaluate_state(scene, between, row(scene, RATES + 1), pushed[0], pushed[1], pushed[2])
         show(scene, _phase(between, scene.n), seen(scene, 0))
         # half of the difference quotient
@@ -377,13 +365,13 @@ def feedthrough(model, state, counts, base, work, seeds, elapsed, t, visible, dr
     visible, driven : row
         The rows to fill.
     """
-    sizes, scene = sizes_in(model), scene_of(model, state, counts, work)
+    sizes, scene = sizes_in(model), scene_of(model, state, counts, base, no_samples(seeds), work)
     clear(visible, sizes.visible)
     clear(driven, _driven_size(scene.settings))
     if scene.extras.spotted == 0 or scene.counts.fallen > 0:
         return OK
     phase, pace, inputs = _state(state, sizes).phase, _phase(row(scene, RATES), scene.n), _inputs(seeds, 0)
-    motion, loads = _input(base, sizes).motion, seeds[_INPUTS:]
+    motion, loads = scene.base, seeds[_INPUTS:]
     # outputs without inputs
     recall(scene, phase.buffer)
     let_go(scene)

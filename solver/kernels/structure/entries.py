@@ -1,26 +1,26 @@
 """Entry points: the kernels of a structure over flat buffers."""
 
+from ..engine.samples import no_samples, samples_over, unloaded
 from ..machine.entry import entry
 from ..machine.kinds import Int, Ints, Real, Reals, SizedReals
 from ..numba_ext.jit import kernel
 from ..numba_ext.views import lanes_of
 from . import driven
-from .base import Shaking
 from .cracking import settle_bonds
 from .evaluate import energy, evaluate, recall, settle_memory, show
 from .in_lanes import Queue, batch_over, follow_queue
-from .layout import INPUT_MOTION, PHASE, STATE, scene_of, sizes_in
+from .layout import PHASE, STATE, scene_of, sizes_in
 from .stepping import advance
 from .watch import Watch
 
-_phase, _input, _state = PHASE.over, INPUT_MOTION.over, STATE.over
+_phase, _state = PHASE.over, STATE.over
 
 
 @kernel
-def see(model, state, counts, work):
+def see(model, state, counts, base, samples, work):
     """Return the scene of a structure, and its state as a row."""
     # the state without its padding
-    sizes, scene = sizes_in(model), scene_of(model, state, counts, work)
+    sizes, scene = sizes_in(model), scene_of(model, state, counts, base, samples, work)
     return scene, _state(state, sizes).phase.buffer[: sizes.state]
 
 
@@ -75,7 +75,8 @@ def _find_stiffness(scene, from_, scratch, rates, delta, matrix):
 @entry("structure")
 def run_structure(
     model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, times: SizedReals, ax: SizedReals,
-    ay: Reals, az: Reals, loads: SizedReals, at: SizedReals, rows: SizedReals, t: Real, stop: Real, most: Int,
+    ay: Reals, az: Reals, scale: Real, held: Int, loads: SizedReals, at: SizedReals, rows: SizedReals, t: Real,
+    stop: Real, most: Int,
 ) -> Int:  # fmt: skip
     """Run `stepping.advance` over a record (base.py), with an output row at each time of `at`; return its code.
 
@@ -85,6 +86,8 @@ def run_structure(
         The arrays of a structure (layout.py).
     times, ax, ay, az : row
         Times of the samples, s, and accelerations of the base, m/s2.
+    scale, held : float, int
+        Factor on the accelerations; 1: samples are held, 0: joined by straight lines.
     loads : row
         Loads at ports, values and slopes of each interval (port.py), or empty.
     at : row
@@ -96,14 +99,10 @@ def run_structure(
     most : int
         Largest number of steps.
     """
-    scene, phase = see(model, state, counts, work)
-    inputs = _input(base, sizes_in(model))
-    # the record, with loads where there are any
-    of_loads = 1 if loads.size > 0 else 0, loads.row, inputs.loads.row
-    shaking = Shaking(times.size, ax.size, times.row, ax.row, ay, az, inputs.motion, *of_loads)
+    scene, phase = see(model, state, counts, base, samples_over(times, ax, ay, az, scale, held, loads), work)
     # output rows
     watch = Watch(at.size, at.row, rows.row, rows.size // max(1, at.size))
-    return advance(scene, shaking, watch, phase, t, stop, most)
+    return advance(scene, watch, phase, t, stop, most)
 
 
 @entry("structure")
@@ -131,7 +130,7 @@ def observe_structure(
     float
         Mechanical energy, J.
     """
-    scene, phase = see(model, state, counts, work)
+    scene, phase = see(model, state, counts, base, no_samples(work), work)
     seen = _phase(phase, scene.n)
     recall(scene, phase)
     evaluate(scene, seen, _phase(rates, scene.n), ax, ay, az)
@@ -154,17 +153,19 @@ def stiffness_of(
     Its entries are forces and couples on the centroids by displacements and rotations about the axes of the base, N and
     N m per m and rad. delta: step of each coordinate, m or rad. The memory of joints and ties is that of the state.
     """
-    scene, phase = see(model, state, counts, work)
+    scene, phase = see(model, state, counts, base, no_samples(work), work)
     _find_stiffness(scene, phase, scratch, rates, delta, matrix)
 
 
 @entry("structure_lanes")
 def run_structures_in_lanes(
     buffer: Reals, size: Int, models: Reals, states: Reals, runs: Reals, outcomes: Reals, peaks: Reals,
-    times: Reals, ax: Reals, ay: Reals, az: Reals, flag: Reals,
+    times: Reals, ax: Reals, ay: Reals, az: Reals, row_times: SizedReals, places: Reals, flag: Reals,
 ):  # fmt: skip
     """Run `in_lanes.follow_queue`; buffer: scratch space, eight numbers for each of one lane."""
-    queue = Queue(size, models, states, runs, outcomes, peaks, times, ax, ay, az, flag)
+    queue = Queue(
+        size, models, states, runs, outcomes, peaks, times, ax, ay, az, row_times.row, row_times.size, places, flag
+    )
     follow_queue(batch_over(sizes_in(models), lanes_of(buffer), queue))
 
 
@@ -185,8 +186,8 @@ def follow(
     times: SizedReals, ax: Reals, ay: Reals, az: Reals, scale: Real, row: Reals,
 ) -> Int:  # fmt: skip
     """Run `driven.follow`."""
-    record = times.size, times.row, ax, ay, az, scale
-    return driven.follow(model, state, counts, base, work, inputs, start, h, *record, row)
+    samples = unloaded(times.row, times.size, ax, ay, az, scale, 0)
+    return driven.follow(model, state, counts, base, work, inputs, start, h, samples, row)
 
 
 @entry("structure_driven")
@@ -195,8 +196,8 @@ def look(
     t: Real, times: SizedReals, ax: Reals, ay: Reals, az: Reals, scale: Real, row: Reals, split: Reals,
 ) -> Int:  # fmt: skip
     """Run `driven.look`."""
-    record = times.size, times.row, ax, ay, az, scale
-    return driven.look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, *record, row, split)
+    samples = unloaded(times.row, times.size, ax, ay, az, scale, 0)
+    return driven.look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, samples, row, split)
 
 
 @entry("structure_driven")
@@ -205,8 +206,8 @@ def rates(
     ay: Reals, az: Reals, scale: Real, row: Reals, split: Reals,
 ) -> Int:  # fmt: skip
     """Run `driven.rates`."""
-    record = times.size, times.row, ax, ay, az, scale
-    return driven.rates(model, state, counts, base, work, t, *record, row, split)
+    samples = unloaded(times.row, times.size, ax, ay, az, scale, 0)
+    return driven.rates(model, state, counts, base, work, t, samples, row, split)
 
 
 @entry("structure_driven")

@@ -18,19 +18,19 @@ from .turning import is_turned, load_turned, show_turned, stop_turning, turn_bas
 
 
 @varied
-def taken_at(scene, shaking, k, t):
+def taken_at(scene, k, t):
     """Return the base acceleration (ax, ay, az), m/s2, at time t (s) on segment k.
 
     Alone, not in lanes, also set the loads at ports and the rotation of the base, which stay until they are set again.
     """
-    return acceleration(shaking, k, t)
+    return acceleration(scene, k, t)
 
 
 @taken_at.version(acts_alone)
-def _take(scene, shaking, k, t):
-    push_ports(scene, shaking, k, t)
-    pushed = acceleration(shaking, k, t)
-    turn_base(scene, shaking.base, t, pushed[0], pushed[1], pushed[2])
+def _take(scene, k, t):
+    push_ports(scene, k, t)
+    pushed = acceleration(scene, k, t)
+    turn_base(scene, scene.base, t, pushed[0], pushed[1], pushed[2])
     return pushed
 
 
@@ -43,9 +43,9 @@ def let_go(scene):
 
 
 @kernel
-def is_loaded(scene, shaking, k):
+def is_loaded(scene, k):
     """Return True if a load at a port or a rotation of the base acts on segment k."""
-    return is_pushed(scene, shaking, k) or is_turned(shaking.base)
+    return is_pushed(scene, k) or is_turned(scene.base)
 
 
 @varied

@@ -10,11 +10,12 @@ from typing import NamedTuple
 
 from ..engine.control import is_too_short, shared
 from ..engine.queue import control_steps, pass_queue, peak_over
+from ..engine.samples import is_silent, no_samples, segment_from, unloaded
+from ..layout.spaces import SLACK
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import WIDTH, any_of, bits, greater, lane, lesser, magnitude, square_root, where
 from ..numba_ext.views import Record, Space, Table, clear, copy, one_lane
 from .attempt import attempt_5, evaluate_at, rate
-from .base import Shaking, is_still, segment_after
 from .bearing import raise_displacements
 from .cracking import crack, crack_within
 from .evaluate import moving, recall
@@ -35,7 +36,7 @@ from .layout import (
 )
 from .meeting_in_lanes import forget_gaps, keep_slides, limited, meet, until_closed, watch_gaps
 from .stepping import STABLE, fallen, largest_motion, moves, relaxing
-from .watch import BETWEEN_RATES, END, START, row, seen
+from .watch import BETWEEN, BETWEEN_RATES, END, START, interpolate_body, row, seen
 
 BETWEEN_LOOKS = 0.25  # s, between checks for rest on a still base
 FELL, RESTS, STOPPED, STEP_TOO_SMALL = 1.0, 2.0, 3.0, -1.0  # outcomes of a run
@@ -55,6 +56,7 @@ LANE = Record(
     *("steps", "rejected", "looks"),
     "fresh",  # 1 while the rates at its time are missing
     "due",  # 1 if a check for rest is due at it
+    "next_row",  # index of the next row of its run
 )
 NO_RUN = -1.0
 
@@ -92,6 +94,9 @@ class Queue(NamedTuple):
     ax: object  # m/s2
     ay: object
     az: object
+    row_times: object  # s after the start of a run, at which displacements are stored
+    rows: int  # number of them
+    places: object  # m, horizontal displacement of each block, `rows` times for each run
     flag: object
 
 
@@ -99,7 +104,6 @@ class Batch(NamedTuple):
     """Eight structures over lanes, or the structure of one lane."""
 
     scene: object
-    shaking: object
     lane: object
     gaps: object
     row: object  # layout ALL
@@ -114,9 +118,10 @@ def batch_over(sizes, buffer, queue):
     seen = _all(buffer, sizes)
     peaks = seen.peaks.buffer[: _PEAK * sizes.n + sizes.b + sizes.pairs]
     bonded = seen.work.states[place_of_bonds(sizes) : sizes.stride]  # those of row START
-    scene = scene_over(sizes, seen.model, seen.control, seen.counts, peaks, bonded, seen.work)
-    shaking = Shaking(0, 0, queue.times, queue.ax, queue.ay, queue.az, seen.base, 0, queue.times, queue.times)
-    return Batch(scene, shaking, seen.lane, seen.gaps, buffer, sizes, queue)
+    # of the base each lane has the line of its segment; no loads act
+    of_base = seen.base, peaks, no_samples(queue.times)
+    scene = scene_over(sizes, seen.model, seen.control, seen.counts, peaks, bonded, *of_base, seen.work)
+    return Batch(scene, seen.lane, seen.gaps, buffer, sizes, queue)
 
 
 @leaf
@@ -141,30 +146,30 @@ def _outcome_of(batch, number):
 @leaf
 def _silence(one):
     """Set the base motion of a lane to zero, without a next sample."""
-    base = one.shaking.base
+    base = one.scene.base
     base.ax, base.ay, base.az, base.jx, base.jy, base.jz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     base.amplitude_x, base.amplitude_y = 0.0, 0.0
     one.lane.piece_end = math.inf
 
 
 @leaf
-def _record_of(batch, one, run):
-    # samples of this run
-    queue, first = batch.queue, int(run.first)
-    samples = queue.times[first:], queue.ax[first:], queue.ay[first:], queue.az[first:]
-    return Shaking(int(run.count), int(run.count), *samples, one.shaking.base, 0, queue.times, queue.times)
+def _record_of(queue, run):
+    """Return the record of a run."""
+    first = int(run.first)
+    rows = queue.ax[first:], queue.ay[first:], queue.az[first:]
+    return unloaded(queue.times[first:], int(run.count), *rows, 1.0, int(run.held))
 
 
 @kernel
 def follow_record(batch, one):
     """Set the base motion of a lane to that of its run on the current segment of the record."""
-    base, own = one.shaking.base, one.lane
+    base, own = one.scene.base, one.lane
     run = _run_of(batch, int(own.run))
-    record = _record_of(batch, one, run)
+    record = _record_of(batch.queue, run)
     k = int(own.segment)
-    own.fresh = 1.0 if k <= 0 or run.held != 0.0 or is_still(record, k) else own.fresh
+    own.fresh = 1.0 if k <= 0 or run.held != 0.0 or is_silent(record, k) else own.fresh
     # before or after the record: regular stops after it, to check for rest
-    if is_still(record, k):
+    if is_silent(record, k):
         _silence(one)
         if k < 0:
             own.piece_end = record.times[0]
@@ -201,10 +206,29 @@ def load(batch, k, number):
     own.run, own.t, own.stop = number, run.start, run.stop
     own.fresh, own.due = 1.0, 0.0
     # base motion
-    one.shaking.base.omega, one.shaking.base.phase = run.omega, run.phase
-    own.segment = segment_after(_record_of(batch, one, run), run.start)
+    one.scene.base.omega, one.scene.base.phase = run.omega, run.phase
+    own.segment = segment_from(_record_of(batch.queue, run), run.start)
     follow_record(batch, one)
     own.fresh = 1.0
+
+
+@kernel
+def keep_places(one, end, step):
+    """Store the displacements at the row times up to `end` (s), within a step of a lane; step 0: those of its start."""
+    queue, own, n = one.queue, one.lane, one.sizes.n
+    number = int(own.run)
+    begin = _run_of(one, number).start
+    while own.next_row < queue.rows and begin + queue.row_times[int(own.next_row)] <= end:
+        # fraction of the step
+        part = 0.0
+        if step > 0.0:
+            part = min(1.0, max(0.0, (begin + queue.row_times[int(own.next_row)] - own.t) / step))
+        into = queue.places[(queue.rows * number + int(own.next_row)) * n :]
+        for i in range(n):
+            interpolate_body(one.scene, step, part, i)
+            between = _phase(row(one.scene, BETWEEN), n)
+            into[i] = math.hypot(between.ux[i], between.uy[i])
+        own.next_row += 1.0
 
 
 @kernel
@@ -223,6 +247,8 @@ def finish(batch, k, ends, time, block):
     found = _PEAK * n + batch.sizes.b + batch.sizes.pairs
     copy(queue.peaks[found * number :], one.scene.peaks, found)
     copy(queue.states[count * number :], row(one.scene, START), count)
+    # what is left of the rows: nothing moves any more
+    keep_places(one, math.inf, 0.0)
     one.lane.run, one.lane.piece_end = NO_RUN, math.inf
 
 
@@ -237,7 +263,7 @@ def start(batch, fresh):
     begin, found = row(scene, START), row(scene, BETWEEN_RATES)
     crack(scene, begin, fresh)
     meet(scene, batch.gaps, fresh)
-    evaluate_at(scene, batch.shaking, 0, begin, found, lanes.t)
+    evaluate_at(scene, 0, begin, found, lanes.t)
     _keep(batch, found, fresh)
     # peaks at this instant
     lanes.looks += where(fresh, 1.0, 0.0)
@@ -337,7 +363,7 @@ def track_peaks(batch, step, good):
 @leaf
 def step_lengths(batch):
     """Return the next step of each lane, s, and the time to its next stop or sample; the step is 0 without a run."""
-    scene, lanes, base = batch.scene, batch.lane, batch.shaking.base
+    scene, lanes, base = batch.scene, batch.lane, batch.scene.base
     left = lesser(lanes.stop, lanes.piece_end) - lanes.t
     step = scene.control.next_step
     # limits: the harmonic, sliding and yielding, contact
@@ -359,12 +385,12 @@ def step_on(batch):
     # a step, accepted or rejected in each lane
     step, left = step_lengths(batch)
     busy = step > 0.0
-    error = attempt_5(scene, batch.shaking, 0, lanes.t, step)
+    error = attempt_5(scene, 0, lanes.t, step)
     good = busy & control_steps(scene.control, step, error)
     lanes.steps += where(good, 1.0, 0.0)
     lanes.rejected += where(busy & (error > 1.0), 1.0, 0.0)
     # shorten it where a gap closes or a bond breaks
-    step = until_closed(scene, batch.shaking, lanes.t, step, good)
+    step = until_closed(scene, lanes.t, step, good)
     # peaks, gaps, falls, cracks
     phase = _phase(row(scene, END), scene.n)
     track_peaks(batch, step, good)
@@ -372,6 +398,12 @@ def step_on(batch):
     raise_displacements(scene, scene.peaks[_PEAK * scene.n :], good)
     _take_stock(batch, row(scene, END), good)
     block = where(good, fallen(scene, phase), 0.0)
+    if batch.queue.rows > 0:
+        taken = bits(good)
+        for k in range(WIDTH):
+            if (taken >> k) & 1:
+                own = single(batch, k)
+                keep_places(own, own.lane.t + lane(step, k) * (1.0 + SLACK), lane(step, k))
     passed = crack_within(scene, step, good)
     # the end of the step becomes the start of the next
     begin, end = row(scene, START), row(scene, END)

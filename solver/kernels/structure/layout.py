@@ -175,8 +175,6 @@ COUNTS = Record(
 BASE = Record(
     *("amplitude_x", "amplitude_y"),  # m/s2, of the harmonic part
     *("omega", "phase"),  # rad/s, rad
-    "held",  # 1: samples are held, 0: joined by straight lines
-    "scale",  # factor on the samples
     *("ax", "ay", "az"),  # m/s2, at time t0: inputs beside the samples
     *("jx", "jy", "jz"),  # m/s3, their slopes
     "t0",  # s
@@ -383,6 +381,7 @@ class Extras(NamedTuple):
     bonded: object  # row, what is left of them
     sound: object  # of the evaluation
     turn: object  # of the base
+    inputs: object  # row, INPUT_LOADS at time t0 of `base`
 
 
 class Scene(NamedTuple):
@@ -417,6 +416,8 @@ class Scene(NamedTuple):
     states: object  # and rates of a step
     outputs: object  # output rows of a step
     modal_room: object  # row, for modes; not there in lanes
+    base: object  # BASE
+    samples: object  # of the record (engine/samples.py)
     extras: object  # Extras
 
 
@@ -429,7 +430,8 @@ def acts_alone(scene: Any, *_: Any) -> bool:
     return acts
 
 
-_head, _model, _state, _counts, _work = HEAD.over, MODEL.over, STATE.over, COUNTS.over, WORK.over
+_head, _model, _state, _counts = HEAD.over, MODEL.over, STATE.over, COUNTS.over
+_input, _work = INPUT_MOTION.over, WORK.over
 
 
 @leaf
@@ -442,16 +444,17 @@ def sizes_in(model):
 
 
 @leaf
-def scene_of(model, state, counts, work):
-    """Return the scene of the structure with these arrays."""
+def scene_of(model, state, counts, base, samples, work):
+    """Return the scene of the structure with these arrays, under the samples of a record."""
     sizes = sizes_in(model)
     lasting, counted, seen = _state(state, sizes), _counts(counts, 0), _work(work, sizes)
-    return scene_over(sizes, _model(model, sizes), lasting.control, counted, lasting.peaks, lasting.bonded, seen)
+    moves, of_state = _input(base, sizes), (lasting.control, counted, lasting.peaks, lasting.bonded)
+    return scene_over(sizes, _model(model, sizes), *of_state, moves.motion, moves.loads.row, samples, seen)
 
 
 @leaf
-def scene_over(sizes, model, control, counts, peaks, bonded, work):
-    """Return the scene of MODEL and WORK, of control, counts and peaks, and of the row of bond polygons `bonded`."""
+def scene_over(sizes, model, control, counts, peaks, bonded, base, inputs, samples, work):
+    """Return the scene of MODEL and WORK, of control, counts, peaks, the row of bond polygons, and the base motion."""
     # tables of extras
     extras = Extras(
         sizes.b,
@@ -469,6 +472,7 @@ def scene_over(sizes, model, control, counts, peaks, bonded, work):
         bonded,
         work.sound,
         work.turn,
+        inputs,
     )
     # parameters, memory and room
     return Scene(
@@ -501,5 +505,7 @@ def scene_over(sizes, model, control, counts, peaks, bonded, work):
         work.states,
         work.outputs,
         work.modal_room,
+        base,
+        samples,
         extras,
     )

@@ -60,7 +60,7 @@ def meet_pairs(scene):
 
 
 @kernel
-def until_closed(scene, shaking, segment, t, h):
+def until_closed(scene, segment, t, h):
     """Return the length, s, of the step of h s just made, shortened if a gap closes in it or a bond starts to break.
 
     A shortened step has been made again.
@@ -74,7 +74,7 @@ def until_closed(scene, shaking, segment, t, h):
     part = min(part, until_broken(scene, h, True))
     if part < 1.0:
         h = part * h
-        attempt(scene, shaking, segment, t, h)
+        attempt(scene, segment, t, h)
     return h
 
 

@@ -66,7 +66,7 @@ def _closing_in(scene, k, h):
 
 
 @kernel
-def until_closed(scene, shaking, t, step, good):
+def until_closed(scene, t, step, good):
     """Return the lengths, s, of the steps just made, shortened where a gap closes or a bond starts to break.
 
     good: mask of the lanes whose step has been accepted.
@@ -81,7 +81,7 @@ def until_closed(scene, shaking, t, step, good):
     short = parts < 1.0
     if any_of(short):
         step = where(short, parts * step, step)
-        attempt_5(scene, shaking, 0, t, step)
+        attempt_5(scene, 0, t, step)
         # gaps at the new end
         again = bits(short)
         for k in range(WIDTH):

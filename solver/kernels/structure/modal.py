@@ -20,13 +20,14 @@ from ..engine.modal_steps import (
     set_limits,
     sweep_of,
 )
+from ..engine.samples import is_silent
 from ..layout.modal import mode_at
 from ..layout.spaces import INTERPOLATION_PART, OK
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import index_of
 from ..numba_ext.views import clear, copy
 from .attempt import evaluate_at, rate
-from .base import acceleration, is_still, line
+from .base import acceleration, line
 from .bond import raised_by_bond, with_strength
 from .evaluate import evaluate_state, moving, show
 from .joint import friction_limits, middle_of
@@ -312,12 +313,12 @@ def _leaves(body):
 
 @leaf
 def _drive(body, t):
-    shaking, k = body.shaking, body.segment
-    base = shaking.base
+    scene, k = body.scene, body.segment
+    base = scene.base
     # linear part
-    ax, ay, az, jx, jy, jz = line(shaking, k, t)
+    ax, ay, az, jx, jy, jz = line(scene, k, t)
     # harmonic part
-    omega = 0.0 if is_still(shaking, k) else base.omega
+    omega = 0.0 if is_silent(scene.samples, k) else base.omega
     amplitude = 0.0 if omega == 0.0 else max(abs(base.amplitude_x), abs(base.amplitude_y))
     angle = omega * t + base.phase
     sine, cosine = (math.sin(angle), math.cos(angle)) if omega != 0.0 else (0.0, 0.0)
@@ -344,9 +345,9 @@ def _reach(body, modal, half, t, h, sine):
     to = modal.mean if half == 0 else modal.last
     _multiply(body, body.data.shapes, to.row, body.x.row, 2)
     _place(body, y, f, 2)
-    evaluate_at(scene, body.shaking, body.segment, y, f, t)
+    evaluate_at(scene, body.segment, y, f, t)
     show(scene, _phase(y, scene.n), seen(scene, 1 + half))
-    ax, ay, az = acceleration(body.shaking, body.segment, t)
+    ax, ay, az = acceleration(scene, body.segment, t)
     # regime
     if not _is_as_at_rest(body, 1 + half, f) or (half == 1 and _leaves(body)):
         return OPENS, (ax, az, ay)
@@ -381,10 +382,10 @@ def between_part(settings):
 
 
 @kernel
-def attempt(scene, shaking, segment, t, h):
+def attempt(scene, segment, t, h):
     """Make one step by modes over h seconds from row START to row END; return (code, error in tolerances)."""
     settings, control = scene.settings, scene.control
-    body, modal = body_of(scene, shaking, segment, settings.in_plane != 0.0)
+    body, modal = body_of(scene, segment, settings.in_plane != 0.0)
     # bounds of the error
     scales = control.largest, control.largest_rate
     bounds = bounds_of(body.data.limits, step_tolerance_of(settings), *scales, between_part(settings))
@@ -399,17 +400,17 @@ def cost_of(scene):
 
 
 @kernel
-def suits(scene, shaking, segment):
+def suits(scene, segment):
     """Return True if a step by modes may be tried from row START."""
-    body, _ = body_of(scene, shaking, segment, scene.settings.in_plane != 0.0)
+    body, _ = body_of(scene, segment, scene.settings.in_plane != 0.0)
     return _is_as_at_rest(body, 0, rate(scene, 0))
 
 
 @kernel
-def forget(scene, shaking):
+def forget(scene):
     """Mark the trend of the remainder as unknown, at the first step of a call or after steps by other methods."""
     if scene.settings.has_modes != 0.0:
-        _, modes = body_of(scene, shaking, 0, False)
+        _, modes = body_of(scene, 0, False)
         modes.trend.known = 0.0
 
 
@@ -417,7 +418,7 @@ def forget(scene, shaking):
 
 
 @kernel
-def prepare(scene, shaking):
+def prepare(scene):
     """Compute damping and limits of the modes once, by evaluations at rest; uses the rows of a step and all the room.
 
     They depend on the dampers and the tolerance, which a caller may have set. Modes are switched off if dampers couple
@@ -429,7 +430,7 @@ def prepare(scene, shaking):
     # all modes, at rest
     in_plane = settings.in_plane
     settings.in_plane = 0.0
-    body, modal = body_of(scene, shaking, 0, False)
+    body, modal = body_of(scene, 0, False)
     # accelerations and taut ties at rest
     _stand_at_rest(body)
     still, pace = modal.mean, small_rate(scene)

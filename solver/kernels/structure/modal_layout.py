@@ -58,7 +58,6 @@ class Body(NamedTuple):
     """A structure in the coordinates of its modes."""
 
     scene: object
-    shaking: object
     segment: int
     data: object
     parts: int  # groups that move
@@ -81,13 +80,13 @@ def room_of(scene):
 
 
 @leaf
-def body_of(scene, shaking, segment, flat):
+def body_of(scene, segment, flat):
     """Return the structure in modal coordinates, and its modes; flat: True if it moves in the plane x, z alone."""
     data, room = data_of(scene), room_of(scene)
     limits = data.limits
     # groups and modes that move
     parts = int(limits.flat_parts) if flat else int(limits.parts)
     count = int(limits.flat_count) if flat else int(limits.count)
-    body = Body(scene, shaking, segment, data, parts, count, room.x, room.elastic)
+    body = Body(scene, segment, data, parts, count, room.x, room.elastic)
     steps = room.first, room.mean, room.last, room.slopes, room.curvatures, room.trend
     return body, Modal(count, AXES * scene.n, data.modes, *steps, room.responses, room.latest)

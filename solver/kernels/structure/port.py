@@ -14,18 +14,18 @@ _COMPONENTS = len(LOAD)
 
 
 @kernel
-def push_ports(scene, shaking, k, t):
+def push_ports(scene, k, t):
     """Set the loads on the ports at time t, s, on segment k; they stay until they are set again."""
-    count, taken, given = _COMPONENTS * scene.extras.spotted, scene.extras.pushes.row, shaking.inputs
-    past = t - shaking.base.t0
+    count, taken, given = _COMPONENTS * scene.extras.spotted, scene.extras.pushes.row, scene.extras.inputs
+    samples, past = scene.samples, t - scene.base.t0
     # inputs
     for i in range(count):
         taken[i] = given[i] + past * given[count + i]
     # samples
-    if shaking.loaded > 0 and 0 <= k < shaking.size - 1:
-        samples, past = shaking.loads[2 * count * k :], t - shaking.times[k]
+    if samples.loaded != 0 and 0 <= k < samples.size - 1:
+        line, past = samples.loads[2 * count * k :], t - samples.times[k]
         for i in range(count):
-            taken[i] += samples[i] + past * samples[count + i]
+            taken[i] += line[i] + past * line[count + i]
 
 
 @leaf
@@ -35,18 +35,18 @@ def let_ports_go(scene):
 
 
 @kernel
-def is_pushed(scene, shaking, k):
+def is_pushed(scene, k):
     """Return True if a load acts on a port on segment k."""
-    count = 2 * _COMPONENTS * scene.extras.spotted
+    count, samples = 2 * _COMPONENTS * scene.extras.spotted, scene.samples
     # inputs
     for i in range(count):
-        if shaking.inputs[i] != 0.0:
+        if scene.extras.inputs[i] != 0.0:
             return True
     # samples
-    if shaking.loaded > 0 and 0 <= k < shaking.size - 1:
-        samples = shaking.loads[count * k :]
+    if samples.loaded != 0 and 0 <= k < samples.size - 1:
+        line = samples.loads[count * k :]
         for i in range(count):
-            if samples[i] != 0.0:
+            if line[i] != 0.0:
                 return True
     return False
 

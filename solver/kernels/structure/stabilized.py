@@ -40,7 +40,7 @@ def _weight(j):
 
 
 @kernel
-def attempt_stabilized(scene, shaking, segment, t, h, stages):
+def attempt_stabilized(scene, segment, t, h, stages):
     """Make one step of h seconds in `stages` stages from row START to row END; return its error in tolerances."""
     begin, count = row(scene, START), packs(row(scene, START), moving(scene))
     y, f0, f = packs_of(begin), packs_of(rate(scene, 0)), packs_of(rate(scene, 1))
@@ -54,7 +54,7 @@ def attempt_stabilized(scene, shaking, segment, t, h, stages):
         first[i] = y[i] + (h * per / 3.0) * f0[i]
     node = per / 3.0
     for j in range(2, stages + 1):
-        evaluate_at(scene, shaking, segment, row(scene, newer), rate(scene, 1), t + node * h)
+        evaluate_at(scene, segment, row(scene, newer), rate(scene, 1), t + node * h)
         # recursion of the shifted Legendre polynomials
         weight, before, earlier = _weight(j), _weight(j - 1), _weight(j - 2)
         mu, nu = (2.0 * j - 1.0) / j * weight / before, -(j - 1.0) / j * weight / earlier
@@ -68,7 +68,7 @@ def attempt_stabilized(scene, shaking, segment, t, h, stages):
         older, newer, spare = newer, into, older
         node = (j * j + j - 2.0) * 0.25 * per
     scale_quaternions(scene.n, _phase(row(scene, END), scene.n))
-    evaluate_at(scene, shaking, segment, row(scene, END), rate(scene, STAGES - 1), t + h)
+    evaluate_at(scene, segment, row(scene, END), rate(scene, STAGES - 1), t + h)
     # the difference to the trapezoidal rule
     end, last, error = packs_of(row(scene, END)), packs_of(rate(scene, STAGES - 1)), packs_of(row(scene, BETWEEN))
     for i in range(count):

@@ -20,13 +20,14 @@ from ..engine.control import (
     shared,
     shorten,
 )
+from ..engine.samples import segment_from
 from ..layout.spaces import SLACK
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import greater, index_of, lesser, square_root, where, zero_like
 from ..numba_ext.views import copy
 from . import modal, stabilized
 from .attempt import attempt, evaluate_at, rate, size_of, square_of
-from .base import is_quiet, segment_after
+from .base import is_quiet
 from .bearing import come_off
 from .bond import copy_bonds
 from .cracking import crack_within
@@ -132,14 +133,14 @@ def relaxing(scene):
 
 
 @kernel
-def _serve_rows(scene, shaking, watch, segment, t, h):
+def _serve_rows(scene, watch, segment, t, h):
     """Fill the output rows whose time lies within the step from t to t + h."""
     counts = scene.counts
     while counts.next_row < watch.size and watch.times[counts.next_row] <= t + h * (1.0 + SLACK):
         # the row at its fraction of the step, and the state behind it
         part = 1.0 if h == 0.0 else min(1.0, max(0.0, (watch.times[counts.next_row] - t) / h))
         into = watch.rows[counts.next_row * watch.wide :]
-        look(scene, shaking, segment, t, h, part, into)
+        look(scene, segment, t, h, part, into)
         if watch.wide > scene.visible:
             copy(into[scene.visible :], row(scene, BETWEEN), moving(scene))
             copy_bonds(scene, into[scene.visible + _PER_BODY * scene.n + scene.remembered :])
@@ -147,11 +148,11 @@ def _serve_rows(scene, shaking, watch, segment, t, h):
 
 
 @kernel
-def _begin(scene, shaking, segment, t, phase):
+def _begin(scene, segment, t, phase):
     """Evaluate the phase from which the steps start; the first call sets scales and the first step."""
     control, counts, settings = scene.control, scene.counts, scene.settings
     meet(scene)
-    evaluate_at(scene, shaking, segment, row(scene, START), rate(scene, 0), t)
+    evaluate_at(scene, segment, row(scene, START), rate(scene, 0), t)
     # the first call of a run
     if counts.started == 0:
         counts.started = 1
@@ -168,7 +169,7 @@ def _begin(scene, shaking, segment, t, phase):
 
 
 @kernel
-def _finish(scene, shaking, watch, segment, t, h, by_modes):
+def _finish(scene, watch, segment, t, h, by_modes):
     """Complete a step: record peaks and rows, detect falls and cracks, and move its end to the start of the next."""
     # largest motion and falls
     phase = _phase(row(scene, END), scene.n)
@@ -176,10 +177,10 @@ def _finish(scene, shaking, watch, segment, t, h, by_modes):
     _take_stock(scene, phase)
     block = int(fallen(scene, phase))
     # peaks, output rows, cracks
-    track_peaks(scene, shaking, segment, t, h, by_modes)
-    _serve_rows(scene, shaking, watch, segment, t, h)
+    track_peaks(scene, segment, t, h, by_modes)
+    _serve_rows(scene, watch, segment, t, h)
     if crack_within(scene, h, True):
-        evaluate_at(scene, shaking, segment, row(scene, END), rate(scene, STAGES - 1), t + h)
+        evaluate_at(scene, segment, row(scene, END), rate(scene, STAGES - 1), t + h)
     if block > 0:
         scene.counts.fallen, scene.control.fall_time = block, t + h
     # the end becomes the start of the next step
@@ -215,22 +216,22 @@ def _fastest_decay(scene):
 
 
 @kernel
-def _plan(scene, shaking, segment, left, quiet):
+def _plan(scene, segment, left, quiet):
     """Return the next step, s, its method, and the fastest rate that the step has to follow, 1/s.
 
     left: s, time to the end of the piece; quiet: True if nothing moves the base or acts on a block.
     """
     control, counts, settings = scene.control, scene.counts, scene.settings
-    most = 1.0 / shaking.base.omega if shaking.base.omega != 0.0 else math.inf
+    most = 1.0 / scene.base.omega if scene.base.omega != 0.0 else math.inf
     if settings.has_modes != 0.0:
         # a step by modes
         longest = data_of(scene).limits.longest
-        loaded = is_loaded(scene, shaking, segment)  # modal steps do not include loads
+        loaded = is_loaded(scene, segment)  # modal steps do not include loads
         if not loaded and may_be_elastic(counts, control, longest, left, modal.cost_of(scene)):
-            if modal.suits(scene, shaking, segment):
+            if modal.suits(scene, segment):
                 return shared(min(control.elastic_step, longest, most), left), BY_MODES, 0.0
             counts.elastic_wait = WAIT_OPEN
-        modal.forget(scene, shaking)
+        modal.forget(scene)
     if control.decay == 0.0:
         control.decay = _fastest_decay(scene)
     # the longest step of order 5, and the fastest rate that it follows
@@ -278,13 +279,13 @@ def _stabilized_step(scene, fastest):
 
 
 @kernel
-def _makes_stabilized(scene, shaking, segment, t, h, fastest):
+def _makes_stabilized(scene, segment, t, h, fastest):
     """Try a stabilized step of h s; return True if it is accurate enough. Set the length of the next one either way.
 
     fastest: 1/s, the rate that it has to be stable for. A trial that fails leaves the steps of order 5 as they were.
     """
     control, counts = scene.control, scene.counts
-    error = stabilized.attempt_stabilized(scene, shaking, segment, t, h, stabilized.stages_of(h * fastest))
+    error = stabilized.attempt_stabilized(scene, segment, t, h, stabilized.stages_of(h * fastest))
     per_order = 1.0 / (stabilized.ORDER + 1)
     if error <= 1.0:
         # accepted: the next one may be longer
@@ -338,7 +339,7 @@ def _count_general_step(scene):
 
 
 @kernel
-def _makes(scene, shaking, segment, t, h, method, fastest):
+def _makes(scene, segment, t, h, method, fastest):
     """Try a step of h s; return True if it is accurate enough. Set the length of the next one either way.
 
     method: EXPLICIT, BY_MODES or STABILIZED; fastest: 1/s, the rate that stabilized steps have to be stable for.
@@ -346,15 +347,15 @@ def _makes(scene, shaking, segment, t, h, method, fastest):
     control, counts = scene.control, scene.counts
     # other methods
     if method == STABILIZED:
-        return _makes_stabilized(scene, shaking, segment, t, h, fastest)
+        return _makes_stabilized(scene, segment, t, h, fastest)
     if method == BY_MODES:
-        code, error = modal.attempt(scene, shaking, segment, t, h)
+        code, error = modal.attempt(scene, segment, t, h)
         accepted = accepts_elastic(counts, control, h, code, error, modal.cost_of(scene))
         if accepted:
             _count_modal_step(scene)
         return accepted
     # an explicit step
-    error, per_order = attempt(scene, shaking, segment, t, h), 1.0 / scene.settings.order
+    error, per_order = attempt(scene, segment, t, h), 1.0 / scene.settings.order
     if not error <= 1.0:
         counts.rejected += 1
         shorten(control, h, error, per_order)
@@ -366,13 +367,13 @@ def _makes(scene, shaking, segment, t, h, method, fastest):
 
 
 @kernel
-def advance(scene, shaking, watch, state, t, stop, most):
+def advance(scene, watch, state, t, stop, most):
     """Advance the structure from t to `stop`, s, in at most `most` steps, to `control.reached`; return a code.
 
     Parameters
     ----------
-    shaking : Shaking
-        Base motion and loads.
+    scene : Scene
+        The structure, under its base motion and loads.
     watch : Watch
         Output rows to fill.
     state : row
@@ -391,11 +392,11 @@ def advance(scene, shaking, watch, state, t, stop, most):
     begin = row(scene, START)
     # the state at t
     recall(scene, state)
-    modal.prepare(scene, shaking)
-    modal.forget(scene, shaking)
+    modal.prepare(scene)
+    modal.forget(scene)
     copy(begin, state, moving(scene))
-    segment = segment_after(shaking, t)
-    _begin(scene, shaking, segment, t, _phase(begin, scene.n))
+    segment = segment_from(scene.samples, t)
+    _begin(scene, segment, t, _phase(begin, scene.n))
     code, made = OK, 0
     while t < stop and counts.fallen == 0:
         if made == most:
@@ -403,33 +404,33 @@ def advance(scene, shaking, watch, state, t, stop, most):
             break
         made += 1
         # a structure at rest stays at rest
-        quiet = is_quiet(shaking, segment) and not is_loaded(scene, shaking, segment)
+        quiet = is_quiet(scene, segment) and not is_loaded(scene, segment)
         if quiet and not moves(scene, _phase(begin, scene.n), _phase(rate(scene, 0), scene.n)):
             counts.resting = 1
             t = stop
             break
         # a step, at most to the next sample
         end = stop
-        if segment + 1 < shaking.size and shaking.times[segment + 1] < stop:
-            end = shaking.times[segment + 1]
-        h, method, fastest = _plan(scene, shaking, segment, end - t, quiet)
-        if not _makes(scene, shaking, segment, t, h, method, fastest):
+        if segment + 1 < scene.samples.size and scene.samples.times[segment + 1] < stop:
+            end = scene.samples.times[segment + 1]
+        h, method, fastest = _plan(scene, segment, end - t, quiet)
+        if not _makes(scene, segment, t, h, method, fastest):
             if is_too_short(control.next_step, scene.settings.first_step, t):
                 code = STEP_TOO_SMALL
                 break
             continue
         # complete the step
         if method != BY_MODES:  # steps by modes keep all contacts
-            h = until_closed(scene, shaking, segment, t, h)
-        _finish(scene, shaking, watch, segment, t, h, method == BY_MODES)
+            h = until_closed(scene, segment, t, h)
+        _finish(scene, watch, segment, t, h, method == BY_MODES)
         t = end if h == end - t else t + h
         # evaluate again where forces or the segment change
         begins_anew = meet(scene)
         if t == end and end < stop:
-            segment, begins_anew = segment_after(shaking, t), True
+            segment, begins_anew = segment_from(scene.samples, t), True
         if begins_anew:
-            modal.forget(scene, shaking)
-            evaluate_at(scene, shaking, segment, begin, rate(scene, 0), t)
+            modal.forget(scene)
+            evaluate_at(scene, segment, begin, rate(scene, 0), t)
             show(scene, _phase(begin, scene.n), seen(scene, 0))
             raise_peaks(scene, seen(scene, 0))
     # the state reached

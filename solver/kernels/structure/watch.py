@@ -125,11 +125,11 @@ def _interpolate(scene, h, s):
 
 
 @kernel
-def look(scene, shaking, segment, t, h, s, into):
+def look(scene, segment, t, h, s, into):
     """Fill the output row `into` at fraction s of the step from t to t + h."""
     scene.counts.looks += 1
     _interpolate(scene, h, s)
-    ax, ay, az = taken_at(scene, shaking, segment, t + s * h)
+    ax, ay, az = taken_at(scene, segment, t + s * h)
     evaluate_state(scene, row(scene, BETWEEN), row(scene, BETWEEN_RATES), ax, ay, az)
     show(scene, _phase(row(scene, BETWEEN), scene.n), into)
 
@@ -192,7 +192,10 @@ def _allow_field(scene, allowed, first, count):
 
 @kernel
 def _allow(scene, allowed):
-    """Fill the allowed rises of all fields of an output row; forces and moments of the base are two fields."""
+    """Fill the allowed rises of all fields of an output row.
+
+    Forces and moments of the base are two fields, each output of the whole is one.
+    """
     n, m = scene.n, scene.m
     for field in range(2):  # displacements, rotations
         _allow_field(scene, allowed, 3 * field * n, 3 * n)
@@ -203,10 +206,12 @@ def _allow(scene, allowed):
     first += len(OF_JOINT) * m
     _allow_field(scene, allowed, first, scene.k)
     _allow_extras(scene, allowed, first + scene.k)
-    # force and moment on the base
+    # force and moment on the base, then each output of the whole
     first = scene.visible - len(OF_BASE)
     for half in range(2):
         _allow_field(scene, allowed, first + 3 * half, 3)
+    for other in range(6, len(OF_BASE)):
+        _allow_field(scene, allowed, first + other, 1)
 
 
 @kernel
@@ -229,20 +234,20 @@ def _allow_extras(scene, allowed, first):
 
 
 @kernel
-def track_peaks(scene, shaking, segment, t, h, by_modes):
+def track_peaks(scene, segment, t, h, by_modes):
     """Raise the peaks by the step just made, whose end has been evaluated last; by modes its middle is known."""
     count = scene.visible
     begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
     show(scene, _phase(row(scene, END), scene.n), end)
     if by_modes and _rises(scene, end):  # outputs were those of the prediction
-        look(scene, shaking, segment, t, h, 1.0, end)
+        look(scene, segment, t, h, 1.0, end)
     raise_peaks(scene, end)
     # the middle, and tops between
     if scene.settings.watches != 0.0:
         if not by_modes or _rises(scene, middle):
-            look(scene, shaking, segment, t, h, 0.5, middle)
+            look(scene, segment, t, h, 0.5, middle)
         raise_peaks(scene, middle)
-        _find_tops(scene, shaking, segment, t, h)
+        _find_tops(scene, segment, t, h)
     # the end becomes the start of the next step
     for j in range(count):
         begin[j] = end[j]
@@ -271,7 +276,7 @@ def load_joint_between(scene, h, s, j):
 
 
 @kernel
-def _look_at(scene, shaking, segment, t, h, s, q):
+def _look_at(scene, segment, t, h, s, q):
     """Raise the peaks of the block or joint of quantity q at fraction s of the step; return that quantity there.
 
     A block needs only itself, a joint its two bodies: so a search costs the same in a structure of any size. Ties and
@@ -296,13 +301,13 @@ def _look_at(scene, shaking, segment, t, h, s, q):
             _raise_peak(scene, place, trial[place])
     else:
         # anything else
-        look(scene, shaking, segment, t, h, s, trial)
+        look(scene, segment, t, h, s, trial)
         raise_peaks(scene, trial)
     return trial[q]
 
 
 @kernel
-def _find_tops(scene, shaking, segment, t, h):
+def _find_tops(scene, segment, t, h):
     """Raise the peaks where parabolas through three points of the step may exceed them, by a few trials each."""
     begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
     allowed = seen(scene, 4)
@@ -328,7 +333,7 @@ def _find_tops(scene, shaking, segment, t, h):
         trials, known = 0, (0.0, a, 0.5, b, 1.0, c)
         while height > above and trials < MOST_TRIALS and 0.0 < s < 1.0:
             # evaluate, and take the three points that bracket the maximum
-            found = sign * _look_at(scene, shaking, segment, t, h, s, j)
+            found = sign * _look_at(scene, segment, t, h, s, j)
             trials += 1
             known = nearer(known, s, found)
             s, height = vertex(*known)

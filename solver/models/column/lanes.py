@@ -32,6 +32,7 @@ from ...kernels.layout import spaces as at
 from ...kernels.machine.entry import Entry
 from ...kernels.machine.library import load
 from ...kernels.numba_ext.lanes import WIDTH
+from ..samples import Samples
 from .lane_policy import enters_at_once, kind_of
 from .model import Column
 from .packing import Arrays, FloatArray, arrays_at, coordinates_of, copied
@@ -212,12 +213,11 @@ class _Batch:
         control, counts, base = at.CONTROL.see(arrays.state), at.COUNTS.see(arrays.counts), at.BASE.see(arrays.base)
         base.wave_amplitude, base.wave_omega, base.wave_phase = wave
         counts.until_opening = 1
-        record = (row[first : first + size] for row in self._records.rows)
+        time, ax, az = (row[first : first + size] for row in self._records.rows)
         times = start + self._rows if self._rows.size else np.array([stop])
         stored = np.zeros((times.size, at.snapshot_size(n, column.has_slips)))
         with others_turn():
-            followed = (*record, 1.0, False, _NONE)
-            code = run(n, *arrays, *followed, start, duration, times, stored.reshape(-1), True)
+            code = run(n, *arrays, *Samples(time, ax, ax, az), start, duration, times, stored.reshape(-1), True)
         whole, peaks = arrays.state[at.CONTROL.beside :], at.STATE.see(arrays.state, n).peaks[:n]
         phase = whole[: 4 * n]
         self._keep_slips(k, whole)

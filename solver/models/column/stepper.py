@@ -7,12 +7,11 @@ import struct
 from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ...common import effort
 from ...common.aliases import Alias
 from ...common.errors import SolverError, TooMuchWorkError
-from ...ground.loads import COMPONENTS, IN_PLANE, on_one_grid
 from ...ground.motion import Motion
 from ...kernels.column.api import entries
 from ...kernels.column.api.engine import BASE_INPUTS
@@ -21,6 +20,7 @@ from ...kernels.engine.control import most_work
 from ...kernels.layout import spaces as at
 from ...kernels.machine.entry import Call, offset
 from ..outputs import BOND, peaks_by_name, visible_peaks
+from ..samples import NO_SAMPLES, Samples, plain, samples_of
 from .model import Column
 from .outputs import OUTPUTS
 from .packing import Arrays, FloatArray, InitialState, arrays_of, pack_model, set_initial
@@ -54,44 +54,6 @@ _TURN = 8 * at.BASE.fields.index("theta")  # bytes
 _MOVED, _TURNED = struct.Struct("5d"), struct.Struct("3d")  # numpy takes thrice as long for a few numbers
 _T, _T_H = struct.Struct("=d"), struct.Struct("=2d")  # in the buffers of calls, t and h are adjacent
 _T_OF_RUN, _T_OF_LOOK = offset(entries.run, "t"), offset(entries.observe_state, "t")  # equal for all kinds of columns
-_OF_PLANE = [name in IN_PLANE for name in COMPONENTS]
-
-
-def _plain(row: ArrayLike) -> FloatArray:
-    """Return the row as a contiguous float64 array, as kernels read it."""
-    return np.require(row, dtype=np.float64, requirements=["C"])
-
-
-class Record:
-    """The samples of the base motion, and of loads, for the kernels.
-
-    Parameters
-    ----------
-    time : array-like of shape (m,)
-        The times (s), which may continue after the base motion.
-    ax, az : array-like
-        The accelerations of the base (m/s2).
-    scale : float
-        The factor on the accelerations.
-    held : bool
-        Whether samples are held rather than linear.
-    loads : array-like
-        On each interval of `time` the loads on the ports: Fx, Fz, My, then their slopes, a number for each port.
-    """
-
-    def __init__(
-        self,
-        time: ArrayLike,
-        ax: ArrayLike,
-        az: ArrayLike,
-        scale: float = 1.0,
-        held: bool = False,
-        loads: ArrayLike = (),
-    ) -> None:
-        self.arguments = (_plain(time), _plain(ax), _plain(az), float(scale), bool(held), _plain(loads))
-
-
-SILENCE = Record(_NONE, _NONE, _NONE)
 
 
 class Stepper:
@@ -113,7 +75,7 @@ class Stepper:
         self.state = at.STATE.see(self.arrays.state, self.n)
         self.counts = at.COUNTS.see(self.arrays.counts)
         self.base = at.BASE.see(self.arrays.base)
-        self.followed = SILENCE  # by the last run
+        self.followed = NO_SAMPLES  # by the last run
         self._is_driven = False  # whether bodies drive the base
         self.lacks_mass = False  # whether these have forces but no mass
         self._base = self.arrays.base.data
@@ -122,17 +84,17 @@ class Stepper:
         self._row, self._split = self._whole[:row], self._whole[row:]
         self.seen = self._whole[: row + at.SPLIT.beside]
         """The output row last observed and its split; then the motion of the base where bodies may drive it."""
-        self.record = SILENCE
+        self.record = NO_SAMPLES
 
     @property
-    def record(self) -> Record:
+    def record(self) -> Samples:
         """The samples that are followed in addition to `base`."""
         return self._record
 
     @record.setter
-    def record(self, record: Record) -> None:
+    def record(self, record: Samples) -> None:
         self._record = record
-        given = self.n, *self.arrays, *record.arguments
+        given = self.n, *self.arrays, *record
         self._advance = Call(self._entries.run, (*given, 0.0, 0.0, _NONE, _NONE, True))
         self._observe = Call(self._entries.observe_state, (*given, 0.0, self._row, self._split))
 
@@ -208,7 +170,7 @@ class Stepper:
         self.seen = self._whole if bodies else self._whole[: len(self._whole) - at.DRIVEN.beside]
 
     def _join(self, t: float, given: list[float]) -> None:
-        if self.record is not SILENCE:
+        if self.record is not NO_SAMPLES:
             raise SolverError(f"at t = {t:.6g} s: {REASONS[at.RECORD_BESIDE]}")
         model, base = self.arrays.model, self.arrays.base
         inputs = np.zeros(BASE_INPUTS.beside + BODY.beside * int(self.model.settings.bodies))
@@ -284,20 +246,11 @@ class Stepper:
             If the motion cannot be followed.
         """
         snapshots = np.zeros((times.size, self.column.kind.snapshot_size(self.column)))
-        time, ax, az = motion.time, motion.ax, motion.az
-        if motion.end > time[-1]:  # the last held sample lasts until the motion ends
-            time, ax, az = np.append(time, motion.end), np.append(ax, 0.0), np.append(az, 0.0)
         self.base.wave_amplitude = motion.amplitude
         self.base.wave_omega = 2.0 * math.pi * motion.frequency
         self.base.wave_phase = -2.0 * math.pi * motion.frequency * motion.start
-        loads: ArrayLike = ()
-        if motion.loads:
-            samples = time, ax, np.zeros_like(ax), az
-            names = [port.name for port in self.column.ports]
-            time, ax, _, az, loads = on_one_grid(samples, motion.hold, motion.loads, names)
-            loads = loads.reshape(-1, len(COMPONENTS), len(names))[:, _OF_PLANE]
-        record = self.followed = Record(time, ax, az, held=motion.hold, loads=np.ravel(loads))
-        self._follow(float(motion.time[0]), stop, record, _plain(times), snapshots.reshape(-1), True, after_chunk)
+        record = self.followed = samples_of(motion, [port.name for port in self.column.ports], in_plane=True)
+        self._follow(float(motion.time[0]), stop, record, plain(times), snapshots.reshape(-1), True, after_chunk)
         return snapshots
 
     def rest_until(self, t: float, stop: float) -> None:
@@ -307,13 +260,13 @@ class Stepper:
         """
         self.drive(t)
         self.base.wave_amplitude = 0.0
-        self._follow(t, stop, SILENCE, _NONE, _NONE, False, None)
+        self._follow(t, stop, NO_SAMPLES, _NONE, _NONE, False, None)
 
     def _follow(
         self,
         t: float,
         stop: float,
-        record: Record,
+        record: Samples,
         times: FloatArray,
         snapshots: FloatArray,
         peaks: bool,
@@ -372,7 +325,7 @@ class Stepper:
         """
         rows, done = np.zeros((len(snapshots), len(self._row))), np.zeros(1, dtype=np.int64)
         arrays = self.arrays._replace(counts=self.arrays.counts.copy(), base=self.arrays.base.copy())
-        given, times = (self.n, *arrays, *self.followed.arguments), _plain(times)
+        given, times = (self.n, *arrays, *self.followed), plain(times)
         for first in range(0, len(snapshots), ROWS_AT_ONCE):
             at_once = slice(first, first + ROWS_AT_ONCE)
             part, filled = snapshots[at_once].reshape(-1), rows[at_once].reshape(-1)
@@ -446,8 +399,8 @@ class Stepper:
         of_row = at.ROW.size(self.n)
         return np.concatenate([peaks[:of_row], ports, bonds, peaks[of_row:]])
 
-    def _run(self, t: float, h: float, record: Record, times: FloatArray, snapshots: FloatArray, peaks: bool) -> int:
-        code: int = self._entries.run(self.n, *self.arrays, *record.arguments, t, h, times, snapshots, peaks)
+    def _run(self, t: float, h: float, record: Samples, times: FloatArray, snapshots: FloatArray, peaks: bool) -> int:
+        code: int = self._entries.run(self.n, *self.arrays, *record, t, h, times, snapshots, peaks)
         return code
 
     def _check(self, code: int, t: float | None) -> None:

@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ...common.errors import SolverError, TooMuchWorkError
-from ...ground.motion import Motion
 from ...kernels.layout.spaces import (
     ACCELERATION,
     BODY_LACKING,
@@ -23,6 +22,7 @@ from ...kernels.structure import coupled, driven, entries
 from ...kernels.structure import layout as at
 from ..column.stepper import REASONS as IN_PLANE
 from ..outputs import visible_peaks
+from ..samples import NO_SAMPLES, Samples
 from .blocks.faces import FloatArray
 from .modal_data import modal_data_of
 from .model import Structure
@@ -60,23 +60,6 @@ class Chosen(NamedTuple):
     slope: float = SLOPE_PARABOLA
     bodies: float = 1.0
     turns: float = 0.0  # 1: inputs and bodies may turn the base too
-
-
-class Record(NamedTuple):
-    """The samples of the base acceleration: times (s), accelerations (m/s2)."""
-
-    time: FloatArray
-    ax: FloatArray
-    ay: FloatArray
-    az: FloatArray
-
-
-def record_of(motion: Motion | None) -> Record:
-    """Return the samples of a motion; empty arrays for None."""
-    if motion is None:
-        return Record(*(np.zeros(0) for _ in Record._fields))
-    samples = motion.time, motion.ax, motion.ay, motion.az
-    return Record(*(np.require(part, np.float64, ["C", "W"]) for part in samples))
 
 
 def packed(structure: Structure) -> FloatArray:
@@ -133,20 +116,21 @@ class DrivenStructure:
         self._row, self._driven = self.seen[: self.sizes.visible], self.seen[self.sizes.visible :]
         self._room = np.zeros(self.sizes.visible)
         self._elapsed, self._new = 0.0, False
-        self.record = record_of(None)
+        self.record = NO_SAMPLES
         self.counts, self._state = at.COUNTS.see(self.arrays.counts), at.STATE.see(self.arrays.state, self.sizes)
         self._assemble(given, True)
 
     @property
-    def record(self) -> Record:
+    def record(self) -> Samples:
         """The record that is added to the inputs."""
         return self._record
 
     @record.setter
-    def record(self, record: Record) -> None:
+    def record(self, record: Samples) -> None:
         self._record, passed = record, (*self.arrays, self._inputs)
-        self._follow = Call(entries.follow, (*passed, 0.0, 0.0, *record, 1.0, self._room))
-        self._look = Call(entries.look, (*passed, 0, 0.0, 0.0, *record, 1.0, self._row, self._driven))
+        lines = record[: record._fields.index("held")]  # neither held samples nor loads
+        self._follow = Call(entries.follow, (*passed, 0.0, 0.0, *lines, self._room))
+        self._look = Call(entries.look, (*passed, 0, 0.0, 0.0, *lines, self._row, self._driven))
 
     def _assemble(self, given: Chosen, from_rest: bool) -> None:
         described = np.concatenate([np.array(given, dtype=np.float64), self.packed])

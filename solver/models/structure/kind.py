@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from ...ground.motion import Motion
 from ..column.model import Column
 from ..column.numbers import SIZE, column_with, is_of_column
 from ..protocol import LOADED, SETTLE, Kind, Lanes, NoRestError, Plan, Run, Work, output_times, table_entry
+from ..uncertainty import Varied
 from .blocks.faces import FloatArray
 from .blocks.parts import OF_COLUMN
 from .lanes import follow_in_lanes, is_flat_run, load_lanes, longest_step_of, share_of
@@ -25,10 +27,12 @@ from .numbers import (
 )
 from .outputs import ALWAYS_KEPT, FROM_LANES, KEPT, KEYS, OUTPUTS
 from .response import SpatialResponse
-from .rest import known_warnings_in_space, rest_of
+from .rest import Rest, known_warnings_in_space, rest_of
 from .run import single_run
 from .stack import column_of
 
+# fraction of steps by modes and stabilized ones above which lanes, whose steps are explicit, are no faster
+MOST_OTHERS = 0.5
 WORK = 50.0  # cost of a block for a second in a run alone, relative to a column in lanes
 
 
@@ -113,6 +117,30 @@ class Structures(Kind):
         """Return the estimated cost of a run up to its verdict."""
         second = WORK * model.n
         return Work(second * SETTLE, second)
+
+    # --- an ensemble
+
+    def in_lanes(self, response: SpatialResponse, plan: Plan) -> bool:
+        """Return True if most steps are explicit and the run starts from rest."""
+        model, stats = response.model, response.stats
+        fits = not _why_not_in_lanes(model, ("peak_u",)) and set(model.settings.without) <= {"peaks"}
+        others = stats["elastic_steps"] + stats["stabilized_steps"]
+        fits = fits and others <= MOST_OTHERS * stats["steps"] and not plan.motion.loads
+        return fits and plan.initial is None
+
+    def varied_in_lanes(self, pairs: Sequence[tuple[Structure, Motion]], plan: Plan) -> list[Varied | None]:
+        """Run varied structures in lanes, with histories of the horizontal displacement at the rows of the plan."""
+        made: list[Varied | None] = [None] * len(pairs)
+        rests: dict[int, Rest] = {}
+        for k, (model, _) in enumerate(pairs):
+            with suppress(NoRestError):
+                rests[k] = rest_of(model)
+        runs = [Run(*pairs[k], plan.duration) for k in rests]
+        times = plan.times - plan.motion.start
+        for k, found in zip(rests, follow_in_lanes(runs, list(rests.values()), plan.settle, times=times), strict=True):
+            if found:
+                made[k] = Varied(found["verdict"], found["overturn_time"], found["peak_u"], found["places"])
+        return made
 
     # --- numbers by name: a stack has the numbers of its column, and the laws of joints and neighbours in space
 

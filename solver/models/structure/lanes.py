@@ -65,7 +65,11 @@ def is_flat_run(structure: Structure, motion: Motion) -> bool:
 
 
 def follow_in_lanes(
-    runs: Sequence[Run], rests: Sequence[Rest], settle: float, flag: FloatArray | None = None
+    runs: Sequence[Run],
+    rests: Sequence[Rest],
+    settle: float,
+    flag: FloatArray | None = None,
+    times: FloatArray | None = None,
 ) -> list[dict[str, Any]]:
     """Return the results of runs that share lanes, by the names of outputs.py; empty where lanes cannot continue.
 
@@ -79,9 +83,11 @@ def follow_in_lanes(
         Longest time for which runs are followed after their end, s.
     flag : array (1,) or None
         Once it is not zero, the function returns soon, without usable results.
+    times : array or None
+        Times after the start of a run, s: results then have "places", the horizontal displacements at them (rows, n).
     """
     flag = np.zeros(1) if flag is None else flag
-    lanes, all_of_them = _Lanes(runs, rests), np.arange(len(runs))
+    lanes, all_of_them = _Lanes(runs, rests, np.zeros(0) if times is None else times), np.arange(len(runs))
     stops = np.array([run.motion.start + run.duration for run in runs])
     # during the motions
     lanes.follow(all_of_them, np.array([run.motion.start for run in runs]), stops, flag)
@@ -97,10 +103,13 @@ def follow_in_lanes(
             break
         begin, since = since, next_look(since, settle)
         lanes.follow(left, stops[left] + begin, stops[left] + since, flag, still=True)
-    return [
+    made = [
         _result(at.OUTCOME.see(first), at.OUTCOME.see(last), peaks, stop, bool(stands))
         for first, last, peaks, stop, stands in zip(within, lanes.outcomes, found, stops.tolist(), stand, strict=True)
     ]
+    if times is not None:
+        made = [made_of and {**made_of, "places": places} for made_of, places in zip(made, lanes.places, strict=True)]
+    return made
 
 
 def _result(within: Any, later: Any, peaks: dict[str, FloatArray], stop: float, stands: bool) -> dict[str, Any]:
@@ -135,8 +144,8 @@ def _result(within: Any, later: Any, peaks: dict[str, FloatArray], stop: float, 
 class _Lanes:
     """Runs as rows for the kernels: models, states, and the outcomes and peaks of the last interval followed."""
 
-    def __init__(self, runs: Sequence[Run], rests: Sequence[Rest]) -> None:
-        self._runs = runs
+    def __init__(self, runs: Sequence[Run], rests: Sequence[Rest], times: FloatArray) -> None:
+        self._runs, self._times = runs, times
         self._steppers = {id(run.model): Stepper(run.model) for run in runs}
         self._sizes = self._stepper(0).sizes
         models: list[FloatArray] = []
@@ -155,6 +164,7 @@ class _Lanes:
         self.outcomes = np.zeros((len(runs), at.OUTCOME.beside))
         size = at.PEAKS.per_n * self._sizes.n + self._sizes.b + self._sizes.pairs
         self.peaks = np.zeros((len(runs), size))
+        self.places = np.zeros((len(runs), len(times), self._sizes.n))
 
     def _stepper(self, k: int) -> Stepper:
         return self._steppers[id(self._runs[k].model)]
@@ -188,22 +198,25 @@ class _Lanes:
             base = stepper.base
             see.start, see.stop = start, stop
             see.first, see.count = self._samples[id(self._runs[k].motion)]
-            for name in ("held", "amplitude_x", "amplitude_y", "omega", "phase"):
+            see.held = self._runs[k].motion.hold
+            for name in ("amplitude_x", "amplitude_y", "omega", "phase"):
                 setattr(see, name, getattr(base, name))
             if still:
                 see.count, see.amplitude_x, see.amplitude_y = 1, 0.0, 0.0
         # gather the rows, run the lanes, scatter the results
-        models, states, outcomes, peaks = (
-            array[which] for array in (self._models, self._states, self.outcomes, self.peaks)
+        models, states, outcomes, peaks, places = (
+            array[which] for array in (self._models, self._states, self.outcomes, self.peaks, self.places)
         )
         lanes = aligned(WIDTH * at.ALL.size(self._sizes))
         lanes.reshape(-1, WIDTH)[: models.shape[1]] = models[0][:, None]  # valid numbers for lanes without a run
         found = models.ravel(), states.ravel(), rows.ravel(), outcomes.ravel(), peaks.ravel()
         with others_turn():
-            run_structures_in_lanes(lanes, len(which), *found, *self._record, flag)
+            times = self._times[:0] if still else self._times
+            run_structures_in_lanes(lanes, len(which), *found, *self._record, times, places.ravel(), flag)
         if at.ALL.see(lanes.reshape(-1, WIDTH).sum(axis=1), self._sizes).work.room[NO_ROOM] != 0.0:
             outcomes[:, at.OUTCOME.places["ends"]] = at.STEP_TOO_SMALL  # repeated alone, which reports why
-        self._states[which], self.outcomes[which], self.peaks[which] = states, outcomes, peaks
+        self._states[which], self.outcomes[which] = states, outcomes
+        self.peaks[which], self.places[which] = peaks, places
 
 
 def load_lanes() -> None:

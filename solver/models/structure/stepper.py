@@ -11,12 +11,12 @@ import numpy as np
 
 from ...common import effort
 from ...common.errors import SolverError, TooMuchWorkError
-from ...ground.loads import on_one_grid
 from ...ground.motion import Motion
 from ...kernels.structure import layout as at
 from ...kernels.structure.entries import observe_structure, run_structure, stiffness_of
 from ...kernels.structure.stabilized import LONGEST_REACH, MOST_STAGES
 from ...kernels.structure.stepping import SEEN
+from ..samples import NO_SAMPLES, Samples, samples_of
 from .blocks.faces import FloatArray
 from .packing import Arrays, arrays_of, with_modes
 
@@ -27,7 +27,6 @@ TOO_SMALL = "the tolerance requires a step that is too small to continue; a larg
 AT_ONCE = 2e5  # evaluations of joints, about, between checks for an interruption
 OF_ORDER_5 = 6  # evaluations of a step
 _NONE = np.zeros(0)
-_SILENCE = (_NONE, _NONE, _NONE, _NONE, _NONE)
 
 
 class Stepper:
@@ -112,7 +111,7 @@ class Stepper:
         SolverError
             If the step becomes too small, or the work too much.
         """
-        record = _SILENCE if motion is None else self.drive(motion)
+        record = NO_SAMPLES if motion is None else self.drive(motion)
         visible = self.sizes.visible
         rows = np.zeros((len(times), visible + states * self.sizes.state))
         self.counts.next_row = 0
@@ -185,21 +184,11 @@ class Stepper:
         if motion is not None and (motion.amplitude or motion.amplitude_y):
             yield effort.of_harmonic(motion.frequency)
 
-    def drive(self, motion: Motion) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Set the harmonic part of a motion; return its record and loads for the kernels: time, ax, ay, az, loads."""
+    def drive(self, motion: Motion) -> Samples:
+        """Set the harmonic part of a motion; return its samples."""
         base = self.base
-        base.held, base.scale = float(motion.hold), 1.0
         base.amplitude_x, base.amplitude_y = motion.amplitude, motion.amplitude_y
         shakes = motion.amplitude or motion.amplitude_y
         base.omega = 2.0 * math.pi * motion.frequency if shakes else 0.0
         base.phase = -base.omega * motion.start
-        # samples, and loads on the same grid
-        samples = [motion.time, motion.ax, motion.ay, motion.az]
-        if motion.end > motion.time[-1]:  # the last held sample lasts until the motion ends
-            samples = [np.append(motion.time, motion.end), *(np.append(a, 0.0) for a in samples[1:])]
-        loads = _NONE
-        if motion.loads:
-            names = [port.name for port in self.structure.ports]
-            *samples, loads = on_one_grid(samples, motion.hold, motion.loads, names)
-        time, ax, ay, az, loads = (np.require(a, np.float64, ["C", "W"]) for a in (*samples, loads))
-        return time, ax, ay, az, loads
+        return samples_of(motion, [port.name for port in self.structure.ports])

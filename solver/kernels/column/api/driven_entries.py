@@ -5,11 +5,11 @@ record is samples of the base acceleration at `times` (s), multiplied by `scale`
 may be none.
 """
 
+from ...engine.samples import unloaded
 from ...layout.spaces import ROW, SPLIT
 from ...machine.entry import entry
 from ...machine.kinds import Int, Ints, Real, Reals, SizedReals
 from ...numba_ext.jit import leaf
-from ..formulations.base_motion import Samples
 from ..output.watch import Watch
 from . import engine, slopes
 
@@ -20,8 +20,8 @@ _of_columns = entry("column", f"{__package__}.entries")  # the module of the gro
 @leaf
 def _driven(n, model, state, counts, base, work, times, ax, az, scale):
     """Return the column over its rows, with a record without loads."""
-    samples = Samples(times.size, times.row, ax, az, scale, 0, times.size, ax)
-    return engine.column_over(n, model, state, counts, base, samples, 0, work)
+    samples = unloaded(times.row, times.size, ax, ax, az, scale, 0)
+    return engine.column_over(n, model, state, counts, base, samples, work)
 
 
 @_of_columns

@@ -24,7 +24,7 @@ from ...layout.spaces import (
 from ...numba_ext.jit import kernel, leaf
 from ...numba_ext.views import Record, clear, copy
 from ..formulations.allowed_step import examine_step
-from ..formulations.base_motion import Samples, enter
+from ..formulations.base_motion import enter
 from ..formulations.coupled_base import arrive, couple, show_driven
 from ..formulations.dispatch import Column
 from ..formulations.loads import LOADS_PER_PORT, begin_loads, load_inputs, ports_of
@@ -57,23 +57,17 @@ def column_in(model_space):
     _model, _state, _work = model_space.over, STATE.over, WORK.over
 
     @leaf
-    def column_over(n, model, state, counts, base, samples, recorded, work):
+    def column_over(n, model, state, counts, base, samples, work):
         parts = _model(model, n), _state(state, n), _counts(counts, 0), _base(base, 0)
         column = Column(*parts, samples, _work(work, n))
         begin_slips(column.model, column.work)
-        begin_loads(column.model, column.work, recorded)
+        begin_loads(column.model, column.work)
         return column
 
     return column_over
 
 
 column_over = column_in(MODEL)
-
-
-@leaf
-def no_samples(row):
-    """Return a record without samples; row: any row of float64."""
-    return Samples(0, row, row, row, 1.0, 0, 0, row)
 
 
 # --- from parameters to a model

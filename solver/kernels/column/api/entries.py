@@ -8,11 +8,12 @@ Inputs at ports lie behind those of the base, peaks of ports behind the state, o
 """
 
 from ...engine.circle import ring_part
+from ...engine.samples import no_samples, samples_over
 from ...layout.spaces import BASE, MODEL, ROW, SPLIT
 from ...machine.entry import entry
 from ...machine.kinds import Int, Ints, Real, Reals, SizedReals
 from ..formulations.allowed_step import examine_step
-from ..formulations.base_motion import Samples, enter
+from ..formulations.base_motion import enter
 from ..formulations.coupled_base import arrive, couple, show_driven
 from ..joint.energy import least_energy
 from ..joint.law import joint_potential, law_of
@@ -46,29 +47,29 @@ def entries_of(group, module, column_over=engine.column_over, assembled=engine.a
         scratch: Reals, detail: Reals,
     ) -> Int:  # fmt: skip
         """Run `engine.assemble`."""
-        column = column_over(n, model, state, counts, base, engine.no_samples(given), 0, work)
+        column = column_over(n, model, state, counts, base, no_samples(given), work)
         return assembled(column, given, from_rest, scratch, detail)
 
     def run(
         n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, times: SizedReals, ax: SizedReals,
-        az: Reals, scale: Real, held: Int, loads: SizedReals, t: Real, h: Real, at: SizedReals, snapshots: Reals,
-        peaks: Int,
+        ay: Reals, az: Reals, scale: Real, held: Int, loads: SizedReals, t: Real, h: Real, at: SizedReals,
+        snapshots: Reals, peaks: Int,
     ) -> Int:  # fmt: skip
         """Advance the column from t to t + h over the record, with a snapshot at each of the times `at`.
 
         Returns a code. peaks: 1 if peaks are kept.
         """
-        samples = Samples(times.size, times.row, ax.row, az, scale, held, ax.size, loads.row)
-        column = column_over(n, model, state, counts, base, samples, loads.size, work)
+        samples = samples_over(times, ax, ay, az, scale, held, loads)
+        column = column_over(n, model, state, counts, base, samples, work)
         return advance(column, t, h, Watch(at.size, at.row, snapshots, peaks))
 
     def observe_state(
         n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, times: SizedReals, ax: SizedReals,
-        az: Reals, scale: Real, held: Int, loads: SizedReals, t: Real, row: Reals, split: Reals,
+        ay: Reals, az: Reals, scale: Real, held: Int, loads: SizedReals, t: Real, row: Reals, split: Reals,
     ) -> Int:  # fmt: skip
         """Run `observing.see` at time t under the base as it stands. Returns a code."""
-        samples = Samples(times.size, times.row, ax.row, az, scale, held, ax.size, loads.row)
-        column = column_over(n, model, state, counts, base, samples, loads.size, work)
+        samples = samples_over(times, ax, ay, az, scale, held, loads)
+        column = column_over(n, model, state, counts, base, samples, work)
         enter(column.base, column.samples, t)
         parts = _split(split, 0)
         show_driven(column.base, column.model.settings, t, parts)
@@ -76,12 +77,12 @@ def entries_of(group, module, column_over=engine.column_over, assembled=engine.a
 
     def observe_snapshots(
         n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, times: SizedReals, ax: SizedReals,
-        az: Reals, scale: Real, held: Int, loads: SizedReals, at: Reals, snapshots: Reals, rows: Reals, count: Int,
-        done: Ints,
+        ay: Reals, az: Reals, scale: Real, held: Int, loads: SizedReals, at: Reals, snapshots: Reals, rows: Reals,
+        count: Int, done: Ints,
     ) -> Int:  # fmt: skip
         """Run `observing.observe_all` of snapshots at the times `at`. Returns a code; done[0] is the number of rows."""
-        samples = Samples(times.size, times.row, ax.row, az, scale, held, ax.size, loads.row)
-        column = column_over(n, model, state, counts, base, samples, loads.size, work)
+        samples = samples_over(times, ax, ay, az, scale, held, loads)
+        column = column_over(n, model, state, counts, base, samples, work)
         code, done[0] = observe_all(column, at, snapshots, rows, count)
         return code
 

@@ -13,6 +13,7 @@ from ...engine.control import (
     shared,
 )
 from ...engine.queue import NO_RUN, control_steps, pass_queue, peak_over
+from ...engine.samples import is_silent
 from ...layout.spaces import (
     HAS_OVERTURNED,
     MODEL,
@@ -35,7 +36,7 @@ from ...numba_ext.lanes import (
     with_lane,
 )
 from ...numba_ext.views import clear, copy, lanes_of
-from ..formulations.base_motion import ends_soon, enter, is_silent, smooth_reach
+from ..formulations.base_motion import ends_soon, enter, smooth_reach
 from ..formulations.exact import exact_top_motion
 from ..formulations.slips import begin_slips, phase_size, take_directions
 from ..integrators import dormand_prince

@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+from ...engine.samples import unloaded
 from ...layout.spaces import (
     BASE,
     BLOCKS,
@@ -15,7 +16,6 @@ from ...layout.spaces import (
 )
 from ...numba_ext.jit import leaf
 from ...numba_ext.views import Numbers, Record, Space, Table
-from ..formulations.base_motion import Samples
 from ..joint.sliding import MARK
 from ..sections.section import RIMMED, ROUND, STRIPPED
 
@@ -140,5 +140,5 @@ def snapshot_of(queue, k, row, n):
 def samples_of(queue, lane):
     """Return the record that a lane follows."""
     first = int(lane.first)
-    size, times = int(lane.count), queue.times[first:]
-    return Samples(size, times, queue.ax[first:], queue.az[first:], lane.scale, 0, size, times)
+    ax, az = queue.ax[first:], queue.az[first:]
+    return unloaded(queue.times[first:], int(lane.count), ax, ax, az, lane.scale, 0)

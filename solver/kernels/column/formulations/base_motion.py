@@ -5,53 +5,14 @@ is silent, and so is the harmonic part of the inputs where there is a record.
 """
 
 import math
-from typing import NamedTuple
 
-from ...engine.samples import SAMPLE_SLACK, segment_at
+from ...engine.samples import SAMPLE_SLACK, is_silent, segment_from
 from ...layout.spaces import MOST_INPUT
 from ...numba_ext.jit import kernel, leaf
 from .exact import Motion
 from .loads import push_ports
 
-
-class Samples(NamedTuple):
-    """A record: samples of the base acceleration, and of the loads on ports.
-
-    Attributes
-    ----------
-    size : int
-        Number of instants; 0 without a record.
-    times : row
-        Instants (s), which may continue after the samples of the base.
-    ax, az : row
-        Accelerations of the base (m/s2).
-    scale : float
-        Factor on the accelerations.
-    held : int
-        1 if each sample is held until the next.
-    shaken : int
-        Number of samples of the base.
-    loads : row
-        Loads on ports on each segment by component, then their slopes, if there are any.
-    """
-
-    size: int
-    times: object
-    ax: object
-    az: object
-    scale: float
-    held: int
-    shaken: int
-    loads: object
-
-
 SOON = 0.1  # rad of the harmonic part, within which the polynomials are exact to rounding
-
-
-@leaf
-def is_silent(samples, k):
-    """Return True if the acceleration of the record is zero from sample k on until the next."""
-    return k < 0 or k >= samples.shaken - 1
 
 
 @leaf
@@ -75,13 +36,7 @@ def enter(base, samples, t):
     """Let the base follow, from time t on, the segment of the record that begins there or before."""
     if samples.size == 0:
         return
-    k = segment_at(samples, t)
-    # a sample that follows within rounding counts as reached
-    if k + 1 < samples.size:
-        ahead = samples.times[k + 1] - t
-        width = samples.times[k + 1] - samples.times[k] if k >= 0 else samples.times[1] - samples.times[0]
-        if ahead <= SAMPLE_SLACK * width:
-            k += 1
+    k = segment_from(samples, t)
     # the segment, its ends and its line
     base.segment = k
     base.piece_begin = samples.times[k] if k >= 0 else samples.times[0]

@@ -36,9 +36,9 @@ class Loads(NamedTuple):
 
 
 @leaf
-def begin_loads(model, work, recorded):
-    """Note the number of ports, whether the record has loads, and whether there are ports or bonds."""
-    work.loading.ports, work.loading.recorded = model.settings.ports, recorded
+def begin_loads(model, work):
+    """Note the number of ports, and whether there are ports or bonds."""
+    work.loading.ports = model.settings.ports
     work.loading.general = model.settings.ports + model.settings.bonded
 
 
@@ -79,7 +79,7 @@ def scratch_of_ports(column):
 @leaf
 def _records_loads(column, k):
     """Return True if segment k of the record has loads."""
-    return column.work.loading.recorded != 0.0 and 0 <= k < column.samples.size - 1
+    return column.samples.loaded != 0 and 0 <= k < column.samples.size - 1
 
 
 @kernel

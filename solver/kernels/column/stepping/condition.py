@@ -2,9 +2,10 @@
 
 import math
 
+from ...engine.samples import is_silent
 from ...layout.spaces import NOT_FINITE, OK, REST
 from ...numba_ext.jit import kernel, leaf, varied_leaf
-from ..formulations.base_motion import base_rotates, is_silent
+from ..formulations.base_motion import base_rotates
 from ..integrators.interpolation import interpolate_phase
 from ..joint.sliding import can_slide, slip_of
 from ..sections.section import ends_of, full_stiffness
