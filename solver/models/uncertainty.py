@@ -164,7 +164,10 @@ class Varied(NamedTuple):
 
 
 def ensemble_from(runs: Sequence[Varied], spread: Spread, time: FloatArray, in_lanes: bool) -> Ensemble:
-    """Make the ensemble of runs with data of a spread, and rows at times (nt,), s; `in_lanes`: made in lanes."""
+    """Make the ensemble of varied runs.
+
+    `spread` is that of their data, `time` has the times of their rows, (nt,) s; `in_lanes`: whether lanes made them.
+    """
     moved, overturn_time = (np.array([getattr(run, name) for run in runs]) for name in ("peaks", "overturn_time"))
     stands = np.array([run.verdict != "overturned" for run in runs])
     ux = np.array([run.ux for run in runs])

@@ -18,7 +18,10 @@ LISTEN = 0.05  # s between two checks for an interruption
 
 
 def ensemble_of(response: Result, plan: Plan, size: int, spread: Spread) -> Ensemble:
-    """Return the ensemble of `size` runs around a response, by its plan, with varied data of a spread and its seed."""
+    """Return the ensemble of `size` varied runs around a response.
+
+    `plan` is that of the response; `spread` has the standard deviations of the varied data and the seed.
+    """
     rng, kind = np.random.default_rng(spread.seed), response.model.kind
     varied = [vary(response.model, plan.motion, spread, rng) for _ in range(size)]
     made: list[Varied | None] = [None] * size

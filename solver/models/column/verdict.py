@@ -163,7 +163,7 @@ class Barriers:
     def hold(self, some: IntArray, energy: FloatArray, turned: FloatArray) -> NDArray[np.bool_]:
         """Return the mask of the columns with the indices `some` that stand for ever, as `is_held`.
 
-        An index may occur more than once. `energy` (J) and the rotations `turned`, rad (some, n), are those of each.
+        An index may occur more than once. Each has an energy (J) and absolute rotations `turned`, rad (some, n).
         """
         held = np.zeros(len(some), dtype=bool)
         safe = self._chain.safe

@@ -213,8 +213,8 @@ def _assembled(
 ) -> FloatArray:
     """Assemble springs or dashpots in the coordinates of the blocks, (6 n, 6 n).
 
-    Each joint has one across and one along, per area, and those of a bearing beside its slider: spring and pendulum.
-    Each tie has one along itself.
+    `joints` has those across and along each joint, per area, and the two in parallel with the slider of a bearing:
+    spring and pendulum. `ties` has those along the ties.
     """
     n = structure.n
     matrix = np.zeros((6 * (n + 1), 6 * (n + 1)))

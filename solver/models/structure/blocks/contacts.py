@@ -22,7 +22,7 @@ def joints_between(
 ) -> list[Joint]:
     """Return the joints of all pairs of faces that two bodies share; the base is body `len(solids)`.
 
-    Faces count that are on top of the lower body; others only if there are none, or with `sides`. `key` names the table
+    Faces on top of the lower body count; others only if there are none on top, or with `sides`. `key` names the table
     of the joints in messages. Raises InputError if the bodies share no face.
     """
     below = (GROUND,) if lower == len(solids) else solids[lower].faces

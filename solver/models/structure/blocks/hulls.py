@@ -221,8 +221,8 @@ def _farthest(points: FloatArray) -> FloatArray:
 def feet_of(points: FloatArray, level: float, count: int = 1) -> tuple[FloatArray, ...]:
     """Return the convex polygons (corners, 2) around the lowest of points (n, 3), m; empty if one has no area.
 
-    Points within `level` (m) of the lowest belong to feet. They are divided into `count` groups by single linkage:
-    points nearer to each other than the groups are belong to one group.
+    Points within `level` (m) of the lowest belong to feet. Single linkage divides them into `count` groups: points that
+    are nearer to each other than the groups are belong to one group.
     """
     low = np.unique(points[points[:, 2] <= np.min(points[:, 2]) + level, :2], axis=0)
     extent = float(np.max(np.ptp(points, axis=0)))
