@@ -29,6 +29,7 @@ def is_new(base, h, mass):
 
     Notes both. No step is examined once `base.allowed_step` is set.
     """
+    # no longer step and no lower mass than before
     if base.allowed_step != 0.0 or (h <= LONGER * base.checked_step and mass >= LIGHTER * base.checked_mass):
         return False
     base.checked_mass = mass if base.checked_step == 0.0 else min(mass, base.checked_mass)
@@ -49,7 +50,9 @@ def _grows(way, h, dashpot, spring, moved, mass):
     dashpot, spring, moved, mass : float
         N s/m, N/m and kg of the mass on the joint, and mass of the base, kg.
     """
+    # decay (1/s) and squared frequency (1/s2) of the body on the base
     decay, square = dashpot / moved, max(spring / moved, SOFTEST / (h * h))
+    # free motion: roots of s^2 + decay s + square
     half = 0.5 * decay
     rest = half * half - square
     # free motion over a step: coefficients of d and v
@@ -62,6 +65,7 @@ def _grows(way, h, dashpot, spring, moved, mass):
         fading = math.exp(-half * h)
         of_place = fading * math.cos(rate * h)
         of_rate = fading * (math.sin(rate * h) / rate if rate > 0.0 else h)
+    # start from a displacement of 1 and a rate, without earlier accelerations
     d, v, last, last_line, middle, size = 1.0, 0.5 * math.sqrt(square), 0.0, 0.0, 0.0, 0.0
     for n in range(STEPS):
         # the acceleration at the exchange and its slope
@@ -79,6 +83,7 @@ def _grows(way, h, dashpot, spring, moved, mass):
         x, y = d - place, v - drift
         d = place + drift * h + of_place * x + of_rate * (y + half * x)
         v = drift + of_place * y - of_rate * (square * x + half * y)
+        # amplitude as a velocity, and that half-way
         size = math.hypot(d * math.sqrt(square), v)
         if n == STEPS // 2:
             middle = size

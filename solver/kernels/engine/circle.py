@@ -41,6 +41,7 @@ def _series() -> tuple[tuple[float, float, float], ...]:
         terms = [[inner[j] * secant[k - j] for j in range(k + 1)] for k in range(TERMS)]
         return [factor * sum(parts, Fraction(0)) / (power + 2 * k) for k, parts in enumerate(terms)]
 
+    # G is an integral of E, H one of G
     e = integrated(4, [Fraction(1)] + [Fraction(0)] * (TERMS - 1), 3)
     g = integrated(1, e, 5)
     h = integrated(2, g, 7)
@@ -69,6 +70,7 @@ def _by_angle(s, c):
     """Return E, G and H from sin d and cos d in closed form."""
     angle = angle_of(s, c)
     cube = s * s * s
+    # closed forms; exact enough where the angle is not small
     e = 2.0 * (angle - s * c)
     g = 4.0 / 3.0 * cube - c * e
     h = 0.5 * (angle - s * c * (c - s) * (c + s)) + c * (c * e - 8.0 / 3.0 * cube)
@@ -99,6 +101,7 @@ def _segment(radius, below, cut):
 @kernel
 def _between(radius, lo, hi):
     """Return sin d, cos d, sin m and cos m of the part between two chords."""
+    # sum of the abscissas, and of the half chords
     ends = lo + hi
     chords = square_root((radius - lo) * (radius + lo)) + square_root((radius - hi) * (radius + hi))  # half of both
     span = square_root(ends * ends + chords * chords)  # 2 radius cos d
@@ -113,6 +116,7 @@ def circle_part(radius, lo, hi):
 
     In m from the centre, m2, m3 and m4; of one circle or of lanes. The interval is clipped to the circle.
     """
+    # clip the interval to the circle
     lo, hi = greater(lo, -radius), lesser(hi, radius)
     # the whole circle
     ends, square = lo + hi, radius * radius
@@ -142,6 +146,7 @@ def circle_part(radius, lo, hi):
 @kernel
 def ring_part(outer, inner, lo, hi):
     """Return `circle_part` of an annulus between two radii (m): a circle less another one, whose radius may be 0."""
+    # middle of the clipped interval
     about = 0.5 * (greater(lo, -outer) + lesser(hi, outer))
     area = first = second = 0.0 * about
     hollow = inner > 0.0

@@ -135,9 +135,11 @@ def go_on(control, step, error, per_order):
     """
     error = max(error, LEAST_ERROR)
     factor = growth(control.previous_error, error, per_order)
+    # a step that an event has shortened says nothing of the error of a whole one
     whole = step >= control.next_step * (1.0 - SLACK)
     if whole:
         control.previous_error = error
+    # lengthen from a short step only beyond what was proposed
     control.next_step = step * factor if factor < 1.0 else max(step * factor, control.next_step)
     return whole
 

@@ -56,6 +56,7 @@ def goes_on(base, t):
     step = t - base.t0
     is_later = base.coupled != 0.0 and step > ALIKE * base.last_step + ROUNDING * abs(t)
     if is_later:
+        # lengths of the last two communication steps
         base.steps = min(base.steps + 1.0, 2.0)
         base.before_step, base.last_step = base.last_step, step
     return is_later

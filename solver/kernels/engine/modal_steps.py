@@ -166,6 +166,7 @@ def _respond_to(modal, drive, responses, span, half, is_first):
         mode = mode_at(modal.modes, k)
         response = response_of(responses, k)
         over = response.half if half == 0 else response.whole
+        # state at the start, and base force per unit of modal mass
         p, v = first.coordinates[k], first.rates[k]
         square = mode.square
         force = pushed(mode, drive.line, 1.0)
@@ -189,6 +190,7 @@ def _respond_to(modal, drive, responses, span, half, is_first):
             + (over.steady * force + over.ramp * slope + over.parabola * curvature)
             + (over.cosine * force_sine + over.sine * force_cosine)
         )
+        # time derivative of the superposition
         to.rates[k] = (
             (over.impulse_rate * v - square * over.impulse * p)
             + (over.impulse * force + over.steady * slope + over.ramp * curvature)
@@ -216,6 +218,7 @@ def _correct(modal, drive, responses, bounds, then, span, excess, is_last):
         response = response_of(responses, k)
         over, still = response.whole, response.steady
         beta, square = mode.damping, mode.square
+        # remainder at start, middle and end
         r_0, r_1 = first.accelerations[k], last.accelerations[k]
         bend = 2.0 * (r_0 - 2.0 * mean.accelerations[k] + r_1)  # r = r_0 + (...) s + bend s^2, s from 0 to 1
         # responses to s and s^2: coordinates, rates
@@ -224,6 +227,7 @@ def _correct(modal, drive, responses, bounds, then, span, excess, is_last):
         change = bend - 0.5 * span * span * (modal.curvatures[k] if known else 0.0)
         p = last.coordinates[k] + change * (parabola - 0.5 * line)
         v = last.rates[k] + change * (parabola_rate - 0.5 * line_rate)
+        # force per unit of modal mass at the end
         force = pushed(mode, then, 1.0) + r_1
         # advance from the grid to the end of the step
         v += excess * (force - beta * v - square * p)
@@ -289,12 +293,14 @@ def sweep_of(begin: Any, reach: Any, end: Any) -> Any:
         sine, cosine, then = drive.sine, drive.cosine, drive.line
         for half in range(2):  # in the middle, then at the end with the values known by then
             _respond_to(modal, drive, responses, span, half, is_first)
+            # sine and cosine of the wave half a step later
             sine, cosine = sine * turn_cosine + cosine * turn_sine, cosine * turn_cosine - sine * turn_sine
             code, then = reach(body, modal, half, t + (0.5 * h if half == 0 else h), h, sine)
             if code != OK:
                 modal.trend.known = 0.0
                 return code, 0.0
             take_linear_part(modal, modal.mean if half == 0 else modal.last, then)
+        # correct the end by the remainder, and estimate the error
         error = _correct(modal, drive, responses, bounds, then, span, excess, is_last)
         end(body, modal)
         modal.trend.known = 1.0 if error <= 1.0 else 0.0

@@ -23,6 +23,7 @@ def vertex(a, f_a, b, f_b, c, f_c):
     bend = (left - right) / (c - a)
     curved, slope = bend > 0.0, left - bend * (b - a)  # at b
     per = where(curved, bend, 1.0)
+    # vertex, where the parabola is concave and the vertex inside
     place = b + 0.5 * slope / per
     inside = curved & (a < place) & (place < c)
     top, best = f_b + 0.25 * slope * slope / per, greater(f_a, greater(f_b, f_c))
@@ -40,6 +41,7 @@ def apart(known, s):
 def nearer(known, s, f_s):
     """Update the three points that bracket the maximum, each with its value, after a trial at s."""
     a, f_a, b, f_b, c, f_c = known
+    # the trial replaces the middle if it is better, else the end on its side
     before, better = s < b, f_s >= f_b
     first, last = better ^ before, better ^ opposite(before)  # s or b is the first; the last
     return (

@@ -53,6 +53,7 @@ def peak_over(peak, d0, v0, d1, v1, step, good):
 
     d0, v0, d1, v1: displacements (m) and velocities (m/s) at start and end.
     """
+    # at the end of the step
     most = greater(peak, magnitude(d1))
     turns = good & (v0 * v1 < 0.0)
     if any_of(turns):

@@ -58,6 +58,7 @@ def emit(bitcode: bytes, triple: str, cpu: str, prefix: str, file: str) -> None:
     for function in whole.functions if prefix else ():
         if not function.is_declaration and function.linkage == llvm.Linkage.external:
             function.name, function.visibility = prefix + function.name, "hidden"
+    # code of the whole module for the target
     machine = machine_for(whole, triple, cpu)
     code = machine.emit_assembly(whole).encode() if file.endswith(".s") else machine.emit_object(whole)
     Path(file).write_bytes(code)

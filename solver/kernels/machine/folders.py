@@ -16,6 +16,7 @@ def user_folder() -> Path:
 
     Raises RuntimeError if the user has no home.
     """
+    # the folder that the user names
     given = os.environ.get("MULTIBLOCK_CACHE_DIR")
     if given:
         return Path(given).absolute()
@@ -68,6 +69,7 @@ def private_folder(name: str, parent: Path | None = None) -> Path:
     folder = (parent or user_folder()) / name
     make_private(folder.parent)
     folder.mkdir(mode=0o700, exist_ok=True)
+    # an existing folder may be open to others
     if not is_private(folder):
         raise NotPrivateError(f"{folder}: others could write to it, must be open to its owner alone; it can be deleted")
     return folder
@@ -93,8 +95,10 @@ def keep(kind: str, name: str, content: bytes) -> None:
 def kept(kind: str, name: str) -> bytes | None:
     """Return the content stored by `keep`; None if it is missing or damaged, or others could have written it."""
     try:
+        # missing, or in a folder of others
         data = (private_folder(kind) / name).read_bytes()
     except (OSError, RuntimeError):
         return None
+    # damaged if the digest differs
     content = data[DIGEST:]
     return content if hashlib.sha256(content).digest() == data[:DIGEST] else None

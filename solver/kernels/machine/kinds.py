@@ -56,6 +56,7 @@ def address_of(array: Any, kind: np.dtype[Any] = _FLOAT) -> int:
     # the identity is compared first: it is faster
     if array.dtype is not kind and array.dtype != kind:
         raise TypeError(f"an array of {array.dtype}: must be of {kind}")
+    # a kernel addresses the numbers one after the other
     if not array.flags.c_contiguous:
         raise TypeError(f"an array of shape {array.shape} with gaps: must be contiguous")
     try:

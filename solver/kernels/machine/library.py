@@ -124,6 +124,7 @@ def _from_object(code: bytes, group: str) -> Callable[[str], int]:
         from llvmlite import binding as llvm
     except ImportError:
         raise MachineCodeError(f"the machine code of {group} is not linked, and needs llvmlite") from None
+    # initialize LLVM for this processor
     for begin in ("initialize", "initialize_native_target", "initialize_native_asmprinter"):
         try:
             getattr(llvm, begin)()

@@ -119,6 +119,7 @@ def run_make(wanted: Mapping[str, Mapping[str, Path]]) -> None:
 def reason_in(output: str) -> str:
     """Return the last line of an error; of numba's, which begin with the innermost call, the reason with its place."""
     lines = [line.strip() for line in output.splitlines() if line.strip()]
+    # the innermost typing error with its place
     for reason, line in pairwise(lines):
         if place := re.match(r"During: typing of .* at (\S+) \((\d+)\)", line):
             return f"{place[1]}, line {place[2]}: {reason}"
@@ -135,6 +136,7 @@ def environment() -> dict[str, str]:
 
 def _python() -> str:
     """Return the interpreter of this process, which may be embedded in another program."""
+    # the executable is the interpreter, unless it embeds Python
     executable = Path(sys.executable or "")
     if executable.stem.lower().startswith("python"):
         return str(executable)

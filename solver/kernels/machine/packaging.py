@@ -68,6 +68,7 @@ def libraries(groups: Iterable[str] = GROUPS, platforms: Iterable[str] = PLATFOR
     if BOUNDS:
         raise MachineCodeError("no package carries kernels that check their bounds: unset MULTIBLOCK_BOUNDS")
     parts_of = partial(_linked_parts, platforms=tuple(platforms)) if has_linker() else _object_parts
+    # linked libraries if zig is installed, else object code
     made = on_all_cores(lambda some: _contents([part for group in some for part in parts_of(group)]), groups)
     return {name: content for part in made for name, content in part.items()}
 

@@ -49,8 +49,10 @@ def opened(context: Any, builder: Any, kind: Any, value: Any) -> Lowered:
 
 def closed(context: Any, builder: Any, kind: Any, row: Lowered) -> Any:
     """Return the row of type `kind` that consists of these parts."""
+    # without checks a row is its address
     if not BOUNDS:
         return row.address
+    # with checks it has two counts more
     made = context.make_helper(builder, kind)
     made.address, made.count, made.room = row
     return made._getvalue()

@@ -50,6 +50,7 @@ def as_written(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tupl
     """
     typed: Any = kernel(function)
     typed.compile(arguments)
+    # the only signature; all callees linked in
     (found,) = typed.overloads.values()
     name, module = found.fndesc.mangled_name, found.library.with_called()
     module.get_function(name).linkage = "external"
@@ -59,6 +60,7 @@ def as_written(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tupl
 def by_width(chooses: Callable[..., Any], leaf: bool = True) -> Callable[..., Any]:
     """Return a function of kernels whose code `chooses` returns by the types of its arguments: numbers or lanes."""
 
+    # Python sees a function that refuses to run; numba replaces it
     @wraps(chooses)
     def function(*_: Any, **__: Any) -> NoReturn:
         raise NotImplementedError("for kernels only")
@@ -71,6 +73,7 @@ def varied(function: Callable[..., Any], leaf: bool = False) -> Any:
     """Return a kernel, or leaf, with versions for some types of arguments: decorated by its `version(suits)`."""
     versions: list[tuple[Callable[..., bool], Callable[..., Any]]] = []
 
+    # the version for these types, if there is one
     @wraps(function)
     def chooses(*types: Any) -> Any:
         return next((own for suits, own in versions if suits(*types)), function)

@@ -145,6 +145,7 @@ def _unary(name: str) -> Any:
 
     @_emits(LANES, LANES)
     def function(builder: Any, x: Any) -> Any:
+        # declared once per module
         kind = ir.FunctionType(_VECTOR, [_VECTOR])
         return builder.call(cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{WIDTH}f64"), [x])
 

@@ -49,6 +49,7 @@ def _below(libraries: Iterable[Any], found: dict[Any, None]) -> dict[Any, None]:
     """Return the libraries and those of all their callees, each once, in a fixed order."""
     for library in libraries:
         if library not in found:
+            # depth first; the order fixes that of the code
             found[library] = None
             if isinstance(library, WaitingLibrary):
                 _below(library._linking_libraries, found)

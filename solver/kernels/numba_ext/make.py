@@ -51,6 +51,7 @@ BASELINE = X86[-1]
 
 def module_of(group: str) -> llvm.ModuleRef:
     """Return the module of the entries of a group and all their callees, each once, not optimized."""
+    # the module registers its entries
     module, _, name = group.partition(":")
     importlib.import_module(module)
     whole, offered = llvm.parse_assembly(""), set()
@@ -123,6 +124,7 @@ def target_of(word: str) -> tuple[str, str, str]:
 
 def make(group: str, bitcode: Path, targets: list[tuple[str, str, str, str]]) -> None:
     """Write the code of a group for each target (triple, processor, prefix, file), and its optimized module."""
+    # optimize once for all targets
     if not bitcode.is_file():
         with collecting_seldom():
             whole = module_of(group)

@@ -79,6 +79,7 @@ def missing_for_linking() -> list[str]:
         except (ImportError, AttributeError):
             missing.append(f"{place}.{name}")
             continue
+        # attributes that are used
         known = _names(found)
         missing += [f"{place}.{name}.{attribute}" for attribute in attributes.split() if attribute not in known]
     return missing
@@ -87,6 +88,7 @@ def missing_for_linking() -> list[str]:
 def _names(found: Any) -> set[str]:
     """Return the attributes of a class and all names that its methods use, which include those of its instances."""
     known = set(dir(found))
+    # attributes of the class, and names in the code of its methods
     for kind in getattr(found, "__mro__", ()):
         for method in vars(kind).values():
             code = getattr(method, "__code__", None)

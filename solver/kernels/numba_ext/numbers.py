@@ -37,9 +37,11 @@ def _short(x):
 def _long(x):
     """Return sine and cosine by Taylor polynomials, for |x| up to QUARTER."""
     y = x * x
+    # sine to x^17
     sine = 1.0 / 6227020800.0 - y * (1.0 / 1307674368000.0 - y * (1.0 / 355687428096000.0))
     sine = -1.0 / 5040.0 + y * (1.0 / 362880.0 + y * (-1.0 / 39916800.0 + y * sine))
     sine = x + x * (y * (-1.0 / 6.0 + y * (1.0 / 120.0 + y * sine)))
+    # cosine to x^18
     cosine = -1.0 / 87178291200.0 + y * (1.0 / 20922789888000.0 - y * (1.0 / 6402373705728000.0))
     cosine = -1.0 / 720.0 + y * (1.0 / 40320.0 + y * (-1.0 / 3628800.0 + y * (1.0 / 479001600.0 + y * cosine)))
     cosine = 1.0 + y * (-0.5 + y * (1.0 / 24.0 + y * cosine))
@@ -123,6 +125,7 @@ def _with_long(short, x, most):
     """Return sine and cosine of lanes: the short polynomials where |x| is at most `most`, else the long ones."""
     first, second = short
     large = magnitude(x) > most
+    # few lanes are beyond the short polynomials
     if rarely(any_of(large)):
         long_sine, long_cosine = _of_any_size(x)
         first = where(large, long_sine, first)

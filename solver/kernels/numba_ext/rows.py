@@ -125,6 +125,7 @@ class SpaceType(types.Type):
     def __init__(
         self, kind: Any, sizes: tuple[str, ...], parts: tuple[tuple[str, Any, Sum, Sum, Sum | None], ...], end: Sum
     ) -> None:
+        # the name contains a digest: numba compares types by their names
         self.kind = kind
         self.sizes = sizes
         self.parts = parts
@@ -231,6 +232,7 @@ def _row_part(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 @lower_builtin(operator.setitem, RowType, types.intp, types.Any)
 def _row_set(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     kind = sig.args[0].kind
+    # address of the element
     row = opened(context, builder, sig.args[0], args[0])
     check_element(context, builder, row, args[1])
     store_element(builder, kind, address_in(builder, kind, row.address, args[1]), args[2])
@@ -253,8 +255,10 @@ class _RecordNames(AttributeTemplate):  # type: ignore[misc]
 
 @lower_getattr_generic(RecordType)
 def _record_get(context: Any, builder: Any, kind: Any, value: Any, name: str) -> Any:
+    # all of the record, alone or with what follows
     if name not in kind.fields:
         return value if name == "row" else _to_the_end(context, builder, RowType(kind.kind), value)
+    # a field, by its place
     place = ir.Constant(_INT64, kind.fields.index(name))
     start = opened(context, builder, kind, value).address  # was checked as the names were laid over the row
     return load_element(builder, kind.kind, address_in(builder, kind.kind, start, place))
@@ -281,6 +285,7 @@ class _SpaceNames(AttributeTemplate):  # type: ignore[misc]
     key = SpaceType
 
     def generic_resolve(self, space: Any, name: str) -> Any:
+        # a part, all of it, or a size
         if name in space.names:
             return space.names[name][0]
         return RowType(space.kind) if name in _WHOLE else types.intp if name in (*space.sizes, "total") else None

@@ -145,6 +145,7 @@ class Table(Part):
     ) -> None:
         self.fields = fields
         self.places = {name: (k, 1) for k, name in enumerate(fields)}  # first place and length, in multiples of n
+        # fields of several times n follow
         for name, times in several.items():
             self.places[name] = sum(length for _, length in self.places.values()), times
         self.per_n = sum(length for _, length in self.places.values())
@@ -249,6 +250,7 @@ class _Parts:
     def __getattr__(self, name: str) -> Any:
         if name not in self._space.parts:
             raise AttributeError(name)
+        # the part at its place, with its own sizes
         part, (first, count) = self._space.parts[name], self._space.sums[name]
         several = isinstance(part, Space) and len(part.sizes) > 1
         n = self._n if several else _worth(count, self._n)

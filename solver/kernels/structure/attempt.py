@@ -186,6 +186,7 @@ def _error_of_memory(scene, errors, allowed, h):
     direction of friction depends on the elastic slips, so their error is bounded by a fixed fraction of them at any
     tolerance.
     """
+    # errors of the memory, and its rates at both ends of the step
     slips, plastic = _memory(errors, scene.m), errors[_PER_JOINT * scene.m :]
     before, after = rate(scene, 0)[_PER_BODY * scene.n :], rate(scene, STAGES - 1)[_PER_BODY * scene.n :]
     was, goes, zero = _memory(before, scene.m), _memory(after, scene.m), zero_like(allowed)

@@ -58,6 +58,7 @@ def load_pair(scene, phase, extras, p):
     pair that is apart.
     """
     hits, giving, pairs = extras.hits, extras.giving_stretches, extras.pairs
+    # pairs that are apart exert nothing
     hits.force[p], hits.energy[p], hits.slides[p] = 0.0, 0.0, 0.0
     giving.z1[p], giving.z2[p], giving.z3[p] = 0.0, 0.0, 0.0
     hits.bears[p] = extras.stretches.touches[p]

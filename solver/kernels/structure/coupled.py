@@ -105,6 +105,7 @@ def show_driven(settings, base, t, order, row):
     """
     if settings.bodies == 0.0:
         return
+    # time since the last exchange, s
     turns, past = settings.turns != 0.0, t - base.t0
     clear(row, _DRIVEN + (_DRIVEN_TURN if turns else 0))
     if settings.drive == ACCELERATION:
@@ -198,6 +199,7 @@ def examine_step(scene, base, h):
     with the effective mass at the joint of a block that also rotates. A block on several joints is counted once.
     """
     joints, bodies, n, settings = scene.joints, scene.bodies, scene.n, scene.settings
+    # each step length and mass once
     if not base.mass > 0.0 or not is_new(base, h, base.mass):
         return
     # sums over the joints on the base

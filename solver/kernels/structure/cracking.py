@@ -82,6 +82,7 @@ def _grows(scene, count, tip, pace):
     tip: crack function, m; pace: its rate, m/s; the bond is the polygon of `count` corners in the room.
     """
     room, last = scene.room, max(0, count - 1)  # 0 corners of a broken bond
+    # the crack function along the outline
     x0, y0 = room[2 * last], room[2 * last + 1]
     before = value(tip, x0, y0)
     grows = _none(before < 0.0)
@@ -131,6 +132,7 @@ def until_broken(scene, h, those):
     extras, part = scene.extras, zero_like(h) + 1.0
     if extras.glued == 0:
         return part
+    # force and moment on the base, which the search overwrites
     phase, poses, n = _phase(row(scene, END), scene.n), scene.poses, scene.n
     force, moment = (poses.fx[n], poses.fy[n], poses.fz[n]), (poses.mx[n], poses.my[n], poses.mz[n])
     # margins at the end of the step
@@ -237,6 +239,7 @@ def _cut_along(scene, h, e, growing, allowed):
 
     Return the mask of where it was cut.
     """
+    # crack function at start and end of the step
     a, b = _tip_between(scene, h, zero_like(h), e), _tip_between(scene, h, zero_like(h) + 1.0, e)
     # rotation of the front, and the number of cuts
     sine, cosine = a.along_x * b.along_y - a.along_y * b.along_x, a.along_x * b.along_x + a.along_y * b.along_y
@@ -259,9 +262,11 @@ def crack(scene, state, those):
     """Update all bonds by a state: cut those that break, hold the others; return the mask of where one broke whole."""
     broke, phase = _none(those), _phase(state, scene.n)
     for e in range(scene.extras.glued):
+        # lanes in which the joint still has a bond
         there = those & (bond_left(scene, e)[0].corners != 0.0)
         if any_of(there):
             scene.extras.sound.held[e] = where(there, 0.0, scene.extras.sound.held[e])
+            # evaluate the joint with its bond free to break
             _pose_ends(scene, phase, e)
             _load(scene, state, e)
             broke = broke | _crack_bond(scene, phase, e, there)

@@ -24,6 +24,7 @@ PARALLEL = 1e-14  # sine of the angle below which two chords are parallel
 def _across(sine, cosine):
     """Return 2/3 of the integral of sin^4 from 0 to the angle with this sine and cosine, 0 to pi."""
     square = sine * sine
+    # the angle, from 0 to pi
     angle = angle_of(sine, magnitude(cosine))
     angle = where(cosine >= 0.0, angle, math.pi - angle)
     # closed form
@@ -60,6 +61,7 @@ def with_segment(bed, there, radius, q, out_x, out_y, cut):
     # q in the frame of the chord
     rise = q.along_x * out_x + q.along_y * out_y
     slope = q.along_y * out_x - q.along_x * out_y
+    # integrals of q, and of q times both coordinates
     middle = q.at + rise * about
     force = middle * area + rise * first
     outwards = about * force + (middle * first + rise * second)
@@ -184,6 +186,7 @@ def _disc(radius, p, q, slope_p, slope_q):
     some = (p.at + radius * slope_p > 0.0) & (q.at + radius * slope_q > 0.0)
     same = (p.along_x == q.along_x) & (p.along_y == q.along_y) & (p.at == q.at)
     cuts_p, cuts_q = p.at < radius * slope_p, (q.at < radius * slope_q) & opposite(same)
+    # whole discs, then those that are cut
     bed = chosen(some, whole_disc(radius, q), nothing(p))
     cut = some & (cuts_p | cuts_q)
     if any_of(cut):
@@ -200,6 +203,7 @@ def slope_of(plane):
 @kernel
 def _highest(radius, p, q, slope_p, slope_q):
     """Return the largest q in the disc where p is not negative: at the rim, or where the chord of p meets the rim."""
+    # at the rim, in the direction in which q rises
     top = q.at + radius * slope_q
     # the point of the rim with the largest q
     x, y = radius * q.along_x / slope_q, radius * q.along_y / slope_q

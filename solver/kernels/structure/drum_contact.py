@@ -30,12 +30,15 @@ class Part(NamedTuple):
 @leaf
 def _cut(part, level, slope, edge):
     """Clip the interval to where level + slope s is positive; edge: outward normal of what sets the new end."""
+    # a zero before which the function is negative
     if slope > 0.0:
         s = -level / slope
         return Part(s, part.high, edge, part.by_high) if s > part.low else part
+    # a zero behind which it is negative
     if slope < 0.0:
         s = -level / slope
         return Part(part.low, s, part.by_low, edge) if s < part.high else part
+    # a constant: the whole interval or nothing
     return part if level > 0.0 else Part(1.0, -1.0, part.by_low, part.by_high)
 
 
@@ -77,6 +80,7 @@ def _axes(sides):
 def _nearer_than(axes, part, distance):
     """Return the sub-interval of the axis within `distance` (m) of the other axis."""
     beyond = axes.level - distance * distance
+    # parallel axes: everywhere or nowhere
     if axes.square <= PARALLEL:
         return part if beyond < 0.0 else Part(1.0, -1.0, part.by_low, part.by_high)
     # roots of the quadratic square s^2 + 2 product s + beyond
@@ -110,6 +114,7 @@ def _push_ends(scene, sides, stiffness, part, at_low, at_high):
     for way in (-1.0, 1.0):
         s, edge, delta = (part.low, part.by_low, at_low) if way < 0.0 else (part.high, part.by_high, at_high)
         energy, across = 0.5 * stiffness * delta * delta, dot(sides.u, edge)  # per length, J/m
+        # an overlap at an edge that crosses the axis
         if delta > 0.0 and abs(across) >= ALONG:
             push_both(scene, sides, scaled(sides.u, s), scaled(edge, way * energy / across))
             total = plus(total, edge, way * energy / across)
@@ -125,6 +130,7 @@ def load_drums(scene, phase, pairs, p, sides):
     part = _nearer_than(axes, _beside_drum(sides, pairs.half_a[p], pairs.half_b[p]), reach + SLACK)
     total, first, energy, resultant = 0.0, 0.0, 0.0, NOTHING
     if part.high > part.low:
+        # middle and half length for the quadrature
         middle, half = 0.5 * (part.high + part.low), 0.5 * (part.high - part.low)
         # relative velocity along the interval, linear in s
         on_a, on_b, along_b = sides.arm_a, plus(sides.arm_b, sides.v, t0), scaled(sides.v, c)

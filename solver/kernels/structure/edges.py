@@ -45,5 +45,6 @@ def edge_integrals(x0, y0, dx, dy, p, q):
         product = weight * length * (p0 + s * p_rise) * (q0 + s * q_rise)
         total += product
         moment -= product * (dx * (x0 + s * dx) + dy * (y0 + s * dy))
+    # middle of the part
     s = low + 0.5 * length
     return dy * total, -(dx * total), moment, x0 + s * dx, y0 + s * dy

@@ -172,6 +172,7 @@ def _push_edges(scene, pairs, p, sides, facing, q):
 @kernel
 def load_faces(scene, phase, pairs, p, sides):
     """Add the normal forces of two faces; return their contact (`Touch`)."""
+    # faces that do not face each other exert nothing
     if dot(sides.u, sides.v) > FACING:
         return Touch(0.0, 0.0, NOTHING, NOTHING)
     facing, room, k = _facing(scene, pairs, p, sides), scene.room, pairs.stiffness[p]
@@ -203,6 +204,7 @@ def load_faces(scene, phase, pairs, p, sides):
 @kernel
 def gap_of_faces(scene, pairs, p, sides):
     """Return the distance of two faces, m: negative by the deepest overlap, beyond their edges that to the edges."""
+    # faces that do not face each other: distance of their middles
     if dot(sides.u, sides.v) > FACING:
         return math.sqrt(dot(sides.between, sides.between))
     # intersection in projection

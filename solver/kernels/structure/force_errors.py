@@ -38,6 +38,7 @@ def _felt(scene, error, i, arm, damping):
     # the base has no error
     if i == scene.n:
         return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    # errors of the centroid and of the rotation, with their rates
     place = plus((error.ux[i], error.uy[i], error.uz[i]), (error.vx[i], error.vy[i], error.vz[i]), damping)
     turn = plus((error.q1[i], error.q2[i], error.q3[i]), (error.wx[i], error.wy[i], error.wz[i]), damping)
     return plus(place, cross(turn, arm), 1.0), turn

@@ -167,6 +167,7 @@ def follow_record(batch, one):
     run = _run_of(batch, int(own.run))
     record = _record_of(batch.queue, run)
     k = int(own.segment)
+    # the acceleration jumps at this sample: evaluate the rates again
     own.fresh = 1.0 if k <= 0 or run.held != 0.0 or is_silent(record, k) else own.fresh
     # before or after the record: regular stops after it, to check for rest
     if is_silent(record, k):
@@ -331,6 +332,7 @@ def _raise(scene, phase, i, lanes):
     """Raise the peaks of block i in the lanes of a mask by its present displacement."""
     peaks = _peaks(scene.peaks, scene.n)
     x, y, z = phase.ux[i], phase.uy[i], phase.uz[i]
+    # horizontal displacement and its components, m
     peaks.u[i] = where(lanes, greater(peaks.u[i], square_root(x * x + y * y)), peaks.u[i])
     peaks.ux[i] = where(lanes, greater(peaks.ux[i], magnitude(x)), peaks.ux[i])
     peaks.uy[i] = where(lanes, greater(peaks.uy[i], magnitude(y)), peaks.uy[i])
@@ -353,8 +355,10 @@ def track_peaks(batch, step, good):
     n, peaks = scene.n, _peaks(scene.peaks, scene.n)
     begin, end = _phase(row(scene, START), n), _phase(row(scene, END), n)
     for i in range(n):
+        # horizontal distance, m, and its rate, m/s
         (d0, v0), (d1, v1) = _out(begin, i), _out(end, i)
         peaks.u[i] = peak_over(peaks.u[i], d0, v0, d1, v1, step, good)
+        # displacement along each axis
         peaks.ux[i] = peak_over(peaks.ux[i], begin.ux[i], begin.vx[i], end.ux[i], end.vx[i], step, good)
         peaks.uy[i] = peak_over(peaks.uy[i], begin.uy[i], begin.vy[i], end.uy[i], end.vy[i], step, good)
         peaks.uz[i] = peak_over(peaks.uz[i], begin.uz[i], begin.vz[i], end.uz[i], end.vz[i], step, good)
@@ -364,6 +368,7 @@ def track_peaks(batch, step, good):
 def step_lengths(batch):
     """Return the next step of each lane, s, and the time to its next stop or sample; the step is 0 without a run."""
     scene, lanes, base = batch.scene, batch.lane, batch.scene.base
+    # time to the next stop or sample, s
     left = lesser(lanes.stop, lanes.piece_end) - lanes.t
     step = scene.control.next_step
     # limits: the harmonic, sliding and yielding, contact

@@ -45,6 +45,7 @@ def middle_of(scene, j):
     slid = _has_slid(scene, j)
     if any_of(slid):
         slip = greater(square_root(p1 * p1 + p2 * p2), TINY)
+        # middle of the overlap of two discs, as a part of the slip
         part = 0.5 * (scene.joints.rim_b[j] - scene.joints.rim_a[j]) / slip
         # limited to half of the slip
         part = where(slid, greater(lesser(part, 0.5), -0.5), 0.0)
@@ -60,6 +61,7 @@ def bed_of_joint(scene, j, p, q):
         bed = bed_of_point(scene.joints, j, p, q)
     else:
         bed = _bed_of_faces(scene, j, p, q)
+    # mortar bears in addition
     if bond > 0:
         bed = with_bond(scene, bond - 1, p, q, bed)
     return bed
@@ -92,8 +94,10 @@ def _bed_of_section(scene, j, section, sign, p, q):
     sign: 1 of its outline, -1 of its inside.
     """
     bed, slid = nothing(p), goes_by_faces(scene, j, _has_slid(scene, j))
+    # lanes that have not slid, with the contact as built
     if any_of(opposite(slid)):
         bed = _bed_as_built(section, p, q)
+    # lanes that have slid, with the intersection of the shifted faces
     if any_of(slid):
         bed = chosen(slid, bed_after_slip(scene, j, section, sign, slid, p, q), bed)
     return bed
@@ -130,6 +134,7 @@ def friction_limits(joints, j, normal, g1, g2):
     is farther out. normal, g1, g2: resultants of the pressure about the centre, N and N m.
     """
     pressed = normal > 0.0
+    # friction under pressure, and the dowel
     force = where(pressed, joints.friction[j] * normal, 0.0) + joints.dowel[j]
     # a resultant far from the centre has a longer arm
     arm, moment = joints.arm[j], g1 * g1 + g2 * g2
@@ -169,6 +174,7 @@ def _along_joint(scene, j, motion, p, q, normal, g1, g2, largest):
     # spring and dashpot
     t1, t2 = -shear * (z1 + damping * v1), -shear * (z2 + damping * v2)
     g3 = twist * (z3 + damping * v3)
+    # rates of the slider, m/s and rad/s
     r1, r2, r3 = zero_like(v1), zero_like(v2), zero_like(v3)
     if any_of(joints.friction[j] != math.inf):
         # limits of friction

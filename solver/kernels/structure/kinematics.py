@@ -41,6 +41,7 @@ def pose_bodies(scene, phase):
     poses = scene.poses
     for i in range(scene.n):
         pose_body(scene, phase, i)
+    # forces and couples, on the base too
     for i in range(scene.n + 1):
         poses.fx[i], poses.fy[i], poses.fz[i] = 0.0, 0.0, 0.0
         poses.mx[i], poses.my[i], poses.mz[i] = 0.0, 0.0, 0.0
@@ -201,6 +202,7 @@ def _frame(joints, j, q0, q1, q2, q3):
     s11, s12, s13 = 1.0 - 2.0 * (q2 * q2 + q3 * q3), 2.0 * (q1 * q2 - q0 * q3), 2.0 * (q1 * q3 + q0 * q2)
     s21, s22, s23 = 2.0 * (q1 * q2 + q0 * q3), 1.0 - 2.0 * (q1 * q1 + q3 * q3), 2.0 * (q2 * q3 - q0 * q1)
     s31, s32, s33 = 2.0 * (q1 * q3 - q0 * q2), 2.0 * (q2 * q3 + q0 * q1), 1.0 - 2.0 * (q1 * q1 + q2 * q2)
+    # the first two axes, rotated
     x, y, z = joints.e1x[j], joints.e1y[j], joints.e1z[j]
     e1 = (s11 * x + s12 * y + s13 * z, s21 * x + s22 * y + s23 * z, s31 * x + s32 * y + s33 * z)
     x, y, z = joints.e2x[j], joints.e2y[j], joints.e2z[j]
@@ -233,6 +235,7 @@ def is_tipped(scene, phase, j):
 @leaf
 def _turned_about(q, axis, sine, cosine):
     """Multiply a quaternion from the right by the rotation about an axis; sine, cosine: of half its angle."""
+    # product with the quaternion (cosine, sine axis)
     v = (q[1], q[2], q[3])
     across, along_axis = cross(v, axis), dot(v, axis)
     return (
@@ -253,6 +256,7 @@ def _faces_of(scene, phase, j):
     joints, p3 = scene.joints, scene.slips.p3[j]
     a = quaternion(scene, phase, index_of(joints.upper[j]))
     b = quaternion(scene, phase, index_of(joints.lower[j]))
+    # half of the twist of the slider to each face
     if any_of(p3 != 0.0):
         sine, cosine = half_sine_cosine(0.5 * p3)
         axis = (joints.e3x[j], joints.e3y[j], joints.e3z[j])
@@ -335,6 +339,7 @@ def accelerate_bodies(scene, phase, rates, ax, ay, az):
         rates.vx[i] = poses.fx[i] * per_mass - ax
         rates.vy[i] = poses.fy[i] * per_mass - ay
         rates.vz[i] = poses.fz[i] * per_mass - gravity - az
+        # moments along the axes of the body, less the gyroscopic one
         m = poses.mx[i], poses.my[i], poses.mz[i]
         left = minus(seen_from(poses, i, m), cross(w, momentum(bodies, i, w)))
         rates.wx[i] = bodies.ixx[i] * left[0] + bodies.ixy[i] * left[1] + bodies.ixz[i] * left[2]

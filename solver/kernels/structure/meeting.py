@@ -51,6 +51,7 @@ def meet_pairs(scene):
     kept, phase, changed = kept_in(scene, START), _phase(row(scene, START), scene.n), False
     for p in range(scene.extras.met):
         touches = kept.touches[p]
+        # pairs far apart need no distance
         near = touches != 0.0 or is_near(scene, phase, scene.extras.pairs, p)
         if near and changes(touches, gap_in(scene, START, p)):
             # contact changes, and starts without stretch
@@ -72,6 +73,7 @@ def until_closed(scene, segment, t, h):
             part = min(part, closing(scene, h, p, gap_in(scene, END, p)))
     # the first bond to break
     part = min(part, until_broken(scene, h, True))
+    # repeat the step up to that instant
     if part < 1.0:
         h = part * h
         attempt(scene, segment, t, h)
@@ -91,6 +93,7 @@ def closing(scene, h, p, below):
 
     below: the gap at the end of the step, m.
     """
+    # still open at the end
     if below >= 0.0:
         return 1.0
     # already closed at the start

@@ -116,6 +116,7 @@ def _watch_lane(scene, least, k, h):
     one, gaps, changed = alone(scene, k), _gaps(scene, k), 0
     kept = kept_in(one, START)
     for p in range(one.extras.met):
+        # the gap at the end of the step
         touches, gap = kept.touches[p], gaps[p]
         least[p] = min(least[p], gap)
         if touches != 0.0:
@@ -124,6 +125,7 @@ def _watch_lane(scene, least, k, h):
             bend, rise = begin + gap - 2.0 * middle, gap - begin
             if abs(rise) < 2.0 * bend:  # its vertex lies within the step
                 least[p] = min(least[p], middle - rise * rise / (8.0 * bend))
+        # the contact begins or ends
         changed |= 1 if changes(touches, gap) else 0
     return changed
 

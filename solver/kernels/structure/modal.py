@@ -177,6 +177,7 @@ def _sticks_by(scene, joints_seen, j):
     pressed = _pressed(scene, joints_seen, j)
     limit, couple = friction_limits(scene.joints, j, *pressed)
     limit, couple = raised_by_bond(scene, j, pressed[0], limit, couple)
+    # limits less the present force and couple
     force = math.hypot(joints_seen[_TX * m + j], joints_seen[_TY * m + j])
     return limit - force, couple - abs(joints_seen[_MZ * m + j])
 
@@ -253,6 +254,7 @@ def _is_as_at_rest(body, k, giving):
     for e in range(scene.k):
         if (ties[e] != 0.0) != (body.data.taut[e] != 0.0):
             return False
+    # bearings within their rings
     if not _is_within_rings(scene, k):
         return False
     # sliding and yielding
@@ -285,6 +287,7 @@ def _tie_leaves(body, e):
     most = scene.ties.yields_at[e]
     if most != math.inf and _dips(most - abs(a), most - abs(b), most - abs(c)):
         return True
+    # ties that bear compression are never slack
     if scene.ties.tension_only[e] == 0.0:
         return False
     # slack or taut
@@ -484,6 +487,7 @@ def small_rate(scene):
     """Return a rate, rad/s, at which a damper bears a small fraction of the weight of one block."""
     # longest time constant, and largest block
     slowest, largest = FASTEST * scene.settings.first_step, 0.0
+    # g T^2, the penetration under the weight of a spring with the time constant T, m
     settled = scene.settings.gravity * slowest * slowest
     for j in range(scene.m):
         slowest = max(slowest, scene.joints.damping[j])

@@ -88,5 +88,6 @@ def body_of(scene, segment, flat):
     parts = int(limits.flat_parts) if flat else int(limits.parts)
     count = int(limits.flat_count) if flat else int(limits.count)
     body = Body(scene, segment, data, parts, count, room.x, room.elastic)
+    # rows of the step
     steps = room.first, room.mean, room.last, room.slopes, room.curvatures, room.trend
     return body, Modal(count, AXES * scene.n, data.modes, *steps, room.responses, room.latest)

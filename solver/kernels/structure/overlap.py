@@ -40,6 +40,7 @@ def _lanes_go_by_faces(scene, j, slid):
     may_slide = scene.joints.friction[j] != math.inf
     if any_of(may_slide):
         a, b, endless = corners_of_faces(scene, index_of(scene.joints.above[j]), index_of(scene.joints.below[j]))
+        # polygons, or a polygon on an unbounded face
         if a > 0 and (b > 0 or endless):
             return may_slide
     return slid

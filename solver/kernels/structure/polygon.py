@@ -54,6 +54,7 @@ def _cuts(corners, count, p, q):
     """Return the cuts by p and by q, and the common point of all triangles."""
     a = _point(corners, count - 1, q)
     p0 = value(p, a.x, a.y)
+    # signs of p and q at the last corner
     was_in, was_pressed = p0 > 0.0, a.q > 0.0
     enters_p, leaves_p, enters_q, leaves_q, on_cut, deepest = a, a, a, a, a, zero_like(p0)
     for k in range(count):
@@ -87,6 +88,7 @@ def _cuts(corners, count, p, q):
 def _cut_bed(corners, count, p, q):
     """Return the bed of the part of the section where p and q are positive."""
     by_p, by_q, apex = _cuts(corners, count, p, q)
+    # begin with the side from the last corner to the first
     bed, before = nothing(p), _point(corners, count - 1, q)
     was_in = value(p, before.x, before.y) > 0.0
     for k in range(count + 1):
@@ -140,6 +142,7 @@ def polygon_bed(corners, count, full, p, q):
     p, q : Plane
         Penetration and damped penetration, m.
     """
+    # values at the first corner
     x, y = _corner(corners, 0)
     least_p, least_q = value(p, x, y), value(q, x, y)
     most_p, most_q = least_p, least_q

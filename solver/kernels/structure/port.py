@@ -57,6 +57,7 @@ def load_ports(scene, phase):
     ports, loads = scene.extras.ports, scene.extras.pushes
     for p in range(scene.extras.spotted):
         i = index_of(ports.body[p])
+        # lever of the port about the centroid, m
         arm = point_of(scene, phase, i, ports.x[p], ports.y[p], ports.z[p]).arm
         force, couple = (loads.fx[p], loads.fy[p], loads.fz[p]), (loads.mx[p], loads.my[p], loads.mz[p])
         push(scene.poses, i, arm, force, couple, 1.0)

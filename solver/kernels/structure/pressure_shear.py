@@ -73,6 +73,7 @@ def bound_of_pressure_shear(scene, j, p, normal, largest):
     normal: N; largest: damped penetration, m. Both bounds are 0 where the lower face has no edges.
     """
     slips, zero = scene.slips, zero_like(p.at)
+    # bearings, and lower faces without edges, exert none
     if any_of(scene.joints.section[j] == POINT):
         return zero, zero
     above = _face(scene.corners[index_of(scene.joints.above[j]) :], 0)
@@ -84,6 +85,7 @@ def bound_of_pressure_shear(scene, j, p, normal, largest):
     lever = radius + magnitude(slips.p1[j]) + magnitude(slips.p2[j]) + magnitude(above.x) + magnitude(above.y)
     deepest = greater(p.at + steep * lever, 0.0)
     edges = where(has_inside(scene, j), 2.0 * math.pi, math.pi)  # including those of the inside
+    # by the tilt of the normal force, and by the edges
     force = 0.5 * steep * normal + edges * scene.joints.stiffness[j] * radius * deepest * largest
     return force, 2.0 * lever * force
 
@@ -104,6 +106,7 @@ def pressure_shear(scene, j, near, p, q, normal, g1, g2, way):
         Direction of motion of the upper block along the joint, m, m and rad, which decides about edges that coincide.
     """
     slips, zero = scene.slips, zero_like(p.at)
+    # a bearing has no edges
     if any_of(scene.joints.section[j] == POINT):
         return zero, zero, zero
     # integrals along the edges of the lower face

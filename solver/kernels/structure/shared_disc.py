@@ -39,6 +39,7 @@ def _pressed_in(room, count, x, y, radius, p, q):
 
     Return the number of its corners.
     """
+    # each line that crosses the disc
     if cuts_disc(p, x, y, radius):
         count = cut(room, count, p)
     if differ(p, q) and cuts_disc(q, x, y, radius):
@@ -149,6 +150,7 @@ def _put_own_side(room, x, y, radius, other_x, other_y, other):
     ones is whole.
     """
     count = put_square(room, x, y, BOX * radius)
+    # concentric discs have no radical axis
     if _are_concentric(x, y, radius, other_x, other_y):
         return 0 if radius > other else count
     dx, dy = other_x - x, other_y - y  # radical axis: equal distance^2 - radius^2
@@ -162,9 +164,11 @@ def _sides_in_disc(room, count, x, y, radius, p, q):
     along_x, along_y, moment = 0.0, 0.0, 0.0
     for k in range(count):
         after = k + 1 if k + 1 < count else 0
+        # a side of the polygon, from the centre of the disc
         ax, ay = room[2 * k] - x, room[2 * k + 1] - y
         dx, dy = room[2 * after] - x - ax, room[2 * after + 1] - y - ay
         square, across = dx * dx + dy * dy, ax * dy - ay * dx
+        # sides beyond the disc
         if not across * across < NEARLY * radius * radius * square:
             continue
         # the part of the side within the disc
@@ -195,8 +199,10 @@ def _of_one_disc(room, x, y, radius, other_x, other_y, other, first, p, q):
 
     first: True of the disc that counts if both are equal and concentric; its integral is not computed.
     """
+    # equal concentric discs count once
     if radius == other and not first and _are_concentric(x, y, radius, other_x, other_y):
         return nothing(q), NOWHERE
+    # the part of the disc on its side, clipped to where it is pressed
     count = _put_own_side(room, x, y, radius, other_x, other_y, other)
     count = _pressed_in(room, count, x, y, radius, p, q)
     bed = _of_disc(room, count, x, y, radius, q)
@@ -238,6 +244,7 @@ def disc_bed(room, corners, slips, j, at_above, at_below, p, q):
         if (hollow_a == 1 and a == 0.0) or (hollow_b == 1 and b == 0.0):
             continue
         sign = 1.0 if hollow_a == hollow_b else -1.0
+        # add or subtract the bed
         part, edges = _of_faces(room, above, below, a, b, p, q)
         bed = _with(bed, sign, part)
         along_x, along_y, moment = along_x + sign * edges[0], along_y + sign * edges[1], moment + sign * edges[2]
@@ -285,6 +292,7 @@ def disc_edges_of_lower(room, corners, slips, j, at_above, at_below, p, q, way):
         if (hollow_a == 1 and a == 0.0) or (hollow_b == 1 and b == 0.0):
             continue
         sign = 1.0 if hollow_a == hollow_b else -1.0
+        # add or subtract the integrals
         part = _edges_of_lower(room, above, below, a, b, p, q, way)
         along_x, along_y, moment = along_x + sign * part[0], along_y + sign * part[1], moment + sign * part[2]
     return along_x, along_y, moment

@@ -43,6 +43,7 @@ def _of_one(scene, j, section, sign, slid, p, q):
 def _keep_edges(scene, j, sign, along_x, along_y, moment):
     """Store the integrals along the edges of an outline, or subtract those of its inside from them."""
     kept = scene.resultants
+    # the inside of a rim is subtracted from the outline
     if sign < 0.0:
         along_x, along_y = kept.edge_x[j] - along_x, kept.edge_y[j] - along_y
         moment = kept.edge_turn[j] - moment
@@ -126,11 +127,13 @@ def _with_triangles(bed, there, q, a, b, c):
 @leaf
 def _with_arcs(bed, there, radius, q, begin, end):
     """Add an arc's segment to a bed in the lanes of a mask, as `_with_arc` of shared_disc.py."""
+    # normal of the chord, and its distance from the centre
     dx, dy = end[0] - begin[0], end[1] - begin[1]
     length = square_root(dx * dx + dy * dy)
     there = there & (length > 0.0)
     out_x, out_y = dy / length, -dx / length
     off = lesser(greater(0.5 * ((begin[0] + end[0]) * out_x + (begin[1] + end[1]) * out_y), -radius), radius)
+    # the largest q if it is on the arc
     slope = slope_of(q)
     tops = there & (slope > 0.0) & (radius * (q.along_x * out_x + q.along_y * out_y) >= off * slope)
     largest = where(tops, greater(bed.largest, q.at + radius * slope), bed.largest)
@@ -144,6 +147,7 @@ def _of_discs(room, counts, most, x, y, radius, plane):
 
     counts: corners of the polygon of each lane, at most `most`; a lane with 0 has an empty bed.
     """
+    # q about the centre of the disc
     q = Plane(value(plane, x, y), plane.along_x, plane.along_y)
     bed, zero = nothing(q), zero_like(x)
     one, there = zero + 1.0, counts > 0.0

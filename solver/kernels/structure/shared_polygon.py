@@ -20,6 +20,7 @@ def _put_planes(planes, corners, count):
     x0, y0 = corners[0], corners[1]
     for k in range(count):
         after = k + 1 if k + 1 < count else 0
+        # edge from corner k to the next one
         x1, y1 = corners[2 * after], corners[2 * after + 1]
         planes[3 * k], planes[3 * k + 1], planes[3 * k + 2] = (y1 - y0) * x0 - (x1 - x0) * y0, y0 - y1, x1 - x0
         x0, y0 = x1, y1
@@ -35,6 +36,7 @@ def _is_on_edge(planes, count, x, y):
     """Return True if a point within a polygon lies on one of its edges."""
     for k in range(count):
         plane = _plane(planes, k)
+        # the distance from the edge times its length
         square = plane.along_x * plane.along_x + plane.along_y * plane.along_y
         if value(plane, x, y) <= SAME_EDGE * square:
             return True
@@ -65,6 +67,7 @@ def _find_owners(shared, most, count, planes, lower):
 def _share(room, corners, slips, j, at_above, at_below, shared):
     """Fill `shared` with the intersection of two faces of joint j; at_above, at_below: their indices in `corners`."""
     above, below = placed(corners, at_above, slips, j, 0.5), placed(corners, at_below, slips, j, -0.5)
+    # corners of both faces, and rows behind the record
     lower, upper = int(below.record.corners), int(above.record.corners)
     most = upper + lower
     found, outline, planes = _shared(shared, 0), shared[_SHARED:], shared[_SHARED + 3 * most :]
@@ -113,6 +116,7 @@ def _renew_one(scene, j, section, stale):
 def _renew_lanes(scene, j, section, stale):
     those = bits(stale)
     for k in range(WIDTH):
+        # the intersection of one lane
         if (those >> k) & 1:
             shared = one_lane(scene.shared, k)[PER_CORNER * section.above :]
             _share(*rows_of_lane(scene, k), j, section.above, section.below, shared)
@@ -123,6 +127,7 @@ def _shared_row(scene, j, section, those):
     """Return the row of the intersection of the faces of a section of joint j, up to date in the lanes of `those`."""
     row, slips = scene.shared[PER_CORNER * section.above :], scene.slips
     kept = _shared(row, 0)
+    # lanes whose slips or twist have changed
     moved = (kept.p1 != slips.p1[j]) | (kept.p2 != slips.p2[j]) | (kept.p3 != slips.p3[j])
     stale = those & (moved | (kept.corners == 0.0))
     if any_of(stale):
@@ -174,6 +179,7 @@ def polygon_edges_of_lower(scene, j, section, those, count, p, q, way):
     row, zero = _shared_row(scene, j, section, those), zero_like(p.at)
     outline, owners = row[_SHARED:], row[_SHARED + 2 * count :]
     along_x, along_y, moment = zero, zero, zero
+    # from the last corner around
     x0, y0 = outline[2 * count - 2], outline[2 * count - 1]
     for k in range(count):
         x1, y1 = outline[2 * k], outline[2 * k + 1]

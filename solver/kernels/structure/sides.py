@@ -44,9 +44,11 @@ def place_of(scene, phase, i):
 def sides_of(scene, phase, pairs, p):
     """Return both sides of pair p at present."""
     a, b = int(pairs.one[p]), int(pairs.other[p])
+    # middles of both sides, and the vector between them
     arm_a = standing(scene.poses, a, pairs.ax[p], pairs.ay[p], pairs.az[p])
     arm_b = standing(scene.poses, b, pairs.bx[p], pairs.by[p], pairs.bz[p])
     between = minus(plus(place_of(scene, phase, a), arm_a, 1.0), plus(place_of(scene, phase, b), arm_b, 1.0))
+    # axes of drums, or normals of faces
     u = standing(scene.poses, a, pairs.ux[p], pairs.uy[p], pairs.uz[p])
     v = standing(scene.poses, b, pairs.vx[p], pairs.vy[p], pairs.vz[p])
     return Sides(a, b, arm_a, arm_b, between, u, v)

@@ -43,6 +43,7 @@ def _weight(j):
 def attempt_stabilized(scene, segment, t, h, stages):
     """Make one step of h seconds in `stages` stages from row START to row END; return its error in tolerances."""
     begin, count = row(scene, START), packs(row(scene, START), moving(scene))
+    # the start, and stage 1 by Euler's method
     y, f0, f = packs_of(begin), packs_of(rate(scene, 0)), packs_of(rate(scene, 1))
     per = 4.0 / (stages * stages + stages - 2.0)
     # three rows hold the last stages in turn
@@ -54,6 +55,7 @@ def attempt_stabilized(scene, segment, t, h, stages):
         first[i] = y[i] + (h * per / 3.0) * f0[i]
     node = per / 3.0
     for j in range(2, stages + 1):
+        # rates at the last stage
         evaluate_at(scene, segment, row(scene, newer), rate(scene, 1), t + node * h)
         # recursion of the shifted Legendre polynomials
         weight, before, earlier = _weight(j), _weight(j - 1), _weight(j - 2)
@@ -65,8 +67,10 @@ def attempt_stabilized(scene, segment, t, h, stages):
             # differences to the start keep the digits of what hardly moves
             moved = mu * (last[i] - y[i]) + nu * (earliest[i] - y[i])
             target[i] = y[i] + (moved + (own * f[i] + start * f0[i]))
+        # the two latest stages are kept
         older, newer, spare = newer, into, older
         node = (j * j + j - 2.0) * 0.25 * per
+    # end of the step, and its rates
     scale_quaternions(scene.n, _phase(row(scene, END), scene.n))
     evaluate_at(scene, segment, row(scene, END), rate(scene, STAGES - 1), t + h)
     # the difference to the trapezoidal rule

@@ -10,8 +10,10 @@ def _ends(scene, phase, e):
     """Return the motion of both ends of tie e, and the vector between them as built, m."""
     ties, bodies = scene.ties, scene.bodies
     a, b = index_of(ties.one[e]), index_of(ties.other[e])
+    # both points of attachment
     one = point_of(scene, phase, a, ties.ax[e], ties.ay[e], ties.az[e])
     other = point_of(scene, phase, b, ties.bx[e], ties.by[e], ties.bz[e])
+    # vector between them as built, m
     built = (
         bodies.x[b] + ties.bx[e] - bodies.x[a] - ties.ax[e],
         bodies.y[b] + ties.by[e] - bodies.y[a] - ties.ay[e],

@@ -39,6 +39,7 @@ def is_turned_across(base):
 def rotation_at(base, t):
     """Return (theta_x, theta_y, omega_x, omega_y) of the base at time t, rad and rad/s."""
     past = t - base.t0
+    # the angular acceleration is linear in time
     half, sixth = 0.5 * past, past * past / 6.0
     x = base.theta_x + past * (base.omega_x + half * base.alpha_x + sixth * base.jalpha_x)
     y = base.theta_y + past * (base.omega_y + half * base.alpha_y + sixth * base.jalpha_y)
@@ -207,6 +208,7 @@ def turn_beneath(scene, phase, base, x, y, u, v):
     spin, new_spin = spin_of(q, rate), spin_of(other, other_rate)
     step = _product(_back(other), q)
     base.theta_x, base.theta_y, base.omega_x, base.omega_y = x, y, u, v
+    # change of the angular velocity, rad/s
     change = _change(_back(step), new_spin[0], new_spin[1], new_spin[2])
     less = minus(spin, plus(new_spin, change, 1.0))  # along the old axes of the base
     for i in range(scene.n):

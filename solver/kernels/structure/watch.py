@@ -62,10 +62,12 @@ def seen(scene, k):
 @leaf
 def quaternion_curve(phase, rates, i):
     """Return the second derivative of the quaternion of body i."""
+    # quaternion and its rate, angular velocity and acceleration
     q = phase.q0[i], phase.q1[i], phase.q2[i], phase.q3[i]
     p = rates.q0[i], rates.q1[i], rates.q2[i], rates.q3[i]
     x, y, z = phase.wx[i], phase.wy[i], phase.wz[i]
     a, b, c = rates.wx[i], rates.wy[i], rates.wz[i]
+    # derivative of q' = q w / 2
     return (
         -0.5 * (p[1] * x + p[2] * y + p[3] * z + q[1] * a + q[2] * b + q[3] * c),
         0.5 * (p[0] * x + p[2] * z - p[3] * y + q[0] * a + q[2] * c - q[3] * b),
@@ -98,6 +100,7 @@ def interpolate_body(scene, h, s, i):
     q1, p1 = _through(h, s, start.q1[i], first.q1[i], a[1], end.q1[i], last.q1[i], b[1])
     q2, p2 = _through(h, s, start.q2[i], first.q2[i], a[2], end.q2[i], last.q2[i], b[2])
     q3, p3 = _through(h, s, start.q3[i], first.q3[i], a[3], end.q3[i], last.q3[i], b[3])
+    # normalize
     per = 1.0 / (q0 * q0 + q1 * q1 + q2 * q2 + q3 * q3)
     x, y, z = spin_of((q0, q1, q2, q3), (p0, p1, p2, p3))
     between.wx[i], between.wy[i], between.wz[i] = per * x, per * y, per * z
@@ -119,6 +122,7 @@ def _interpolate(scene, h, s):
     """Fill row BETWEEN with the state at fraction s of the step."""
     for i in range(scene.n):
         interpolate_body(scene, h, s, i)
+    # memory of joints, ties and pairs
     between = row(scene, BETWEEN)
     for place in range(_PER_BODY * scene.n, moving(scene)):
         between[place] = _remembered(scene, h, s, place)
@@ -128,6 +132,7 @@ def _interpolate(scene, h, s):
 def look(scene, segment, t, h, s, into):
     """Fill the output row `into` at fraction s of the step from t to t + h."""
     scene.counts.looks += 1
+    # evaluate the interpolated state under the base motion of that instant
     _interpolate(scene, h, s)
     ax, ay, az = taken_at(scene, segment, t + s * h)
     evaluate_state(scene, row(scene, BETWEEN), row(scene, BETWEEN_RATES), ax, ay, az)
@@ -182,9 +187,11 @@ def _allow_field(scene, allowed, first, count):
 
     first, count: its indices in an output row.
     """
+    # largest peak of the field
     largest = 0.0
     for j in range(first, first + count):
         largest = max(largest, scene.peaks[j])
+    # a part of each peak, or of a small part of the largest one
     part = PROMISE * scene.settings.tolerance
     for j in range(first, first + count):
         allowed[j] = part * max(scene.peaks[j], QUIET * largest)
@@ -238,6 +245,7 @@ def track_peaks(scene, segment, t, h, by_modes):
     """Raise the peaks by the step just made, whose end has been evaluated last; by modes its middle is known."""
     count = scene.visible
     begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
+    # outputs at the end of the step
     show(scene, _phase(row(scene, END), scene.n), end)
     if by_modes and _rises(scene, end):  # outputs were those of the prediction
         look(scene, segment, t, h, 1.0, end)
@@ -268,6 +276,7 @@ def pose_between(scene, h, s, one, other):
 def load_joint_between(scene, h, s, j):
     """Load joint j at fraction s of a step of h s; return the phase in which its two bodies are filled in."""
     phase = pose_between(scene, h, s, index_of(scene.joints.upper[j]), index_of(scene.joints.lower[j]))
+    # slips of the joint at that instant
     if any_of(scene.settings.gives_way != 0.0):
         for place in range(j, _PER_JOINT * scene.m, scene.m):
             scene.memory[place] = _remembered(scene, h, s, _PER_BODY * scene.n + place)

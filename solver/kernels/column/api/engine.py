@@ -58,8 +58,10 @@ def column_in(model_space):
 
     @leaf
     def column_over(n, model, state, counts, base, samples, work):
+        # names over the five arrays and the samples of the record
         parts = _model(model, n), _state(state, n), _counts(counts, 0), _base(base, 0)
         column = Column(*parts, samples, _work(work, n))
+        # slips, and loads of the record, begin with the call
         begin_slips(column.model, column.work)
         begin_loads(column.model, column.work)
         return column
@@ -135,6 +137,7 @@ def reset(column):
     clear(column.state.row, column.state.total)
     clear(column.counts.row, _COUNTS)
     clear(base.row, _BASE)
+    # no sample entered yet, no anchor of the wave
     base.anchor = -math.inf  # nowhere
     base.segment = -1.0
     base.piece_end = math.inf
@@ -203,6 +206,7 @@ def follow(column, inputs, start, h, watch, row, split):
 
     row, split: scratch for outputs.
     """
+    # motion of the base: by the inputs, or by the bodies that drive it
     if column.model.settings.drive == ACCELERATION:
         drive(column.base, inputs, 0.0, start)
     else:
@@ -210,6 +214,7 @@ def follow(column, inputs, start, h, watch, row, split):
         if code != OK:
             return code
         examine_step(column.model, column.base, h)
+    # loads on the ports
     load_inputs(column, inputs[_INPUTS:], 0.0, start)
     return advance(column, start, h, watch)
 
@@ -234,6 +239,7 @@ def look(column, inputs, new_inputs, upright, elapsed, t, row, split):
         Filled.
     """
     base, control = column.base, column.state.control
+    # new inputs: motion of the base and loads on the ports
     if new_inputs != 0:
         if column.model.settings.drive == ACCELERATION:
             drive(base, inputs, elapsed, t)
@@ -242,6 +248,7 @@ def look(column, inputs, new_inputs, upright, elapsed, t, row, split):
         load_inputs(column, inputs[_INPUTS:], elapsed, t)
     # the segment of the record at t
     enter(base, column.samples, t)
+    # rotation of the base on which the column stands
     if upright != 0:
         control.base_theta = base.theta
         control.base_omega = base.omega

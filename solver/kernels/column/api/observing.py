@@ -27,6 +27,7 @@ def _motion_held(column, control):
 def _motion_of_snapshot(column, snapshot, t):
     """Return the motion of the base, without rotation, at the time t of a snapshot; with the loads after a jump."""
     ax, az = snapshot.base.ax, snapshot.base.az
+    # loads on the ports, those of the instant of overturning afterwards
     if ports_of(column) > 0:
         if column.counts.overturned > 0:
             t = min(t, column.state.control.overturn_time)

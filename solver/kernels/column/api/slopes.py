@@ -56,6 +56,7 @@ def rates(column, t, row, split, other, other_split):
     """
     model, work = column.model, column.work
     n, length = model.n, row_length(column)
+    # a column that has overturned is constant; only a driven base moves
     _clear_output(row, split, length)
     show_driven_rates(column.base, model.settings, t, split)
     if column.counts.overturned > 0:
@@ -67,6 +68,7 @@ def rates(column, t, row, split, other, other_split):
     # half the time between the two observations, then its negative
     past = RATE_PART * model.settings.first_step
     for _ in range(2):
+        # phase at that instant
         for i in range(2 * n):
             _go_on(saved, between, i, past)
         first, behind = slips_of(work)
@@ -114,6 +116,7 @@ def feedthrough(column, inputs, seeds, elapsed, t, row, split, other, other_spli
         Scratch.
     """
     settings, length = column.model.settings, row_length(column)
+    # a column that has overturned does not respond
     _clear_output(row, split, length)
     show_driven_along(settings, 0.0, 0.0, 0.0, 0.0, 0.0, split)
     if column.counts.overturned > 0:
@@ -127,6 +130,7 @@ def feedthrough(column, inputs, seeds, elapsed, t, row, split, other, other_spli
     turn = seed.theta + elapsed * (seed.omega + 0.5 * elapsed * alpha)
     if settings.drive != ACCELERATION and settings.drive != HORIZONTAL:
         turn = spin = 0.0  # they belong to the state
+    # base and loads at time t
     motion = moved_and_loaded(column, t)
     # rotation of the base and its rate, by central differences under the accelerations as they are
     way = 1.0
@@ -146,11 +150,13 @@ def feedthrough(column, inputs, seeds, elapsed, t, row, split, other, other_spli
     see(column, motion, other, other_split)
     if ports_of(column) > 0:
         _met_by_loads(column, motion, t, seeds, elapsed, other, split, other_split)
+    # derivative of the acceleration of a driven base, m/s2 and rad/s2
     if settings.drive != ACCELERATION:
         first = first_body(column)
         along_x, along_z, alpha = driven_along(
             settings, inputs, seeds, first, other_split, split, motion, along_z, alpha
         )
+    # derivatives of the outputs: by differences where there are loads
     show_driven_along(settings, turn, spin, along_x, along_z, alpha, split)
     if ports_of(column) > 0:
         _differenced(column, motion, seeds, elapsed, along_x, along_z, alpha, row, other, other_split)
@@ -180,6 +186,7 @@ def _met_by_loads(column, motion, t, seeds, elapsed, other, split, other_split):
     see(column, motion, other, other_split)
     for i in range(_SPLIT):
         split.row[i] += other_split.row[i]
+    # restore the loads and the outputs
     push_ports(column, t)
     see(column, motion, other, other_split)
 
@@ -191,6 +198,7 @@ def _differenced(column, motion, seeds, elapsed, along_x, along_z, alpha, row, o
     The arguments are those of `_at_once`.
     """
     length = row_length(column)
+    # outputs with the changed accelerations and loads, less those without
     for i in range(length):
         row.buffer[i] -= other.buffer[i]
     _add_loads(column, seeds, elapsed)
@@ -222,6 +230,7 @@ def _at_once(column, motion, along_x, along_z, alpha, row):
         row.joints.T[i] -= gains[i] * met
         row.joints.S[i] -= cosine * gains[i] * met
         turn_below = phase.theta[i]
+    # reaction of the base, N and N m
     row.base.Fx -= g_x * force
     row.base.Fz -= g_z * force
     row.base.My -= g_m * force

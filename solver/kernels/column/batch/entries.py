@@ -32,6 +32,7 @@ def lanes_entry(name, group, module, space, follow):
         queue = Queue(count, *of_runs, *record, row_times.row, row_times.size, snapshots, flag)
         follow(batch_over(over(lanes_of(buffer), n), buffer, queue))
 
+    # machine code finds the entry by this name
     run_in_lanes.__name__ = name
     return entry(group, module)(run_in_lanes)
 

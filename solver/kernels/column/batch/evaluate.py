@@ -57,6 +57,7 @@ def anchor_far_waves(base, t):
     # lanes with a harmonic part and an anchor too far from t
     far = (base.wave_amplitude != 0.0) & ~(magnitude(base.wave_omega * (t - base.anchor)) <= 0.5 * SOON)
     if any_of(far):
+        # sine and cosine of the phase at t
         sines, cosines = sine_cosine(base.wave_omega * t + base.wave_phase)
         base.anchor_sine = where(far, sines, base.anchor_sine)
         base.anchor_cosine = where(far, cosines, base.anchor_cosine)
@@ -91,6 +92,7 @@ def _accelerations_of_lanes(batch, t):
     if late != 0:  # a step crosses kinks of the straight lines
         for k in range(WIDTH):
             if (late >> k) & 1:
+                # lane k: the segment of its record that contains t
                 one = single(batch, k)
                 samples = samples_of(batch.queue, one.lane)
                 segment = int(one.base.segment)

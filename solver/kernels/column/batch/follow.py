@@ -124,7 +124,9 @@ def follow_record(batch, one, t):
     """Set the base of a lane to the segment of its record at time t (s); outside it the harmonic part is zero."""
     samples = samples_of(batch.queue, one.lane)
     if samples.size > 0:
+        # motion of the base on the segment that contains t
         enter(one.base, samples, t)
+        # outside the record: free motion, with accelerations to be evaluated again
         if is_silent(samples, int(one.base.segment)):
             one.base.wave_amplitude = 0.0
             one.lane.fresh = 1.0
@@ -191,16 +193,19 @@ def take_stock(batch, phase, lanes):
         # rotations, openings and slips as equivalent rotations
         turned = greater(turned, magnitude(phase.theta[i]))
         spun = greater(spun, magnitude(phase.theta_rate[i]))
+        # openings as rotations of the block about its edge
         opening = phase.opening[i]
         parted = opening > 0.0
         if any_of(parted):
             per_half = 2.0 / blocks.width[i]
             turned = where(parted, greater(turned, FLIGHT_PART * opening * per_half), turned)
             spun = where(parted, greater(spun, magnitude(phase.opening_rate[i]) * per_half), spun)
+        # slips as rotations of the whole column
         if can_slide(batch.model):
             per_slip = batch.model.settings.per_slip
             turned = greater(turned, magnitude(phase.slip[i] - blocks.offset[i]) * per_slip)
             spun = greater(spun, magnitude(phase.slip_rate[i]) * per_slip)
+    # raise the scales in the selected lanes
     control.rotation_scale = where(lanes, turned, control.rotation_scale)
     control.rate_scale = where(lanes, spun, control.rate_scale)
 
@@ -216,6 +221,7 @@ def fallen(model, phase):
         joint = turn
         if i + 1 < n:
             joint = turn - phase.theta[i + 1]
+        # beyond the angle of no return, or slid off
         limit = model.blocks.fall_angle[i]
         beyond = beyond | (magnitude(turn) > limit) | (magnitude(joint) > limit) | slid_off(model, phase, i)
     return beyond
@@ -224,6 +230,7 @@ def fallen(model, phase):
 @kernel
 def end_at_falls(batch, fell, step):
     """Shorten the steps of the lanes in the bit mask `fell` to the instant of overturning. Returns the steps (s)."""
+    # each lane that overturns, alone
     if fell != 0:
         for k in range(WIDTH):
             if (fell >> k) & 1:
@@ -251,6 +258,7 @@ def step_lengths(batch):
             if (near >> k) & 1:
                 one = single(batch, k)
                 samples, settings = samples_of(batch.queue, one.lane), one.model.settings
+                # error of a velocity by a kink of the record, m/s, and the time up to a kink that exceeds it
                 roughest = KINKS * settings.tolerance * one.state.control.rate_scale
                 roughest *= one.model.blocks.centroid[one.n - 1]
                 reach = smooth_reach(one.base, samples, one.lane.t, lane(step, k), lane(left, k), roughest)
@@ -277,6 +285,7 @@ def take_snapshots(batch, k, step):
     queue = batch.queue
     one = single(batch, k)
     n, number = one.n, int(one.lane.run)
+    # rows that lie in the step
     origin = run_of(queue, number).origin
     row = int(one.lane.next_row)
     while row < queue.rows and origin + queue.row_times[row] <= one.lane.t + step * (1.0 + SLACK):

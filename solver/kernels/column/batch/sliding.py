@@ -86,6 +86,7 @@ def _steps_to_stops(batch, step):
     begin, joints = batch.work.start, batch.work.joints
     for i in range(batch.model.n):
         joints.overcome[i] = 0.0 * step
+        # the instant just after a slip rate vanishes, by its present deceleration
         rate, slows = begin.slip_rate[i], begin.slip_acceleration[i]
         soon = JUST_AFTER * (-rate / slows)
         step = where((rate * slows < 0.0) & (soon < step), soon, step)
@@ -102,6 +103,7 @@ def _end_at_changes(batch, step, good):
     passes = bits(good & any_passes_zero(work, looked_at))
     if passes != 0:
         for k in range(WIDTH):
+            # lane k: the fraction of the step at which the first joint stops
             if (passes >> k) & 1:
                 one = single(batch, k).work
                 inside = (stage(one, INSIDE[0]), stage(one, INSIDE[1]), stage(one, INSIDE[2]))
@@ -120,6 +122,7 @@ def _end_at_changes(batch, step, good):
         evaluate_lanes(batch, between, batch.lane.t + step)
         _take(end.accelerations, between.accelerations, changed, 2 * n)
         _take(end.row[_POWER * n :], between.row[_POWER * n :], changed, 2 * n)  # and accelerations of slips
+    # margin at the end of a whole step, and state of sliding there
     batch.lane.shear_margin = where(good & ~changed, batch.lane.shear_margin_ahead, batch.lane.shear_margin)
     copy(work.end.sliding, work.joints.sliding, work.n)
     return step, changed
@@ -191,6 +194,7 @@ def _first_begins(batch, step, good):
     hi = where(flagged & (at_hi < 0.0), 1.0 + lo, NEVER)
     unsure = flagged & (at_hi >= 0.0)
     if any_of(unsure):  # beyond the capacity at a stage, not at the end: the joint may start sliding in between
+        # inner points, until the margin is negative
         for k in range(2):
             value = _margin_within(batch, step, 0.0 * step + PROBES[k])
             found = unsure & (value < 0.0)
@@ -205,10 +209,12 @@ def _closed_in(batch, step, open_, lo, hi, at_lo, at_hi):
     """Return the fractions hi, moved down to just after the zero of the shear margin, as in engine/bracket.py."""
     moved = 0.0 * lo  # the end that moved last: -1 or 1
     for _ in range(MOST_TRIALS):
+        # lanes whose bracket is still wider than the accuracy
         width = hi - lo
         open_ = open_ & (width > LATE) & (-at_hi * width > LATE * (at_lo - at_hi))
         if not any_of(open_):
             break
+        # false position, or bisection where that leaves the bracket
         trial = lo + width * (at_lo / (at_lo - at_hi)) + 0.5 * LATE
         trial = where((trial > lo) & (trial < hi), trial, 0.5 * (lo + hi))
         value = _margin_within(batch, step, where(open_, trial, 1.0))

@@ -35,4 +35,5 @@ def error_in_tolerances(column, difference):
             slip = column.model.settings.per_slip
             error = _larger(error, magnitude(difference.slip[i]) * slip)
             rate_error = _larger(rate_error, magnitude(difference.slip_rate[i]) * slip)
+    # relative to the largest rotation and the largest rate so far
     return _larger(error / (tolerance * control.rotation_scale), rate_error / (tolerance * control.rate_scale))

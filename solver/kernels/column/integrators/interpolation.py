@@ -68,10 +68,12 @@ def interpolate_phase(work, h, fraction):
     # rotations and openings, and their rates
     q, v = weights_at(h, fraction)
     _weigh(work.start, work.end, q, v, between, size)
+    # the bump that `refine` has added
     if work.interpolation.has_bump != 0.0:
         for i in range(size):
             between.coordinates[i] += q.bump * work.bump[i]
             between.rates[i] += v.bump * work.bump[i]
+    # accelerations: first guesses for an evaluation
     for i in range(size):
         between.accelerations[i] = interpolate_acceleration(work, i, fraction)
     # slips and friction work
@@ -84,6 +86,7 @@ def interpolate_phase(work, h, fraction):
 @leaf
 def _weigh(start, end, q, v, between, size):
     """Fill coordinates and rates of `between` with the quintics without bump, by the weights of one instant."""
+    # differences to the start keep the digits of small movements
     for i in range(size):
         q0, v0, a0 = start.coordinates[i], start.rates[i], start.accelerations[i]
         v1, a1 = end.rates[i], end.accelerations[i]
@@ -123,6 +126,7 @@ def _add_bump(work, i, h):
 def refine(column, t, h):
     """Add the bump, once, if the step from t to t + h needs it; this costs one evaluation."""
     work = column.work
+    # only where the method asks for it
     if work.interpolation.wants_bump == 0.0:
         return
     work.interpolation.wants_bump = 0.0
@@ -149,5 +153,6 @@ def refinement(work, h, s):
     for i in range(size + behind - first):
         place = i if i < size else first + i - size
         bump = work.bump[i] if work.interpolation.has_bump != 0.0 else 0.0
+        # the bump s^3 (1 - s)^3 and its derivative
         between.coordinates[place] = bump * hill * hill * hill
         between.rates[place] = bump * 3.0 * hill * hill * (1.0 - 2.0 * s) / h

@@ -81,10 +81,12 @@ def _opens(model, p, q, h):
         eta = model.blocks.damping[i]
         half = 0.5 * model.blocks.width[i]
         corner, other = half, -half
+        # ends after a slip, from half-way between the middles of both faces
         if can_slide(model):
             other, corner = ends_of(model.blocks, i, p.slip[i])
             other, corner = other + 0.5 * p.slip[i], corner + 0.5 * p.slip[i]
             half = max(corner, -other)
+        # rotation of the joint in both phases, with rate and acceleration
         turn_p, spin_p, turned_p = _joint_turn(p, i, n)
         turn_q, spin_q, turned_q = _joint_turn(q, i, n)
         # far from opening: neither corner can reach it
@@ -126,6 +128,7 @@ def _least_margin(work):
 def _keep_joints(work):
     """Copy the resultants of the joints, just evaluated, to those of the middle of the step."""
     joints, halfway = work.joints, work.joints_halfway
+    # normal and tangential force, moment, loaded length
     for i in range(work.n):
         halfway.normal[i], halfway.tangential[i] = joints.normal[i], joints.tangential[i]
         halfway.moment[i], halfway.length[i] = joints.moment[i], joints.length[i]

@@ -53,6 +53,7 @@ def _error_by(row: int) -> Any:
     @kernel
     def error_by(column, h):
         work = column.work
+        # weighted sum of the slopes of all stages
         error = packs_of(work.between.row)
         for i in range(packs(work.between.row, summed(work))):
             error[i] = h * sum_of(work, i)

@@ -51,6 +51,7 @@ def _over_gammas(rows: np.ndarray) -> np.ndarray:
     result = np.zeros_like(rows)
     for i in range(len(rows)):
         for j in range(STAGES - 1, -1, -1):
+            # element j less the columns that are solved already
             rest = rows[i, j]
             for k in range(j + 1, STAGES):
                 rest -= result[i, k] * GAMMAS[k, j]
@@ -100,6 +101,7 @@ def attempt(column, t, h):
     n = work.n
     # an inner stage keeps (u_q, u_v, F_q); the phase at which its accelerations are taken is the fifth
     here = stage(work, STAGES + 1)
+    # packs of coordinates y, rates v and accelerations f
     every, half = packs(work.start.row, 4 * n), packs(work.start.row, 2 * n)
     y, v, f = packs_of(work.start.row), packs_of(work.start.rates), packs_of(work.start.accelerations)
     y_here, v_here, f_here = packs_of(here.row), packs_of(here.rates), packs_of(here.accelerations)

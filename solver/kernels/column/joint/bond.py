@@ -155,6 +155,7 @@ def bond_regime(contact, damping, bond, opening, slope, opening_rate, slope_rate
 def _front(regime, bond, opening, slope):
     """Return the ends of the bond (m) in a regime: a growing front lies where the stretch is the reach."""
     left, right = bond.left, bond.right
+    # the front is at left or right where opening - slope x = reach
     if regime & GROWS_LEFT:
         left = (opening - bond.reach) / slope
     if regime & GROWS_RIGHT:
@@ -168,10 +169,12 @@ def _margin_of_ends(regime, contact, bond, left, right, opening, slope, opening_
 
     The margin of a growing crack is at most the length, m, that the bond has above LEAST times the contact.
     """
+    # a growing front: the rate of stretch there, and the length left
     if regime & (GROWS_LEFT | GROWS_RIGHT):
         front = left if regime & GROWS_LEFT else right
         remains = (right - left) - LEAST * (contact.right - contact.left)
         return min(opening_rate - front * slope_rate, remains)
+    # a bond that holds: the reach less the stretch at the worse end
     return min(left * slope, right * slope) - opening + bond.reach
 
 
@@ -217,8 +220,10 @@ def bond_margin(regime, contact, damping, bond, opening, slope, opening_rate, sl
 @leaf
 def bonded_peak_pressure(contact, law, left, right, opening, slope, opening_rate, slope_rate):
     """Return the largest pressure (Pa) on a joint bonded from left to right: at an end of bond or loaded part."""
+    # opening and slope with the damper's part
     mean, gradient = opening + law.damping * opening_rate, slope + law.damping * slope_rate
     lo, hi = loaded_part(contact.left, contact.right, law.damping, opening, slope, opening_rate, slope_rate)
+    # largest penetration at an end of the bond, then of the loaded part
     most = max(gradient * left, gradient * right) - mean if left < right else 0.0
     if lo < hi:
         most = max(most, max(gradient * lo, gradient * hi) - mean)

@@ -20,8 +20,10 @@ def balanced_opening(contact, law, slope, weight):
     low = -weight / part_stiffness(contact, stiffness, contact.left, contact.right)[0] + min(one, other)
     high = max(one, other)
     opening = low
+    # Newton's method within these bounds
     for _ in range(MOST_TRIALS):
         force, _, _ = joint_forces(contact, law, opening, slope, 0.0, 0.0)
+        # the force decreases with the opening: narrow the bounds
         if force > weight:
             low = opening
         else:
@@ -42,9 +44,12 @@ def balanced_opening(contact, law, slope, weight):
 @kernel
 def least_energy(contact, law, slope, weight):
     """Return the minimum over the opening of elastic energy plus weight * opening (J), for the linear law."""
+    # a joint without weight is open
     if not weight > 0.0:
         return 0.0
+    # parallel faces: -W^2 / (2 k)
     if slope == 0.0:
         return -0.5 * weight * weight / part_stiffness(contact, law.stiffness, contact.left, contact.right)[0]
+    # tilted faces: at the opening of balance
     opening = balanced_opening(contact, law, slope, weight)
     return joint_potential(contact, law, opening, slope) + weight * opening

@@ -54,12 +54,15 @@ def law_of(blocks, i):
 @leaf
 def positive_part(value, slope, lo, hi):
     """Return the part (lo, hi) of an interval where value + slope * s > 0; lo >= hi if there is none."""
+    # the zero of the function becomes the left end
     if slope > 0.0:
         edge = -value / slope
         return edge if edge > lo else lo, hi
+    # or the right end
     if slope < 0.0:
         edge = -value / slope
         return lo, edge if edge < hi else hi
+    # a constant: the whole interval or nothing
     if value > 0.0:
         return lo, hi
     return hi, hi
@@ -145,6 +148,7 @@ def joint_forces(contact, law, opening, slope, opening_rate, slope_rate):
     length : float
         Loaded length, m.
     """
+    # part in which the faces overlap and the damper does not pull
     lo, hi = loaded_part(contact.left, contact.right, law.damping, opening, slope, opening_rate, slope_rate)
     if not hi > lo:
         return 0.0, 0.0, 0.0
@@ -206,6 +210,7 @@ def joint_forces_in_lanes(near, far, rigidity, damping, opening, slope, opening_
 def held_forces(regime, contact, law, opening, slope, opening_rate, slope_rate):
     """Return N, M and loaded length by the formula of a regime, even where it does not apply, and its margin (m)."""
     damping = law.damping
+    # opening and slope with the damper's part
     mean = opening + damping * opening_rate
     gradient = slope + damping * slope_rate
     if regime == OPEN:
@@ -229,9 +234,11 @@ def resultants(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0
 
 def _resultants_of_one(blocks, hold, i, opening, slope, opening_rate, slope_rate, slip=0.0):
     regime = hold.held[i]
+    # a joint that may change its regime
     contact, law = contact_of(blocks, i, slip), law_of(blocks, i)
     if regime == ANY:
         return joint_forces(contact, law, opening, slope, opening_rate, slope_rate)
+    # the formula of the regime of the step; `outside` marks that it no longer applies
     normal, moment, length, margin = held_forces(regime, contact, law, opening, slope, opening_rate, slope_rate)
     if margin < 0.0:
         hold.outside[i] = 1
@@ -252,6 +259,7 @@ def _image(blocks, i, slope, slip):
 
 def _slipped_image(blocks, i, slope, slip):
     slope = slope + 0.0  # minus zero becomes zero
+    # ends of the contact, mirrored so that the slope is not negative
     left, right = ends_of(blocks, i, slip)
     right = greater(right, left)  # faces that no longer meet: no contact
     falls = slope < 0.0

@@ -111,6 +111,7 @@ def open_margin(left_end, right_end, opening, slope, mean, gradient):
     # maximum over the width of the smaller penetration: at a corner, or where both are equal
     most = min(left_end * slope - opening, left_end * gradient - mean)
     most = max(most, min(right_end * slope - opening, right_end * gradient - mean))
+    # abscissa of equal penetrations
     same = (mean - opening) / (gradient - slope)
     if left_end < same < right_end:
         most = max(most, same * slope - opening)
@@ -126,8 +127,10 @@ def regime_margin(regime, left_end, right_end, damping, opening, slope, opening_
     # opening and slope with the damper's part
     mean = opening + damping * opening_rate
     gradient = slope + damping * slope_rate
+    # an open joint: distance to closing
     if regime == OPEN:
         return open_margin(left_end, right_end, opening, slope, mean, gradient)
+    # a loaded joint: the smaller margin of both ends
     left, right = sides(regime)
     _, on_left = side_margin(left, left_end, damping, opening, slope, mean, gradient)
     _, on_right = side_margin(right, right_end, damping, opening, slope, mean, gradient)

@@ -75,6 +75,7 @@ def _bonded_resultants(blocks, bonds, joints, hold, i, opening, slope, opening_r
         force, moment, length, left, right, margin = held_bonded_forces(regime, contact, law, bond, *motion)
         if margin < 0.0:
             hold.outside[i] = 1
+    # ends of the bond after this evaluation
     joints.bonded_left[i], joints.bonded_right[i] = left, right
     return force, moment, length
 
@@ -82,9 +83,11 @@ def _bonded_resultants(blocks, bonds, joints, hold, i, opening, slope, opening_r
 @leaf
 def shear_capacity(model, bonds, joints, i, normal):
     """Return the shear capacity of joint i (N) by friction, dowel and mortar: unbounded (RIGID) if it never slides."""
+    # friction and dowel
     capacity = model.blocks.friction[i] * normal + model.blocks.dowel[i]
     if bonds is None:
         return capacity
+    # cohesion of the mortar over the bonded area
     bonded = (joints.bonded_right[i] - joints.bonded_left[i]) * model.blocks.depth[i]
     return max(0.0, capacity + bonds.cohesion[i] * bonded)
 
@@ -112,9 +115,11 @@ def regime_of(model, joints, i, slip, opening, slope, opening_rate, slope_rate):
     """Return the regime of joint i for a motion of the middle of its contact (m, m/s, and slope in rad, rad/s)."""
     blocks = model.blocks
     damping = blocks.damping[i]
+    # a bonded joint
     if _holds(model, joints, i):
         contact, bond = contact_of(blocks, i, slip), _bond_of(bonds_of(model, joints), i)
         return bond_regime(contact, damping, bond, opening, slope, opening_rate, slope_rate)
+    # a dry joint
     left, right = ends_of(blocks, i, slip)
     return contact_regime(left, right, damping, opening, slope, opening_rate, slope_rate)
 
@@ -124,8 +129,10 @@ def margin_of(model, joints, i, regime, slip, opening, slope, opening_rate, slop
     """Return the distance (m) of joint i from leaving a regime, for a motion of the middle of its contact."""
     blocks = model.blocks
     damping = blocks.damping[i]
+    # a bonded joint
     if _holds(model, joints, i):
         contact, bond = contact_of(blocks, i, slip), _bond_of(bonds_of(model, joints), i)
         return bond_margin(regime, contact, damping, bond, opening, slope, opening_rate, slope_rate)
+    # a dry joint
     left, right = ends_of(blocks, i, slip)
     return regime_margin(regime, left, right, damping, opening, slope, opening_rate, slope_rate)

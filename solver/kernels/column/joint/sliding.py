@@ -53,6 +53,7 @@ def can_slide(model):
 @by_width
 def slip_if(slides, model, phase, i):
     """Return the slip of joint i (m) and its rate (m/s), or zeros where slips are not coordinates."""
+    # columns without slips, lanes with slips, one column by its settings
     if has_no_slips(model):
         return lambda slides, model, phase, i: (0.0, 0.0)
     if model.kind is LANES:
@@ -96,6 +97,7 @@ def rim_force(blocks, i, opening, slope, slip):
 
     It is the decrease of the elastic energy per metre of slip: without it a slip would gain or lose energy.
     """
+    # lanes with slips, lanes without, one column
     if isinstance(slip, LanesType):
         return _rim_force_of_lanes
     if isinstance(slope, LanesType):
@@ -106,6 +108,7 @@ def rim_force(blocks, i, opening, slope, slip):
 @leaf
 def _lens_force(blocks, i, left, right, opening, slope, slip, rim):
     """Return the force (N) of the edges on a round joint above a round face, both inset by a rim (m)."""
+    # radii (m) of both faces, and their pressed part
     own, bore = 0.5 * blocks.own_depth[i] - rim, 0.5 * inset_bore(blocks.own_bore[i], rim)
     below, bore_below = blocks.rim_right[i] - rim, 0.5 * inset_bore(blocks.bore_below[i], rim)
     lo, hi = pressed_part(left, right, opening, slope)
@@ -125,6 +128,7 @@ def _rim_force_of_lanes(blocks, i, opening, slope, slip):
             edge, own, rim = right, blocks.own_right[i], blocks.rim_right[i]
         here = cut & (edge != own) & (edge == rim - slip)
         if any_of(here):
+            # half of stiffness times penetration squared times depth
             pressed = greater(slope * edge - opening, 0.0)
             push = 0.5 * blocks.stiffness[i] * pressed * pressed * depth_in_lanes(blocks, i, left, right, edge)
             force += where(here, push if ahead else -push, 0.0)
@@ -133,6 +137,7 @@ def _rim_force_of_lanes(blocks, i, opening, slope, slip):
         lens = blocks.slipped[i] == LENS
         if any_of(lens & cut):
             force = where(lens, where(cut, _lens_force(blocks, i, left, right, opening, slope, slip, 0.0), 0.0), force)
+    # less the edges of the inside
     return less_insides(blocks, i, left, right, opening, slope, slip, cut, force)
 
 
@@ -165,6 +170,7 @@ def _inside_force_of_lanes(blocks, i, left, right, inside, opening, slope, slip)
             edge, own, below, place = right, blocks.own_right[i], blocks.rim_right[i], right - rim
         here = (edge != own) & (edge == below - slip)
         if any_of(here):
+            # half of stiffness times penetration squared times depth
             pressed = greater(slope * place - opening, 0.0)
             depth = inside_depth_in_lanes(blocks, i, begin, end, place)
             push = 0.5 * blocks.stiffness[i] * pressed * pressed * depth
@@ -177,6 +183,7 @@ def _inside_force_of_lanes(blocks, i, left, right, inside, opening, slope, slip)
 
 
 def _rim_force_of_one(blocks, i, opening, slope, slip):
+    # a contact whose edges are those of its own face
     if slip == 0.0 and blocks.overhangs[i] == 0.0:
         return 0.0
     # edges of the outline
@@ -190,6 +197,7 @@ def _rim_force_of_one(blocks, i, opening, slope, slip):
 @leaf
 def _force_of_edges(blocks, i, contact, rim, opening, slope, slip):
     """Return the force (N) of the edges of the lower face of joint i where both faces are inset by a rim (m)."""
+    # both faces, inset by the rim
     part, section, stiffness, force = inset(contact, rim), blocks.slipped[i], blocks.stiffness[i], 0.0
     if not part.left < part.right:
         return 0.0

@@ -45,27 +45,32 @@ def derive(model):
     The tolerance is the user's on entry and that of a step on return: call once.
     """
     n, settings, blocks = model.n, model.settings, model.blocks
+    # tolerance of a step, from that of the response
     tight = settings.tolerance <= TIGHT
     settings.tolerance = max(LEAST_TOLERANCE, STEP_PART * settings.tolerance)
     # geometry and derived constants of each block, from the base up
     height = 0.0  # m, of the top face of the block
     built_x = 0.0  # m, x of the middle of that face, as built
     for i in range(n - 1, -1, -1):
+        # position of the top face, m
         height += blocks.height[i]
         built_x += blocks.offset[i] * math.cos(blocks.lean[i]) + blocks.height[i] * math.sin(blocks.tilt[i])
         blocks.built_x[i] = built_x
+        # without this short cut an undamped joint has a dashpot, though a negligible one
         if int(settings.without) & DASHPOTS:
             blocks.damping[i] = max(blocks.damping[i], NO_DAMPING)
         blocks.upper[i] = blocks.height[i] - blocks.centroid[i]
         blocks.per_mass[i] = 1.0 / blocks.mass[i]
         blocks.per_inertia[i] = 1.0 / blocks.inertia[i]
         blocks.per_masses[i] = blocks.per_mass[i] + (blocks.per_mass[i + 1] if i + 1 < n else 0.0)
+        # stiffness per width (N/m2), and rotation radius of the contact (m)
         blocks.rigidity[i] = blocks.stiffness[i] * blocks.depth[i]
         if blocks.section[i] == RECTANGLE:
             blocks.open_size[i] = blocks.width[i] / math.sqrt(12.0)
         else:
             blocks.open_size[i] = math.sqrt(full_turning_stiffness(blocks, i) / full_stiffness(blocks, i))
         blocks.per_open_size[i] = 1.0 / blocks.open_size[i]
+        # rotation at which a block or joint counts as overturned, rad
         left, right = blocks.left[i], blocks.right[i]
         if settings.slides != 0.0:  # with slips and offsets it may turn about any point of its own face
             left, right = blocks.own_left[i], blocks.own_right[i]
@@ -79,10 +84,12 @@ def derive(model):
     spring_above = 0.0
     damping = 0.0  # s, the largest
     for i in range(n):
+        # bound of the squared frequency by the springs above and below, 1/s2
         spring = full_stiffness(blocks, i)
         fastest = max(fastest, (spring + spring_above) / blocks.mass[i])
         spring_above = spring
         damping = max(damping, blocks.damping[i])
+        # least rotation at which a joint opens under the weight it carries
         carried += blocks.mass[i]
         opening_rotation = min(opening_rotation, 2.0 * (settings.gravity * carried / spring) / blocks.width[i])
     fastest = math.sqrt(2.0 * fastest)  # rad/s
@@ -104,6 +111,7 @@ def settle_joints(model, phase):
     carried = 0.0
     for i in range(n):
         carried += blocks.mass[i]
+        # opening under the weight above, m: negative
         phase.opening[i] = -(model.settings.gravity * carried / full_stiffness(blocks, i))
 
 
@@ -114,6 +122,7 @@ def rest_of(model, rest, room):
     A column on its axis, of any law, is checked for joints that carry the weight there.
     """
     blocks, settings = model.blocks, model.settings
+    # on the axis: openings under the weight, and bonds as built
     settle_joints(model, rest)
     if is_bonded(model):
         begin_bonds(model, rest)
@@ -133,6 +142,7 @@ def carries(model):
     """Return True if all joints carry the weight on them once they settle as far as their stiffness lets them."""
     blocks, weight = model.blocks, 0.0
     for i in range(model.n):
+        # weight on the joint, N
         weight += model.settings.gravity * blocks.mass[i]
         # opening of a linear spring under the weight, and the force of the law there
         opening = -weight / full_stiffness(blocks, i)

@@ -79,6 +79,7 @@ def describe(column, given, detail):
     settings.has_modes = 0.0
     settings.slides = 0.0
     settings.off_axis = 0.0
+    # blocks from the top down, each with the joint under it
     for i in range(model.n):
         code = _describe_block(model, given, i, detail)
         if code != OK:
@@ -163,6 +164,7 @@ def _top_face(row):
 def is_linear(given, n):
     """Return True if all joints have the linear law."""
     for i in range(n):
+        # coefficients of the terms above the linear one
         row = given[_SETTINGS_FIELDS + _BLOCK_FIELDS * i :]
         for k in range(_LINEAR_FIELDS, _LAW_FIELDS):
             if row[_LAW_GIVEN + k] != 0.0:

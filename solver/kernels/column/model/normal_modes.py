@@ -54,6 +54,7 @@ def scratch_size(n: int) -> int:
 
 @leaf
 def _scratch(row, n):
+    # four w x w matrices, six vectors of w, three of n
     w = 2 * n
     m = w * w
     v = row[4 * m :]
@@ -89,8 +90,10 @@ def normal_modes(model, rest, scratch):
     n = model.n
     w = 2 * n
     s = _scratch(scratch, n)
+    # M, K and damping at rest
     if not model.settings.gravity > 0.0 or not _linear_about(model, rest, s):
         return False
+    # on the axis rotations and openings are independent: two groups of modes
     parts = 2 if model.settings.off_axis == 0.0 else 1
     m = w // parts
     limits_of(model).parts = parts
@@ -114,6 +117,7 @@ def normal_modes(model, rest, scratch):
             fastest = max(fastest, square)
             mode.square = square
             _shape(s, begin, m, w, least, k, shapes)
+            # participation in base motion along x and z, and largest rotation
             push, lift = 0.0, 0.0
             largest = 0.0
             for i in range(m):
@@ -148,6 +152,7 @@ def normal_modes(model, rest, scratch):
     limits = limits_of(model)
     longest = COUPLED_PART / max(coupled, 1e-300)
     set_limits(limits, model.settings.tolerance, INTERPOLATION_PART, longest, damped)
+    # modes that exceed the range of float64 are not used
     for i in range(modal_size(n)):
         if not math.isfinite(model.modal[i]):
             return False
@@ -186,13 +191,16 @@ def _linear_about(model, rest, s):
         if not joint.is_full:
             return False
         turn, opening = i, n + i
+        # stiffness of the opening, and of the rotation of the block above
         _add(s.normal, w, opening, opening, joint.along)
         _add(s.normal, w, turn, opening, joint.twist - 0.5 * joint.across)
         _add(s.normal, w, turn, turn, joint.turning + joint.spread - lever * math.cos(rest.theta[i] + blocks.tilt[i]))
+        # stiffness of the rotation of the block below
         if i + 1 < n:
             _add(s.normal, w, turn + 1, opening, -joint.twist - 0.5 * joint.across)
             _add(s.normal, w, turn + 1, turn + 1, joint.turning + joint.spread)
             _add(s.normal, w, turn, turn + 1, joint.spread - joint.turning)
+        # damping: eta times the elastic stiffness
         eta = blocks.damping[i]
         s.along[i], s.twist[i], s.turning[i] = eta * joint.along, eta * joint.twist, eta * joint.elastic
     # M and the forces of the base, by the displacements of the centroids
@@ -200,9 +208,11 @@ def _linear_about(model, rest, s):
     above = 0.0
     for block in range(n):  # rows of its rotation and opening; columns of the block and of those below
         own = blocks.mass[block]
+        # forces of unit base accelerations on this coordinate
         for at in (block, n + block):
             s.push[at] = own * s.own_x[at] + above * s.far_x[at]
             s.lift[at] = own * s.own_z[at] + above * s.far_z[at]
+            # row of the mass matrix
             for other in range(w):
                 lower = other % n
                 if lower > block:
@@ -237,8 +247,10 @@ def _moved(model, rest, s):
         s.own_x[i], s.own_z[i] = turned_x + blocks.centroid[i] * level, turned_z + blocks.centroid[i] * fall
         s.far_x[i] = arm_x + turned_x + blocks.height[i] * level
         s.far_z[i] = arm_z + turned_z + blocks.height[i] * fall
+        # unit opening: displacement along the normal of the joint
         s.own_x[n + i], s.own_z[n + i] = sine, cosine
         s.far_x[n + i], s.far_z[n + i] = sine, cosine
+        # the rotation of the block below turns the joint by half as well
         arm_x, arm_z = turned_x, turned_z
 
 
@@ -331,6 +343,7 @@ def _next_mode(s, begin, m, w, k):
     a = s.normal[(w + 1) * begin :]
     for i in range(m):
         square = a[w * i + i]
+        # rank of the eigenvalue; equal ones by their index
         before = 0
         for j in range(m):
             other = a[w * j + j]
@@ -345,6 +358,7 @@ def _next_mode(s, begin, m, w, k):
 def _shape(s, begin, m, w, vector, k, shapes):
     """Fill column k of the shapes with L^-T times a vector: a mode of unit modal mass."""
     low, v = s.lower[(w + 1) * begin :], s.vectors[(w + 1) * begin :]
+    # back substitution by the transposed Cholesky factor
     for i in range(m - 1, -1, -1):
         rest = v[w * vector + i]
         for j in range(i + 1, m):
@@ -367,6 +381,7 @@ def _modal_damping(s, n, begin, m, shapes, j, k):
         if begin + m > n:
             at = n + i - begin
             opening_j, opening_k = shapes[m * at + j], shapes[m * at + k]
+        # dashpots of rotation, opening and both
         product += s.turning[i] * turn_j * turn_k + s.along[i] * opening_j * opening_k
         product += s.twist[i] * (turn_j * opening_k + opening_j * turn_k)
     return product

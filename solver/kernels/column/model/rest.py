@@ -57,8 +57,10 @@ def find_rest(model, phase, room):
 
     Bonds are cut until those that are left bear the weight.
     """
+    # dry joints
     if not is_bonded(model):
         return _balance(model, phase, room)
+    # mortar: balance, cut, and balance again until no bond breaks
     for _ in range(CUTS):
         if not _balance(model, phase, room):
             return False
@@ -74,9 +76,11 @@ def _cut_bonds(model, phase):
     for i in range(model.n):
         bond = Bond(phase.bond_left[i], phase.bond_right[i], blocks.reach[i])
         if bond.left < bond.right:
+            # part of it that holds at this stretch
             contact = contact_of(blocks, i, phase.slip[i])
             opening, slope, _, _ = motion_of_joint(model, phase, i)
             left, right = bonded_part(contact, bond, opening, slope)
+            # the bond breaks there, by more than rounding
             if (right - left) < (bond.right - bond.left) - CUT * (contact.right - contact.left):
                 keep_bond(phase, model, i, left, right)
                 found = True
@@ -94,6 +98,7 @@ def _balance(model, phase, room):
             return False
         size, below = 0.0, 0.0
         for i in range(model.n - 1, -1, -1):
+            # corrections of rotation (rad) and opening (m)
             change = (row.right[i] - row.side[i] * below) / row.pivot[i]
             opened = -(row.unbalanced[i] + row.over[i] * change + row.under[i] * below) / row.along[i]
             phase.theta[i] += change
@@ -117,6 +122,7 @@ def _bearing_part(model, phase, i, left, right, opening, slope):
     lo, hi = loaded_part(left, right, 0.0, opening, slope, 0.0, 0.0)
     if not (is_bonded(model) and phase.bond_left[i] < phase.bond_right[i]):
         return lo, hi
+    # the bond alone, or the bond and the pressed part
     if not lo < hi:
         return phase.bond_left[i], phase.bond_right[i]
     return min(lo, phase.bond_left[i]), max(hi, phase.bond_right[i])
@@ -126,6 +132,7 @@ def _bearing_part(model, phase, i, left, right, opening, slope):
 def joint_about(model, phase, i, carried):
     """Return joint i at a phase at rest, with the mass that it carries (kg)."""
     blocks = model.blocks
+    # rotations of both blocks, slip and opening
     turn, slip, opening = phase.theta[i], phase.slip[i], phase.opening[i]
     below = phase.theta[i + 1] if i + 1 < model.n else 0.0
     # motion of the joint

@@ -51,6 +51,7 @@ def solid_between(
     Solid
         Volume, centroid and inertia.
     """
+    # taper of width and depth from bottom to top
     wider = 0.0 if top_width == 0.0 else top_width - width
     deeper = 0.0 if top_depth == 0.0 else top_depth - depth
     volume, first, second = 0.0, 0.0, 0.0

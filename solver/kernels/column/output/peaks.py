@@ -119,10 +119,12 @@ def _allow(column):
     part = PROMISE * column.model.settings.tolerance
     for field in range(_PER_N):
         first = field * n if field < _OF_JOINTS else field * n + _BESIDE
+        # largest peak of the field
         largest = _largest(peaks, first, first + n)
         # of each quantity, relative to its peak and to the largest one in the column
         for j in range(first, first + n):
             allowed[j] = part * max(peaks[j], QUIET * largest)
+    # quantities without index: each by itself
     for j in range(_OF_JOINTS * n, _OF_JOINTS * n + _BESIDE):
         allowed[j] = part * peaks[j]
 
@@ -146,6 +148,7 @@ def _show(column, phase, resultants, motion, seen):
 def _raise_port_peaks(column, phase, motion):
     """Raise the peaks of the ports, behind the state, by their motion in an evaluated phase."""
     n = column.model.n
+    # outputs of the ports into a scratch row
     peaks, scratch = column.state.buffer[_STATE_PER_N * n + _STATE_BESIDE :], scratch_of_ports(column)
     show_ports(column, phase, motion, scratch)
     for j in range(_SEEN * ports_of(column)):
@@ -170,6 +173,7 @@ def _see(column, motion, seen):
 def _see_within(column, t, h, s, seen):
     """Fill `seen` with the outputs at fraction s of the step from t to t + h."""
     work = column.work
+    # phase within the step, and outputs under base motion and loads of that instant
     interpolate_phase(work, h, s)
     copy(work.between.sliding, work.end.sliding, int(work.slips.count))  # the joints slide as during the step
     keep_bonds(work, work.between)
@@ -205,6 +209,7 @@ def _see_middle(column, t, h):
     work, middle = column.work, _seen(column.work, MIDDLE)
     refines, known = work.interpolation.wants_bump != 0.0, work.interpolation.knows_middle != 0.0
     refine(column, t, h)
+    # a middle that is not evaluated: interpolate it
     if can_slide(column.model) or not (refines or known):
         _see_within(column, t, h, MIDDLE / PIECES, middle)
         return False
@@ -279,6 +284,7 @@ def _top(f_0, f_1, f_2, f_3, f_4, near):
         if not bend < 0.0:
             break
         x = min(2.0, max(-2.0, x - (c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * 4.0 * c4))) / bend))
+    # value there, and its quartic term
     height = f_2 + x * (c1 + x * (c2 + x * (c3 + x * c4)))
     far = -2.0 if x > 0.0 else 2.0  # the end that the cubic does not use
     return x + 2.0, height, c4 * (x + far) * (x + 1.0) * x * (x - 1.0)
@@ -291,6 +297,7 @@ def _climb(column, t, h, j, sign, known, s, height):
     known: three fractions of the step in ascending order, each with the value there; the second value is the largest.
     """
     work, peaks = column.work, column.state.peaks
+    # a few trials by parabolas
     for _ in range(MOST_TRIALS):
         a, _, _, _, c, _ = known
         # stop where the predicted gain is below the allowed one
@@ -344,6 +351,7 @@ def _cross(column, t, h, i, weight, lo, f_lo, hi, f_hi):
     for _ in range(2 * MOST_TRIALS):
         s = trial_within(known)
         f_s = _peaks(_look(column, t, h, s), n).joints.N[i] - weight
+        # N is just above the weight
         if 0.0 <= f_s <= enough:
             return
         known = narrowed(known, s, way * f_s)
@@ -368,6 +376,7 @@ def _find_tops(column, t, h):
         for k in range(PIECES):
             here, there = _peaks(_seen(work, k), n).joints, _peaks(_seen(work, k + 1), n).joints
             f_lo, f_hi = here.N[i] - weight, there.N[i] - weight
+            # the ratio may exceed its peak in this piece
             along = max(abs(here.T[i]), abs(there.T[i]))
             if f_lo * f_hi < 0.0 and along > (peaks[first + i] + work.allowed[first + i]) * weight:
                 _cross(column, t, h, i, weight, k / PIECES, f_lo, (k + 1) / PIECES, f_hi)

@@ -39,6 +39,7 @@ def begin_watching(column, watch, motion, evaluated):
     """Start the peaks at the start of a run with this motion of the base; `evaluated`: `work.joints` belongs to it."""
     if not watch.peaks:
         return
+    # peaks of u_x at the start
     work, peaks = column.work, column.state.peaks
     tops = work.tops
     # displacements and velocities of the tops
@@ -57,6 +58,7 @@ def begin_watching(column, watch, motion, evaluated):
 @kernel
 def watch_step(column, watch, t, h):
     """Keep the requested results of the step just made from t to t + h (s)."""
+    # nothing is requested
     if not watch.peaks and watch.size == 0:
         return
     evaluations, sweeps = column.counts.evaluations, column.counts.sweeps
@@ -87,8 +89,10 @@ def track_peaks(column, t, h):
     reach = 0.0
     passed = base_rotates(column.base)
     for i in range(n - 1, -1, -1):
+        # movement of the top of block i by rotation and opening
         reach += reach_of(column, end.theta, end.opening, i)
         reach += h * reach_of(column, end.theta_rate, end.opening_rate, i)
+        # by its slip, and by its offset as built as the faces rotate
         if can_slide(model):
             offset = model.blocks.offset[i]
             reach += abs(end.slip[i] - offset) + h * abs(end.slip_rate[i])
@@ -167,6 +171,7 @@ def take_held_snapshots(column, watch, t, h):
     state, counts, work = column.state, column.counts, column.work
     size = size_of_snapshot(work)
     while row_due(counts, watch, t, h):
+        # the same state and base acceleration in each snapshot
         snapshot = _snapshot(watch.snapshots[size * counts.next_row : size * (counts.next_row + 1)], work.n)
         copy(snapshot.phase.buffer, state.phase.row, phase_size(work))
         snapshot.base.ax = state.control.base_ax

@@ -80,6 +80,7 @@ def band_part(strips, outer, inner, centre, lo, hi):
     lo, hi : float
         Ends of the part, m.
     """
+    # moments about the middle of the interval
     about = 0.5 * (lo + hi)
     area = first = second = 0.0
     count = int(strips[COUNT])
@@ -101,6 +102,7 @@ def _first_touched(strips, k, inner, centre, lo, hi):
     half = 0.5 * strips[DEPTHS + k]
     lo, hi = max(lo, edge_of(strips, k)), min(hi, edge_of(strips, k + 1))
     over = _kink(inner, half)
+    # a strip without depth bears nothing
     if not half > 0.0:
         return hi, hi
     # move an end that lies over the bore to its edge
@@ -118,6 +120,7 @@ def ends_of_band(strips, inner, centre, left, right):
     if not left < right:
         return left, right
     first, last = right, left
+    # first and last strip with a part beside the bore
     for k in range(int(strips[COUNT])):
         lo, hi = _first_touched(strips, k, inner, centre, left, right)
         if lo < hi:

@@ -94,6 +94,7 @@ def common(own: Face, below: Face) -> Face:
     Its section is ON_RING or ON_BAND where it is none of SECTIONS: then width and depth are upper bounds, in m. It is
     UNKNOWN where a face is neither round nor straight.
     """
+    # rectangle common to both outlines
     width, depth = min(own.width, below.width), min(own.depth, below.depth)
     if not (is_known(own.section) and is_known(below.section)):
         return Face(float(UNKNOWN), width, depth, 0.0)
@@ -114,8 +115,10 @@ def common(own: Face, below: Face) -> Face:
 @in_both
 def after_a_slip(own: Face, below: Face, section: float) -> float:
     """Return the section of the contact after a slip, from that without a slip (section)."""
+    # over a round face
     if is_round(below.section):
         return float(LENS if is_round(own.section) else ON_RING)
+    # a round face on a straight one, which may bound it after a slip
     if is_round(own.section) and (section == ON_BAND or own.depth > below.depth):
         return float(ON_BAND)
     return own.section

@@ -50,11 +50,13 @@ def lens_part(own, bore, below, bore_below, slip, lo, hi):
 
     A loop over the four circles, which is compiled once.
     """
+    # moments about the middle of the interval
     about = 0.5 * (lo + hi)
     area = first = second = 0.0 * about
     hollow = greater(bore, bore_below) > 0.0
     for k in range(4):
         outer, is_below = k < 2, k % 2 == 1
+        # faces without bores are done
         if k == 2 and not any_of(hollow):
             break
         # the circle below or above, of the outline or of the bores
@@ -79,6 +81,7 @@ def ends_of_rings(own, bore, below, bore_below, slip, left, right):
     cut = magnitude(below - moved) < bore
     cut_behind = magnitude(own - moved) < bore_below
     end, behind = meeting(below, bore, slip), meeting(bore_below, own, slip)
+    # a slip towards +x: the bore above cuts on the right, the one below on the left
     left, right = (
         where(ahead, where(cut_behind, behind, left), where(cut, end, left)),
         where(ahead, where(cut, end, right), where(cut_behind, behind, right)),

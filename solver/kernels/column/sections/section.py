@@ -130,6 +130,7 @@ def ends_if_band(blocks, i, section, slip, left, right):
 
 def _ends_of_band(blocks, i, section, slip, left, right):
     strips = blocks.strips[STRIP_NUMBERS * i :]
+    # strips over the bore below, or a bore over the strip below
     if section == ON_RING and blocks.bore_below[i] > 0.0:
         left, right = ends_of_band(strips, 0.5 * blocks.bore_below[i], -slip, left, right)
     elif section == ON_BAND and blocks.own_bore[i] > 0.0:
@@ -140,6 +141,7 @@ def _ends_of_band(blocks, i, section, slip, left, right):
 @kernel
 def _ends_of_rings(blocks, i, slip, left, right):
     """Return the ends of the contact of joint i (m), cut off by bores where a round face has slipped over another."""
+    # lanes in which a round face with a bore has slipped
     hollow = (blocks.own_bore[i] > 0.0) | (blocks.bore_below[i] > 0.0)
     rings = (slip != 0.0) & (blocks.slipped[i] == LENS) & hollow
     if any_of(rings):
@@ -156,6 +158,7 @@ def contact_of(blocks, i, slip=0.0):
     left, right = ends_of(blocks, i, slip)
     section, depth, bore = blocks.section[i], blocks.depth[i], blocks.bore[i]
     below, bore_below = 0.0, 0.0
+    # the shape may differ after a slip
     if slip != 0.0:
         section = blocks.slipped[i]
     # the other, round face
@@ -206,6 +209,7 @@ def _part(contact, lo, hi):
 @kernel
 def _part_of_rim(contact, lo, hi):
     """Return `_part` of a contact that touches in a rim: of its outline less that of its inside."""
+    # the outline
     about, area, first, second = _part_of_outline(contact, lo, hi)
     # subtract the inside, about the same middle
     inside = inset(contact, contact.rim)
@@ -229,12 +233,14 @@ def _part_of_outline(contact, lo, hi):
         if contact.section == LENS:
             return lens_part(0.5 * contact.depth, 0.5 * contact.bore, outer, inner, contact.slip, lo, hi)
         return band_part(contact.strips, outer, inner, -contact.slip, lo, hi)
+    # one face, as it is
     if contact.section == CIRCLE:
         return circle_part(0.5 * contact.depth, lo, hi)
     if contact.section == STRIPS:
         return strips_part(contact.strips, lo, hi)
     if contact.section == FRAME:
         return _frame_part(contact.depth, lo, hi)
+    # a circle less its bore
     about, area, first, second = ring_part(0.5 * contact.depth, 0.5 * contact.bore, lo, hi)
     return about, area if contact.section == ANNULUS else math.nan, first, second
 
@@ -292,6 +298,7 @@ def _part_in_lanes(blocks, i, slip, lo, hi):
 
 
 def _part_in_lanes_that_slip(blocks, i, slip, lo, hi):
+    # lanes as built: circles less their bores
     outer, inner = 0.5 * blocks.depth[i], 0.5 * blocks.bore[i]
     middle, area, first, second = ring_part(outer, inner, lo, hi)
     # lanes that have slipped: lenses
@@ -361,6 +368,7 @@ def forces_of_rims(blocks, i, slip, ends, lo, hi, mean, gradient, force, moment)
 
 
 def _forces_of_rims(blocks, i, slip, ends, lo, hi, mean, gradient, force, moment):
+    # lanes whose contact touches in a rim
     narrow = blocks.rim[i] > 0.0
     if any_of(narrow):
         part = _part_of_rim_in_lanes(blocks, i, slip, ends, lo, hi)
@@ -381,6 +389,7 @@ def _frame_part(depth, lo, hi):
 def inside_in_lanes(blocks, i, slip, left, right):
     """Return the ends (m) of the inside that rims leave open of joint i in lanes, as `inset`, from the contact's."""
     rim = blocks.rim[i]
+    # straight edges
     left, right = left + rim, right - rim
     # bores of round faces that have slipped over each other
     lens = (slip != 0.0) & (blocks.slipped[i] == LENS)
@@ -440,6 +449,7 @@ def energy_over(contact, stiffness, lo, hi, opening, slope):
     if contact.section == RECTANGLE:
         middle = slope * 0.5 * (lo + hi) - opening
         return 0.5 * stiffness * contact.depth * length * (middle * middle + slope * slope * (length * length) / 12.0)
+    # any other section, from the moments of the part
     about, area, first, second = _part(contact, lo, hi)
     middle = slope * about - opening
     return 0.5 * stiffness * (middle * middle * area + slope * (2.0 * middle * first + slope * second))
@@ -451,10 +461,12 @@ def part_stiffness(contact, stiffness, lo, hi):
 
     The derivatives of N by the opening, of N (or M) by the slope (or opening) and of M by the slope, signs aside.
     """
+    # any section, from the moments of the part
     if contact.section != RECTANGLE:
         about, area, first, second = _part(contact, lo, hi)
         mixed = about * area + first
         return stiffness * area, stiffness * mixed, stiffness * (about * mixed + about * first + second)
+    # a rectangle in closed form
     length = hi - lo
     middle = 0.5 * (lo + hi)
     along = stiffness * contact.depth * length
@@ -475,6 +487,7 @@ def depth_at(contact, place):
 def depth_in_lanes(blocks, i, left, right, place):
     """Return the depth (m) at a place of joint i in lanes, between these ends; cut along a straight line, if at all."""
     depth, flat = blocks.depth[i], blocks.section[i] == RECTANGLE
+    # the depth of a frame is that of its outline
     if knows_rims(blocks):
         flat = flat | (blocks.section[i] == FRAME)
     if knows_round(blocks) and any_of(blocks.section[i] != RECTANGLE):
@@ -611,6 +624,7 @@ def lay_out(blocks, i, own, count, depths, below, rim):
 def _lie_within(strips, face):
     """Return True if strips lie within a round face."""
     count, within = int(strips[COUNT]), face.bore == 0.0
+    # corners of each strip within the circle
     for k in range(count):
         reach, half = max(-edge_of(strips, k), edge_of(strips, k + 1)), 0.5 * strips[DEPTHS + k]
         within = within and (not half > 0.0 or 2.0 * math.hypot(reach, half) <= face.width)
@@ -623,9 +637,11 @@ def face(section: float, width: float, depth: float, bore: float) -> tuple[float
 
     They are no numbers if the section is unknown.
     """
+    # a rectangle
     if section == RECTANGLE:
         return width * depth, width * depth * width * width / 12.0
     if not is_round(section):
         return math.nan, math.nan
+    # a circle less its bore
     outer, inner = width * width, bore * bore if section == ANNULUS else 0.0
     return 0.25 * math.pi * (outer - inner), math.pi / 64.0 * (outer - inner) * (outer + inner)

@@ -34,6 +34,7 @@ def _moments(strips, k, lo, hi, middle):
     length = end - begin
     if not length > 0.0:
         return 0.0, 0.0, 0.0
+    # moments of a rectangle
     area = strips[DEPTHS + k] * length
     off = 0.5 * (begin + end) - middle
     return area, area * off, area * (off * off + length * length * (1.0 / 12.0))
@@ -45,6 +46,7 @@ def strips_part(strips, lo, hi):
 
     Strips are summed in pairs from the outside, so that mirror images have mirrored moments.
     """
+    # moments about the middle of the interval
     middle = 0.5 * (lo + hi)
     area = first = second = 0.0
     count = int(strips[COUNT])
@@ -108,6 +110,7 @@ def _within_strip(strips, number, lo, hi):
 @kernel
 def strips_part_in_lanes(strips, lo, hi):
     """Return `strips_part` in lanes, equal to the last bit."""
+    # moments about the middle of the interval
     middle = 0.5 * (lo + hi)
     area = first = second = 0.0 * middle
     count = strips[COUNT]
