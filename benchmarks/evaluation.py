@@ -31,7 +31,7 @@ from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext import numbers
 from solver.kernels.numba_ext.jit import from_python, kernel
 from solver.kernels.numba_ext.lanes import WIDTH
-from solver.kernels.numba_ext.views import Part, Record, Space, Table, lanes_of, row_of
+from solver.kernels.numba_ext.views import LayoutPart, Record, Space, Table, lanes_of, row_of
 from solver.models.column.lanes import aligned
 from solver.models.column.packing import pack_model
 from solver.models.column.stepper import Stepper
@@ -170,7 +170,7 @@ def _definitions() -> list[str]:
     found: dict[str, Any] = {"SMALL": numbers.SMALL, "PHASE_FIELDS": PHASE_FIELDS, "JOINT_ROW": JOINT_ROW.beside}
     found |= {name: value for name, value in vars(regimes).items() if name.isupper()}
 
-    def place(name: str, part: Part) -> None:
+    def place(name: str, part: LayoutPart) -> None:
         if isinstance(part, Record):
             found.update({f"{name}_{field}": k for k, field in enumerate(part.fields)})
         elif isinstance(part, Table):

@@ -16,14 +16,14 @@ from fmu_src.native.structure_subject import structure_subject
 from fmu_src.slave import ARRAYS
 from fmu_src.state import Snapshot
 from solver.kernels.layout import spaces as plane
-from solver.kernels.numba_ext.views import Numbers, Part, Record, Space, Table
+from solver.kernels.numba_ext.views import LayoutPart, Numbers, Record, Space, Table
 from solver.kernels.structure import layout as space
 
 COLUMNS = [(n, ports) for n in (1, 3) for ports in (0, 2)]
 SIZES = space.sizes_of(4, 3, 2, 1, 40, ports=2, pairs=2, bonds=2)
 
 
-def names(part: Part) -> list[str]:
+def names(part: LayoutPart) -> list[str]:
     """The names of the numbers of a layout, as deep as there are names, in their order."""
     if isinstance(part, Numbers):
         return [""]
@@ -45,7 +45,7 @@ LAYOUTS = [
 
 
 @pytest.mark.parametrize(("layout", "described"), LAYOUTS)
-def test_every_field_of_a_state_is_described(layout: Part, described: dict[str, Any]) -> None:
+def test_every_field_of_a_state_is_described(layout: LayoutPart, described: dict[str, Any]) -> None:
     together = {
         f"phase.{name}": [f"phase.{field}" for field in plane.PHASE.fields[2 * k : 2 * k + 2]]
         for k, name in enumerate(("coordinates", "rates", "accelerations"))

@@ -18,7 +18,7 @@ NO_STRIPS = np.zeros(STRIP_NUMBERS)
 
 @from_python
 def _rectangle(width, depth, strips):
-    return section.Contact(faces.RECTANGLE, -0.5 * width, 0.5 * width, depth, 0.0, row_of(strips), 0.0, 0.0, 0.0, 0.0)
+    return section.ContactSection(faces.RECTANGLE, -0.5 * width, 0.5 * width, depth, 0.0, row_of(strips), 0.0, 0.0, 0.0, 0.0)
 
 
 @from_python
@@ -54,10 +54,10 @@ _regime = from_python(regimes.contact_regime)
 _margin = from_python(regimes.regime_margin)
 
 
-def law_of(stiffness: float, damping: float = 0.0, **others: float) -> law.Law:
+def law_of(stiffness: float, damping: float = 0.0, **others: float) -> law.PressureLaw:
     """A law; parameters that are not given are 0."""
     given = {"stiffness": stiffness, "damping": damping} | others
-    return law.Law(*(float(given.get(name, 0.0)) for name in law.Law._fields))
+    return law.PressureLaw(*(float(given.get(name, 0.0)) for name in law.PressureLaw._fields))
 
 
 def joint_forces(

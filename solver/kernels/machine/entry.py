@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
-from .kinds import Int, Kind, Real
+from .kinds import Int, ArgumentKind, Real
 from .library import NAMES, load
 
 ENTRIES: dict[tuple[str, str], "Entry"] = {}  # by group and name
@@ -34,8 +34,8 @@ class Entry:
         self.__name__, self.__doc__, self.__module__ = function.__name__, function.__doc__, module
         # kinds of the arguments and of the result
         annotations = dict(function.__annotations__)
-        self.result: type[Kind] | None = annotations.pop("return", None)
-        self.kinds: dict[str, type[Kind]] = annotations
+        self.result: type[ArgumentKind] | None = annotations.pop("return", None)
+        self.kinds: dict[str, type[ArgumentKind]] = annotations
         code = function.__code__
         given = code.co_varnames[: code.co_argcount]
         if tuple(annotations) != given or self.result not in (None, Int, Real):

@@ -15,7 +15,7 @@ _FLOAT, _WHOLE = np.dtype(np.float64), np.dtype(np.int64)
 _first_byte, _address = ctypes.c_char.from_buffer, ctypes.addressof
 
 
-class Kind:
+class ArgumentKind:
     """A way to pass an argument: its letters for `struct`, and the values of its slots."""
 
     letters: ClassVar[str]
@@ -26,7 +26,7 @@ class Kind:
         raise NotImplementedError
 
 
-class _Int(Kind):
+class _Int(ArgumentKind):
     """An int64."""
 
     letters = "q"
@@ -37,7 +37,7 @@ class _Int(Kind):
         return (value,)
 
 
-class _Real(Kind):
+class _Real(ArgumentKind):
     """A float64."""
 
     letters = "d"
@@ -65,7 +65,7 @@ def address_of(array: Any, kind: np.dtype[Any] = _FLOAT) -> int:
         return int(array.ctypes.data)
 
 
-class _Reals(Kind):
+class _Reals(ArgumentKind):
     """The address of an array of float64."""
 
     letters = "qq" if BOUNDS else "q"
@@ -76,7 +76,7 @@ class _Reals(Kind):
         return (address_of(value), value.size) if BOUNDS else (address_of(value),)
 
 
-class _Ints(Kind):
+class _Ints(ArgumentKind):
     """The address of an array of int64."""
 
     letters = "qq" if BOUNDS else "q"
@@ -87,7 +87,7 @@ class _Ints(Kind):
         return (address_of(value, _WHOLE), value.size) if BOUNDS else (address_of(value, _WHOLE),)
 
 
-class _SizedReals(Kind):
+class _SizedReals(ArgumentKind):
     """The address of an array of float64, and its size."""
 
     letters = "qq"

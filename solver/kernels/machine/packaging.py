@@ -35,7 +35,7 @@ PLATFORMS: Mapping[str, tuple[str, Mapping[str, Target]]] = {
 }
 
 
-class _Part(NamedTuple):
+class _TargetCode(NamedTuple):
     """The code of a group for one target.
 
     Attributes
@@ -80,26 +80,26 @@ def object_code(group: str, targets: Iterable[Target], suffix: str = ".o") -> li
     for target in targets:
         word = f"{target.triple}/{target.cpu}/{PREFIX}"
         file = f"{word.replace('/', '-')}{suffix}"
-        parts.append(_Part(group, word, None, f"{identity}-{group}-{file}", file))
+        parts.append(_TargetCode(group, word, None, f"{identity}-{group}-{file}", file))
     found = _contents(parts)
     return [found[part.file] for part in parts]
 
 
-def _linked_parts(group: str, platforms: tuple[str, ...]) -> Iterator[_Part]:
+def _linked_parts(group: str, platforms: tuple[str, ...]) -> Iterator[_TargetCode]:
     """Return the parts of a group that are linked, for all levels of platforms."""
     identity = _made_with(f"ziglang {version('ziglang')}")
     for name in platforms:
         suffix, targets = PLATFORMS[name]
         for level, target in targets.items():
             key, file = f"{identity}-{group}-{name}-{level}", file_name(group, level, suffix)
-            yield _Part(group, f"{target.triple}/{target.cpu}/", target, key, file)
+            yield _TargetCode(group, f"{target.triple}/{target.cpu}/", target, key, file)
 
 
-def _object_parts(group: str) -> Iterator[_Part]:
+def _object_parts(group: str) -> Iterator[_TargetCode]:
     """Return the parts of a group as object code for the processors of this machine's architecture."""
     identity = _made_with()
     for level in ARM if is_arm() else X86:
-        yield _Part(group, level, None, f"{identity}-{group}-{level}.o", file_name(group, level, ".o"))
+        yield _TargetCode(group, level, None, f"{identity}-{group}-{level}.o", file_name(group, level, ".o"))
 
 
 def _made_with(*beside: str) -> str:
@@ -108,14 +108,14 @@ def _made_with(*beside: str) -> str:
     return hashlib.sha256(" ".join((SOURCES, compilers(), *beside)).encode() + source).hexdigest()[:16]
 
 
-def _contents(parts: list[_Part]) -> dict[str, bytes]:
+def _contents(parts: list[_TargetCode]) -> dict[str, bytes]:
     """Return the files of parts by name, stored or made now."""
     # parts that are stored
     found = {part.file: content for part in parts if (content := kept(KEPT, part.key)) is not None}
     missing = [part for part in parts if part.file not in found]
     with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:
         # compile the others, all targets of a group at once
-        objects: dict[_Part, Path] = {}
+        objects: dict[_TargetCode, Path] = {}
         wanted: dict[str, dict[str, Path]] = defaultdict(dict)
         for number, part in enumerate(missing):
             folder = Path(temporary) / str(number)
@@ -132,7 +132,7 @@ def _contents(parts: list[_Part]) -> dict[str, bytes]:
     return found
 
 
-def _linked(part: _Part, target: Target, file: Path) -> bytes:
+def _linked(part: _TargetCode, target: Target, file: Path) -> bytes:
     """Return the shared library of an object."""
     output = file.with_name(part.file)
     # name by which macOS finds a library

@@ -56,11 +56,11 @@ MASK = MaskType()
 
 
 def _model(kind: ir.Type) -> type:
-    class Model(models.PrimitiveModel):  # type: ignore[misc]
+    class _ValueModel(models.PrimitiveModel):  # type: ignore[misc]
         def __init__(self, manager: Any, fe_type: Any) -> None:
             super().__init__(manager, fe_type, kind)
 
-    return Model
+    return _ValueModel
 
 
 register_model(LanesType)(_model(_VECTOR))

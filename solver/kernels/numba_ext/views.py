@@ -32,7 +32,7 @@ else:
 
 __all__ = [
     "Numbers",
-    "Part",
+    "LayoutPart",
     "Record",
     "Space",
     "Table",
@@ -53,7 +53,7 @@ Sum = tuple[int, ...]  # a linear function of sizes: a factor for each, and a co
 # --- the layout
 
 
-class Part:
+class LayoutPart:
     """A part of a layout: `per_n` neighbouring elements for each of n, and `beside` more."""
 
     per_n = 0
@@ -81,7 +81,7 @@ class Part:
         raise NotImplementedError
 
 
-class Numbers(Part):
+class Numbers(LayoutPart):
     """A row without names; without a length it extends to the end of the buffer."""
 
     def __init__(self, per_n: int = 0, beside: int = 0) -> None:
@@ -100,7 +100,7 @@ class Numbers(Part):
         return array[: self.size(n)]
 
 
-class Record(Part):
+class Record(LayoutPart):
     """A record: single numbers with names."""
 
     def __init__(self, *fields: str) -> None:
@@ -115,10 +115,10 @@ class Record(Part):
 
     def see(self, array: Any, n: int = 0) -> Any:
         """Return an object with the names as attributes that can be read and written."""
-        return _Seen(self.places, array)
+        return _RecordView(self.places, array)
 
 
-class Table(Part):
+class Table(LayoutPart):
     """A table: fields of n numbers each, then fields of several times n numbers.
 
     Parameters
@@ -172,20 +172,20 @@ class Table(Part):
         return SimpleNamespace(**{name: array[begin * n : (begin + times) * n] for name, (begin, times) in places})
 
 
-class Space(Part):
+class Space(LayoutPart):
     """A space: parts one after the other, by one size n or by several sizes.
 
     Parameters
     ----------
     *sizes : str
         Names of the sizes; none: "n".
-    **parts : Part or tuple
+    **parts : LayoutPart or tuple
         A part, (part, size) or (part, size, more): the n of the part is its size plus `more`.
     """
 
-    def __init__(self, *sizes: str, **parts: Part | tuple[Any, ...]) -> None:
+    def __init__(self, *sizes: str, **parts: LayoutPart | tuple[Any, ...]) -> None:
         self.sizes = sizes or ("n",)
-        self.parts: dict[str, Part] = {}
+        self.parts: dict[str, LayoutPart] = {}
         self.sums: dict[str, tuple[Sum, Sum]] = {}  # first place of each part, and its n
         end: Sum = (0,) * (len(self.sizes) + 1)
         # first place and n of each part, as sums over the sizes
@@ -222,7 +222,7 @@ def _worth(factors: Sum, sizes: Any) -> int:
     return sum(factor * int(size) for factor, size in zip(factors, (*sizes, 1), strict=True))
 
 
-class _Seen:
+class _RecordView:
     """An object with names over the first numbers of an array."""
 
     def __init__(self, places: dict[str, int], array: Any) -> None:
@@ -258,7 +258,7 @@ class _Parts:
         return self.__dict__[name]
 
 
-def _over(part: Part, whole: bool = True) -> Any:
+def _over(part: LayoutPart, whole: bool = True) -> Any:
     """Return the function of kernels that lays the names of a part over the beginning of a row.
 
     whole: True if the row holds all of it; else it may end before the last rows.

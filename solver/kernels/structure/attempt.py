@@ -97,7 +97,7 @@ def attempt_5(scene, segment, t, h):
 
 def _step_to(table_row: int) -> Any:
     """Create the leaf that evaluates the stages of a step of order 8 up to `table_row`, or up to its end."""
-    before = _step_to(table_row - 1) if table_row > 1 else _nothing
+    before = _step_to(table_row - 1) if table_row > 1 else _no_stage
     sum_of, node = order_8.sum_by(table_row, rate), order_8.NODES[min(table_row, order_8.STAGES)]
     ends = table_row == order_8.END
     to, slope = (END, STAGES - 1) if ends else (STAGE, table_row)
@@ -118,7 +118,7 @@ def _step_to(table_row: int) -> Any:
 
 
 @leaf
-def _nothing(scene, segment, t, h):
+def _no_stage(scene, segment, t, h):
     return
 
 

@@ -59,7 +59,7 @@ def _restoring(joints, j, motion, normal):
 
 
 @leaf
-def beside_slider(scene, j, motion, normal, t1, t2):
+def with_parallel_forces(scene, j, motion, normal, t1, t2):
     """Return the slider forces (t1, t2) along joint j, N, plus those of a bearing in parallel."""
     if any_of(scene.joints.section[j] == POINT):
         beside = _restoring(scene.joints, j, motion, normal)

@@ -93,7 +93,7 @@ def whole(area, moments, q, largest):
 
 
 @leaf
-def less(bed, other):
+def subtract(bed, other):
     """Subtract the bed of a part of its section from a bed; the largest q stays."""
     return Bed(
         bed.force - other.force,

@@ -94,7 +94,7 @@ def cut_bond(scene, counts, those, tip, most):
 
 
 def _cut_one(scene, counts, those, tip, most):
-    return float(_fewer(scene.room, cut(scene.room, int(counts), tip), most)) if those else counts
+    return float(_drop_corners(scene.room, cut(scene.room, int(counts), tip), most)) if those else counts
 
 
 def _cut_lanes(scene, counts, those, tip, most):
@@ -104,26 +104,26 @@ def _cut_lanes(scene, counts, those, tip, most):
             # cut the polygon of this lane alone
             own = one_lane(scene.room, k)
             count = cut(own, int(lane(counts, k)), plane_of_lane(tip, k))
-            counts = with_lane(counts, k, float(_fewer(own, count, most)))
+            counts = with_lane(counts, k, float(_drop_corners(own, count, most)))
     _repeat_last(scene.room, counts)
     return counts
 
 
 @leaf
-def _doubled(room, a, b, c):
+def _doubled_area(room, a, b, c):
     """Return twice the area of the triangle of three corners in the room."""
     x, y = room[2 * a], room[2 * a + 1]
     return abs((room[2 * b] - x) * (room[2 * c + 1] - y) - (room[2 * c] - x) * (room[2 * b + 1] - y))
 
 
 @kernel
-def _fewer(room, count, most):
+def _drop_corners(room, count, most):
     """Drop the corners that enclose the least area until at most `most` are left; return their number."""
     while count > most:
         least, gone = math.inf, 0
         # the corner whose triangle with its neighbours is smallest
         for k in range(count):
-            size = _doubled(room, (k + count - 1) % count, k, (k + 1) % count)
+            size = _doubled_area(room, (k + count - 1) % count, k, (k + 1) % count)
             if size < least:
                 least, gone = size, k
         # close the gap
@@ -144,7 +144,7 @@ def store_bond(scene, e, counts, those):
 
 
 @kernel
-def _all_of(room, count, q):
+def _whole_bed(room, count, q):
     """Return the bed of the whole polygon in the room, tension included."""
     bed = nothing(q)
     x0, y0 = room[0], room[1]
@@ -170,12 +170,12 @@ def with_bond(scene, e, p, q, bed):
     if any_of(breaks):
         counts = cut_bond(scene, counts, breaks, tip_of(scene, e, p), MOST_BONDED + 1)
     there, zero = counts >= 3.0, zero_like(counts)
-    sound.area[e], sound.spare[e] = zero, zero + math.inf
+    sound.area[e], sound.margin[e] = zero, zero + math.inf
     if not any_of(there):
         return bed
     # the whole bond; one that fills the section is summed in closed form
     count = most_of(counts)
-    own = _all_of(room, count, q)
+    own = _whole_bed(room, count, q)
     full = own.area > NEARLY * scene.joints.area[j]
     if any_of(full):
         own = chosen(full, whole(*bearing_area(scene, j), q, bed.largest), own)
@@ -226,7 +226,7 @@ def limits_with_bond(scene, j, normal, limit, couple, stretch, twist):
     stretch, twist : float or lanes
         Square of the displacement along the joint, m2, and its twist, rad.
 
-    The margin of the bond along the joint, as a fraction, is stored in `sound.spare`: 1 unloaded, 0 where it breaks.
+    The margin of the bond along the joint, as a fraction, is stored in `sound.margin`: 1 unloaded, 0 where it breaks.
     """
     joints, sound, e = scene.joints, scene.extras.sound, index_of(scene.joints.bond[j]) - 1
     if e < 0:
@@ -235,7 +235,7 @@ def limits_with_bond(scene, j, normal, limit, couple, stretch, twist):
     # load along the joint over the raised limits
     bears, _ = raised_by_bond(scene, j, normal, limit, couple)
     borne = greater(joints.shear[j] * square_root(stretch), joints.twist[j] / joints.arm[j] * magnitude(twist))
-    sound.spare[e] = where(there, where(bears > 0.0, 1.0 - borne / bears, -1.0), sound.spare[e])
+    sound.margin[e] = where(there, where(bears > 0.0, 1.0 - borne / bears, -1.0), sound.margin[e])
     return where(there, math.inf, limit), where(there, math.inf, couple)
 
 

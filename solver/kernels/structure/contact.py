@@ -20,7 +20,7 @@ _stretch, _PER_JOINT = STRETCH.over, MEMORY.per_n
 
 
 @leaf
-def _rub(scene, phase, extras, p, sides, touch):
+def _add_friction(scene, phase, extras, p, sides, touch):
     """Add the friction of pair p to the forces; store the rates of its stretch in the scene.
 
     Friction acts perpendicular to the resultant of the contact, the normal of the side on which the other one's edge
@@ -75,7 +75,7 @@ def load_pair(scene, phase, extras, p):
     hits.force[p], hits.energy[p] = touch.force, touch.energy
     # friction
     if pairs.friction[p] > 0.0:
-        _rub(scene, phase, extras, p, sides, touch)
+        _add_friction(scene, phase, extras, p, sides, touch)
 
 
 @kernel

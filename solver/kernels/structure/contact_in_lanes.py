@@ -26,7 +26,7 @@ class Met(NamedTuple):
 
 
 class Alone(NamedTuple):
-    """The view of one lane that the contact of neighbours needs, with the names of Scene."""
+    """The view of one lane that the contact of neighbours needs, with the names of `KernelScene`."""
 
     n: int
     m: int

@@ -69,7 +69,7 @@ def _place_of(scene, k):
 
 
 @leaf
-def _have_said_nothing(scene, inputs):
+def _are_bodies_zero(scene, inputs):
     first = _place_of(scene, 0)
     return are_silent(inputs, first, _place_of(scene, int(scene.settings.bodies)) - first)
 
@@ -135,7 +135,7 @@ def show_driven(settings, base, t, order, row):
             turned.alpha_x, turned.alpha_y = base.jalpha_x, base.jalpha_y
 
 
-class Sums(NamedTuple):
+class SpatialSums(NamedTuple):
     """The sums of forces and masses at the base over all bodies and the structure: N, N m, kg, kg m, kg m2."""
 
     x: float
@@ -171,7 +171,7 @@ def _sums(scene, inputs, flat, reaction):
             turning = _turning_body(said[_BODY:], 0)
             mx, my, with_y, with_x = mx + turning.F0mx, my + turning.F0my, with_y + turning.Mxry, with_x + turning.Myrx
             xx, yy, xy = xx + turning.Jxx, yy + turning.Jyy, xy + turning.Jxy
-    return Sums(x, y, z, mx, my, mass, with_y, with_x, xx, yy, xy)
+    return SpatialSums(x, y, z, mx, my, mass, with_y, with_x, xx, yy, xy)
 
 
 @leaf
@@ -256,7 +256,7 @@ def exchange(scene, base, inputs, flat, reaction):
     if not of.mass > 0.0:  # without mass there is no acceleration
         base.ax, base.ay, base.az, base.jx, base.jy, base.jz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         base.alpha_x, base.alpha_y, base.jalpha_x, base.jalpha_y = 0.0, 0.0, 0.0, 0.0
-        return OK if _have_said_nothing(scene, inputs) else BODY_LACKING
+        return OK if _are_bodies_zero(scene, inputs) else BODY_LACKING
     # angular acceleration, by bodies or inputs
     way, steps, step, before = settings.slope, base.steps, base.last_step, base.before_step
     if turns and is_whole:

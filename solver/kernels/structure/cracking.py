@@ -99,7 +99,7 @@ def _grows(scene, count, tip, pace):
 
 
 @kernel
-def _spare(scene, phase, e):
+def _bond_margin(scene, phase, e):
     """Return the margin of bond e before it breaks, as a fraction; its joint has just been loaded by `phase`.
 
     It is 1 while its crack grows, and negative beyond breaking or after the crack has stopped.
@@ -110,17 +110,17 @@ def _spare(scene, phase, e):
     tip, count = tip_of(scene, e, penetration(scene, j, motion)), most_of(put_bond(scene, e))
     # margin of a held bond in tension
     least, largest = _strain_of(scene, count, tip)
-    spare, held = _strength_left(scene, e, least, largest), sound.held[e] != 0.0
+    margin, held = _strength_left(scene, e, least, largest), sound.held[e] != 0.0
     # a bond in which a crack grows
     if any_of(opposite(held)):
-        spare = where(held, spare, where(_grows(scene, count, tip, penetration_rate(scene, j, motion)), 1.0, -1.0))
-    return lesser(sound.spare[e], spare)
+        margin = where(held, margin, where(_grows(scene, count, tip, penetration_rate(scene, j, motion)), 1.0, -1.0))
+    return lesser(sound.margin[e], margin)
 
 
 @leaf
-def _spare_between(scene, h, s, e):
-    """Return `_spare` at fraction s of a step."""
-    return _spare(scene, load_joint_between(scene, h, s, joint_of(scene, e)), e)
+def _margin_between(scene, h, s, e):
+    """Return `_bond_margin` at fraction s of a step."""
+    return _bond_margin(scene, load_joint_between(scene, h, s, joint_of(scene, e)), e)
 
 
 @kernel
@@ -138,7 +138,7 @@ def until_broken(scene, h, those):
     # margins at the end of the step
     for e in range(extras.glued):
         _pose_ends(scene, phase, e)
-        extras.sound.ends[e] = _spare(scene, phase, e)
+        extras.sound.ends[e] = _bond_margin(scene, phase, e)
     # the first bond to break
     for e in range(extras.glued):
         there = those & (bond_left(scene, e)[0].corners != 0.0)
@@ -180,7 +180,7 @@ def _breaking(scene, h, e, there):
     begins, ends = scene.extras.sound.begins[e], scene.extras.sound.ends[e]
     zero = zero_like(h)
     # a bracket from the values at the start, in the middle and at the end
-    middle = _spare_between(scene, h, zero + 0.5, e)
+    middle = _margin_between(scene, h, zero + 0.5, e)
     early, late = there & opposite(middle > 0.0), there & opposite(ends > 0.0)
     low, high = where(early, 0.0, zero + 0.5), where(early, 0.5, where(late, 1.0, zero + math.inf))
     bend, rise = begins - 2.0 * middle + ends, ends - begins
@@ -193,7 +193,7 @@ def _breaking(scene, h, e, there):
             seeks = seeks & (height > -MARGIN * bend) & (s > 0.0) & (s < 1.0)
             if not any_of(seeks):
                 break
-            found = _spare_between(scene, h, where(seeks, s, 0.5), e)
+            found = _margin_between(scene, h, where(seeks, s, 0.5), e)
             # a negative value ends the search, and brackets the instant
             breaks = seeks & opposite(found > 0.0)
             low = where(breaks, where(s < known[2], known[0], known[2]), low)
@@ -208,7 +208,7 @@ def _breaking(scene, h, e, there):
         if not any_of(breaks):
             break
         half = where(breaks, 0.5 * (low + high), 0.5)
-        holds = _spare_between(scene, h, half, e) > 0.0
+        holds = _margin_between(scene, h, half, e) > 0.0
         low, high = where(breaks & holds, half, low), where(breaks & opposite(holds), half, high)
     return lesser(greater(high, LEAST_PART), 1.0)
 
@@ -278,7 +278,7 @@ def _crack_bond(scene, phase, e, there):
     """Update bond e by the last evaluation of its joint: break, cut or hold it; return where it broke whole."""
     sound, j, left = scene.extras.sound, joint_of(scene, e), bond_left(scene, e)[0]
     # broken along the joint, or nothing left
-    holds = (sound.spare[e] > 0.0) & (sound.area[e] > LEAST * scene.joints.area[j])
+    holds = (sound.margin[e] > 0.0) & (sound.area[e] > LEAST * scene.joints.area[j])
     broke = there & opposite(holds)
     left.corners = where(broke, 0.0, left.corners)
     sound.area[e] = where(broke, 0.0, sound.area[e])
@@ -301,9 +301,9 @@ def _crack_bond(scene, phase, e, there):
         x, y = scene.room[2 * k], scene.room[2 * k + 1]
         grows = grows | ((value(tip, x, y) <= NEAR * largest) & (value(pace, x, y) < 0.0))
     # margin at the start of the step
-    spare = lesser(sound.spare[e], where(grows, 1.0, _strength_left(scene, e, least, largest)))
+    margin = lesser(sound.margin[e], where(grows, 1.0, _strength_left(scene, e, least, largest)))
     sound.held[e] = where(there, where(grows, 0.0, 1.0), sound.held[e])
-    sound.begins[e] = where(there, spare, sound.begins[e])
+    sound.begins[e] = where(there, margin, sound.begins[e])
     return broke
 
 

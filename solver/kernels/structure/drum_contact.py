@@ -18,7 +18,7 @@ NODES = (0.0, 0.5384693101056831, -0.5384693101056831, 0.906179845938664, -0.906
 WEIGHTS = (0.5688888888888889, 0.47862867049936647, 0.47862867049936647, 0.23692688505618908, 0.23692688505618908)
 
 
-class Part(NamedTuple):
+class Interval(NamedTuple):
     """An interval of the axis of the first drum, m from its middle; empty if low > high."""
 
     low: float
@@ -33,13 +33,13 @@ def _cut(part, level, slope, edge):
     # a zero before which the function is negative
     if slope > 0.0:
         s = -level / slope
-        return Part(s, part.high, edge, part.by_high) if s > part.low else part
+        return Interval(s, part.high, edge, part.by_high) if s > part.low else part
     # a zero behind which it is negative
     if slope < 0.0:
         s = -level / slope
-        return Part(part.low, s, part.by_low, edge) if s < part.high else part
+        return Interval(part.low, s, part.by_low, edge) if s < part.high else part
     # a constant: the whole interval or nothing
-    return part if level > 0.0 else Part(1.0, -1.0, part.by_low, part.by_high)
+    return part if level > 0.0 else Interval(1.0, -1.0, part.by_low, part.by_high)
 
 
 # --- two drums
@@ -49,10 +49,10 @@ def _cut(part, level, slope, edge):
 def _beside_drum(sides, half_a, half_b):
     """Return the interval of the axis of the first drum that lies between the ends of both drums."""
     t0, c = dot(sides.between, sides.v), dot(sides.u, sides.v)
-    part = Part(-half_a, half_a, NOTHING, NOTHING)
+    part = Interval(-half_a, half_a, NOTHING, NOTHING)
     # perpendicular axes: all or nothing
     if abs(c) < ALONG:
-        return part if abs(t0) < half_b else Part(1.0, -1.0, NOTHING, NOTHING)
+        return part if abs(t0) < half_b else Interval(1.0, -1.0, NOTHING, NOTHING)
     # clip to both ends of the other drum
     part = _cut(part, half_b - t0, -c, sides.v)
     return _cut(part, half_b + t0, c, sides.v)
@@ -82,18 +82,18 @@ def _nearer_than(axes, part, distance):
     beyond = axes.level - distance * distance
     # parallel axes: everywhere or nowhere
     if axes.square <= PARALLEL:
-        return part if beyond < 0.0 else Part(1.0, -1.0, part.by_low, part.by_high)
+        return part if beyond < 0.0 else Interval(1.0, -1.0, part.by_low, part.by_high)
     # roots of the quadratic square s^2 + 2 product s + beyond
     found = axes.product * axes.product - axes.square * beyond
     if found <= 0.0:
-        return Part(1.0, -1.0, part.by_low, part.by_high)
+        return Interval(1.0, -1.0, part.by_low, part.by_high)
     far = -(axes.product + math.copysign(math.sqrt(found), axes.product))
     one, other = far / axes.square, beyond / far
     low, high = min(one, other), max(one, other)
     # ends set by the distance are no edges
     by_low = NOTHING if low > part.low else part.by_low
     by_high = NOTHING if high < part.high else part.by_high
-    return Part(max(low, part.low), min(high, part.high), by_low, by_high)
+    return Interval(max(low, part.low), min(high, part.high), by_low, by_high)
 
 
 @leaf
@@ -219,7 +219,7 @@ def load_drum_before_face(scene, phase, pairs, p, sides):
     # the interval in which they overlap
     line = _lowest(sides, pairs.radius_a[p])
     total, energy, resultant, place = 0.0, 0.0, NOTHING, NOTHING
-    part = Part(-half, half, NOTHING, NOTHING)
+    part = Interval(-half, half, NOTHING, NOTHING)
     if line.at < pairs.radius_a[p] and line.at + abs(line.along) * half > -SLACK:
         part = _cut(_before_face(scene, pairs, p, sides, part), line.at + SLACK, line.along, NOTHING)
         if part.high > part.low:
@@ -251,7 +251,7 @@ def load_drum_before_face(scene, phase, pairs, p, sides):
 def gap_before_face(scene, pairs, p, sides):
     """Return the distance of a drum from a face, m: negative by the deepest overlap, beyond an edge that to it."""
     half, line = pairs.half_a[p], _lowest(sides, pairs.radius_a[p])
-    part = _before_face(scene, pairs, p, sides, Part(-half, half, NOTHING, NOTHING))
+    part = _before_face(scene, pairs, p, sides, Interval(-half, half, NOTHING, NOTHING))
     # the nearest interval within the edges
     low, high = max(min(part.low, half), -half), min(max(part.high, -half), half)
     gap = -max(line.at + line.along * low, line.at + line.along * high)

@@ -20,7 +20,7 @@ LEAST_GRAVITY = 1e-3  # m/s2, replaces that of a structure without weight
 
 
 @kernel
-def _take_along_base(scene, error):
+def _convert_errors(scene, error):
     """Replace quaternion errors by rotation vectors, rad, and transform angular velocities to the axes of the base."""
     end = _phase(row(scene, END), scene.n)
     for i in range(scene.n):
@@ -33,7 +33,7 @@ def _take_along_base(scene, error):
 
 
 @leaf
-def _felt(scene, error, i, arm, damping):
+def _error_of_motion(scene, error, i, arm, damping):
     """Return the error of d + damping d' of body i: that of the end of an arm, m, and that of its rotation, rad."""
     # the base has no error
     if i == scene.n:
@@ -64,7 +64,7 @@ def error_of_forces(scene, errors):
     """
     joints, found, poses, control = scene.joints, scene.resultants, scene.poses, scene.control
     error, across, along = _phase(errors, scene.n), 0.0, 0.0
-    _take_along_base(scene, error)
+    _convert_errors(scene, error)
     for j in range(scene.m):
         a, b = int(joints.upper[j]), int(joints.lower[j])
         # axes and arms as they stand
@@ -76,8 +76,8 @@ def error_of_forces(scene, errors):
         for kind in range(2):  # a loop, so that it is compiled once
             damping = joints.damping[j] if kind == 0 else joints.shear_damping[j]
             # error of the relative displacement and rotation of the faces
-            place_a, turn_a = _felt(scene, error, a, arm_a, damping)
-            place_b, turn_b = _felt(scene, error, b, arm_b, damping)
+            place_a, turn_a = _error_of_motion(scene, error, a, arm_a, damping)
+            place_b, turn_b = _error_of_motion(scene, error, b, arm_b, damping)
             gap, turn = minus(place_a, place_b), minus(turn_a, turn_b)
             normal, k1, k2 = found.normal[j], dot(e1, turn), dot(e2, turn)
             # normal force

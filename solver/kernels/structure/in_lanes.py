@@ -100,7 +100,7 @@ class Queue(NamedTuple):
     flag: object
 
 
-class Batch(NamedTuple):
+class SpatialBatch(NamedTuple):
     """Eight structures over lanes, or the structure of one lane."""
 
     scene: object
@@ -121,7 +121,7 @@ def batch_over(sizes, buffer, queue):
     # of the base each lane has the line of its segment; no loads act
     of_base = seen.base, peaks, no_samples(queue.times)
     scene = scene_over(sizes, seen.model, seen.control, seen.counts, peaks, bonded, *of_base, seen.work)
-    return Batch(scene, seen.lane, seen.gaps, buffer, sizes, queue)
+    return SpatialBatch(scene, seen.lane, seen.gaps, buffer, sizes, queue)
 
 
 @leaf
@@ -265,13 +265,13 @@ def start(batch, fresh):
     crack(scene, begin, fresh)
     meet(scene, batch.gaps, fresh)
     evaluate_at(scene, 0, begin, found, lanes.t)
-    _keep(batch, found, fresh)
+    _store_rates(batch, found, fresh)
     # peaks at this instant
     lanes.looks += where(fresh, 1.0, 0.0)
     _take_stock(batch, begin, fresh)
     phase = _phase(begin, scene.n)
     for i in range(scene.n):
-        _raise(scene, phase, i, fresh)
+        _raise_block_peaks(scene, phase, i, fresh)
     raise_displacements(scene, scene.peaks[_PEAK * scene.n :], fresh)
     # runs at a stop
     due = bits(fresh & (lanes.due > 0.0))
@@ -280,12 +280,12 @@ def start(batch, fresh):
         rests = bits(moves(scene, phase, _phase(found, scene.n))) ^ ((1 << WIDTH) - 1)
         for k in range(WIDTH):
             if (due >> k) & 1:
-                ended |= _look(batch, k, (rests >> k) & 1) << k
+                ended |= _stop_or_go_on(batch, k, (rests >> k) & 1) << k
     return ended
 
 
 @kernel
-def _look(batch, k, rests):
+def _stop_or_go_on(batch, k, rests):
     """Decide at a stop whether the run in lane k ends: return 1 if it does, else 0 and set the next stop."""
     # at rest, or at the end of the run
     own, stop = single(batch, k).lane, _run_of(batch, int(single(batch, k).lane.run)).stop
@@ -301,7 +301,7 @@ def _look(batch, k, rests):
 
 
 @leaf
-def _keep(batch, found, lanes):
+def _store_rates(batch, found, lanes):
     """Store rates, shear and tie forces of the last evaluation in the lanes of a mask: forces may have a kink next."""
     scene = batch.scene
     n, m = scene.n, scene.m
@@ -328,7 +328,7 @@ def _take_stock(batch, state, lanes):
 
 
 @leaf
-def _raise(scene, phase, i, lanes):
+def _raise_block_peaks(scene, phase, i, lanes):
     """Raise the peaks of block i in the lanes of a mask by its present displacement."""
     peaks = _peaks(scene.peaks, scene.n)
     x, y, z = phase.ux[i], phase.uy[i], phase.uz[i]
@@ -414,7 +414,7 @@ def step_on(batch):
     begin, end = row(scene, START), row(scene, END)
     for i in range(moving(scene)):
         begin[i] = where(good, end[i], begin[i])
-    _keep(batch, rate(scene, STAGES - 1), good)
+    _store_rates(batch, rate(scene, STAGES - 1), good)
     changed |= bits(passed | crack(scene, begin, good))
     # time
     reached = good & (step == left)

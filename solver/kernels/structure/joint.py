@@ -15,8 +15,8 @@ from ..numba_ext.lanes import (
     with_sign,
     zero_like,
 )
-from .bearing import TINY, bed_of_point, beside_slider, lifted, with_bearing
-from .bed import Plane, chosen, less, nothing, whole
+from .bearing import TINY, bed_of_point, with_parallel_forces, lifted, with_bearing
+from .bed import Plane, chosen, nothing, subtract, whole
 from .bond import limits_with_bond, with_bond
 from .disc import round_bed
 from .kinematics import cross, dot, out_of, plus, push, relative_motion
@@ -76,7 +76,7 @@ def _bed_of_faces(scene, j, p, q):
     if any_of(rims):
         # in full contact both parts are pressed as a whole: no difference of two large numbers
         full = rims & (bed.area == outline.area) & opposite(_has_slid(scene, j))
-        rim = less(bed, _bed_of_inside(scene, j, p, q))
+        rim = subtract(bed, _bed_of_inside(scene, j, p, q))
         bed = chosen(rims, chosen(full, whole(*bearing_area(scene, j), q, bed.largest), rim), bed)
     return bed
 
@@ -220,7 +220,7 @@ def _along_joint(scene, j, motion, p, q, normal, g1, g2, largest):
         if any_of(beyond):
             z3 = where(beyond, (with_sign(couple, f3) - push3) / twist, z3)
     g3 += t1 * y - t2 * x  # moment about the place half-way
-    t1, t2 = beside_slider(scene, j, motion, normal, t1, t2)
+    t1, t2 = with_parallel_forces(scene, j, motion, normal, t1, t2)
     turned = 0.5 * motion.per_scalar * motion.gap[2] * r3  # slip by the rotation of the frame as the slider twists
     # store rates and resultants
     giving.p1[j], giving.p2[j] = r1 + r3 * y - turned * motion.vector[0], r2 - r3 * x - turned * motion.vector[1]

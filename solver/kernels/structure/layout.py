@@ -213,7 +213,7 @@ RESULTANTS = Table(  # of m joints, along the axes of the joint
     *("edge_x", "edge_y", "edge_turn"),  # of two round faces after a slip: `disc_bed`
 )
 SOUND = Table(  # of bonds
-    *("area", "spare"),  # of an evaluation: m2; the part of what it bears along the joint that is left
+    *("area", "margin"),  # of an evaluation: m2; the part of what it bears along the joint that is left
     "held",  # 1 while it is as it was at the start of a step
     *("begins", "ends"),  # how far it is from breaking at both ends of a step (cracking.py)
 )
@@ -384,7 +384,7 @@ class Extras(NamedTuple):
     inputs: object  # row, INPUT_LOADS at time t0 of `base`
 
 
-class Scene(NamedTuple):
+class KernelScene(NamedTuple):
     """A structure as the kernels see it: sizes, parameters, and room for an evaluation."""
 
     n: int
@@ -475,7 +475,7 @@ def scene_over(sizes, model, control, counts, peaks, bonded, base, inputs, sampl
         inputs,
     )
     # parameters, memory and room
-    return Scene(
+    return KernelScene(
         sizes.n,
         sizes.m,
         sizes.k,

@@ -51,7 +51,7 @@ def keep_slides(scene, lanes):
 
 
 @kernel
-def _closing_in(scene, k, h):
+def _closing_of_lane(scene, k, h):
     """Fill the gaps of lane k at the end of a step of h s; return its fraction after which the first gap closes."""
     # gaps at the end
     one, gaps, part = alone(scene, k), _gaps(scene, k), 1.0
@@ -75,7 +75,7 @@ def until_closed(scene, t, step, good):
     # the first gap to close in each lane
     for k in range(WIDTH):
         if (made >> k) & 1:
-            parts = with_lane(parts, k, _closing_in(scene, k, lane(step, k)))
+            parts = with_lane(parts, k, _closing_of_lane(scene, k, lane(step, k)))
     parts = where(good, lesser(parts, until_broken(scene, step, good)), 1.0)
     # make the step again
     short = parts < 1.0
@@ -86,7 +86,7 @@ def until_closed(scene, t, step, good):
         again = bits(short)
         for k in range(WIDTH):
             if (again >> k) & 1:
-                _closing_in(scene, k, lane(step, k))
+                _closing_of_lane(scene, k, lane(step, k))
     return step
 
 

@@ -170,7 +170,7 @@ def _least_pressure(scene, joints_seen, j):
 
 
 @leaf
-def _sticks_by(scene, joints_seen, j):
+def _sliding_margins(scene, joints_seen, j):
     """Return the force (N) and the couple (N m) that joint j would bear beyond those it bears now."""
     m = scene.m
     # friction limits, raised by a bond
@@ -274,7 +274,7 @@ def _joint_leaves(scene, j):
     if scene.joints.friction[j] == math.inf:
         return False
     # sliding and twisting
-    begins, halfway, ends = _sticks_by(scene, a, j), _sticks_by(scene, b, j), _sticks_by(scene, c, j)
+    begins, halfway, ends = _sliding_margins(scene, a, j), _sliding_margins(scene, b, j), _sliding_margins(scene, c, j)
     return _dips(begins[0], halfway[0], ends[0]) or _dips(begins[1], halfway[1], ends[1])
 
 

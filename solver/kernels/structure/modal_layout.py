@@ -54,7 +54,7 @@ MODAL_ROOM = Space(
 _modal, _room, _limits, _PER_JOINT = MODAL.over, MODAL_ROOM.over, LIMITS.over, MEMORY.per_n
 
 
-class Body(NamedTuple):
+class ModalBody(NamedTuple):
     """A structure in the coordinates of its modes."""
 
     scene: object
@@ -87,7 +87,7 @@ def body_of(scene, segment, flat):
     # groups and modes that move
     parts = int(limits.flat_parts) if flat else int(limits.parts)
     count = int(limits.flat_count) if flat else int(limits.count)
-    body = Body(scene, segment, data, parts, count, room.x, room.elastic)
+    body = ModalBody(scene, segment, data, parts, count, room.x, room.elastic)
     # rows of the step
     steps = room.first, room.mean, room.last, room.slopes, room.curvatures, room.trend
     return body, Modal(count, AXES * scene.n, data.modes, *steps, room.responses, room.latest)

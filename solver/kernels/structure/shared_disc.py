@@ -48,7 +48,7 @@ def _pressed_in(room, count, x, y, radius, p, q):
 
 
 @leaf
-def _with(bed, sign, part):
+def _add_bed(bed, sign, part):
     """Return a bed plus sign times that of another part; the largest q grows only by an added part."""
     return Bed(
         bed.force + sign * part.force,
@@ -220,7 +220,7 @@ def _of_faces(room, above, below, outer_a, outer_b, p, q):
         (ax, ay), (bx, by) = centre_of(above), centre_of(below)
         bed, _ = _of_one_disc(room, ax, ay, outer_a, bx, by, outer_b, True, p, q)
         part, edges = _of_one_disc(room, bx, by, outer_b, ax, ay, outer_a, False, p, q)
-        return _with(bed, 1.0, part), edges
+        return _add_bed(bed, 1.0, part), edges
     # a disc and a polygon
     face, other, radius = (above, below, outer_a) if is_round(above) else (below, above, outer_b)
     x, y = centre_of(face)
@@ -246,7 +246,7 @@ def disc_bed(room, corners, slips, j, at_above, at_below, p, q):
         sign = 1.0 if hollow_a == hollow_b else -1.0
         # add or subtract the bed
         part, edges = _of_faces(room, above, below, a, b, p, q)
-        bed = _with(bed, sign, part)
+        bed = _add_bed(bed, sign, part)
         along_x, along_y, moment = along_x + sign * edges[0], along_y + sign * edges[1], moment + sign * edges[2]
     return bed if bed.force > 0.0 else nothing(q), (along_x, along_y, moment)
 

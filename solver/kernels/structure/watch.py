@@ -285,7 +285,7 @@ def load_joint_between(scene, h, s, j):
 
 
 @kernel
-def _look_at(scene, segment, t, h, s, q):
+def _sample_quantity(scene, segment, t, h, s, q):
     """Raise the peaks of the block or joint of quantity q at fraction s of the step; return that quantity there.
 
     A block needs only itself, a joint its two bodies: so a search costs the same in a structure of any size. Ties and
@@ -342,7 +342,7 @@ def _find_tops(scene, segment, t, h):
         trials, known = 0, (0.0, a, 0.5, b, 1.0, c)
         while height > above and trials < MOST_TRIALS and 0.0 < s < 1.0:
             # evaluate, and take the three points that bracket the maximum
-            found = sign * _look_at(scene, segment, t, h, s, j)
+            found = sign * _sample_quantity(scene, segment, t, h, s, j)
             trials += 1
             known = nearer(known, s, found)
             s, height = vertex(*known)

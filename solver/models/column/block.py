@@ -12,7 +12,7 @@ from ...common.errors import InputError, check_number, shown
 from ...common.ranges import LENGTH, NUMBERS, check, check_choice
 from ...kernels.column.model.solids import homogeneous, solid_between
 from ...kernels.column.sections import faces
-from ...kernels.column.sections.faces import ANNULUS, SECTIONS, STRIPS, Face, face_of
+from ...kernels.column.sections.faces import ANNULUS, SECTIONS, STRIPS, FaceShape, face_of
 from ...kernels.column.sections.section import face
 from ...kernels.layout.spaces import LAW, MOST_STRIPS, OTHER_LAW
 
@@ -152,17 +152,17 @@ class Block:
         return (self.joint.bore or self.bore or 0.0) if self.joint_section == ANNULUS else 0.0
 
     @property
-    def contact_face(self) -> Face:
+    def contact_face(self) -> FaceShape:
         """The face with which the block may touch the body under it."""
         return face_of(float(self.joint_section), self.joint_width, self.joint_depth, self.joint_bore)
 
     @property
-    def bottom_face(self) -> Face:
+    def bottom_face(self) -> FaceShape:
         """The whole bottom face."""
         return face_of(self.shape[0], self.width, self.depth, self.bore or 0.0)
 
     @property
-    def top_face(self) -> Face:
+    def top_face(self) -> FaceShape:
         """The face that may carry a block on this one."""
         width, depth = self.top_width or self.width, self.top_depth or self.depth
         return face_of(self.shape[0], width, depth, self.bore or 0.0)

@@ -17,7 +17,7 @@ from ...kernels.column.sections.faces import (
     SECTIONS,
     STRIPS,
     UNKNOWN,
-    Face,
+    FaceShape,
     after_a_slip,
     common,
     misfit,
@@ -26,7 +26,7 @@ from ...kernels.column.sections.section import face
 from ...kernels.layout import spaces as at
 from .block import MISFITS, Block
 
-BASE = Face(float(RECTANGLE), ENDLESS, ENDLESS, 0.0)
+BASE = FaceShape(float(RECTANGLE), ENDLESS, ENDLESS, 0.0)
 
 
 @dataclass(frozen=True)
@@ -82,11 +82,11 @@ def check_contacts(blocks: Sequence[Block]) -> None:
             raise InputError(f"{key} = {shown(fault.value)}: {relation} = {shown(fault.bound)} m")
 
 
-def _faces_below(blocks: Sequence[Block]) -> list[Face]:
+def _faces_below(blocks: Sequence[Block]) -> list[FaceShape]:
     return [*(block.top_face for block in blocks[1:]), BASE]
 
 
-def _contact(block: Block, below: Face) -> Contact:
+def _contact(block: Block, below: FaceShape) -> Contact:
     """Return the contact from the kernels, or in closed form if it is a whole face."""
     own, strips = block.contact_face, block.joint.strips or ()
     shared = common(own, below)

@@ -17,7 +17,7 @@ from ...kernels.column.sections.faces import (
     STRIPS,
     is_round,
 )
-from ...kernels.column.sections.faces import Face as PlaneFace
+from ...kernels.column.sections.faces import FaceShape
 from ..column import block as planar
 from ..column.model import Column
 from ..column.settings import Settings
@@ -106,7 +106,7 @@ def _joint(column: Column, i: int, foot: float) -> Joint:
     return with_rim(Joint(i, i + 1, face, bed, f"{key}.joint", above, below))
 
 
-def _level(face: PlaneFace, height: float, way: float) -> Face:
+def _level(face: FaceShape, height: float, way: float) -> Face:
     axes, centre = np.diag([1.0, way, way]), np.array([0.0, 0.0, height])
     if is_round(face.section):
         return Face(centre, axes, np.empty((0, 2)), 0.5 * face.width, 0.5 * face.bore)

@@ -18,7 +18,7 @@ from ..formulations.coupled_base import arrive, couple, show_driven
 from ..joint.energy import least_energy
 from ..joint.law import joint_potential, law_of
 from ..output.watch import Watch
-from ..sections.faces import Face
+from ..sections.faces import FaceShape
 from ..sections.section import contact_of, lay_out, part_stiffness
 from ..stepping.advance import advance
 from . import driven_entries, engine  # noqa: F401  the first has entries of the group
@@ -136,7 +136,7 @@ def lay_joint(own: Reals, depths: Reals, count: Real, below: Reals, rim: Real, m
     """
     blocks = _model(model, 1).blocks
     # faces of the block and of what is under it
-    upper, lower = Face(own[0], own[1], own[2], own[3]), Face(below[0], below[1], below[2], below[3])
+    upper, lower = FaceShape(own[0], own[1], own[2], own[3]), FaceShape(below[0], below[1], below[2], below[3])
     lay_out(blocks, 0, upper, count, depths, lower, rim)
     found[0], found[1], found[2] = part_stiffness(contact_of(blocks, 0), 1.0, blocks.left[0], blocks.right[0])
 

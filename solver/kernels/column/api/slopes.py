@@ -70,10 +70,10 @@ def rates(column, t, row, split, other, other_split):
     for _ in range(2):
         # phase at that instant
         for i in range(2 * n):
-            _go_on(saved, between, i, past)
+            _extrapolate(saved, between, i, past)
         first, behind = slips_of(work)
         for i in range(behind - first):
-            _go_on(saved, between, first + i, past)
+            _extrapolate(saved, between, first + i, past)
             between.sliding[i] = saved.sliding[i]
         # add or subtract the outputs there
         then = moved_and_loaded(column, t + past)
@@ -85,7 +85,7 @@ def rates(column, t, row, split, other, other_split):
 
 
 @leaf
-def _go_on(saved, to, i, past):
+def _extrapolate(saved, to, i, past):
     """Set coordinate i, its rate and acceleration in `to` to those of `saved`, `past` s later."""
     q, v, a = saved.coordinates[i], saved.rates[i], saved.accelerations[i]
     to.coordinates[i] = q + past * (v + 0.5 * past * a)
@@ -149,7 +149,7 @@ def feedthrough(column, inputs, seeds, elapsed, t, row, split, other, other_spli
     # loads, and the accelerations of a driven base that result from the changed split
     see(column, motion, other, other_split)
     if ports_of(column) > 0:
-        _met_by_loads(column, motion, t, seeds, elapsed, other, split, other_split)
+        _add_load_reactions(column, motion, t, seeds, elapsed, other, split, other_split)
     # derivative of the acceleration of a driven base, m/s2 and rad/s2
     if settings.drive != ACCELERATION:
         first = first_body(column)
@@ -174,7 +174,7 @@ def _add_loads(column, seeds, elapsed):
 
 
 @kernel
-def _met_by_loads(column, motion, t, seeds, elapsed, other, split, other_split):
+def _add_load_reactions(column, motion, t, seeds, elapsed, other, split, other_split):
     """Add to `split` the directional derivative of R0 along the load seeds.
 
     The column was just observed on this motion, with the outputs `other` and `other_split`, and is left so.

@@ -115,13 +115,13 @@ def _end_at_changes(batch, step, good):
         end = work.end
         _interpolate(work, step, where(changed, cut, 1.0))
         n, between = work.n, work.between
-        _take(end.row, between.row, changed, 4 * n)  # coordinates and rates
-        _take(end.row[_SLIP * n :], between.row[_SLIP * n :], changed, 3 * n)  # slips, friction work, rates
+        _copy_where(end.row, between.row, changed, 4 * n)  # coordinates and rates
+        _copy_where(end.row[_SLIP * n :], between.row[_SLIP * n :], changed, 3 * n)  # slips, friction work, rates
         step = where(changed, cut * step, step)
-        _take_all(between, end)
+        _copy_phase(between, end)
         evaluate_lanes(batch, between, batch.lane.t + step)
-        _take(end.accelerations, between.accelerations, changed, 2 * n)
-        _take(end.row[_POWER * n :], between.row[_POWER * n :], changed, 2 * n)  # and accelerations of slips
+        _copy_where(end.accelerations, between.accelerations, changed, 2 * n)
+        _copy_where(end.row[_POWER * n :], between.row[_POWER * n :], changed, 2 * n)  # and accelerations of slips
     # margin at the end of a whole step, and state of sliding there
     batch.lane.shear_margin = where(good & ~changed, batch.lane.shear_margin_ahead, batch.lane.shear_margin)
     copy(work.end.sliding, work.joints.sliding, work.n)
@@ -129,14 +129,14 @@ def _end_at_changes(batch, step, good):
 
 
 @leaf
-def _take(to, row, lanes, count):
+def _copy_where(to, row, lanes, count):
     """Copy the first `count` elements of `row` into `to` in the lanes of a mask."""
     for i in range(count):
         to[i] = where(lanes, row[i], to[i])
 
 
 @leaf
-def _take_all(to, phase):
+def _copy_phase(to, phase):
     copy(to.row, phase.row, PHASE_FIELDS * to.n)
 
 
@@ -201,11 +201,11 @@ def _first_begins(batch, step, good):
             hi, at_hi = where(found, PROBES[k], hi), where(found, value, at_hi)
             unsure = unsure & ~found
             lo, at_lo = where(unsure, PROBES[k], lo), where(unsure, value, at_lo)
-    return _closed_in(batch, step, flagged & (hi <= 1.0), lo, hi, at_lo, at_hi)
+    return _narrow_brackets(batch, step, flagged & (hi <= 1.0), lo, hi, at_lo, at_hi)
 
 
 @kernel
-def _closed_in(batch, step, open_, lo, hi, at_lo, at_hi):
+def _narrow_brackets(batch, step, open_, lo, hi, at_lo, at_hi):
     """Return the fractions hi, moved down to just after the zero of the shear margin, as in engine/bracket.py."""
     moved = 0.0 * lo  # the end that moved last: -1 or 1
     for _ in range(MOST_TRIALS):
@@ -241,7 +241,7 @@ def _decide_for(batch, changed):
     begin, between, joints = work.start, work.between, work.joints
     if any_of(changed):
         # evaluate with the present directions
-        _take_all(between, begin)
+        _copy_phase(between, begin)
         stop_what_is_still(joints, between, n)
         evaluate_lanes(batch, between, batch.lane.t)
         # change directions until forces and rates agree with them
@@ -250,8 +250,8 @@ def _decide_for(batch, changed):
                 break
             evaluate_lanes(batch, between, batch.lane.t)
         # keep the result in the lanes of the mask
-        _take(begin.accelerations, between.accelerations, changed, 2 * n)
-        _take(begin.row[_SLIP_RATE * n :], between.row[_SLIP_RATE * n :], changed, 3 * n)  # rates, power, accelerations
+        _copy_where(begin.accelerations, between.accelerations, changed, 2 * n)
+        _copy_where(begin.row[_SLIP_RATE * n :], between.row[_SLIP_RATE * n :], changed, 3 * n)  # rates, power, accelerations
         for i in range(n):
             begin.sliding[i] = where(changed, joints.sliding[i], begin.sliding[i])
         batch.lane.shear_margin = where(changed, _least_margin(joints, n), batch.lane.shear_margin)

@@ -23,7 +23,7 @@ def _slope(work, k):
 
 def _step_to(row: int) -> Any:
     """Return a leaf (column, t, h) that computes the stages of a step up to number `row`, or to the END."""
-    before = _step_to(row - 1) if row > 1 else _nothing
+    before = _step_to(row - 1) if row > 1 else _no_stage
     sum_of, node, ends = sum_by(row, _slope), NODES[min(row, STAGES)], row == END
 
     @leaf
@@ -42,7 +42,7 @@ def _step_to(row: int) -> Any:
 
 
 @leaf
-def _nothing(column, t, h):
+def _no_stage(column, t, h):
     pass
 
 

@@ -11,7 +11,7 @@ law is smooth in a regime: BONDED, GROWS_LEFT or GROWS_RIGHT, and of each dry si
 from typing import NamedTuple
 
 from ...numba_ext.jit import leaf
-from ..sections.section import Contact
+from ..sections.section import ContactSection
 from .law import held_forces, joint_forces, loaded_part, positive_part, pressure_forces
 from .regimes import contact_regime, regime_margin
 
@@ -62,7 +62,7 @@ def bonded_part(contact, bond, opening, slope):
 def _side(contact, left, right):
     """Return the contact restricted to the interval from left to right, m."""
     _, _, _, depth, bore, strips, slip, around, round_bore, rim = contact
-    return Contact(contact.section, left, right, depth, bore, strips, slip, around, round_bore, rim)
+    return ContactSection(contact.section, left, right, depth, bore, strips, slip, around, round_bore, rim)
 
 
 @leaf
@@ -73,9 +73,9 @@ def bonded_forces(contact, law, bond, opening, slope, opening_rate, slope_rate):
 
     Parameters
     ----------
-    contact : Contact
+    contact : ContactSection
         The contact of the joint.
-    law : Law
+    law : PressureLaw
         Stiffness, N/m3, and damping, s.
     bond : Bond
         The bond before this motion.

@@ -33,22 +33,22 @@ from ..sections.section import (
 from .regimes import ANY, OPEN, open_margin, side_margin, sides
 
 
-class Law(NamedTuple):
+class PressureLaw(NamedTuple):
     """The parameters of the pressure on a joint, apart from its contact and its motion: the fields LAW of spaces.py."""
 
     stiffness: float  # N/m3
     damping: float  # s
 
 
-assert Law._fields == LAW, (
-    "solver/kernels/column/joint/law.py: Law must have the fields LAW of solver/kernels/layout/spaces.py"
+assert PressureLaw._fields == LAW, (
+    "solver/kernels/column/joint/law.py: PressureLaw must have the fields LAW of solver/kernels/layout/spaces.py"
 )
 
 
 @leaf
 def law_of(blocks, i):
     """Return the law of joint i."""
-    return Law(blocks.stiffness[i], blocks.damping[i])
+    return PressureLaw(blocks.stiffness[i], blocks.damping[i])
 
 
 @leaf
@@ -101,9 +101,9 @@ def pressure_forces(contact, law, lo, hi, length, mean, gradient):
 
     Parameters
     ----------
-    contact : Contact
+    contact : ContactSection
         The contact of the joint.
-    law : Law
+    law : PressureLaw
         Stiffness, N/m3, and damping, s.
     lo, hi, length : float
         Ends of the loaded part and its length, m.
@@ -134,9 +134,9 @@ def joint_forces(contact, law, opening, slope, opening_rate, slope_rate):
 
     Parameters
     ----------
-    contact : Contact
+    contact : ContactSection
         The contact of the joint.
-    law : Law
+    law : PressureLaw
         Stiffness, N/m3, and damping, s.
     opening, slope, opening_rate, slope_rate : float
         Motion of the joint: m, rad, m/s, rad/s.

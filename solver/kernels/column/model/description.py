@@ -17,7 +17,7 @@ from ..sections.faces import (
     ENDLESS,
     FITS,
     RECTANGLE,
-    Face,
+    FaceShape,
     face_of,
     misfit,
 )
@@ -120,7 +120,7 @@ def _describe_block(model, given, i, detail):
     blocks.reach[i] = strength / blocks.stiffness[i] if bonded else -1.0
     blocks.cohesion[i] = block.joint_cohesion
     # the face below, and the contact face
-    below = Face(float(RECTANGLE), ENDLESS, ENDLESS, 0.0)
+    below = FaceShape(float(RECTANGLE), ENDLESS, ENDLESS, 0.0)
     if i + 1 < n:
         below = _top_face(given[_SETTINGS_FIELDS + _BLOCK_FIELDS * (i + 1) :])
     width = wide if block.joint_width == 0.0 else block.joint_width

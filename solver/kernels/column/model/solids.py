@@ -12,7 +12,7 @@ _OFF = 0.5 * math.sqrt(0.6)
 POINTS = ((0.5 - _OFF, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.5 + _OFF, 5.0 / 18.0))
 
 
-class Solid(NamedTuple):
+class SolidProperties(NamedTuple):
     """A homogeneous solid of density 1: volume (m3), centroid above the bottom face (m), inertia about it (m5).
 
     The inertia is that of rotation in the plane of the motion.
@@ -32,7 +32,7 @@ def solid_between(
     top_width: float = 0.0,
     top_depth: float = 0.0,
     bore: float = 0.0,
-) -> Solid:
+) -> SolidProperties:
     """Return the solid between a bottom face and a top face that tapers evenly.
 
     Parameters
@@ -48,7 +48,7 @@ def solid_between(
 
     Returns
     -------
-    Solid
+    SolidProperties
         Volume, centroid and inertia.
     """
     # taper of width and depth from bottom to top
@@ -68,7 +68,7 @@ def solid_between(
         area, _ = face(section, width + part * wider, depth + part * deeper, bore)
         off = part * height - centroid
         second += weight * (area * off * off)
-    return Solid(height * volume, centroid, height * second)
+    return SolidProperties(height * volume, centroid, height * second)
 
 
 @in_both

@@ -25,7 +25,7 @@ FITS, WIDE, DEEP, WIDE_OWN, OUTSIDE_OWN, OUTSIDE_BELOW, SOLID, SOLID_BELOW, STRI
 WITHIN, AROUND = 10, 11  # one face within the bore of the other: no contact
 
 
-class Face(NamedTuple):
+class FaceShape(NamedTuple):
     """A face: code of its section, width, depth and bore (m); a round one is as deep as it is wide."""
 
     section: float
@@ -68,19 +68,19 @@ def is_known(section: float) -> bool:
 
 
 @in_both
-def face_of(section: float, width: float, depth: float, bore: float) -> Face:
+def face_of(section: float, width: float, depth: float, bore: float) -> FaceShape:
     """Return a face; the depth is ignored where it is round, the bore where it is not an annulus. Lengths in m."""
-    return Face(section, width, width if is_round(section) else depth, bore if section == ANNULUS else 0.0)
+    return FaceShape(section, width, width if is_round(section) else depth, bore if section == ANNULUS else 0.0)
 
 
 @in_both
-def across(face: Face) -> float:
+def across(face: FaceShape) -> float:
     """Return the largest distance (m) between two points of a face."""
     return face.width if is_round(face.section) else math.hypot(face.width, face.depth)
 
 
 @in_both
-def lies_within(face: Face, other: Face) -> bool:
+def lies_within(face: FaceShape, other: FaceShape) -> bool:
     """Return True if a face lies within another one."""
     if is_round(other.section):
         return across(face) <= other.width and face.bore >= other.bore
@@ -88,7 +88,7 @@ def lies_within(face: Face, other: Face) -> bool:
 
 
 @in_both
-def common(own: Face, below: Face) -> Face:
+def common(own: FaceShape, below: FaceShape) -> FaceShape:
     """Return the intersection of two faces that are not made of strips.
 
     Its section is ON_RING or ON_BAND where it is none of SECTIONS: then width and depth are upper bounds, in m. It is
@@ -97,23 +97,23 @@ def common(own: Face, below: Face) -> Face:
     # rectangle common to both outlines
     width, depth = min(own.width, below.width), min(own.depth, below.depth)
     if not (is_known(own.section) and is_known(below.section)):
-        return Face(float(UNKNOWN), width, depth, 0.0)
+        return FaceShape(float(UNKNOWN), width, depth, 0.0)
     # both round, then both straight
     if is_round(own.section) and is_round(below.section):
         bore = max(own.bore, below.bore)
-        return Face(float(ANNULUS if bore > 0.0 else CIRCLE), width, width, bore)
+        return FaceShape(float(ANNULUS if bore > 0.0 else CIRCLE), width, width, bore)
     if not is_round(own.section) and not is_round(below.section):
-        return Face(float(RECTANGLE), width, depth, 0.0)
+        return FaceShape(float(RECTANGLE), width, depth, 0.0)
     # one round and one straight: the inner one, or a shape of its own
     if lies_within(own, below):
         return own
     if lies_within(below, own):
         return below
-    return Face(float(ON_BAND if is_round(own.section) else ON_RING), width, depth, 0.0)
+    return FaceShape(float(ON_BAND if is_round(own.section) else ON_RING), width, depth, 0.0)
 
 
 @in_both
-def after_a_slip(own: Face, below: Face, section: float) -> float:
+def after_a_slip(own: FaceShape, below: FaceShape, section: float) -> float:
     """Return the section of the contact after a slip, from that without a slip (section)."""
     # over a round face
     if is_round(below.section):
@@ -125,7 +125,7 @@ def after_a_slip(own: Face, below: Face, section: float) -> float:
 
 
 @in_both
-def has_inside(face: Face, rim: float) -> bool:
+def has_inside(face: FaceShape, rim: float) -> bool:
     """Return True if some of a face is farther than the rim (m) from all of its edges."""
     if is_round(face.section):
         return face.width - face.bore > (4.0 if face.bore > 0.0 else 2.0) * rim
@@ -133,7 +133,7 @@ def has_inside(face: Face, rim: float) -> bool:
 
 
 @in_both
-def deepest(face: Face, begin: float, end: float) -> float:
+def deepest(face: FaceShape, begin: float, end: float) -> float:
     """Return the largest depth (m) of a face between two abscissas, m from its middle, without its bore."""
     # distances of the interval from the middle
     near = max(0.0, begin, -end)
@@ -150,12 +150,12 @@ def deepest(face: Face, begin: float, end: float) -> float:
 
 
 @in_both
-def misfit(own: Face, bottom: Face, below: Face, is_wide: bool, is_deep: bool, count: int, depths) -> Misfit:  # type: ignore[no-untyped-def]
+def misfit(own: FaceShape, bottom: FaceShape, below: FaceShape, is_wide: bool, is_deep: bool, count: int, depths) -> Misfit:  # type: ignore[no-untyped-def]
     """Return why a contact face does not fit between the bottom face of its block and the face below (FITS if it does).
 
     Parameters
     ----------
-    own, bottom, below : Face
+    own, bottom, below : FaceShape
         The contact face, the bottom face of its block and the top face below.
     is_wide, is_deep : bool
         Whether width and depth of the contact face are given; one that is not given ends with the face below.
@@ -198,7 +198,7 @@ def misfit(own: Face, bottom: Face, below: Face, is_wide: bool, is_deep: bool, c
 
 
 @in_both
-def _misfit_of_strips(own: Face, bottom: Face, below: Face, count: int, depths) -> Misfit:  # type: ignore[no-untyped-def]
+def _misfit_of_strips(own: FaceShape, bottom: FaceShape, below: FaceShape, count: int, depths) -> Misfit:  # type: ignore[no-untyped-def]
     """Return the misfit of strips: none may be deeper than the greatest depth of either face along it."""
     reach, pitch = 0.0, own.width / max(count, 1)
     for k in range(count):

@@ -64,7 +64,7 @@ INSIDE = DEPTHS + 1  # offset in the row of strips: the inside of a straight fac
 NEAR = 1e-4  # relative to the width of a contact: half the interval over which its depth is averaged
 
 
-class Contact(NamedTuple):
+class ContactSection(NamedTuple):
     """The part in which the faces of a joint can touch; abscissas in m from the middle of the block."""
 
     section: float  # code, also FRAME, LENS, ON_RING or ON_BAND (faces.py)
@@ -167,7 +167,7 @@ def contact_of(blocks, i, slip=0.0):
         below, bore_below = 2.0 * blocks.rim_right[i], blocks.bore_below[i]
         if section == ON_BAND:  # the round face is the upper one
             slip, below, bore_below = 0.0, depth, bore
-    return Contact(section, left, right, depth, bore, strips, slip, below, bore_below, blocks.rim[i])
+    return ContactSection(section, left, right, depth, bore, strips, slip, below, bore_below, blocks.rim[i])
 
 
 @leaf
@@ -194,7 +194,7 @@ def inset(contact, rim):
             right = left
     elif section == ANNULUS and bore >= depth:
         right = left
-    return Contact(section, left, right, depth, bore, strips, slip, below, bore_below, 0.0)
+    return ContactSection(section, left, right, depth, bore, strips, slip, below, bore_below, 0.0)
 
 
 # --- parts of any section but the rectangle
@@ -263,7 +263,7 @@ def forces_over(contact, stiffness, lo, hi, length, mean, gradient):
 
     Parameters
     ----------
-    contact : Contact
+    contact : ContactSection
         The contact of the joint.
     stiffness : float
         Stiffness, N/m3.
@@ -555,7 +555,7 @@ def lay_out(blocks, i, own, count, depths, below, rim):
 
     Parameters
     ----------
-    own, below : Face
+    own, below : FaceShape
         The contact face of the block above and the face below.
     count : float
         Number of strips that the contact face may be made of, which lie over its width; else 0.
