@@ -123,8 +123,8 @@ STRUCTURE_BASE: Described = {
 }
 
 
-class Run(NamedTuple):
-    """A run of consecutive numbers with the same range."""
+class RangeBlock(NamedTuple):
+    """A block of consecutive numbers with the same range."""
 
     length: int
     range: Range
@@ -133,9 +133,9 @@ class Run(NamedTuple):
 class Ranges(NamedTuple):
     """The ranges of the numbers of each array, in order."""
 
-    state: list[Run]
-    counts: list[Run]
-    base: list[Run]
+    state: list[RangeBlock]
+    counts: list[RangeBlock]
+    base: list[RangeBlock]
 
     def check(self, name: str, numbers: NDArray[Any], inputs_stand: bool) -> None:
         """Raise ValueError if a number of an array is out of its range.
@@ -158,7 +158,7 @@ class Ranges(NamedTuple):
             raise ValueError(f"{name}[{place}] = {numbers[place]:.6g}: is out of its range")
 
 
-def _runs(part: Any, sizes: Any, described: Described, limited: Described | None = None) -> list[Run]:
+def _runs(part: Any, sizes: Any, described: Described, limited: Described | None = None) -> list[RangeBlock]:
     """Return the ranges of a layout as runs; `limited`: ranges that replace those of `described`."""
     places = np.arange(part.size(sizes))
     seen = part.see(places, sizes)
@@ -169,11 +169,11 @@ def _runs(part: Any, sizes: Any, described: Described, limited: Described | None
     return _packed(found)
 
 
-def _packed(found: Sequence[Range | None]) -> list[Run]:
+def _packed(found: Sequence[Range | None]) -> list[RangeBlock]:
     """Return runs of equal neighbours. Raises ValueError for a number without a range."""
     if None in found:
         raise ValueError(f"number {found.index(None)} of {len(found)} of a state has no range")
-    return [Run(len([*same]), value) for value, same in groupby(filter(None, found))]
+    return [RangeBlock(len([*same]), value) for value, same in groupby(filter(None, found))]
 
 
 def _of_base(described: Described, bodies_drive: bool) -> Described:
@@ -187,9 +187,9 @@ def of_column(n: int, spots: int, loads: int, bodies_drive: bool = False) -> Ran
     `spots` and `loads` are the numbers of its ports at the end of state and base.
     """
     return Ranges(
-        [*_runs(plane.STATE, n, COLUMN_STATE), Run(spots, FINITE)],
+        [*_runs(plane.STATE, n, COLUMN_STATE), RangeBlock(spots, FINITE)],
         _runs(plane.COUNTS, 0, COLUMN_COUNTS, {"overturned": Range(0.0, n, True)}),
-        [*_runs(plane.BASE, 0, _of_base(COLUMN_BASE, bodies_drive)), Run(loads, INPUT)],
+        [*_runs(plane.BASE, 0, _of_base(COLUMN_BASE, bodies_drive)), RangeBlock(loads, INPUT)],
     )
 
 
@@ -208,4 +208,4 @@ def of_structure(sizes: space.Sizes, bodies_drive: bool = False) -> Ranges:
 
 def finite(state: int, counts: int, base: int) -> Ranges:
     """Return the ranges of arrays of these lengths that must be finite only."""
-    return Ranges([Run(state, FINITE)], [Run(counts, COUNT)], [Run(base, FINITE._replace(of_inputs=True))])
+    return Ranges([RangeBlock(state, FINITE)], [RangeBlock(counts, COUNT)], [RangeBlock(base, FINITE._replace(of_inputs=True))])

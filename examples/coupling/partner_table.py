@@ -15,7 +15,7 @@ from partner_kernels import REASONS, law_of
 from fmu_src.description_parts import About, Experiment
 from fmu_src.model_description import FLAGS, model_description
 from fmu_src.native.package import compiled, identified
-from fmu_src.native.table import Check, Chosen, Contents, Subject
+from fmu_src.native.table import RangeCheck, ChoiceParameter, Contents, NativeSubject
 from fmu_src.record import usual_experiment
 from fmu_src.variables import Variable
 from multiblock import Motion
@@ -65,7 +65,7 @@ def description(
     return model_description(about, table)
 
 
-def subject(law: ModuleType, group: str) -> Subject:
+def subject(law: ModuleType, group: str) -> NativeSubject:
     """Description of a partner for the C core; group: of its kernels."""
     ports = law.PORTS
     names = {kind: [port.name for port in ports if port.causality == kind] for kind in ("input", "output", "parameter")}
@@ -79,7 +79,7 @@ def subject(law: ModuleType, group: str) -> Subject:
     rest = dict.fromkeys(("N", "COUNTS", "BASE", "ROOM"), 1)
     after = names["output"][len(seen) :] + names["parameter"]
     numbers = {port.name for port in ports if isinstance(port.start, float)}
-    return Subject(
+    return NativeSubject(
         falls=False,
         sizes=rooms | rest,
         codes={},
@@ -88,9 +88,9 @@ def subject(law: ModuleType, group: str) -> Subject:
         slopes=slopes,
         split=next(name for name in after if name in numbers or name in names["output"]),
         given=[*given],
-        choices=[Chosen(port.name, "ONE_WORD", [*enumerate(port.words)]) for port in ports if port.words],
+        choices=[ChoiceParameter(port.name, "ONE_WORD", [*enumerate(port.words)]) for port in ports if port.words],
         checks=[
-            Check(port.name, port.limits[:2], port.limits[2])
+            RangeCheck(port.name, port.limits[:2], port.limits[2])
             for port in ports
             if port.causality == "parameter" and port.name in numbers
         ],

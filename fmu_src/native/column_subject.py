@@ -38,13 +38,13 @@ from ..variables import (
     inputs_of_ports,
     joint_parameters,
 )
-from .table import OF_BLOCKS, REFUSALS, VERDICTS, Check, Chosen, Subject, peaks_of
+from .table import OF_BLOCKS, REFUSALS, VERDICTS, RangeCheck, ChoiceParameter, NativeSubject, peaks_of
 
 # input -> the input that is its slope
 SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega", "base.omega": "base.alpha"}
 
 
-def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
+def column_subject(column: Column, drive: Drive = USUAL) -> NativeSubject:
     """Return the description of a column; only its number of blocks, sections, ports and brittleness matter."""
     n, spots, of_ports = column.n, at.SPOTS.size(len(column.ports)), inputs_of_ports(column)
     # arguments of `assemble` behind the blocks
@@ -52,7 +52,7 @@ def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
     # ends of the peaks in the state
     last = at.STATE.size(n)
     lost = at.CONTROL.beside + at.PHASE.places["bond_lost"][0] * n
-    return Subject(
+    return NativeSubject(
         falls=True,
         sizes={
             "N": n,
@@ -83,7 +83,7 @@ def column_subject(column: Column, drive: Drive = USUAL) -> Subject:
         given=[*_given(column, drive), *ports],
         choices=[
             *choices_of(drive),
-            Chosen("solver.without", "ANY_WORDS", [(code, word) for word, code in SKIP_CODES.items()]),
+            ChoiceParameter("solver.without", "ANY_WORDS", [(code, word) for word, code in SKIP_CODES.items()]),
         ],
         checks=_checks(column),
         reasons=REASONS,
@@ -102,14 +102,14 @@ def slopes_of(loads: Sequence[Variable]) -> dict[str, str]:
     return dict(zip(names[:half], names[half:], strict=True))
 
 
-def choices_of(drive: Drive) -> list[Chosen]:
+def choices_of(drive: Drive) -> list[ChoiceParameter]:
     """Return the choices of how the base moves."""
     if not drive.is_chosen:
         return []
     ways = [(int(at.DRIVES[word]), word) for word in drive.words]
     return [
-        Chosen(DRIVE, "ONE_WORD", ways),
-        Chosen(SLOPE_OF_BASE, "ONE_WORD", [(int(code), word) for word, code in at.SLOPES.items()]),
+        ChoiceParameter(DRIVE, "ONE_WORD", ways),
+        ChoiceParameter(SLOPE_OF_BASE, "ONE_WORD", [(int(code), word) for word, code in at.SLOPES.items()]),
     ]
 
 
@@ -133,12 +133,12 @@ def _given(column: Column, drive: Drive) -> list[str | float]:
     return names
 
 
-def _checks(column: Column) -> list[Check]:
+def _checks(column: Column) -> list[RangeCheck]:
     """Return the limits of every Real parameter, in the order in which the Python slave checks them.
 
     The dimensions of a section that are no parameters are checked against those that are.
     """
-    rows = [Check("g", *NUMBERS["g"])]
+    rows = [RangeCheck("g", *NUMBERS["g"])]
     for i, block in enumerate(column.blocks, start=1):
         for rule in BLOCK_RULES:
             if rule.of_joint and rule.key not in joint_parameters(column):  # kept as built
@@ -148,7 +148,7 @@ def _checks(column: Column) -> list[Check]:
             limits, meaning = NUMBERS[rule.key]
             if rule.key in at.OTHER_LAW and not knows_section(rule.key, block):
                 limits, meaning = (0.0, 0.0), "left out: it is for other sections of the contact"
-            rows.append(Check(name, limits, meaning, rule.optional, bound, rule.strict, rule.relation))
+            rows.append(RangeCheck(name, limits, meaning, rule.optional, bound, rule.strict, rule.relation))
             if rule.key == "mass" and block.bore is not None:
                 rows.append(_bore(f"block[{i}].bore", block.bore, f"block[{i}].width"))
         # sections of the contact
@@ -156,28 +156,28 @@ def _checks(column: Column) -> list[Check]:
             rows.append(_bore(f"joint[{i}].bore", block.joint_bore, f"joint[{i}].width", f"block[{i}].width"))
         for k, depth in enumerate(block.joint.strips or ()):
             name = f"joint[{i}].strips[{k}]"
-            rows.append(Check(name, *FIXED_LENGTH, False, f"block[{i}].depth", False, STRIP_RELATION, depth))
+            rows.append(RangeCheck(name, *FIXED_LENGTH, False, f"block[{i}].depth", False, STRIP_RELATION, depth))
         # position, rim, friction and dowel of the joint
-        rows += [Check(f"joint[{i}].{key}", *NUMBERS[key], True) for key in ("offset", "inclination")]
+        rows += [RangeCheck(f"joint[{i}].{key}", *NUMBERS[key], True) for key in ("offset", "inclination")]
         if "rim" in joint_parameters(column):
             why = no_rim(block)
-            rows.append(Check(f"joint[{i}].rim", *(((0.0, 0.0), why) if why else NUMBERS["rim"]), True))
+            rows.append(RangeCheck(f"joint[{i}].rim", *(((0.0, 0.0), why) if why else NUMBERS["rim"]), True))
         others = (f"block[{i}].tilt", f"joint[{i}].friction")
-        rows += [Check(name, *NUMBERS[name.rpartition(".")[2]], True) for name in others]
+        rows += [RangeCheck(name, *NUMBERS[name.rpartition(".")[2]], True) for name in others]
         needs = f"joint[{i}].friction"
-        rows.append(Check(f"joint[{i}].dowel", *NUMBERS["dowel"], True, relation=DOWEL_RELATION, needs=needs))
+        rows.append(RangeCheck(f"joint[{i}].dowel", *NUMBERS["dowel"], True, relation=DOWEL_RELATION, needs=needs))
         # bonds
         if column.is_brittle:
             of_bond = {key: bond_limits(block.joint, key) for key in BOND_PARAMETERS}
-            rows.append(Check(f"joint[{i}].tensile_strength", *of_bond["tensile_strength"]))
+            rows.append(RangeCheck(f"joint[{i}].tensile_strength", *of_bond["tensile_strength"]))
             own = of_bond["cohesion"]
-            rows.append(Check(f"joint[{i}].cohesion", *own, not own[0][0], relation=DOWEL_RELATION, needs=needs))
-    return [*rows, Check(TOLERANCE, *NUMBERS["tolerance"]), Check(RECORD_SCALE, *rules.SCALE_LIMITS)]
+            rows.append(RangeCheck(f"joint[{i}].cohesion", *own, not own[0][0], relation=DOWEL_RELATION, needs=needs))
+    return [*rows, RangeCheck(TOLERANCE, *NUMBERS["tolerance"]), RangeCheck(RECORD_SCALE, *rules.SCALE_LIMITS)]
 
 
 FIXED_LENGTH = ((0.0, LENGTH[0][1]), LENGTH[1])
 
 
-def _bore(name: str, bore: float, bound: str, otherwise: str = "") -> Check:
+def _bore(name: str, bore: float, bound: str, otherwise: str = "") -> RangeCheck:
     """Return the check that an inner diameter is less than the outer one."""
-    return Check(name, *FIXED_LENGTH, False, bound, True, BORE_RELATION, bore, otherwise)
+    return RangeCheck(name, *FIXED_LENGTH, False, bound, True, BORE_RELATION, bore, otherwise)

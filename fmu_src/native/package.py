@@ -29,7 +29,7 @@ from .platforms import PLATFORMS, USUAL_FORM, Form
 from .source import describe_sources, source_files
 from .structure_subject import structure_subject
 from .symbols import Symbols
-from .table import Contents, Subject, headers
+from .table import Contents, NativeSubject, headers
 
 NATIVE_FLAGS = FLAGS | {
     "canInterpolateInputs": True,
@@ -56,7 +56,7 @@ FLAGS_3 = {
 
 
 # description for the C core, by kind of body
-SUBJECTS: dict[type[Body], Callable[[Any], Subject]] = {
+SUBJECTS: dict[type[Body], Callable[[Any], NativeSubject]] = {
     ColumnBody: lambda body: column_subject(body.model, body.drive),
     StructureBody: structure_subject,
 }

@@ -14,17 +14,17 @@ from ..body import StructureBody
 from ..structure_variables import DAMPING_SCALE, WITHOUT
 from ..variables import OVERTURNED_BLOCK, RECORD_SCALE, TOLERANCE
 from .column_subject import choices_of, given_of, slopes_of
-from .table import FIRST_PEAK, OF_BLOCKS, VERDICTS, Check, Chosen, Subject, peaks_of
+from .table import FIRST_PEAK, OF_BLOCKS, VERDICTS, RangeCheck, ChoiceParameter, NativeSubject, peaks_of
 
 
-def structure_subject(body: StructureBody) -> Subject:
+def structure_subject(body: StructureBody) -> NativeSubject:
     """Return the description of a structure; its model and rest are constants."""
     sizes = sizes_in(body.packed)
     # arguments of `assemble`: parameters by name, and constants
     given: dict[str, str | float] = {"tolerance": TOLERANCE, "without": WITHOUT, "damping_scale": DAMPING_SCALE}
     given |= given_of(body.drive) | {"turns": float(body.drive.turns)}
     lengths = {"MODEL": at.MODEL.size(sizes), "STATE": at.STATE.size(sizes), "WORK": at.WORK.size(sizes)}
-    return Subject(
+    return NativeSubject(
         falls=True,
         sizes={
             **{
@@ -50,12 +50,12 @@ def structure_subject(body: StructureBody) -> Subject:
         given=[*(given[name] for name in driven.GIVEN.fields), *body.packed.tolist()],
         choices=[
             *choices_of(body.drive),
-            Chosen(WITHOUT, "ANY_WORDS", [(code, word) for word, code in SKIP_CODES.items()]),
+            ChoiceParameter(WITHOUT, "ANY_WORDS", [(code, word) for word, code in SKIP_CODES.items()]),
         ],
         checks=[
-            Check(DAMPING_SCALE, *rules.DAMPING_SCALE_LIMITS),
-            Check(TOLERANCE, *NUMBERS["tolerance"]),
-            Check(RECORD_SCALE, *rules.SCALE_LIMITS),
+            RangeCheck(DAMPING_SCALE, *rules.DAMPING_SCALE_LIMITS),
+            RangeCheck(TOLERANCE, *NUMBERS["tolerance"]),
+            RangeCheck(RECORD_SCALE, *rules.SCALE_LIMITS),
         ],
         reasons=REASONS,
         peaks=peaks_of(OUTPUTS, body.model.sizes, lengths["STATE"]),

@@ -27,7 +27,7 @@ from .. import alternation, rules, state_ranges
 from ..drive import MOTION, Idle, idle
 from ..record import Record
 from ..references import FAMILY, array_of
-from ..state_ranges import Ranges, Run
+from ..state_ranges import Ranges, RangeBlock
 from ..variables import ACCELERATIONS, DRIVE, STEP_SIZE, VERDICT, Variable
 
 TEXT = 256  # bytes of a String, its end included
@@ -56,7 +56,7 @@ OF_BLOCKS = {  # places that every body of blocks has
 
 
 @dataclass(frozen=True)
-class Chosen:
+class ChoiceParameter:
     """A parameter that selects one (ONE_WORD) or several (ANY_WORDS) of its items, as text."""
 
     name: str
@@ -72,7 +72,7 @@ class Peak(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Subject:
+class NativeSubject:
     """The simulated body, as the core has to know it."""
 
     falls: bool  # whether it has a verdict, and peaks in the order of the variables; a partner of a column has neither
@@ -83,8 +83,8 @@ class Subject:
     slopes: dict[str, str]  # input -> the input that is its slope
     split: str  # first variable after those of the output row
     given: list[str | float]  # arguments of `assemble` in its order: parameters, and constants
-    choices: list[Chosen]
-    checks: list[Check]
+    choices: list[ChoiceParameter]
+    checks: list[RangeCheck]
     reasons: dict[int, str]
     peaks: list[Peak] = field(default_factory=list)
     misfits: list[tuple[str, str]] = field(default_factory=list)  # name and relation, by the kind from 1
@@ -101,7 +101,7 @@ class Subject:
 
 
 @dataclass(frozen=True)
-class Check:
+class RangeCheck:
     """The limits of a Real parameter, and another variable that bounds it."""
 
     name: str
@@ -120,7 +120,7 @@ class Check:
 class Contents:
     """The content of one FMU."""
 
-    subject: Subject
+    subject: NativeSubject
     table: list[Variable]
     guid: str
     record_name: str
@@ -167,7 +167,7 @@ def headers(contents: Contents) -> dict[str, str]:
 # --- contract.h
 
 
-def contract(subject: Subject) -> str:
+def contract(subject: NativeSubject) -> str:
     """Return the text of contract.h: the kernels, with their sizes, codes and messages."""
     sizes = {name: subject.sizes[name] for name in SIZES}
     sizes |= {"BASE_INPUTS": len(subject.inputs), "GIVEN": len(subject.given), "DETAILS": DETAILS}
@@ -326,7 +326,7 @@ def _number(value: float) -> str:
     return float(value).hex() if math.isfinite(value) else "INFINITY" if value > 0.0 else "-INFINITY"
 
 
-def _range(run: Run) -> str:
+def _range(run: RangeBlock) -> str:
     flags = int(run.range.whole), int(run.range.may_lack), int(run.range.of_inputs)
     return f"{{{run.length}, {_number(run.range.low)}, {_number(run.range.high)}, {', '.join(map(str, flags))}}}"
 
@@ -375,7 +375,7 @@ def _variable(variable: Variable, place: int) -> str:
     return f"{{{_quoted(variable.name)}, {_quoted(variable.unit)}, {', '.join(map(str, words))}}}"
 
 
-def _choices(subject: Subject, index: dict[str, int]) -> list[str]:
+def _choices(subject: NativeSubject, index: dict[str, int]) -> list[str]:
     lines, rows = [], []
     for k, choice in enumerate(subject.choices):
         items = [f"{{{code}, {_quoted(word)}}}" for code, word in choice.items]
@@ -385,7 +385,7 @@ def _choices(subject: Subject, index: dict[str, int]) -> list[str]:
     return [*lines, *_array("Choice", "choices", rows)]
 
 
-def _check(check: Check, index: dict[str, int]) -> str:
+def _check(check: RangeCheck, index: dict[str, int]) -> str:
     parts = [
         "-1" if check.fixed is not None else str(index[check.name]),
         _quoted(check.name),
