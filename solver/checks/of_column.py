@@ -18,7 +18,7 @@ from .by_hand import ByHand, by_hand
 from .kinematic import Mechanism, mechanism
 from .limits import Limits
 from .spectra import FloatArray
-from .subject import Joints, Subject, subject_of
+from .subject import JointProperties, Subject, subject_of
 
 # largest ratio of implicit to explicit steps of the run as given at which varied runs share lanes, however stiff the
 # dampers. Measured (Phocas, doric, statue; eta 5e-4 to 2e-2 s; 0.04 to 0.6 g): 1.1 to 3.3 times as fast as one by one
@@ -48,10 +48,10 @@ class InPlane(Subject):
         return self.model
 
     @cached_property
-    def joints(self) -> Joints:
+    def joints(self) -> JointProperties:
         """The joints, from the top."""
         names = [f"joint {i}" for i in range(1, self.model.n + 1)]
-        return Joints.of(names, [contact.width for contact in self.model.contacts], self.model.laws)
+        return JointProperties.of(names, [contact.width for contact in self.model.contacts], self.model.laws)
 
     @property
     def bonds(self) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from ..models.structure.response import SpatialResponse
 from ..models.structure.rest import rest_of
 from .kinematic import rocking_period
 from .spectra import FloatArray
-from .subject import Joints, Subject, subject_of
+from .subject import JointProperties, Subject, subject_of
 
 CARRIES = 1e-3  # least carried load of a joint over the whole weight
 
@@ -42,9 +42,9 @@ class InSpace(Subject):
         rest_of(self.model)
 
     @cached_property
-    def joints(self) -> Joints:
+    def joints(self) -> JointProperties:
         """The joints, named after the blocks that they connect."""
-        found = Joints.of(self.model.joint_names, [joint.face.width for joint in self.model.joints], self.model.laws)
+        found = JointProperties.of(self.model.joint_names, [joint.face.width for joint in self.model.joints], self.model.laws)
         if self.model.bearings:  # bearings are meant to slide: their displacement is compared, not their slip
             first = len(self.model.joints) - len(self.model.bearings)
             found.width[first:], found.friction[first:] = math.nan, 0.0

@@ -24,7 +24,7 @@ OF_BEARINGS = "peak_d"  # column of a table of runs
 
 
 @dataclass(frozen=True, eq=False)
-class Joints:
+class JointProperties:
     """The properties of the joints that demands are compared with; NaN where a joint has none."""
 
     names: tuple[str, ...]
@@ -33,7 +33,7 @@ class Joints:
     friction: FloatArray
 
     @classmethod
-    def of(cls, names: Sequence[str], width: Sequence[float], laws: Sequence[Any]) -> Joints:
+    def of(cls, names: Sequence[str], width: Sequence[float], laws: Sequence[Any]) -> JointProperties:
         """Create from names, widths (m) and laws; a strength of 0 counts as none."""
         strength = [law.strength or math.nan for law in laws]
         friction = [math.nan if law.friction is None else law.friction for law in laws]
@@ -58,9 +58,9 @@ class Subject:
         return self.column
 
     @property
-    def joints(self) -> Joints:
+    def joints(self) -> JointProperties:
         """The joints."""
-        return Joints((), *np.empty((3, 0)))
+        return JointProperties((), *np.empty((3, 0)))
 
     @property
     def yields(self) -> FloatArray:

@@ -43,7 +43,7 @@ class Lines:
 
 
 @dataclass(frozen=True, eq=False)
-class Histories:
+class BaseHistories:
     """The motion of the base, integrated from rest without baseline correction, so that a baseline error shows."""
 
     time: FloatArray  # (m + 1,) s
@@ -145,14 +145,14 @@ def lines_of(motion: Motion, component: Component = "ax") -> Lines:
     return Lines(time, before, after)
 
 
-def histories(motion: Motion, component: Component = "ax") -> Histories:
+def histories(motion: Motion, component: Component = "ax") -> BaseHistories:
     """Compute velocity, displacement and Arias intensity over time; exact for samples."""
     lines = lines_of(motion, component)
     h, a, b = lines.steps, lines.before, lines.after
     velocity = _velocity(lines)
     displacement = _running(h * velocity[:-1] + h * h * (2.0 * a + b) / 6.0)
     husid = np.pi / (2.0 * STANDARD_GRAVITY) * _running(h * (a * a + a * b + b * b) / 3.0)
-    return Histories(lines.time, velocity, displacement, husid)
+    return BaseHistories(lines.time, velocity, displacement, husid)
 
 
 def pgv(motion: Motion) -> float:

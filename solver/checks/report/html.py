@@ -24,7 +24,7 @@ from ...plotting.scene.page import frame_of
 from ..by_hand import NOT_IN_SPACE
 from ..check import Check
 from ..limits import TOLERANCE
-from ..subject import Joints
+from ..subject import JointProperties
 from ..variants import difference
 from .model import shown_of
 from .pictures import embedded, spectra_picture
@@ -121,7 +121,7 @@ def _of_joints(check: Check) -> str:
     return f"{which} tension and cohesion until their mortar breaks, for good; broken or dry joints bear {dry}"
 
 
-def never_slide(joints: Joints) -> tuple[str, ...]:
+def never_slide(joints: JointProperties) -> tuple[str, ...]:
     """Return a sentence on the joints without friction; empty if all joints have friction."""
     missing, count = int(np.sum(np.isnan(joints.friction))), len(joints.names)
     if not missing:

@@ -31,7 +31,7 @@ class Sheet(NamedTuple):
     numbers: int = 2
 
 
-class Shown(NamedTuple):
+class ModelSection(NamedTuple):
     """The part of a report on the model: a sentence, tables and pictures."""
 
     sentence: str
@@ -41,7 +41,7 @@ class Shown(NamedTuple):
 
 
 @singledispatch
-def shown_of(model: Any, check: Check, run: Any) -> Shown:
+def shown_of(model: Any, check: Check, run: Any) -> ModelSection:
     """Return the tables and pictures of a model and of the governing run.
 
     The function is registered by the class of the model.
@@ -64,13 +64,13 @@ def shown_of(model: Any, check: Check, run: Any) -> Shown:
 
 
 @shown_of.register
-def _column(model: Column, check: Check, run: Response) -> Shown:
+def _column(model: Column, check: Check, run: Response) -> ModelSection:
     push = ""
     if check.by_hand:
         dry = f" ({WITHOUT_BONDS})" if model.is_brittle else ""
         push = f"It balances a steady push of {check.by_hand.mechanism.alpha0:.3g} g at most{dry}. "
     title = f"{check.name} under {check.action.motions[check.governing].name}"
-    return Shown(
+    return ModelSection(
         f"{push}Blocks count from the top; each has the joint under it.",
         _of_column(model),
         column_picture(model),
@@ -139,7 +139,7 @@ def _merged(rows: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
 
 
 @shown_of.register
-def _structure(structure: Structure, check: Check, run: SpatialResponse) -> Shown:
+def _structure(structure: Structure, check: Check, run: SpatialResponse) -> ModelSection:
     # blocks and joints; then bearings, mortar and ties, if there are any
     sheets = [
         Sheet(("block", "shape (m)", "mass (kg)"), _merged([_solid(block) for block in structure.blocks])),
@@ -161,7 +161,7 @@ def _structure(structure: Structure, check: Check, run: SpatialResponse) -> Show
         names = (*structure.names, "base")
         ties = [_tie(number, tie, names) for number, tie in enumerate(structure.ties, start=1)]
         sheets.append(Sheet(headings, ties))
-    return Shown(
+    return ModelSection(
         f"{len(structure.joints)} joints, {len(structure.ties)} ties.",
         sheets,
         structure_picture(structure),
