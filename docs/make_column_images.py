@@ -11,7 +11,7 @@ from matplotlib.patches import Circle, Polygon, Rectangle
 from multiblock import Block, Column, capacity_curve, natural_frequencies
 from solver.ground.motion import STANDARD_GRAVITY
 from solver.models.column.packing import FloatArray
-from solver.plotting.drawings import Places, corners_of
+from solver.plotting.drawings import DisplacementHistories, corners_of
 from solver.plotting.style import INK, STONE
 
 HERE = Path(__file__).resolve().parent
@@ -22,7 +22,7 @@ MAN = 1.75  # m, drawn beside for the scale
 
 def outlines_of(column: Column) -> list[FloatArray]:
     """Corners of the blocks as built, m (4, 2) each."""
-    return corners_of(Places(column, *np.zeros((3, 1, column.n))), 0, 1.0)
+    return corners_of(DisplacementHistories(column, *np.zeros((3, 1, column.n))), 0, 1.0)
 
 
 def built_off(column: Column) -> float:

@@ -28,7 +28,7 @@ from multiblock import (
 )
 from solver.ground.motion import STANDARD_GRAVITY
 from solver.models.column.linearization import StillColumn
-from solver.plotting.drawings import Places, corners_of, draw_column, measure_column
+from solver.plotting.drawings import DisplacementHistories, corners_of, draw_column, measure_column
 from solver.plotting.plots import draw_ground
 from solver.plotting.record_plots import plot_records
 from solver.plotting.style import BLUE, INK, RED, STONE, VERDICT_COLOURS, header, tidy
@@ -299,8 +299,8 @@ def off_axis() -> None:
         rest = [values[None] for values in (joints.ux, joints.uz, joints.theta)]
         built = [0.0 * values for values in rest]
         for outlines, scale, style in (
-            (corners_of(Places(column, *rest), 0, 200.0), 200.0, {"facecolor": STONE}),
-            (corners_of(Places(column, *built), 0, 1.0), 1.0, {"fill": False, "linestyle": ":"}),
+            (corners_of(DisplacementHistories(column, *rest), 0, 200.0), 200.0, {"facecolor": STONE}),
+            (corners_of(DisplacementHistories(column, *built), 0, 1.0), 1.0, {"fill": False, "linestyle": ":"}),
         ):
             for outline in outlines:
                 axes.add_patch(Polygon(outline, edgecolor=INK if scale > 1.0 else BLUE, linewidth=0.9, **style))

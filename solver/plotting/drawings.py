@@ -40,7 +40,7 @@ class Shapes(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Places:
+class DisplacementHistories:
     """The displacement histories of a column, (rows, n) each, without the rest of a response."""
 
     model: Column

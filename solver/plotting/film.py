@@ -34,7 +34,7 @@ Progress = Callable[[int, int], object]
 Pixels = NDArray[np.uint8]  # (height, width, 4)
 
 
-class Scene:
+class AnimatedFigure:
     """A figure in which only the blocks, the cursors and the clock move.
 
     A subclass is made from the response, the factor on the deformation (None: automatic) and the last instant, s. It
@@ -90,7 +90,7 @@ class Scene:
 
 
 def film(
-    scene_of: Callable[[Any, float | None, float], Scene],
+    scene_of: Callable[[Any, float | None, float], AnimatedFigure],
     response: Any,
     path: str | os.PathLike[str],
     scale: float | None,
@@ -144,7 +144,7 @@ class _PixelWriter(FFMpegWriter):
         self._proc.stdin.write(picture.tobytes())  # type: ignore[attr-defined]
 
 
-def _pictures(scene: Scene, rows: Any, callback: Progress | None) -> Iterator[Pixels]:
+def _pictures(scene: AnimatedFigure, rows: Any, callback: Progress | None) -> Iterator[Pixels]:
     """Yield the frames, drawing the moving artists over a cached background: some 20 times faster than whole frames."""
     scene.canvas.draw()
     still = scene.canvas.copy_from_bbox(scene.figure.bbox)
@@ -158,7 +158,7 @@ def _pictures(scene: Scene, rows: Any, callback: Progress | None) -> Iterator[Pi
             callback(done, len(rows))
 
 
-def _write_gif(scene: Scene, frames: Iterator[Pixels], fps: int, path: Path) -> None:
+def _write_gif(scene: AnimatedFigure, frames: Iterator[Pixels], fps: int, path: Path) -> None:
     """Write the frames with one palette, so that a frame stores only the pixels that change."""
     palette = _palette(scene.colours)
     images = [Image.fromarray(frame[..., :3]).quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]

@@ -18,7 +18,7 @@ from .style import FEW_COLOURS, RED, STONE
 __all__ = ["film", "plot_model", "plot_response"]
 
 
-class _Scene(films.Scene):
+class _ColumnFigure(films.AnimatedFigure):
     """The column in motion beside its base acceleration and displacements."""
 
     def __init__(self, response: Response, scale: float | None, end: float) -> None:
@@ -54,4 +54,4 @@ class _Scene(films.Scene):
             patch.set_xy(corners)
 
 
-film = partial(films.film, _Scene)
+film = partial(films.film, _ColumnFigure)

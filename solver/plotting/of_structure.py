@@ -66,7 +66,7 @@ def _mark_cracks(axes: Any, response: SpatialResponse, k: int, u: FloatArray, tu
     return bool(hurt)
 
 
-class _Scene(films.Scene):
+class _StructureFigure(films.AnimatedFigure):
     """The structure in motion over its base acceleration."""
 
     def __init__(self, response: SpatialResponse, scale: float | None, end: float) -> None:
@@ -90,7 +90,7 @@ class _Scene(films.Scene):
         self._solids.do_3d_projection()
 
 
-film = partial(films.film, _Scene)
+film = partial(films.film, _StructureFigure)
 
 
 def _reached(response: SpatialResponse, scale: float, end: float) -> FloatArray:

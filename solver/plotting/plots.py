@@ -21,7 +21,7 @@ from ..kernels.layout.spaces import COUNTS_FROM
 from ..models.column.model import Column
 from ..models.column.packing import FloatArray, carried_weights
 from ..models.column.response import Response, friction_history
-from .drawings import Places
+from .drawings import DisplacementHistories
 from .largest import rows_before_fall
 from .lines import draw_ensemble, draw_lines, reduced
 from .profiles import draw_last_moments, draw_offsets, draw_profiles
@@ -301,7 +301,7 @@ def _draw_beside(figure: Figure, shown: _Shown) -> None:
         draw_profiles(_split(figure, grid[last, :], 4), shown.column, _largest(shown), shown.chosen)
         last -= 1
     if shown.has_last_moments:
-        places = Places(shown.column, *(shown.histories[name] for name in ("ux", "uz", "ry")))
+        places = DisplacementHistories(shown.column, *(shown.histories[name] for name in ("ux", "uz", "ry")))
         draw_last_moments(_split(figure, grid[-1, :], 6), shown.time, places, shown.gone, shown.overturn_time)
     if shown.has_slip:
         draw_offsets(figure.add_subplot(grid[last, 1]), 1e3 * shown.histories["slip"][-1])

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..models.structure.blocks.faces import FloatArray
 from ..models.structure.blocks.shapes import turned
-from .scene.bodies import Body, normal_of
+from .scene.bodies import SceneBody, normal_of
 
 STONE, EDGE = "#e6dac4", "#6b6558"
 LIGHT = np.array([-0.35, -0.6, 0.72])
@@ -26,7 +26,7 @@ AT_ONCE = 10  # blocks up to which the order is computed for every frame; less o
 class Solids(PolyCollection):
     """The visible faces of all blocks, on 3D axes in orthographic projection."""
 
-    def __init__(self, bodies: Sequence[Body]) -> None:
+    def __init__(self, bodies: Sequence[SceneBody]) -> None:
         super().__init__([], linewidths=0.5, edgecolors=EDGE, zorder=1.0)
         self._centre = np.array([body.centroid for body in bodies])
         # faces of all blocks; rims of drums as pairs of points

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 
 from ..ground.motion import STANDARD_GRAVITY
 from ..models.column.model import Column
-from ..plotting.drawings import SHOWN, Places, draw_column, measure_column
+from ..plotting.drawings import SHOWN, DisplacementHistories, draw_column, measure_column
 from ..plotting.largest import length
 from ..plotting.style import BLUE, GREY, RED, Figure, header, save, tidy
 
@@ -42,7 +42,7 @@ def plot_modes(modes: Modes, path: str | os.PathLike[str] | None, most: int) -> 
         )
         # largest scale at which displacement, rotation and rise stay within their limits
         scale = min(most / max(float(np.max(np.abs(values))), 1e-300) for most, values in limits)
-        for patch in draw_column(axes, Places(modes.model, ux, uz, theta), 0, scale):
+        for patch in draw_column(axes, DisplacementHistories(modes.model, ux, uz, theta), 0, scale):
             patch.set_alpha(0.85)
         mass = abs(modes.mass_x[k] if modes.sways[k] else modes.mass_z[k]) / _mass(modes.model)
         way = "sways" if modes.sways[k] else "moves up"
@@ -87,7 +87,7 @@ def plot_capacity(curve: CapacityCurve, path: str | os.PathLike[str] | None = No
     drawn = figure.add_subplot(grid[:, 2])
     wanted = SHOWN * sum(block.height for block in curve.model.blocks) / max(float(top[strongest]), 1e-300)
     scale = max(1.0, float(f"{wanted:.0e}"))
-    places = Places(curve.model, curve.ux[: strongest + 1], curve.uz, curve.ry)
+    places = DisplacementHistories(curve.model, curve.ux[: strongest + 1], curve.uz, curve.ry)
     draw_column(drawn, places, strongest, scale)
     measure_column(drawn, places, strongest, scale)
     drawn.set_title("(e) at the largest push", loc="left", fontsize=10)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from ...ground.motion import STANDARD_GRAVITY
 from ...models.column.model import Column
-from ...plotting.drawings import Places, corners_of, draw_column, number_joints, rule_heights
+from ...plotting.drawings import DisplacementHistories, corners_of, draw_column, number_joints, rule_heights
 from ...plotting.style import block_colours, plain
 from ..check import Check
 from ..scaling import MEAN_FROM, horizontal_psa
@@ -35,7 +35,7 @@ def column_picture(column: Column) -> Figure:
     figure = Figure(figsize=(2.6, 4.6), layout="constrained")
     axes = figure.add_subplot()
     zero = np.zeros((1, column.n))
-    places = Places(column, zero, zero, zero)
+    places = DisplacementHistories(column, zero, zero, zero)
     draw_column(axes, places, 0, 1.0)
     corners, height = corners_of(places, 0, 1.0), sum(block.height for block in column.blocks)
     (left, _), (right, _) = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))

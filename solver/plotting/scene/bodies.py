@@ -37,7 +37,7 @@ class Surface:
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
+class SceneBody:
     """A block as built."""
 
     name: str
@@ -49,7 +49,7 @@ class Body:
 
 
 @dataclass(frozen=True, eq=False)
-class Contact:
+class SceneContact:
     """The face of a joint, (points, 3) m from the centroid of its upper body as built, anticlockwise from above."""
 
     name: str
@@ -70,9 +70,9 @@ class Scene:
     """
 
     name: str
-    bodies: tuple[Body, ...]
-    contacts: tuple[Contact, ...]
-    walls: tuple[Body, ...]  # of one surface each; they stay
+    bodies: tuple[SceneBody, ...]
+    contacts: tuple[SceneContact, ...]
+    walls: tuple[SceneBody, ...]  # of one surface each; they stay
     rows: NDArray[np.intp]  # of the response
     time: FloatArray  # s (rows,)
     u: FloatArray  # m (rows, n, 3)
@@ -94,7 +94,7 @@ def scene_of(response: Any, fps: float) -> Scene:
 
 
 @singledispatch
-def parts_of(model: Any) -> tuple[tuple[Body, ...], tuple[Contact, ...]]:
+def parts_of(model: Any) -> tuple[tuple[SceneBody, ...], tuple[SceneContact, ...]]:
     """Return the blocks and joints of a model, by a function registered for its class.
 
     Raises InputError for a class without one.
@@ -107,7 +107,7 @@ def has_parts(model: Any) -> bool:
     return parts_of.dispatch(type(model)) is not parts_of.dispatch(object)
 
 
-def walls_of(model: Any) -> tuple[Body, ...]:
+def walls_of(model: Any) -> tuple[SceneBody, ...]:
     """Return the walls that blocks of a structure may meet, clipped near the blocks; none of other models."""
     if not isinstance(model, Structure):
         return ()
@@ -121,7 +121,7 @@ def walls_of(model: Any) -> tuple[Body, ...]:
         near = np.clip(
             face.outline, np.maximum(low, seen.min(axis=0) - beyond), np.minimum(high, seen.max(axis=0) + beyond)
         )
-        found.append(Body(f"wall {number}", face.centre, (Surface(near @ face.axes[:, :2].T),)))
+        found.append(SceneBody(f"wall {number}", face.centre, (Surface(near @ face.axes[:, :2].T),)))
     return tuple(found)
 
 
@@ -131,7 +131,7 @@ def poses(bodies: Sequence[Any], histories: Any) -> tuple[FloatArray, FloatArray
     Parameters
     ----------
     bodies : sequence
-        Objects with the attributes `reach` and `tilt` of a Body.
+        Objects with the attributes `reach` and `tilt` of a SceneBody.
     histories : object
         Has ux, uy, uz, rx, ry, rz, or ux, uz, ry of a column, (rows, n) each.
     """
@@ -157,19 +157,19 @@ def _rows(time: FloatArray, fps: float) -> Any:
 
 
 @parts_of.register
-def _of_structure(structure: Structure) -> tuple[tuple[Body, ...], tuple[Contact, ...]]:
+def _of_structure(structure: Structure) -> tuple[tuple[SceneBody, ...], tuple[SceneContact, ...]]:
     bodies = tuple(
-        Body(block.name, block.centroid, surfaces(block), len(block.surface) > 0) for block in structure.blocks
+        SceneBody(block.name, block.centroid, surfaces(block), len(block.surface) > 0) for block in structure.blocks
     )
     contacts = zip(structure.joint_names, structure.joints, strict=True)
     return bodies, tuple(_contact(name, joint, bodies[joint.upper].centroid) for name, joint in contacts)
 
 
-def _contact(name: str, joint: Joint, centroid: FloatArray) -> Contact:
+def _contact(name: str, joint: Joint, centroid: FloatArray) -> SceneContact:
     face = joint.face
     hole = _inner(face) - centroid if face.bore else np.empty((0, 3))
     points, at_point = face.points(SIDES) - centroid, joint.bearing is not None
-    return Contact(name, joint.upper, joint.lower, points, hole, joint.bed.stiffness, at_point)
+    return SceneContact(name, joint.upper, joint.lower, points, hole, joint.bed.stiffness, at_point)
 
 
 def surfaces(block: Solid) -> tuple[Surface, ...]:
@@ -221,7 +221,7 @@ def normal_of(points: FloatArray) -> FloatArray:
 
 
 @parts_of.register
-def _of_column(column: Column) -> tuple[tuple[Body, ...], tuple[Contact, ...]]:
+def _of_column(column: Column) -> tuple[tuple[SceneBody, ...], tuple[SceneContact, ...]]:
     bodies, contacts = [], []
     foot = np.zeros(3)  # centre of the bottom face as built
     for i in range(column.n - 1, -1, -1):
@@ -234,8 +234,8 @@ def _of_column(column: Column) -> tuple[tuple[Body, ...], tuple[Contact, ...]]:
         rise = block.resolved_centroid
         made, rims = _of_block(block, tilt, lean - tilt, lean_above - tilt)
         centroid = foot + rise * up
-        bodies.append(Body(f"block {i + 1}", centroid, made, False, block.height - rise, tilt))
-        contacts.append(Contact(f"joint {i + 1}", i, i + 1, *rims, block.joint.stiffness))
+        bodies.append(SceneBody(f"block {i + 1}", centroid, made, False, block.height - rise, tilt))
+        contacts.append(SceneContact(f"joint {i + 1}", i, i + 1, *rims, block.joint.stiffness))
         foot = foot + block.height * up
     return tuple(bodies[::-1]), tuple(contacts[::-1])
 

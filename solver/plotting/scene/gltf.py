@@ -19,7 +19,7 @@ from ...models.column.outputs import OUTPUTS as OF_COLUMN
 from ...models.outputs import BLOCK
 from ...models.structure.blocks.faces import FloatArray
 from ...models.structure.outputs import OUTPUTS as OF_STRUCTURE
-from .bodies import Body, normal_of, poses, scene_of
+from .bodies import SceneBody, normal_of, poses, scene_of
 
 FPS = 30.0  # rows per second, at most
 FLOAT, UNSIGNED = 5126, 5125  # component types
@@ -103,18 +103,18 @@ class _Buffer:
         return len(self.accessors) - 1
 
 
-def still(name: str, bodies: Sequence[Body], in_plane: bool | None = None, walls: Sequence[Body] = ()) -> bytes:
+def still(name: str, bodies: Sequence[SceneBody], in_plane: bool | None = None, walls: Sequence[SceneBody] = ()) -> bytes:
     """Return the glTF of bodies as built, and of walls, which are visible from one side.
 
     Parameters
     ----------
     name : str
         Name of the scene.
-    bodies : sequence of Body
+    bodies : sequence of SceneBody
     in_plane : bool, optional
         If given, each node stores the numbers with which `animated` poses it from the outputs of an FMU; True for those
         of a column in its plane.
-    walls : sequence of Body
+    walls : sequence of SceneBody
         Walls, of one surface each.
 
     Returns
@@ -182,7 +182,7 @@ def _parts(found: bytes) -> tuple[Any, bytes]:
     return description, found[begin : begin + description["buffers"][0]["byteLength"]]
 
 
-def _mesh(body: Body, buffer: _Buffer) -> dict[str, Any]:
+def _mesh(body: SceneBody, buffer: _Buffer) -> dict[str, Any]:
     """Return the triangles of a body; each surface has vertices of its own, with its normal."""
     points, normals, corners, count = [], [], [], 0
     for surface in body.surfaces:

@@ -20,7 +20,7 @@ from ...ground.intensity import Component, histories, is_measurable
 from ...ground.motion import Motion
 from ...models.structure.blocks.faces import FloatArray
 from ..largest import largest_displacement, length
-from .bodies import Body, Scene, has_parts, scene_of
+from .bodies import SceneBody, Scene, has_parts, scene_of
 
 FPS = 30.0  # rows per second, at most
 MOST_NUMBERS = 270_000  # displacements, rotations and joints: 1.4 MB of the page
@@ -138,7 +138,7 @@ def _contents(scene: Scene, response: Any, scale: float | None, triangles: int) 
     }
 
 
-def _coarse(body: Body, most: int) -> FloatArray:
+def _coarse(body: SceneBody, most: int) -> FloatArray:
     """Return the triangles of a mesh, (k, 3, 3) m, with vertices snapped to a grid so that at most `most` are left."""
     whole = np.array([surface.points for surface in body.surfaces])
     found, cell = whole, 0.002 * float(np.max(np.ptp(whole, axis=(0, 1))))

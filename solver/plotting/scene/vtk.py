@@ -14,7 +14,7 @@ from ...common.errors import POSITIVE, InputError, check_number
 from ...models.outputs import BLOCK, JOINT
 from ...models.structure.blocks.faces import FloatArray
 from ...models.structure.blocks.shapes import turned
-from .bodies import Contact, Scene, normal_of, scene_of
+from .bodies import SceneContact, Scene, normal_of, scene_of
 
 POLYGON = 7  # VTK cell type
 NAMES = {"float64": "Float64", "int64": "Int64", "uint8": "UInt8"}
@@ -85,7 +85,7 @@ def _joints(scene: Scene, k: int) -> tuple[list[FloatArray], list[int], dict[str
     return found, owners, {"pressure": np.concatenate(pressures) if pressures else np.empty(0)}
 
 
-def _pieces(contact: Contact) -> list[FloatArray]:
+def _pieces(contact: SceneContact) -> list[FloatArray]:
     """Return convex polygons that make up the face of a joint."""
     outer, inner = contact.points, contact.hole
     if not len(inner):
@@ -101,7 +101,7 @@ def _placed(scene: Scene, k: int, i: int, points: FloatArray) -> FloatArray:
     return found
 
 
-def _loaded(scene: Scene, k: int, contact: Contact, piece: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _loaded(scene: Scene, k: int, contact: SceneContact, piece: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the part of a polygon of the upper face that penetrates the lower one, m, and its depth at the corners, m.
 
     A joint opens along the mean of both faces' normals (theory.md section 13).
