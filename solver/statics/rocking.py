@@ -26,7 +26,7 @@ MOST_BLOCKS = 12  # largest number of blocks for which an answer includes the re
 LONGEST = 100.0  # longest simulated time, over that in which the column falls
 
 
-class Part(NamedTuple):
+class RigidPart(NamedTuple):
     """The part of a column above a joint, as one straight rigid body."""
 
     joint: int  # from the top, 1 is the highest
@@ -46,9 +46,9 @@ class Part(NamedTuple):
         return 1.0 - 2.0 * self.mass * self.half_width**2 / self.inertia
 
 
-def parts_above(column: Column) -> list[Part]:
+def parts_above(column: Column) -> list[RigidPart]:
     """Return the part above each joint, the top joint first."""
-    found: list[Part] = []
+    found: list[RigidPart] = []
     mass = height = inertia = 0.0  # of the part above: height of its centroid, inertia about the centroid
     for number, (block, contact) in enumerate(zip(column.blocks, column.contacts, strict=True), start=1):
         both, own, raised = mass + block.mass, block.resolved_centroid, height + block.height
@@ -56,11 +56,11 @@ def parts_above(column: Column) -> list[Part]:
         inertia += block.resolved_inertia + mass * (raised - middle) ** 2 + block.mass * (own - middle) ** 2
         mass, height = both, middle
         half = min(-contact.left, contact.right)
-        found.append(Part(number, mass, half, height, inertia + mass * (height**2 + half**2)))
+        found.append(RigidPart(number, mass, half, height, inertia + mass * (height**2 + half**2)))
     return found
 
 
-def rocking_part(column: Column) -> Part:
+def rocking_part(column: Column) -> RigidPart:
     """Return the part that the least push sets in motion; for a statue on a pedestal this is the statue."""
     return min(reversed(parts_above(column)), key=lambda part: part.slenderness)
 

@@ -24,7 +24,7 @@ from multiblock import (
 )
 from solver.models.structure.blocks.parts import Solid
 from solver.models.structure.blocks.shapes import box, drum, placed, prism, rotation_matrix, turned
-from solver.models.structure.convex import TOUCH, Hull, along_axes, distance
+from solver.models.structure.convex import TOUCH, ConvexPart, along_axes, distance
 from solver.models.structure.overlap import Overlap, deepest_overlap
 
 G = 9.80665
@@ -111,7 +111,7 @@ def test_random_boxes_and_prisms_overlap_where_a_linear_program_says_so() -> Non
                 placed(prism(name, WEDGE, depth, 1.0), np.zeros(3), turn),
             )
             solids.append(shapes[int(rng.integers(3))])
-        hulls = [Hull(solid) for solid in solids]
+        hulls = [ConvexPart(solid) for solid in solids]
         r1, r2 = rng.normal(0.0, 0.5, (2, 1, 3))
         between = rng.normal(0.0, 0.5, (1, 3))
         gap = float(along_axes(hulls[0], hulls[1], r1, r2, between)[0])
@@ -170,7 +170,7 @@ def test_random_drums_overlap_where_a_linear_program_says_so() -> None:
             shape, turn = drum(name, 0.6, 0.6, 0.0, rng.uniform(0.1, 1.5), 1.0), rotation_matrix(rng.normal(size=3))
             drums.append(placed(shape, np.zeros(3), turn))
         between = rng.normal(size=3) * 0.45
-        found = float(distance(Hull(drums[0]), Hull(drums[1]), still, still, between[None])[0])
+        found = float(distance(ConvexPart(drums[0]), ConvexPart(drums[1]), still, still, between[None])[0])
         corners = polygons(drums[0]), polygons(drums[1]) + between
         if not share_a_point(*corners):
             apart += 1

@@ -29,7 +29,7 @@ NEAREST = 200  # iterations for the nearest point
 
 
 @dataclass(frozen=True, eq=False)
-class Hull:
+class ConvexPart:
     """The corners, rims and axes of a convex block or part, from the centroid of the block, along the base's axes."""
 
     block: Solid
@@ -117,14 +117,14 @@ class Hull:
             found, most = np.where((place > most)[:, None], point, found), np.maximum(most, place)
         return found + turned(rotation, found)
 
-    def facing(self, rotation: FloatArray, other: Hull, turn: FloatArray, between: FloatArray) -> FloatArray:
+    def facing(self, rotation: FloatArray, other: ConvexPart, turn: FloatArray, between: FloatArray) -> FloatArray:
         """Return the axes along which a drum faces another block, (rows, axes, 3).
 
         Parameters
         ----------
         rotation, turn : array (rows, 3)
             Rotations of the drum and of the other block since built, rad.
-        other : Hull
+        other : ConvexPart
             The other block.
         between : array (rows, 3)
             From the centroid of the drum to that of the other block, m.
@@ -147,7 +147,7 @@ def _directions(vectors: FloatArray) -> FloatArray:
     return np.array(kept)
 
 
-def along_axes(one: Hull, other: Hull, r1: FloatArray, r2: FloatArray, between: FloatArray) -> FloatArray:
+def along_axes(one: ConvexPart, other: ConvexPart, r1: FloatArray, r2: FloatArray, between: FloatArray) -> FloatArray:
     """Return the distance of two convex blocks along the axes that may separate them; arguments as in `distance`."""
     mine, yours = ((hull, rotation[:, None]) for hull, rotation in ((one, r1), (other, r2)))
     # candidate axes: normals, cross products of edges, axes of drums, line of centroids
@@ -170,7 +170,7 @@ def along_axes(one: Hull, other: Hull, r1: FloatArray, r2: FloatArray, between: 
     return np.max(np.where(none, -np.inf, gap), axis=1)
 
 
-def _nearest(one: Hull, other: Hull, r1: FloatArray, r2: FloatArray, between: FloatArray) -> FloatArray:
+def _nearest(one: ConvexPart, other: ConvexPart, r1: FloatArray, r2: FloatArray, between: FloatArray) -> FloatArray:
     """Return a lower bound of the distance of two convex bodies, m (rows,), exact where they are apart (Gilbert)."""
     point, bound = between.copy(), np.full(len(between), -np.inf)
     for _ in range(NEAREST):
@@ -185,12 +185,12 @@ def _nearest(one: Hull, other: Hull, r1: FloatArray, r2: FloatArray, between: Fl
     return bound
 
 
-def distance(one: Hull, other: Hull, r1: FloatArray, r2: FloatArray, between: FloatArray) -> FloatArray:
+def distance(one: ConvexPart, other: ConvexPart, r1: FloatArray, r2: FloatArray, between: FloatArray) -> FloatArray:
     """Return the signed distance of two convex bodies, m (rows,), negative by their overlap.
 
     Parameters
     ----------
-    one, other : Hull
+    one, other : ConvexPart
         The bodies.
     r1, r2 : array (rows, 3)
         Rotations since built, rad.
@@ -205,9 +205,9 @@ def distance(one: Hull, other: Hull, r1: FloatArray, r2: FloatArray, between: Fl
     return found
 
 
-def hulls_of(block: Solid) -> list[Hull]:
+def hulls_of(block: Solid) -> list[ConvexPart]:
     """Return the convex body of a block, or those of its convex parts."""
-    return [Hull(block, part) for part in block.parts or ((),)]
+    return [ConvexPart(block, part) for part in block.parts or ((),)]
 
 
 class BuiltOverlap(NamedTuple):

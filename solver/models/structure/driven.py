@@ -27,7 +27,7 @@ from .blocks.faces import FloatArray
 from .modal_data import modal_data_of
 from .model import Structure
 from .outputs import OUTPUTS
-from .packing import Model, arrays_of, with_modes
+from .packing import PackedModel, arrays_of, with_modes
 from .rest import rest_of
 from .stepper import TOO_SMALL
 
@@ -105,7 +105,7 @@ class DrivenStructure:
         self.structure = structure
         self.sizes = sizes_in(model)
         self.packed = model
-        self.arrays = arrays_of(Model(self.sizes, model[: at.MODEL.size(self.sizes)]))
+        self.arrays = arrays_of(PackedModel(self.sizes, model[: at.MODEL.size(self.sizes)]))
         # inputs: base, loads on ports, rotation, bodies
         of_ports = at.INPUT_LOADS.size(self.sizes.ports)
         turns, bodies = int(given.turns), int(given.bodies)

@@ -22,7 +22,7 @@ from ..column.packing import FloatArray, IntArray
 from ..protocol import LANES, OVERTURNED, STANDING, UNDECIDED, Run
 from .model import Structure
 from .packing import shares_left
-from .rest import Rest, fastest_decay
+from .rest import SpatialRest, fastest_decay
 from .stepper import Stepper
 from .verdict import next_look, well_of, why_it_leans
 
@@ -66,7 +66,7 @@ def is_flat_run(structure: Structure, motion: Motion) -> bool:
 
 def follow_in_lanes(
     runs: Sequence[Run],
-    rests: Sequence[Rest],
+    rests: Sequence[SpatialRest],
     settle: float,
     flag: FloatArray | None = None,
     times: FloatArray | None = None,
@@ -77,7 +77,7 @@ def follow_in_lanes(
     ----------
     runs : sequence of Run
         The runs.
-    rests : sequence of Rest
+    rests : sequence of SpatialRest
         The rest of the structure of each run.
     settle : float
         Longest time for which runs are followed after their end, s.
@@ -144,7 +144,7 @@ def _result(within: Any, later: Any, peaks: dict[str, FloatArray], stop: float, 
 class _Lanes:
     """Runs as rows for the kernels: models, states, and the outcomes and peaks of the last interval followed."""
 
-    def __init__(self, runs: Sequence[Run], rests: Sequence[Rest], times: FloatArray) -> None:
+    def __init__(self, runs: Sequence[Run], rests: Sequence[SpatialRest], times: FloatArray) -> None:
         self._runs, self._times = runs, times
         self._steppers = {id(run.model): Stepper(run.model) for run in runs}
         self._sizes = self._stepper(0).sizes

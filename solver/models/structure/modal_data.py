@@ -12,7 +12,7 @@ from ...kernels.structure import layout as at
 from ...kernels.structure import modal_layout as modal
 from .blocks.faces import FloatArray
 from .model import Structure
-from .rest import Rest, rest_of
+from .rest import SpatialRest, rest_of
 from .stepper import Stepper
 
 MOST = 64  # blocks: the matrices grow with the square
@@ -47,7 +47,7 @@ def _modal_data(*parts: object) -> ModalData:
     return ModalData(np.zeros(0) if why else _numbers(structure, rest), why)
 
 
-def _why_none(structure: Structure, rest: Rest) -> str:
+def _why_none(structure: Structure, rest: SpatialRest) -> str:
     n, m = structure.n, len(structure.joints)
     first = len(at.OF_BLOCK) * n + at.OF_JOINT.index("contact") * m
     if n > MOST:
@@ -57,14 +57,14 @@ def _why_none(structure: Structure, rest: Rest) -> str:
     return "a joint slides at rest" if _gives_way(structure, rest) else ""
 
 
-def _gives_way(structure: Structure, rest: Rest) -> bool:
+def _gives_way(structure: Structure, rest: SpatialRest) -> bool:
     stepper = Stepper(structure)
     stepper.phase[:] = rest.phase
     stepper.observe()
     return bool(np.any(stepper.rates[at.PHASE.size(structure.n) :]))
 
 
-def _numbers(structure: Structure, rest: Rest) -> FloatArray:
+def _numbers(structure: Structure, rest: SpatialRest) -> FloatArray:
     """Return the modal data, except for what `prepare` of kernels/structure/modal.py computes."""
     n, m, k = structure.n, len(structure.joints), len(structure.ties)
     stiffness, mass, places = _about_rest(structure, rest)
@@ -102,7 +102,7 @@ def _cost(m: int, groups: list[np.ndarray]) -> float:
     return float(np.dot(OF_MODES, counts) / np.dot(OF_GENERAL, counts[:2]))
 
 
-def _about_rest(structure: Structure, rest: Rest) -> tuple[FloatArray, FloatArray, np.ndarray]:
+def _about_rest(structure: Structure, rest: SpatialRest) -> tuple[FloatArray, FloatArray, np.ndarray]:
     """Return stiffness and mass about rest in the coordinates of the kernels, body by body, and their phase indices."""
     n = structure.n
     see = at.PHASE.see(rest.phase, n)

@@ -27,7 +27,7 @@ from .blocks.parts import BASE, BESIDE_COLUMN, OF_COLUMN, TOLERANCE, Bearing, Be
 from .file import in_space, names_from, parts_from, ports_of, written_out
 from .hull_tables import in_folder, with_hulls
 from .neighbours import neighbours_from
-from .packing import Model, Parts, centroid_of, model_of
+from .packing import PackedModel, Parts, centroid_of, model_of
 from .stack import in_three, stacked
 
 LEAST_LENGTH = 1e-6  # m, of a tie
@@ -207,7 +207,7 @@ class Structure(Shown):
         return int(block)
 
     @cached_property
-    def model(self) -> Model:
+    def model(self) -> PackedModel:
         """The arrays for the kernels."""
         parts = Parts(self.blocks, self.joints, self.ties, self.ports, self.neighbours)
         return model_of(parts, self.g, self.tolerance)

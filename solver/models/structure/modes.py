@@ -17,7 +17,7 @@ from .blocks.faces import FloatArray
 from .model import Structure
 from .neighbours import NEAR
 from .outputs import OUTPUTS, UNITS
-from .rest import Rest, deltas_of, full_stiffness, residual_of, rest_of, start_from, sticking
+from .rest import SpatialRest, deltas_of, full_stiffness, residual_of, rest_of, start_from, sticking
 from .stepper import Stepper
 
 SLIDING_PART = 1e-3  # of the settlement: differences for the tangent while bearings slide
@@ -124,7 +124,7 @@ def frequencies_apart(structure: Structure) -> FloatArray:
     return modes_in_space(replace(structure, neighbours=(), described=None)).frequency
 
 
-def _check_gaps(structure: Structure, rest: Rest) -> None:
+def _check_gaps(structure: Structure, rest: SpatialRest) -> None:
     """Raise InputError for neighbours that touch at rest: their contact resists in one direction only."""
     gaps = rest.row[places_of(OUTPUTS, structure.sizes)["gap"]]
     for name, pair, gap in zip(structure.contact_names, structure.neighbours, gaps.tolist(), strict=True):
@@ -165,7 +165,7 @@ def _root_of_mass(structure: Structure) -> FloatArray:
     return root
 
 
-def _damping(structure: Structure, rest: Rest, fastest: float) -> FloatArray:
+def _damping(structure: Structure, rest: SpatialRest, fastest: float) -> FloatArray:
     """Return the damping matrix: forces and moments on the blocks per rate, (6 n, 6 n).
 
     It is found by central differences, so that only the part of a joint in contact damps. Blocks at rest have turned so

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from .blocks.faces import Face, FloatArray
 from .blocks.parts import BASE, Joint
 from .blocks.shapes import turned
-from .convex import TOUCH, Hull, distance, hulls_of, near_as_built
+from .convex import TOUCH, ConvexPart, distance, hulls_of, near_as_built
 from .model import Structure
 from .outputs import StructureHistories
 
@@ -105,7 +105,7 @@ def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHisto
 
 
 def _deepest_where_joints_ended(
-    structure: Structure, hulls: list[list[Hull]], time: FloatArray, u: FloatArray, rotation: FloatArray
+    structure: Structure, hulls: list[list[ConvexPart]], time: FloatArray, u: FloatArray, rotation: FloatArray
 ) -> Overlap:
     """Return the deepest overlap of joined bodies while a joint of theirs has ended, beyond that in their others."""
     joints: dict[tuple[int, int], list[Joint]] = {}
@@ -135,7 +135,7 @@ def _deepest_where_joints_ended(
 
 
 def _depth_of_bodies(
-    structure: Structure, hulls: list[list[Hull]], joints: list[Joint], u: FloatArray, rotation: FloatArray
+    structure: Structure, hulls: list[list[ConvexPart]], joints: list[Joint], u: FloatArray, rotation: FloatArray
 ) -> FloatArray:
     """Return the depth of the overlap of two joined bodies, beyond that as built, m (rows,)."""
     i, j = joints[0].upper, joints[0].lower

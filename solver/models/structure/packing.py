@@ -25,7 +25,7 @@ RELAXATION = 0.1
 FIRST = 0.1  # of 1 / omega of the fastest joint: first step
 
 
-class Model(NamedTuple):
+class PackedModel(NamedTuple):
     """The description of a structure for the kernels."""
 
     sizes: at.Sizes
@@ -37,7 +37,7 @@ class Model(NamedTuple):
         return at.MODEL.see(self.numbers, self.sizes)
 
 
-def arrays_of(model: Model) -> Arrays:
+def arrays_of(model: PackedModel) -> Arrays:
     """Return the arrays of a structure, zero except for its model and its unbroken bonds."""
     state = np.zeros(at.STATE.size(model.sizes))
     _put_bonds(at.STATE.see(state, model.sizes).bonded, model.names)
@@ -59,7 +59,7 @@ def _put_bonds(bonded: FloatArray, names: Any) -> None:
         left[at.BONDED.beside :][: corners.size] = corners
 
 
-def shares_left(state: FloatArray, model: Model) -> FloatArray:
+def shares_left(state: FloatArray, model: PackedModel) -> FloatArray:
     """Return the unbroken share of the area of each bonded joint in a state, (bonds,)."""
     sizes, names = model.sizes, model.names
     left = state[at.place_of_bonds(sizes) : sizes.state].reshape(sizes.bonds, at.OF_POLYGON.size(1))
@@ -71,11 +71,11 @@ def shares_left(state: FloatArray, model: Model) -> FloatArray:
     return shares
 
 
-def with_modes(model: Model, modal: FloatArray) -> Model:
+def with_modes(model: PackedModel, modal: FloatArray) -> PackedModel:
     """Return a copy of a model without modes, with the modal data appended."""
     room = MODAL_ROOM.size((AXES * model.sizes.n, model.sizes.k))
     sizes = at.sizes_of(*model.sizes[:8], modal.size, room if modal.size else 0)
-    made = Model(sizes, np.concatenate([model.numbers, modal]))
+    made = PackedModel(sizes, np.concatenate([model.numbers, modal]))
     made.numbers[: len(sizes)] = sizes
     made.names.settings.has_modes = float(modal.size > 0)
     return made
@@ -91,7 +91,7 @@ class Parts(NamedTuple):
     pairs: tuple[Pair, ...]
 
 
-def model_of(parts: Parts, g: float, tolerance: float) -> Model:
+def model_of(parts: Parts, g: float, tolerance: float) -> PackedModel:
     """Return the model of a structure without modes, with gravity (m/s2) and a tolerance relative to the motion."""
     made = _model_of(parts, g)
     made = made._replace(numbers=made.numbers.copy())
@@ -103,7 +103,7 @@ def model_of(parts: Parts, g: float, tolerance: float) -> Model:
 
 
 @lru_cache(maxsize=64)
-def _model_of(parts: Parts, g: float) -> Model:
+def _model_of(parts: Parts, g: float) -> PackedModel:
     """Return the model of a structure, without tolerances."""
     solids, joints, ties, ports, pairs = parts
     # corners: sections of the joints, their faces, insides of rims, faces of pairs
@@ -118,7 +118,7 @@ def _model_of(parts: Parts, g: float) -> Model:
     bonds = [j for j, joint in enumerate(joints) if joint.bed.is_bonded]
     parts_too = len(ports), len(pairs), len(bonds)
     sizes = at.sizes_of(len(solids), len(joints), len(ties), bearings, corners.size, *parts_too)
-    model = Model(sizes, np.zeros(at.MODEL.size(sizes)))
+    model = PackedModel(sizes, np.zeros(at.MODEL.size(sizes)))
     model.numbers[: len(sizes)] = sizes
     names = model.names
     names.corners[:] = corners

@@ -211,7 +211,7 @@ class _Place(NamedTuple):
     iterations: int
 
 
-class _Seen(NamedTuple):
+class _EventFlags(NamedTuple):
     """The events sought along the path."""
 
     grows: bool  # the push
@@ -250,7 +250,7 @@ class _Path:
 
     def follow(self) -> str:
         """Add the points up to the largest push; return the reason why the path ends."""
-        step, gone, narrow, seeking, seen = STEP, 0.0, 0.0, False, _Seen(True, False, False)
+        step, gone, narrow, seeking, seen = STEP, 0.0, 0.0, False, _EventFlags(True, False, False)
         while len(self.places) < MOST_PLACES:
             last = self.places[-1]
             place = self._next(last, step)
@@ -280,10 +280,10 @@ class _Path:
                 step = min(2.0 * step, max(STEP, GROWTH * gone))
         return f"the path is followed over {MOST_PLACES} places"
 
-    def _seen(self, place: _Place, last: _Place, before: _Seen) -> _Seen:
+    def _seen(self, place: _Place, last: _Place, before: _EventFlags) -> _EventFlags:
         rest, row = self.places[0].row, place.row
         contact, slip, moved = self.contact, self.slip, slice(0, 3 * self.stepper.structure.n)
-        return _Seen(
+        return _EventFlags(
             place.ahead[-1] > (0.0 if place.push > last.push * (1.0 + LEAST_GROWTH) else STEEP),
             before.opened or bool(np.any(_opened(row[contact], rest[contact]))),
             before.slid

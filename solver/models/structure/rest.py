@@ -44,7 +44,7 @@ SOFTENING = 1e-4  # of the stiffness in full contact: first addition to a tangen
 ITERATIONS = 4  # inverse iterations to the first mode, from a sway of the structure
 
 
-class Rest(NamedTuple):
+class SpatialRest(NamedTuple):
     """A structure at rest: phase, output row, tangent stiffness (entries.py)."""
 
     phase: FloatArray
@@ -52,7 +52,7 @@ class Rest(NamedTuple):
     stiffness: FloatArray
 
 
-def rest_of(structure: Structure) -> Rest:
+def rest_of(structure: Structure) -> SpatialRest:
     """Return the rest of a structure. Raises NoRestError if it has no stable rest, InputError if a block is free."""
     try:
         parts = structure.blocks, structure.joints, structure.ties, structure.g
@@ -69,7 +69,7 @@ def _rest_of(
     g: float,
     ports: tuple[Port, ...],
     neighbours: tuple[Pair, ...],
-) -> Rest:
+) -> SpatialRest:
     """Compute the rest from the parts of a structure: the settings of a run do not affect it."""
     structure = Structure("structure", blocks, joints, ties, g, ports=ports, neighbours=neighbours)
     # the linear solution is the first guess and the scale of the differences
@@ -146,12 +146,12 @@ def sticking(stepper: Stepper) -> Stepper:
     return other
 
 
-def start_from(stepper: Stepper, rest: Rest) -> None:
+def start_from(stepper: Stepper, rest: SpatialRest) -> None:
     """Set the phase of a stepper to that of a rest."""
     stepper.phase[:] = rest.phase
 
 
-def _finished(stepper: Stepper, *stiffnesses: FloatArray) -> Rest:
+def _finished(stepper: Stepper, *stiffnesses: FloatArray) -> SpatialRest:
     """Return the rest with the first of these tangents that is stable."""
     stepper.observe(keep=True)
     for stiffness in stiffnesses:
@@ -160,7 +160,7 @@ def _finished(stepper: Stepper, *stiffnesses: FloatArray) -> Rest:
             raise InputError(TOO_FAR_APART)
         with suppress(np.linalg.LinAlgError):
             np.linalg.cholesky(symmetric)
-            return Rest(stepper.phase.copy(), stepper.row.copy(), stiffness)
+            return SpatialRest(stepper.phase.copy(), stepper.row.copy(), stiffness)
     raise NoRestError("its rest is not stable, it falls without any motion")
 
 
@@ -395,7 +395,7 @@ def known_warnings_in_space(structure: Structure, at_rest: bool = True) -> tuple
     return tuple(plausible.lines_of(facts))
 
 
-def _first_damping_ratio(structure: Structure, rest: Rest) -> float:
+def _first_damping_ratio(structure: Structure, rest: SpatialRest) -> float:
     """Return the damping ratio of the first sway mode, all joints in full contact; 0 without damping or weight.
 
     It is found by inverse iteration, accurately enough for a warning; `modes_in_space` computes it exactly.

@@ -94,7 +94,7 @@ def single_run(structure: Structure, plan: Plan) -> SpatialResponse:
     peaks = peaks_in_space(structure, rows, stepper.state.peaks)
     again = partial(moved, structure, motion, stop, plan.times, plan.initial)
     response = SpatialResponse(structure, rows, again, time=plan.times, peaks=peaks, stats=stats, motion=motion)
-    conclude(response, _Settling(stepper), stop, plan.settle)
+    conclude(response, _SpatialSettling(stepper), stop, plan.settle)
     return response
 
 
@@ -172,7 +172,7 @@ def set_initial(stepper: Stepper, initial: SpatialState) -> None:
             getattr(stepper.slips, f"p{k}")[:] = getattr(found, f"s{k}")
 
 
-class _Settling:
+class _SpatialSettling:
     """A structure on a still base after its run (still_base.py)."""
 
     unclear = "has the energy to fall"
@@ -216,4 +216,4 @@ class _Settling:
 
 def settled_verdict(stepper: Stepper, stop: float, settle: float) -> Verdict:
     """Return the verdict on a run that ended at time `stop`, s, reached at most `settle` s later."""
-    return settled(_Settling(stepper), stop, settle)
+    return settled(_SpatialSettling(stepper), stop, settle)
