@@ -111,7 +111,7 @@ class Work(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Settings:
+class CommonSettings:
     """The settings of every model."""
 
     tolerance: float = 1e-6  # relative error of a run
@@ -151,7 +151,7 @@ class Model(Protocol):
 
     @property
     def settings(self) -> Any:
-        """The settings: `Settings` and those of the kind."""
+        """The settings: `CommonSettings` and those of the kind."""
 
     @property
     def with_settings(self) -> Callable[..., Self]:
@@ -174,7 +174,7 @@ class Model(Protocol):
 class PlainModel:
     """A model of one block without joints, with defaults for the rest of `Model`."""
 
-    settings: Settings = field(default_factory=Settings, kw_only=True)
+    settings: CommonSettings = field(default_factory=CommonSettings, kw_only=True)
     n: ClassVar[int] = 1
     laws: ClassVar[Sequence[Law]] = ()
     sizes: ClassVar[Mapping[str, int]] = {"block": 1, "joint": 0, "tie": 0, "bearing": 0, "base": 0}
@@ -195,7 +195,7 @@ class PlainModel:
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
         """Make the model from the result of `to_dict`, also after JSON."""
         settings = {**data["settings"], "without": tuple(data["settings"]["without"])}
-        return cls(**{**data, "settings": Settings(**settings)})
+        return cls(**{**data, "settings": CommonSettings(**settings)})
 
 
 class Kind:
