@@ -28,7 +28,7 @@ from solver.models.structure.kind import STRUCTURES
 from solver.models.structure.response import SpatialResponse
 from solver.models.structure.rest import rest_of, start_from
 from solver.models.structure.run import SpatialState, set_initial
-from solver.models.structure.stepper import Stepper
+from solver.models.structure.stepper import SpatialStepper
 from solver.runs.chunk import Chunk, make_runs
 from solver.studies import Study
 
@@ -213,7 +213,7 @@ def _costs(structures: Sequence[Structure], motion: Motion) -> list[float]:
     least = [math.inf] * len(structures)
     for _ in range(RUNS):
         for k, (structure, rest) in enumerate(zip(structures, rests, strict=True)):
-            stepper = Stepper(structure)
+            stepper = SpatialStepper(structure)
             start_from(stepper, rest)
             begin = time.process_time()
             stepper.run(motion, 0.0, motion.duration, np.zeros(0))
@@ -224,7 +224,7 @@ def _costs(structures: Sequence[Structure], motion: Motion) -> list[float]:
 
 def _alone(structure: Structure) -> float:
     """Processor time, s, of a joint with its bodies in an evaluation at rest, called from Python; the least of runs."""
-    stepper, least = Stepper(structure), math.inf
+    stepper, least = SpatialStepper(structure), math.inf
     start_from(stepper, rest_of(structure))
     for _ in range(RUNS):
         begin = time.process_time()
@@ -382,7 +382,7 @@ def energies(quick: bool) -> Table:
     ]
 
     def drift(throw: SpatialState, tolerance: float) -> float:
-        stepper = Stepper(structure.with_settings(tolerance=tolerance))
+        stepper = SpatialStepper(structure.with_settings(tolerance=tolerance))
         start_from(stepper, rest)
         still = stepper.observe()
         set_initial(stepper, throw)

@@ -16,7 +16,7 @@ import numpy as np
 
 from multiblock import Motion, Structure
 from solver.models.structure.rest import rest_of, start_from
-from solver.models.structure.stepper import Stepper
+from solver.models.structure.stepper import SpatialStepper
 
 from .engines import Point, Run, point_of
 from .in_space import Table, run, tolerances
@@ -66,7 +66,7 @@ def shaking(duration: float = LONG, largest: float = SHAKEN) -> Motion:
 
 def _evaluation(structure: Structure, pressed: float | None = None) -> float:
     """Processor time, s, of an evaluation at rest, or with all pairs pressed into each other by so much, m."""
-    stepper, least = Stepper(structure), math.inf
+    stepper, least = SpatialStepper(structure), math.inf
     start_from(stepper, rest_of(structure))
     if pressed is not None:
         gap = structure.neighbours[0].gap

@@ -15,7 +15,7 @@ from solver.kernels.structure.bed import Plane
 from solver.kernels.structure.joint import bed_of_joint
 from solver.models.structure.blocks.faces import FloatArray
 from solver.models.structure.model import Structure
-from solver.models.structure.stepper import Stepper
+from solver.models.structure.stepper import SpatialStepper
 
 SCALE = 1e-4  # m, of penetrations
 
@@ -31,7 +31,7 @@ def bed_of(arrays, p, q, found):
 
 
 def kernel_of(structure: Structure, p: FloatArray, q: FloatArray) -> FloatArray:
-    stepper, found = Stepper(structure), np.zeros(6)
+    stepper, found = SpatialStepper(structure), np.zeros(6)
     bed_of(stepper.arrays, p, q, found)
     return found
 

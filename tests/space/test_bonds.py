@@ -29,7 +29,7 @@ from solver.models.structure.outputs import OUTPUTS
 from solver.models.structure.packing import arrays_of
 from solver.models.structure.rest import rest_of, start_from
 from solver.models.structure.run import SpatialState
-from solver.models.structure.stepper import Stepper
+from solver.models.structure.stepper import SpatialStepper
 
 WIDTH, DEPTH, HEIGHT, MASS = 1.2, 0.8, 2.0, 1e4
 STIFFNESS, STRENGTH = 1e9, 2e5
@@ -51,7 +51,7 @@ class Held:
     """A pier held in a place; its bond breaks as `keep` says."""
 
     def __init__(self, structure: Structure) -> None:
-        self.stepper = Stepper(structure)
+        self.stepper = SpatialStepper(structure)
         start_from(self.stepper, rest_of(structure))
         self._places = places_of(OUTPUTS, structure.sizes)
 
@@ -167,9 +167,9 @@ def test_a_bond_is_cut_by_every_turn_it_has_been_through() -> None:
 
 def thrown(
     structure: Structure, spin: tuple[float, float, float], velocity: tuple[float, float, float], until: float = 0.6
-) -> tuple[Stepper, FloatArray, FloatArray]:
+) -> tuple[SpatialStepper, FloatArray, FloatArray]:
     """Output rows and energies above the first of a pier that is given a push at rest."""
-    stepper = Stepper(structure)
+    stepper = SpatialStepper(structure)
     start_from(stepper, rest_of(structure))
     see, arm = stepper.see, (0.0, 0.0, 0.5 * HEIGHT)
     see.wx[:], see.wy[:], see.wz[:] = spin
@@ -234,7 +234,7 @@ def test_what_has_broken_through_is_a_dry_joint() -> None:
     mortar = pier(damping=1e-3, friction=0.5)
     stepper, _, _ = thrown(mortar, (0.0, 0.3, 0.0), (0.0, 0.0, 0.0), 0.4)
     assert stepper.state.bonded[0] == 0.0
-    dry = Stepper(pier(damping=1e-3, friction=0.5, tensile_strength=0.0))
+    dry = SpatialStepper(pier(damping=1e-3, friction=0.5, tensile_strength=0.0))
     count = dry.phase.size
     for other in (stepper, dry):
         other.arrays.counts[:] = 0

@@ -14,7 +14,7 @@ from solver.models.structure.blocks.faces import FloatArray
 from solver.models.structure.model import Structure
 from solver.models.structure.neighbours import damping_of, restitution_of
 from solver.models.structure.run import SpatialState, begun
-from solver.models.structure.stepper import Stepper
+from solver.models.structure.stepper import SpatialStepper
 from solver.runs.many import simulate_many
 
 HEIGHT, DIAMETER, LINE, FACE = 2.0, 1.0, 1e8, 1e8
@@ -38,7 +38,7 @@ def structure(
     return Structure.from_dict({**data, "solver": {"tolerance": tolerance}})
 
 
-def thrown(made: Structure, velocity: Any, rotation: Any = None, spin: Any = None) -> Stepper:
+def thrown(made: Structure, velocity: Any, rotation: Any = None, spin: Any = None) -> SpatialStepper:
     """The structure high above its base, its blocks in motion."""
     none = np.zeros((made.n, 3))
     up = none + np.array([0.0, 0.0, 2.0])
@@ -46,12 +46,12 @@ def thrown(made: Structure, velocity: Any, rotation: Any = None, spin: Any = Non
     return begun(made, STILL, SpatialState(up, turned, np.asarray(velocity, dtype=np.float64), turning))[0]
 
 
-def follow(stepper: Stepper, stop: float) -> None:
+def follow(stepper: SpatialStepper, stop: float) -> None:
     """Go on from time 0."""
     stepper.run(STILL, 0.0, stop, np.zeros(0))
 
 
-def momenta(stepper: Stepper) -> tuple[FloatArray, FloatArray]:
+def momenta(stepper: SpatialStepper) -> tuple[FloatArray, FloatArray]:
     """Momentum, N s, and angular momentum about the origin, N m s."""
     made, see = stepper.structure, stepper.see
     linear, angular = np.zeros(3), np.zeros(3)
@@ -67,7 +67,7 @@ def momenta(stepper: Stepper) -> tuple[FloatArray, FloatArray]:
     return linear, angular
 
 
-def _random(shapes: tuple[dict[str, Any], ...], seed: int, **more: float) -> tuple[Stepper, float]:
+def _random(shapes: tuple[dict[str, Any], ...], seed: int, **more: float) -> tuple[SpatialStepper, float]:
     """A throw at random against each other, and the time by which they have met and parted."""
     rng = np.random.default_rng(seed)
     made = structure(*shapes, **more)

@@ -12,7 +12,7 @@ import pytest
 from solver.common.errors import InputError
 from solver.models.structure.model import Structure
 from solver.models.structure.rest import rest_of, start_from
-from solver.models.structure.stepper import Stepper
+from solver.models.structure.stepper import SpatialStepper
 
 DENSITY = 2400.0
 STEP, DURATION = 0.005, 1.5  # s
@@ -63,7 +63,7 @@ def portal(rng: np.random.Generator) -> dict[str, Any]:
     return {"block": [*posts, {"name": "beam", "on": ["left", "right"], "at": [0.0, 0.0], **beam}]}
 
 
-def scene(seed: int, rim: bool = False) -> tuple[Stepper, np.random.Generator] | None:
+def scene(seed: int, rim: bool = False) -> tuple[SpatialStepper, np.random.Generator] | None:
     """A structure at rest; None if it cannot be built, or does not stand. rim: its faces touch in one."""
     rng = np.random.default_rng(seed)
     damping, friction = 10.0 ** rng.uniform(-4.0, -2.7), 10.0 ** rng.uniform(-1.5, 0.0)
@@ -73,14 +73,14 @@ def scene(seed: int, rim: bool = False) -> tuple[Stepper, np.random.Generator] |
     parts = (pile, pile, row, portal)[rng.integers(4)](rng)
     try:
         structure = Structure.from_dict({"name": "scene", "joints": law, **parts}).with_settings(tolerance=1e-6)
-        stepper = Stepper(structure)
+        stepper = SpatialStepper(structure)
         start_from(stepper, rest_of(structure))
     except InputError:
         return None
     return stepper, rng
 
 
-def is_off(stepper: Stepper) -> bool:
+def is_off(stepper: SpatialStepper) -> bool:
     """Whether a joint has slid by more than the width of its block: its faces share nothing any more."""
     slips, joints = stepper.slips, stepper.structure.joints
     width = np.array(

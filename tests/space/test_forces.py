@@ -17,7 +17,7 @@ from solver.models.structure.model import Structure
 from solver.models.structure.response import SpatialResponse
 from solver.models.structure.rest import fastest_decay, rest_of, start_from
 from solver.models.structure.run import SpatialState
-from solver.models.structure.stepper import Stepper
+from solver.models.structure.stepper import SpatialStepper
 
 LAW = {"stiffness": 2e9, "damping": 1e-3}
 KINDS = {"N": ("N",), "T": ("Tx", "Ty"), "M": ("Mx", "My"), "sigma_max": ("sigma_max",)}
@@ -53,7 +53,7 @@ def test_forces_are_as_good_as_displacements(name: str) -> None:
 def test_rate_at_which_the_joints_die_out() -> None:
     """By powers of the dampers, against all eigenvalues of the matrix that they are."""
     for structure, _ in SCENES.values():
-        stepper = Stepper(structure)
+        stepper = SpatialStepper(structure)
         start_from(stepper, rest_of(structure))
         n, pace = structure.n, 1e-6
         first = 7 * n  # rates behind places and quaternions

@@ -17,7 +17,7 @@ from solver.models.structure.blocks.faces import FloatArray
 from solver.models.structure.model import Structure
 from solver.models.structure.response import SpatialResponse
 from solver.models.structure.rest import rest_of, start_from
-from solver.models.structure.stepper import Stepper
+from solver.models.structure.stepper import SpatialStepper
 
 TRILITH = ROOT / "examples" / "structures" / "trilith.toml"
 
@@ -64,7 +64,7 @@ def test_the_tolerance_is_kept_where_joints_slide(shear_damping: float) -> None:
 def test_friction_takes_energy() -> None:
     """A trilith whose blocks are pushed at random: joints slide, twist and stick, and its energy never rises."""
     structure = with_law(Structure.from_toml(TRILITH), friction=0.2).with_settings(tolerance=1e-7)
-    stepper, rng = Stepper(structure), np.random.default_rng(3)
+    stepper, rng = SpatialStepper(structure), np.random.default_rng(3)
     start_from(stepper, rest_of(structure))
     at_rest = stepper.observe()
     see, n = stepper.see, structure.n

@@ -15,7 +15,7 @@ from solver.models.structure.blocks.parts import Tie
 from solver.models.structure.builders import arch, colonnade, wall
 from solver.models.structure.model import Structure
 from solver.models.structure.run import SpatialState, set_initial
-from solver.models.structure.stepper import Stepper
+from solver.models.structure.stepper import SpatialStepper
 
 SMALL = 1e-5  # m and rad, of differences; terms of the third order are 1e-10 of the first
 
@@ -143,7 +143,7 @@ def test_accelerations_are_those_of_lagranges_equations(seed: int) -> None:
         ahead, behind = (spin_by(turn + way * SMALL * rate) @ rate for way in (1.0, -1.0))
         spins[i] = spin_by(turn) @ rate
         quickened[i] = spin_by(turn) @ expected[i, 3:] + (ahead - behind) / (2.0 * SMALL)
-    stepper = Stepper(structure)
+    stepper = SpatialStepper(structure)
     world = np.array([Rotation.from_rotvec(turn).apply(spin) for turn, spin in zip(turns, spins, strict=True)])
     set_initial(stepper, SpatialState(q.reshape(n, 6)[:, :3], turns, rates.reshape(n, 6)[:, :3], world))
     for k in (1, 2, 3):

@@ -15,7 +15,7 @@ import pytest
 from multiblock import InputError, InputWarning, Motion, Structure, simulate
 from multiblock.__main__ import main
 from solver.models.structure.blocks.hulls import checked, convex_surface, hull_of
-from solver.models.structure.stepper import Stepper
+from solver.models.structure.stepper import SpatialStepper
 
 trimesh = pytest.importorskip("trimesh")
 pytest.importorskip("manifold3d")
@@ -321,6 +321,6 @@ def test_contacts_without_room_are_said(monkeypatch: pytest.MonkeyPatch) -> None
     structure = Structure.from_dict({"name": "m", "joints": law, "block": [block]})
     shaking = Motion.harmonic(6.0, 1.0, 0.2)
     assert simulate(structure, shaking, 0.2).stats["without_room"] == 0
-    monkeypatch.setattr(Stepper, "without_room", 3)
+    monkeypatch.setattr(SpatialStepper, "without_room", 3)
     with pytest.warns(InputWarning, match=r"^m: 3 times the corners of a contact had no room, and it bore nothing"):
         assert simulate(structure, shaking, 0.2).stats["without_room"] == 3

@@ -22,7 +22,7 @@ from solver.models.structure.modes import modes_in_space
 from solver.models.structure.response import SpatialResponse
 from solver.models.structure.rest import rest_of, start_from
 from solver.models.structure.run import SpatialState, set_initial
-from solver.models.structure.stepper import Stepper
+from solver.models.structure.stepper import SpatialStepper
 
 LAW = {"stiffness": 2e9, "damping": 1e-3}
 EXPLICIT = ("elastic",)  # left out
@@ -152,9 +152,9 @@ def _prepared(structure: Structure) -> np.ndarray:
     return found
 
 
-def _stepper(structure: Structure) -> Stepper:
+def _stepper(structure: Structure) -> SpatialStepper:
     """At rest, with modes."""
-    stepper = Stepper(structure, modal_data_of(structure).numbers)
+    stepper = SpatialStepper(structure, modal_data_of(structure).numbers)
     start_from(stepper, rest_of(structure))
     return stepper
 

@@ -19,7 +19,7 @@ from solver.models.structure.builders import arch, colonnade
 from solver.models.structure.model import Structure
 from solver.models.structure.rest import move, residual_of, rest_of, start_from
 from solver.models.structure.run import SpatialState, set_initial
-from solver.models.structure.stepper import Stepper
+from solver.models.structure.stepper import SpatialStepper
 
 
 def test_settlements_are_those_of_the_weight() -> None:
@@ -63,7 +63,7 @@ def test_energy_stays_without_damping(section: str) -> None:
     """Relative to the energy above rest, after a second in which joints open and close some 600 times."""
     for tolerance, part in ((1e-5, 0.1), (1e-7, 0.6)):
         structure = stack(section=section, damping=0.0, tolerance=tolerance)
-        stepper = Stepper(structure)
+        stepper = SpatialStepper(structure)
         start_from(stepper, rest_of(structure))
         rest = stepper.observe()
         set_initial(stepper, _thrown(structure))
@@ -76,7 +76,7 @@ def test_energy_stays_without_damping(section: str) -> None:
 def test_forces_are_in_balance_with_momentum() -> None:
     """What acts on the base is the rate of the momentum, and of its moment about the origin, of all blocks."""
     structure = stack(section="circle", damping=1e-3)
-    stepper = Stepper(structure)
+    stepper = SpatialStepper(structure)
     state = _thrown(structure)
     rotation = 0.02 * np.random.default_rng(2).normal(size=(3, 3))
     set_initial(stepper, state._replace(rotation=rotation))
@@ -107,7 +107,7 @@ def test_forces_are_the_slopes_of_the_energy(name: str) -> None:
         "trilith": lambda: colonnade(2, 2, 3.0, 1.0, 3.0, law),
         "drums": lambda: stack(3, "circle", damping=0.0),
     }[name]()
-    stepper, n = Stepper(structure), structure.n
+    stepper, n = SpatialStepper(structure), structure.n
     move(stepper, rng.normal(size=6 * n) * np.tile([0.01] * 3 + [0.1] * 3, n))
     (force, _), phase = residual_of(stepper), stepper.phase.copy()
     work = 1e-6

@@ -25,7 +25,7 @@ from solver.kernels.structure.layout import sizes_in
 from solver.models.column.lanes import aligned
 from solver.models.structure.blocks.faces import FloatArray, clipped
 from solver.models.structure.rest import move, residual_of, rest_of
-from solver.models.structure.stepper import Stepper
+from solver.models.structure.stepper import SpatialStepper
 
 BOX = {"shape": "box", "height": 0.5, "mass": 1000.0}
 DRUM = {"shape": "drum", "height": 0.5, "mass": 1000.0}
@@ -41,7 +41,7 @@ def bed_after(arrays, slips, p, q, found):
 
 
 def bed(structure: Structure, slips: Any, p: FloatArray, q: FloatArray) -> FloatArray:
-    stepper, found = Stepper(structure), np.zeros(5)
+    stepper, found = SpatialStepper(structure), np.zeros(5)
     bed_after(stepper.arrays, np.array(slips), p, q, found)
     return found
 
@@ -198,7 +198,7 @@ def check_forces(structure: Structure) -> None:
     """
     rng = np.random.default_rng(3)
     structure = with_law(structure, stiffness=1e8, damping=0.0, shear_damping=0.0, friction=1e6)
-    stepper, n = Stepper(structure), structure.n
+    stepper, n = SpatialStepper(structure), structure.n
     at_joint = stepper.slips
     at_joint.p1[:], at_joint.p2[:], at_joint.p3[:] = 0.2 * rng.normal(size=(3, len(structure.joints)))
     move(stepper, rng.normal(size=6 * n) * np.tile([0.01] * 3 + [0.1] * 3, n) - np.tile([0, 0, 0.1, 0, 0, 0], n))

@@ -12,7 +12,7 @@ from support.structures import with_law
 from solver.kernels.structure import layout as at
 from solver.models.structure.blocks.faces import FloatArray
 from solver.models.structure.model import Structure
-from solver.models.structure.stepper import Stepper
+from solver.models.structure.stepper import SpatialStepper
 
 FIVE = ((-0.5, -0.4), (0.45, -0.35), (0.5, 0.3), (0.0, 0.5), (-0.45, 0.3))  # m, corners
 BOX = {"width": 1.0, "depth": 0.8}
@@ -50,7 +50,7 @@ PAIRS = (
 )
 
 
-def two_faces(above: str, below: str, friction: float) -> Stepper:
+def two_faces(above: str, below: str, friction: float) -> SpatialStepper:
     """A block on another one, or on the base, hardly held along its face."""
     law = {"stiffness": 1e8, "damping": 0.0}
     low, high = ({"name": name, "density": 2400.0, **SHAPES.get(name, BOX)} for name in (below, above))
@@ -59,10 +59,10 @@ def two_faces(above: str, below: str, friction: float) -> Stepper:
     low, high = {**low, "name": "low", "on": "base"}, {**high, "name": "high", "on": "low"}
     blocks = [{**high, "on": "base"}] if below == "base" else [low, high]
     structure = Structure.from_dict({"name": "two", "joints": {**law, "friction": 1.0}, "block": blocks})
-    return Stepper(with_law(structure, friction=friction, shear_ratio=1e-12))
+    return SpatialStepper(with_law(structure, friction=friction, shear_ratio=1e-12))
 
 
-def place(stepper: Stepper, pose: FloatArray, slip: FloatArray) -> None:
+def place(stepper: SpatialStepper, pose: FloatArray, slip: FloatArray) -> None:
     """Put the upper block, and the slip of the joint below it, m, m, rad."""
     see, i = stepper.see, stepper.structure.n - 1
     see.ux[i], see.uy[i], see.uz[i] = pose[:3]
@@ -72,7 +72,7 @@ def place(stepper: Stepper, pose: FloatArray, slip: FloatArray) -> None:
     stepper.slips.p1[i], stepper.slips.p2[i], stepper.slips.p3[i] = slip
 
 
-def energies(stepper: Stepper, pose: FloatArray, slip: FloatArray, step: float) -> FloatArray:
+def energies(stepper: SpatialStepper, pose: FloatArray, slip: FloatArray, step: float) -> FloatArray:
     """Negative differences of the energy over each component of the slip."""
     found = np.zeros(3)
     for k, to in enumerate(step * np.eye(3)):
@@ -83,7 +83,7 @@ def energies(stepper: Stepper, pose: FloatArray, slip: FloatArray, step: float) 
     return found
 
 
-def shear(stepper: Stepper, pose: FloatArray, slip: FloatArray) -> tuple[FloatArray, float]:
+def shear(stepper: SpatialStepper, pose: FloatArray, slip: FloatArray) -> tuple[FloatArray, float]:
     """Force along the joint on the upper block, N, N, and N m, and across it, N."""
     place(stepper, pose, slip)
     stepper.observe()

@@ -21,7 +21,7 @@ from solver.kernels.structure.layout import PHASE
 from solver.kernels.structure.stabilized import LONGEST_REACH, MOST_STAGES, attempt_stabilized, stages_of
 from solver.kernels.structure.watch import END, START, row
 from solver.models.structure.rest import rest_of, start_from
-from solver.models.structure.stepper import Stepper
+from solver.models.structure.stepper import SpatialStepper
 
 G = 9.80665
 _phase = PHASE.over
@@ -76,7 +76,7 @@ def one_step(arrays, h, stages, found):
 def test_one_step_is_the_polynomial_of_the_method_times_the_state() -> None:
     """A block pressed all over, moved up and down: m z'' = -k A (z + eta z'), which is linear."""
     structure = boxes(1, 1e9, None, 1e-3)
-    stepper = Stepper(structure)
+    stepper = SpatialStepper(structure)
     start_from(stepper, rest_of(structure))
     bed, (block,) = structure.joints[0].bed, structure.blocks
     stiff = bed.stiffness / block.mass  # of 1 m2, 1/s2

@@ -17,7 +17,7 @@ from solver.models.structure.builders import arch, colonnade
 from solver.models.structure.model import Structure
 from solver.models.structure.rest import rest_of, start_from
 from solver.models.structure.run import SpatialState
-from solver.models.structure.stepper import Stepper
+from solver.models.structure.stepper import SpatialStepper
 from solver.models.structure.verdict import Well
 
 LAW: dict[str, Any] = {"stiffness": 1e10, "damping": 1e-3}
@@ -53,7 +53,7 @@ def test_a_block_beyond_its_edge_does_not_stand(angle: float, stands: bool) -> N
 
 def barrier(structure: Structure) -> float:
     """What the well of a structure at rest counts on, J: SAFE of it is allowed."""
-    stepper = Stepper(structure)
+    stepper = SpatialStepper(structure)
     start_from(stepper, rest_of(structure))
     stepper.observe()
     return Well(structure).barrier(stepper, stepper.stiffness(np.full(6 * structure.n, 1e-9)))
@@ -72,7 +72,7 @@ def test_barrier_of_a_block_is_the_work_that_lifts_it_over_its_edge(off: float) 
 def test_a_slip_takes_from_the_lever() -> None:
     plinth, slab = block(width=2.0, height=2.0), block(width=1.0, height=2.0, name="slab", on="b")
     structure = made(plinth, slab, law={**LAW, "friction": 0.5})
-    stepper = Stepper(structure)
+    stepper = SpatialStepper(structure)
     start_from(stepper, rest_of(structure))
     well, weight = Well(structure), 2500.0 * 2.0 * G
     for slip, reach in ((0.0, 0.5), (0.4, 0.5), (0.8, 0.2)):  # over a plinth that is wider by 0.5 m either way
@@ -91,7 +91,7 @@ def test_a_slip_takes_from_the_lever() -> None:
 )
 def test_a_structure_at_rest_stands_and_one_with_the_energy_to_fall_may_not(make: Callable[[], Structure]) -> None:
     structure = make()
-    stepper = Stepper(structure)
+    stepper = SpatialStepper(structure)
     start_from(stepper, rest_of(structure))
     well = Well(structure)
     assert well.why_it_stands(stepper)
@@ -102,7 +102,7 @@ def test_a_structure_at_rest_stands_and_one_with_the_energy_to_fall_may_not(make
 def test_an_arch_that_sags_does_not_stand() -> None:
     """Below the least thickness of a semicircular arch, 0.1075 of its radius; released from the place as built."""
     thin = arch(30, 10.0, 0.95, 1.0, {"stiffness": 2e10, "damping": 1e-3})
-    stepper = Stepper(thin)
+    stepper = SpatialStepper(thin)
     stepper.run(None, 0.0, 0.3, np.zeros(0))
     assert stepper.observe() < 0.0  # less energy than as built
     thick = arch(30, 10.0, 1.4, 1.0, {"stiffness": 2e10, "damping": 1e-3})

@@ -37,7 +37,7 @@ from solver.models.structure.blocks.faces import clipped, polygon_moments
 from solver.models.structure.blocks.shapes import rotation_matrix
 from solver.models.structure.outputs import OUTPUTS
 from solver.models.structure.rest import rest_of, start_from
-from solver.models.structure.stepper import Stepper
+from solver.models.structure.stepper import SpatialStepper
 from solver.models.uncertainty import vary
 
 LAW = {"stiffness": 2e9, "damping": 1e-3, "friction": 0.7}
@@ -97,7 +97,7 @@ def test_a_stiff_joint_between_others_rests(moduli: list[float], section: str, f
     borne = G * 27000.0 * np.arange(len(moduli), 0, -1)
     settled = -np.cumsum(borne / (np.array(moduli) * pile.joints[0].face.moments[0]))
     rest = rest_of(pile)
-    stepper = Stepper(pile)
+    stepper = SpatialStepper(pile)
     start_from(stepper, rest)
     stepper.observe()
     # by rounding of places, of those with a joint of 1e20 N/m3 beside 1e8; measured 1.3e-5 and 3e-4

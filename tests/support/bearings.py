@@ -13,14 +13,14 @@ from solver.models.outputs import places_of
 from solver.models.structure.blocks.faces import FloatArray
 from solver.models.structure.model import Structure
 from solver.models.structure.outputs import OUTPUTS
-from solver.models.structure.stepper import Stepper
+from solver.models.structure.stepper import SpatialStepper
 
 
 class Pulled:
     """The bearings of a structure, equal ones, whose blocks are displaced along x under a constant load on each, N."""
 
     def __init__(self, structure: Structure, load: float) -> None:
-        self.stepper, self.load = Stepper(structure), load
+        self.stepper, self.load = SpatialStepper(structure), load
         places, self.many = places_of(OUTPUTS, structure.sizes), len(structure.bearings)
         self.along, self.across = places["Tx"], places["N"]
         joint = structure.bearings[0]

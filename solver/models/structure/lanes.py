@@ -23,7 +23,7 @@ from ..protocol import LANES, OVERTURNED, STANDING, UNDECIDED, Run
 from .model import Structure
 from .packing import shares_left
 from .rest import SpatialRest, fastest_decay
-from .stepper import Stepper
+from .stepper import SpatialStepper
 from .verdict import next_look, well_of, why_it_leans
 
 STAGES = 6  # evaluations of a step
@@ -146,7 +146,7 @@ class _Lanes:
 
     def __init__(self, runs: Sequence[Run], rests: Sequence[SpatialRest], times: FloatArray) -> None:
         self._runs, self._times = runs, times
-        self._steppers = {id(run.model): Stepper(run.model) for run in runs}
+        self._steppers = {id(run.model): SpatialStepper(run.model) for run in runs}
         self._sizes = self._stepper(0).sizes
         models: list[FloatArray] = []
         records: list[tuple[FloatArray, ...]] = []
@@ -166,7 +166,7 @@ class _Lanes:
         self.peaks = np.zeros((len(runs), size))
         self.places = np.zeros((len(runs), len(times), self._sizes.n))
 
-    def _stepper(self, k: int) -> Stepper:
+    def _stepper(self, k: int) -> SpatialStepper:
         return self._steppers[id(self._runs[k].model)]
 
     def named(self, k: int) -> dict[str, FloatArray]:

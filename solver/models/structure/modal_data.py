@@ -13,7 +13,7 @@ from ...kernels.structure import modal_layout as modal
 from .blocks.faces import FloatArray
 from .model import Structure
 from .rest import SpatialRest, rest_of
-from .stepper import Stepper
+from .stepper import SpatialStepper
 
 MOST = 64  # blocks: the matrices grow with the square
 APART = 1e-8  # relative coupling of two coordinates below which it is left to the remainder
@@ -58,7 +58,7 @@ def _why_none(structure: Structure, rest: SpatialRest) -> str:
 
 
 def _gives_way(structure: Structure, rest: SpatialRest) -> bool:
-    stepper = Stepper(structure)
+    stepper = SpatialStepper(structure)
     stepper.phase[:] = rest.phase
     stepper.observe()
     return bool(np.any(stepper.rates[at.PHASE.size(structure.n) :]))

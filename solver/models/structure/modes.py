@@ -18,7 +18,7 @@ from .model import Structure
 from .neighbours import NEAR
 from .outputs import OUTPUTS, UNITS
 from .rest import SpatialRest, deltas_of, full_stiffness, residual_of, rest_of, start_from, sticking
-from .stepper import Stepper
+from .stepper import SpatialStepper
 
 SLIDING_PART = 1e-3  # of the settlement: differences for the tangent while bearings slide
 PART = 1e-6  # of the settlement: differences of rates, times 1 / omega of the fastest mode
@@ -141,7 +141,7 @@ def sliding_frequencies(structure: Structure) -> FloatArray:
     Pendulums act under their weight, rubber without its initial stiffness; 0 where there is no restoring force. Raises
     InputError if the structure has no stable rest.
     """
-    stepper = Stepper(structure)
+    stepper = SpatialStepper(structure)
     rest = rest_of(structure)
     start_from(stepper, rest)
     stuck = sticking(stepper)
@@ -173,7 +173,7 @@ def _damping(structure: Structure, rest: SpatialRest, fastest: float) -> FloatAr
 
     fastest: largest angular frequency of the modes, rad/s.
     """
-    stepper, n = Stepper(structure), structure.n
+    stepper, n = SpatialStepper(structure), structure.n
     start_from(stepper, rest)
     stepper, see = sticking(stepper), stepper.see
     deltas = deltas_of(structure, PART * fastest * float(np.max(np.abs(rest.phase[: 3 * n]))))

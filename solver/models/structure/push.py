@@ -27,7 +27,7 @@ from .blocks.faces import FloatArray
 from .model import Structure
 from .outputs import OUTPUTS, StructureHistories
 from .rest import deltas_of, move, residual_of, rest_of, start_from
-from .stepper import Stepper
+from .stepper import SpatialStepper
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -224,7 +224,7 @@ class _Path:
 
     def __init__(self, structure: Structure, way: FloatArray, loads: FloatArray | None = None) -> None:
         rest = rest_of(structure)
-        self.stepper, self.way = Stepper(structure), way
+        self.stepper, self.way = SpatialStepper(structure), way
         start_from(self.stepper, rest)
         n = structure.n
         self.per = deltas_of(structure, 1.0)  # converts displacements to rotations by the size of the block

@@ -26,7 +26,7 @@ from .blocks.faces import FloatArray
 from .blocks.parts import OF_COLUMN, Joint, Pair, Solid, Tie
 from .model import Structure
 from .packing import FLOOR, centroid_of
-from .stepper import Stepper
+from .stepper import SpatialStepper
 
 # steps of the weight if joints may slide; the next number if Newton's method does not converge. Of 56 colonnades whose
 # moduli vary by 20 % six do not converge in four steps, all of them do in one; one and five agree to seven digits
@@ -75,7 +75,7 @@ def _rest_of(
     # the linear solution is the first guess and the scale of the differences
     linear = full_stiffness(structure)
     if not structure.weight > 0.0:
-        return _finished(Stepper(structure), linear)
+        return _finished(SpatialStepper(structure), linear)
     slides = any(joint.bed.friction is not None for joint in structure.joints)
     try:
         settlement: FloatArray = np.linalg.solve(linear, weights(structure)).astype(np.float64)
@@ -110,9 +110,9 @@ def _parts_of(structure: Structure, settlement: float) -> list[float]:
 
 def _loaded(
     structure: Structure, linear: FloatArray, settlement: FloatArray, delta: FloatArray, loads: int
-) -> Stepper | None:
+) -> SpatialStepper | None:
     """Return a stepper in balance under the weight, applied in `loads` steps; None if a step finds no balance."""
-    stepper = Stepper(structure)
+    stepper = SpatialStepper(structure)
     move(stepper, settlement / loads)
     for step in range(1, loads + 1):
         stepper.model.settings.gravity = structure.g * step / loads
@@ -126,7 +126,7 @@ def _loaded(
 def rest_under(structure: Structure, loads: FloatArray) -> FloatArray:
     """Return the phase at rest under loads on the ports, (6, ports) N and N m, applied in steps. Raises InputError."""
     rest = rest_of(structure)
-    stepper, linear = Stepper(structure), full_stiffness(structure)
+    stepper, linear = SpatialStepper(structure), full_stiffness(structure)
     start_from(stepper, rest)
     size = structure.model.names.settings.motion_floor * structure.model.names.settings.extent / FLOOR
     delta = PERTURBED * deltas_of(structure, size)
@@ -139,19 +139,19 @@ def rest_under(structure: Structure, loads: FloatArray) -> FloatArray:
     return stepper.phase.copy()
 
 
-def sticking(stepper: Stepper) -> Stepper:
+def sticking(stepper: SpatialStepper) -> SpatialStepper:
     """Return the same state with joints that stick: sliding joints have no symmetric stiffness."""
     other = stepper.over(model=stepper.arrays.model.copy())
     other.model.joints.friction[:] = np.inf
     return other
 
 
-def start_from(stepper: Stepper, rest: SpatialRest) -> None:
+def start_from(stepper: SpatialStepper, rest: SpatialRest) -> None:
     """Set the phase of a stepper to that of a rest."""
     stepper.phase[:] = rest.phase
 
 
-def _finished(stepper: Stepper, *stiffnesses: FloatArray) -> SpatialRest:
+def _finished(stepper: SpatialStepper, *stiffnesses: FloatArray) -> SpatialRest:
     """Return the rest with the first of these tangents that is stable."""
     stepper.observe(keep=True)
     for stiffness in stiffnesses:
@@ -256,7 +256,7 @@ def _add(matrix: FloatArray, part: FloatArray, one: int, other: int) -> None:
     matrix[np.ix_(places, places)] += part
 
 
-def move(stepper: Stepper, change: FloatArray) -> None:
+def move(stepper: SpatialStepper, change: FloatArray) -> None:
     """Move and rotate the blocks by small amounts along and about the axes of the base, (6 n,)."""
     parts, see = change.reshape(-1, 6), stepper.see
     see.ux += parts[:, 0]
@@ -269,7 +269,7 @@ def move(stepper: Stepper, change: FloatArray) -> None:
     see.q1[:], see.q2[:], see.q3[:] = scalar * q + q0 * half + _cross(half, q)
 
 
-def residual_of(stepper: Stepper, base: Sequence[float] | FloatArray = STILL) -> tuple[FloatArray, float]:
+def residual_of(stepper: SpatialStepper, base: Sequence[float] | FloatArray = STILL) -> tuple[FloatArray, float]:
     """Return the residual forces and moments on the blocks, N and N m (6 n,), and the energy, J.
 
     They are along and about the axes of the base. base: its acceleration along x, y, z, m/s2.
@@ -297,7 +297,7 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
-def balance(stepper: Stepper, linear: FloatArray, delta: FloatArray, close: float) -> bool:
+def balance(stepper: SpatialStepper, linear: FloatArray, delta: FloatArray, close: float) -> bool:
     """Find balance by Newton's method; return True if it converges.
 
     If a step reduces neither the residual nor the energy, the tangent is stiffened. Near collapse the residual grows
@@ -307,7 +307,7 @@ def balance(stepper: Stepper, linear: FloatArray, delta: FloatArray, close: floa
 
     Parameters
     ----------
-    stepper : Stepper
+    stepper : SpatialStepper
         The structure; its phase is the first guess and becomes the result.
     linear : array (6 n, 6 n)
         Stiffness in full contact.

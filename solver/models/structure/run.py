@@ -25,7 +25,7 @@ from .model import Structure
 from .outputs import OUTPUTS
 from .response import Moved, SpatialResponse, peaks_in_space
 from .rest import rest_of, rest_under, start_from
-from .stepper import Stepper
+from .stepper import SpatialStepper
 from .verdict import RESTING, next_look, well_of, why_it_leans
 
 TWISTS = 6  # iterations for an initial twist: each reduces the error to its cube over 24
@@ -119,13 +119,13 @@ def moved(
     return Moved(velocity, energy)
 
 
-def begun(structure: Structure, motion: Motion, initial: SpatialState | Released | None = None) -> tuple[Stepper, str]:
+def begun(structure: Structure, motion: Motion, initial: SpatialState | Released | None = None) -> tuple[SpatialStepper, str]:
     """Return a stepper before a motion, at rest or in the initial state, and the reason why it has no modes.
 
     Raises InputError.
     """
     rest, modes = rest_of(structure), modal_data_of(structure)
-    stepper = Stepper(structure, modes.numbers)
+    stepper = SpatialStepper(structure, modes.numbers)
     start_from(stepper, rest)
     # initial state; a run in the plane if everything lies in it
     flat = structure.is_plane and not motion.has_ay and all(load.is_in_plane for load in motion.loads.values())
@@ -149,7 +149,7 @@ def is_flat(initial: SpatialState) -> bool:
     return not any(np.any(part) for part in across)
 
 
-def set_initial(stepper: Stepper, initial: SpatialState) -> None:
+def set_initial(stepper: SpatialStepper, initial: SpatialState) -> None:
     """Set positions and velocities of the blocks of a stepper. Raises InputError."""
     see, n = stepper.see, stepper.structure.n
     for part in initial:
@@ -177,7 +177,7 @@ class _SpatialSettling:
 
     unclear = "has the energy to fall"
 
-    def __init__(self, stepper: Stepper) -> None:
+    def __init__(self, stepper: SpatialStepper) -> None:
         self._stepper = stepper
 
     @property
@@ -214,6 +214,6 @@ class _SpatialSettling:
         self._stepper.run(None, t, end, np.zeros(0))
 
 
-def settled_verdict(stepper: Stepper, stop: float, settle: float) -> Verdict:
+def settled_verdict(stepper: SpatialStepper, stop: float, settle: float) -> Verdict:
     """Return the verdict on a run that ended at time `stop`, s, reached at most `settle` s later."""
     return settled(_SpatialSettling(stepper), stop, settle)

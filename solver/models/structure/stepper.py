@@ -29,7 +29,7 @@ OF_ORDER_5 = 6  # evaluations of a step
 _NONE = np.zeros(0)
 
 
-class Stepper:
+class SpatialStepper:
     """A structure between two calls; until its phase is set it is as built.
 
     Attributes

@@ -24,7 +24,7 @@ from .model import Structure
 from .outputs import OUTPUTS
 from .packing import centroid_of
 from .rest import PERTURBED, balance, deltas_of, full_stiffness, move, rest_of, start_from, sticking, weights
-from .stepper import Stepper
+from .stepper import SpatialStepper
 
 IN_A_WELL = "its energy does not suffice to fall"
 RESTING = "it has come to rest"
@@ -46,7 +46,7 @@ def next_look(since: float, settle: float) -> float:
     return min(settle, FIRST_LOOK + (1.0 + LATER) * since)
 
 
-def why_it_leans(stepper: Stepper) -> str:
+def why_it_leans(stepper: SpatialStepper) -> str:
     """Return the reason why a still structure that leans on neighbours stays as it is; "" if it moves or leans on none.
 
     A block that leans on another one is beyond its edge, so no energy bounds its fall. It stays because forces balance
@@ -99,12 +99,12 @@ class Well:
         self._groups = _groups(structure)
         self._alone = _bears_alone(structure)
         self._upright = np.array([joint.face.normal[2] >= UPRIGHT for joint in structure.joints])
-        stepper = Stepper(structure)
+        stepper = SpatialStepper(structure)
         start_from(stepper, rest_of(structure))
         stepper.observe()
         self._highest = self._lifting(stepper, 0.0)  # estimate of the barrier of any rest, without slips
 
-    def why_it_stands(self, stepper: Stepper) -> str:
+    def why_it_stands(self, stepper: SpatialStepper) -> str:
         """Return the reason why a structure can no longer fall from the phase of its stepper; "" if it may."""
         structure = self._structure
         if not structure.weight > 0.0:
@@ -115,7 +115,7 @@ class Well:
             return ""
         return next((IN_A_WELL for rest in self._rests(still) if self._keeps(rest, still, energy)), "")
 
-    def _rests(self, stepper: Stepper) -> Iterator[Stepper]:
+    def _rests(self, stepper: SpatialStepper) -> Iterator[SpatialStepper]:
         """Yield the rests that a structure without velocities may come to."""
         found = _stopped(stepper)
         coordinates = at.PHASE.size(self._structure.n)
@@ -124,7 +124,7 @@ class Well:
             if self.comes_to_rest(begin):
                 yield begin
 
-    def _keeps(self, rest: Stepper, place: Stepper, energy: float) -> bool:
+    def _keeps(self, rest: SpatialStepper, place: SpatialStepper, energy: float) -> bool:
         """Return True if a structure in the state `place` with this energy (J) cannot leave the well of a rest."""
         left = energy - rest.observe()
         tangent = sticking(rest).stiffness(self._delta)
@@ -132,7 +132,7 @@ class Well:
             return False
         return self._is_within(place, rest) or self._leads_to(rest, place.phase, energy)
 
-    def comes_to_rest(self, stepper: Stepper) -> bool:
+    def comes_to_rest(self, stepper: SpatialStepper) -> bool:
         """Move a stepper without velocities to a rest with its present slips; return True if there is one.
 
         First all joints stick, because then Newton's method has a potential; sliding joints have no useful tangent.
@@ -142,12 +142,12 @@ class Well:
             stepper.phase[:] = begin
         return balance(stepper, *arguments)
 
-    def barrier(self, rest: Stepper, stiffness: FloatArray, left: float = 0.0) -> float:
+    def barrier(self, rest: SpatialStepper, stiffness: FloatArray, left: float = 0.0) -> float:
         """Return the least energy above a rest (J) with which the structure may begin to fall.
 
         Parameters
         ----------
-        rest : Stepper
+        rest : SpatialStepper
             The structure at rest.
         stiffness : array (6 n, 6 n)
             Tangent stiffness of the rest.
@@ -164,7 +164,7 @@ class Well:
         """
         return left <= SAFE * barrier + self._small
 
-    def _leads_to(self, rest: Stepper, begin: FloatArray, energy: float) -> bool:
+    def _leads_to(self, rest: SpatialStepper, begin: FloatArray, energy: float) -> bool:
         """Return True if no sampled state on the straight path from a phase to a rest has more than this energy (J)."""
         n, way = self._structure.n, rest.over(state=rest.arrays.state.copy())
         for part in np.arange(1, WAY) / WAY:
@@ -175,7 +175,7 @@ class Well:
                 return False
         return True
 
-    def _is_within(self, place: Stepper, rest: Stepper) -> bool:
+    def _is_within(self, place: SpatialStepper, rest: SpatialStepper) -> bool:
         """Return True if no joint is tilted or displaced as far as needed to fall over its edge.
 
         False for an arch: its mechanism falls before that.
@@ -211,7 +211,7 @@ class Well:
         askew = ~self._alone & ~self._upright
         return bool(np.any(normal[askew] > HARDLY * self._structure.weight))
 
-    def _lifting(self, rest: Stepper, left: float) -> float:
+    def _lifting(self, rest: SpatialStepper, left: float) -> float:
         """Return the least energy (J) that lifts what some joint carries over the nearest edge of its contact.
 
         A joint that is not the only support opens together with at least one other, which has its own lever.
@@ -232,7 +232,7 @@ class Well:
         structure = self._structure
         return max(float(self._heights[j]), structure.blocks[structure.joints[j].upper].size)
 
-    def _moments(self, rest: Stepper, left: float) -> FloatArray:
+    def _moments(self, rest: SpatialStepper, left: float) -> FloatArray:
         """Return the force of each joint times its lever about the nearest edge of its contact, N m (joints,).
 
         NaN for the joints of an arch. Slips have moved that edge, and may go on until friction has dissipated the
@@ -259,7 +259,7 @@ class Well:
             moments[j] = carried * (lever - math.sqrt(8.0 * settled * self._height(j)) / 3.0)
         return moments
 
-    def _carried(self, rest: Stepper) -> FloatArray:
+    def _carried(self, rest: SpatialStepper) -> FloatArray:
         """Return the normal forces of the joints, N (joints,).
 
         The first bearing between two bodies gets the sum over all bearings between them, the others 0.
@@ -269,7 +269,7 @@ class Well:
             normal[group] = np.where(np.array(group) == first, np.sum(normal[group]), 0.0)
         return normal
 
-    def _coming_off(self, rest: Stepper) -> float:
+    def _coming_off(self, rest: SpatialStepper) -> float:
         """Return the least energy (J) that displaces some bearing to its capacity."""
         structure, normal, d = self._structure, _field(rest, "N"), _field(rest, "d")
         m, least = len(structure.joints) - len(structure.bearings), math.inf
@@ -283,7 +283,7 @@ class Well:
             least = min(least, 0.5 * (carried * bearing.pendulum + bearing.spring) * left**2 + takes)
         return least
 
-    def _bending(self, rest: Stepper, stiffness: FloatArray) -> float:
+    def _bending(self, rest: SpatialStepper, stiffness: FloatArray) -> float:
         """Return the least energy (J) that brings the resultant of some joint of an arch to the edge of its contact.
 
         The stiffness is that at rest. One hinge needs less energy than a mechanism, which has several.
@@ -302,7 +302,7 @@ class Well:
         gives = np.sum(slopes * np.linalg.solve(stiffness + stiffness.T, slopes.T).T, axis=1)  # half of it
         return float(np.min(0.25 * margin**2 / np.maximum(gives, math.ulp(0.0))))
 
-    def _change_of_resultants(self, rest: Stepper) -> FloatArray:
+    def _change_of_resultants(self, rest: SpatialStepper) -> FloatArray:
         """Return the derivatives of N, Mx and My of the joints by the coordinates, (3 joints, 6 n), per m and rad.
 
         Joints stick meanwhile.
@@ -331,7 +331,7 @@ def _is_stable(stiffness: FloatArray) -> bool:
     return True
 
 
-def _stopped(stepper: Stepper) -> Stepper:
+def _stopped(stepper: SpatialStepper) -> SpatialStepper:
     """Return a copy of the state without velocities."""
     n, other = stepper.structure.n, stepper.over(state=stepper.arrays.state.copy())
     other.row, other.rates = stepper.row.copy(), stepper.rates.copy()
@@ -344,11 +344,11 @@ def _place(name: str, n: int) -> int:
     return at.PHASE.places[name][0] * n
 
 
-def _slip(stepper: Stepper, j: int) -> FloatArray:
+def _slip(stepper: SpatialStepper, j: int) -> FloatArray:
     return np.array([stepper.slips.p1[j], stepper.slips.p2[j]])
 
 
-def _field(stepper: Stepper, name: str) -> FloatArray:
+def _field(stepper: SpatialStepper, name: str) -> FloatArray:
     """Return a field of the output row of a stepper."""
     return stepper.row[places_of(OUTPUTS, stepper.structure.sizes)[name]]
 
