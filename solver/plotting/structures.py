@@ -9,7 +9,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from mpl_toolkits.mplot3d.proj3d import proj_transform
 
 from ..models.structure.blocks.faces import FloatArray
-from ..models.structure.blocks.parts import Joint
+from ..models.structure.blocks.parts import SpatialJoint
 from ..models.structure.model import Structure
 from .scene.bodies import normal_of, parts_of, walls_of
 from .solids import EDGE, Solids, towards_viewer
@@ -91,7 +91,7 @@ def _wall(points: FloatArray, axes: Any) -> Poly3DCollection:
     return Poly3DCollection([points], facecolors=colour, edgecolors=EDGE, linewidths=0.6, zorder=order)
 
 
-def _bearing(joint: Joint, moved: FloatArray, on_base: bool) -> Poly3DCollection:
+def _bearing(joint: SpatialJoint, moved: FloatArray, on_base: bool) -> Poly3DCollection:
     """Return a bearing as a flat drum below its centre, behind all blocks; `moved`: displacement of its support, m."""
     high = joint.face.points(SIDES) + moved
     low = high - FLAT * 2.0 * joint.face.radius * joint.face.normal

@@ -9,7 +9,7 @@ import numpy as np
 
 from solver.ground.motion import Motion
 from solver.models.protocol import Plan
-from solver.models.structure.blocks.parts import Joint
+from solver.models.structure.blocks.parts import SpatialJoint
 from solver.models.structure.model import Structure
 from solver.models.structure.response import SpatialResponse
 from solver.models.structure.run import SpatialState, single_run
@@ -50,7 +50,7 @@ def law_on_edge(
 def with_law(structure: Structure, **changes: Any) -> Structure:
     """The structure with other numbers in the law of every joint."""
 
-    def changed(joint: Joint) -> Joint:
+    def changed(joint: SpatialJoint) -> SpatialJoint:
         return replace(joint, bed=replace(joint.bed, **changes))
 
     return replace(structure, joints=tuple(map(changed, structure.joints)))

@@ -14,7 +14,7 @@ from ...models.column.block import Block
 from ...models.column.model import Column
 from ...models.column.push import WITHOUT_BONDS
 from ...models.column.response import Response
-from ...models.structure.blocks.parts import Joint, Solid, Tie
+from ...models.structure.blocks.parts import SpatialJoint, Solid, Tie
 from ...models.structure.model import Structure
 from ...models.structure.response import SpatialResponse
 from ...plotting.plots import HISTORIES, plot_response
@@ -177,13 +177,13 @@ def _solid(block: Solid) -> tuple[str, ...]:
     return block.name, shape, f"{block.mass:.5g}"
 
 
-def _joint(name: str, joint: Joint) -> tuple[str, ...]:
+def _joint(name: str, joint: SpatialJoint) -> tuple[str, ...]:
     bed, face = joint.bed, joint.face
     contact = f"diameter {2.0 * face.radius:.4g}" if face.radius else f"width {face.width:.4g}"
     return name, contact, *_law(bed.stiffness, bed.damping, bed.friction, bed.strength)
 
 
-def _bearing(name: str, joint: Joint) -> tuple[str, ...]:
+def _bearing(name: str, joint: SpatialJoint) -> tuple[str, ...]:
     bearing = joint.bearing
     assert bearing is not None
     radius = f"{1.0 / bearing.pendulum:.4g}" if bearing.pendulum else "none"

@@ -11,7 +11,7 @@ import numpy as np
 from ...common.errors import InputError, check_number, shown
 from ...common.ranges import LENGTH, NUMBERS, check_choice, check_keys
 from .blocks.faces import Face, FloatArray
-from .blocks.parts import Bearing, Bed, Joint
+from .blocks.parts import Bearing, Bed, SpatialJoint
 
 _OF_STIFFNESS = (1e-6, 1e15), "a positive stiffness in N/m"
 _OF_DASHPOT = (0.0, 1e15), "a damping in N s/m, zero or positive"
@@ -62,7 +62,7 @@ def check_table(key: str, table: Mapping[str, Any]) -> str:
 
 def bearings_from(
     key: str, table: Mapping[str, Any], bodies: tuple[int, int], axes: FloatArray, places: Sequence[FloatArray]
-) -> list[Joint]:
+) -> list[SpatialJoint]:
     """Return the bearings of a table between the bodies (upper, lower): equal ones at several places (3,), m.
 
     `key` names the table in messages; `axes` (3, 3) are those of the bearings by columns, the normal last. Raises
@@ -77,7 +77,7 @@ def bearings_from(
     radius = 0.5 * given["diameter"]
     many = len(places) > 1
     return [
-        Joint(
+        SpatialJoint(
             *bodies,
             Face(place, axes, np.zeros((0, 2)), radius),
             bed,

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .blocks.faces import Face, FloatArray
-from .blocks.parts import Joint, Solid
+from .blocks.parts import SpatialJoint, Solid
 from .blocks.shapes import turned
 
 PARALLEL = 1e-6  # sine of the angle between two edges; of the size of a block: corners closer than this are one
@@ -223,7 +223,7 @@ def touching(*blocks: Solid) -> float:
     return max(TOUCH, TOUCH_PART * min(block.reach for block in blocks))
 
 
-def near_as_built(blocks: Sequence[Solid], joints: Iterable[Joint], within: FloatArray) -> NDArray[np.bool_]:
+def near_as_built(blocks: Sequence[Solid], joints: Iterable[SpatialJoint], within: FloatArray) -> NDArray[np.bool_]:
     """Return the mask of pairs (i, j), i < j, without a joint that are nearer than `within` (m), (n, n).
 
     The distance is bounded from below by those of the bounding spheres and of the boxes along the axes of the base.
@@ -249,7 +249,7 @@ def near_as_built(blocks: Sequence[Solid], joints: Iterable[Joint], within: Floa
     return found
 
 
-def built_overlaps(blocks: Sequence[Solid], joints: Iterable[Joint]) -> list[BuiltOverlap]:
+def built_overlaps(blocks: Sequence[Solid], joints: Iterable[SpatialJoint]) -> list[BuiltOverlap]:
     """Return the pairs of blocks without a joint whose overlap as built is more than touching, the deepest first."""
     found = []
     for i, j in np.argwhere(near_as_built(blocks, joints, np.array(-TOUCH))):

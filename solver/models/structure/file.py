@@ -20,7 +20,7 @@ from .bearing_tables import check_table as check_bearing
 from .blocks.contacts import axes_of, joints_between, with_rim
 from .blocks.faces import Face, FloatArray, polygon_moments
 from .blocks.outlines import MEANING, MOST_CORNERS, outline_of
-from .blocks.parts import BASE, BESIDE_COLUMN, OF_COLUMN, TOLERANCE, Bed, Joint, Solid, Tie
+from .blocks.parts import BASE, BESIDE_COLUMN, OF_COLUMN, TOLERANCE, Bed, SpatialJoint, Solid, Tie
 from .blocks.placement import check_joints, check_places
 from .blocks.shapes import box, drum, placed, prism, rectangle, rotation_matrix
 from .convex import built_overlaps
@@ -75,7 +75,7 @@ def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> d
     # blocks, in the order of the tables
     law, explicit = _joint_tables(data)
     solids = _Solids()
-    joints: list[Joint] = []
+    joints: list[SpatialJoint] = []
     tables = tables_in("block", data)
     count = sum(_times(f"block[{number}]", table) for number, table in enumerate(tables, start=1))
     if count > MAX_BLOCKS:
@@ -117,7 +117,7 @@ def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> d
     return found | {"tolerance": tolerance, "without": names_from("solver.without", solver.get("without", ()))}
 
 
-def _say_overlaps(blocks: tuple[Solid, ...], joints: Sequence[Joint]) -> None:
+def _say_overlaps(blocks: tuple[Solid, ...], joints: Sequence[SpatialJoint]) -> None:
     """Warn of blocks without a joint that overlap as built."""
     overlaps = built_overlaps(blocks, joints)
     if overlaps:
@@ -340,7 +340,7 @@ def bed_from(key: str, table: Mapping[str, Any]) -> Bed:
     return Bed(**found)
 
 
-def _joints_from(key: str, table: Mapping[str, Any], law: Mapping[str, Any], blocks: tuple[Solid, ...]) -> list[Joint]:
+def _joints_from(key: str, table: Mapping[str, Any], law: Mapping[str, Any], blocks: tuple[Solid, ...]) -> list[SpatialJoint]:
     check_table(f"{key}.", table, _JOINT)
     upper, lower = _upper_first(key, table, blocks)
     bed = bed_from(key, {**law, **{word: table[word] for word in _LAW if word in table}})
@@ -363,7 +363,7 @@ def _joints_from(key: str, table: Mapping[str, Any], law: Mapping[str, Any], blo
         if bore >= diameter:
             raise InputError(f"{key}.bore = {bore}: must be less than the outer diameter = {diameter} m")
         face = Face(place, frame, np.zeros((0, 2)), 0.5 * diameter, 0.5 * bore)
-        return [with_rim(Joint(upper, lower, face, bed, key))]
+        return [with_rim(SpatialJoint(upper, lower, face, bed, key))]
     if section == "rectangle":
         outline = rectangle(_number(key, table, "width"), _number(key, table, "depth"))
     else:
@@ -371,7 +371,7 @@ def _joints_from(key: str, table: Mapping[str, Any], law: Mapping[str, Any], blo
     area, first, _ = polygon_moments(outline)
     middle = first / area
     face = Face(place + frame[:, :2] @ middle, frame, outline - middle)
-    return [with_rim(Joint(upper, lower, face, bed, key))]
+    return [with_rim(SpatialJoint(upper, lower, face, bed, key))]
 
 
 def _frame(key: str, table: Mapping[str, Any]) -> FloatArray:
@@ -383,7 +383,7 @@ def _frame(key: str, table: Mapping[str, Any]) -> FloatArray:
     return axes_of(normal / size)
 
 
-def _bearings_from(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> list[Joint]:
+def _bearings_from(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> list[SpatialJoint]:
     """Return the bearings of a table: one, or equal ones at several positions."""
     check_bearing(key, table)
     bodies, at = _upper_first(key, table, blocks), table.get("at")

@@ -23,7 +23,7 @@ from ..column.settings import Settings
 from ..ports import Port
 from ..protocol import kind_of
 from .blocks.faces import Face
-from .blocks.parts import BASE, BESIDE_COLUMN, OF_COLUMN, TOLERANCE, Bearing, Bed, Joint, Pair, Side, Solid, Tie
+from .blocks.parts import BASE, BESIDE_COLUMN, OF_COLUMN, TOLERANCE, Bearing, Bed, SpatialJoint, Pair, Side, Solid, Tie
 from .file import in_space, names_from, parts_from, ports_of, written_out
 from .hull_tables import in_folder, with_hulls
 from .neighbours import neighbours_from
@@ -45,7 +45,7 @@ class Structure(Shown):
 
     name: str
     blocks: tuple[Solid, ...]
-    joints: tuple[Joint, ...]  # bearings last
+    joints: tuple[SpatialJoint, ...]  # bearings last
     ties: tuple[Tie, ...] = ()
     g: float = 9.80665  # gravity, m/s2
     tolerance: float = TOLERANCE  # error relative to the largest motion
@@ -165,7 +165,7 @@ class Structure(Shown):
         return tuple(found)
 
     @cached_property
-    def bearings(self) -> tuple[Joint, ...]:
+    def bearings(self) -> tuple[SpatialJoint, ...]:
         """The bearings: the last joints."""
         return tuple(joint for joint in self.joints if joint.bearing is not None)
 
@@ -305,13 +305,13 @@ def _with_solver(described: Mapping[str, Any], solver: Mapping[str, Any]) -> Map
     return {**described, "solver": solver}
 
 
-def _stiffer(joint: Joint, stiffness: float) -> Bearing | None:
+def _stiffer(joint: SpatialJoint, stiffness: float) -> Bearing | None:
     """Return the bearing of a joint, scaled to another modulus (N/m3)."""
     bearing, factor = joint.bearing, float(stiffness) / joint.bed.stiffness
     return bearing and replace(bearing, spring=factor * bearing.spring, dashpot=factor * bearing.dashpot)
 
 
-def _is_mirrored_joint(joint: Joint) -> bool:
+def _is_mirrored_joint(joint: SpatialJoint) -> bool:
     """Return True if the bearing area of a joint is symmetric about the plane x, z."""
     return _is_mirrored(joint.face) and (
         joint.inside is None or not joint.inside.moments[0] or _is_mirrored(joint.inside)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .blocks.faces import Face, FloatArray
-from .blocks.parts import BASE, Joint
+from .blocks.parts import BASE, SpatialJoint
 from .blocks.shapes import turned
 from .convex import TOUCH, ConvexPart, distance, hulls_of, near_as_built
 from .model import Structure
@@ -108,7 +108,7 @@ def _deepest_where_joints_ended(
     structure: Structure, hulls: list[list[ConvexPart]], time: FloatArray, u: FloatArray, rotation: FloatArray
 ) -> Overlap:
     """Return the deepest overlap of joined bodies while a joint of theirs has ended, beyond that in their others."""
-    joints: dict[tuple[int, int], list[Joint]] = {}
+    joints: dict[tuple[int, int], list[SpatialJoint]] = {}
     for joint in structure.joints:
         joints.setdefault((joint.upper, joint.lower), []).append(joint)
     names, found = (*structure.names, BASE), Overlap()
@@ -135,7 +135,7 @@ def _deepest_where_joints_ended(
 
 
 def _depth_of_bodies(
-    structure: Structure, hulls: list[list[ConvexPart]], joints: list[Joint], u: FloatArray, rotation: FloatArray
+    structure: Structure, hulls: list[list[ConvexPart]], joints: list[SpatialJoint], u: FloatArray, rotation: FloatArray
 ) -> FloatArray:
     """Return the depth of the overlap of two joined bodies, beyond that as built, m (rows,)."""
     i, j = joints[0].upper, joints[0].lower
@@ -168,7 +168,7 @@ class _Sides:
     ended: NDArray[np.bool_]  # mask of the rows in which they share no area
 
     @classmethod
-    def of(cls, structure: Structure, joint: Joint, u: FloatArray, rotation: FloatArray) -> _Sides:
+    def of(cls, structure: Structure, joint: SpatialJoint, u: FloatArray, rotation: FloatArray) -> _Sides:
         """Return the faces of a joint in the rows; a joint that does not slide never ends."""
         face, none = joint.face, np.zeros(len(u), dtype=np.bool_)
         upper, lower = (_outline(part or face, face) for part in (joint.above, joint.below))

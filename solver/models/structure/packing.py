@@ -16,7 +16,7 @@ from ..column.packing import Arrays as Arrays
 from ..ports import Port
 from .blocks.contacts import GROUND, inside_of
 from .blocks.faces import Face, FloatArray, edge_distance, polygon_moments
-from .blocks.parts import Joint, Pair, Side, Solid, Tie
+from .blocks.parts import SpatialJoint, Pair, Side, Solid, Tie
 
 FLOOR = 1e-3  # of the settlement under weight: the least motion relative to which errors are measured
 # least damping along a joint that may slide, times the frequency of the fastest joint: the elastic slip follows the
@@ -85,7 +85,7 @@ class Parts(NamedTuple):
     """The parts of a structure."""
 
     solids: tuple[Solid, ...]
-    joints: tuple[Joint, ...]
+    joints: tuple[SpatialJoint, ...]
     ties: tuple[Tie, ...]
     ports: tuple[Port, ...]
     pairs: tuple[Pair, ...]
@@ -200,7 +200,7 @@ def _extent_of(solids: tuple[Solid, ...]) -> float:
     return max(float(np.max(corners[:, 2])), 0.1 * float(np.max(np.ptp(corners, axis=0))))
 
 
-def _fill_joint(table: Any, j: int, joint: Joint, solids: tuple[Solid, ...], place: int) -> None:
+def _fill_joint(table: Any, j: int, joint: SpatialJoint, solids: tuple[Solid, ...], place: int) -> None:
     face, bed = joint.face, joint.bed
     table.upper[j], table.lower[j] = joint.upper, joint.lower
     for prefix, body in (("a", joint.upper), ("b", joint.lower)):
@@ -230,14 +230,14 @@ def _fill_joint(table: Any, j: int, joint: Joint, solids: tuple[Solid, ...], pla
             getattr(table, name)[j] = getattr(joint.bearing, name)
 
 
-def _faces_of(joint: Joint, above: Face | None, below: Face | None) -> tuple[FloatArray, ...]:
+def _faces_of(joint: SpatialJoint, above: Face | None, below: Face | None) -> tuple[FloatArray, ...]:
     """Return both faces of a joint that may slide, for the kernels (layout.py, FACE); empty for others."""
     if joint.bed.friction is None or joint.bearing is not None:
         return ()
     return _face_of(joint, above or joint.face), _face_of(joint, below or joint.face)
 
 
-def _inside_of(joint: Joint) -> tuple[FloatArray, ...]:
+def _inside_of(joint: SpatialJoint) -> tuple[FloatArray, ...]:
     """Return the open inside of the rim of a joint (layout.py, INSIDE), and those of its faces; empty without a rim."""
     inside, rim = joint.inside, joint.bed.rim
     if inside is None or rim is None:
@@ -253,7 +253,7 @@ def _inside_of(joint: Joint) -> tuple[FloatArray, ...]:
     return np.concatenate([record, inside.outline.ravel()]), *(_faces_of(joint, *faces) or 2 * (np.zeros(0),))
 
 
-def _face_of(joint: Joint, face: Face) -> FloatArray:
+def _face_of(joint: SpatialJoint, face: Face) -> FloatArray:
     """Return the record of a face along the axes of a joint, from its centre."""
     if face is GROUND:
         return np.array([0.0, 0.0, 0.0, math.inf, 0.0])
@@ -321,7 +321,7 @@ def _fill_pair(table: Any, p: int, pair: Pair, solids: tuple[Solid, ...], place:
     table.reach[p] = math.inf if pair.wall else reach
 
 
-def _fill_settings(settings: Any, table: Any, solids: tuple[Solid, ...], joints: tuple[Joint, ...], g: float) -> None:
+def _fill_settings(settings: Any, table: Any, solids: tuple[Solid, ...], joints: tuple[SpatialJoint, ...], g: float) -> None:
     extent = _extent_of(solids)
     fastest = 1e-12
     for j, joint in enumerate(joints):

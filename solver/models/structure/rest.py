@@ -23,7 +23,7 @@ from ..column.rest import known_warnings
 from ..ports import Port
 from ..protocol import NoRestError
 from .blocks.faces import FloatArray
-from .blocks.parts import OF_COLUMN, Joint, Pair, Solid, Tie
+from .blocks.parts import OF_COLUMN, SpatialJoint, Pair, Solid, Tie
 from .model import Structure
 from .packing import FLOOR, centroid_of
 from .stepper import SpatialStepper
@@ -64,7 +64,7 @@ def rest_of(structure: Structure) -> SpatialRest:
 @lru_cache(maxsize=64)
 def _rest_of(
     blocks: tuple[Solid, ...],
-    joints: tuple[Joint, ...],
+    joints: tuple[SpatialJoint, ...],
     ties: tuple[Tie, ...],
     g: float,
     ports: tuple[Port, ...],

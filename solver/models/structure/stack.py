@@ -24,7 +24,7 @@ from ..column.settings import Settings
 from ..ports import Port
 from .blocks.contacts import GROUND, with_rim
 from .blocks.faces import Face, FloatArray, shared
-from .blocks.parts import OF_COLUMN, Bed, Joint, Solid
+from .blocks.parts import OF_COLUMN, Bed, SpatialJoint, Solid
 from .blocks.shapes import box, drum, placed, rectangle
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def _solid(name: str, block: planar.Block, foot: float) -> Solid:
     return replace(made, mass=block.mass, centroid=centroid, inertia=inertia)
 
 
-def _joint(column: Column, i: int, foot: float) -> Joint:
+def _joint(column: Column, i: int, foot: float) -> SpatialJoint:
     block, key = column.blocks[i], f"block[{i + 1}]"
     if block.is_off_axis or block.joint_section == STRIPS:
         raise InputError(f"{key}: must stand on its axis, and not on strips, to be stacked in space")
@@ -103,7 +103,7 @@ def _joint(column: Column, i: int, foot: float) -> Joint:
         law.stiffness, law.damping, friction=law.friction, dowel=law.dowel or 0.0, strength=law.strength, **mortar
     )
     bed = replace(bed, rim=law.rim)
-    return with_rim(Joint(i, i + 1, face, bed, f"{key}.joint", above, below))
+    return with_rim(SpatialJoint(i, i + 1, face, bed, f"{key}.joint", above, below))
 
 
 def _level(face: FaceShape, height: float, way: float) -> Face:
@@ -144,7 +144,7 @@ def column_of(structure: Structure) -> Column | None:
     return column if same else None
 
 
-def _block(solid: Solid, joint: Joint) -> planar.Block:
+def _block(solid: Solid, joint: SpatialJoint) -> planar.Block:
     """Return the column block of a box or a drum; its faces are bottom and top first (shapes.py)."""
     bottom, top = solid.faces[:2]
     section, width, depth, bore = _section(bottom)

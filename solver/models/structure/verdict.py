@@ -19,7 +19,7 @@ from ...kernels.structure import layout as at
 from ..outputs import places_of
 from .blocks.contacts import GROUND
 from .blocks.faces import Face, FloatArray
-from .blocks.parts import Joint
+from .blocks.parts import SpatialJoint
 from .model import Structure
 from .outputs import OUTPUTS
 from .packing import centroid_of
@@ -359,7 +359,7 @@ def _turned(q: FloatArray, vector: FloatArray) -> FloatArray:
     return vector + 2.0 * (q[0] * across + np.cross(q[1:], across))
 
 
-def _edges(joint: Joint, slip: FloatArray, towards: FloatArray | None = None) -> list[tuple[FloatArray, float]]:
+def _edges(joint: SpatialJoint, slip: FloatArray, towards: FloatArray | None = None) -> list[tuple[FloatArray, float]]:
     """Return the outward normals of the edges of a contact, along the axes of the joint, and their distances (m).
 
     Distances are measured from the midpoint between the centres of both faces, which a slip has separated. A round face

@@ -16,7 +16,7 @@ from ...kernels.column.sections.faces import SECTIONS
 from ...models.column.block import Block
 from ...models.column.model import Column
 from ...models.structure.blocks.faces import Face, FloatArray
-from ...models.structure.blocks.parts import Joint, Solid
+from ...models.structure.blocks.parts import SpatialJoint, Solid
 from ...models.structure.model import Structure
 
 SIDES = 32  # of a round face
@@ -165,7 +165,7 @@ def _of_structure(structure: Structure) -> tuple[tuple[SceneBody, ...], tuple[Sc
     return bodies, tuple(_contact(name, joint, bodies[joint.upper].centroid) for name, joint in contacts)
 
 
-def _contact(name: str, joint: Joint, centroid: FloatArray) -> SceneContact:
+def _contact(name: str, joint: SpatialJoint, centroid: FloatArray) -> SceneContact:
     face = joint.face
     hole = _inner(face) - centroid if face.bore else np.empty((0, 3))
     points, at_point = face.points(SIDES) - centroid, joint.bearing is not None

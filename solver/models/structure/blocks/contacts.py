@@ -9,7 +9,7 @@ import numpy as np
 
 from ....common.errors import InputError
 from .faces import NEAR, Face, FloatArray, inset, polygon_moments, shared
-from .parts import BASE, Bed, Joint, Solid
+from .parts import BASE, Bed, SpatialJoint, Solid
 from .shapes import rectangle
 
 FACING = -0.99  # largest cosine of the angle between the normals of faces that may touch
@@ -19,7 +19,7 @@ GROUND = Face(np.zeros(3), np.eye(3), rectangle(ENDLESS, ENDLESS))
 
 def joints_between(
     solids: tuple[Solid, ...], upper: int, lower: int, bed: Bed, key: str, sides: bool = False
-) -> list[Joint]:
+) -> list[SpatialJoint]:
     """Return the joints of all pairs of faces that two bodies share; the base is body `len(solids)`.
 
     Faces on top of the lower body count; others only if there are none on top, or with `sides`. `key` names the table
@@ -33,10 +33,10 @@ def joints_between(
     if not found:
         names = [*(solid.name for solid in solids), BASE]
         raise InputError(f"{key}: {names[upper]} and {names[lower]} share no face: they must lie on each other")
-    return [with_rim(Joint(upper, lower, turned_face(face), bed, key, a, b)) for face, a, b in found]
+    return [with_rim(SpatialJoint(upper, lower, turned_face(face), bed, key, a, b)) for face, a, b in found]
 
 
-def with_rim(joint: Joint) -> Joint:
+def with_rim(joint: SpatialJoint) -> SpatialJoint:
     """Return the joint with the open inside of its rim, about the centroid of the bearing area (theory.md section 13).
 
     The open inside is the intersection of the insides of both faces. If the rim is half as wide as a face or wider,

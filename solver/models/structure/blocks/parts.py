@@ -94,7 +94,7 @@ class Bearing:
 
 
 @dataclass(frozen=True, eq=False)
-class Joint:
+class SpatialJoint:
     """A contact between two blocks, or a block and the base; the face's normal points from `lower` to `upper`."""
 
     upper: int  # number of the block, from 0

@@ -9,7 +9,7 @@ import numpy as np
 
 from ....common.errors import InputError
 from .faces import NEAR, Face, shared
-from .parts import BASE, Joint, Solid
+from .parts import BASE, SpatialJoint, Solid
 
 SAME = 1e-6  # of the size of a block: places closer than this are one
 BEYOND = 0.1  # of the diagonal of a block: largest distance of the centre of a joint from the box around it
@@ -26,9 +26,9 @@ def check_places(keys: Sequence[str], blocks: Sequence[Solid]) -> None:
         taken[place] = block.name
 
 
-def check_joints(blocks: Sequence[Solid], joints: Sequence[Joint]) -> None:
+def check_joints(blocks: Sequence[Solid], joints: Sequence[SpatialJoint]) -> None:
     """Raise InputError for a joint away from its blocks, and for two joints of a pair that share an area."""
-    pairs: dict[tuple[int, int], list[Joint]] = defaultdict(list)
+    pairs: dict[tuple[int, int], list[SpatialJoint]] = defaultdict(list)
     for joint in joints:
         for body in (joint.upper, joint.lower):
             if body < len(blocks):
@@ -48,7 +48,7 @@ def _box(block: Solid) -> tuple[np.ndarray, np.ndarray]:
     return np.min(corners, axis=0), np.max(corners, axis=0)
 
 
-def _check_near(joint: Joint, block: Solid) -> None:
+def _check_near(joint: SpatialJoint, block: Solid) -> None:
     low, high = _box(block)
     outside = np.maximum(0.0, np.maximum(low - joint.face.centre, joint.face.centre - high))
     far, most = float(np.linalg.norm(outside)), BEYOND * float(np.linalg.norm(high - low))
