@@ -11,7 +11,7 @@ import numpy as np
 from ...common.errors import InputError, check_number, shown
 from ...common.ranges import LENGTH, NUMBERS, check_choice, check_keys
 from .blocks.faces import Face, FloatArray
-from .blocks.parts import Bearing, Bed, SpatialJoint
+from .blocks.parts import Bearing, JointLaw, SpatialJoint
 
 _OF_STIFFNESS = (1e-6, 1e15), "a positive stiffness in N/m"
 _OF_DASHPOT = (0.0, 1e15), "a damping in N s/m, zero or positive"
@@ -92,7 +92,7 @@ def _is_number(word: str, table: Mapping[str, Any]) -> bool:
     return word in table and not (word == "radius" and table["kind"] == "double_concave")
 
 
-def _laws(key: str, kind: str, table: Mapping[str, Any], given: Mapping[str, float]) -> tuple[Bearing, Bed]:
+def _laws(key: str, kind: str, table: Mapping[str, Any], given: Mapping[str, float]) -> tuple[Bearing, JointLaw]:
     friction: float | None = given.get("friction")
     # sliders
     if kind in ("pendulum", "double_concave", "rolling"):
@@ -118,7 +118,7 @@ def _laws(key: str, kind: str, table: Mapping[str, Any], given: Mapping[str, flo
     radius = _double(key, table, given) if kind == "double_concave" else given.get("radius", math.inf)
     across = given["vertical_stiffness"]
     area = 0.25 * math.pi * given["diameter"] ** 2
-    bed = Bed(
+    bed = JointLaw(
         stiffness=across / area,
         damping=given["vertical_damping"],
         shear_ratio=given.get("initial_stiffness", 0.0) / across,

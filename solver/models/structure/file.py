@@ -20,7 +20,7 @@ from .bearing_tables import check_table as check_bearing
 from .blocks.contacts import axes_of, joints_between, with_rim
 from .blocks.faces import Face, FloatArray, polygon_moments
 from .blocks.outlines import MEANING, MOST_CORNERS, outline_of
-from .blocks.parts import BASE, BESIDE_COLUMN, OF_COLUMN, TOLERANCE, Bed, SpatialJoint, Solid, Tie
+from .blocks.parts import BASE, BESIDE_COLUMN, OF_COLUMN, TOLERANCE, JointLaw, SpatialJoint, Solid, Tie
 from .blocks.placement import check_joints, check_places
 from .blocks.shapes import box, drum, placed, prism, rectangle, rotation_matrix
 from .convex import built_overlaps
@@ -320,7 +320,7 @@ def _joint_tables(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[Mapp
     return defaults, tables_in("joint", {"joint": given}, 0)
 
 
-def bed_from(key: str, table: Mapping[str, Any]) -> Bed:
+def bed_from(key: str, table: Mapping[str, Any]) -> JointLaw:
     """Return the law of a joint from its keys. Raises InputError."""
     found: dict[str, Any] = {}
     for word in _LAW:
@@ -337,7 +337,7 @@ def bed_from(key: str, table: Mapping[str, Any]) -> Bed:
         raise InputError(f"{key}.dowel = {found['dowel']}: needs friction; a joint without friction never slides")
     if found.get("cohesion") and "friction" not in found:
         raise InputError(f"{key}.cohesion = {found['cohesion']:g}: needs friction; a joint without never slides")
-    return Bed(**found)
+    return JointLaw(**found)
 
 
 def _joints_from(key: str, table: Mapping[str, Any], law: Mapping[str, Any], blocks: tuple[Solid, ...]) -> list[SpatialJoint]:

@@ -20,7 +20,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from ...common.errors import POSITIVE, InputError, check_number
-from .blocks.parts import Bed
+from .blocks.parts import JointLaw
 from .file import bed_from
 from .hull_tables import FIXED
 from .model import Structure
@@ -188,7 +188,7 @@ def _moved(name: str, present: object, number: float, relative: bool) -> float:
     return number * present
 
 
-def _bed_with(bed: Bed, name: str, number: float, relative: bool) -> Bed:
+def _bed_with(bed: JointLaw, name: str, number: float, relative: bool) -> JointLaw:
     found = _named(name)
     assert found is not None
     law = {key: value for key, value in asdict(bed).items() if value is not None}

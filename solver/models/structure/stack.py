@@ -24,7 +24,7 @@ from ..column.settings import Settings
 from ..ports import Port
 from .blocks.contacts import GROUND, with_rim
 from .blocks.faces import Face, FloatArray, shared
-from .blocks.parts import OF_COLUMN, Bed, SpatialJoint, Solid
+from .blocks.parts import OF_COLUMN, JointLaw, SpatialJoint, Solid
 from .blocks.shapes import box, drum, placed, rectangle
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def _joint(column: Column, i: int, foot: float) -> SpatialJoint:
     # law of the joint in space
     law = block.joint
     mortar = {"tensile_strength": law.tensile_strength, "cohesion": law.cohesion}
-    bed = Bed(
+    bed = JointLaw(
         law.stiffness, law.damping, friction=law.friction, dowel=law.dowel or 0.0, strength=law.strength, **mortar
     )
     bed = replace(bed, rim=law.rim)

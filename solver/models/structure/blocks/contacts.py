@@ -9,7 +9,7 @@ import numpy as np
 
 from ....common.errors import InputError
 from .faces import NEAR, Face, FloatArray, inset, polygon_moments, shared
-from .parts import BASE, Bed, SpatialJoint, Solid
+from .parts import BASE, JointLaw, SpatialJoint, Solid
 from .shapes import rectangle
 
 FACING = -0.99  # largest cosine of the angle between the normals of faces that may touch
@@ -18,7 +18,7 @@ GROUND = Face(np.zeros(3), np.eye(3), rectangle(ENDLESS, ENDLESS))
 
 
 def joints_between(
-    solids: tuple[Solid, ...], upper: int, lower: int, bed: Bed, key: str, sides: bool = False
+    solids: tuple[Solid, ...], upper: int, lower: int, bed: JointLaw, key: str, sides: bool = False
 ) -> list[SpatialJoint]:
     """Return the joints of all pairs of faces that two bodies share; the base is body `len(solids)`.
 

@@ -53,7 +53,7 @@ class Solid:
 
 
 @dataclass(frozen=True)
-class Bed:
+class JointLaw:
     """The law of a joint: no tension across, elastic along itself up to Coulomb's limit (theory.md section 13)."""
 
     stiffness: float  # N/m3, Winkler modulus
@@ -100,7 +100,7 @@ class SpatialJoint:
     upper: int  # number of the block, from 0
     lower: int  # the base is the number after the last block's
     face: Face  # centred at its centroid
-    bed: Bed
+    bed: JointLaw
     key: str = ""  # of the table it is from, for messages
     above: Face | None = None  # faces of `upper` and `lower`, which bound the contact after a slip; None: `face`
     below: Face | None = None
