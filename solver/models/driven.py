@@ -13,7 +13,7 @@ import numpy as np
 from ..common.errors import InputError
 from ..ground.motion import Motion
 from .outputs import FloatArray, peaks_by_name
-from .protocol import OF_RUN, Kept, Kind, Plan, kept_peaks
+from .protocol import OF_RUN, Kept, Kind, RunPlan, kept_peaks
 from .still_base import Settling, conclude
 
 NOT_YET = -1.0  # s, the value that stands for no fall
@@ -184,7 +184,7 @@ class Driving(Kind):
         cls.outputs = cls.response.outputs
         cls.kept = {**kept_peaks(cls.outputs), **OF_RUN, "fallen": Kept(kind=np.int64)}
 
-    def single_run(self, model: Any, plan: Plan) -> tuple[Any, FloatArray]:
+    def single_run(self, model: Any, plan: RunPlan) -> tuple[Any, FloatArray]:
         """Follow a model through the motion, then on the still base.
 
         Raises InputError if the plan has an initial state, SolverError.

@@ -47,7 +47,7 @@ class Run(NamedTuple):
     duration: float  # s
 
 
-class Plan(NamedTuple):
+class RunPlan(NamedTuple):
     """The plan of a run: its motion, duration (s), the times of its rows (s)."""
 
     motion: Motion
@@ -259,14 +259,14 @@ class Kind:
         """Return the simplest model that moves alike from rest under this motion: the model itself by default."""
         return model
 
-    def single_run(self, model: Any, plan: Plan) -> tuple[Any, FloatArray]:
+    def single_run(self, model: Any, plan: RunPlan) -> tuple[Any, FloatArray]:
         """Run a model.
 
         Parameters
         ----------
         model : Model
             The model.
-        plan : Plan
+        plan : RunPlan
             The motion, the duration and the times of the rows.
 
         Returns
@@ -291,11 +291,11 @@ class Kind:
 
     # --- an ensemble
 
-    def in_lanes(self, response: Any, plan: Plan) -> bool:
+    def in_lanes(self, response: Any, plan: RunPlan) -> bool:
         """Return True if runs with rows like that of `response` can be made in lanes, and are faster there."""
         return False
 
-    def varied_in_lanes(self, pairs: Sequence[tuple[Any, Motion]], plan: Plan) -> list[Varied | None]:
+    def varied_in_lanes(self, pairs: Sequence[tuple[Any, Motion]], plan: RunPlan) -> list[Varied | None]:
         """Run varied models and motions by a plan in lanes; None for runs that lanes cannot finish."""
         return [None for _ in pairs]
 
@@ -365,7 +365,7 @@ class Kind:
             If the model does not stand, or cannot be followed.
         """
         end = np.array([run.motion.start + run.duration])
-        found, _ = self.single_run(run.model, Plan(run.motion, run.duration, end, None, settle, look))
+        found, _ = self.single_run(run.model, RunPlan(run.motion, run.duration, end, None, settle, look))
         return {name: found.kept(name) for name in keep}
 
     def work(self, model: Any, keep: Collection[str]) -> Work:

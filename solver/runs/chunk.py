@@ -25,7 +25,7 @@ from ..models.protocol import (
     Kind,
     Lanes,
     NoRestError,
-    Plan,
+    RunPlan,
     Run,
     code_of,
     output_times,
@@ -200,7 +200,7 @@ def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) ->
 def _response(chunk: Chunk, place: int, look: Callable[..., object]) -> Any:
     """Return the response of a run, with the rows of `simulate`."""
     model, motion, duration = chunk.runs[place]
-    plan = Plan(motion, duration, output_times(motion, duration), None, chunk.settle, look)
+    plan = RunPlan(motion, duration, output_times(motion, duration), None, chunk.settle, look)
     return model.kind.single_run(model, plan)[0]
 
 

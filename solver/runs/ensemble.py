@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from ..common.errors import SolverError
-from ..models.protocol import OVERTURNED, UNDECIDED, NoRestError, Plan
+from ..models.protocol import OVERTURNED, UNDECIDED, NoRestError, RunPlan
 from ..models.response import Result
 from ..models.uncertainty import Ensemble, Spread, Varied, ensemble_from, vary
 
 LISTEN = 0.05  # s between two checks for an interruption
 
 
-def ensemble_of(response: Result, plan: Plan, size: int, spread: Spread) -> Ensemble:
+def ensemble_of(response: Result, plan: RunPlan, size: int, spread: Spread) -> Ensemble:
     """Return the ensemble of `size` varied runs around a response.
 
     `plan` is that of the response; `spread` has the standard deviations of the varied data and the seed.
@@ -34,7 +34,7 @@ def ensemble_of(response: Result, plan: Plan, size: int, spread: Spread) -> Ense
     return ensemble_from(runs, spread, response.time, in_lanes)
 
 
-def _alone(model: Any, plan: Plan) -> Varied:
+def _alone(model: Any, plan: RunPlan) -> Varied:
     try:
         model = model.with_settings(without=(*model.settings.without, "peaks"))
         response, places = model.kind.single_run(model, plan)

@@ -18,7 +18,7 @@ from ..models.column.packing import InitialState
 from ..models.column.response import Response
 from ..models.column.run import Callback
 from ..models.ports import Released
-from ..models.protocol import OUTPUT_STEP, SETTLE, Kind, Model, Plan, output_times
+from ..models.protocol import OUTPUT_STEP, SETTLE, Kind, Model, RunPlan, output_times
 from ..models.structure.model import Structure
 from ..models.structure.response import SpatialResponse
 from ..models.structure.run import Callback as SpatialCallback
@@ -184,7 +184,7 @@ def simulate(
             raise InputError(f"release: must be left out, a {column.kind.word} has no ports")
         initial = Released(static_loads("release", release, _ports_of(column)))
     _check_ports(motion, column)
-    plan, spread = Plan(motion, duration, times, initial, settle, callback), Spread() if spread is None else spread
+    plan, spread = RunPlan(motion, duration, times, initial, settle, callback), Spread() if spread is None else spread
     if plane is not None:
         check_choice("plane", plane, ("auto",))
         column = column if initial is not None else column.kind.simplest(column, motion)

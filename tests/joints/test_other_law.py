@@ -17,7 +17,7 @@ from solver import Block, Column, InputError, Joint, Motion, simulate
 from solver.kernels.column.model.description import GIVEN, GIVEN_SETTINGS
 from solver.models.column.kinematics import Chain
 from solver.models.column.lane_policy import why_not_in_lanes
-from solver.models.protocol import Plan
+from solver.models.protocol import RunPlan
 
 ETA = 1e-2
 BLOCK = Block(2.0, 1.0, 1.2, 5e3, Joint(1e9, ETA))
@@ -41,7 +41,7 @@ def test_runs_are_not_made_in_lanes() -> None:
     assert not why_not_in_lanes(Column("one", column(eta=0.0).blocks[:1]))
     motion = Motion.harmonic(0.05, 1.0, 0.1)  # m/s2, Hz, s
     response = simulate(column(), motion, settle=0)
-    assert not response.model.kind.in_lanes(response, Plan(motion, 0.1, response.time))
+    assert not response.model.kind.in_lanes(response, RunPlan(motion, 0.1, response.time))
 
 
 @pytest.mark.usefixtures("other")

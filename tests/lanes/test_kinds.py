@@ -22,7 +22,7 @@ from solver.models.column.packing import pack_model
 from solver.models.column.rest import is_stable
 from solver.models.column.run import single_run
 from solver.models.paper.kind import PaperColumns
-from solver.models.protocol import Plan
+from solver.models.protocol import RunPlan
 
 BATCH_KINDS = LANES_OF_COLUMNS | {"fixed step": PaperColumns.own_lanes}
 KINDS = ("plain", "slipping", "round", "round, slipping", "strips, slipping", "rims, slipping", "fixed step")
@@ -230,7 +230,7 @@ def histories(columns: Sequence[Column], motions: Sequence[Motion], duration: fl
     found = []
     for column, motion in zip(columns, motions, strict=True):
         closer = column.with_settings(tolerance=1e-9, without=("peaks",))
-        _, phases = single_run(closer, Plan(motion, duration, motion.start + times))
+        _, phases = single_run(closer, RunPlan(motion, duration, motion.start + times))
         found.append(history(column, phases))
     return found
 
@@ -315,7 +315,7 @@ def test_columns_that_begin_by_modes_go_on_in_lanes_once_they_open_or_slide() ->
     for tolerance in (1e-3, 1e-5):
         result = run_batch(columns, motions, tolerance=tolerance, times=times)
         for k, (column, motion) in enumerate(zip(columns, motions, strict=True)):
-            truth, phases = single_run(column.with_settings(tolerance=1e-10), Plan(motion, 3.0, times))
+            truth, phases = single_run(column.with_settings(tolerance=1e-10), RunPlan(motion, 3.0, times))
             apart = np.max(np.abs(history(column, result.phases[k]) - history(column, phases)))
             assert apart < 2.0 * tolerance * np.max(np.abs(truth.peak_top_ux))  # measured 0.14
             slid.append(np.ptp(phases[:, 12]) > 1e-4)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from solver.ground.motion import Motion
-from solver.models.protocol import Plan
+from solver.models.protocol import RunPlan
 from solver.models.structure.blocks.parts import SpatialJoint
 from solver.models.structure.model import Structure
 from solver.models.structure.response import SpatialResponse
@@ -62,4 +62,4 @@ def run(
     """A run with rows every 5 ms; it is not followed after its end."""
     duration = motion.duration if duration is None else duration
     times = motion.start + 0.005 * np.arange(int(duration / 0.005) + 1, dtype=np.float64)
-    return single_run(structure, Plan(motion, duration, times, initial))
+    return single_run(structure, RunPlan(motion, duration, times, initial))

@@ -17,7 +17,7 @@ from ...ground.motion import Motion
 from ...kernels.column.api import entries
 from ...kernels.layout import spaces
 from ...kernels.machine.library import load
-from ..protocol import LANES, LOADED, OVERTURNED, Kind, Lanes, Plan, Run, Work, code_of, output_times
+from ..protocol import LANES, LOADED, OVERTURNED, Kind, Lanes, RunPlan, Run, Work, code_of, output_times
 from ..uncertainty import Varied
 from .kinematics import Chain, chain_of
 from .lane_policy import HELD, IN_LANES, first_step_of, kind_of, why_not_in_lanes
@@ -71,7 +71,7 @@ class Columns(Kind):
         super().check_motion(motion)
         check_loads_in_plane(motion.loads)
 
-    def single_run(self, model: Column, plan: Plan) -> tuple[Response, FloatArray]:
+    def single_run(self, model: Column, plan: RunPlan) -> tuple[Response, FloatArray]:
         """Run a column; return the response and ux of the top faces at its rows, m (rows, n)."""
         load(self.entries.run.group)  # before the clock starts
         response, phases = single_run(model, plan)
@@ -148,7 +148,7 @@ class Columns(Kind):
         column = run.model
         if WATCHED.isdisjoint(keep):
             column = column.with_settings(without=(*column.settings.without, "peaks"))  # except those of ux
-        response, phases = single_run(column, Plan(run.motion, run.duration, times, None, settle, look))
+        response, phases = single_run(column, RunPlan(run.motion, run.duration, times, None, settle, look))
         stands = not response.overturn_time <= stop
         left = {
             name: _at_the_end(name, chain_of(run.model), phases[-1]) if stands else math.nan for name in _left(keep)
@@ -172,7 +172,7 @@ class Columns(Kind):
 
     # --- an ensemble
 
-    def in_lanes(self, response: Response, plan: Plan) -> bool:
+    def in_lanes(self, response: Response, plan: RunPlan) -> bool:
         """Return True for the linear law if most steps are explicit and the run starts from rest."""
         column = response.model
         known = column.sections <= IN_LANES and not (column.other_law or column.is_brittle)
@@ -180,7 +180,7 @@ class Columns(Kind):
         explicit = response.stats["implicit_steps"] <= MOST_DAMPED * response.stats["steps"]
         return fits and explicit and not self.under(column, plan.motion)[0] and plan.initial is None
 
-    def varied_in_lanes(self, pairs: Sequence[tuple[Column, Motion]], plan: Plan) -> list[Varied | None]:
+    def varied_in_lanes(self, pairs: Sequence[tuple[Column, Motion]], plan: RunPlan) -> list[Varied | None]:
         """Run varied columns in lanes, with the histories of ux at the rows of the plan."""
         columns, motions = zip(*pairs, strict=True)
         start, duration = plan.motion.start, plan.duration

@@ -12,7 +12,7 @@ import numpy as np
 from ...common.aliases import Alias
 from ...kernels.layout import spaces as at
 from ..ports import Released
-from ..protocol import Plan, Verdict
+from ..protocol import RunPlan, Verdict
 from ..still_base import Settling, conclude, settled
 from .kinematics import chain_of
 from .model import Column
@@ -41,7 +41,7 @@ class Glance(_Glance):
 Callback = Callable[[float, Glance], object]
 
 
-def single_run(column: Column, plan: Plan) -> tuple[Response, FloatArray]:
+def single_run(column: Column, plan: RunPlan) -> tuple[Response, FloatArray]:
     """Run a column; return its response, and its phases (kinematics.py) at the times of the rows.
 
     Raises InputError for an invalid initial state, SolverError if the motion cannot be followed.

@@ -22,7 +22,7 @@ from ..column.model import Column
 from ..column.modes import PART
 from ..column.packing import FloatArray
 from ..column.response import Response
-from ..protocol import Lanes, Plan, Work
+from ..protocol import Lanes, RunPlan, Work
 
 # cost of a run alone, relative to a column of the exact formulation in lanes; and s, the same times the step in lanes
 ALONE, IN_LANES = 300.0, 1.3e-3
@@ -93,7 +93,7 @@ class PaperColumns(Columns):
         """Return the approximate cost, which depends on the step in lanes."""
         return Work(0.0, model.n * (ALONE if self.why_alone(model, keep) else IN_LANES / model.settings.step))
 
-    def in_lanes(self, response: Response, plan: Plan) -> bool:
+    def in_lanes(self, response: Response, plan: RunPlan) -> bool:
         """Return False: lanes store no rows."""
         return False
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...ground.motion import Motion
 from ..column.model import Column
 from ..column.numbers import SIZE, column_with, is_of_column
-from ..protocol import LOADED, SETTLE, Kind, Lanes, NoRestError, Plan, Run, Work, output_times, table_entry
+from ..protocol import LOADED, SETTLE, Kind, Lanes, NoRestError, RunPlan, Run, Work, output_times, table_entry
 from ..uncertainty import Varied
 from .blocks.faces import FloatArray
 from .blocks.parts import OF_COLUMN
@@ -60,7 +60,7 @@ class Structures(Kind):
         """Return the equivalent column if the motion stays in its plane and loads no ports; else the structure."""
         return model if motion.has_ay or motion.loads else column_of(model) or model
 
-    def single_run(self, model: Structure, plan: Plan) -> tuple[SpatialResponse, FloatArray]:
+    def single_run(self, model: Structure, plan: RunPlan) -> tuple[SpatialResponse, FloatArray]:
         """Return the response, and ux, uy, uz of the centroids, (rows, 3 n) m."""
         response = single_run(model, plan)
         return response, response.rows[:, : 3 * model.n]
@@ -110,7 +110,7 @@ class Structures(Kind):
         watches = any(name not in (*ALWAYS_KEPT, "peak_u") for name in keep)
         structure = run.model.with_settings(without=None if watches else ("peaks",))
         times = output_times(run.motion, run.duration)
-        found = single_run(structure, Plan(run.motion, run.duration, times, None, settle, look))
+        found = single_run(structure, RunPlan(run.motion, run.duration, times, None, settle, look))
         return {name: found.kept(name) for name in keep}
 
     def work(self, model: Structure, keep: Collection[str]) -> Work:
@@ -120,7 +120,7 @@ class Structures(Kind):
 
     # --- an ensemble
 
-    def in_lanes(self, response: SpatialResponse, plan: Plan) -> bool:
+    def in_lanes(self, response: SpatialResponse, plan: RunPlan) -> bool:
         """Return True if most steps are explicit and the run starts from rest."""
         model, stats = response.model, response.stats
         fits = not _why_not_in_lanes(model, ("peak_u",)) and set(model.settings.without) <= {"peaks"}
@@ -128,7 +128,7 @@ class Structures(Kind):
         fits = fits and others <= MOST_OTHERS * stats["steps"] and not plan.motion.loads
         return fits and plan.initial is None
 
-    def varied_in_lanes(self, pairs: Sequence[tuple[Structure, Motion]], plan: Plan) -> list[Varied | None]:
+    def varied_in_lanes(self, pairs: Sequence[tuple[Structure, Motion]], plan: RunPlan) -> list[Varied | None]:
         """Run varied structures in lanes, with histories of the horizontal displacement at the rows of the plan."""
         made: list[Varied | None] = [None] * len(pairs)
         rests: dict[int, Rest] = {}

@@ -17,7 +17,7 @@ from ...ground.motion import Motion
 from ...kernels.structure import layout as at
 from ..outputs import places_of
 from ..ports import Released
-from ..protocol import Plan, Verdict
+from ..protocol import RunPlan, Verdict
 from ..still_base import conclude, settled
 from .blocks.faces import FloatArray
 from .modal_data import modal_data_of
@@ -64,7 +64,7 @@ class SpatialState(NamedTuple):
     spin: FloatArray
 
 
-def single_run(structure: Structure, plan: Plan) -> SpatialResponse:
+def single_run(structure: Structure, plan: RunPlan) -> SpatialResponse:
     """Run a structure; return its response with the verdict. Raises InputError and SolverError."""
     motion, callback = plan.motion, plan.callback
     stepper, why_no_modes = begun(structure, motion, plan.initial)
