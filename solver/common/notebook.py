@@ -15,7 +15,7 @@ MOST_ROWS = 6
 BINS = 300  # intervals of a plotted history; the least and largest values in each are drawn
 
 
-class Shown:
+class NotebookRepr:
     """An object with a short representation in terminals and notebooks."""
 
     def _facts(self) -> tuple[str, ...]:
@@ -51,7 +51,7 @@ def counted(number: int, word: str) -> str:
 
 
 def rows_of(columns: Mapping[str, NDArray[Any]]) -> list[Sequence[object]]:
-    """Return the first rows of columns (m,) as a table for `Shown._lines`."""
+    """Return the first rows of columns (m,) as a table for `NotebookRepr._lines`."""
     few = [values[: MOST_ROWS + 1].tolist() for values in columns.values()]
     return [tuple(columns), *zip(*few, strict=True)]
 

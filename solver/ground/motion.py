@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, InputWarning, check_number, reading, shown
 from ..common.files import printable, whole_file
 from ..common.frames import Frame, Framed
-from ..common.notebook import Shown, counted, history
+from ..common.notebook import NotebookRepr, counted, history
 from ..common.ranges import has_masked
 from ..common.text import lines_of
 from .loads import Load
@@ -34,7 +34,7 @@ SAME_INSTANT = 1e-6  # of the shortest sampling interval: closer instants of two
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Motion(Framed, Shown):
+class Motion(Framed, NotebookRepr):
     """The base acceleration over start <= t <= end; before and after, it is zero.
 
     ax(t) = samples + amplitude sin(2 pi frequency (t - start)), az(t) = samples. Between two samples the acceleration

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..common.aliases import Renamed, aliases_of
 from ..common.files import write_table
 from ..common.frames import Frame, Framed
-from ..common.notebook import Shown, counted
+from ..common.notebook import NotebookRepr, counted
 from ..ground.motion import Motion
 from .outputs import DIGITS, JOINT, FloatArray, Histories, units_of
 from .pictures import draw, scenes_of
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(eq=False, repr=False, kw_only=True)
-class Result(Histories, Framed, Shown):
+class Result(Histories, Framed, NotebookRepr):
     """The result of a run of any model.
 
     Attributes

@@ -14,7 +14,7 @@ from ..common.aliases import warn_of_old
 from ..common.errors import needing
 from ..common.files import write_table
 from ..common.frames import Frame, Framed
-from ..common.notebook import Shown, counted, rows_of
+from ..common.notebook import NotebookRepr, counted, rows_of
 from ..models.protocol import WORDS, Kind
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Columns = dict[str, NDArray[Any]]
 
 
-class Table(Framed, Shown):
+class Table(Framed, NotebookRepr):
     """A table of runs by column name, `table["verdict"]`: arrays (runs,), or (runs, blocks) for every block or joint.
 
     The names of columns are those of Python; files and frames have the keys of studies (docs/results.md). The table is

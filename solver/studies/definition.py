@@ -21,7 +21,7 @@ import numpy as np
 from .. import __version__
 from ..common.errors import FINITE, POSITIVE, InputError, check_number, check_whole, needing, reading, shown
 from ..common.files import check_file_name, toml_of
-from ..common.notebook import Shown, counted
+from ..common.notebook import NotebookRepr, counted
 from ..common.ranges import check_choice, check_keys
 from ..ground.motion import Motion
 from ..kernels.machine.sources import SOURCES
@@ -55,7 +55,7 @@ class Planned(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Study(Shown):
+class Study(NotebookRepr):
     """A study: the models, the motions, and the numbers that vary between its runs.
 
     Names of numbers are those of of_column.py, for structures those of of_structure.py; `motion.KEY` for a number of

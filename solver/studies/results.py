@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..common.errors import InputError, needing, reading
 from ..common.files import whole_file, write_table
 from ..common.frames import Frame, Framed
-from ..common.notebook import Shown, rows_of
+from ..common.notebook import NotebookRepr, rows_of
 from ..models.pictures import draw
 from ..models.protocol import WORDS
 from ..runs.table import Columns, counts
@@ -33,7 +33,7 @@ ROWS_AT_ONCE = 4096
 NAMED = "motion_name"
 
 
-class Results(Framed, Shown):
+class Results(Framed, NotebookRepr):
     """The finished runs of a study by number: `results["peak_ux"]` is (runs, blocks), other columns (runs,).
 
     Names of columns are those of the study file; the names of a `Table` work too: `run`; the varied numbers (`column`,

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import InputError, needing
-from ..common.notebook import Shown, counted
+from ..common.notebook import NotebookRepr, counted
 from ..models.protocol import FloatArray
 from ..models.structure.numbers import unit_in_space
 from ..models.uncertainty import CONFIDENCE, PERCENTILES, share_bounds
@@ -34,7 +34,7 @@ TAIL = 0.16  # part of the runs at either end of a parameter
 
 
 @dataclass(frozen=True, repr=False)
-class Bins(Shown):
+class Bins(NotebookRepr):
     """The shares of failures in bins of the intensity.
 
     Attributes
@@ -73,7 +73,7 @@ class Bins(Shown):
 
 
 @dataclass(frozen=True, repr=False)
-class Fragility(Shown):
+class Fragility(NotebookRepr):
     """A lognormal probability of failure over an intensity: median, and deviation of the logarithm.
 
     Attributes
@@ -470,7 +470,7 @@ def _clusters(results: Results) -> NDArray[np.int64]:
 
 
 @dataclass(frozen=True, repr=False)
-class Curves(Shown):
+class Curves(NotebookRepr):
     """The curves of an incremental dynamic analysis.
 
     Attributes

@@ -24,7 +24,7 @@ from multiblock import (
     wavelets,
 )
 from solver.common.frames import Framed
-from solver.common.notebook import Shown, history, outlines
+from solver.common.notebook import NotebookRepr, history, outlines
 
 PHOCAS = Column.from_toml(ROOT / "examples" / "columns" / "phocas-damped.toml")
 STATUE = Column.from_toml(ROOT / "examples" / "columns" / "statue.toml")
@@ -107,7 +107,7 @@ def test_lines_are_short(response: Response, table: Table) -> None:
 def test_html_is_well_formed_and_small(response: Response, table: Table) -> None:
     many = Column("many", PHOCAS.blocks * 100)
     for item in (PHOCAS, STATUE, many, PULSE, Motion.harmonic(1.0, 2.0, 3.0), response, table):
-        assert isinstance(item, Shown)
+        assert isinstance(item, NotebookRepr)
         html = item._repr_html_()
         ElementTree.fromstring(html.replace("<br>", "<br/>"))
         shown, _, scene = html.partition("<iframe")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ...common import ranges
 from ...common.errors import InputError, reading, shown
 from ...common.files import check_file_name, toml_of
-from ...common.notebook import Shown, counted, outlines
+from ...common.notebook import NotebookRepr, counted, outlines
 from ...kernels.column.sections.faces import ON_BAND, ON_RING, RECTANGLE, STRIPS, is_round
 from ..ports import Port
 from ..protocol import kind_of, structure_of
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Column(Shown):
+class Column(NotebookRepr):
     """Superimposed rigid blocks, listed from the TOP down; the last joint rests on the base.
 
     Raises InputError on a value out of range, however the column was made; keys count blocks from 1, the top one.

@@ -16,7 +16,7 @@ import numpy as np
 from ...common import ranges
 from ...common.errors import InputError, reading, shown
 from ...common.files import check_file_name, toml_of
-from ...common.notebook import Shown, counted, outlines
+from ...common.notebook import NotebookRepr, counted, outlines
 from ...kernels.structure.layout import MOST_CORNERS, MOST_CUT
 from ..column.model import Column
 from ..column.settings import Settings
@@ -36,7 +36,7 @@ SKIPS = ("peaks", "elastic", "stabilized")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Structure(Shown):
+class Structure(NotebookRepr):
     """Rigid blocks in space with joints between their faces, and ties.
 
     x and y are horizontal, z points up; the base is the plane z = 0. InputError is raised for a block without

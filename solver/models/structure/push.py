@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.errors import FINITE, InputError, check_number
-from ...common.notebook import Shown, counted, history, rows_of
+from ...common.notebook import NotebookRepr, counted, history, rows_of
 from ...ground.loads import pattern_of
 from ...ground.motion import STANDARD_GRAVITY
 from ...kernels.structure.layout import LOAD
@@ -50,7 +50,7 @@ TURN = 0.9  # least cosine of the angle between consecutive steps
 OPEN, SLID = 1e-9, 1e-9  # of the contact, of the largest displacement: above it a joint is open, or has slid
 
 
-class PushOver(StructureHistories, Shown):
+class PushOver(StructureHistories, NotebookRepr):
     """A structure under a growing push, from rest to the largest push that it balances.
 
     The histories are those of a `SpatialResponse` (ux, rotation, N, contact, base, ...), with a row for each point of
