@@ -31,7 +31,7 @@ _OF_BLOCKS = (  # fields of the packed model; the last four describe the column 
 )
 
 
-class Places(NamedTuple):
+class ColumnPhase(NamedTuple):
     """The rotations (rad) of blocks, openings and slips (m) of the joints under them, and their rates, (..., n).
 
     bond_left and bond_right are the ends of the bonds (m from the middle of the block); a bond with left >= right is
@@ -114,10 +114,10 @@ class Chain:
                 setattr(chain, name, values[which])
         return chain
 
-    def places(self, phase: FloatArray) -> Places:
+    def places(self, phase: FloatArray) -> ColumnPhase:
         """Split a phase into rotations, openings, slips and their rates."""
         n = self.n
-        return Places(*(phase[..., k : k + n] for k in range(0, phase.shape[-1], n)))
+        return ColumnPhase(*(phase[..., k : k + n] for k in range(0, phase.shape[-1], n)))
 
     @staticmethod
     def coordinates(height: FloatArray, theta: FloatArray, opening: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -173,7 +173,7 @@ class Chain:
         energy = 0.5 * moving + strained + self.weight * lifted + self.toppling * dip
         return energy.sum(axis=-1)
 
-    def _pulled(self, opening: FloatArray, slope: FloatArray, places: Places) -> FloatArray:
+    def _pulled(self, opening: FloatArray, slope: FloatArray, places: ColumnPhase) -> FloatArray:
         """Return the elastic energy of bonds in tension (J) beside that in compression; of rectangles."""
         reach = np.zeros(self.n) if self.reach is None else self.reach
         steep, rises = np.maximum(np.abs(slope), PARALLEL), slope >= 0.0
@@ -185,24 +185,24 @@ class Chain:
         found: FloatArray = self.rigidity * (far - near) * (first * first + first * last + last * last) / 6.0
         return np.where((far > near) & (left < right), found, 0.0)
 
-    def joints(self, places: Places) -> Joints:
+    def joints(self, places: ColumnPhase) -> Joints:
         """Compute the joints in the plane."""
         half_turn = 0.5 * over_below(places.theta)
         normal = np.exp(1j * (places.theta - half_turn + self.lean))
         return Joints(half_turn, normal, (places.opening + 1j * places.slip) * normal)
 
-    def velocities(self, places: Places, joints: Joints) -> NDArray[np.complex128]:
+    def velocities(self, places: ColumnPhase, joints: Joints) -> NDArray[np.complex128]:
         """Return the velocities of the centroids, m/s (..., n)."""
         return self._tops(places, joints) - (self.height - self.centroid) * self._turning(places)
 
-    def _tops(self, places: Places, joints: Joints) -> NDArray[np.complex128]:
+    def _tops(self, places: ColumnPhase, joints: Joints) -> NDArray[np.complex128]:
         """Return the velocities of the centres of the top faces, m/s (..., n)."""
         spin, rates = places.spin, places.opening_rate + 1j * places.slip_rate
         mean_spin = spin - 0.5 * over_below(spin)
         steps = rates * joints.normal + 1j * mean_spin * joints.step + self.height * self._turning(places)
         return from_base(steps)
 
-    def _turning(self, places: Places) -> NDArray[np.complex128]:
+    def _turning(self, places: ColumnPhase) -> NDArray[np.complex128]:
         """Return the rate of the end of a unit length along each block, 1/s (..., n)."""
         return 1j * places.spin * np.exp(1j * (places.theta + self.tilt))
 

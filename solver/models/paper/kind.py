@@ -14,7 +14,7 @@ from ...ground.motion import STANDARD_GRAVITY
 from ...kernels.machine.library import load
 from ...kernels.paper import entries
 from ..column.kind import Columns
-from ..column.kinematics import Chain, Places, from_base, over_below
+from ..column.kinematics import Chain, ColumnPhase, from_base, over_below
 from ..column.lane_policy import why_no_lanes
 from ..column.lanes import LaneKernels
 from ..column.linearization import SHORT, StillColumn, undamped
@@ -37,10 +37,10 @@ class PaperChain(Chain):
 
     safe = 0.9  # part of the barrier, for the terms that the first order neglects
 
-    def places(self, phase: FloatArray) -> Places:
+    def places(self, phase: FloatArray) -> ColumnPhase:
         """Return the rotations and openings of a phase, and their rates."""
         v, w, v_rate, w_rate = (over_below(phase[..., k : k + self.n]) for k in range(0, 4 * self.n, self.n))
-        return Places(v / self.height, -w, v_rate / self.height, -w_rate)
+        return ColumnPhase(v / self.height, -w, v_rate / self.height, -w_rate)
 
     @staticmethod
     def coordinates(height: FloatArray, theta: FloatArray, opening: FloatArray) -> tuple[FloatArray, FloatArray]:
