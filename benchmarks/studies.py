@@ -253,7 +253,7 @@ def parts_of_a_run(count: int, rounds: int) -> dict[str, float]:
             spent[0] += clock.process_time() - begin
 
     best = [math.inf, math.inf]
-    with patch.object(batch, "others_turn", timed), patch.object(runs_module, "others_turn", timed):
+    with patch.object(batch, "lock_released", timed), patch.object(runs_module, "lock_released", timed):
         for _ in range(rounds):
             spent[0], begin = 0.0, clock.process_time()
             make(study, range(count))

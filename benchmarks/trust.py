@@ -15,7 +15,7 @@ import numpy as np
 
 from solver import Column, Motion, Response, simulate
 from solver.models.uncertainty import Spread
-from solver.runs.trust import finer
+from solver.runs.trust import with_fine_settings
 
 from .scenes import FORCED, RECORDED, RECORDS, G, Scene, forced, recorded, shaft
 from .timing import loops
@@ -54,7 +54,7 @@ def costs(scene: Scene) -> dict[str, Any]:
     def run(**more: Any) -> Response:
         return simulate(scene.column, scene.motion, scene.duration, settle=0.0, **more)
 
-    closer = simulate(finer(scene.column), scene.motion, scene.duration, settle=0.0)
+    closer = simulate(with_fine_settings(scene.column), scene.motion, scene.duration, settle=0.0)
     ways = (run, lambda: run(check=True), lambda: run(ensemble=ENSEMBLE))
     once, checked, varied = loops(ways, enough=ENOUGH)
     evaluations = [count.stats["evaluations"] + count.stats["looks"] for count in (run(), closer)]

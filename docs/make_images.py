@@ -34,7 +34,7 @@ from solver.plotting.record_plots import plot_records
 from solver.plotting.style import BLUE, INK, RED, STONE, VERDICT_COLOURS, header, tidy
 from solver.plotting.words import setting_of, verdict_of
 from solver.statics.calibrate import with_joints
-from solver.statics.rocking import column_damping_on_edge, pulled_aside, restitution_from
+from solver.statics.rocking import column_damping_on_edge, pulled_equilibrium, restitution_from
 
 HERE = Path(__file__).resolve().parent
 EXAGGERATION = 50.0
@@ -178,7 +178,7 @@ def restitutions() -> None:
     lines += [(right, 1.0, release, f"let go at {release:g} of the way") for release in (0.2, 0.5, 0.8)]
     for axes, times, release, label in lines:
         softer = with_joints(column, times * block.joint.stiffness)
-        start, top = pulled_aside(softer, release)
+        start, top = pulled_equilibrium(softer, release)
         found = [restitution_from(with_joints(softer, damping=eta), start, top) for eta in etas]
         axes.plot(etas, found, label=label)
     for axes, title in ((left, "(a) by the modulus, let go at 0.5 of the way"), (right, "(b) by the release")):
@@ -203,7 +203,7 @@ def rims() -> None:
         """Restitutions at these ratios of the damping that is critical on the edge."""
         law = Joint(stiffness, 1e-3, rim=0.5 * part * width)
         block = Column("granite", (Block(height, width, 0.754, 503.0, law),))
-        start, top = pulled_aside(block)
+        start, top = pulled_equilibrium(block)
         eta = column_damping_on_edge(block)
         return [restitution_from(with_joints(block, damping=ratio * eta), start, top) for ratio in ratios]
 

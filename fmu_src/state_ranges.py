@@ -208,4 +208,6 @@ def of_structure(sizes: space.Sizes, bodies_drive: bool = False) -> Ranges:
 
 def finite(state: int, counts: int, base: int) -> Ranges:
     """Return the ranges of arrays of these lengths that must be finite only."""
-    return Ranges([RangeBlock(state, FINITE)], [RangeBlock(counts, COUNT)], [RangeBlock(base, FINITE._replace(of_inputs=True))])
+    return Ranges(
+        [RangeBlock(state, FINITE)], [RangeBlock(counts, COUNT)], [RangeBlock(base, FINITE._replace(of_inputs=True))]
+    )

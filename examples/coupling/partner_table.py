@@ -15,7 +15,7 @@ from partner_kernels import REASONS, law_of
 from fmu_src.description_parts import About, Experiment
 from fmu_src.model_description import FLAGS, model_description
 from fmu_src.native.package import compiled, identified
-from fmu_src.native.table import RangeCheck, ChoiceParameter, Contents, NativeSubject
+from fmu_src.native.table import ChoiceParameter, Contents, NativeSubject, RangeCheck
 from fmu_src.record import usual_experiment
 from fmu_src.variables import Variable
 from multiblock import Motion

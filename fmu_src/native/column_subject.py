@@ -38,7 +38,7 @@ from ..variables import (
     inputs_of_ports,
     joint_parameters,
 )
-from .table import OF_BLOCKS, REFUSALS, VERDICTS, RangeCheck, ChoiceParameter, NativeSubject, peaks_of
+from .table import OF_BLOCKS, REFUSALS, VERDICTS, ChoiceParameter, NativeSubject, RangeCheck, peaks_of
 
 # input -> the input that is its slope
 SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega", "base.omega": "base.alpha"}

@@ -14,7 +14,7 @@ from ..body import StructureBody
 from ..structure_variables import DAMPING_SCALE, WITHOUT
 from ..variables import OVERTURNED_BLOCK, RECORD_SCALE, TOLERANCE
 from .column_subject import choices_of, given_of, slopes_of
-from .table import FIRST_PEAK, OF_BLOCKS, VERDICTS, RangeCheck, ChoiceParameter, NativeSubject, peaks_of
+from .table import FIRST_PEAK, OF_BLOCKS, VERDICTS, ChoiceParameter, NativeSubject, RangeCheck, peaks_of
 
 
 def structure_subject(body: StructureBody) -> NativeSubject:

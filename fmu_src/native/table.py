@@ -27,7 +27,7 @@ from .. import alternation, rules, state_ranges
 from ..drive import MOTION, Idle, idle
 from ..record import Record
 from ..references import FAMILY, array_of
-from ..state_ranges import Ranges, RangeBlock
+from ..state_ranges import RangeBlock, Ranges
 from ..variables import ACCELERATIONS, DRIVE, STEP_SIZE, VERDICT, Variable
 
 TEXT = 256  # bytes of a String, its end included

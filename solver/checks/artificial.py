@@ -64,8 +64,8 @@ def with_vertical(motions: dict[str, Motion], target: Spectral, seed: int) -> di
 
     The vertical components are independent of the horizontal ones (other seeds, from `seed`).
     """
-    beside = _beside(motions, target, seed + 2**31)
-    return {name: motion.with_vertical(beside[name]) for name, motion in motions.items()}
+    further = _further_motions(motions, target, seed + 2**31)
+    return {name: motion.with_vertical(further[name]) for name, motion in motions.items()}
 
 
 def with_across(motions: dict[str, Motion], target: Spectral, seed: int) -> dict[str, Motion]:
@@ -74,11 +74,11 @@ def with_across(motions: dict[str, Motion], target: Spectral, seed: int) -> dict
     The second components are independent of the first ones (other seeds, from `seed`). EN 1998-1, 3.2.3.1.1(2): not the
     same accelerogram along both directions.
     """
-    beside = _beside(motions, target, seed + 2**30)
-    return {name: motion.with_across(beside[name]) for name, motion in motions.items()}
+    further = _further_motions(motions, target, seed + 2**30)
+    return {name: motion.with_across(further[name]) for name, motion in motions.items()}
 
 
-def _beside(motions: dict[str, Motion], target: Spectral, seed: int) -> dict[str, Motion]:
+def _further_motions(motions: dict[str, Motion], target: Spectral, seed: int) -> dict[str, Motion]:
     """Return one further motion of the same duration for each motion, by name."""
     return {
         name: fitted_motion(target, (seed + k) % 2**32, motion.duration)

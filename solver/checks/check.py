@@ -174,7 +174,7 @@ class Check:
         """The sentences on the components that act, cautions about the action, and points left to another check."""
         longest = self.by_hand.mechanism.period() if self.by_hand else 0.0
         components = components_sentence(self.action, self.subject.model.kind.across)
-        return (components, *self.action.cautions(longest), *self.subject.left_to_others(self.both))
+        return (components, *self.action.cautions(longest), *self.subject.deferred_points(self.both))
 
     @cached_property
     def of_joints(self) -> tuple[str, ...]:
@@ -269,7 +269,7 @@ def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | N
     margin = None
     if plan.margin:
         all_of = [[as_given(subject, run), *ensemble] for run, ensemble in zip(responses, ensembles, strict=True)]
-        margin = margin_of(subject, all_of, verdicts.under_which_it_falls, callback)
+        margin = margin_of(subject, all_of, verdicts.falls_by_motion, callback)
     rows = rows_of(subject, responses, runs, plan.limits, margin, verdicts)
     others: tuple[OtherJoints, ...] = ()
     if plan.joints:

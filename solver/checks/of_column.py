@@ -79,7 +79,7 @@ class InPlane(Subject):
     def edge(self) -> float:
         return self.mechanism.curve.overturning_displacement
 
-    def left_to_others(self, both: bool) -> Iterator[str]:
+    def deferred_points(self, both: bool) -> Iterator[str]:
         """Yield a sentence for each point that this check leaves to another.
 
         The other direction, unless the column is alike across or `both` are checked; mortar; rolling on round contacts.

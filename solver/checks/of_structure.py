@@ -44,7 +44,9 @@ class InSpace(Subject):
     @cached_property
     def joints(self) -> JointProperties:
         """The joints, named after the blocks that they connect."""
-        found = JointProperties.of(self.model.joint_names, [joint.face.width for joint in self.model.joints], self.model.laws)
+        found = JointProperties.of(
+            self.model.joint_names, [joint.face.width for joint in self.model.joints], self.model.laws
+        )
         if self.model.bearings:  # bearings are meant to slide: their displacement is compared, not their slip
             first = len(self.model.joints) - len(self.model.bearings)
             found.width[first:], found.friction[first:] = math.nan, 0.0

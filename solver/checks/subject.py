@@ -107,7 +107,7 @@ class Subject:
         """True if a motion and its mirror image differ."""
         return False
 
-    def left_to_others(self, both: bool) -> Iterable[str]:
+    def deferred_points(self, both: bool) -> Iterable[str]:
         """Return sentences on the points that this check leaves to another.
 
         `both` is True if the other direction is checked as well.

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from ..checks.spectra import SOILS, TargetSpectrum, eurocode8, ntc2018, spectrum_from_csv
 from ..common.errors import InputError, check_number
-from ..common.ranges import meant
+from ..common.ranges import suggestion
 from ..ground.motion import STANDARD_GRAVITY
 
 
@@ -78,7 +78,7 @@ def target_of(options: argparse.Namespace) -> TargetSpectrum | None:
     name = options.spectrum
     code = CODES.get(name)
     if name is not None and not code and not name.lower().endswith(".csv"):
-        raise InputError(f"--spectrum {name}: must be {', '.join(CODES)} or a table FILE.csv{meant(CODES, name)}")
+        raise InputError(f"--spectrum {name}: must be {', '.join(CODES)} or a table FILE.csv{suggestion(CODES, name)}")
     given = {}
     for option, codes in _options().items():
         value = getattr(options, option.name)

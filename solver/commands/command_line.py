@@ -233,7 +233,7 @@ def _simulate(options: argparse.Namespace) -> None:
     # motion, model and report
     motion, lines = motion_of(options)
     if options.plane == "auto":
-        subject = subject.kind.simplest(subject, motion)
+        subject = subject.kind.equivalent_model(subject, motion)
     in_space = subject.kind.across
     report_of, summary_of = (structure.report, structure.summary) if in_space else (column_report, _summary)
     print(*lines, report_of(subject, motion), sep="\n", flush=True)

@@ -195,7 +195,7 @@ def _new(options: argparse.Namespace) -> None:
     else:
         text = column_text(name, SHAPES[shape].text, blocks, law)
     with reading(path):
-        said = (_structure_said if shape in BUILT else _column_said)(tomllib.loads(text), path)
+        said = (_structure_lines if shape in BUILT else _column_lines)(tomllib.loads(text), path)
         with whole_file(path) as beside:
             beside.write_text(text, encoding="utf-8")
     print(*said, sep="\n")
@@ -233,7 +233,7 @@ def _asked_damping(blocks: Sequence[dict[str, float]], law: Law, built: str) -> 
     return number(Question(words, proposed, DAMPINGS))
 
 
-def _column_said(data: dict[str, Any], path: Path) -> list[str]:
+def _column_lines(data: dict[str, Any], path: Path) -> list[str]:
     """Return the lines to print on a new column, with the next commands. Raises InputError."""
     column = Column.from_dict(data)
     check_rest(column, from_rest=False)
@@ -248,7 +248,7 @@ def _column_said(data: dict[str, Any], path: Path) -> list[str]:
     ]
 
 
-def _structure_said(data: dict[str, Any], path: Path) -> list[str]:
+def _structure_lines(data: dict[str, Any], path: Path) -> list[str]:
     """Return the lines to print on a new structure, with the next commands. Raises InputError."""
     structure = Structure.from_dict(data)
     height = max(float(block.corners[:, 2].max()) for block in structure.blocks)

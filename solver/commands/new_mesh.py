@@ -114,7 +114,7 @@ def facts_of(structure: Structure) -> list[str]:
         f"{structure.name}: {block.mass:.5g} kg, {block.volume:.5g} m3, {high:.4g} m high, {count} triangles",
         f"centroid: {z:.4g} m over the foot, {x:.4g} m along x and {y:.4g} m along y from its middle",
         stands,
-        *_what_others_meet(block),
+        *_hull_volume_lines(block),
         "direction (deg)    lever (m)  slenderness (rad)  tips at (g)",
     ]
     # directions in which it tips
@@ -128,7 +128,7 @@ def facts_of(structure: Structure) -> list[str]:
     return lines
 
 
-def _what_others_meet(block: Solid) -> list[str]:
+def _hull_volume_lines(block: Solid) -> list[str]:
     """Return lines on the volume of a block's convex hull, or of its convex parts, relative to its own."""
     around = bulk_of(convex_surface(block.corners)).volume / block.volume
     if block.parts:

@@ -89,10 +89,10 @@ def modes_report(modes: Modes) -> str:
             f"{k + 1:4d}  {modes.frequency[k]:14.6g}  {100.0 * modes.damping_ratio[k]:11.4g}  {100.0 * part:7.2f} "
             f"{'horizontal' if modes.sways[k] else 'vertical'}"
         )
-    return "\n".join([*lines, *damped_much(modes.damping_ratio[:count])])
+    return "\n".join([*lines, *strongly_damped_lines(modes.damping_ratio[:count])])
 
 
-def damped_much(ratios: FloatArray) -> list[str]:
+def strongly_damped_lines(ratios: FloatArray) -> list[str]:
     """Return a line on the modes whose damping ratio exceeds `STRONG`, or no line if there are none."""
     (strong,) = np.nonzero(ratios > STRONG)
     if not strong.size:

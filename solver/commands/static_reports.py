@@ -9,7 +9,7 @@ import numpy as np
 from ..models.structure.blocks.faces import FloatArray
 from ..models.structure.modes import SpatialModes, sliding_frequencies
 from ..models.structure.push import PushOver
-from .reports import MOST_MODES, damped_much
+from .reports import MOST_MODES, strongly_damped_lines
 from .structure import MOST_LINES
 
 LEAST_LIMIT = 1e-12  # of the weight: lower bound of the shear limit, against division by zero
@@ -34,7 +34,7 @@ def modes_in_space_report(modes: SpatialModes) -> str:
         lines.append(
             "bearings are as stiff as about rest, until they slide or yield; periods (s) once all have: " + periods
         )
-    lines += damped_much(modes.damping_ratio[:count])
+    lines += strongly_damped_lines(modes.damping_ratio[:count])
     return "\n".join(lines)
 
 

@@ -24,7 +24,7 @@ from ..studies.definition import Study
 from ..studies.execution import run_study
 from ..studies.journal import SUFFIX
 from ..studies.results import Results, results_of
-from ..studies.statistics import failures_of, fit_fragility, ida_curves, influences, said_undecided
+from ..studies.statistics import failures_of, fit_fragility, ida_curves, influences, undecided_text
 from .command_files import add_force, check_picture, write_outputs
 from .progress import PlainLine, RunsLine
 
@@ -164,7 +164,7 @@ def summary(results: Results) -> str:
         f"{fell} overturned, {undecided} undecided, {failed} that could not be made",
     ]
     if undecided:
-        lines.append(f"{said_undecided(undecided)}; shares and curves take them as standing")
+        lines.append(f"{undecided_text(undecided)}; shares and curves take them as standing")
     if failed:
         k = int(np.flatnonzero(results["failure"] != "")[0])
         lines.append(f"run {results['run'][k]}: {results['failure'][k]}")

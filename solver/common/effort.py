@@ -106,7 +106,7 @@ def slowness(work: float, part: float, causes: Iterable[Cause]) -> str:
     return f"{work:.3g} evaluations for {part:.2g} of the run, too slow to go on: the fastest is {_fastest(causes)}"
 
 
-def too_much(needed: float, most: float, causes: Iterable[Cause]) -> str:
+def work_message(needed: float, most: float, causes: Iterable[Cause]) -> str:
     """Return the message of a run that is refused because it needs too many evaluations."""
     return f"it needs {needed:.3g} evaluations, more than {most:g}: the fastest is {_fastest(causes)}"
 

@@ -65,7 +65,7 @@ def sent_out(
         try:
             future = submit(piece)
         except Exception as refusal:  # the kind depends on the executor
-            raise error(f"the executor takes no more runs: {said(refusal)}") from refusal
+            raise error(f"the executor takes no more runs: {error_text(refusal)}") from refusal
         under_way[future] = piece, tries
         future.add_done_callback(ended.put)
 
@@ -135,6 +135,6 @@ def workers_of(executor: Any) -> int:
     return int(getattr(executor, "workers", 0) or getattr(executor, "_max_workers", 0)) or cores()
 
 
-def said(error: BaseException) -> str:
+def error_text(error: BaseException) -> str:
     """Return the type of an error and the first line of its message."""
     return f"{type(error).__name__}: {error}".splitlines()[0]

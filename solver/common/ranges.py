@@ -84,11 +84,11 @@ def check_keys(prefix: str, table: Iterable[str], known: Collection[str], of: st
 
 
 def listed(known: Collection[str], value: object) -> str:
-    """Return the known names as a list and, if one is similar to `value`, the suggestion of `meant`."""
-    return ", ".join(known) + meant(known, value)
+    """Return the known names as a list and, if one is similar to `value`, a suggestion."""
+    return ", ".join(known) + suggestion(known, value)
 
 
-def meant(known: Collection[str], value: object) -> str:
+def suggestion(known: Collection[str], value: object) -> str:
     """Return "; did you mean ...?" with the known name most similar to `value` in any case; "" if none is."""
     written = {name.lower(): name for name in known}
     near = difflib.get_close_matches(value.lower() if isinstance(value, str) else "", written, n=1, cutoff=0.5)

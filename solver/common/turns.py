@@ -16,7 +16,7 @@ _own = threading.local()  # has `held` if this thread has the lock
 
 
 @contextmanager
-def my_turn() -> Iterator[None]:
+def lock_held() -> Iterator[None]:
     """Hold the lock for Python within the context; do nothing if this thread has it already."""
     if getattr(_own, "held", False):
         yield
@@ -30,7 +30,7 @@ def my_turn() -> Iterator[None]:
 
 
 @contextmanager
-def others_turn() -> Iterator[None]:
+def lock_released() -> Iterator[None]:
     """Release the lock for Python within the context; do nothing if this thread does not have it."""
     if not getattr(_own, "held", False):
         yield

@@ -255,7 +255,7 @@ class Kind:
         if motion.loads and not self.takes_loads:
             raise InputError(f"loads: must be left out, a {self.word} has no ports; columns and structures have them")
 
-    def simplest(self, model: Any, motion: Motion) -> Any:
+    def equivalent_model(self, model: Any, motion: Motion) -> Any:
         """Return the simplest model that moves alike from rest under this motion: the model itself by default."""
         return model
 

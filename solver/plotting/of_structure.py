@@ -19,7 +19,7 @@ from .plots import draw_ground
 from .solids import EDGE, SHADED
 from .structure_statics import plot_modes, plot_push_over
 from .structures import GROUND, WALL, all_corners, draw_blocks, visible_scale
-from .style import RED, TINT, Figure, aside, plain, save, tidy
+from .style import RED, TINT, Figure, note_on_right, plain, save, tidy
 from .words import setting_of, verdict_of, write_header
 
 __all__ = ["film", "plot_model", "plot_modes", "plot_plan", "plot_push_over", "plot_response"]
@@ -143,7 +143,7 @@ def plot_response(response: SpatialResponse, path: str | os.PathLike[str] | None
         top.plot(response.time, 1e3 * getattr(response, name)[:, i], linewidth=0.9, label=f"$u_{name[1]}$")
     until = "before the fall" if np.isfinite(response.overturn_time) else "at most"
     top.set(title=f"displacement of {plain(response.model.names[i])}", ylabel="$u$ (mm)")
-    aside(top, f"{until} {length(largest)} horizontally")
+    note_on_right(top, f"{until} {length(largest)} horizontally")
     top.legend(ncols=3, frameon=False, fontsize=8)
     middle.plot(response.time, 1e3 * np.max(np.linalg.norm(response.rotation, axis=2), axis=1), linewidth=0.9)
     middle.set(title="largest rotation of a block", ylabel="rotation (mrad)")

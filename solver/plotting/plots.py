@@ -25,7 +25,7 @@ from .drawings import DisplacementHistories
 from .largest import rows_before_fall
 from .lines import draw_ensemble, draw_lines, reduced
 from .profiles import draw_last_moments, draw_offsets, draw_profiles
-from .style import FEW_COLOURS, GREY, RED, TINT, Figure, aside, name_of, save, show_names, tidy
+from .style import FEW_COLOURS, GREY, RED, TINT, Figure, note_on_right, name_of, save, show_names, tidy
 from .words import setting_of, verdict_of, write_header
 
 GROUND_SAMPLES = 20_000  # of a harmonic, which has no samples
@@ -188,7 +188,7 @@ def plot_histories(
     for axes in list(panels)[:-2]:
         axes.tick_params(labelbottom=False)
     # profiles, and letters before the headings of all panels
-    _draw_beside(figure, shown)
+    _draw_side_panels(figure, shown)
     for k, axes in enumerate(axes for axes in figure.axes if axes.get_title() or axes.get_title(loc="left")):
         tidy(axes, grid=axes is ground or panels.get(axes, _SLIP).name != "contact")
         axes.set_title(f"({chr(ord('a') + k % 26)}) {axes.get_title(loc='left')}", loc="left", fontsize=10)
@@ -293,7 +293,7 @@ def _layout(shown: _Shown) -> tuple[Figure, Axes, dict[Axes, _Panel]]:
     return figure, ground, panels
 
 
-def _draw_beside(figure: Figure, shown: _Shown) -> None:
+def _draw_side_panels(figure: Figure, shown: _Shown) -> None:
     """Draw the final offsets, the peaks over the height and the last moments before a fall."""
     grid = figure.axes[0].get_subplotspec().get_gridspec()  # type: ignore[union-attr]
     last = grid.nrows - 1 - shown.has_last_moments
@@ -340,7 +340,7 @@ def _draw_panel(axes: Axes, panel: _Panel, shown: _Shown, ensemble: FloatArray |
     if panel.name == "contact":
         _draw_contact(axes, shown.time, shown.histories["contact"])
         least = _largest(shown)["contact"]
-        aside(axes, f"least {np.min(least):.2g}, joint {np.argmin(least) + 1}")
+        note_on_right(axes, f"least {np.min(least):.2g}, joint {np.argmin(least) + 1}")
         return
     if panel.name not in shown.histories:  # without gravity there is no weight to compare N with
         axes.set_ylabel(panel.label)
@@ -383,7 +383,7 @@ def _mark_peak(axes: Axes, panel: _Panel, shown: _Shown) -> None:
     top = int(np.argmax(true))
     of = "block" if panel.name in ("ux", "ry", "slip") else "joint"
     value = f"{panel.factor * true[top]:.4g} {panel.unit}".rstrip()
-    aside(axes, f"{'before the fall' if math.isfinite(shown.overturn_time) else 'peak'} {value}, {of} {top + 1}")
+    note_on_right(axes, f"{'before the fall' if math.isfinite(shown.overturn_time) else 'peak'} {value}, {of} {top + 1}")
     # marks of missed peaks; an arrow outwards where a peak is far beyond the rows
     missed = [i for i in (*shown.chosen, top) if true[i] > MISSED * max(largest[i], 1e-300)]
     low, high = axes.get_ylim()

@@ -87,7 +87,7 @@ def tidy(axes: Axes, grid: bool = True) -> None:
     axes.spines[["top", "right"]].set_visible(False)
 
 
-def aside(axes: Axes, text: str) -> None:
+def note_on_right(axes: Axes, text: str) -> None:
     """Write a note in small letters over the panel, on the right."""
     axes.set_title(text, loc="right", fontsize=8, color=GREY)
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..common.effort import too_many_steps
 from ..common.errors import InputError, SolverError
-from ..common.turns import my_turn, others_turn
+from ..common.turns import lock_held, lock_released
 from ..models.protocol import (
     LANES,
     OVERTURNED,
@@ -25,8 +25,8 @@ from ..models.protocol import (
     Kind,
     Lanes,
     NoRestError,
-    RunPlan,
     Run,
+    RunPlan,
     code_of,
     output_times,
     table_entry,
@@ -78,7 +78,7 @@ def make_runs(chunk: Chunk, flag: FloatArray | None = None) -> Made:
 
     Raises InputError if a model cannot stand, Stopped if the flag was set.
     """
-    with my_turn():
+    with lock_held():
         chunk.kind.load(chunk.runs[0].model, chunk.keep)
         begin = clock.perf_counter()
         table, tally = _made(chunk, np.zeros(1) if flag is None else flag)
@@ -111,7 +111,7 @@ def _made(chunk: Chunk, flag: FloatArray) -> Made:
     # the other runs, one after the other
     for place, why in sorted(alone.items()):
         look()
-        with others_turn():
+        with lock_released():
             failure = _alone(chunk, columns, place, look)
         if failure:
             tally.failures[chunk.first + place] = failure
@@ -119,7 +119,7 @@ def _made(chunk: Chunk, flag: FloatArray) -> Made:
     tally.paths.update({SCALAR: len(alone), LANES: len(chunk.runs) - len(alone)})
     # responses to keep
     wanted = [place for place in chunk.whole if chunk.first + place not in tally.failures]
-    with others_turn():
+    with lock_released():
         responses = {chunk.first + place: _response(chunk, place, look) for place in wanted}
     kept = chunk.kind.kept
     return Table(columns, None, responses, chunk.first, {name: kept[name].of for name in columns}, chunk.kind), tally

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..common.errors import POSITIVE, InputError, InputWarning, SolverError, check_number, check_whole, shown
-from ..common.executors import TRIES, cores, said, sent_out, workers_of
+from ..common.executors import TRIES, cores, error_text, sent_out, workers_of
 from ..ground.motion import Motion
 from ..ground.plausible import check_strength
 from ..models.protocol import SETTLE, Kind, Model, Run, Work
@@ -267,7 +267,7 @@ def _with_tolerance(k: int, model: Any, tolerance: Any, kind: Kind | None) -> tu
 # --- chunks
 
 
-def guessed_cost(run: Run, keep: tuple[str, ...]) -> float:
+def estimated_cost(run: Run, keep: tuple[str, ...]) -> float:
     """Estimate the cost of a run, s, before any is measured."""
     work: Work = run.model.kind.work(run.model, keep)
     return FIRST_COST * work.of(run.duration)
@@ -307,7 +307,7 @@ def _chunks(
 def _made(chunks: Iterator[Chunk], submit: Callable[[Chunk], Any], pace: Pace, workers: int) -> Iterator[Made]:
     """Yield table and tally of each chunk as it ends. Raises what a chunk raises."""
     for chunk, made in sent_out(chunks, submit, workers, failed=_failed, error=ExecutorError):
-        pace.learn(len(chunk.runs), chunk.weight, made[1].seconds)
+        pace.update_cost(len(chunk.runs), chunk.weight, made[1].seconds)
         yield made
 
 
@@ -316,7 +316,7 @@ def _failed(chunk: Chunk, tries: int, error: BaseException) -> None:
     if isinstance(error, (InputError, SolverError)):
         raise error
     if tries >= TRIES or not isinstance(error, (BrokenExecutor, CancelledError, OSError)):
-        raise ExecutorError(f"runs from number {chunk.first}: {said(error)}") from error
+        raise ExecutorError(f"runs from number {chunk.first}: {error_text(error)}") from error
 
 
 # --- results

@@ -32,7 +32,7 @@ class Pace:
         self._cost, self._seconds = guess, min(FIRST_SECONDS, seconds)
         self._per_run, self._most = math.inf, MOST_RUNS
 
-    def learn(self, runs: int, weight: float, seconds: float) -> None:
+    def update_cost(self, runs: int, weight: float, seconds: float) -> None:
         """Update the cost from the time of the last chunk."""
         self._cost, self._per_run = max(seconds, 1e-6) / weight, max(seconds, 1e-6) / runs
         self._seconds = self._wanted

@@ -25,7 +25,7 @@ from ..models.structure.run import Callback as SpatialCallback
 from ..models.structure.run import SpatialState
 from ..models.uncertainty import Spread
 from .ensemble import ensemble_of
-from .trust import finer, judge
+from .trust import judge, with_fine_settings
 
 MOST_RUNS = 10**5
 Loads = Mapping[str, Load | Mapping[str, Any]]
@@ -187,7 +187,7 @@ def simulate(
     plan, spread = RunPlan(motion, duration, times, initial, settle, callback), Spread() if spread is None else spread
     if plane is not None:
         check_choice("plane", plane, ("auto",))
-        column = column if initial is not None else column.kind.simplest(column, motion)
+        column = column if initial is not None else column.kind.equivalent_model(column, motion)
     # settings that the kind of model has
     kind: Kind = column.kind
     kind.check_motion(motion)
@@ -203,7 +203,7 @@ def simulate(
     response, places = kind.single_run(column, plan)
     if check:
         try:
-            closer: Any = kind.single_run(finer(column), plan)
+            closer: Any = kind.single_run(with_fine_settings(column), plan)
         except SolverError as failure:
             closer = failure, None
         judge(response, closer[0], places, closer[1])

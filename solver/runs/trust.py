@@ -22,7 +22,7 @@ AGREE_AT_FIXED_STEPS = 1e-2  # of the peak: fixed steps have no tolerance
 BEFORE_FALL = 0.1  # s: the runs of a column that falls differ shortly before, even for small errors
 
 
-def finer(model: Any) -> Any:
+def with_fine_settings(model: Any) -> Any:
     """Return the model with settings for much smaller errors."""
     if _is_fixed(model):
         return model.with_settings(step=HALF * model.settings.step)

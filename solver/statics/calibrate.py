@@ -34,7 +34,7 @@ from ..common.text_tables import check_times, from_zero, table_of
 from ..models.column.model import Column
 from ..models.column.modes import modes_about_rest
 from ..models.column.packing import FloatArray
-from .rocking import RELEASE, housner_restitution, pulled_aside, restitution, restitution_from, rocking_part
+from .rocking import RELEASE, housner_restitution, pulled_equilibrium, restitution, restitution_from, rocking_part
 from .rocking import column_damping_on_edge as column_damping_on_edge
 from .rocking import damping_on_edge as damping_on_edge
 
@@ -362,7 +362,7 @@ def damping_from_restitution(column: Column, wanted: float | None = None, releas
     wanted = check_number("restitution", wanted, (1e-6, 1.0 - 1e-9), "a ratio of rotation rates, between 0 and 1")
     with needing("calibrate", "scipy"):
         from scipy.optimize import brentq
-    start, top = pulled_aside(column, release)
+    start, top = pulled_equilibrium(column, release)
 
     def above(logarithm: float) -> float:
         return restitution_from(with_joints(column, damping=math.exp(logarithm)), start, top) - wanted

@@ -114,11 +114,11 @@ def restitution(column: Column, release: float = RELEASE) -> float:
     SolverError
         If the column is not stable or falls.
     """
-    start, top = pulled_aside(column, release)
+    start, top = pulled_equilibrium(column, release)
     return restitution_from(column, start, top)
 
 
-def pulled_aside(column: Column, release: float = RELEASE) -> tuple[InitialState, float]:
+def pulled_equilibrium(column: Column, release: float = RELEASE) -> tuple[InitialState, float]:
     """Return an equilibrium beyond the largest push, and its top displacement (m).
 
     `release` and errors are those of `restitution`.
@@ -142,7 +142,7 @@ def pulled_aside(column: Column, release: float = RELEASE) -> tuple[InitialState
 
 
 def restitution_from(column: Column, start: InitialState, top: float) -> float:
-    """Return the restitution of a column that is released from a state of `pulled_aside`, its top at `top` (m).
+    """Return the restitution of a column that is released from a state of `pulled_equilibrium`, its top at `top` (m).
 
     Raises SolverError if the column falls or does not reach the other side.
     """

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from ..common.errors import InputError
-from ..common.turns import my_turn
+from ..common.turns import lock_held
 from ..models.protocol import SETTLE
 from ..runs.chunk import Chunk, make_runs
 from .definition import Planned, Study
@@ -35,7 +35,7 @@ def make(study: Study, numbers: Sequence[int]) -> Made:
     Made
         The rows, and the time that they took.
     """
-    with my_turn():
+    with lock_held():
         study.columns[0].kind.load(study.columns[0], study.keep)
         begin = clock.perf_counter()
         return Made(_rows(study, numbers), clock.perf_counter() - begin)

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from ..common.errors import InputError, SolverError, reading
-from ..common.executors import TRIES, cores, said, sent_out, workers_of
+from ..common.executors import TRIES, cores, error_text, sent_out, workers_of
 from ..common.plausible import warn_of_first
 from ..ground.plausible import check_strength
-from ..runs.many import guessed_cost
+from ..runs.many import estimated_cost
 from ..runs.pace import CHUNK_SECONDS, Pace
 from . import chunks
 from .definition import Study, versions
@@ -174,7 +174,7 @@ def _portions(left: Sequence[int], pace: Pace) -> Iterator[list[int]]:
 def _guess(study: Study, number: int) -> float:
     """Return the estimated duration of a run (s), from the run of this number."""
     try:
-        return guessed_cost(study.run(number).run, study.keep)
+        return estimated_cost(study.run(number).run, study.keep)
     except InputError:
         return UNKNOWN_COST
 
@@ -198,7 +198,9 @@ def _dispatched(
             raise error
         check_executor()
         if tries >= TRIES:
-            raise StudyError(f"runs {numbers[0]} to {numbers[-1]}: {said(error)}; finished runs are kept") from error
+            raise StudyError(
+                f"runs {numbers[0]} to {numbers[-1]}: {error_text(error)}; finished runs are kept"
+            ) from error
 
     for numbers, made in sent_out(
         _portions(left, pace),
@@ -208,5 +210,5 @@ def _dispatched(
         error=lambda message: StudyError(f"{message}; finished runs are kept"),
         idle=check_executor,
     ):
-        pace.learn(len(numbers), len(numbers), made.seconds)
+        pace.update_cost(len(numbers), len(numbers), made.seconds)
         yield made.rows

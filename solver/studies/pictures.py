@@ -29,16 +29,16 @@ from .statistics import (
     Limit,
     bounds_of,
     failed_of,
+    failure_text,
     failures_of,
     fit_fragility,
     ida_curves,
     influences,
     intensity_name,
     made,
+    other_varied_name,
     percentiles,
-    said_of,
-    said_undecided,
-    varied_beside,
+    undecided_text,
 )
 from .subjects import subject_from
 
@@ -215,7 +215,7 @@ def draw_fragility(results: Results) -> Figure:
     """
     scenarios = {"motion.magnitude", "motion.distance"} <= set(results.study["grid"])
     names = ["pga", "pgv"] if scenarios else [intensity_name(results)]
-    apart = varied_beside(results) if LEAST_GAP in results and "intensity" in results.study["grid"] else None
+    apart = other_varied_name(results) if LEAST_GAP in results and "intensity" in results.study["grid"] else None
     size = (10.0, 9.5) if scenarios else (8.5, 6.6) if apart is None else (11.0, 6.2)
     figure = Figure(figsize=size, layout="constrained")
     across = len(names) if apart is None else 2
@@ -275,7 +275,7 @@ def _draw_shares(axes: Axes, results: Results, limit: Limit, along: tuple[str, s
         place, name = places[there] + beside, f"{value:g} {lines[1]}"
         axes.errorbar(place, share, bounds, fmt="o-", color=colour, markersize=4.0, capsize=2.5, label=name)
     axes.set(xlabel=along[1], ylabel="share of the runs", ylim=(-0.02, None))
-    axes.set_title(f"{said_of(limit)}; bounds: 95 % binomial", loc="left", fontsize=10)
+    axes.set_title(f"{failure_text(limit)}; bounds: 95 % binomial", loc="left", fontsize=10)
     axes.legend(frameon=False, loc="best")
     tidy(axes)
 
@@ -404,7 +404,7 @@ def caption(results: Results) -> list[str]:
     undecided = int(np.sum(results["verdict"] == "undecided"))
     runs = f"{len(results)} of {results.head['runs']} runs, seed {study['seed']}"
     runs += f", {int(np.sum(results.overturned))} overturned"
-    runs += f"; {said_undecided(undecided)}" if undecided else ""
+    runs += f"; {undecided_text(undecided)}" if undecided else ""
     runs += f", {failed} could not be made" if failed else ""
     said = [f"{study['name']}: {columns}; base motion: {_some(study['motions'], 6)}; {runs}."]
     if random:

@@ -181,7 +181,7 @@ def failures_of(results: Results) -> Iterator[Failure]:
         yield Failure(f"{limit:g} m", limit)
     yield Failure("overturned", None)
     if LEAST_GAP in results:
-        name = varied_beside(results)
+        name = other_varied_name(results)
         if name is None:
             yield Failure("hit", "hit")
         else:
@@ -190,7 +190,7 @@ def failures_of(results: Results) -> Iterator[Failure]:
                 yield Failure(f"hit, {key} {value:g}{unit and f' {unit}'}", "hit", results[name] == value)
 
 
-def varied_beside(results: Results) -> str | None:
+def other_varied_name(results: Results) -> str | None:
     """Return the name that the grid varies besides the intensity, or None unless there is exactly one."""
     names = [name for name in results.study["grid"] if name != "intensity"]
     return names[0] if len(names) == 1 else None
@@ -265,7 +265,7 @@ def fit_fragility(
     if method == "failures":
         _refuse_separated(name, im, failed)
         fit, levels = _of_failures(im, failed)
-        how = said_of(limit)
+        how = failure_text(limit)
     elif method == "demand":
         if limit is None or limit == "hit":
             raise InputError("limit: must be given for the method demand, in m")
@@ -319,13 +319,13 @@ def _refuse_separated(name: str, intensity: FloatArray, failed: NDArray[np.bool_
         )
 
 
-def said_of(limit: Limit) -> str:
+def failure_text(limit: Limit) -> str:
     """Return a failure as text."""
     words = {None: "overturned", "hit": "neighbours that hit"}
     return words[limit] if limit is None or limit == "hit" else f"overturned or moved by more than {limit:g} m"
 
 
-def said_undecided(count: int) -> str:
+def undecided_text(count: int) -> str:
     """Return the text on the undecided runs of a study, "" if there are none."""
     if not count:
         return ""

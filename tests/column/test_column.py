@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from solver.common.errors import InputError, InputWarning
 from solver.common.ranges import MAX_BLOCKS
 from solver.models.column.block import Block, Joint
-from solver.models.column.lane_policy import why_not_in_lanes
+from solver.models.column.lane_policy import reason_against_lanes
 from solver.models.column.model import Column
 from solver.models.column.packing import described
 from solver.models.column.rest import is_stable
@@ -386,7 +386,7 @@ def test_what_is_remembered_of_a_column_does_not_hang_on_its_joints() -> None:
     """Columns that differ in moduli, dampings and settings share what was worked out of their shape."""
     for name in ("phocas-damped.toml", "phocas-round.toml"):
         column = Column.from_toml(EXAMPLES / name)
-        described(column), is_stable(column), why_not_in_lanes(column)
+        described(column), is_stable(column), reason_against_lanes(column)
         n = column.n
         changed = column.with_settings(tolerance=1e-5).with_joints(
             [1e9 + i for i in range(n)], [1e-3 * i for i in range(n)]

@@ -16,7 +16,7 @@ from support.record_files import AT2
 
 from solver import Column, InputError, Motion, natural_frequencies, simulate, simulate_many
 from solver.commands.command_line import main
-from solver.commands.reports import STRONG, damped_much
+from solver.commands.reports import STRONG, strongly_damped_lines
 from solver.ground.motion import STANDARD_GRAVITY
 
 
@@ -338,7 +338,7 @@ def test_output_that_is_no_longer_read_ends_a_command_silently() -> None:
 def test_modes_that_hardly_vibrate_are_remarked() -> None:
     """Swings of a damped oscillator fall by exp(-2 pi r / sqrt(1 - r^2)): to less than a seventh above 0.3."""
     assert np.exp(-2.0 * np.pi * STRONG / np.sqrt(1.0 - STRONG**2)) < 1.0 / 7.0
-    assert damped_much(np.array([0.02, 0.29])) == []
-    (line,) = damped_much(np.array([0.02, 0.92, 1.7]))
+    assert strongly_damped_lines(np.array([0.02, 0.29])) == []
+    (line,) = strongly_damped_lines(np.array([0.02, 0.92, 1.7]))
     assert line.startswith("modes 2, 3: damping above 30 % of critical")
-    assert damped_much(np.array([0.5]))[0].startswith("mode 1: ")
+    assert strongly_damped_lines(np.array([0.5]))[0].startswith("mode 1: ")

@@ -18,7 +18,7 @@ from support.sliding import SlidingReference, follow
 from solver import Block, Column, InitialState, InputError, Joint, Motion, Settings, simulate
 from solver.models.column.run import phase_of
 from solver.models.column.stepper import Stepper
-from solver.models.column.sticking import sticks_for_good
+from solver.models.column.sticking import always_sticks
 
 
 def two_blocks(eta: float, tolerance: float) -> Column:
@@ -187,7 +187,7 @@ def test_what_is_said_to_stick_for_good_does() -> None:
         while True:
             initial = InitialState(rotation_rate=size * spin, opening_rate=size * speed)
             stepper = Stepper(column, initial)
-            if sticks_for_good(column, phase_of(stepper)):
+            if always_sticks(column, phase_of(stepper)):
                 break
             size *= 0.8
         said += size > 1e-6
@@ -209,7 +209,7 @@ def test_from_when_it_is_said_to_stick_for_good_nothing_opens_or_slides(seed: in
     column = Column("any", tuple(blocks), Settings(tolerance=1e-7))
     stepper = Stepper(column, InitialState(rotation_rate=rng.normal(size=3) * 0.05, slip_rate=[0.3, -0.2, 0.1]))
     t = 0.0
-    while not sticks_for_good(column, phase_of(stepper)):
+    while not always_sticks(column, phase_of(stepper)):
         stepper.rest_until(t, t + 0.05)
         t += 0.05
         assert t < 20.0  # measured 0.35 to 1.8

@@ -20,7 +20,7 @@ from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import row_of
 from solver.models.column.kinematics import Chain
-from solver.models.column.lane_policy import why_not_in_lanes
+from solver.models.column.lane_policy import reason_against_lanes
 from solver.models.column.packing import pack_model
 from solver.models.column.run import phase_of
 from solver.models.column.stepper import Stepper
@@ -348,7 +348,7 @@ def test_wide_blocks_slide_in_lanes_as_one_by_one() -> None:
         ),
         Settings(tolerance=1e-5),
     )
-    assert not why_not_in_lanes(column)
+    assert not reason_against_lanes(column)
     motions = [Motion.harmonic(a * G, 2.0, 2.0) for a in (0.1, 0.3, 0.45)]
     found = run_batch([column] * 3, motions)
     for motion, peaks in zip(motions, found.peak_top_ux, strict=True):
@@ -359,7 +359,7 @@ def test_wide_blocks_slide_in_lanes_as_one_by_one() -> None:
 @pytest.mark.parametrize("name", ["square on smaller drum", "drum on plank"])
 def test_round_faces_on_straight_ones_are_followed_one_by_one(name: str) -> None:
     column = PAIRS[name].column(eta=1e-3)
-    assert why_not_in_lanes(column) == "a round face on a straight one"
+    assert reason_against_lanes(column) == "a round face on a straight one"
     motion = Motion.harmonic(0.3 * G, 2.0, 1.0)
     response = simulate(column, motion, ensemble=4)
     assert response.ensemble is not None

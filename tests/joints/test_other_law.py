@@ -16,7 +16,7 @@ from fmu_src.native.column_subject import column_subject
 from solver import Block, Column, InputError, Joint, Motion, simulate
 from solver.kernels.column.model.description import GIVEN, GIVEN_SETTINGS
 from solver.models.column.kinematics import Chain
-from solver.models.column.lane_policy import why_not_in_lanes
+from solver.models.column.lane_policy import reason_against_lanes
 from solver.models.protocol import RunPlan
 
 ETA = 1e-2
@@ -37,8 +37,8 @@ def column(block: Block = BLOCK, eta: float = ETA) -> Column:
 
 @pytest.mark.usefixtures("other")
 def test_runs_are_not_made_in_lanes() -> None:
-    assert why_not_in_lanes(column()) == "joint.damping"
-    assert not why_not_in_lanes(Column("one", column(eta=0.0).blocks[:1]))
+    assert reason_against_lanes(column()) == "joint.damping"
+    assert not reason_against_lanes(Column("one", column(eta=0.0).blocks[:1]))
     motion = Motion.harmonic(0.05, 1.0, 0.1)  # m/s2, Hz, s
     response = simulate(column(), motion, settle=0)
     assert not response.model.kind.in_lanes(response, RunPlan(motion, 0.1, response.time))

@@ -24,7 +24,7 @@ from solver.kernels.column.api.entries import lay_joint
 from solver.kernels.column.model import description
 from solver.kernels.column.sections.faces import (
     SECTIONS,
-    Face,
+    FaceShape,
     across,
     common,
     deepest,
@@ -85,7 +85,7 @@ def test_formats_of_records_are_complete() -> None:
 # --- sections
 
 
-def moments(whole: Face) -> tuple[float, float, float]:
+def moments(whole: FaceShape) -> tuple[float, float, float]:
     """Area, second moment and largest distance of two points, by the depths of a face."""
     s = whole.width * ((np.arange(4000) + 0.5) / 4000 - 0.5)
     depth = np.array([deepest(whole, place, place) for place in s])

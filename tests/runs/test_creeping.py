@@ -18,10 +18,10 @@ from solver.models.column.stepper import Stepper
 from solver.models.column.verdict import (
     CREEPS,
     CREEPS_UNDER,
+    cannot_creep_to_fall,
     cannot_fall,
-    creeps_no_further,
-    levers_left,
     on_its_axis,
+    remaining_lever_fraction,
 )
 
 
@@ -49,12 +49,14 @@ def spinning(column: Column, spin: np.ndarray, energy: float) -> np.ndarray:
 def test_a_block_may_slide_by_its_energy_over_the_friction() -> None:
     column = rough(monolith(eta=1e-3), 0.4)
     weight, half = 81000.0 * G, 0.78
-    assert levers_left(column, np.array([-0.1]), 0.0) == pytest.approx(1.0 - 0.1 / half, rel=1e-12)
+    assert remaining_lever_fraction(column, np.array([-0.1]), 0.0) == pytest.approx(1.0 - 0.1 / half, rel=1e-12)
     reach = 2000.0 / (CREEPS_UNDER * 0.4 * weight)
-    assert levers_left(column, np.array([0.1]), 2000.0) == pytest.approx(1.0 - (0.1 + reach) / half, rel=1e-12)
+    assert remaining_lever_fraction(column, np.array([0.1]), 2000.0) == pytest.approx(
+        1.0 - (0.1 + reach) / half, rel=1e-12
+    )
     pinned = rough(monolith(eta=1e-3), 1e-6, dowel=5e4)
-    assert levers_left(pinned, np.zeros(1), 2000.0) == pytest.approx(1.0 - 2000.0 / 5e4 / half, rel=1e-6)
-    assert levers_left(column, np.array([0.8]), 0.0) == 0.0
+    assert remaining_lever_fraction(pinned, np.zeros(1), 2000.0) == pytest.approx(1.0 - 2000.0 / 5e4 / half, rel=1e-6)
+    assert remaining_lever_fraction(column, np.array([0.8]), 0.0) == 0.0
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -65,7 +67,7 @@ def test_levers_that_slips_have_shortened_hold_no_more_than_the_least_energy_the
     slips = rng.uniform(-0.3, 0.3, 3) * 0.78 * rng.uniform(0.1, 1.0)
     moved = rough(column, None, slips)
     above = max(least_energy(moved, part)[0] for part in PARTS)
-    left = levers_left(rough(column, 0.6), slips, 0.0)
+    left = remaining_lever_fraction(rough(column, 0.6), slips, 0.0)
     assert CREEPS * left**2 * barrier(column).energy < above
 
 
@@ -80,7 +82,7 @@ def test_a_column_with_less_energy_than_it_may_have_does_not_fall() -> None:
             low, high = 0.0, barrier(phocas()).energy
             for _ in range(20):
                 middle = 0.5 * (low + high)
-                held = creeps_no_further(column, spinning(column, spin, middle))
+                held = cannot_creep_to_fall(column, spinning(column, spin, middle))
                 low, high = (middle, high) if held else (low, middle)
             assert low > 0.0
             phase = spinning(column, spin, 0.999 * low)
@@ -101,5 +103,5 @@ def test_a_column_that_rocks_with_friction_is_soon_known_to_stand() -> None:
 def test_an_inclined_joint_is_not_judged_by_energy() -> None:
     leaning = rough(phocas(1e-3), 0.6, inclination=0.01)
     assert on_its_axis(leaning) is None
-    assert not creeps_no_further(leaning, phase_of(Stepper(leaning)))
+    assert not cannot_creep_to_fall(leaning, phase_of(Stepper(leaning)))
     assert cannot_fall(leaning, phase_of(Stepper(leaning)))  # it sticks

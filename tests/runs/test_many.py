@@ -16,7 +16,7 @@ import pytest
 from support.probe import PHOCAS_STIFFNESS, G, monolith, phocas
 
 from solver import Block, Column, InputError, Joint, Motion, Table, simulate, simulate_many
-from solver.common.turns import my_turn, others_turn
+from solver.common.turns import lock_held, lock_released
 from solver.models.column.outputs import KEPT, OUTPUTS, WATCHED
 from solver.runs.many import ExecutorError, parts_of_many
 from solver.runs.pace import MOST_RUNS
@@ -260,12 +260,12 @@ def test_threads_have_their_turns_one_after_the_other_and_lose_none_by_a_mistake
     rest = threading.Event()
 
     def work(k: int) -> None:
-        with my_turn(), my_turn():
+        with lock_held(), lock_held():
             within[0] += 1
             most[0] = max(most[0], within[0])
             rest.wait(1e-3)
             within[0] -= 1
-            with others_turn(), others_turn():
+            with lock_released(), lock_released():
                 rest.wait(1e-3)
             if k == 3:
                 raise ZeroDivisionError

@@ -10,7 +10,7 @@ from support.probe import G, phocas
 
 from solver import Motion, Response, SolverError, simulate
 from solver.models.protocol import OVERTURNED, STANDING, UNDECIDED
-from solver.runs.trust import AGREE, finer, judge
+from solver.runs.trust import AGREE, judge, with_fine_settings
 
 MOTION = Motion.harmonic(0.05 * G, 2.0, 6.0)
 
@@ -64,7 +64,7 @@ def test_an_undamped_column_is_predictable_for_some_seconds() -> None:
 def test_no_column_is_predictable_beyond_where_the_two_runs_part() -> None:
     column = phocas()
     motion = Motion.harmonic(0.1 * G, 1.0, 6.0)
-    run, closer = simulate(column, motion, check=True), simulate(finer(column), motion)
+    run, closer = simulate(column, motion, check=True), simulate(with_fine_settings(column), motion)
     assert run.horizon is not None
     apart = np.max(np.abs(run.ux - closer.ux), axis=1) > AGREE * 1e-5 * np.max(np.abs(closer.ux))
     assert not np.any(apart[run.time <= run.horizon])

@@ -28,7 +28,7 @@ from solver.statics.calibrate import (
     sway_frequencies,
     with_joints,
 )
-from solver.statics.rocking import housner_restitution, pulled_aside, restitution
+from solver.statics.rocking import housner_restitution, pulled_equilibrium, restitution
 
 COLUMNS = Path(__file__).resolve().parents[2] / "examples" / "columns"
 ALPHA = math.atan2(1.56, 14.07)  # rad, of the diagonal of the monolith
@@ -55,7 +55,7 @@ def test_block_rocks_with_the_restitution_that_was_asked_for(wanted: float | Non
     column = monolith(tolerance=1e-7)
     column = with_joints(column, damping=damping_from_restitution(column, wanted))
     asked = housner_restitution(column) if wanted is None else wanted
-    there, back = turned_back(column, pulled_aside(column)[0])
+    there, back = turned_back(column, pulled_equilibrium(column)[0])
     found = math.sqrt(rigid_energy(back) / rigid_energy(there))
     # of an elastic bed, whose energy is not that of a rigid block
     assert found == pytest.approx(asked, rel=2e-3)  # measured 8e-4

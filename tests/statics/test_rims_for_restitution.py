@@ -18,7 +18,7 @@ from solver.statics.rocking import (
     column_damping_on_edge,
     damping_on_edge,
     housner_restitution,
-    pulled_aside,
+    pulled_equilibrium,
     restitution,
 )
 
@@ -136,7 +136,7 @@ def test_a_block_rocks_with_the_restitution_that_was_asked_for(wanted: float | N
 
 
 def turned_back(column: Column) -> float:
-    start: InitialState = pulled_aside(column)[0]
+    start: InitialState = pulled_equilibrium(column)[0]
     run = simulate(column, Motion.from_samples(3.0, [0.0, 0.0]), initial=start, output_step=1e-3, settle=0.0)
     theta = run.ry[:, 0]
     side = math.copysign(1.0, theta[0])

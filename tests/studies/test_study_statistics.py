@@ -11,7 +11,7 @@ from scipy import stats
 
 from solver import InputError
 from solver.studies import Results, fit_fragility, ida_curves, influences
-from solver.studies.statistics import binned, bounds_of, percentiles, said_undecided
+from solver.studies.statistics import binned, bounds_of, percentiles, undecided_text
 
 
 def made_up(
@@ -252,6 +252,6 @@ def test_a_seed_has_no_rank() -> None:
 
 
 def test_undecided_runs_are_said_in_plain_words() -> None:
-    assert said_undecided(0) == ""
-    assert said_undecided(1) == "1 undecided run neither fell nor came to rest while it was followed"
-    assert said_undecided(3).startswith("3 undecided runs neither fell nor came to rest")
+    assert undecided_text(0) == ""
+    assert undecided_text(1) == "1 undecided run neither fell nor came to rest while it was followed"
+    assert undecided_text(3).startswith("3 undecided runs neither fell nor came to rest")

@@ -18,7 +18,9 @@ NO_STRIPS = np.zeros(STRIP_NUMBERS)
 
 @from_python
 def _rectangle(width, depth, strips):
-    return section.ContactSection(faces.RECTANGLE, -0.5 * width, 0.5 * width, depth, 0.0, row_of(strips), 0.0, 0.0, 0.0, 0.0)
+    return section.ContactSection(
+        faces.RECTANGLE, -0.5 * width, 0.5 * width, depth, 0.0, row_of(strips), 0.0, 0.0, 0.0, 0.0
+    )
 
 
 @from_python

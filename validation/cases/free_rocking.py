@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from multiblock import Block, Column, InputError, Joint, SolverError, calibrate
-from solver.statics.rocking import pulled_aside, restitution, restitution_from
+from solver.statics.rocking import pulled_equilibrium, restitution, restitution_from
 
 from ..case import Case, Outcome
 from ..pictures import BLUE, INK, RED, label, panels
@@ -74,7 +74,7 @@ def least_restitution(alpha: float, stiffness: float, face: Face) -> float:
     column = block(HEIGHT * math.tan(alpha), HEIGHT, stiffness, 1e-3, face)
     found = []
     try:
-        place = pulled_aside(column, RELEASE)
+        place = pulled_equilibrium(column, RELEASE)
     except (SolverError, InputError):
         return math.nan
     for eta in ETAS:

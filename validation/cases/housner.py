@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from multiblock import Block, Column, Joint, Motion, Response, calibrate, housner_restitution, simulate
-from solver.statics.rocking import pulled_aside
+from solver.statics.rocking import pulled_equilibrium
 
 from ..case import Case, Outcome
 from ..pictures import BLUE, GREEN, INK, RED, label, panels
@@ -33,7 +33,7 @@ def block(stiffness: float, damping: float) -> Column:
 def let_go(column: Column, release: float, length: float = LENGTH) -> Response:
     """Free rocking from a place of balance: `release` of the way to the edge."""
     still = Motion.from_samples(length, [0.0, 0.0])
-    return simulate(column, still, initial=pulled_aside(column, release)[0], output_step=1e-3, settle=0.0)
+    return simulate(column, still, initial=pulled_equilibrium(column, release)[0], output_step=1e-3, settle=0.0)
 
 
 def quarter_period(start: float, alpha: float, p: float) -> float:

@@ -14,7 +14,7 @@ from ...models.column.block import Block
 from ...models.column.model import Column
 from ...models.column.push import WITHOUT_BONDS
 from ...models.column.response import Response
-from ...models.structure.blocks.parts import SpatialJoint, Solid, Tie
+from ...models.structure.blocks.parts import Solid, SpatialJoint, Tie
 from ...models.structure.model import Structure
 from ...models.structure.response import SpatialResponse
 from ...plotting.plots import HISTORIES, plot_response

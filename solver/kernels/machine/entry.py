@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
-from .kinds import Int, ArgumentKind, Real
+from .kinds import ArgumentKind, Int, Real
 from .library import NAMES, load
 
 ENTRIES: dict[tuple[str, str], "Entry"] = {}  # by group and name

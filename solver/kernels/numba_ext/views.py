@@ -31,8 +31,8 @@ else:
     clear = copy = lanes_of = numbers_of = one_lane = packs = packs_of = row_at = row_of = for_kernels
 
 __all__ = [
-    "Numbers",
     "LayoutPart",
+    "Numbers",
     "Record",
     "Space",
     "Table",

@@ -15,7 +15,7 @@ from ..numba_ext.lanes import (
     with_sign,
     zero_like,
 )
-from .bearing import TINY, bed_of_point, with_parallel_forces, lifted, with_bearing
+from .bearing import TINY, bed_of_point, lifted, with_bearing, with_parallel_forces
 from .bed import Plane, chosen, nothing, subtract, whole
 from .bond import limits_with_bond, with_bond
 from .disc import round_bed

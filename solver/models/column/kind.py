@@ -17,10 +17,10 @@ from ...ground.motion import Motion
 from ...kernels.column.api import entries
 from ...kernels.layout import spaces
 from ...kernels.machine.library import load
-from ..protocol import LANES, LOADED, OVERTURNED, Kind, Lanes, RunPlan, Run, Work, code_of, output_times
+from ..protocol import LANES, LOADED, OVERTURNED, Kind, Lanes, Run, RunPlan, Work, code_of, output_times
 from ..uncertainty import Varied
 from .kinematics import Chain, chain_of
-from .lane_policy import HELD, IN_LANES, first_step_of, kind_of, why_not_in_lanes
+from .lane_policy import HELD, IN_LANES, first_step_of, kind_of, reason_against_lanes
 from .lanes import LaneKernels, follow_in_lanes, lanes_of, load_kernels
 from .model import Column
 from .numbers import column_with, is_of_column, single_names
@@ -45,7 +45,7 @@ class Columns(Kind):
     own_lanes: LaneKernels | None = None  # the only kind of lanes; None: those of lanes.py
     fixed = False  # whether the steps are those of the settings
     takes_loads = True
-    why_not = staticmethod(why_not_in_lanes)
+    why_not = staticmethod(reason_against_lanes)
 
     word = "column"
     settings = ("formulation", "integrator", "step", "tolerance", "without")
@@ -87,9 +87,9 @@ class Columns(Kind):
 
     def lanes(self, model: Column, keep: Collection[str]) -> Lanes:
         """Return how runs are made in lanes, which watch the peaks of ux only."""
-        return Lanes(self.why_alone(model, keep), (model.n, kind_of(model)), first_step_of(model))
+        return Lanes(self.reason_for_single_run(model, keep), (model.n, kind_of(model)), first_step_of(model))
 
-    def why_alone(self, model: Column, keep: Collection[str]) -> str:
+    def reason_for_single_run(self, model: Column, keep: Collection[str]) -> str:
         """Return the reason against lanes; "" if they are used, unless the motion has HELD samples."""
         watched = WATCHED.isdisjoint(keep) and AT_ROWS not in keep
         return self.why_not(model) or ("" if watched else "peaks of more than ux")
@@ -157,7 +157,7 @@ class Columns(Kind):
 
     def work(self, model: Column, keep: Collection[str]) -> Work:
         """Return the approximate cost, which depends on the use of lanes."""
-        return Work(0.0, model.n * (ALONE if self.why_alone(model, keep) else 1.0))
+        return Work(0.0, model.n * (ALONE if self.reason_for_single_run(model, keep) else 1.0))
 
     # --- numbers by name
 

@@ -31,17 +31,17 @@ IN_LANES = frozenset((RECTANGLE, CIRCLE, ANNULUS, STRIPS, FRAME, LENS))  # secti
 HELD = "held samples"  # the reason to run alone
 
 
-def why_not_in_lanes(column: Column) -> str:
+def reason_against_lanes(column: Column) -> str:
     """Return the reason against lanes for a column; "" if they are used, unless the motion has HELD samples."""
     settings = column.settings
-    if why := why_no_lanes(column):
+    if why := common_reason_against_lanes(column):
         return why
     if settings.tolerance < TIGHTEST:
         return "tight tolerance"
     return "stiff joints" if "implicit" not in settings.without and _is_stiff(column) else ""
 
 
-def why_no_lanes(column: Column) -> str:
+def common_reason_against_lanes(column: Column) -> str:
     """Return the reason common to all formulations, or ""."""
     if set(column.settings.without) - {"peaks", "implicit"}:
         return "short cuts left out"

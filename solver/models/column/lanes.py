@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.turns import others_turn
+from ...common.turns import lock_released
 from ...ground.motion import Motion
 from ...kernels.column.api.entries import run
 from ...kernels.column.batch.entries import (
@@ -216,7 +216,7 @@ class _Batch:
         time, ax, az = (row[first : first + size] for row in self._records.rows)
         times = start + self._rows if self._rows.size else np.array([stop])
         stored = np.zeros((times.size, at.snapshot_size(n, column.has_slips)))
-        with others_turn():
+        with lock_released():
             code = run(n, *arrays, *Samples(time, ax, ax, az), start, duration, times, stored.reshape(-1), True)
         whole, peaks = arrays.state[at.CONTROL.beside :], at.STATE.see(arrays.state, n).peaks[:n]
         phase = whole[: 4 * n]
@@ -270,7 +270,7 @@ class _Batch:
         outcomes, snapshots, slips = self._outcomes[some], self._snapshots[some], self._slips[some]
         lanes = aligned(WIDTH * SPACE.size(self.n))
         found = outcomes.reshape(-1)
-        with others_turn():
+        with lock_released():
             self._kind.follow(
                 self.n, lanes, some.size, models, phases, slips.reshape(-1), runs, found, *self._records.rows,
                 self._rows, snapshots.reshape(-1), flag,

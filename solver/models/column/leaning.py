@@ -22,7 +22,7 @@ GRID = 24  # rotations to either side, denser near upright, where joints are clo
 SAFE = 0.97  # of the least energy; the remainder covers the error of the grid
 
 
-def leans_for_good(column: Column, phase: FloatArray) -> bool:
+def always_leans(column: Column, phase: FloatArray) -> bool:
     """Return True if a column with this phase (kinematics.py) stands for ever on a still base."""
     chain = chain_of(column)
     energy, turned = chain.energy(phase), np.abs(chain.places(phase).theta)

@@ -158,13 +158,13 @@ class BalanceCurve:
 
         Raises _LostError.
         """
-        q, push, renewals = self._beside(last, step)
+        q, push, renewals = self._after_step(last, step)
         place = self._pointed(q, push, last.along)
         if float(np.sum(self._weight * place.along * last.along)) < TURN:
             raise _LostError
         return place, renewals
 
-    def _beside(self, last: Balanced, step: float) -> tuple[FloatArray, float, int]:
+    def _after_step(self, last: Balanced, step: float) -> tuple[FloatArray, float, int]:
         change = step * last.along * self._scale
         return self._onto(last.q + change[:-1], last.push + float(change[-1]), last, step)
 
@@ -178,7 +178,7 @@ class BalanceCurve:
             # bisection on the step length
             while high - low > NARROWED * step:
                 middle = 0.5 * (low + high)
-                q, push, _ = self._beside(last, middle)
+                q, push, _ = self._after_step(last, middle)
                 if passed(Balanced(q, push, last.along, _NONE)):
                     high = middle
                 else:

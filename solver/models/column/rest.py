@@ -68,7 +68,7 @@ def warnings_of(column: Column) -> list[str]:
             area=[contact.area for contact in column.contacts],
             upper=range(column.n),
             carried=carried_weights(column).tolist(),
-            damping_ratio=first_damping_ratio(column) if _may_be_damped_much(column) else 0.0,
+            damping_ratio=first_damping_ratio(column) if _may_be_strongly_damped(column) else 0.0,
             most_damped=plausible.MOST_DAMPED_ON_RIMS if column.stands_on_edges else plausible.MOST_DAMPED,
         )
     )
@@ -114,7 +114,7 @@ def _rocking_stiffness(column: Column) -> tuple[list[float], list[float]]:
     return diagonal, beside
 
 
-def _may_be_damped_much(column: Column) -> bool:
+def _may_be_strongly_damped(column: Column) -> bool:
     """Return True if the damping ratio may be large, as its computation takes a tenth of a short run.
 
     One rigid block on the lowest joint is stiffer than the column in its first mode, and so has more damping.

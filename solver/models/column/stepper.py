@@ -287,7 +287,7 @@ class Stepper:
             before = done
             code = self._run(t, end - t, record, times, snapshots, peaks)
             if code == at.TOO_MUCH_WORK:  # the limit of a chunk
-                raise self._too_much(self._work_done, 1.0 - (stop - t) / whole)
+                raise self._work_error(self._work_done, 1.0 - (stop - t) / whole)
             self._check(code, None)
             t = end
             if after_chunk is not None:
@@ -295,10 +295,10 @@ class Stepper:
             done = self._work_done
             part = 1.0 - (stop - t) / whole
             if done - begun > most or effort.is_too_much(done, part, effort.MOST):
-                raise self._too_much(done, part)
+                raise self._work_error(done, part)
             chunk *= min(MOST_CHANGE, max(LEAST_CHANGE, CHUNK / max(1.0, self.n * (done - before))))
 
-    def _too_much(self, done: float, part: float) -> TooMuchWorkError:
+    def _work_error(self, done: float, part: float) -> TooMuchWorkError:
         return TooMuchWorkError(f"after {self.time_spent:.6g} s: {effort.slowness(done, part, self._causes())}")
 
     def _causes(self) -> Iterator[effort.Cause]:

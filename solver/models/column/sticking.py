@@ -38,7 +38,7 @@ class _Swinging(NamedTuple):
     apart: bool  # whether the modes exchange no energy
 
 
-def sticks_for_good(column: Column, phase: FloatArray) -> bool:
+def always_sticks(column: Column, phase: FloatArray) -> bool:
     """Return True if no joint of a column with this phase (kinematics.py) ever slides or opens on a still base."""
     place = chain_of(column).places(phase)
     if column.n > MOST_BLOCKS or np.any(place.slip_rate != 0.0):

@@ -26,11 +26,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .kinematics import Chain, chain_of
-from .leaning import leans_for_good, least_of_chain
+from .leaning import always_leans, least_of_chain
 from .linearization import with_all_joints
 from .model import Column
 from .packing import FloatArray, IntArray, pack_model
-from .sticking import sticks_for_good
+from .sticking import always_sticks
 
 # the limits, as fractions of the angles at which the blocks from the top to each one stand on their edge; the most
 # frequent optimum first
@@ -62,9 +62,9 @@ def cannot_fall(column: Column, phase: FloatArray) -> bool:
     if column.is_brittle and column.off_axis:  # its rest depends on the bonds, and energies count from there
         return False
     if column.slides:  # slips lower the barrier, and may grow
-        return creeps_no_further(column, phase) or sticks_for_good(column, phase)
+        return cannot_creep_to_fall(column, phase) or always_sticks(column, phase)
     if column.off_axis:
-        return leans_for_good(column, phase)
+        return always_leans(column, phase)
     chain = chain_of(column)
     return is_held(column, chain.energy(phase), np.abs(chain.places(phase).theta))
 
@@ -74,7 +74,7 @@ def is_held(column: Column, energy: float, turned: FloatArray) -> bool:
     return _barriers(column).hold_first(energy, turned)
 
 
-def creeps_no_further(column: Column, phase: FloatArray) -> bool:
+def cannot_creep_to_fall(column: Column, phase: FloatArray) -> bool:
     """Return True if a column with sliding joints lacks the energy to fall from any position it may slide to.
 
     The barrier is proportional to the square of the lever over which a group of blocks topples: half the width of the
@@ -87,11 +87,11 @@ def creeps_no_further(column: Column, phase: FloatArray) -> bool:
         return False
     chain = chain_of(column)
     energy, places = chain.energy(phase), chain.places(phase)
-    left = levers_left(column, np.asarray(places.slip), energy)
+    left = remaining_lever_fraction(column, np.asarray(places.slip), energy)
     return left > 0.0 and is_held(straight, energy / (CREEPS * left**2), np.abs(places.theta) / left)
 
 
-def levers_left(column: Column, slip: FloatArray, energy: float) -> float:
+def remaining_lever_fraction(column: Column, slip: FloatArray, energy: float) -> float:
     """Return the least remaining fraction of the lever of any group of blocks, 0 if a group may lose all of it.
 
     With the remaining energy E, a joint under the weight W slides by at most E / (mu W), if it carries that weight

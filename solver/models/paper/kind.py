@@ -15,7 +15,7 @@ from ...kernels.machine.library import load
 from ...kernels.paper import entries
 from ..column.kind import Columns
 from ..column.kinematics import Chain, ColumnPhase, from_base, over_below
-from ..column.lane_policy import why_no_lanes
+from ..column.lane_policy import common_reason_against_lanes
 from ..column.lanes import LaneKernels
 from ..column.linearization import SHORT, StillColumn, undamped
 from ..column.model import Column
@@ -78,20 +78,22 @@ class PaperColumns(Columns):
 
     def lanes(self, model: Column, keep: Collection[str]) -> Lanes:
         """Return how runs are made in lanes: all columns of equal numbers of blocks share them."""
-        return Lanes(self.why_alone(model, keep), (model.n, "paper"), model.settings.step)
+        return Lanes(self.reason_for_single_run(model, keep), (model.n, "paper"), model.settings.step)
 
     @staticmethod
     def why_not(model: Column) -> str:
         """Return the reason against lanes, which have rectangles only, or ""."""
         others = "" if model.has_rectangles_only else "formulation paper with other joints than rectangles"
-        return why_no_lanes(model) or others
+        return common_reason_against_lanes(model) or others
 
     def load(self, model: Column, keep: Collection[str]) -> None:
         load(entries.run_fixed_steps.group)
 
     def work(self, model: Column, keep: Collection[str]) -> Work:
         """Return the approximate cost, which depends on the step in lanes."""
-        return Work(0.0, model.n * (ALONE if self.why_alone(model, keep) else IN_LANES / model.settings.step))
+        return Work(
+            0.0, model.n * (ALONE if self.reason_for_single_run(model, keep) else IN_LANES / model.settings.step)
+        )
 
     def in_lanes(self, response: Response, plan: RunPlan) -> bool:
         """Return False: lanes store no rows."""

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .blocks.faces import Face, FloatArray
-from .blocks.parts import SpatialJoint, Solid
+from .blocks.parts import Solid, SpatialJoint
 from .blocks.shapes import turned
 
 PARALLEL = 1e-6  # sine of the angle between two edges; of the size of a block: corners closer than this are one

@@ -20,7 +20,7 @@ from .bearing_tables import check_table as check_bearing
 from .blocks.contacts import axes_of, joints_between, with_rim
 from .blocks.faces import Face, FloatArray, polygon_moments
 from .blocks.outlines import MEANING, MOST_CORNERS, outline_of
-from .blocks.parts import BASE, BESIDE_COLUMN, OF_COLUMN, TOLERANCE, JointLaw, SpatialJoint, Solid, Tie
+from .blocks.parts import BASE, BESIDE_COLUMN, OF_COLUMN, TOLERANCE, JointLaw, Solid, SpatialJoint, Tie
 from .blocks.placement import check_joints, check_places
 from .blocks.shapes import box, drum, placed, prism, rectangle, rotation_matrix
 from .convex import built_overlaps
@@ -104,7 +104,7 @@ def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> d
     tolerance = check("solver.tolerance", solver.get("tolerance", TOLERANCE))
     gravity = check("g", data.get("g", 9.80665))
     if "neighbours" not in data:
-        _say_overlaps(blocks, joints)
+        _warn_of_overlaps(blocks, joints)
     found = {
         "name": data["name"],
         "blocks": blocks,
@@ -117,7 +117,7 @@ def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> d
     return found | {"tolerance": tolerance, "without": names_from("solver.without", solver.get("without", ()))}
 
 
-def _say_overlaps(blocks: tuple[Solid, ...], joints: Sequence[SpatialJoint]) -> None:
+def _warn_of_overlaps(blocks: tuple[Solid, ...], joints: Sequence[SpatialJoint]) -> None:
     """Warn of blocks without a joint that overlap as built."""
     overlaps = built_overlaps(blocks, joints)
     if overlaps:
@@ -340,7 +340,9 @@ def bed_from(key: str, table: Mapping[str, Any]) -> JointLaw:
     return JointLaw(**found)
 
 
-def _joints_from(key: str, table: Mapping[str, Any], law: Mapping[str, Any], blocks: tuple[Solid, ...]) -> list[SpatialJoint]:
+def _joints_from(
+    key: str, table: Mapping[str, Any], law: Mapping[str, Any], blocks: tuple[Solid, ...]
+) -> list[SpatialJoint]:
     check_table(f"{key}.", table, _JOINT)
     upper, lower = _upper_first(key, table, blocks)
     bed = bed_from(key, {**law, **{word: table[word] for word in _LAW if word in table}})

@@ -21,7 +21,7 @@ from .model import Structure
 from .numbers import (
     is_of_neighbours,
     is_of_structure,
-    resize_beside,
+    scale_neighbours,
     single_names_in_space,
     structure_with,
 )
@@ -56,7 +56,7 @@ class Structures(Kind):
         if from_rest:
             rest_of(model)
 
-    def simplest(self, model: Structure, motion: Motion) -> Structure | Column:
+    def equivalent_model(self, model: Structure, motion: Motion) -> Structure | Column:
         """Return the equivalent column if the motion stays in its plane and loads no ports; else the structure."""
         return model if motion.has_ay or motion.loads else column_of(model) or model
 
@@ -77,7 +77,7 @@ class Structures(Kind):
 
         Lanes record displacements and gaps only, and lack the steps of order 8 of lightly damped structures.
         """
-        why = _why_not_in_lanes(model, keep)
+        why = _reason_against_lanes(model, keep)
         if not why:
             try:
                 rest_of(model)
@@ -91,7 +91,7 @@ class Structures(Kind):
 
     def load(self, model: Structure, keep: Collection[str]) -> None:
         """Load the kernels of lanes, if they may be used."""
-        if not _why_not_in_lanes(model, keep):
+        if not _reason_against_lanes(model, keep):
             load_lanes()
 
     def follow(
@@ -123,7 +123,7 @@ class Structures(Kind):
     def in_lanes(self, response: SpatialResponse, plan: RunPlan) -> bool:
         """Return True if most steps are explicit and the run starts from rest."""
         model, stats = response.model, response.stats
-        fits = not _why_not_in_lanes(model, ("peak_u",)) and set(model.settings.without) <= {"peaks"}
+        fits = not _reason_against_lanes(model, ("peak_u",)) and set(model.settings.without) <= {"peaks"}
         others = stats["elastic_steps"] + stats["stabilized_steps"]
         fits = fits and others <= MOST_OTHERS * stats["steps"] and not plan.motion.loads
         return fits and plan.initial is None
@@ -157,7 +157,7 @@ class Structures(Kind):
                 data = model.to_dict()
                 column = column_with(Column.from_dict(data[OF_COLUMN]), of_column)
                 if SIZE in of_column:
-                    resize_beside(data, of_column[SIZE][0])
+                    scale_neighbours(data, of_column[SIZE][0])
                 model = Structure.from_dict({**data, OF_COLUMN: column.to_dict()})
             values = {name: value for name, value in values.items() if _is_of_space(name)}
         return structure_with(model, values)
@@ -166,7 +166,7 @@ class Structures(Kind):
 STRUCTURES = Structures()
 
 
-def _why_not_in_lanes(structure: Structure, keep: Collection[str]) -> str:
+def _reason_against_lanes(structure: Structure, keep: Collection[str]) -> str:
     """Return the reason why runs of a structure at rest cannot use lanes, or ""."""
     if not FROM_LANES.issuperset(keep):
         return "peaks of more than displacements and gaps"

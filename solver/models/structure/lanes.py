@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...common import effort
-from ...common.turns import others_turn
+from ...common.turns import lock_released
 from ...ground.motion import Motion
 from ...kernels.machine.library import load
 from ...kernels.numba_ext.lanes import WIDTH
@@ -21,10 +21,10 @@ from ..column.lanes import aligned
 from ..column.packing import FloatArray, IntArray
 from ..protocol import LANES, OVERTURNED, STANDING, UNDECIDED, Run
 from .model import Structure
-from .packing import shares_left
+from .packing import unbroken_shares
 from .rest import SpatialRest, fastest_decay
 from .stepper import SpatialStepper
-from .verdict import next_look, well_of, why_it_leans
+from .verdict import next_look, potential_well_of, reason_for_leaning
 
 STAGES = 6  # evaluations of a step
 OF_INSIDE = ("section", "corners", "above", "below")  # fields that lanes read from the first run
@@ -173,7 +173,7 @@ class _Lanes:
         """Return the peaks of run k so far by the names of outputs.py: of blocks, bearings, neighbours; bond shares."""
         size = at.PEAKS.per_n * self._sizes.n
         of_blocks, of_bearings, gaps = np.split(self.peaks[k].copy(), [size, size + self._sizes.b])
-        rows, left = of_blocks.reshape(len(NAMES), -1), shares_left(self._states[k], self._runs[k].model.model)
+        rows, left = of_blocks.reshape(len(NAMES), -1), unbroken_shares(self._states[k], self._runs[k].model.model)
         beside = {"peak_d": of_bearings, "least_gap": gaps, "least_bond": left}
         return {**dict(zip(NAMES, rows, strict=True)), **beside}
 
@@ -181,7 +181,7 @@ class _Lanes:
         """Return the reason why run k, on a still base, can no longer fall from its state; "" if it may."""
         stepper = self._stepper(k)
         stepper.phase[:] = self._states[k]
-        return why_it_leans(stepper) or well_of(self._runs[k].model).why_it_stands(stepper)
+        return reason_for_leaning(stepper) or potential_well_of(self._runs[k].model).why_it_stands(stepper)
 
     def follow(
         self, which: IntArray, starts: FloatArray, stops: FloatArray, flag: FloatArray, still: bool = False
@@ -210,7 +210,7 @@ class _Lanes:
         lanes = aligned(WIDTH * at.ALL.size(self._sizes))
         lanes.reshape(-1, WIDTH)[: models.shape[1]] = models[0][:, None]  # valid numbers for lanes without a run
         found = models.ravel(), states.ravel(), rows.ravel(), outcomes.ravel(), peaks.ravel()
-        with others_turn():
+        with lock_released():
             times = self._times[:0] if still else self._times
             run_structures_in_lanes(lanes, len(which), *found, *self._record, times, places.ravel(), flag)
         if at.ALL.see(lanes.reshape(-1, WIDTH).sum(axis=1), self._sizes).work.room[NO_ROOM] != 0.0:

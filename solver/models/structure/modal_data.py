@@ -43,11 +43,11 @@ def modal_data_of(structure: Structure) -> ModalData:
 def _modal_data(*parts: object) -> ModalData:
     structure = Structure("structure", *parts)  # type: ignore[arg-type]
     rest = rest_of(structure)
-    why = _why_none(structure, rest)
+    why = _reason_against_modes(structure, rest)
     return ModalData(np.zeros(0) if why else _numbers(structure, rest), why)
 
 
-def _why_none(structure: Structure, rest: SpatialRest) -> str:
+def _reason_against_modes(structure: Structure, rest: SpatialRest) -> str:
     n, m = structure.n, len(structure.joints)
     first = len(at.OF_BLOCK) * n + at.OF_JOINT.index("contact") * m
     if n > MOST:

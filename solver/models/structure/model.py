@@ -23,7 +23,19 @@ from ..column.settings import Settings
 from ..ports import Port
 from ..protocol import kind_of
 from .blocks.faces import Face
-from .blocks.parts import BASE, BESIDE_COLUMN, OF_COLUMN, TOLERANCE, Bearing, JointLaw, SpatialJoint, Pair, Side, Solid, Tie
+from .blocks.parts import (
+    BASE,
+    BESIDE_COLUMN,
+    OF_COLUMN,
+    TOLERANCE,
+    Bearing,
+    JointLaw,
+    Pair,
+    Side,
+    Solid,
+    SpatialJoint,
+    Tie,
+)
 from .file import in_space, names_from, parts_from, ports_of, written_out
 from .hull_tables import in_folder, with_hulls
 from .neighbours import neighbours_from

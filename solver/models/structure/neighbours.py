@@ -16,7 +16,7 @@ from ...common.tables import check_table, tables_in, vector_of
 from ...kernels.structure.layout import MOST_CORNERS
 from .blocks.contacts import facing
 from .blocks.faces import Face, clipped, polygon_moments
-from .blocks.parts import SpatialJoint, Pair, Side, Solid
+from .blocks.parts import Pair, Side, Solid, SpatialJoint
 from .blocks.shapes import rectangle
 from .convex import TOUCH, built_overlaps, touching
 
@@ -51,7 +51,9 @@ LEAST = 1e-6  # of half the length of a drum: sides that face each other over le
 NEAR = 1e-6  # m
 
 
-def neighbours_from(data: Mapping[str, Any], blocks: tuple[Solid, ...], joints: Sequence[SpatialJoint]) -> tuple[Pair, ...]:
+def neighbours_from(
+    data: Mapping[str, Any], blocks: tuple[Solid, ...], joints: Sequence[SpatialJoint]
+) -> tuple[Pair, ...]:
     """Return the pairs that the table `neighbours` of a structure's file describes; empty without one.
 
     Blocks with a joint between them are no neighbours. Raises InputError if a key or a value is wrong, or if blocks

@@ -130,7 +130,7 @@ def _which(name: str, structure: Structure) -> Sequence[int]:
 def _set(data: dict[str, Any], structure: Structure, name: str, number: float, relative: bool) -> None:
     found, of_neighbours = _named(name), _NEIGHBOURS.fullmatch(name)
     if of_neighbours:
-        _put_beside(data, name, of_neighbours, number, relative)
+        _set_neighbour_number(data, name, of_neighbours, number, relative)
     elif name == SIZE:
         _resize(data, check_number(name, number, POSITIVE, "a positive number"))
     elif found is None:
@@ -160,7 +160,7 @@ def _put(table: dict[str, Any], name: str, found: Named, number: float, relative
     point[found.coordinate - 1] = _moved(name, point[found.coordinate - 1], number, relative)
 
 
-def _put_beside(data: dict[str, Any], name: str, found: re.Match[str], number: float, relative: bool) -> None:
+def _set_neighbour_number(data: dict[str, Any], name: str, found: re.Match[str], number: float, relative: bool) -> None:
     """Set a number of the table `neighbours`, of one of its pairs, or of all of them."""
     tables = _pairs_of(data) if found[1] else [data["neighbours"]] if "neighbours" in data else []
     if found[2]:
@@ -197,7 +197,7 @@ def _bed_with(bed: JointLaw, name: str, number: float, relative: bool) -> JointL
     return bed_from(name.rpartition(".")[0], {**law, found.key: _moved(name, law.get(found.key), number, relative)})
 
 
-def resize_beside(data: Mapping[str, Any], factor: float) -> None:
+def scale_neighbours(data: Mapping[str, Any], factor: float) -> None:
     """Multiply the lengths of the table `neighbours` by a factor, if there is such a table."""
     beside = data.get("neighbours", {})
     for table in (beside, *beside.get("pair", []), *beside.get("wall", [])):
@@ -206,7 +206,7 @@ def resize_beside(data: Mapping[str, Any], factor: float) -> None:
 
 
 def _resize(data: dict[str, Any], factor: float) -> None:
-    resize_beside(data, factor)
+    scale_neighbours(data, factor)
     for tables in [data.get(kind, []) for kind in ("block", "joint", "tie", "bearing")]:
         for table in tables if isinstance(tables, list) else []:
             for key in table.keys() & set(_LENGTHS):

@@ -77,7 +77,7 @@ def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHisto
     if not len(time):
         return Overlap()
     hulls = [hulls_of(block) for block in structure.blocks]
-    found = _deepest_where_joints_ended(structure, hulls, time, u, rotation)
+    found = _deepest_at_ended_joints(structure, hulls, time, u, rotation)
     if n < 2:
         return found
     # a pair is compared where the displacements of both could close its distance as built
@@ -104,7 +104,7 @@ def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHisto
     return found
 
 
-def _deepest_where_joints_ended(
+def _deepest_at_ended_joints(
     structure: Structure, hulls: list[list[ConvexPart]], time: FloatArray, u: FloatArray, rotation: FloatArray
 ) -> Overlap:
     """Return the deepest overlap of joined bodies while a joint of theirs has ended, beyond that in their others."""

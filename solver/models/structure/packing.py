@@ -16,7 +16,7 @@ from ..column.packing import Arrays as Arrays
 from ..ports import Port
 from .blocks.contacts import GROUND, inside_of
 from .blocks.faces import Face, FloatArray, edge_distance, polygon_moments
-from .blocks.parts import SpatialJoint, Pair, Side, Solid, Tie
+from .blocks.parts import Pair, Side, Solid, SpatialJoint, Tie
 
 FLOOR = 1e-3  # of the settlement under weight: the least motion relative to which errors are measured
 # least damping along a joint that may slide, times the frequency of the fastest joint: the elastic slip follows the
@@ -59,7 +59,7 @@ def _put_bonds(bonded: FloatArray, names: Any) -> None:
         left[at.BONDED.beside :][: corners.size] = corners
 
 
-def shares_left(state: FloatArray, model: PackedModel) -> FloatArray:
+def unbroken_shares(state: FloatArray, model: PackedModel) -> FloatArray:
     """Return the unbroken share of the area of each bonded joint in a state, (bonds,)."""
     sizes, names = model.sizes, model.names
     left = state[at.place_of_bonds(sizes) : sizes.state].reshape(sizes.bonds, at.OF_POLYGON.size(1))
@@ -321,7 +321,9 @@ def _fill_pair(table: Any, p: int, pair: Pair, solids: tuple[Solid, ...], place:
     table.reach[p] = math.inf if pair.wall else reach
 
 
-def _fill_settings(settings: Any, table: Any, solids: tuple[Solid, ...], joints: tuple[SpatialJoint, ...], g: float) -> None:
+def _fill_settings(
+    settings: Any, table: Any, solids: tuple[Solid, ...], joints: tuple[SpatialJoint, ...], g: float
+) -> None:
     extent = _extent_of(solids)
     fastest = 1e-12
     for j, joint in enumerate(joints):

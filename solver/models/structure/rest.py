@@ -23,7 +23,7 @@ from ..column.rest import known_warnings
 from ..ports import Port
 from ..protocol import NoRestError
 from .blocks.faces import FloatArray
-from .blocks.parts import OF_COLUMN, SpatialJoint, Pair, Solid, Tie
+from .blocks.parts import OF_COLUMN, Pair, Solid, SpatialJoint, Tie
 from .model import Structure
 from .packing import FLOOR, centroid_of
 from .stepper import SpatialStepper

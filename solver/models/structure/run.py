@@ -26,7 +26,7 @@ from .outputs import OUTPUTS
 from .response import Moved, SpatialResponse, peaks_in_space
 from .rest import rest_of, rest_under, start_from
 from .stepper import SpatialStepper
-from .verdict import RESTING, next_look, well_of, why_it_leans
+from .verdict import RESTING, next_look, potential_well_of, reason_for_leaning
 
 TWISTS = 6  # iterations for an initial twist: each reduces the error to its cube over 24
 COUNTED = ("steps", "elastic_steps", "stabilized_steps", "rejected", "evaluations", "looks")
@@ -119,7 +119,9 @@ def moved(
     return Moved(velocity, energy)
 
 
-def begun(structure: Structure, motion: Motion, initial: SpatialState | Released | None = None) -> tuple[SpatialStepper, str]:
+def begun(
+    structure: Structure, motion: Motion, initial: SpatialState | Released | None = None
+) -> tuple[SpatialStepper, str]:
     """Return a stepper before a motion, at rest or in the initial state, and the reason why it has no modes.
 
     Raises InputError.
@@ -204,8 +206,8 @@ class _SpatialSettling:
 
     def why_it_stands(self) -> str:
         stepper = self._stepper
-        found = why_it_leans(stepper) or (RESTING if stepper.counts.resting else "")
-        return found or well_of(stepper.structure).why_it_stands(stepper)
+        found = reason_for_leaning(stepper) or (RESTING if stepper.counts.resting else "")
+        return found or potential_well_of(stepper.structure).why_it_stands(stepper)
 
     def next_look(self, t: float, stop: float, settle: float) -> float:
         return stop + next_look(t - stop, settle)

@@ -15,16 +15,16 @@ from ...kernels.column.sections.faces import (
     RECTANGLE,
     SECTIONS,
     STRIPS,
+    FaceShape,
     is_round,
 )
-from ...kernels.column.sections.faces import FaceShape
 from ..column import block as planar
 from ..column.model import Column
 from ..column.settings import Settings
 from ..ports import Port
 from .blocks.contacts import GROUND, with_rim
 from .blocks.faces import Face, FloatArray, shared
-from .blocks.parts import OF_COLUMN, JointLaw, SpatialJoint, Solid
+from .blocks.parts import OF_COLUMN, JointLaw, Solid, SpatialJoint
 from .blocks.shapes import box, drum, placed, rectangle
 
 if TYPE_CHECKING:

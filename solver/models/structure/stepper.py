@@ -158,7 +158,7 @@ class SpatialStepper:
                 per_second = self.control.decay * MOST_STAGES / LONGEST_REACH
             needed = float(self.counts.evaluations + left * per_second)
             if needed > effort.MOST_IN_SPACE:
-                raise TooMuchWorkError(effort.too_much(needed, effort.MOST_IN_SPACE, self._causes(motion)))
+                raise TooMuchWorkError(effort.work_message(needed, effort.MOST_IN_SPACE, self._causes(motion)))
 
     def _causes(self, motion: Motion | None) -> Iterator[effort.Cause]:
         """Yield the possible causes of short steps."""

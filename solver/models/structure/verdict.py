@@ -46,7 +46,7 @@ def next_look(since: float, settle: float) -> float:
     return min(settle, FIRST_LOOK + (1.0 + LATER) * since)
 
 
-def why_it_leans(stepper: SpatialStepper) -> str:
+def reason_for_leaning(stepper: SpatialStepper) -> str:
     """Return the reason why a still structure that leans on neighbours stays as it is; "" if it moves or leans on none.
 
     A block that leans on another one is beyond its edge, so no energy bounds its fall. It stays because forces balance
@@ -79,7 +79,7 @@ def _size_of(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
 
 
 @lru_cache(maxsize=64)
-def well_of(structure: Structure) -> Well:
+def potential_well_of(structure: Structure) -> Well:
     """Return the well of a structure, cached."""
     return Well(structure)
 

@@ -16,7 +16,7 @@ from ...kernels.column.sections.faces import SECTIONS
 from ...models.column.block import Block
 from ...models.column.model import Column
 from ...models.structure.blocks.faces import Face, FloatArray
-from ...models.structure.blocks.parts import SpatialJoint, Solid
+from ...models.structure.blocks.parts import Solid, SpatialJoint
 from ...models.structure.model import Structure
 
 SIDES = 32  # of a round face

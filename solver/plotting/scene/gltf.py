@@ -103,7 +103,9 @@ class _Buffer:
         return len(self.accessors) - 1
 
 
-def still(name: str, bodies: Sequence[SceneBody], in_plane: bool | None = None, walls: Sequence[SceneBody] = ()) -> bytes:
+def still(
+    name: str, bodies: Sequence[SceneBody], in_plane: bool | None = None, walls: Sequence[SceneBody] = ()
+) -> bytes:
     """Return the glTF of bodies as built, and of walls, which are visible from one side.
 
     Parameters

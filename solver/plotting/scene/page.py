@@ -20,7 +20,7 @@ from ...ground.intensity import Component, histories, is_measurable
 from ...ground.motion import Motion
 from ...models.structure.blocks.faces import FloatArray
 from ..largest import largest_displacement, length
-from .bodies import SceneBody, Scene, has_parts, scene_of
+from .bodies import Scene, SceneBody, has_parts, scene_of
 
 FPS = 30.0  # rows per second, at most
 MOST_NUMBERS = 270_000  # displacements, rotations and joints: 1.4 MB of the page

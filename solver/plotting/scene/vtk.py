@@ -14,7 +14,7 @@ from ...common.errors import POSITIVE, InputError, check_number
 from ...models.outputs import BLOCK, JOINT
 from ...models.structure.blocks.faces import FloatArray
 from ...models.structure.blocks.shapes import turned
-from .bodies import SceneContact, Scene, normal_of, scene_of
+from .bodies import Scene, SceneContact, normal_of, scene_of
 
 POLYGON = 7  # VTK cell type
 NAMES = {"float64": "Float64", "int64": "Int64", "uint8": "UInt8"}

@@ -251,7 +251,9 @@ def _decide_for(batch, changed):
             evaluate_lanes(batch, between, batch.lane.t)
         # keep the result in the lanes of the mask
         _copy_where(begin.accelerations, between.accelerations, changed, 2 * n)
-        _copy_where(begin.row[_SLIP_RATE * n :], between.row[_SLIP_RATE * n :], changed, 3 * n)  # rates, power, accelerations
+        _copy_where(
+            begin.row[_SLIP_RATE * n :], between.row[_SLIP_RATE * n :], changed, 3 * n
+        )  # rates, power, accelerations
         for i in range(n):
             begin.sliding[i] = where(changed, joints.sliding[i], begin.sliding[i])
         batch.lane.shear_margin = where(changed, _least_margin(joints, n), batch.lane.shear_margin)

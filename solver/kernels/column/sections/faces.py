@@ -150,7 +150,9 @@ def deepest(face: FaceShape, begin: float, end: float) -> float:
 
 
 @in_both
-def misfit(own: FaceShape, bottom: FaceShape, below: FaceShape, is_wide: bool, is_deep: bool, count: int, depths) -> Misfit:  # type: ignore[no-untyped-def]
+def misfit(
+    own: FaceShape, bottom: FaceShape, below: FaceShape, is_wide: bool, is_deep: bool, count: int, depths
+) -> Misfit:  # type: ignore[no-untyped-def]
     """Return why a contact face does not fit between the bottom face of its block and the face below (FITS if it does).
 
     Parameters

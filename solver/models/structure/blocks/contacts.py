@@ -9,7 +9,7 @@ import numpy as np
 
 from ....common.errors import InputError
 from .faces import NEAR, Face, FloatArray, inset, polygon_moments, shared
-from .parts import BASE, JointLaw, SpatialJoint, Solid
+from .parts import BASE, JointLaw, Solid, SpatialJoint
 from .shapes import rectangle
 
 FACING = -0.99  # largest cosine of the angle between the normals of faces that may touch

@@ -154,7 +154,7 @@ def inset(face: Face, rim: float) -> Face | None:
     return replace(face, outline=without_doubles(np.array(left))) if len(left) > 2 else None
 
 
-def beside(corners: FloatArray, outside: FloatArray) -> list[FloatArray]:
+def outside_parts(corners: FloatArray, outside: FloatArray) -> list[FloatArray]:
     """Return the parts of a convex polygon where any of some linear functions is positive, as convex polygons.
 
     outside: (functions, 3), the value of each at the origin and its slopes along x and y.

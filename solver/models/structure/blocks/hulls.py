@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ....common.errors import InputError, needing
 from ....kernels.structure.layout import MOST_CORNERS
 from .contacts import axis_of
-from .faces import NEAR, Face, FloatArray, beside, polygon_moments, without_doubles
+from .faces import NEAR, Face, FloatArray, outside_parts, polygon_moments, without_doubles
 from .outlines import THINNEST, bent_corners, is_convex
 from .parts import Solid
 from .shells import EXTRA
@@ -358,7 +358,7 @@ def _outer(upper: Sequence[Sequence[Face]], parts: Sequence[Sequence[Face]]) -> 
             # cut away what lies inside of each other part
             for normals, off in bounds[:k] + bounds[k + 1 :]:
                 outside = np.column_stack([normals @ place - off, normals @ face.axes[:, :2]])
-                left = [part for outline in left for part in beside(outline, outside)]
+                left = [part for outline in left for part in outside_parts(outline, outside)]
             found += [face] if left and left[0] is face.outline else _pieces(face, left)
     return found
 

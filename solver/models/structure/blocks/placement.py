@@ -9,7 +9,7 @@ import numpy as np
 
 from ....common.errors import InputError
 from .faces import NEAR, Face, shared
-from .parts import BASE, SpatialJoint, Solid
+from .parts import BASE, Solid, SpatialJoint
 
 SAME = 1e-6  # of the size of a block: places closer than this are one
 BEYOND = 0.1  # of the diagonal of a block: largest distance of the centre of a joint from the box around it

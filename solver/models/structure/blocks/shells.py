@@ -42,7 +42,7 @@ def check_shells(corners: FloatArray, faces: IntArray) -> None:
     if np.max(np.bincount(edge)) == 2 and np.max(_components(edge.reshape(3, -1).T)) == 0:
         return
     triangles = corners[faces]
-    winding = np.rint(_windings(_beside_surface(triangles), triangles))
+    winding = np.rint(_windings(_points_near_surface(triangles), triangles))
     if np.max(winding) > 1.0:
         raise InputError(
             f"has shells that overlap or repeat: part of its volume would count {int(np.max(winding))} times, must be "
@@ -83,7 +83,7 @@ def repaired(corners: FloatArray, faces: IntArray) -> tuple[IntArray, int]:
     outwards = made.copy()
     for k in range(int(np.max(shell)) + 1):  # a shell enclosed by an odd number of others bounds a void
         own, others = corners[outwards[shell == k]], corners[outwards[shell != k]]
-        if len(others) and np.median(np.rint(_windings(_beside_surface(own), others))) % 2.0 == 1.0:
+        if len(others) and np.median(np.rint(_windings(_points_near_surface(own), others))) % 2.0 == 1.0:
             made[shell == k] = made[shell == k][:, ::-1]
             turned[shell == k] ^= True
     return made, int(np.sum(turned))
@@ -144,7 +144,7 @@ def volume_of(triangles: FloatArray) -> float:
     return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0
 
 
-def _beside_surface(triangles: FloatArray) -> FloatArray:
+def _points_near_surface(triangles: FloatArray) -> FloatArray:
     """Return points close to both sides of a surface (k, 3, 3), (points, 3), spread by area; deterministic."""
     count = int(np.clip(ANGLES // (2 * len(triangles)), 20, SAMPLES))
     draw = np.random.default_rng(0)
