@@ -25,7 +25,7 @@ from .drawings import DisplacementHistories
 from .largest import rows_before_fall
 from .lines import draw_ensemble, draw_lines, reduced
 from .profiles import draw_last_moments, draw_offsets, draw_profiles
-from .style import FEW_COLOURS, GREY, RED, TINT, Figure, note_on_right, name_of, save, show_names, tidy
+from .style import FEW_COLOURS, GREY, RED, TINT, Figure, name_of, note_on_right, save, show_names, tidy
 from .words import setting_of, verdict_of, write_header
 
 GROUND_SAMPLES = 20_000  # of a harmonic, which has no samples
@@ -383,7 +383,9 @@ def _mark_peak(axes: Axes, panel: _Panel, shown: _Shown) -> None:
     top = int(np.argmax(true))
     of = "block" if panel.name in ("ux", "ry", "slip") else "joint"
     value = f"{panel.factor * true[top]:.4g} {panel.unit}".rstrip()
-    note_on_right(axes, f"{'before the fall' if math.isfinite(shown.overturn_time) else 'peak'} {value}, {of} {top + 1}")
+    note_on_right(
+        axes, f"{'before the fall' if math.isfinite(shown.overturn_time) else 'peak'} {value}, {of} {top + 1}"
+    )
     # marks of missed peaks; an arrow outwards where a peak is far beyond the rows
     missed = [i for i in (*shown.chosen, top) if true[i] > MISSED * max(largest[i], 1e-300)]
     low, high = axes.get_ylim()

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...ground.motion import Motion
 from ..column.model import Column
 from ..column.numbers import SIZE, column_with, is_of_column
-from ..protocol import LOADED, SETTLE, Kind, Lanes, NoRestError, RunPlan, Run, Work, output_times, table_entry
+from ..protocol import LOADED, SETTLE, Kind, Lanes, NoRestError, Run, RunPlan, Work, output_times, table_entry
 from ..uncertainty import Varied
 from .blocks.faces import FloatArray
 from .blocks.parts import OF_COLUMN
