@@ -17,7 +17,7 @@ from matplotlib.transforms import Affine2D
 
 from solver.models.column.model import Column
 from solver.models.structure.model import Structure
-from solver.plotting.drawings import Places, corners_of, draw_column
+from solver.plotting.drawings import DisplacementHistories, corners_of, draw_column
 from solver.plotting.scene.bodies import has_parts, parts_of, walls_of
 from solver.plotting.scene.gltf import still
 from solver.plotting.structures import structure_picture
@@ -163,7 +163,7 @@ def drawing(column: Column) -> bytes:
     figure = Figure(figsize=(3.0, 3.0), layout="constrained")
     axes = figure.subplots()
     zero = np.zeros((1, column.n))
-    places = Places(column, zero, zero, zero)
+    places = DisplacementHistories(column, zero, zero, zero)
     draw_column(axes, places, 0, 1.0)
     for number, (corners, contact) in enumerate(zip(corners_of(places, 0, 1.0), column.contacts, strict=True), start=1):
         if column.n <= MOST_NUMBERED:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..common.errors import InputError
 from ..models.column.model import Column
-from ..statics.rocking import Part, rocking_part
+from ..statics.rocking import RigidPart, rocking_part
 from .spectra import FloatArray, Spectral
 
 ANGLES = 400  # number of rotations tried, and of frequencies for sliding
@@ -22,7 +22,7 @@ SLIDING_DAMPING = 0.10
 SLOWEST, FASTEST = 0.05, 33.0  # Hz, range of frequencies for sliding
 
 
-class RigidBody(Part):
+class RigidBody(RigidPart):
     """The part of a column above a joint, as one rigid body that rocks.
 
     Its restitution is C_R = 1 - 2 a^2 / C_I, with a = b / h and C_I = I / (M h^2).

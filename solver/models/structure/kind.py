@@ -27,7 +27,7 @@ from .numbers import (
 )
 from .outputs import ALWAYS_KEPT, FROM_LANES, KEPT, KEYS, OUTPUTS
 from .response import SpatialResponse
-from .rest import Rest, known_warnings_in_space, rest_of
+from .rest import SpatialRest, known_warnings_in_space, rest_of
 from .run import single_run
 from .stack import column_of
 
@@ -131,7 +131,7 @@ class Structures(Kind):
     def varied_in_lanes(self, pairs: Sequence[tuple[Structure, Motion]], plan: RunPlan) -> list[Varied | None]:
         """Run varied structures in lanes, with histories of the horizontal displacement at the rows of the plan."""
         made: list[Varied | None] = [None] * len(pairs)
-        rests: dict[int, Rest] = {}
+        rests: dict[int, SpatialRest] = {}
         for k, (model, _) in enumerate(pairs):
             with suppress(NoRestError):
                 rests[k] = rest_of(model)
