@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..ground.motion import STANDARD_GRAVITY
 from ..models.column.model import Column
 from .kinematic import BEHAVIOUR_FACTOR, LIFE_SAFETY, Mechanism
 from .limits import Limits
@@ -19,7 +20,7 @@ NOT_IN_SPACE = (
     "by hand: nothing. The kinematic verification and ASCE 43 turn a body about one edge in a plane; `multiblock "
     "statics` pushes a structure over in any direction."
 )
-G = Unit("g", 1.0 / 9.80665)
+G = Unit("g", 1.0 / STANDARD_GRAVITY)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +72,7 @@ def by_hand(
             BEHAVIOUR_FACTOR * found.a0,
             G,
             note=f"Circolare C8.7.1.2.1.7: alpha0 {found.alpha0:.4g}, e* {found.mass_part:.3g}, FC "
-            f"{found.confidence_factor:g}, a0* {found.a0 / 9.80665:.4g} g, q {BEHAVIOUR_FACTOR:g}; spectrum at T1 "
+            f"{found.confidence_factor:g}, a0* {G.factor * found.a0:.4g} g, q {BEHAVIOUR_FACTOR:g}; spectrum at T1 "
             f"{own_period:.3g} s",
         ),
         Row(
@@ -112,5 +113,5 @@ def _sliding(column: Column, action: Spectral, motions: tuple[ScaledMotion, ...]
     # slip of the joint under the spectrum and the largest vertical acceleration
     vertical = max(float(np.max(np.abs(scaled.motion.az))) for scaled in motions)
     slip = sliding_distance(known[i], vertical, action, column.g)
-    note = f"ASCE 43, A.1: mu {known[i]:g}, vertical {vertical / 9.80665:.3g} g; spectrum of 10 %"
+    note = f"ASCE 43, A.1: mu {known[i]:g}, vertical {G.factor * vertical:.3g} g; spectrum of 10 %"
     return [Row("sliding, rigid body", slip, limits.slip * column.contacts[i].width, MM, f"joint {i + 1}", note)]

@@ -73,8 +73,7 @@ def new_from_mesh(options: argparse.Namespace, path: Path) -> None:
     check_choice("--material", options.material, tuple(MATERIALS))
     check_number("--unit", options.unit, *FACTOR)
     # height, then damping, follow from the geometry: parse the file with trial values first
-    of_mesh = options.unit, options.up, options.feet, options.parts, options.repair
-    given = name, os.path.relpath(mesh, path.parent), options.material, *of_mesh
+    given = name, os.path.relpath(mesh, path.parent), options
     structure = _structure(mesh_text(*given, height=1.0), path.parent)
     height = float(np.ptp(structure.blocks[0].corners[:, 2]))
     structure = _structure(mesh_text(*given, height=height), path.parent)
@@ -147,19 +146,8 @@ def _nearest(edges: list[Edge], direction: float) -> Edge:
     return min(edges, key=lambda edge: abs((edge.direction - direction + 180.0) % 360.0 - 180.0))
 
 
-def mesh_text(
-    name: str,
-    file: str,
-    material: str,
-    unit: float,
-    up: str | None,
-    feet: int,
-    parts: int | None,
-    repair: bool,
-    height: float,
-    damping: float = DAMPING,
-) -> str:
-    """Return the text of the file.
+def mesh_text(name: str, file: str, options: argparse.Namespace, height: float, damping: float = DAMPING) -> str:
+    """Return the text of the file of a structure.
 
     Parameters
     ----------
@@ -167,27 +155,17 @@ def mesh_text(
         Name of the structure.
     file : str
         Path of the mesh.
-    material : str
-        Name of a material in `MATERIALS`.
-    unit : float
-        Length of a unit of the mesh, m.
-    up : str or None
-        Axis of the mesh that points up. None: that of its format.
-    feet : int
-        Number of feet.
-    parts : int or None
-        Largest number of convex parts. None: the hull.
-    repair : bool
-        If True, turn triangles of the wrong orientation.
+    options : Namespace
+        The options of `new` on the mesh.
     height : float
         Height of the mesh, m, from which the modulus of its joint follows.
     damping : float
         Damping of its joint, s.
     """
-    found = MATERIALS[material]
+    found, up, feet, parts = MATERIALS[options.material], options.up, options.feet, options.parts
     lines = [
         f"# A block from the mesh {Path(file).name}. Lengths in m, masses in kg.",
-        f"# {material}: {found.source}",
+        f"# {options.material}: {found.source}",
         "# Better than any table: measure a natural frequency, and choose the stiffness by `multiblock modes`.",
         f'name = "{name}"',
         "",
@@ -201,11 +179,11 @@ def mesh_text(
         'name = "statue"',
         'shape = "mesh"',
         f"file = {json.dumps(Path(file).as_posix())}",
-        f"unit = {unit!r}                  # m of a unit of the mesh",
+        f"unit = {options.unit!r}                  # m of a unit of the mesh",
         *([f'up = "{up}"                     # axis of the mesh'] if up else []),
         'on = "base"',
         f"density = {found.density!r}",
-        *(["repair = true                # triangles that look the wrong way are turned"] if repair else []),
+        *(["repair = true                # triangles that look the wrong way are turned"] if options.repair else []),
         *([f"feet = {feet}                     # groups of the points that bear"] if feet != 1 else []),
         *([f"parts = {parts}                    # convex ones that others meet, at most"] if parts is not None else []),
         "# foot = [[x, y], ...]       # m; else the points within level = 1e-3 of its height of the lowest",

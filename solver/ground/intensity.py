@@ -100,15 +100,10 @@ def components(motion: Motion) -> list[Component]:
 
     Raises InputError if all are.
     """
-    there = [component for component in NAMES if _amplitude(motion, component) or np.any(getattr(motion, component))]
+    there = [component for component in NAMES if motion.amplitude_of(component) or np.any(getattr(motion, component))]
     if not there:
         raise InputError("the motion is zero throughout, must be an acceleration")
     return there
-
-
-def _amplitude(motion: Motion, component: Component) -> float:
-    """Return the amplitude of the harmonic along a component (m/s2)."""
-    return {"ax": motion.amplitude, "ay": motion.amplitude_y, "az": 0.0}[component]
 
 
 def is_measurable(motion: Motion) -> bool:
@@ -126,7 +121,7 @@ def lines_of(motion: Motion, component: Component = "ax") -> Lines:
         time, before, after = np.append(motion.time, motion.end), samples, samples
     else:
         time, before, after = motion.time, samples[:-1], samples[1:]
-    amplitude = _amplitude(motion, component)
+    amplitude = motion.amplitude_of(component)
     if amplitude:
         if not is_measurable(motion):
             cycles, most = motion.frequency * motion.duration, MOST_LINES // PER_CYCLE

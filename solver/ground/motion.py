@@ -16,6 +16,7 @@ from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, InputWar
 from ..common.files import printable, whole_file
 from ..common.frames import Frame, Framed
 from ..common.notebook import NotebookRepr, counted, history
+from ..common.plausible import warn_of
 from ..common.ranges import has_masked
 from ..common.text import lines_of
 from .loads import Load
@@ -24,7 +25,8 @@ from .records import Record, peer, read_record
 from .records.columns import LEAD, SLOPES, read_csv
 from .records.record import FloatArray
 
-STRONGEST = 3.0 * STANDARD_GRAVITY  # upper bound of credible records
+# g; no record has more: 2.7 horizontally (Tsukidate, 2011), 3.9 vertically (Ichinoseki-West, 2008)
+STRONGEST = {"ax": 3.0, "ay": 3.0, "az": 4.0}
 LARGEST = 1e6  # m/s2: a larger acceleration is a mistake of units, and no column can be followed under it
 ACCELERATION = (-LARGEST, LARGEST), "a finite acceleration in m/s2, at most 1e6 either way"
 MOST_CYCLES = 1e6  # limit for the search of the crests of a harmonic
@@ -135,6 +137,10 @@ class Motion(Framed, NotebookRepr):
         crests = self.start + np.arange(0.25, self.frequency * self.duration, 0.5) / self.frequency
         instants = np.concatenate([self.time, crests, [self.end]])
         return float(np.max(np.abs(self.acceleration(instants)[0])))
+
+    def amplitude_of(self, component: str) -> float:
+        """Return the amplitude of the harmonic part of ax, ay or az (m/s2)."""
+        return {"ax": self.amplitude, "ay": self.amplitude_y, "az": 0.0}[component]
 
     def acceleration(self, t: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return (ax, az) at the instants t (any shape, s), m/s2, each of the shape of t."""
@@ -445,10 +451,11 @@ class Motion(Framed, NotebookRepr):
         if record.warning:
             warnings.warn(f"{motion.name or 'record'}: {record.warning}", InputWarning, stacklevel=2)
         largest = max(float(np.max(np.abs(samples))) for samples in (motion.ax, motion.ay, motion.az))
-        if largest > STRONGEST:
+        strongest = STRONGEST["ax"]
+        if largest > strongest * STANDARD_GRAVITY:
             warnings.warn(
                 f"{motion.name or 'record'}: largest acceleration {largest / STANDARD_GRAVITY:.4g} g, ground motions "
-                f"reach {STRONGEST / STANDARD_GRAVITY:g} g: is it in other units (g, m/s2, cm/s2)?",
+                f"reach {strongest:g} g: is it in other units (g, m/s2, cm/s2)?",
                 InputWarning,
                 stacklevel=2,
             )
@@ -476,6 +483,17 @@ class Motion(Framed, NotebookRepr):
         """
         with reading(path):
             return cls.from_record(peer.read(lines_of(path)), Path(path).name)
+
+
+def check_strength(motion: Motion) -> bool:
+    """Warn (InputWarning) of a motion that is stronger than any on record; return True if it is."""
+    for name, most in STRONGEST.items():
+        largest = (float(np.max(np.abs(getattr(motion, name)))) + abs(motion.amplitude_of(name))) / STANDARD_GRAVITY
+        if largest > most:
+            units = "accelerations are in m/s2, a record in other units has to say so"
+            warn_of([f"motion.{name}: reaches {largest:.4g} g, should be {most:g} g at most; {units}"])
+            return True
+    return False
 
 
 def check_in_plane(motion: Motion) -> None:

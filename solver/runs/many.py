@@ -16,8 +16,7 @@ import numpy as np
 
 from ..common.errors import POSITIVE, InputError, InputWarning, SolverError, check_number, check_whole, shown
 from ..common.executors import TRIES, cores, error_text, sent_out, workers_of
-from ..ground.motion import Motion
-from ..ground.plausible import check_strength
+from ..ground.motion import Motion, check_strength
 from ..models.protocol import SETTLE, Kind, Model, Run, Work
 from .chunk import Chunk, Made, make_packed, make_runs, packed
 from .pace import Pace

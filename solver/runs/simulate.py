@@ -11,8 +11,7 @@ from ..common.errors import POSITIVE, InputError, InputWarning, SolverError, che
 from ..common.plausible import warn_of
 from ..common.ranges import check_choice
 from ..ground.loads import Load, loads_from, place_of, static_loads
-from ..ground.motion import Motion
-from ..ground.plausible import check_strength
+from ..ground.motion import Motion, check_strength
 from ..models.column.model import Column
 from ..models.column.packing import InitialState
 from ..models.column.response import Response

@@ -13,7 +13,7 @@ from typing import Any
 from ..common.errors import InputError, SolverError, reading
 from ..common.executors import TRIES, cores, error_text, sent_out, workers_of
 from ..common.plausible import warn_of_first
-from ..ground.plausible import check_strength
+from ..ground.motion import check_strength
 from ..runs.many import estimated_cost
 from ..runs.pace import CHUNK_SECONDS, Pace
 from . import chunks

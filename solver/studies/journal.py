@@ -32,15 +32,6 @@ class Journal(AbstractContextManager["Journal"]):
 
     It is created if it does not exist.
 
-    Attributes
-    ----------
-    path
-        The file.
-    finished
-        The numbers of the runs in it.
-    damaged
-        The number of incomplete or corrupted lines.
-
     Raises
     ------
     InputError
@@ -50,7 +41,7 @@ class Journal(AbstractContextManager["Journal"]):
 
     def __init__(self, path: str | os.PathLike[str], head: Mapping[str, Any]) -> None:
         self.path = Path(path)
-        self.finished: set[int] = set()
+        self.finished: set[int] = set()  # numbers of the runs in it
         self.damaged = 0  # incomplete or corrupted lines
         with reading(self.path):
             if self.path.exists():

@@ -20,7 +20,7 @@ from ..models.protocol import FloatArray
 from ..models.structure.blocks.parts import OF_COLUMN
 from ..models.structure.numbers import unit_in_space
 from ..models.uncertainty import PERCENTILES
-from ..plotting.style import FEW_COLOURS, Figure, block_colours, header, save, show_blocks, tidy
+from ..plotting.style import BLUE, FEW_COLOURS, GREEN, RED, Figure, block_colours, header, save, show_blocks, tidy
 from .motions import Measure
 from .results import Results
 from .statistics import (
@@ -46,7 +46,6 @@ WIDTH = 138  # characters of a line of the caption
 LONG = 45  # most characters of names in a title
 MOST_CURVES = 300  # largest number of single curves that are drawn
 MOST_INFLUENCES = 12
-BLUE, RED, GREEN = FEW_COLOURS[:3]
 _LIMIT_COLOURS = (BLUE, GREEN, RED, *FEW_COLOURS[3:])
 
 

@@ -11,7 +11,7 @@ import pytest
 from support.fmus import ROOT
 
 from multiblock import Column, InputWarning, Motion, Structure, modes_in_space, simulate, simulate_many
-from solver.ground.plausible import check_strength
+from solver.ground.motion import check_strength
 from solver.models.column.rest import warnings_of
 from solver.models.structure.rest import known_warnings_in_space
 from solver.studies import Study

@@ -126,11 +126,18 @@ def _set(data: dict[str, Any], name: str, number: float, relative: bool) -> None
 
 
 def _put(table: dict[str, Any], name: str, key: str, number: float, relative: bool) -> None:
-    if relative and not isinstance(table.get(key), (int, float)):
-        raise InputError(f"{name}: the column has none that could be multiplied, must be given without relative")
-    table[key] = number * table[key] if relative else number
+    table[key] = varied(name, table.get(key), number, relative)
     if table.pop(_EITHER.get(key, ""), None) is not None and relative:
         raise InputError(f"{name}: must be given without relative")
+
+
+def varied(name: str, present: object, number: float, relative: bool) -> float:
+    """Return a number, or the present one times it. Raises InputError if there is none that could be multiplied."""
+    if not relative:
+        return number
+    if isinstance(present, bool) or not isinstance(present, (int, float)):
+        raise InputError(f"{name}: the file has none that could be multiplied, must be given without relative")
+    return number * present
 
 
 def _scale(table: dict[str, Any], factor: float, skip: tuple[str, ...] = ()) -> None:

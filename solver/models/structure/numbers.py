@@ -20,6 +20,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from ...common.errors import POSITIVE, InputError, check_number
+from ..column.numbers import varied
 from .blocks.parts import JointLaw
 from .file import bed_from
 from .hull_tables import FIXED
@@ -136,7 +137,7 @@ def _set(data: dict[str, Any], structure: Structure, name: str, number: float, r
     elif found is None:
         table, key = (data, "g") if name == "g" else (data.setdefault("solver", {}), "tolerance")
         table.setdefault(key, structure.g if name == "g" else structure.tolerance)
-        table[key] = _moved(name, table[key], number, relative)
+        table[key] = varied(name, table[key], number, relative)
     else:
         for place in _which(name, structure):
             _put(data[found.kind][place], name, found, number, relative)
@@ -150,14 +151,14 @@ def _put(table: dict[str, Any], name: str, found: Named, number: float, relative
             )
         table.setdefault("scale", 1.0)
     if not found.coordinate:
-        table[found.key] = _moved(name, table.get(found.key), number, relative)
+        table[found.key] = varied(name, table.get(found.key), number, relative)
         if not relative:  # mass and density exclude each other
             table.pop({"mass": "density", "density": "mass"}.get(found.key, ""), None)
         return
     point = table.get(found.key)
     if not isinstance(point, list) or found.coordinate > len(point):
         raise InputError(f"{name}: must be a coordinate that the file has")
-    point[found.coordinate - 1] = _moved(name, point[found.coordinate - 1], number, relative)
+    point[found.coordinate - 1] = varied(name, point[found.coordinate - 1], number, relative)
 
 
 def _set_neighbour_number(data: dict[str, Any], name: str, found: re.Match[str], number: float, relative: bool) -> None:
@@ -169,7 +170,7 @@ def _set_neighbour_number(data: dict[str, Any], name: str, found: re.Match[str],
         raise InputError(f"{name}: no such table, must be in the file, [[neighbours.pair]] by its number from 1")
     key = found[3]
     for table in tables:
-        table[key] = _moved(name, table.get(key), number, relative)
+        table[key] = varied(name, table.get(key), number, relative)
         # damping and restitution exclude each other
         table.pop({"damping": "restitution", "restitution": "damping"}.get(key, ""), None)
 
@@ -180,21 +181,13 @@ def _pairs_of(data: Mapping[str, Any]) -> Sequence[dict[str, Any]]:
     return pairs
 
 
-def _moved(name: str, present: object, number: float, relative: bool) -> float:
-    if not relative:
-        return number
-    if isinstance(present, bool) or not isinstance(present, (int, float)):
-        raise InputError(f"{name}: the file has none that could be multiplied, must be given without relative")
-    return number * present
-
-
 def _bed_with(bed: JointLaw, name: str, number: float, relative: bool) -> JointLaw:
     found = _named(name)
     assert found is not None
     law = {key: value for key, value in asdict(bed).items() if value is not None}
     if found.coordinate or (found.key not in law and found.key not in asdict(bed)):
         raise InputError(f"{name}: unknown name, must be of the law of a joint: {', '.join(asdict(bed))}")
-    return bed_from(name.rpartition(".")[0], {**law, found.key: _moved(name, law.get(found.key), number, relative)})
+    return bed_from(name.rpartition(".")[0], {**law, found.key: varied(name, law.get(found.key), number, relative)})
 
 
 def scale_neighbours(data: Mapping[str, Any], factor: float) -> None:
