@@ -47,6 +47,7 @@ def package(name: str) -> Path:
     return Path(spec.origin).parent
 
 
+@pytest.mark.campaign
 def test_the_table_of_masters_has_every_cell_run_or_the_reason_why_not(
     fmus: Fmus, native: Path, native3: Path, native_coupled: Path, tmp_path: Path
 ) -> None:

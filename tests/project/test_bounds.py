@@ -84,7 +84,7 @@ def test_an_array_that_is_too_short_for_an_entry_is_said() -> None:
     assert last.endswith(": element 3 of 3")
 
 
-@pytest.mark.long  # compiles kernels
+@pytest.mark.campaign  # compiles kernels twice
 def test_a_run_has_the_same_bits_with_checks() -> None:
     assert elsewhere("simulate", str(DAMPED), **bounds.CHECKED) == elsewhere("simulate", str(DAMPED))
 
