@@ -18,7 +18,7 @@ ABLATIONS["all of these"] = {"without": SKIPS}
 
 
 def measure(reference: Reference, budget: float) -> list[dict[str, Any]]:
-    """One row with all short cuts, named `as it is`, and one without each."""
+    """Measure one row with all short cuts, named `as it is`, and one without each."""
     rows = []
     for name, arguments in {"as it is": {}, **ABLATIONS}.items():
         row: dict[str, Any] = {"scene": reference.scene.title, "without": name}

@@ -35,7 +35,7 @@ SMALL = 0.03  # rad: below this the polynomials are exact to rounding
 
 
 def rows_of(column: Column) -> Array:
-    """The column as `accelerations` takes it, (n * BLOCK_FIELDS,)."""
+    """Return the column as `accelerations` takes it, (n * BLOCK_FIELDS,)."""
     rows = [
         (
             block.height,
@@ -53,13 +53,13 @@ def rows_of(column: Column) -> Array:
 
 
 def scratch_of(column: Column) -> Array:
-    """Scratch array for `accelerations`."""
+    """Return scratch array for `accelerations`."""
     return np.zeros(SCRATCH_FIELDS * column.n)
 
 
 @_leaf
 def _place(index):
-    """The index, known not to be negative."""
+    """Return the index, known not to be negative."""
     return index & 0xFFFFFFFFFF
 
 
@@ -102,7 +102,7 @@ def _joint_forces(stiffness, width, depth, damping, opening, slope, opening_rate
 
 @njit(**OPTIONS)
 def accelerations(rows, n, gravity, x, o, base, work):
-    """Accelerations of the phase at x[o:] (6 n), from its coordinates and rates; returns nothing.
+    """Compute the accelerations of the phase at x[o:] (6 n) from its coordinates and rates.
 
     base: (a_x, a_z, theta, omega, alpha), m/s2, rad clockwise, rad/s, rad/s2. work holds the resultants afterwards.
     """
@@ -228,7 +228,7 @@ def accelerations(rows, n, gravity, x, o, base, work):
 
 @njit(**OPTIONS)
 def repeat(rows, n, gravity, phases, rounds, base, work):
-    """`rounds` times the accelerations of the phases, flat, one after the other."""
+    """Compute the accelerations of the phases, flat, one after the other, `rounds` times."""
     for _ in range(rounds):
         for k in range(phases.size // (PHASE_FIELDS * n)):
             accelerations(rows, n, gravity, phases, k * PHASE_FIELDS * n, base, work)

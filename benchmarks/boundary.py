@@ -43,7 +43,9 @@ class Case(NamedTuple):
 
 
 def drawn(rng: np.random.Generator, kind: str) -> Case:
-    """A column of 1 to 6 drums or blocks, slender, damped; a wavelet or a burst, with a peak that tips the column."""
+    """Return a column of 1 to 6 drums or blocks, slender, damped; a wavelet or a burst, with a peak that tips the
+    column.
+    """
     n = int(rng.integers(1, 7))
     height, slenderness = 10.0 ** rng.uniform(0.2, 1.2), rng.uniform(3.5, 10.0)
     width = height / slenderness
@@ -79,7 +81,7 @@ def drawn(rng: np.random.Generator, kind: str) -> Case:
 
 
 def cases(kind: str, count: int, seed: int = SEED) -> list[Case]:
-    """`count` cases, `SCALES` of each column that stands at rest and overturns at some scale."""
+    """Return `count` cases, `SCALES` of each column that stands at rest and overturns at some scale."""
     rng = np.random.default_rng([seed, KINDS.index(kind)])
     tried: list[Case] = []
     while len(tried) < math.ceil(DRAWN_PER_WANTED * count / SCALES):
@@ -107,7 +109,7 @@ def cases(kind: str, count: int, seed: int = SEED) -> list[Case]:
 
 
 def judged(case: Case) -> tuple[str, float, float]:
-    """The verdict at the default settings; of a column said to stand how far, and when it falls after all.
+    """Return the verdict at the default settings; of a column said to stand how far, and when it falls after all.
 
     How far: the largest slip of a joint since, over what the energy then left would move it by against friction under
     its whole weight. When: s after the motion, NaN if it stands for `LONGER`.
@@ -129,7 +131,7 @@ def judged(case: Case) -> tuple[str, float, float]:
 
 
 def measure_kind(kind: str, count: int) -> dict[str, Any]:
-    """How many columns of a kind are undecided, how many of those that stand fall later, and how far they creep."""
+    """Count how many columns of a kind are undecided, how many that stand fall later, and how far they creep."""
     found = [judged(case) for case in cases(kind, count)]
     words = Counter(word for word, _, _ in found)
     late = sum(word == STANDING and not math.isnan(fall) for word, _, fall in found)
@@ -138,7 +140,7 @@ def measure_kind(kind: str, count: int) -> dict[str, Any]:
 
 
 def line_of(row: dict[str, Any]) -> str:
-    """A kind in a line."""
+    """Return a kind in a line."""
     words = ", ".join(f"{count} {word}" for word, count in sorted(row["words"].items()))
     share = row["words"].get(UNDECIDED, 0) / row["columns"]
     text = f"{row['columns']} runs {row['kind']}: {words} ({share:.1%} undecided); {row['wrong']} of those that stand "
@@ -150,6 +152,6 @@ def line_of(row: dict[str, Any]) -> str:
 
 
 def measure(quick: bool) -> Iterator[dict[str, Any]]:
-    """All kinds, one after the other."""
+    """Measure all kinds, one after the other."""
     for kind, count in zip(KINDS, QUICK_COUNTS if quick else COUNTS, strict=True):
         yield measure_kind(kind, count)

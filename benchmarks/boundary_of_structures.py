@@ -63,7 +63,7 @@ class Judged(NamedTuple):
 
 
 def drawn(rng: np.random.Generator, kind: str) -> Case:
-    """A damped structure of a kind, and a sine or a burst that tips a block of its slenderness."""
+    """Return a damped structure of a kind, and a sine or a burst that tips a block of its slenderness."""
     law: dict[str, Any] = {"stiffness": 10.0 ** rng.uniform(8.7, 10.0), "damping": 10.0 ** rng.uniform(-3.0, -2.3)}
     if kind.endswith(FRICTION):
         law["friction"] = float(rng.uniform(0.3, 0.8))
@@ -154,7 +154,7 @@ DRAWN = {
 
 
 def judged(case: Case) -> Judged:
-    """The verdicts of a case, and whether it falls after all. Raises SolverError."""
+    """Return the verdicts of a case, and whether it falls after all. Raises SolverError."""
     structure, motion = case
     stepper, _ = begun(structure, motion)
     stepper.run(motion, motion.start, motion.end, np.zeros(0))
@@ -171,7 +171,7 @@ def judged(case: Case) -> Judged:
 
 
 def falls(case: Case, scale: float) -> bool:
-    """Whether a structure overturns under its motion at this scale. Raises SolverError."""
+    """Return True if a structure overturns under its motion at this scale. Raises SolverError."""
     motion = case.motion.scaled(scale)
     stepper, _ = begun(case.structure, motion)
     stepper.run(motion, motion.start, motion.end, np.zeros(0))
@@ -179,7 +179,7 @@ def falls(case: Case, scale: float) -> bool:
 
 
 def judged_near(kind: str, number: int) -> list[Judged]:
-    """Verdicts of `SCALES` runs near the boundary of a structure, the first drawn that rests and falls."""
+    """Return the verdicts of `SCALES` runs near the boundary of a structure, the first drawn that rests and falls."""
     rng = np.random.default_rng([SEED, list(KINDS).index(kind), number])
     while True:
         case = drawn(rng, kind)
@@ -198,7 +198,7 @@ def judged_near(kind: str, number: int) -> list[Judged]:
 
 
 def measure_kind(kind: str, count: int) -> dict[str, Any]:
-    """How many structures of a kind are undecided, how many of those that stand fall later."""
+    """Count how many structures of a kind are undecided, how many of those that stand fall later."""
     with ThreadPoolExecutor(cores()) as pool:
         found = [one for near in pool.map(lambda number: judged_near(kind, number), range(count)) for one in near]
     words, in_lanes = (Counter(getattr(one, name) for one in found) for name in ("word", "in_lanes"))
@@ -209,6 +209,6 @@ def measure_kind(kind: str, count: int) -> dict[str, Any]:
 
 
 def measure(quick: bool) -> Iterator[dict[str, Any]]:
-    """All kinds, one after the other."""
+    """Measure all kinds, one after the other."""
     for kind, count in (QUICK_KINDS if quick else KINDS).items():
         yield measure_kind(kind, count)

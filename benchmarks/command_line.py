@@ -51,7 +51,7 @@ def say(text: str) -> None:
 
 
 def measure_work_precision(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Error against time in every scene."""
+    """Measure error against time in every scene."""
     rivals, missing = competitors(quick)
     results["absent"] |= missing
     rows: list[dict[str, Any]] = []
@@ -82,7 +82,7 @@ def measure_work_precision(wanted: Scenes, quick: bool, results: Results) -> Ite
 
 
 def described(entry: dict[str, Any]) -> str:
-    """One comparison at equal error in one line."""
+    """Return one comparison at equal error in one line."""
     if entry["speed_up"] is None:
         return f"error {entry['error']:.0e}: not reached by {'any other' if entry['best'] is None else 'auto'}"
     auto, other = (
@@ -93,7 +93,7 @@ def described(entry: dict[str, Any]) -> str:
 
 
 def measure_opensees(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """OpenSees on Phocas under 0.05 g at 2 Hz."""
+    """Measure OpenSees on Phocas under 0.05 g at 2 Hz."""
     runs = {"damped": forced(0.05, 2.0), "undamped": forced(0.05, 2.0, damping=0.0)}
     results["opensees"] = opensees.measure(runs)
     if "absent" in results["opensees"]:
@@ -102,7 +102,7 @@ def measure_opensees(wanted: Scenes, quick: bool, results: Results) -> Iterator[
 
 
 def measure_evaluation(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """One evaluation, alone and in lanes, against C and the earlier recursion."""
+    """Measure one evaluation, alone and in lanes, against C and the earlier recursion."""
     results["evaluation"] = evaluation.measure(evaluation.SIZES[:2] if quick else evaluation.SIZES)
     if "absent" in results["evaluation"]:
         results["absent"]["evaluation in C"] = results["evaluation"]["absent"]
@@ -110,19 +110,19 @@ def measure_evaluation(wanted: Scenes, quick: bool, results: Results) -> Iterato
 
 
 def measure_lanes(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """One evaluation in lanes by instruction set."""
+    """Measure one evaluation in lanes by instruction set."""
     results["lanes"] = evaluation.measure_lanes(evaluation.SIZES[:1] if quick else evaluation.SIZES[:2])
     yield
 
 
 def measure_scaling(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Cost per block."""
+    """Measure the cost per block."""
     results["scaling"] = scaling.measure(quick)
     yield
 
 
 def measure_verdicts(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Standing or falling at every tolerance, in the damped scenes; undecided and wrong near the boundary."""
+    """Compare standing or falling at every tolerance, in the damped scenes; undecided and wrong near the boundary."""
     results["verdicts"] = []
     results.setdefault("boundary", [])
     for scene in (*wanted, falling()):
@@ -136,7 +136,7 @@ def measure_verdicts(wanted: Scenes, quick: bool, results: Results) -> Iterator[
 
 
 def measure_verdicts_in_space(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Structures in space near the boundary: undecided and wrong verdicts."""
+    """Measure structures in space near the boundary: undecided and wrong verdicts."""
     for row in boundary_of_structures.measure(quick):
         results.setdefault("boundary", []).append(row)
         say(boundary.line_of(row))
@@ -144,7 +144,7 @@ def measure_verdicts_in_space(wanted: Scenes, quick: bool, results: Results) -> 
 
 
 def measure_damped_columns(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Error of well-damped columns (tolerances), and how much the motion amplifies a small change."""
+    """Measure the error of well-damped columns (tolerances), and how much the motion amplifies a small change."""
     results["damped-columns"] = []
     count = damped_columns.QUICK_CASES if quick else damped_columns.CASES
     random = (damped_columns.drawn(damped_columns.SEED, number) for number in range(count))
@@ -157,7 +157,7 @@ def measure_damped_columns(wanted: Scenes, quick: bool, results: Results) -> Ite
 
 
 def measure_sliding(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Error against evaluations where joints slide, compared with friction that is regularized less and less."""
+    """Measure error against evaluations where joints slide, compared with ever less regularized friction."""
     results["sliding"] = []
     for row in sliding.measured(quick):
         results["sliding"].append(row)
@@ -179,7 +179,7 @@ def measure_ablation(wanted: Scenes, quick: bool, results: Results) -> Iterator[
 
 
 def measure_energy(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Energy of undamped elastic motion over 10^6 periods."""
+    """Measure the energy of undamped elastic motion over 10^6 periods."""
     results["energy"] = []
     for row in energy.measure(quick):
         results["energy"].append(row)
@@ -187,14 +187,14 @@ def measure_energy(wanted: Scenes, quick: bool, results: Results) -> Iterator[No
 
 
 def measure_studies(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Many runs: throughput, cores, a study, Figure 3, memory."""
+    """Measure many runs: throughput, cores, a study, Figure 3, memory."""
     for found in studies.measure(quick):
         results["studies"] = found
         yield
 
 
 def measure_executors(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Equal runs by threads, by processes and on Dask."""
+    """Measure equal runs by threads, by processes and on Dask."""
     results["executors"] = executors.measure(quick)
     if "absent" in results["executors"]:
         results["absent"]["executors"] = results["executors"]["absent"]
@@ -202,7 +202,7 @@ def measure_executors(wanted: Scenes, quick: bool, results: Results) -> Iterator
 
 
 def measure_trust(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Peaks against rows, pulses after their end, shares that fall near the edge."""
+    """Compare peaks with rows, pulses after their end, shares that fall near the edge."""
     for found in trust.measure(quick):
         results["trust"] = found
         yield
@@ -218,22 +218,22 @@ def _measured(part: str, tables: Iterable[in_space.Table], results: Results) -> 
 
 
 def measure_space(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Structures in space: accuracy, cost, compilation."""
+    """Measure structures in space: accuracy, cost, compilation."""
     return _measured("space", in_space.measure(quick), results)
 
 
 def measure_neighbours(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Blocks that meet across a gap."""
+    """Measure blocks that meet across a gap."""
     return _measured("neighbours", neighbours.measure(quick), results)
 
 
 def measure_engines(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Structures in space against physics engines."""
+    """Compare structures in space with physics engines."""
     return _measured("engines", [engines.against_engines(quick)], results)
 
 
 def measure_peers(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
-    """Rigid blocks by this solver, MuJoCo and LMGC90."""
+    """Compare rigid blocks by this solver, MuJoCo and LMGC90."""
     panels: dict[str, peers.Points] = {}
     for _ in _measured("peers", peers.measure(quick, panels), results):
         results["peers-points"] = dict(panels)
@@ -264,7 +264,7 @@ PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
 
 
 def plain(value: Any) -> Any:
-    """The value with None for NaN and infinity, which JSON cannot hold."""
+    """Return the value with None for NaN and infinity, which JSON cannot hold."""
     if isinstance(value, dict):
         return {key: plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -273,13 +273,13 @@ def plain(value: Any) -> Any:
 
 
 def write(results: Results, folder: Path) -> None:
-    """Everything measured so far, as JSON and Markdown."""
+    """Write everything measured so far, as JSON and Markdown."""
     (folder / "results.json").write_text(json.dumps(plain(results), indent=1, allow_nan=False) + "\n")
     (folder / "report.md").write_text(report.report(results))
 
 
 def draw(results: Results, folder: Path) -> None:
-    """The pictures."""
+    """Draw the pictures."""
     drawn = [scene for scene in results.get("work-precision", {}).get("scenes", []) if "points" in scene]
     if drawn:
         plots.work_precision(drawn, folder / "work-precision.png")

@@ -64,7 +64,7 @@ class Competitor:
 
 
 def grid(duration: float) -> Array:
-    """The output times of a scene, s."""
+    """Return the output times of a scene, s."""
     times: Array = OUTPUT_STEP * np.arange(math.floor(duration / OUTPUT_STEP + 1e-9) + 1, dtype=np.float64)
     return times
 
@@ -73,7 +73,7 @@ def grid(duration: float) -> Array:
 
 
 def own(**options: Any) -> Solve:
-    """`simulate` at a tolerance, with other options of it."""
+    """Return `simulate` at a tolerance, with other options of it."""
 
     def solve(scene: Scene, times: Array, value: float, budget: float) -> Result:
         given: dict[str, Any] = {
@@ -94,7 +94,7 @@ def own(**options: Any) -> Solve:
 
 
 def general(prepare: Prepare) -> Solve:
-    """A competitor from its way of preparing a problem."""
+    """Return a competitor from its way of preparing a problem."""
 
     def solve(scene: Scene, times: Array, value: float, budget: float) -> Result:
         problem = Problem(scene, times)
@@ -111,7 +111,7 @@ def general(prepare: Prepare) -> Solve:
 
 
 def numbalsoda(name: str) -> Prepare:
-    """Integrators of the package numbalsoda, Fortran and C++, called with the address of the right-hand side."""
+    """Return integrators of the package numbalsoda, Fortran and C++, called with the address of the right-hand side."""
     import numbalsoda as package
 
     integrator = getattr(package, name)
@@ -131,7 +131,7 @@ def numbalsoda(name: str) -> Prepare:
 
 
 def sundials(method: str) -> Prepare:
-    """CVODE of SUNDIALS with one of its methods."""
+    """Return CVODE of SUNDIALS with one of its methods."""
     from .cvode import Cvode
 
     cvode = Cvode(method)
@@ -151,7 +151,7 @@ def sundials(method: str) -> Prepare:
 
 
 def scipy(method: str) -> Prepare:
-    """Integrators of scipy, which call the right-hand side from Python."""
+    """Return integrators of scipy, which call the right-hand side from Python."""
     from scipy.integrate import solve_ivp
 
     def prepare(problem: Problem, tolerance: float) -> Callable[[], Array]:
@@ -173,12 +173,12 @@ def scipy(method: str) -> Prepare:
 
 
 def tolerances(loosest: int, tightest: int, per_decade: int = 2) -> tuple[float, ...]:
-    """From 10^loosest down to 10^tightest."""
+    """Return tolerances from 10^loosest down to 10^tightest."""
     return tuple(10.0 ** (k / per_decade) for k in range(per_decade * loosest, per_decade * tightest - 1, -1))
 
 
 def competitors(quick: bool = False) -> tuple[list[Competitor], dict[str, str]]:
-    """All competitors, and those not available here with the reason; a quick run leaves out the context."""
+    """Return all competitors, and those not available here with the reason; a quick run leaves out the context."""
     every = tolerances(-2, -12)
     some = tolerances(-3, -7, per_decade=1)
     wanted: list[tuple[str, str, str, tuple[float, ...], Callable[[], Solve]]] = [

@@ -45,7 +45,7 @@ _SIGNATURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
 
 
 def _library() -> c.CDLL:
-    """The library that scikit-sundae brings. Raises ImportError or OSError."""
+    """Return the library that scikit-sundae brings. Raises ImportError or OSError."""
     found = importlib.util.find_spec("sksundae")
     if found is None or found.origin is None:
         raise ImportError("No module named 'sksundae'")
@@ -79,7 +79,7 @@ class Cvode:
         self.follow = _follower(self.library)
 
     def prepare(self, problem: Problem, tolerance: float, most_steps: int) -> Callable[[], tuple[Array, int]]:
-        """() -> (unknowns (nt, 4n), code of CVODE: negative for a failure), to be timed."""
+        """Return () -> (unknowns (nt, 4n), code of CVODE: negative for a failure), to be timed."""
         size = problem.start.size
 
         def integrate() -> tuple[Array, int]:
@@ -114,7 +114,7 @@ class Cvode:
 
 
 def _rates_of_vectors(library: c.CDLL) -> Any:
-    """The right-hand side as CVODE calls it: int f(double t, N_Vector y, N_Vector dydt, void *data)."""
+    """Return the right-hand side as CVODE calls it: int f(double t, N_Vector y, N_Vector dydt, void *data)."""
     entries = library.N_VGetArrayPointer
     entries.restype, entries.argtypes = c.POINTER(c.c_double), (_handle,)
 
@@ -127,7 +127,7 @@ def _rates_of_vectors(library: c.CDLL) -> Any:
 
 
 def _follower(library: c.CDLL) -> Any:
-    """The loop over the output times, compiled."""
+    """Return the loop over the output times, compiled."""
     advance = library.CVode
     advance.restype, advance.argtypes = _int, (_handle, _real, _handle, _handle, _int)
 

@@ -41,7 +41,7 @@ FILES = (
 
 
 def fixed() -> Iterator[Scene]:
-    """Phocas in mortar: under a harmonic motion, and under a record where there is one."""
+    """Yield Phocas in mortar: under a harmonic motion, and under a record where there is one."""
     column = shaft(3, 0.05)
     duration = 6.0
     yield Scene("mortar", "Phocas, eta 0.05 s, 0.2 g 1.5 Hz", column, Motion.harmonic(0.2 * G, 1.5, duration), duration)
@@ -52,7 +52,7 @@ def fixed() -> Iterator[Scene]:
 
 
 def drawn(seed: int, number: int) -> Scene:
-    """A random column under a record that makes it rock, or under a harmonic motion where there is no record."""
+    """Return a random column under a record that makes it rock, or under a harmonic motion where there is no record."""
     rng = np.random.default_rng([seed, number])
     n = int(rng.integers(1, 7))
     side = rng.uniform(0.8, 2.0)
@@ -78,7 +78,7 @@ def drawn(seed: int, number: int) -> Scene:
 
 
 def nudged(scene: Scene, part: float) -> Scene:
-    """The scene with motion and stiffnesses changed by a relative amount, smaller than their uncertainty."""
+    """Return the scene with motion and stiffnesses changed by a relative amount, smaller than their uncertainty."""
     blocks = tuple(
         replace(block, joint=replace(block.joint, stiffness=block.joint.stiffness * (1.0 + (-1) ** i * part)))
         for i, block in enumerate(scene.column.blocks)
@@ -87,12 +87,12 @@ def nudged(scene: Scene, part: float) -> Scene:
 
 
 def run(scene: Scene, tolerance: float, without: tuple[str, ...] = ()) -> Response:
-    """The scene at a tolerance."""
+    """Run the scene at a tolerance."""
     return simulate(scene.column, scene.motion, scene.duration, tolerance=tolerance, without=without, settle=0.0)
 
 
 def deviation(one: Response, reference: Response) -> float:
-    """Largest difference of ux while both stand, part of the reference's peak until then."""
+    """Return the largest difference of ux while both stand, part of the reference's peak until then."""
     falls = [response.overturn_time - BEFORE_FALL for response in (one, reference) if response.overturned]
     rows = int(np.searchsorted(reference.time, min(falls, default=math.inf)))
     if rows == 0:
@@ -102,13 +102,17 @@ def deviation(one: Response, reference: Response) -> float:
 
 
 def amplification(scene: Scene, reference: Response, part: float) -> float:
-    """Ratio of the relative change of the response to this relative change; infinity if the verdict changes."""
+    """Return the ratio of the relative change of the response to this relative change; infinity if the verdict
+    changes.
+    """
     other = run(nudged(scene, part), REFERENCE_TOLERANCE, WITHOUT)
     return deviation(other, reference) / abs(part) if other.overturned == reference.overturned else math.inf
 
 
 def measure(scene: Scene, tolerances: tuple[float, ...] = TOLERANCES) -> dict[str, Any]:
-    """Amplification and verdict of a scene, and a row for each tolerance: error in tolerances, verdict, evaluations."""
+    """Measure amplification and verdict of a scene, and a row for each tolerance: error in tolerances, verdict,
+    evaluations.
+    """
     reference = run(scene, REFERENCE_TOLERANCE, WITHOUT)
     rows: list[dict[str, Any]] = []
     for tolerance in tolerances:
@@ -135,7 +139,9 @@ def measure(scene: Scene, tolerances: tuple[float, ...] = TOLERANCES) -> dict[st
 
 
 def failures(found: dict[str, Any]) -> list[str]:
-    """Failures: a large error or another verdict where the motion can be predicted, and any run that stopped early."""
+    """Return the failures: a large error or another verdict where the motion can be predicted, and any run that stopped
+    early.
+    """
     predictable = found["amplification"] < PREDICTABLE
     said = []
     for row in found["rows"]:
@@ -150,12 +156,12 @@ def failures(found: dict[str, Any]) -> list[str]:
 
 
 def verdict(row: dict[str, Any]) -> str:
-    """The verdict in a word."""
+    """Return the verdict in a word."""
     return "falls" if row["overturned"] else "stands"
 
 
 def summary(found: dict[str, Any]) -> str:
-    """One scene in one line."""
+    """Return one scene in one line."""
     parts = [
         "gave up"
         if "failure" in row

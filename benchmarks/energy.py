@@ -22,7 +22,7 @@ SIZES = (1, 3)  # blocks
 
 
 def columns_of(column: Column) -> Array:
-    """Height, centroid, mass, inertia of the blocks, stiffness, width, depth of the joints, (7, n)."""
+    """Return the height, centroid, mass, inertia of the blocks, stiffness, width, depth of the joints, (7, n)."""
     return np.array(
         [
             (
@@ -40,7 +40,7 @@ def columns_of(column: Column) -> Array:
 
 
 def energy(stepper: Stepper, columns: Array) -> float:
-    """Kinetic, elastic and gravitational, J; columns: those of `columns_of`."""
+    """Return the kinetic, elastic and gravitational, J; columns: those of `columns_of`."""
     height, centroid, mass, inertia, stiffness, width, depth = columns
     g, phase = stepper.model.settings.gravity, stepper.state.phase
     turn, opening, spin, opening_rate = phase.theta, phase.opening, phase.theta_rate, phase.opening_rate
@@ -71,7 +71,7 @@ def energy(stepper: Stepper, columns: Array) -> float:
 
 
 def measure(quick: bool) -> Iterator[dict[str, Any]]:
-    """One row per column and amplitude: the relative change of the energy above that at rest."""
+    """Measure one row per column and amplitude: the relative change of the energy above that at rest."""
     periods = QUICK_PERIODS if quick else PERIODS
     for n in SIZES:
         column = shaft(n, damping=0.0)

@@ -29,7 +29,7 @@ REPEATS = 3
 
 
 class Task(NamedTuple):
-    """What is asked of every program; the base moves by amplitude sin(2 pi frequency t) for a duration."""
+    """The task of every program; the base moves by amplitude sin(2 pi frequency t) for a duration."""
 
     name: str
     sizes: Sizes
@@ -41,7 +41,7 @@ class Task(NamedTuple):
     far: float | None  # m, where the top block is in the end, of rigid blocks; None: not known
 
     def acceleration(self, t: float) -> float:
-        """Of the base, m/s2."""
+        """Return the acceleration of the base, m/s2."""
         return self.amplitude * G * math.sin(2.0 * math.pi * self.frequency * t) if t < self.duration else 0.0
 
 
@@ -55,7 +55,7 @@ Run = tuple[Array, float]  # ux of the top block at the rows, m; s of the steps 
 
 
 def here(task: Task, tolerance: float) -> Run:
-    """By this solver, with a friction that gives way in the slab and none in the column, which does not slide."""
+    """Solve by this solver, with a friction that gives way in the slab and none in the column, which does not slide."""
     modulus = MODULI[task.name]
     if modulus is None:
         structure = boxes()
@@ -71,7 +71,7 @@ def here(task: Task, tolerance: float) -> Run:
 
 
 def by_mujoco(task: Task, step: float, time_constant: float, ratio: float) -> Run:
-    """By boxes with soft contacts of this time constant, s; ratio: stiffness of friction over that across."""
+    """Solve by boxes with soft contacts of this time constant, s; ratio: stiffness of friction over that across."""
     import mujoco
 
     bodies, level = [], 0.0
@@ -96,7 +96,7 @@ def by_mujoco(task: Task, step: float, time_constant: float, ratio: float) -> Ru
 
 
 def by_bullet(task: Task, step: float) -> Run:
-    """By PyBullet's boxes, 50 iterations of its solver a step."""
+    """Solve by PyBullet's boxes, 50 iterations of its solver a step."""
     import pybullet
 
     pybullet.connect(pybullet.DIRECT)
@@ -148,7 +148,10 @@ class Point(NamedTuple):
 
 
 def point_of(way: Callable[[float], Run], settings: Sequence[float], far: float | None) -> Point | str:
-    """Of the settings, the tightest last, the first from which on all are within EQUAL_ERROR; or the least error."""
+    """Choose of the settings, the tightest last, the first from which on all are within EQUAL_ERROR.
+
+    Or the least error.
+    """
     found = [way(setting) for setting in settings]
     best = found[-1][0]
     peak = float(np.max(np.abs(best)))
@@ -167,7 +170,7 @@ def point_of(way: Callable[[float], Run], settings: Sequence[float], far: float 
 
 
 def against_engines(quick: bool) -> Table:
-    """Both tasks by all programs that are installed."""
+    """Solve both tasks by all programs that are installed."""
     steps = QUICK_STEPS if quick else STEPS
     rows = []
     for task in TASKS:

@@ -71,7 +71,7 @@ def _repeat(n, model, phases, count, rounds, scratch, motion):
 
 @from_python
 def repeat(n, model, phases, rounds, base, scratch):
-    """`rounds` times the accelerations of the phases, flat, one after the other."""
+    """Compute the accelerations of the phases, flat, one after the other, `rounds` times."""
     motion = Motion(base[0], base[1], base[2], base[3], base[4])
     count = phases.size // (PHASE_FIELDS * n)
     _repeat(n, row_of(model), row_of(phases), count, rounds, row_of(scratch), motion)
@@ -79,7 +79,7 @@ def repeat(n, model, phases, rounds, base, scratch):
 
 @from_python
 def repeat_in_lanes(n, model, phases, rounds, base, scratch):
-    """`repeat` for phases (..., 8), flat, of eight columns at once, and models, scratch and base (..., 8)."""
+    """Run `repeat` for phases (..., 8), flat, of eight columns at once, and models, scratch and base (..., 8)."""
     lanes = lanes_of(base)
     motion = Motion(lanes[0], lanes[1], lanes[2], lanes[3], lanes[4])
     count = phases.size // (PHASE_FIELDS * n * WIDTH)
@@ -87,34 +87,34 @@ def repeat_in_lanes(n, model, phases, rounds, base, scratch):
 
 
 def scratch(n: int) -> Array:
-    """Scratch arrays of one evaluation."""
+    """Return scratch arrays of one evaluation."""
     return np.zeros(SCRATCH.size(n))
 
 
 def phase_of(q: Array, rate: Array) -> Array:
-    """The phase of a column with these coordinates and rates (2n,); accelerations and slips are zero."""
+    """Return the phase of a column with these coordinates and rates (2n,); accelerations and slips are zero."""
     return np.concatenate([q, rate, np.zeros(at.PHASE.size(len(q) // 2) - 2 * len(q))])
 
 
 def in_lanes(rows: Array, size: int) -> Array:
-    """Rows of `size` numbers, flat, in groups of eight columns: number i of all eight, then number i + 1."""
+    """Return the rows of `size` numbers, flat, in groups of eight columns: number i of all eight, then number i + 1."""
     return np.ascontiguousarray(rows.reshape(-1, WIDTH, size).swapaxes(1, 2)).ravel()
 
 
 def lined_up(lanes: Array) -> Array:
-    """A copy aligned in memory as the lanes of runs are."""
+    """Return a copy aligned in memory as the lanes of runs are."""
     copy = aligned(lanes.size)
     copy[:] = lanes
     return copy
 
 
 def out_of_lanes(lanes: Array, size: int) -> Array:
-    """The inverse of `in_lanes`."""
+    """Return the inverse of `in_lanes`."""
     return np.ascontiguousarray(lanes.reshape(-1, size, WIDTH).swapaxes(1, 2)).ravel()
 
 
 def states_of_a_run(column: Column, count: int = STATES, spacing: float = SPACING) -> Array:
-    """Phases, flat, that a rocking column passes through, `spacing` s apart: branches as in a run."""
+    """Return the phases, flat, that a rocking column passes through, `spacing` s apart: branches as in a run."""
     stepper = Stepper(column)
     stepper.base.wave_amplitude = 0.1 * G
     stepper.base.wave_omega = 2.0 * math.pi
@@ -130,14 +130,14 @@ def states_of_a_run(column: Column, count: int = STATES, spacing: float = SPACIN
 
 
 def kernel_loop(column: Column, phases: Array) -> Callable[[], None]:
-    """The solver's kernel for one column."""
+    """Return the solver's kernel for one column."""
     n, model, room = column.n, pack_model(column).copy(), scratch(column.n)
     repeat(n, model, phases, 1, BASE, room)
     return lambda: repeat(n, model, phases, PASSES, BASE, room)
 
 
 def lanes_loop(column: Column, phases: Array) -> Callable[[], None]:
-    """The solver's kernel in lanes: eight columns of one kind in eight of the phases, which stay unchanged."""
+    """Return the solver's kernel in lanes: eight columns of one kind in eight of the phases, which stay unchanged."""
     n = column.n
     model = lined_up(np.repeat(pack_model(column), WIDTH))
     base, room = lined_up(np.repeat(BASE, WIDTH)), lined_up(np.repeat(scratch(n), WIDTH))
@@ -147,7 +147,7 @@ def lanes_loop(column: Column, phases: Array) -> Callable[[], None]:
 
 
 def articulated_loop(column: Column, phases: Array) -> Callable[[], None]:
-    """The earlier recursion."""
+    """Return the earlier recursion."""
     rows, n, gravity, room = articulated.rows_of(column), column.n, column.g, articulated.scratch_of(column)
     base = tuple(BASE.tolist())
     articulated.repeat(rows, n, gravity, phases, 1, base, room)
@@ -155,7 +155,7 @@ def articulated_loop(column: Column, phases: Array) -> Callable[[], None]:
 
 
 def c_loop(library: Any, column: Column, phases: Array) -> Callable[[], None]:
-    """The kernel's arithmetic in C."""
+    """Return the kernel's arithmetic in C."""
     model, room = pack_model(column).copy(), scratch(column.n)
     count = phases.size // at.PHASE.size(column.n)
     library.repeat(model, phases, count, 1, BASE, room)
@@ -166,7 +166,9 @@ def c_loop(library: Any, column: Column, phases: Array) -> Callable[[], None]:
 
 
 def _definitions() -> list[str]:
-    """Positions of fields in the arrays, for the compiler: number in a record, or first element for n blocks."""
+    """Return the positions of fields in the arrays, for the compiler: number in a record, or first element for n
+    blocks.
+    """
     found: dict[str, Any] = {"SMALL": numbers.SMALL, "PHASE_FIELDS": PHASE_FIELDS, "JOINT_ROW": JOINT_ROW.beside}
     found |= {name: value for name, value in vars(regimes).items() if name.isupper()}
 
@@ -189,7 +191,7 @@ def _definitions() -> list[str]:
 
 
 def compiled_c(folder: Path) -> Any:
-    """The library of evaluation.c, compiled into a folder. Raises OSError if it cannot be compiled."""
+    """Return the library of evaluation.c, compiled into a folder. Raises OSError if it cannot be compiled."""
     compiler = shutil.which("cc") or shutil.which("gcc")
     if compiler is None:
         raise OSError("no C compiler")
@@ -210,13 +212,15 @@ def compiled_c(folder: Path) -> Any:
 
 
 def difference(one: Array, other: Array, n: int) -> float:
-    """Largest difference of the accelerations in two arrays of phases, in parts of the largest of each phase."""
+    """Return the largest difference of the accelerations in two arrays of phases, in parts of the largest of each
+    phase.
+    """
     mine, others = (phases.reshape(-1, PHASE_FIELDS * n)[:, 4 * n : 6 * n] for phases in (one, other))
     return float(np.max(np.abs(mine - others) / np.max(np.abs(mine), axis=1, keepdims=True)))
 
 
 def instructions() -> str:
-    """Instruction set that lanes use on this processor, by the names of the targets."""
+    """Return the instruction set that lanes use on this processor, by the names of the targets."""
     features = get_host_cpu_features()
     known = {"AVX-512": "avx512f", "AVX2": "avx2", "SSE2": "sse2"}
     return next((name for name, feature in known.items() if features.get(feature)), platform.machine())
@@ -235,7 +239,9 @@ def measure_kernel(sizes: tuple[int, ...] = SIZES) -> list[dict[str, Any]]:
 
 
 def measure_lanes(sizes: tuple[int, ...]) -> dict[str, list[dict[str, Any]]]:
-    """`measure_kernel` by instruction set: this processor's, and smaller ones in processes that compile for them."""
+    """Run `measure_kernel` by instruction set: this processor's, and smaller ones in processes that compile
+    for them.
+    """
     found = {instructions(): measure_kernel(sizes)}
     if platform.machine() not in ("x86_64", "AMD64"):
         return found
@@ -252,7 +258,7 @@ def measure_lanes(sizes: tuple[int, ...]) -> dict[str, list[dict[str, Any]]]:
 
 
 def round_ratio() -> float:
-    """How many times as long an evaluation of three blocks takes if their joints are circles, not rectangles."""
+    """Return how many times as long an evaluation of three blocks takes if their joints are circles, not rectangles."""
     square = shaft(3)
     drums = Column("drums", tuple(replace(block, section="circle") for block in square.blocks))
     loops = [kernel_loop(column, states_of_a_run(column)) for column in (square, drums)]

@@ -45,7 +45,7 @@ class Spent:
     workers: float = 0.0  # s of the processor, of the workers
 
     def as_dict(self) -> dict[str, float]:
-        """Runs a second of the clock, in all and in the middle; s of the processor for 1000 runs."""
+        """Return runs per second of the clock, in all and in the middle; s of the processor for 1000 runs."""
         return {
             "runs": self.runs,
             "throughput": self.runs / self.seconds,
@@ -56,13 +56,13 @@ class Spent:
 
 
 def columns_sent(count: int) -> Work:
-    """`count` runs of damped Phocas, whose columns are sent with them."""
+    """Return `count` runs of damped Phocas, whose columns are sent with them."""
     columns, motions, duration = phocas_runs(count, ROCKING)
     return lambda **options: simulate_many(columns, motions, duration=duration, tolerance=TOLERANCE, **options)
 
 
 def numbers_sent(count: int) -> Work:
-    """`count` runs of the fragility study, of which only the numbers are sent."""
+    """Return `count` runs of the fragility study, of which only the numbers are sent."""
     study = Study.from_toml(STUDY).with_runs(count)
     return lambda **options: run_study(study, **options)
 
@@ -90,12 +90,12 @@ def follow(work: Work, options: dict[str, Any], workers: Sequence[Any], spent: S
 
 
 def processor(workers: Sequence[Any]) -> float:
-    """Processor time used by the processes, s."""
+    """Return the processor time used by the processes, s."""
     return sum(sum(worker.cpu_times()[:2]) for worker in workers)
 
 
 def compare(making: Callable[[int], Work], seconds: float) -> dict[str, dict[str, float]]:
-    """Throughput and times by each way, in rounds of about `seconds` s. Raises InputError without Dask."""
+    """Compare throughput and times by each way, in rounds of about `seconds` s. Raises InputError without Dask."""
     import psutil  # installed with Dask
 
     def children() -> set[Any]:
@@ -127,7 +127,7 @@ def compare(making: Callable[[int], Work], seconds: float) -> dict[str, dict[str
 
 
 def measure(quick: bool) -> dict[str, Any]:
-    """For each scene the comparison of all ways, or the reason why it is not measured."""
+    """Measure for each scene the comparison of all ways, or the reason why it is not measured."""
     try:
         return {scene: compare(making, QUICK_SECONDS if quick else SECONDS) for scene, making in SCENES.items()}
     except (InputError, ModuleNotFoundError) as error:
@@ -135,7 +135,7 @@ def measure(quick: bool) -> dict[str, Any]:
 
 
 def parts(found: dict[str, dict[str, float]], way: str) -> dict[str, float]:
-    """The throughput of a way in parts of that of threads: of the clock, in the middle, of the processor."""
+    """Return the throughput of a way in parts of that of threads: of the clock, in the middle, of the processor."""
     of, threads = found[way], found["threads"]
     return {
         "clock": of["throughput"] / threads["throughput"],

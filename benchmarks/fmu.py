@@ -1,4 +1,4 @@
-"""What the FMU costs and how it behaves in a master: `python -m benchmarks.fmu [PART ...]`.
+"""Costs of the FMU, and its behaviour in a master: `python -m benchmarks.fmu [PART ...]`.
 
 calls       us to set an input, step 1 ms and read an output, through FMPy, beside a slave that does nothing
 state       us to get and set the state of a column of three blocks
@@ -56,7 +56,7 @@ def main(arguments: list[str] | None = None) -> int:
 def print_parts(
     parser: argparse.ArgumentParser, parts: dict[str, Callable[..., str]], arguments: list[str] | None
 ) -> int:
-    """A line of figures for each of the parts that the command line asks for; returns the exit code."""
+    """Print a line of figures for each of the parts that the command line asks for; returns the exit code."""
     options = parser.parse_args(arguments)
     unknown = set(options.parts) - set(parts)
     if unknown:
@@ -68,7 +68,7 @@ def print_parts(
 
 
 def measured(function: str, *arguments: object) -> Any:
-    """What a function of in_host.py returns in a process of its own."""
+    """Return what a function of in_host.py returns in a process of its own."""
     modules = os.pathsep.join((str(ROOT), str(ROOT / "tests")))
     done = subprocess.run(
         [sys.executable, "-m", "benchmarks.in_host", function, json.dumps(arguments, default=str)],
@@ -95,7 +95,7 @@ NOTHING = """
 
 
 def calls(folder: Path, options: argparse.Namespace) -> str:
-    """Of the PythonFMU, one whose slave does nothing, and the native FMU; others by --fmu."""
+    """Time calls of the PythonFMU, one whose slave does nothing, and the native FMU; others by --fmu."""
     fmus = {"PythonFMU": build_fmu(PHOCAS, folder / "phocas.fmu")}
     fmus["a slave that does nothing"] = _with_slave_methods(fmus["PythonFMU"], folder / "nothing.fmu", NOTHING)
     if importlib.util.find_spec("ziglang"):
@@ -131,7 +131,7 @@ EMPTY = """
 
 
 def getters(folder: Path, options: argparse.Namespace) -> str:
-    """A whole run against the cheapest PythonFMU of the same variables that there can be."""
+    """Time a whole run against the cheapest PythonFMU of the same variables that there can be."""
     toml = folder / "seven.toml"
     toml.write_text(SEVEN_BLOCKS)
     fmu = build_fmu(toml, folder / "seven.fmu")
@@ -142,7 +142,7 @@ def getters(folder: Path, options: argparse.Namespace) -> str:
 
 
 def _with_slave_methods(fmu: Path, target: Path, methods: str) -> Path:
-    """The FMU with other methods in the class of its script, under another name of the script."""
+    """Return the FMU with other methods in the class of its script, under another name of the script."""
     with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as new:
         script = old.read("resources/slavemodule.txt").decode()
         for name in old.namelist():
@@ -159,7 +159,7 @@ def _with_slave_methods(fmu: Path, target: Path, methods: str) -> Path:
 
 
 def cold(folder: Path, options: argparse.Namespace) -> str:
-    """20 s of the damped Phocas by `fmpy simulate`, home and caches new each time; then with the caches kept."""
+    """Time 20 s of the damped Phocas by `fmpy simulate`, home and caches new each time; then with the caches kept."""
     fmu = build_fmu(PHOCAS, folder / "phocas.fmu")
     fresh = min(_command_line(fmu, Path(tempfile.mkdtemp(dir=folder))) for _ in range(options.rounds))
     home = Path(tempfile.mkdtemp(dir=folder))
@@ -169,7 +169,7 @@ def cold(folder: Path, options: argparse.Namespace) -> str:
 
 
 def _command_line(fmu: Path | None, home: Path) -> float:
-    """Seconds of a process at home in a folder; without an FMU, of one that only imports."""
+    """Return the seconds of a process at home in a folder; without an FMU, of one that only imports."""
     command = [sys.executable, "-c", "import fmpy, numpy"]
     if fmu is not None:
         options = ["--stop-time", "20", "--output-interval", "0.02", "--start-values", "base.ax", "0.3"]
@@ -185,7 +185,7 @@ def _command_line(fmu: Path | None, home: Path) -> float:
 
 
 def threads(folder: Path, options: argparse.Namespace) -> str:
-    """Two instances of one FMU, each with one long communication step."""
+    """Time two instances of one FMU, each with one long communication step."""
     fmu = build_fmu(PHOCAS, folder / "phocas.fmu")
     found = measured("threads", fmu, options.rounds)
     one, both = found["one"], found["both"]
@@ -217,7 +217,7 @@ def exits(folder: Path, options: argparse.Namespace) -> str:
 
 
 def memory(folder: Path, options: argparse.Namespace) -> str:
-    """Resident memory before and after."""
+    """Measure the resident memory before and after."""
     fmu = build_fmu(PHOCAS, folder / "phocas.fmu")
     found = measured("memory", fmu, 1000)
     grown, entries = found["bytes"] / 1e6, found["entries"]
@@ -231,12 +231,14 @@ INPUT_STEPS = (0.1, 0.05, 0.04, 0.02, 0.01, 0.005, 0.0025, 0.00125)
 
 
 def inputs(folder: Path, options: argparse.Namespace) -> str:
-    """A motion of noise up to 5 Hz that makes the column rock, sampled at 0.01 s; error at every 0.2 s of 4 s."""
+    """Follow a motion of noise up to 5 Hz that makes the column rock, sampled at 0.01 s; error at every 0.2 s
+    of 4 s.
+    """
     return errors_of_inputs(folder, options, build_fmu(PHOCAS, folder / "phocas.fmu"), WAYS)
 
 
 def errors_of_inputs(folder: Path, options: argparse.Namespace, fmu: Path, ways: dict[str, str]) -> str:
-    """The same for these ways of handing the motion over."""
+    """Return the errors for these ways of handing the motion over."""
     time_ = 0.01 * np.arange(401)
     phases = np.random.default_rng(1).uniform(0.0, 2.0 * np.pi, 20)
     noise = sum(np.sin(2.0 * np.pi * 0.25 * (k + 1) * time_ + phase) for k, phase in enumerate(phases))

@@ -22,7 +22,7 @@ from support.instance import Instance, unpacked
 
 
 def shortest(call: Callable[[], object], rounds: int, count: int = 1) -> float:
-    """Seconds of one call, the fastest of `rounds` times `count` calls."""
+    """Return the seconds of one call, the fastest of `rounds` times `count` calls."""
     best = np.inf
     for _ in range(rounds):
         begin = time.perf_counter()
@@ -33,13 +33,13 @@ def shortest(call: Callable[[], object], rounds: int, count: int = 1) -> float:
 
 
 def resident() -> int:
-    """Memory of this process, bytes."""
+    """Return the memory of this process, bytes."""
     gc.collect()
     return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
 
 
 def calls(fmu: str, rounds: int) -> float:
-    """Seconds to set an input, step 1 ms and read an output, the shortest of batches of ten."""
+    """Return the seconds to set an input, step 1 ms and read an output, the shortest of batches of ten."""
     column = Instance(fmu)
     fmi, now = column.fmi, 0.0
     pushed, read = ([column.variables[name].valueReference] for name in ("base.ax", "block[1].ux"))
@@ -55,7 +55,7 @@ def calls(fmu: str, rounds: int) -> float:
 
 
 def state(fmu: str, rounds: int) -> dict[str, float]:
-    """Seconds to get, set and free a state, and its size in bytes."""
+    """Return the seconds to get, set and free a state, and its size in bytes."""
     column = Instance(fmu, {"base.ax": 1.0})
     column.step(0.0, 0.1)
     fmi = column.fmi
@@ -70,7 +70,9 @@ def state(fmu: str, rounds: int) -> dict[str, float]:
 
 
 def race(fmus: list[str], steps: int, rounds: int, push: float) -> dict[str, Any]:
-    """Seconds of a run of 20 s in FMPy under push * sin(12.6 t) m/s2, of each FMU, and how many outputs it reads."""
+    """Return the seconds of a run of 20 s in FMPy under push * sin(12.6 t) m/s2, of each FMU, and how many outputs it
+    reads.
+    """
     h = 20.0 / steps
     t = h * np.arange(steps + 1)
     motion = np.zeros(t.size, dtype=[("time", float), ("base.ax", float)])
@@ -89,7 +91,7 @@ def race(fmus: list[str], steps: int, rounds: int, push: float) -> dict[str, Any
 
 
 def threads(fmu: str, rounds: int) -> dict[str, float]:
-    """Seconds of two long steps, one after the other and in two threads."""
+    """Return the seconds of two long steps, one after the other and in two threads."""
 
     def work(column: Instance) -> None:
         column.fmi.reset()
@@ -117,7 +119,7 @@ def threads(fmu: str, rounds: int) -> dict[str, float]:
 
 
 def memory(fmu: str, count: int) -> dict[str, int]:
-    """Bytes, and entries of the search path, that `count` instances leave behind."""
+    """Return the bytes, and entries of the search path, that `count` instances leave behind."""
     folder = unpacked(fmu)
 
     def life() -> None:
@@ -137,7 +139,7 @@ def memory(fmu: str, count: int) -> dict[str, int]:
 
 
 def inputs(fmu: str, record: str, way: str, h: float, samples: list[float]) -> list[float]:
-    """block[1].ux every 0.2 s until 4 s under samples of 0.01 s: held, slope, derivative or record."""
+    """Return block[1].ux every 0.2 s until 4 s under samples of 0.01 s: held, slope, derivative or record."""
     column = Instance(fmu, {"solver.tolerance": 1e-8} | ({"base.record": record} if way == "record" else {}))
 
     def a(t: float) -> float:
@@ -161,7 +163,9 @@ def inputs(fmu: str, record: str, way: str, h: float, samples: list[float]) -> l
 
 
 def native_calls(fmu: str, rounds: int) -> dict[str, float]:
-    """Seconds of calls through ctypes: steps of 1 ms at rest and under 0.3 m/s2, outputs, state, and an empty call."""
+    """Return the seconds of calls through ctypes: steps of 1 ms at rest and under 0.3 m/s2, outputs, state, and an
+    empty call.
+    """
     found = {}
     for name, push in (("rest", 0.0), ("rocks", 0.3)):
         column = Instance(fmu, {"base.ax": push})
@@ -196,7 +200,7 @@ def native_calls(fmu: str, rounds: int) -> dict[str, float]:
 
 
 def native_lives(fmu: str, count: int) -> dict[str, float]:
-    """Bytes that `count` instances leave behind, and seconds of each."""
+    """Return the bytes that `count` instances leave behind, and seconds of each."""
     column = Instance(fmu)
     dll, callbacks, guid = column.fmi.dll, column.fmi.callbacks, column.fmi.guid.encode()
 

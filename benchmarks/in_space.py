@@ -71,7 +71,7 @@ class Table:
 
 
 def boxes(n: int = 3, section: str = "rectangle", ratio: float = 0.4, height: float = HEIGHT) -> Structure:
-    """A shaft of the size of the Column of Phocas in n blocks, the lowest first; `section` as of a column."""
+    """Return a shaft of the size of the Column of Phocas in n blocks, the lowest first; `section` as of a column."""
     shape: dict[str, Any] = {"shape": "drum", "diameter": SIDE} if section == "circle" else {"width": SIDE}
     shape |= {} if section == "circle" else {"depth": SIDE}
     size = {"height": height / n, "mass": MASS / n} | shape
@@ -81,13 +81,13 @@ def boxes(n: int = 3, section: str = "rectangle", ratio: float = 0.4, height: fl
 
 
 def run(structure: Structure, motion: Motion, **more: Any) -> SpatialResponse:
-    """A run from rest that is not followed after its end."""
+    """Return a run from rest that is not followed after its end."""
     response: SpatialResponse = simulate(structure, motion, settle=0.0, **more)
     return response
 
 
 def accuracy() -> Table:
-    """Against the planar column, a sliding block, and the same column shaken along another direction."""
+    """Compare with the planar column, a sliding block, and the same column shaken along another direction."""
     rows = []
     for ratio in SHEAR_RATIOS:
         found = run(boxes(ratio=ratio), Motion.harmonic(0.05 * G, 2.0, 20.0), tolerance=1e-5)
@@ -113,7 +113,7 @@ def accuracy() -> Table:
 
 
 def random_structures(seed: int = 1) -> Iterator[tuple[Structure, Motion]]:
-    """Stacks, triliths, arches, with and without friction, under harmonic motions in any direction."""
+    """Yield stacks, triliths, arches, with and without friction, under harmonic motions in any direction."""
     rng = np.random.default_rng(seed)
     for kind in ("rectangle", "circle", "trilith", "arch"):
         for friction in (None, FRICTION):
@@ -145,7 +145,9 @@ def tolerances(
     scenes: Iterable[tuple[Structure, Motion]] | None = None,
     title: str = "Structures in space: error over tolerance",
 ) -> Table:
-    """Largest error of all blocks and instants in tolerances of the largest displacement; None: random structures."""
+    """Return the largest error of all blocks and instants in tolerances of the largest displacement; None: random
+    structures.
+    """
     asked = QUICK_TOLERANCES if quick else TOLERANCES
     rows = []
     for structure, motion in random_structures() if scenes is None else scenes:
@@ -168,7 +170,7 @@ def tolerances(
 
 
 def _rocking() -> Iterator[tuple[Structure, Motion]]:
-    """Structures whose forces are looked at, and motions under which they rock; two small ones."""
+    """Yield structures whose forces are looked at, and motions under which they rock; two small ones."""
     doric, trilith, arched, podium = (
         Structure.from_toml(ROOT / "examples" / "structures" / f"{name}.toml")
         for name in ("doric-in-space", "trilith", "arch", "podium")
@@ -186,7 +188,7 @@ def _rocking() -> Iterator[tuple[Structure, Motion]]:
 
 
 def forces(quick: bool) -> Table:
-    """Errors of forces in rows and in peaks, in tolerances of the largest of their kind, and evaluations."""
+    """Measure errors of forces in rows and in peaks, in tolerances of the largest of their kind, and evaluations."""
     rows = []
     for structure, motion in _rocking():
         closest = run(structure, motion, tolerance=FORCES_KNOWN)
@@ -204,7 +206,8 @@ def forces(quick: bool) -> Table:
 
 
 def _costs(structures: Sequence[Structure], motion: Motion) -> list[float]:
-    """Processor time, s, of a joint with its bodies for an evaluation, with its share of the steps; the least of runs.
+    """Return the processor time, s, of a joint with its bodies for an evaluation, with its share of the steps; the
+    least of runs.
 
     Without rows, with peaks. Rounds differ in what else the machine does, not in what is done; in each all structures
     have their turn.
@@ -223,7 +226,9 @@ def _costs(structures: Sequence[Structure], motion: Motion) -> list[float]:
 
 
 def _alone(structure: Structure) -> float:
-    """Processor time, s, of a joint with its bodies in an evaluation at rest, called from Python; the least of runs."""
+    """Return the processor time, s, of a joint with its bodies in an evaluation at rest, called from Python; the least
+    of runs.
+    """
     stepper, least = SpatialStepper(structure), math.inf
     start_from(stepper, rest_of(structure))
     for _ in range(RUNS):
@@ -235,7 +240,7 @@ def _alone(structure: Structure) -> float:
 
 
 def costs() -> Table:
-    """Of a joint, by section, and of a block, by their number."""
+    """Measure the costs of a joint, by section, and of a block, by their number."""
     rows = []
     for section, asked in (("rectangle", 250), ("circle", 350)):
         for angle in (0.0, 0.3):
@@ -261,7 +266,7 @@ def costs() -> Table:
 
 
 def meshes() -> Table:
-    """A statue from a mesh against a box of its weight and height on the same plinth, in turns."""
+    """Compare a statue from a mesh with a box of its weight and height on the same plinth, in turns."""
     sys.path.insert(0, str(STATUE.parent))
     try:
         write = import_module(STATUE.stem).write
@@ -287,7 +292,7 @@ def meshes() -> Table:
 
 
 def loosest(way: Callable[..., Any]) -> tuple[float, float]:
-    """The loosest tolerance at which ux of a run is within `EQUAL_ERROR` of the peak, and its error."""
+    """Return the loosest tolerance at which ux of a run is within `EQUAL_ERROR` of the peak, and its error."""
     best = way(tolerance=1e-9).ux
     peak = float(np.max(np.abs(best)))
     for value in (3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5):
@@ -298,7 +303,8 @@ def loosest(way: Callable[..., Any]) -> tuple[float, float]:
 
 
 def against_plane() -> Table:
-    """20 s of the damped column in space over the planar run, each at the loosest tolerance that meets an error.
+    """Compare 20 s of the damped column in space with the planar run, each at the loosest tolerance that meets an
+    error.
 
     The error is that against the same model at 1e-9.
     """
@@ -321,7 +327,7 @@ def against_plane() -> Table:
 
 
 def _modal_scenes() -> Iterator[tuple[str, Structure, Motion]]:
-    """Scenes that stay in contact, then scenes that rock."""
+    """Yield scenes that stay in contact, then scenes that rock."""
     doric = Structure.from_toml(ROOT / "examples" / "structures" / "doric-in-space.toml")
     trilith = Structure.from_toml(ROOT / "examples" / "structures" / "trilith.toml")
     for word, ratio in (("Phocas", 0.4), ("Phocas, shear_ratio 4", 4.0)):
@@ -335,7 +341,7 @@ def _modal_scenes() -> Iterator[tuple[str, Structure, Motion]]:
 
 
 def by_modes() -> Table:
-    """Runs with and without steps by modes, in one process; rounds alternate."""
+    """Compare runs with and without steps by modes, in one process; rounds alternate."""
     rows = []
     for name, structure, motion in _modal_scenes():
         for value in (1e-3, 1e-5, 1e-7):
@@ -355,7 +361,9 @@ def by_modes() -> Table:
 
 
 def compilation() -> Table:
-    """Processor time of a first run with an empty cache and of a second process with the kernels that it left."""
+    """Measure the processor time of a first run with an empty cache and of a second process with the kernels that it
+    left.
+    """
     rows = []
     file = str(ROOT / "examples" / "columns" / "phocas-damped.toml")
     for name, space in (("in the plane", ""), ("in space", ".in_space()")):
@@ -400,7 +408,7 @@ KEEP = ("peak_u", "verdict")  # of runs in lanes and alone
 
 
 def studied() -> Iterator[tuple[str, list[Run], float]]:
-    """Runs of studies: what they are, the runs, s that they are followed after their end."""
+    """Yield runs of studies: what they are, the runs, s that they are followed after their end."""
     law: dict[str, Any] = {"stiffness": 2e9, "damping": DAMPING}
     waves = [Motion.harmonic((0.1 + 0.002 * k) * G, 1.0 + 0.01 * k, 5.0, direction=0.3) for k in range(MANY)]
     for name, structure in (
@@ -417,7 +425,7 @@ def studied() -> Iterator[tuple[str, list[Run], float]]:
 
 
 def lanes() -> Table:
-    """Runs of studies eight at once over runs one by one, in one thread, and two threads over one."""
+    """Compare runs of studies eight at once over runs one by one, in one thread, and two threads over one."""
     rows = []
     for name, runs, settle in studied():
 
@@ -448,7 +456,7 @@ def lanes() -> Table:
 
 
 def measure(quick: bool) -> Iterator[Table]:
-    """All tables, the quick ones first."""
+    """Measure all tables, the quick ones first."""
     yield accuracy()
     yield costs()
     yield meshes()

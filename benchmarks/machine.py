@@ -27,7 +27,7 @@ PACKAGES = (
 
 
 def describe() -> dict[str, Any]:
-    """CPU, versions, commit, date."""
+    """Return CPU, versions, commit, date."""
     return {
         "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "commit": commit(),
@@ -39,7 +39,7 @@ def describe() -> dict[str, Any]:
 
 
 def commit() -> str:
-    """The commit of the working copy, marked where files differ from it; empty outside of one."""
+    """Return the commit of the working copy, marked where files differ from it; empty outside of one."""
     try:
         said = subprocess.run(
             ["git", "describe", "--always", "--dirty", "--abbrev=12"], cwd=ROOT, capture_output=True, text=True
@@ -50,7 +50,7 @@ def commit() -> str:
 
 
 def cpu() -> str:
-    """The name of the processor."""
+    """Return the name of the processor."""
     if sys.platform == "linux":
         for line in Path("/proc/cpuinfo").read_text().splitlines():
             if line.startswith("model name"):
@@ -59,7 +59,7 @@ def cpu() -> str:
 
 
 def version(name: str) -> str:
-    """The version of an installed package."""
+    """Return the version of an installed package."""
     try:
         return metadata.version(name)
     except metadata.PackageNotFoundError:

@@ -36,7 +36,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def step(folder: Path, options: argparse.Namespace) -> str:
-    """Calls through ctypes; the last one does nothing."""
+    """Time calls through ctypes; the last one does nothing."""
     fmu = build_native_fmu(PHOCAS, folder / "phocas.fmu", platforms=PLATFORM)
     found = {name: 1e9 * seconds for name, seconds in measured("native_calls", fmu, options.rounds).items()}
     return (
@@ -47,7 +47,7 @@ def step(folder: Path, options: argparse.Namespace) -> str:
 
 
 def getters(folder: Path, options: argparse.Namespace) -> str:
-    """A whole run against the cheapest possible FMU with the same variables."""
+    """Time a whole run against the cheapest possible FMU with the same variables."""
     toml = folder / "seven.toml"
     toml.write_text(SEVEN_BLOCKS)
     fmu = build_native_fmu(toml, folder / "seven.fmu", platforms=PLATFORM)
@@ -69,7 +69,7 @@ def getters(folder: Path, options: argparse.Namespace) -> str:
 
 
 def cold(folder: Path, options: argparse.Namespace) -> str:
-    """20 s of the damped Phocas by `fmpy simulate`, with a new home folder each time."""
+    """Time 20 s of the damped Phocas by `fmpy simulate`, with a new home folder each time."""
     fmu = build_native_fmu(PHOCAS, folder / "phocas.fmu", platforms=PLATFORM)
     ours = min(_command_line(fmu, Path(tempfile.mkdtemp(dir=folder))) for _ in range(options.rounds))
     bare = min(_command_line(None, folder) for _ in range(options.rounds))
@@ -87,7 +87,7 @@ def _command_line(fmu: Path | None, home: Path) -> float:
 
 
 def lives(folder: Path, options: argparse.Namespace) -> str:
-    """Resident memory before and after."""
+    """Measure the resident memory before and after."""
     fmu = build_native_fmu(PHOCAS, folder / "phocas.fmu", platforms=PLATFORM)
     found = measured("native_lives", fmu, 10000)
     return f"10000 instances: {found['bytes']:.0f} bytes more, {1e6 * found['seconds']:.1f} us each"
@@ -99,7 +99,7 @@ WAYS = {"held": "base.ax held", "derivative": "input derivative"}
 
 
 def inputs(folder: Path, options: argparse.Namespace) -> str:
-    """As in benchmarks/fmu.py, with fmi2SetRealInputDerivatives."""
+    """Measure as benchmarks/fmu.py does, with fmi2SetRealInputDerivatives."""
     return errors_of_inputs(folder, options, build_native_fmu(PHOCAS, folder / "phocas.fmu", platforms=PLATFORM), WAYS)
 
 

@@ -34,14 +34,14 @@ TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-9)
 
 
 def row_of(*blocks: dict[str, Any], apart: float, met: bool = True, **neighbours: float) -> Structure:
-    """Blocks in a row along x."""
+    """Return blocks in a row along x."""
     tables = [{"name": f"b{k}", "on": "base", "at": [k * apart, 0.0], **block} for k, block in enumerate(blocks)]
     data: dict[str, Any] = {"name": "row", "joints": LAW, "block": tables}
     return Structure.from_dict(data | ({"neighbours": {**MEET, **neighbours}} if met else {}))
 
 
 def store(count: int = STORE, met: bool = True, reach: float = 0.5) -> Structure:
-    """Casks 0.2 m apart in a square."""
+    """Return casks 0.2 m apart in a square."""
     places = [[2.2 * i, 2.2 * j] for i in range(count) for j in range(count)]
     blocks = [{"name": f"cask{k}", "on": "base", "at": place, **CASK} for k, place in enumerate(places)]
     data: dict[str, Any] = {"name": "store", "joints": LAW, "block": blocks}
@@ -49,7 +49,7 @@ def store(count: int = STORE, met: bool = True, reach: float = 0.5) -> Structure
 
 
 def shaking(duration: float = LONG, largest: float = SHAKEN) -> Motion:
-    """Three components of slow noise, the vertical one half as strong."""
+    """Return three components of slow noise, the vertical one half as strong."""
     rng, step = np.random.default_rng(0), 0.02
     count = round(duration / step)
 
@@ -65,7 +65,7 @@ def shaking(duration: float = LONG, largest: float = SHAKEN) -> Motion:
 
 
 def _evaluation(structure: Structure, pressed: float | None = None) -> float:
-    """Processor time, s, of an evaluation at rest, or with all pairs pressed into each other by so much, m."""
+    """Return the processor time, s, of an evaluation at rest, or with all pairs pressed into each other, m."""
     stepper, least = SpatialStepper(structure), math.inf
     start_from(stepper, rest_of(structure))
     if pressed is not None:
@@ -81,7 +81,7 @@ def _evaluation(structure: Structure, pressed: float | None = None) -> float:
 
 
 def costs() -> Table:
-    """Of a pair in an evaluation: far, and of each kind while it is pressed."""
+    """Measure the costs of a pair in an evaluation: far, and of each kind while it is pressed."""
     rows = []
     many, alone = store(8, reach=3.0), store(8, met=False)
     far = (_evaluation(many) - _evaluation(alone)) / len(many.neighbours)
@@ -96,7 +96,7 @@ def costs() -> Table:
 
 
 def of_store(quick: bool) -> Table:
-    """A store of casks under three components."""
+    """Run a store of casks under three components."""
     motion = shaking(3.0 if quick else LONG)
     rows = []
     for met in (True, False):
@@ -120,7 +120,7 @@ def of_store(quick: bool) -> Table:
 
 
 def random_rows(seed: int = 3) -> Iterator[tuple[Structure, Motion]]:
-    """Casks and boxes in rows, so near to each other that they hit, under harmonic motions."""
+    """Yield casks and boxes in rows, so near to each other that they hit, under harmonic motions."""
     rng = np.random.default_rng(seed)
     for kind in ("drums", "drums and boxes", "boxes"):
         for _ in range(4):
@@ -140,7 +140,7 @@ def random_rows(seed: int = 3) -> Iterator[tuple[Structure, Motion]]:
 
 
 def errors(quick: bool) -> Table:
-    """As of structures whose blocks do not meet."""
+    """Measure errors as of structures whose blocks do not meet."""
     return tolerances(quick, random_rows(), "Neighbours: error over tolerance")
 
 
@@ -152,14 +152,14 @@ def _two_casks() -> tuple[Structure, Motion]:
 
 
 def here(tolerance: float) -> Run:
-    """By this solver."""
+    """Solve by this solver."""
     structure, motion = _two_casks()
     found = run(structure.with_settings(without=("peaks",)), motion, tolerance=tolerance, duration=2.0, output_step=ROW)
     return found.ux[:, 1], float(found.stats["wall_time"])
 
 
 def by_mujoco(step: float, time_constant: float = 0.004) -> Run:
-    """By cylinders with soft contacts of this time constant, s."""
+    """Solve by cylinders with soft contacts of this time constant, s."""
     import mujoco
 
     structure, motion = _two_casks()
@@ -189,7 +189,7 @@ def by_mujoco(step: float, time_constant: float = 0.004) -> Run:
 
 
 def against_mujoco(quick: bool) -> Table:
-    """Two casks 10 mm apart that rock and hit, each program against itself at its finest."""
+    """Compare two casks 10 mm apart that rock and hit, each program against itself at its finest."""
     steps = STEPS[: 5 if quick else None]
     ways: dict[str, tuple[Callable[[float], Run], tuple[float, ...]]] = {
         "here, tolerance": (here, TOLERANCES),
@@ -219,7 +219,7 @@ def against_mujoco(quick: bool) -> Table:
 
 
 def measure(quick: bool) -> Iterator[Table]:
-    """All tables."""
+    """Measure all tables."""
     yield costs()
     yield of_store(quick)
     yield errors(quick)

@@ -43,7 +43,7 @@ SCHEMES: tuple[tuple[str, tuple[Any, ...], str, float, bool], ...] = (
 
 
 def load() -> Any:
-    """The module of OpenSees commands. Raises ImportError, OSError or RuntimeError."""
+    """Return the module of OpenSees commands. Raises ImportError, OSError or RuntimeError."""
     found = importlib.util.find_spec("openseespylinux")
     if found is not None and found.origin is not None:
         # the wheel brings what its BLAS needs, but not where the loader looks for it
@@ -58,7 +58,7 @@ def load() -> Any:
 
 
 def build(ops: Any, column: Column, amplitude: float, frequency: float) -> int:
-    """The column at rest under gravity, its base to be shaken (m/s2, Hz). Returns the node of the top face."""
+    """Build the column at rest under gravity, its base to be shaken (m/s2, Hz). Returns the node of the top face."""
     ops.wipe()
     ops.model("basic", "-ndm", 2, "-ndf", 3)
     ops.geomTransf("PDelta", 1)
@@ -115,7 +115,9 @@ def _solve_by(ops: Any, algorithm: str) -> None:
 def follow(
     ops: Any, top: int, scheme: tuple[Any, ...], algorithm: str, step: float, duration: float
 ) -> tuple[Array, float]:
-    """Displacement of the top, m, at every step to the end or until it does not converge; seconds of the analysis."""
+    """Return the displacement of the top, m, at every step to the end or until it does not converge; seconds of the
+    analysis.
+    """
     _solve_by(ops, algorithm)
     ops.integrator(*scheme)
     ops.analysis("Transient")
@@ -129,7 +131,9 @@ def follow(
 
 
 def measure(scenes: Mapping[str, Scene]) -> dict[str, Any]:
-    """Every scheme in harmonic scenes, compared with `auto` where that is predictable: where joints are damped."""
+    """Measure every scheme in harmonic scenes, compared with `auto` where that is predictable: where joints
+    are damped.
+    """
     try:
         ops = load()
     except (ImportError, OSError, RuntimeError) as absent:

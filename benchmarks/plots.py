@@ -50,7 +50,7 @@ GREY = "0.92"  # errors smaller than the difference of the references
 
 
 def work_precision(scenes: list[dict[str, Any]], path: Path, cost: str = "seconds") -> None:
-    """One picture a scene with all competitors but UX_ONLY: error over time or evaluations."""
+    """Draw one picture a scene with all competitors but UX_ONLY: error over time or evaluations."""
     drawn = [scene for scene in scenes if "points" in scene]
     columns = min(COLUMNS, len(drawn))
     rows = math.ceil(len(drawn) / columns)
@@ -127,7 +127,7 @@ def _label(axis: Axes, scene: dict[str, Any]) -> None:
 
 
 def scaling(rows: list[dict[str, Any]], path: Path) -> None:
-    """Cost per block of one evaluation and of a second of motion, against the number of blocks."""
+    """Draw the cost per block of one evaluation and of a second of motion, against the number of blocks."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
     left.plot([r["n"] for r in rows], [1e9 * r["evaluation"] for r in rows], color=STYLES["auto"][0], marker="o")
     left.set_ylabel("one evaluation, ns per block")

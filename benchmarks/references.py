@@ -42,12 +42,12 @@ class Reference:
 
     @property
     def window(self) -> float:
-        """s."""
+        """S."""
         return float(self.times[-1])
 
     @property
     def peak(self) -> float:
-        """m."""
+        """M."""
         return float(np.max(np.abs(self.ux)))
 
     @property
@@ -59,7 +59,10 @@ class Reference:
         return verdicts.pop()
 
     def error(self, ux: Array) -> float:
-        """Largest deviation over the window and all blocks, part of the peak. Raises MeasurementError without one."""
+        """Return the largest deviation over the window and all blocks, part of the peak.
+
+        Raises MeasurementError without one.
+        """
         if ux.shape != self.ux.shape:
             raise MeasurementError("stops before the end")
         deviation = float(np.max(np.abs(ux - self.ux))) / self.peak
@@ -69,7 +72,7 @@ class Reference:
 
 
 def order_8() -> tuple[str, Prepare]:
-    """The integrator of the first reference, compiled where available."""
+    """Run the integrator of the first reference, compiled where available."""
     try:
         return "DOP853 (numbalsoda)", numbalsoda("dop853")
     except (ImportError, OSError):
@@ -77,7 +80,7 @@ def order_8() -> tuple[str, Prepare]:
 
 
 def window(first: Array, second: Array) -> int:
-    """Number of leading rows over which the histories agree to AGREEMENT of the peak so far."""
+    """Return the number of leading rows over which the histories agree to AGREEMENT of the peak so far."""
     deviation = np.maximum.accumulate(np.max(np.abs(first - second), axis=1))
     peak = np.maximum.accumulate(np.max(np.abs(first), axis=1))
     good = np.flatnonzero(deviation <= AGREEMENT * peak)
@@ -85,7 +88,9 @@ def window(first: Array, second: Array) -> int:
 
 
 def overturn_time(scene: Scene, problem: Problem, states: Array) -> float:
-    """First output time at which a block or its joint has turned beyond its angle of no return, s; NaN if none."""
+    """Return the first output time at which a block or its joint has turned beyond its angle of no return, s; NaN if
+    none.
+    """
     limit = model_of(scene.column).blocks.fall_angle
     turn = states[:, : problem.n] * problem.sizes[: problem.n]
     relative = turn - np.hstack([turn[:, 1:], np.zeros((len(turn), 1))])
@@ -95,7 +100,7 @@ def overturn_time(scene: Scene, problem: Problem, states: Array) -> float:
 
 @cache
 def reference(scene: Scene) -> Reference:
-    """Both references of a scene. Raises MeasurementError where no window is left."""
+    """Return both references of a scene. Raises MeasurementError where no window is left."""
     own = simulate(
         scene.column,
         scene.motion,

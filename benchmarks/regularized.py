@@ -38,7 +38,7 @@ class Motion(NamedTuple):
 
 @numba.njit
 def _interval(value: float, slope: float, low: float, high: float) -> tuple[float, float]:
-    """The part of low to high in which value + slope * s is positive."""
+    """Return the part of low to high in which value + slope * s is positive."""
     if slope == 0.0:
         return (low, high) if value > 0.0 else (low, low)
     zero = -value / slope
@@ -47,7 +47,7 @@ def _interval(value: float, slope: float, low: float, high: float) -> tuple[floa
 
 @numba.njit
 def _rates(y: Array, ax: float, width: float, g: float, blocks: Array, joints: Array) -> Array:
-    """dy/dt of y = (x, z, theta) of all blocks, then their rates. Rows of blocks, joints: `_body`, `_joint`."""
+    """Compute dy/dt of y = (x, z, theta) of all blocks, then their rates. Rows of blocks, joints: `_body`, `_joint`."""
     n = y.size // 6
     out = np.empty_like(y)
     out[: 3 * n] = y[3 * n :]
@@ -121,7 +121,10 @@ def _joint(block: Block, below: Block | None) -> tuple[float, ...]:
 
 
 def solve(scene: Scene, times: Array, width: float, tolerance: float) -> Motion:
-    """The scene at the times, with friction that rises over `width` m/s. Raises RuntimeError if it cannot be solved."""
+    """Solve the scene at the times, with friction that rises over `width` m/s.
+
+    Raises RuntimeError if it cannot be solved.
+    """
     column, n = scene.column, scene.column.n
     parts = zip(column.blocks, [*column.blocks[1:], None], strict=True)
     blocks, joints = np.array([_body(block) for block in column.blocks]), np.array([_joint(*pair) for pair in parts])

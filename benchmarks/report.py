@@ -14,7 +14,7 @@ WAYS = ("simulate", "many")
 
 
 def report(results: Results) -> str:
-    """The whole report."""
+    """Return the whole report."""
     parts = [
         machine(results),
         target_table(targets(results)),
@@ -41,7 +41,7 @@ def report(results: Results) -> str:
 
 
 def table(head: list[str], rows: Rows) -> str:
-    """A Markdown table."""
+    """Return a Markdown table."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
@@ -52,7 +52,7 @@ def milliseconds(seconds: float | None) -> str:
 
 
 def machine(results: Results) -> str:
-    """Machine, date and software."""
+    """Return machine, date and software."""
     info = results["machine"]
     versions = ", ".join(f"{name} {version}" for name, version in info["versions"].items())
     return (
@@ -66,7 +66,7 @@ def machine(results: Results) -> str:
 
 
 def target_table(rows: list[Target]) -> str:
-    """Targets and measured values."""
+    """Tabulate the targets and measured values."""
     words = {True: "pass", False: "**fail**", None: "-"}
     return "## Targets\n\n" + table(
         ["", "aim", "measured", ""], [[row.number, row.aim, row.measured, words[row.passed]] for row in rows]
@@ -78,7 +78,7 @@ def _scenes(results: Results) -> list[dict[str, Any]]:
 
 
 def scene_table(results: Results) -> str:
-    """Windows, references and regimes."""
+    """Tabulate the windows, references and regimes."""
     scenes = _scenes(results)
     if not scenes:
         return ""
@@ -102,7 +102,7 @@ def scene_table(results: Results) -> str:
 
 
 def equal_error_table(results: Results) -> str:
-    """Speed at equal error."""
+    """Tabulate the speed at equal error."""
 
     def times(factor: float | None) -> str:
         return "-" if factor is None else f"{factor:.2f}x"
@@ -135,7 +135,7 @@ def equal_error_table(results: Results) -> str:
 
 
 def opensees_table(results: Results) -> str:
-    """OpenSees on the same column."""
+    """Tabulate OpenSees on the same column."""
     part = results.get("opensees", {})
     if "rows" not in part:
         return ""
@@ -162,7 +162,7 @@ def opensees_table(results: Results) -> str:
 
 
 def evaluation_table(results: Results) -> str:
-    """One evaluation: the kernel alone and in lanes, the earlier recursion, C."""
+    """Tabulate one evaluation: the kernel alone and in lanes, the earlier recursion, C."""
     part = results.get("evaluation", {})
     if "rows" not in part:
         return ""
@@ -187,7 +187,7 @@ def evaluation_table(results: Results) -> str:
 
 
 def lanes_table(results: Results) -> str:
-    """One evaluation alone and in lanes, by instruction set."""
+    """Tabulate one evaluation alone and in lanes, by instruction set."""
     if "lanes" not in results:
         return ""
     rows = [
@@ -201,7 +201,7 @@ def lanes_table(results: Results) -> str:
 
 
 def scaling_table(results: Results) -> str:
-    """Cost per block."""
+    """Tabulate the cost per block."""
     part = results.get("scaling", {})
     if not part:
         return ""
@@ -226,7 +226,7 @@ def scaling_table(results: Results) -> str:
 
 
 def tolerance_table(results: Results) -> str:
-    """Observed error over requested tolerance."""
+    """Tabulate the observed error over requested tolerance."""
     found = ratios(results)
     if not found:
         return ""
@@ -245,7 +245,7 @@ def tolerance_table(results: Results) -> str:
 
 
 def verdict_table(results: Results) -> str:
-    """Standing or falling."""
+    """Tabulate the standing or falling."""
 
     def shown(value: Any) -> str:
         if isinstance(value, str):
@@ -264,7 +264,7 @@ def verdict_table(results: Results) -> str:
 
 
 def boundary_list(results: Results) -> str:
-    """Verdicts near the boundary of overturning."""
+    """Tabulate the verdicts near the boundary of overturning."""
     found = results.get("boundary", [])
     if not found:
         return ""
@@ -272,7 +272,7 @@ def boundary_list(results: Results) -> str:
 
 
 def damped_table(results: Results) -> str:
-    """Errors of well-damped columns."""
+    """Tabulate the errors of well-damped columns."""
     found = results.get("damped-columns", [])
     if not found:
         return ""
@@ -299,7 +299,7 @@ def damped_table(results: Results) -> str:
 
 
 def sliding_table(results: Results) -> str:
-    """Errors where joints slide."""
+    """Tabulate the errors where joints slide."""
     found = results.get("sliding", [])
     if not found:
         return ""
@@ -320,7 +320,7 @@ def sliding_table(results: Results) -> str:
 
 
 def trust_tables(results: Results) -> str:
-    """Peaks, pulses and shares that fall."""
+    """Tabulate the peaks, pulses and shares that fall."""
     found = results.get("trust")
     if not found:
         return ""
@@ -356,7 +356,7 @@ def trust_tables(results: Results) -> str:
 
 
 def space_tables(results: Results) -> str:
-    """Structures in space."""
+    """Tabulate structures in space."""
     tables = [table for part in ("space", "engines", "neighbours", "peers") for table in results.get(part, [])]
     return "\n\n".join(f"## {of['title']}\n\n{table(of['head'], of['rows'])}" for of in tables)
 
@@ -384,7 +384,7 @@ def ablation_table(results: Results) -> str:
 
 
 def energy_table(results: Results) -> str:
-    """Long-term energy."""
+    """Tabulate the long-term energy."""
     rows = [
         [
             str(row["n"]),
@@ -401,7 +401,7 @@ def energy_table(results: Results) -> str:
 
 
 def studies_table(results: Results) -> str:
-    """Many runs."""
+    """Tabulate many runs."""
     part = results.get("studies", {})
     if "throughput" not in part:
         return ""
@@ -456,7 +456,7 @@ def studies_table(results: Results) -> str:
 
 
 def executors_table(results: Results) -> str:
-    """Threads, processes and Dask."""
+    """Tabulate threads, processes and Dask."""
     part = results.get("executors", {})
     if not part or "absent" in part:
         return ""
@@ -484,7 +484,7 @@ def executors_table(results: Results) -> str:
 
 
 def failures(results: Results) -> str:
-    """Competitors not available, and failures."""
+    """Return competitors not available, and failures."""
     lines = [f"- {name}: {reason}" for name, reason in results.get("absent", {}).items()]
     for scene in results.get("work-precision", {}).get("scenes", []):
         if "failure" in scene:

@@ -52,7 +52,7 @@ _known, _data = KNOWN.over, DATA.over
 
 @kernel
 def base_acceleration(known, samples, t):
-    """Horizontal base acceleration, m/s2, at time t, s; zero after the motion. samples: a row."""
+    """Return the horizontal base acceleration, m/s2, at time t, s; zero after the motion. samples: a row."""
     past = (t - known.start) / known.sample_step
     last = int(known.samples) - 1
     if past > last:
@@ -66,7 +66,10 @@ def base_acceleration(known, samples, t):
 
 @kernel
 def evaluate(t, y, dydt, data):
-    """dydt (4n,) of the unknowns y (4n,): coordinates, then their rates, each divided by its typical size. All rows."""
+    """Compute dydt (4n,) of the unknowns y (4n,): coordinates, then their rates, each divided by its typical size.
+
+    All rows.
+    """
     known = _known(data, 0)
     known.calls += 1.0
     n = int(known.n)
@@ -82,7 +85,7 @@ def evaluate(t, y, dydt, data):
 
 @from_python
 def rates(t, y, dydt, data):
-    """The right-hand side as called from Python, over arrays."""
+    """Return the right-hand side as called from Python, over arrays."""
     evaluate(t, row_of(y), row_of(dydt), row_of(data))
 
 
@@ -138,13 +141,13 @@ class Problem:
         self.known.calls = 0.0
 
     def rates(self, t: float, y: Array) -> Array:
-        """The right-hand side as scipy calls it."""
+        """Return the right-hand side as scipy calls it."""
         dydt = np.empty(y.size)
         rates(t, np.ascontiguousarray(y), dydt, self.data)  # finite differences of a Jacobian pass columns of arrays
         return dydt
 
     def ux(self, states: Array) -> Array:
-        """Displacements of the top faces, m (nt, n), of scaled unknowns (nt, 4n)."""
+        """Return the displacements of the top faces, m (nt, n), of scaled unknowns (nt, 4n)."""
         turn, opening = (
             (states[:, : 2 * self.n] * self.sizes[: 2 * self.n]).reshape(len(states), 2, self.n).swapaxes(0, 1)
         )
@@ -155,5 +158,5 @@ class Problem:
 
 
 def address() -> Any:
-    """Address of the right-hand side for integrators written in C or Fortran."""
+    """Return the address of the right-hand side for integrators written in C or Fortran."""
     return rates_in_c().address

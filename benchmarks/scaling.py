@@ -28,7 +28,7 @@ BUDGET = 1.0  # s of repeats
 
 
 def tower(n: int) -> Column:
-    """A tower of n drums."""
+    """Return a tower of n drums."""
     height, side, mass = DRUM
     return Column(f"tower_{n}", (Block(height, side, side, mass, Joint(STIFFNESS, DRUM_DAMPING)),) * n)
 
@@ -45,7 +45,7 @@ def limit_lifted(n: int) -> Iterator[None]:
 
 
 def refusal(n: int) -> str:
-    """The solver's reason to refuse a column of n blocks; empty if it accepts it."""
+    """Return the solver's reason to refuse a column of n blocks; empty if it accepts it."""
     try:
         shaft(n)
     except InputError as error:
@@ -54,7 +54,7 @@ def refusal(n: int) -> str:
 
 
 def measure(quick: bool = False) -> dict[str, Any]:
-    """Cost per block, s, by number of blocks."""
+    """Measure the cost per block, s, by number of blocks."""
     rows = []
     for n in SIZES:
         if quick and n > 200:

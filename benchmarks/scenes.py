@@ -39,13 +39,13 @@ class Scene:
 
 
 def shaft(n: int, damping: float = DAMPING) -> Column:
-    """The shaft of the Column of Phocas cut into n equal blocks; n = 3 is the column itself. Damping in s."""
+    """Return the shaft of the Column of Phocas cut into n equal blocks; n = 3 is the column itself. Damping in s."""
     block = Block(HEIGHT / n, SIDE, SIDE, MASS / n, Joint(STIFFNESS, damping))
     return Column(f"shaft_{n}", (block,) * n)
 
 
 def forced(g: float, frequency: float, duration: float = 20.0, n: int = 3, damping: float = DAMPING) -> Scene:
-    """The shaft in n blocks under g times gravity at `frequency` Hz."""
+    """Return the shaft in n blocks under g times gravity at `frequency` Hz."""
     subject = "Phocas" if n == 3 else "1 block" if n == 1 else f"{n} blocks"
     if not damping:
         subject += ", undamped"
@@ -56,13 +56,13 @@ def forced(g: float, frequency: float, duration: float = 20.0, n: int = 3, dampi
 
 @cache
 def harmonic() -> tuple[Scene, ...]:
-    """The four scenes in which integrators are compared first: from hardly opening to nearly falling."""
+    """Return the four scenes in which integrators are compared first: from hardly opening to nearly falling."""
     return tuple(forced(g, frequency) for g, frequency in FORCED)
 
 
 @cache
 def recorded() -> tuple[tuple[Scene, ...], dict[str, str]]:
-    """Phocas under recorded motions; records that are not on this machine, with the reason."""
+    """Return Phocas under recorded motions; records that are not on this machine, with the reason."""
     found: list[Scene] = []
     absent: dict[str, str] = {}
     for label, file, duration in RECORDED:
@@ -78,7 +78,7 @@ def recorded() -> tuple[tuple[Scene, ...], dict[str, str]]:
 
 @cache
 def others() -> tuple[Scene, ...]:
-    """All joints in contact throughout; no damping; other numbers of blocks."""
+    """Return all joints in contact throughout; no damping; other numbers of blocks."""
     return (
         forced(0.005, 2.0),
         forced(0.05, 3.0, 5.0, damping=0.0),
@@ -91,13 +91,15 @@ def others() -> tuple[Scene, ...]:
 
 @cache
 def falling() -> Scene:
-    """A scene that overturns without a record; for the verdict only."""
+    """Return a scene that overturns without a record; for the verdict only."""
     return forced(0.1, 0.25)
 
 
 @cache
 def burst() -> Scene:
-    """Fifteen seconds of silence, five of motion, twenty of silence, as in records; only for skipped intervals."""
+    """Return fifteen seconds of silence, five of motion, twenty of silence, as in records; only for skipped
+    intervals.
+    """
     time = 0.01 * np.arange(4001)
     inside = (time > 15.0) & (time < 20.0)
     ax = np.where(inside, 0.02 * G * np.sin(4.0 * math.pi * time), 0.0)
@@ -105,6 +107,6 @@ def burst() -> Scene:
 
 
 def scenes() -> tuple[tuple[Scene, ...], dict[str, str]]:
-    """All scenes, and those not available, with the reason."""
+    """Return all scenes, and those not available, with the reason."""
     found, absent = recorded()
     return (*others()[:1], *harmonic(), *found, *others()[1:]), absent

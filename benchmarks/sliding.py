@@ -28,7 +28,7 @@ TABLE = tolerances(-2, -8, per_decade=1)
 
 
 def two_blocks(damping: float) -> Column:
-    """Two blocks that rock and slide."""
+    """Return two blocks that rock and slide."""
     top = Block(1.2, 0.8, 0.8, 1800.0, Joint(4e8, damping, friction=0.25))
     low = Block(1.5, 1.0, 1.0, 3500.0, Joint(6e8, damping, friction=0.3))
     return Column("two", (top, low))
@@ -36,7 +36,7 @@ def two_blocks(damping: float) -> Column:
 
 @cache
 def scenes() -> tuple[Scene, ...]:
-    """Blocks that only slide, blocks that rock and slide, damped and undamped, and slender blocks that do both."""
+    """Return blocks that only slide, blocks that rock and slide, damped or not, and slender blocks that do both."""
     flat = Column("flat", (Block(0.5, 2.0, 1.0, 2000.0, Joint(5e8, DAMPING, friction=0.3)),))
     joint = Joint(STIFFNESS, DAMPING, friction=0.1)
     # the lower blocks reach out, so that no rim cuts a contact off
@@ -52,20 +52,20 @@ def scenes() -> tuple[Scene, ...]:
 
 
 def limit(scene: Scene, times: Array) -> tuple[Array, Array]:
-    """Displacements of the tops and slips, m, as the width of the friction goes to zero."""
+    """Return the displacements of the tops and slips, m, as the width of the friction goes to zero."""
     wide, narrow = (solve(scene, times, width, TOLERANCE) for width in WIDTHS)
     part = WIDTHS[1] / (WIDTHS[0] - WIDTHS[1])
     return narrow.ux + part * (narrow.ux - wide.ux), narrow.slip + part * (narrow.slip - wide.slip)
 
 
 def error(found: tuple[Array, Array], wanted: tuple[Array, Array]) -> float:
-    """The larger of the largest errors of displacements and slips, each relative to its peak."""
+    """Return the larger of the largest errors of displacements and slips, each relative to its peak."""
     pairs = zip(found, wanted, strict=True)
     return float(max(np.max(np.abs(one - other)) / np.max(np.abs(other)) for one, other in pairs))
 
 
 def measure(scene: Scene, widths: tuple[float, ...], wanted: tuple[float, ...]) -> dict[str, Any]:
-    """The scene at all tolerances and widths: error and evaluations of each."""
+    """Run the scene at all tolerances and widths: error and evaluations of each."""
     times = grid(scene.duration)
 
     def own(tolerance: float) -> Any:
@@ -97,19 +97,19 @@ def measure(scene: Scene, widths: tuple[float, ...], wanted: tuple[float, ...]) 
 
 
 def measured(quick: bool) -> Iterator[dict[str, Any]]:
-    """Every scene; a quick run takes the first two and fewer points."""
+    """Measure every scene; a quick run takes the first two and fewer points."""
     some = TABLE[1:4] if quick else tolerances(-1, -10)
     for scene in scenes()[:2] if quick else scenes():
         yield measure(scene, tolerances(-2, -4 if quick else -8, per_decade=1), some)
 
 
 def of_table(row: dict[str, Any]) -> list[dict[str, Any]]:
-    """The points of `auto` at whole powers of ten."""
+    """Return the points of `auto` at whole powers of ten."""
     return [point for point in row["points"][AUTO] if point["value"] in TABLE]
 
 
 def summary(row: dict[str, Any]) -> str:
-    """One scene in one line: the errors of `auto` in tolerances."""
+    """Return one scene in one line: the errors of `auto` in tolerances."""
     parts = [
         "gave up" if "failure" in point else f"{point['value']:.0e}: {point['error'] / point['value']:.2g}"
         for point in of_table(row)

@@ -38,7 +38,7 @@ PROGRAMS = {
 
 
 def command_of(part: str, python: str, fmu: Path) -> list[str]:
-    """The command line of a part."""
+    """Return the command line of a part."""
     if part in PROGRAMS:
         return [python, "-c", PROGRAMS[part]]
     if part == "multiblock simulate":
@@ -49,7 +49,7 @@ def command_of(part: str, python: str, fmu: Path) -> list[str]:
 
 
 def once(command: Sequence[str], folder: Path, cache: str | None) -> float:
-    """Seconds of the clock of a process. Raises subprocess.CalledProcessError."""
+    """Return the seconds of the clock of a process. Raises subprocess.CalledProcessError."""
     environment = {name: value for name, value in os.environ.items() if name != "MULTIBLOCK_COMPILES"}
     environment |= {"PYTHONPATH": str(folder)} | ({} if cache is None else {"MULTIBLOCK_CACHE_DIR": cache})
     begun = time.perf_counter()

@@ -65,7 +65,7 @@ Rows = list[dict[str, Any]]
 
 
 def varied(column: Column, rng: np.random.Generator) -> Column:
-    """The column with other stiffnesses."""
+    """Return the column with other stiffnesses."""
     factors = np.exp(SPREAD * rng.standard_normal(column.n)).tolist()
     blocks = tuple(
         replace(block, joint=replace(block.joint, stiffness=block.joint.stiffness * factor))
@@ -75,7 +75,7 @@ def varied(column: Column, rng: np.random.Generator) -> Column:
 
 
 def phocas_runs(count: int, amplitudes: tuple[float, float], duration: float = DURATION) -> Runs:
-    """Damped Phocas under harmonic motions with amplitudes in this range, g."""
+    """Return damped Phocas under harmonic motions with amplitudes in this range, g."""
     rng = np.random.default_rng(1)
     columns = [varied(shaft(3), rng) for _ in range(count)]
     motions = [Motion.harmonic(rng.uniform(*amplitudes) * G, rng.uniform(1.2, 2.5), duration) for _ in range(count)]
@@ -83,7 +83,7 @@ def phocas_runs(count: int, amplitudes: tuple[float, float], duration: float = D
 
 
 def sliding_runs(count: int, amplitudes: tuple[float, float]) -> Runs:
-    """`phocas_runs` with so little friction that joints slide."""
+    """Return `phocas_runs` with so little friction that joints slide."""
     columns, motions, duration = phocas_runs(count, amplitudes)
     joints = [[replace(block.joint, friction=FRICTION) for block in column.blocks] for column in columns]
     slippery = [
@@ -96,7 +96,7 @@ def sliding_runs(count: int, amplitudes: tuple[float, float]) -> Runs:
 
 
 def drums(levels: int = LEVELS, duration: float = DURATION) -> Runs:
-    """The shaft of Phocas in six drums under five records, else harmonic motions, at `levels` intensities."""
+    """Return the shaft of Phocas in six drums under five records, else harmonic motions, at `levels` intensities."""
     column = shaft(DRUMS)
     records = [Motion.from_at2(RECORDS / name) for name in FILES if (RECORDS / name).is_file()]
     records = records or [Motion.harmonic(1.0, frequency, duration) for frequency in (1.0, 1.4, 1.8, 2.4, 3.0)]
@@ -106,7 +106,7 @@ def drums(levels: int = LEVELS, duration: float = DURATION) -> Runs:
 
 
 def strongest(motion: Motion, duration: float) -> Motion:
-    """The part of a record of this duration, s, around its largest acceleration; a shorter motion as it is."""
+    """Return the part of a record of this duration, s, around its largest acceleration; a shorter motion as it is."""
     if motion.duration <= duration:
         return motion
     peak = motion.time[np.argmax(np.abs(motion.ax))]
@@ -117,7 +117,7 @@ def strongest(motion: Motion, duration: float) -> Motion:
 
 
 def figure_runs(count: int, column: Column, duration: float = DURATION) -> Runs:
-    """Figure 3: a column under harmonic motions of two amplitudes and `count` frequencies."""
+    """Return figure 3: a column under harmonic motions of two amplitudes and `count` frequencies."""
     motions = [
         Motion.harmonic(amplitude * G, frequency, duration)
         for amplitude in AMPLITUDES
@@ -130,14 +130,14 @@ def figure_runs(count: int, column: Column, duration: float = DURATION) -> Runs:
 
 
 def one_by_one(runs: Runs, tolerance: float | None) -> np.ndarray[Any, Any]:
-    """The peaks m (runs, n) by `simulate`."""
+    """Return the peaks m (runs, n) by `simulate`."""
     columns, motions, duration = runs
     peaks = [alone((column, motion, duration, tolerance)) for column, motion in zip(columns, motions, strict=True)]
     return np.array(peaks)
 
 
 def alone(run: tuple[Column, Motion, float, float | None]) -> Any:
-    """The peaks of one run by `simulate`, NaN where it fails."""
+    """Return the peaks of one run by `simulate`, NaN where it fails."""
     column, motion, duration, tolerance = run
     try:
         response: Response = simulate(column, motion, duration, tolerance=tolerance)
@@ -147,7 +147,7 @@ def alone(run: tuple[Column, Motion, float, float | None]) -> Any:
 
 
 def together(runs: Runs, tolerance: float | None, **options: Any) -> np.ndarray[Any, Any]:
-    """The peaks by `simulate_many`."""
+    """Return the peaks by `simulate_many`."""
     columns, motions, duration = runs
     found: np.ndarray[Any, Any] = simulate_many(columns, motions, duration=duration, tolerance=tolerance, **options)[
         "peak_top_ux"
@@ -156,7 +156,7 @@ def together(runs: Runs, tolerance: float | None, **options: Any) -> np.ndarray[
 
 
 def alternating(works: Sequence[Callable[[], object]], timer: Callable[[], float], rounds: int = ROUNDS) -> list[float]:
-    """The shortest times, s, of some rounds of all."""
+    """Return the shortest times, s, of some rounds of all."""
     best = [math.inf] * len(works)
     for _ in range(rounds):
         for k, work in enumerate(works):
@@ -170,7 +170,9 @@ def alternating(works: Sequence[Callable[[], object]], timer: Callable[[], float
 
 
 def at_equal_error(name: str, runs: Runs) -> dict[str, Any]:
-    """Column-seconds a second of one core by `simulate` and by `simulate_many`, each at its loosest good tolerance."""
+    """Return the column-seconds a second of one core by `simulate` and by `simulate_many`, each at its loosest good
+    tolerance.
+    """
     truth = one_by_one(runs, TIGHT)
     chosen: dict[str, tuple[float, float]] = {}
     ways: dict[str, Callable[[Runs, float | None], np.ndarray[Any, Any]]] = {
@@ -192,7 +194,7 @@ def at_equal_error(name: str, runs: Runs) -> dict[str, Any]:
 
 
 def beside_opensees(throughput: float) -> dict[str, Any]:
-    """Ratio of the throughput to that of OpenSees' tuned runs, on damped Phocas in rocking."""
+    """Return the ratio of the throughput to that of OpenSees' tuned runs, on damped Phocas in rocking."""
     found = opensees.measure({"damped": forced(0.05, 2.0)})
     if "absent" in found:
         return {"absent": found["absent"]}
@@ -202,7 +204,7 @@ def beside_opensees(throughput: float) -> dict[str, Any]:
 
 @njit(nogil=True)
 def arithmetic(count: int) -> float:
-    """Four sums that need no memory and are independent of each other."""
+    """Return four sums that need no memory and are independent of each other."""
     a, b, c, d = 1.0, 1.1, 1.2, 1.3
     for _ in range(count):
         a, b, c, d = 0.999 * a + 0.1, 0.998 * b + 0.1, 0.997 * c + 0.1, 0.996 * d + 0.1
@@ -210,13 +212,13 @@ def arithmetic(count: int) -> float:
 
 
 def calculate(threads: int) -> None:
-    """Equal arithmetic in each of some threads: the gain the machine allows, beside its other work."""
+    """Do equal arithmetic in each of some threads: the gain the machine allows, beside its other work."""
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(arithmetic, [ARITHMETIC] * threads))
 
 
 def cores(count: int, rounds: int) -> dict[str, dict[str, float]]:
-    """Gain of two threads over one by the clock; ratio of the processor times of one thread and of two."""
+    """Return the gain of two threads over one by the clock; ratio of the processor times of one thread and of two."""
     phocas, study = phocas_runs(count, ROCKING), Study.from_toml(STUDY).with_runs(count)
     works: dict[str, Callable[[int], object]] = {
         "arithmetic": calculate,
@@ -241,7 +243,7 @@ def cores(count: int, rounds: int) -> dict[str, dict[str, float]]:
 
 
 def parts_of_a_run(count: int, rounds: int) -> dict[str, float]:
-    """Processor time of a run of the fragility study in one thread, and its part in kernels, ms."""
+    """Yield the processor time of a run of the fragility study in one thread, and its part in kernels, ms."""
     study, spent = Study.from_toml(STUDY).with_runs(count), [0.0]
 
     @contextmanager
@@ -264,7 +266,7 @@ def parts_of_a_run(count: int, rounds: int) -> dict[str, float]:
 
 
 def ida(runs: Runs) -> dict[str, Any]:
-    """Seconds of the processor of a study by `simulate`, and by `simulate_many` in one thread."""
+    """Return the seconds of the processor of a study by `simulate`, and by `simulate_many` in one thread."""
     seconds = alternating(
         [
             partial(one_by_one, runs, None),
@@ -279,7 +281,7 @@ def ida(runs: Runs) -> dict[str, Any]:
 
 
 def figure(count: int) -> dict[str, Any]:
-    """Seconds of the clock of Figure 3 by the exact model, and of a run by the paper's scheme."""
+    """Return the seconds of the clock of Figure 3 by the exact model, and of a run by the paper's scheme."""
     exact = figure_runs(count, shaft(3))
     undamped = Column.from_toml(ROOT / "examples" / "columns" / "phocas.toml")
     together(figure_runs(2, undamped, 0.1), None, threads=1)  # compiles
@@ -292,7 +294,7 @@ def figure(count: int) -> dict[str, Any]:
 
 
 def memory(count: int, compiling: bool) -> dict[str, Any]:
-    """Peak memory, MB, of a process that makes `count` runs with kernels compiled before.
+    """Return the peak memory, MB, of a process that makes `count` runs with kernels compiled before.
 
     With `compiling` also that of a process that compiles them for a few runs, as a user's first one does.
     """
@@ -319,7 +321,7 @@ def fill_memory(count: int) -> float:
 
 
 def most_memory() -> float:
-    """Peak memory of this process, MB."""
+    """Return the peak memory of this process, MB."""
     status = Path("/proc/self/status")
     if status.is_file():  # getrusage includes the process that started this one, if that had more
         line = next(line for line in status.read_text(encoding="ascii").splitlines() if line.startswith("VmHWM"))
@@ -328,7 +330,7 @@ def most_memory() -> float:
 
 
 def measure(quick: bool) -> Iterator[dict[str, Any]]:
-    """All measurements, each time one is added."""
+    """Make all measurements, each time one is added."""
     found: dict[str, Any] = {}
     count = 16 if quick else 64
     together(phocas_runs(16, ROCKING, 0.5), 1e-2, threads=1)  # compiles

@@ -49,7 +49,7 @@ Results = dict[str, Any]
 
 
 def targets(results: Results) -> list[Target]:
-    """All targets, in order."""
+    """Return all targets, in order."""
     rows = speed(results) + forced_run(results) + evaluation(results) + scaling(results)
     return rows + tolerance_met(results) + verdict(results) + energy(results) + studies(results)
 
@@ -59,7 +59,7 @@ def _unmeasured(number: str, aim: str, reason: str = "not measured") -> Target:
 
 
 def speed(results: Results) -> list[Target]:
-    """1: speed at equal error."""
+    """Return target 1: speed at equal error."""
     contact: list[Any] = []
     rocking: list[Any] = []
     for scene in results.get("work-precision", {}).get("scenes", []):
@@ -92,7 +92,7 @@ def speed(results: Results) -> list[Target]:
 
 
 def fastest_auto(results: Results) -> dict[str, Any] | None:
-    """The fastest run of `auto` on damped Phocas at 0.05 g 2 Hz whose error is at most TIMED_ERROR."""
+    """Return the fastest run of `auto` on damped Phocas at 0.05 g 2 Hz whose error is at most TIMED_ERROR."""
     for scene in results.get("work-precision", {}).get("scenes", []):
         if scene["title"] == "Phocas, 0.05 g 2 Hz" and "failure" not in scene:
             good = [p for p in scene["points"]["auto"] if p.get("error", math.inf) <= TIMED_ERROR]
@@ -101,7 +101,7 @@ def fastest_auto(results: Results) -> dict[str, Any] | None:
 
 
 def forced_run(results: Results) -> list[Target]:
-    """2: one run of 20 s."""
+    """Return target 2: one run of 20 s."""
     aim = f"damped Phocas, 0.05 g 2 Hz, 20 s at an error of {TIMED_ERROR:g}: at most {1e3 * TIMED_SECONDS:g} ms"
     other = f"the same: {OPENSEES_SPEED_UP:g}x tuned OpenSees"
     best = fastest_auto(results)
@@ -120,7 +120,7 @@ def forced_run(results: Results) -> list[Target]:
 
 
 def evaluation(results: Results) -> list[Target]:
-    """3: one evaluation against C, against the earlier recursion, in lanes, and with circular joints."""
+    """Return target 3: one evaluation against C, against the earlier recursion, in lanes, and with circular joints."""
     part = results.get("evaluation", {})
     rows = part.get("rows", [])
     aim = f"one evaluation: at most {EVALUATION_RATIO:g}x the same arithmetic in C -O3"
@@ -145,7 +145,9 @@ def evaluation(results: Results) -> list[Target]:
 
 
 def lanes(results: Results) -> list[Target]:
-    """3c to 3e: an evaluation in lanes, per column, against one alone compiled for the same instructions."""
+    """Return targets 3c to 3e: an evaluation in lanes, per column, against one alone compiled for the same
+    instructions.
+    """
     alone = results.get("evaluation", {})
     measured = {alone.get("instructions", ""): alone.get("rows", [])} | results.get("lanes", {})
     found = []
@@ -162,7 +164,7 @@ def lanes(results: Results) -> list[Target]:
 
 
 def scaling(results: Results) -> list[Target]:
-    """4: cost per block."""
+    """Return target 4: cost per block."""
     rows = {row["n"]: row for row in results.get("scaling", {}).get("rows", [])}
     found = []
     for number, key, what in (("4a", "evaluation", "one evaluation"), ("4b", "simulated", "a second of motion")):
@@ -185,7 +187,7 @@ def scaling(results: Results) -> list[Target]:
 
 
 def ratios(results: Results) -> list[tuple[str, float, float]]:
-    """(scene, tolerance, observed error over tolerance) of `auto` where the references are close enough."""
+    """Return (scene, tolerance, observed error over tolerance) of `auto` where the references are close enough."""
     found = []
     for scene in results.get("work-precision", {}).get("scenes", []):
         for point in scene.get("points", {}).get("auto", []):
@@ -196,7 +198,7 @@ def ratios(results: Results) -> list[tuple[str, float, float]]:
 
 
 def tolerance_met(results: Results) -> list[Target]:
-    """5: observed error against requested tolerance."""
+    """Return target 5: observed error against requested tolerance."""
     low, high = RATIO_RANGE
     aims = (f"observed error between {low:g} and {high:g} times the tolerance", f"nowhere {FAR_OFF:g} times off")
     found = ratios(results)
@@ -214,7 +216,7 @@ def tolerance_met(results: Results) -> list[Target]:
 
 
 def verdict(results: Results) -> list[Target]:
-    """6: no false collapse, no false survival."""
+    """Return target 6: no false collapse, no false survival."""
     aim = "damped scenes: the verdict is right at every tolerance from 1e-3 on"
     judged = [row for row in results.get("verdicts", []) if "failure" not in row]
     if not judged:
@@ -226,7 +228,7 @@ def verdict(results: Results) -> list[Target]:
 
 
 def energy(results: Results) -> list[Target]:
-    """7: undamped elastic motion keeps its energy."""
+    """Return target 7: undamped elastic motion keeps its energy."""
     aim = f"undamped elastic motion keeps its energy to {ENERGY_DRIFT:g} over {ENERGY_PERIODS:.0e} periods"
     rows = results.get("energy", [])
     if not rows:
@@ -238,7 +240,7 @@ def energy(results: Results) -> list[Target]:
 
 
 def studies(results: Results) -> list[Target]:
-    """8: many runs."""
+    """Return target 8: many runs."""
     part = results.get("studies", {})
     found: dict[str, float] = {}
     for row in part.get("throughput", []):

@@ -15,7 +15,7 @@ ENOUGH = 0.01  # s that a round of a short function lasts, at least
 
 
 def fastest(run: Callable[[], T], budget: float) -> tuple[T, float, int]:
-    """What `run` returns, the shortest of its times in s, and the number of runs.
+    """Return what `run` returns, the shortest of its times in s, and the number of runs.
 
     A function that takes longer than the budget, s, runs once; any other runs until the budget is spent.
     """
@@ -31,7 +31,7 @@ def fastest(run: Callable[[], T], budget: float) -> tuple[T, float, int]:
 
 
 def loops(runs: Sequence[Callable[[], object]], enough: float = ENOUGH, rounds: int = ROUNDS) -> list[float]:
-    """Seconds of one call of each, the shortest of rounds of loops that last at least `enough` s.
+    """Return the seconds of one call of each, the shortest of rounds of loops that last at least `enough` s.
 
     The rounds alternate, so that a disturbance from outside affects all alike.
     """
@@ -47,7 +47,7 @@ def loops(runs: Sequence[Callable[[], object]], enough: float = ENOUGH, rounds: 
 
 
 def _count(run: Callable[[], object], enough: float) -> int:
-    """Number of calls that last at least `enough` s."""
+    """Return the number of calls that last at least `enough` s."""
     count = 1
     while True:
         begin = time.perf_counter()

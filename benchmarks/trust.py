@@ -1,4 +1,4 @@
-"""How far a run can be trusted, and the cost of finding out: peaks against rows, shares that fall, pulses, checks.
+"""Trust in a run, and the cost of its checks: peaks against rows, shares that fall, pulses, checks.
 
 A share is that of an ensemble; its true value is estimated by many more runs with another seed.
 """
@@ -32,7 +32,7 @@ ENOUGH = 0.05  # s that a round of runs lasts, at least
 
 
 def peaks(scene: Scene) -> dict[str, Any]:
-    """Whether the peaks depend on the rows, and what part of them rows of 5 ms show."""
+    """Return True if the peaks depend on the rows, and what part of them rows of 5 ms show."""
     fine, coarse = (
         simulate(scene.column, scene.motion, scene.duration, settle=0.0, output_step=step) for step in (FINE, COARSE)
     )
@@ -49,7 +49,9 @@ def peaks(scene: Scene) -> dict[str, Any]:
 
 
 def costs(scene: Scene) -> dict[str, Any]:
-    """Cost of a check and of an ensemble of eight relative to the run: evaluations of the check, time of both."""
+    """Return the cost of a check and of an ensemble of eight relative to the run: evaluations of the check, time of
+    both.
+    """
 
     def run(**more: Any) -> Response:
         return simulate(scene.column, scene.motion, scene.duration, settle=0.0, **more)
@@ -68,7 +70,7 @@ def costs(scene: Scene) -> dict[str, Any]:
 
 
 def motions() -> Iterator[tuple[str, Motion]]:
-    """A harmonic motion, and a record where there is one."""
+    """Yield a harmonic motion, and a record where there is one."""
     yield "0.1 g 0.5 Hz", Motion.harmonic(0.1 * G, 0.5, 10.0)
     label, file, duration = RECORDED[0]
     if (RECORDS / Path(file)).is_file():
@@ -76,7 +78,9 @@ def motions() -> Iterator[tuple[str, Motion]]:
 
 
 def edge(column: Column, motion: Motion) -> float:
-    """A scale of the motion near which the column begins to fall; it may stand at some above and fall at some below."""
+    """Return a scale of the motion near which the column begins to fall; it may stand at some above and fall at some
+    below.
+    """
     low, high = 0.1, 0.2
     while simulate(column, motion.scaled(high), tolerance=TOLERANCE).verdict != "overturned":
         low, high = high, 1.5 * high
@@ -90,7 +94,7 @@ def edge(column: Column, motion: Motion) -> float:
 def shares(
     column: Column, label: str, motion: Motion, sizes: tuple[int, ...] = SIZES, many: int = MANY
 ) -> Iterator[dict[str, Any]]:
-    """Shares that fall at scales around the edge: of ensembles, with bounds, and of many runs."""
+    """Yield shares that fall at scales around the edge: of ensembles, with bounds, and of many runs."""
     begins = edge(column, motion)
     for part in AROUND:
         scaled = motion.scaled(part * begins)
@@ -108,7 +112,9 @@ def shares(
 
 
 def pulses(column: Column, label: str, frequency: float, amplitudes: np.ndarray) -> dict[str, Any]:
-    """Counts of outcomes of half sines of these amplitudes, m/s2: falls during the pulse, later, never, undecided."""
+    """Return the counts of outcomes of half sines of these amplitudes, m/s2: falls during the pulse, later, never,
+    undecided.
+    """
     length = 0.5 / frequency
     counts: Counter[str] = Counter()
     for amplitude in amplitudes:
@@ -120,7 +126,7 @@ def pulses(column: Column, label: str, frequency: float, amplitudes: np.ndarray)
 
 
 def measure(quick: bool) -> Iterator[dict[str, Any]]:
-    """All measurements, each time one is added."""
+    """Make all measurements, each time one is added."""
     found: dict[str, Any] = {"costs": [], "peaks": [], "pulses": [], "shares": []}
     duration = 2.0 if quick else 10.0
     rocking = [forced(g, frequency, 2.0 * duration) for g, frequency in FORCED[1:]]

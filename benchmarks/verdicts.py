@@ -1,4 +1,4 @@
-"""Whether a column stands or falls, at every tolerance, against the verdict of both references."""
+"""Verdicts at every tolerance against the verdict of both references."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ TOLERANCES = tolerances(-3, -8, per_decade=1)
 
 
 def measure(scene: Scene) -> dict[str, Any]:
-    """The references' times of overturning, s, and those at every tolerance; NaN for standing."""
+    """Measure the references' times of overturning, s, and those at every tolerance; NaN for standing."""
     try:
         known = reference(scene)
         expected = known.overturns

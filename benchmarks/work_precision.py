@@ -19,7 +19,7 @@ Points = list[dict[str, Any]]  # value, error, seconds, evaluations, runs; or va
 
 
 def envelope(points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
-    """The (error, cost) that no other point beats in both, from large errors and small costs on."""
+    """Return the (error, cost) that no other point beats in both, from large errors and small costs on."""
     best: list[tuple[float, float]] = []
     for error, cost in sorted((point for point in points if point[0] > 0.0), key=lambda p: (p[1], p[0])):
         if not best or error < best[-1][0]:
@@ -28,7 +28,8 @@ def envelope(points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]
 
 
 def cost_at(points: Iterable[tuple[float, float]], error: float) -> float | None:
-    """Cost at an error on the lower envelope, linear in the logarithms; None where no point is that accurate.
+    """Return the cost at an error on the lower envelope, linear in the logarithms; None where no point is that
+    accurate.
 
     An error larger than any on the envelope costs what the cheapest point does.
     """
@@ -43,7 +44,7 @@ def cost_at(points: Iterable[tuple[float, float]], error: float) -> float | None
 
 
 def sweep(competitor: Competitor, reference: Reference, budget: float) -> Points:
-    """Every value of the knob. Any failure is listed."""
+    """Run every value of the knob. Any failure is listed."""
     points: Points = []
     try:  # compiles
         competitor.solve(reference.scene, reference.times[:WARM_UP], competitor.values[-1], 0.0)
@@ -80,17 +81,17 @@ def again(competitor: Competitor, reference: Reference, points: Points, budget: 
 
 
 def describe(failure: Exception) -> str:
-    """An exception in one line."""
+    """Return an exception in one line."""
     return f"{type(failure).__name__}: {failure}".splitlines()[0][:200]
 
 
 def pairs(points: Points, cost: str) -> list[tuple[float, float]]:
-    """(error, cost) of the points that have them."""
+    """Return (error, cost) of the points that have them."""
     return [(point["error"], point[cost]) for point in points if "error" in point]
 
 
 def equal_error(points: dict[str, Points], compiled: Sequence[str]) -> list[dict[str, Any]]:
-    """`auto`, with all peaks and with those of ux only, against the best compiled competitor, at EQUAL_ERRORS."""
+    """Compare `auto`, with all peaks and with those of ux only, with the best compiled competitor, at EQUAL_ERRORS."""
     rows: list[dict[str, Any]] = []
     for error in EQUAL_ERRORS:
         own, ux_only = (cost_at(pairs(points.get(name, []), "seconds"), error) for name in ("auto", UX_ONLY))
@@ -114,7 +115,7 @@ def equal_error(points: dict[str, Points], compiled: Sequence[str]) -> list[dict
 
 
 def measure(reference: Reference, competitors: Sequence[Competitor], budget: float) -> dict[str, Any]:
-    """All measurements of a scene; the budget is the time in s to spend on repeats of one point.
+    """Make all measurements of a scene; the budget is the time in s to spend on repeats of one point.
 
     Interpreted competitors, which are slow, take part in the harmonic scenes only.
     """

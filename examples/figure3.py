@@ -53,12 +53,12 @@ class Run:
 
     @property
     def overturned(self) -> bool:
-        """Whether the column has fallen."""
+        """True if the column has fallen."""
         return not math.isnan(self.overturn_time)
 
     @property
     def stands(self) -> bool:
-        """Whether the run came to its end with the column standing."""
+        """True if the run came to its end with the column standing."""
         return not self.overturned and not self.failure
 
 
@@ -81,7 +81,7 @@ def main() -> int:
 
 
 def frequencies(step: float) -> list[float]:
-    """The multiples of `step`, Hz, within the paper's range. Raises InputError."""
+    """Return the multiples of `step`, Hz, within the paper's range. Raises InputError."""
     check_number("step", step, (0.01, HIGHEST), f"a frequency from 0.01 to {HIGHEST} Hz")
     first, last = math.ceil(LOWEST / step - 1e-9), math.floor(HIGHEST / step + 1e-9)
     return [round(k * step, 9) for k in range(first, last + 1)]
@@ -129,7 +129,7 @@ def write_csv(runs: Sequence[Run], path: Path) -> None:
 
 
 def findings(runs: Sequence[Run]) -> list[str]:
-    """Summary of the runs, one sentence for each amplitude."""
+    """Return the summary of the runs, one sentence for each amplitude."""
     sentences = []
     for amplitude in sorted({run.amplitude for run in runs}):
         series = [run for run in runs if run.amplitude == amplitude]
@@ -144,7 +144,7 @@ def findings(runs: Sequence[Run]) -> list[str]:
 
 
 def caption(runs: Sequence[Run], column: Column, duration: float) -> list[str]:
-    """The paragraphs under the figure: what was run, what came out, what can be compared with the paper."""
+    """Return the paragraphs under the figure: what was run, what came out, what can be compared with the paper."""
     settings = column.settings
     how = f"{settings.formulation} formulation, {settings.integrator} integrator"
     if settings.integrator == "central-difference":
@@ -158,7 +158,7 @@ def caption(runs: Sequence[Run], column: Column, duration: float) -> list[str]:
 
 
 def _comparison(runs: Sequence[Run]) -> str:
-    """The paper's description of its figure beside the results of these runs."""
+    """Return the paper's description of its figure beside the results of these runs."""
     weak = [run for run in runs if run.amplitude == 0.05 and run.stands and run.frequency.is_integer()]
     strong = [run for run in runs if run.amplitude == 0.1 and run.frequency <= 2.0]
     falling = [math.inf if run.overturned else _peak(run) for run in strong]  # by rising frequency
@@ -213,7 +213,7 @@ def _draw_amplitude(axes: Axes, runs: Sequence[Run], colours: Sequence[str]) -> 
 
 
 def _peak(run: Run) -> float:
-    """Largest displacement of any block, m."""
+    """Return the largest displacement of any block, m."""
     return float(np.max(run.peaks))
 
 

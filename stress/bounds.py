@@ -51,7 +51,7 @@ class Checked:
 
 
 def campaign(kind: str, seed: int, first: int, count: int) -> dict[str, Any]:
-    """The findings of the scenes first, first + 1, ... of a kind: faults, and bits unlike those of usual kernels."""
+    """Return the findings of the scenes first, first + 1, ... of a kind: faults, and bits unlike usual ones."""
     failures: list[str] = []
     with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as said:
         checked, read = Checked(said), 0
@@ -71,7 +71,7 @@ def campaign(kind: str, seed: int, first: int, count: int) -> dict[str, Any]:
 
 
 def run(seed: int, first: int, count: int, only: str | None = None) -> Iterator[dict[str, Any]]:
-    """The findings of every kind of scenes, or of one."""
+    """Return the findings of every kind of scenes, or of one."""
     for kind in scenes.KINDS:
         if only in (None, kind):
             yield campaign(kind, seed, first, count)

@@ -45,11 +45,11 @@ class Case:
 
     @property
     def damped(self) -> bool:
-        """Whether every joint dissipates."""
+        """True if every joint dissipates."""
         return all(block.joint.damping > 0.0 for block in self.column.blocks)
 
     def line(self) -> str:
-        """The case in one line."""
+        """Return the case in one line."""
         blocks = self.column.blocks
         stiffness = [block.joint.stiffness for block in blocks]
         damping = [block.joint.damping for block in blocks]
@@ -62,7 +62,7 @@ class Case:
 
 
 def draw(seed: int, number: int, most_blocks: int = 200) -> Case:
-    """The case of that number of a campaign; the same arguments give the same case."""
+    """Draw the case of that number of a campaign; the same arguments give the same case."""
     rng = np.random.default_rng([seed, number])
     kind = str(rng.choice(MOTIONS, p=_WEIGHTS))
     column = _column(rng, 1 if kind == "long" else most_blocks)
@@ -117,14 +117,16 @@ def _column(rng: np.random.Generator, most_blocks: int) -> Column:
 
 
 def fastest_mode(column: Column) -> float:
-    """Upper bound of the angular frequency of the fastest vertical joint mode, rad/s."""
+    """Return the upper bound of the angular frequency of the fastest vertical joint mode, rad/s."""
     spring = np.array(column.springs)
     spring[1:] += spring[:-1]
     return float(np.sqrt(2.0 * np.max(spring / np.array([b.mass for b in column.blocks]))))
 
 
 def _duration(rng: np.random.Generator, column: Column) -> float:
-    """s; most cases are short enough for explicit steps, the others rely on the solver's longer ones."""
+    """Return a duration, s; most cases are short enough for explicit steps, the others rely on the solver's longer
+    ones.
+    """
     wanted = float(_log(rng, 0.05, 20.0))
     few = MOST_STEPS / fastest_mode(column) / max(1.0, 0.1 * column.n)
     return min(wanted, few if rng.random() < 0.7 else 20.0 * few)

@@ -36,12 +36,12 @@ PROCESSORS = {
 
 
 def small_case(seed: int, number: int) -> Case:
-    """A case that ends soon."""
+    """Return a case that ends soon."""
     return draw(seed, number, most_blocks=8)
 
 
 def rows_of(case: Case) -> Array:
-    """Output rows of a case, cut at a number of steps of the motion that any machine follows soon."""
+    """Return the output rows of a case, cut at a number of steps of the motion that any machine follows soon."""
     motion = case.motion
     stepper = Stepper(case.column)
     times = motion.start + np.linspace(0.0, motion.duration, ROWS)
@@ -57,12 +57,12 @@ def digest(seed: int, number: int) -> str:
 
 
 def scene() -> tuple[Column, Motion]:
-    """A damped column that rocks."""
+    """Return a damped column that rocks."""
     return Column.from_toml(DAMPED), Motion.harmonic(0.05 * 9.80665, 2.0, 5.0)
 
 
 def scene_rows() -> list[list[float]]:
-    """The displacements of `scene` every 0.1 s."""
+    """Return the displacements of `scene` every 0.1 s."""
     column, motion = scene()
     stepper = Stepper(column.with_settings(tolerance=1e-9))
     times = np.linspace(0.0, motion.duration, 51)
@@ -71,7 +71,7 @@ def scene_rows() -> list[list[float]]:
 
 
 def restored(formulation: str, damping: bool) -> bool:
-    """Whether a run saved and restored at every hundredth step continues with equal bits."""
+    """Return True if a run saved and restored at every hundredth step continues with equal bits."""
     column, _ = scene()
     column = column.with_settings(formulation=formulation)
     if not damping:
@@ -94,7 +94,7 @@ def restored(formulation: str, damping: bool) -> bool:
 
 
 def elsewhere(function: str, *arguments: object, **environment: str) -> Any:
-    """The result of a function of in_process.py in another process."""
+    """Return the result of a function of in_process.py in another process."""
     done = subprocess.run(
         [sys.executable, "-m", "stress.in_process", function, json.dumps(arguments)],
         cwd=ROOT,
@@ -107,7 +107,7 @@ def elsewhere(function: str, *arguments: object, **environment: str) -> Any:
 
 
 def run(seed: int, count: int, processors: bool = True) -> dict[str, dict[str, object]]:
-    """{name: {"tried", "failures"}}; "largest difference" of the peak where processors are compared."""
+    """Return {name: {"tried", "failures"}}; "largest difference" of the peak where processors are compared."""
     numbers = range(count)
     first = [digest(seed, k) for k in numbers]
     results: dict[str, dict[str, object]] = {}

@@ -11,12 +11,12 @@ Array = NDArray[np.float64]
 
 
 def below(values: Array) -> Array:
-    """For each block the value of the block under it, zero for the base; blocks along the last axis."""
+    """Return for each block the value of the block under it, zero for the base; blocks along the last axis."""
     return np.concatenate([values[..., 1:], np.zeros_like(values[..., :1])], axis=-1)
 
 
 def from_base(steps: Array) -> Array:
-    """Sums from the base up to each block, along the last axis."""
+    """Return the sums from the base up to each block, along the last axis."""
     return np.cumsum(steps[..., ::-1], axis=-1)[..., ::-1]
 
 
@@ -58,7 +58,8 @@ class Energies:
         return self.kinetic + self.gravity + self.elastic
 
     def work(self, motion: Motion) -> Array:
-        """Work of the inertia forces in the moving frame since the first phase, J (r,); one phase at every sample.
+        """Return the work of the inertia forces in the moving frame since the first phase, J (r,); one phase at every
+        sample.
 
         For held samples it is exact: the force is constant between two of them.
         """
@@ -69,7 +70,7 @@ class Energies:
 
 
 def _potential(k: Array, b: Array, t: Array, opening: Array, slope: Array) -> Array:
-    """Elastic energy of the joints, J: the integral of k pen^2 / 2."""
+    """Return the elastic energy of the joints, J: the integral of k pen^2 / 2."""
     a = np.abs(slope)
     deepest, least = 0.5 * b * a - opening, -0.5 * b * a - opening
     full = 0.5 * k * b * t * (opening**2 + (a * b) ** 2 / 12.0)

@@ -24,17 +24,17 @@ Outcome = tuple[int, list[str]]
 
 
 def environment(**changes: str) -> dict[str, str]:
-    """Environment of a child process that finds project and tests."""
+    """Return the environment of a child process that finds project and tests."""
     return os.environ | {"PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests")))} | changes
 
 
 def calling(function: str, *arguments: object) -> list[str]:
-    """Python's arguments for a function of in_process.py."""
+    """Return Python's arguments for a function of in_process.py."""
     return ["-m", "stress.in_process", function, json.dumps(arguments, default=str)]
 
 
 def launch(*arguments: object, **changes: str) -> subprocess.Popen[str]:
-    """Python with these arguments."""
+    """Start Python with these arguments."""
     command = [sys.executable, *map(str, arguments)]
     return subprocess.Popen(
         command, cwd=ROOT, env=environment(**changes), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
@@ -59,7 +59,7 @@ def killed_after(delay: float, *arguments: object, **changes: str) -> bool:
 
 
 def killed_while_writing(folder: Path, times: int, chance: random.Random) -> Outcome:
-    """A response overwrites an older one: the file is the older or the newer, whole."""
+    """Overwrite a response by another one, and kill the writer: the file is the older or the newer, whole."""
     motion, output = folder / "motion.csv", folder / "response.csv"
     motion.write_text("time,base.ax\n0,0\n5,0.1\n")
     command = ["-m", "solver", "simulate", COLUMN, motion, "--output-step", "1e-4", "--force", "-o", output]
@@ -78,7 +78,7 @@ def killed_while_writing(folder: Path, times: int, chance: random.Random) -> Out
 
 
 def killed_while_building(folder: Path, times: int, chance: random.Random) -> Outcome:
-    """A build ended at any time leaves no FMU or a whole one, and the next one works."""
+    """Check that a build ended at any time leaves no FMU or a whole one, and the next one works."""
     output = folder / "killed.fmu"
     begin = time.monotonic()
     finish("build_fmu.py", COLUMN, "--force", "-o", output)
@@ -97,7 +97,7 @@ def killed_while_building(folder: Path, times: int, chance: random.Random) -> Ou
 
 
 def _one_line(code: int, err: str) -> bool:
-    """Whether a command ended with one line of error; matplotlib may complain of its own cache before it."""
+    """Return True if a command ended with one line of error; matplotlib may complain of its own cache before it."""
     last = err.strip().splitlines()[-1:]
     return code == 2 and "Traceback" not in err and any(f"{name}: " in last[0] for name in ("solver", "build_fmu.py"))
 
@@ -112,7 +112,7 @@ def _same_but_for_the_date(one: bytes, other: bytes, folder: Path) -> bool:
 
 
 def killed_while_starting(fmu: Path, folder: Path, times: int, chance: random.Random) -> Outcome:
-    """The first start on an account, ended while the FMU or its code is extracted: the next start works."""
+    """End the first start on an account while the FMU or its code is extracted: the next start works."""
     code, reference, err = finish(*calling("start", fmu), XDG_CACHE_HOME=str(folder / "whole"))
     if code:
         return 0, [err]
@@ -128,7 +128,7 @@ def killed_while_starting(fmu: Path, folder: Path, times: int, chance: random.Ra
 
 
 def full_disk(fmu: Path, folder: Path) -> Outcome:
-    """No file may grow beyond a few kB: exit code 2 and one line, the previous file as it was; the FMU runs."""
+    """Let no file grow beyond a few kB: exit code 2 and one line, the previous file as it was; the FMU runs."""
     motion, output = folder / "motion.csv", folder / "full.csv"
     motion.write_text("time,base.ax\n0,0\n1,0.1\n")
     output.write_text("previous")
@@ -160,7 +160,7 @@ def _close(one: str, other: str) -> bool:
 
 
 def read_only(fmu: Path, folder: Path) -> Outcome:
-    """Folders that cannot be written to or made: exit code 2 and one line; the FMU runs without its own cache."""
+    """Check folders that cannot be written to or made: exit code 2 and one line; the FMU runs without its own cache."""
     motion = folder / "motion.csv"
     motion.write_text("time,base.ax\n0,0\n1,0.1\n")
     (folder / "file").write_text("no folder")
@@ -180,7 +180,7 @@ def read_only(fmu: Path, folder: Path) -> Outcome:
 
 
 def clocks(fmu: Path, folder: Path) -> Outcome:
-    """Clocks that jump by days at every call, files from the future and the past: equal bits."""
+    """Check clocks that jump by days at every call, files from the future and the past: equal bits."""
     problems = []
     module, script, *run = calling("simulate", COLUMN)
     if finish(module, script, "--jumping-clock", *run)[:2] != finish(module, script, *run)[:2]:
@@ -197,7 +197,7 @@ def clocks(fmu: Path, folder: Path) -> Outcome:
 
 
 def together(folder: Path, builders: int = 3) -> Outcome:
-    """Several builds of one FMU into one file: all succeed and the file is whole."""
+    """Make several builds of one FMU into one file: all succeed and the file is whole."""
     output = folder / "together.fmu"
     processes = [launch("build_fmu.py", COLUMN, "--force", "-o", output) for _ in range(builders)]
     problems = []
@@ -213,7 +213,7 @@ def together(folder: Path, builders: int = 3) -> Outcome:
 
 
 def checks(fmu: Path, folder: Path, number: int, times: int) -> dict[str, Callable[[], Outcome]]:
-    """All checks by name."""
+    """Return all checks by name."""
     chance = random.Random(number)
     return {
         "killed while a response is written": lambda: killed_while_writing(folder, times, chance),
@@ -227,7 +227,7 @@ def checks(fmu: Path, folder: Path, number: int, times: int) -> dict[str, Callab
 
 
 def run(number: int, times: int) -> Iterator[dict[str, object]]:
-    """{"name", "tried", "failures"} of each, as it ends."""
+    """Return {"name", "tried", "failures"} of each, as it ends."""
     with tempfile.TemporaryDirectory(prefix="stress_") as name:
         folder = Path(name)
         fmu = folder / "column.fmu"

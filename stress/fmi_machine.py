@@ -75,7 +75,7 @@ KINDS = ("Real", "Integer", "Enumeration", "Boolean", "String")
 
 
 def started(variables: dict[str, Any]) -> dict[str, Any]:
-    """The start values of the parameters."""
+    """Return the start values of the parameters."""
     kinds: dict[str, Callable[[Any], Any]] = {"Real": float, "Enumeration": int, "String": str}
     return {n: kinds[v.type](v.start) for n, v in variables.items() if v.causality == "parameter"}
 
@@ -104,7 +104,7 @@ class Slave:
         self.bare = ctypes.CDLL(library.dll._name)  # without FMPy's types of arguments
 
     def call(self, name: str, *arguments: Any) -> Any:
-        """A method of FMPy's on this instance. Raises RefusedError."""
+        """Call a method of FMPy's on this instance. Raises RefusedError."""
         self.fmi.component = self.component
         try:
             return getattr(self.fmi, name)(*arguments)
@@ -149,11 +149,11 @@ class Machine:
     # --- validity of values
 
     def _input_is_wrong(self) -> bool:
-        """Whether an input is no number, or so large that outputs are not judged."""
+        """Return True if an input is no number, or so large that outputs are not judged."""
         return not all(abs(v) <= LARGEST for v in self.inputs.values())
 
     def _parameters(self) -> str:
-        """ "wrong", "right", or "unknown" where the answer depends on more than the values themselves."""
+        """Return "wrong", "right", or "unknown" where the answer depends on more than the values themselves."""
         sure = True
         for name, value in self.values.items():
             key = name.rpartition(".")[2]
@@ -337,7 +337,7 @@ class Machine:
         return None
 
     def _null(self, what: str) -> str:
-        """A call with a pointer to nothing, which is an Error in any state and changes nothing."""
+        """Make a call with a pointer to nothing, which is an Error in any state and changes nothing."""
         kinds = NULL_CALLS[what]
         zeros = (ctypes.c_double * 4)()
         given = {"0": None, "p": ctypes.byref(zeros), "1": ctypes.c_size_t(1)}

@@ -102,7 +102,7 @@ SNIPPETS = [*NUMBERS, *WORDS, *SIGNS]
 
 
 def mutated(text: str) -> st.SearchStrategy[bytes]:
-    """The text with a few numbers changed, pieces cut, doubled or put in, or bytes overwritten."""
+    """Return the text with a few numbers changed, pieces cut, doubled or put in, or bytes overwritten."""
     places = [match.span() for match in NUMBER.finditer(text)]
     spot = st.integers(0, len(text))
 
@@ -124,7 +124,7 @@ def mutated(text: str) -> st.SearchStrategy[bytes]:
 
 
 def column_problem(path: Path) -> str | None:
-    """The mistake in how a column file was read; None if there is none."""
+    """Return the mistake in how a column file was read; None if there is none."""
     try:
         column = Column.from_toml(path)
     except InputError as error:
@@ -145,7 +145,9 @@ def column_problem(path: Path) -> str | None:
 
 
 def motion_problem(path: Path) -> str | None:
-    """The mistake in how a motion was read, against an independent reader that knows valid files only; or None."""
+    """Return the mistake in how a motion was read, against an independent reader that knows valid files only;
+    or None.
+    """
     read = Motion.from_csv if path.suffix == ".csv" else Motion.from_at2
     try:
         motion = read(path)
@@ -216,7 +218,7 @@ def _plain_at2(text: str) -> tuple[Any, Any, Any] | None:
 
 
 def record_problem(path: Path) -> str | None:
-    """The mistake in how a record of any format was read, or in its measures; or None."""
+    """Return the mistake in how a record of any format was read, or in its measures; or None."""
     try:
         motion = Motion.from_file(path)
         with reading(path):
@@ -227,7 +229,7 @@ def record_problem(path: Path) -> str | None:
 
 
 def study_problem(path: Path) -> str | None:
-    """The mistake in how a study, whose column stands beside it, was read; or None."""
+    """Return the mistake in how a study, whose column stands beside it, was read; or None."""
     (path.parent / "column.toml").write_text(TOML)
     try:
         study = Study.from_toml(path)
@@ -242,7 +244,7 @@ def study_problem(path: Path) -> str | None:
 
 
 def journal_problem(path: Path) -> str | None:
-    """The mistake in how a journal was read, shown and continued; or None."""
+    """Return the mistake in how a journal was read, shown and continued; or None."""
     try:
         text = summary(results_of(path))
     except InputError as error:
@@ -255,7 +257,9 @@ def journal_problem(path: Path) -> str | None:
 
 
 def journals(text: bytes) -> st.SearchStrategy[bytes]:
-    """The journal with some of its values changed, under right checksums: types, lengths, names, numbers, repeats."""
+    """Return the journal with some of its values changed, under right checksums: types, lengths, names, numbers,
+    repeats.
+    """
     lines = [json.loads(line[9:]) for line in text.splitlines()]
     odd = st.one_of(
         st.sampled_from(
@@ -266,7 +270,7 @@ def journals(text: bytes) -> st.SearchStrategy[bytes]:
     )
 
     def changed(data: Any, which: Callable[[int], int], value: Any, how: str) -> Any:
-        """The data with one place in it, anywhere, replaced, taken away or doubled."""
+        """Return the data with one place in it, anywhere, replaced, taken away or doubled."""
         if isinstance(data, (dict, list)) and data and which(3):
             keys = list(data) if isinstance(data, dict) else list(range(len(data)))
             key = keys[which(len(keys))]
@@ -294,7 +298,7 @@ def journals(text: bytes) -> st.SearchStrategy[bytes]:
 
 
 def _journal() -> bytes:
-    """A journal of twelve runs, made as a study makes it."""
+    """Return a journal of twelve runs, made as a study makes it."""
     with tempfile.TemporaryDirectory(prefix="stress_") as folder:
         (Path(folder) / "column.toml").write_text(TOML)
         study = Study.from_dict(tomllib.loads(STUDY), folder)
@@ -331,14 +335,14 @@ SEARCH: dict[str, Any] = {
 
 
 def _files_of(kind: str, text: str) -> st.SearchStrategy[bytes]:
-    """The files of a kind."""
+    """Return the files of a kind."""
     if kind == "builders":
         return fuzz_structures.calls()
     return journals(JOURNAL) if kind.endswith(".journal") else mutated(text)
 
 
 def fuzz(kind: str, number: int, examples: int) -> dict[str, Any]:
-    """`count` files of one kind: {"files", "refused", "failures": the smallest that fails}."""
+    """Read `count` files of one kind: {"files", "refused", "failures": the smallest that fails}."""
     text, problem_of = KINDS[kind]
     counts = {"files": 0}
     smallest: dict[str, str] = {}

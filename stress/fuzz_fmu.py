@@ -39,7 +39,7 @@ class Served:
         extract(str(fmu), unzipdir=self._folder.name)
 
     def ask(self, calls: list[Any]) -> str | None:
-        """The problem of a sequence of calls, None if there was none."""
+        """Return the problem of a sequence of calls, None if there was none."""
         if self._process is None:
             command = [sys.executable, "-m", "stress.fmi_machine", str(self.fmu), self._folder.name]
             self._process = subprocess.Popen(
@@ -76,7 +76,7 @@ class Served:
 
 
 def sequences(fmu: Path, longest: int = 40) -> st.SearchStrategy[list[Any]]:
-    """Lists of calls for `stress.fmi_machine`: most begin as a master does."""
+    """Return lists of calls for `stress.fmi_machine`: most begin as a master does."""
     variables = read_model_description(str(fmu)).modelVariables
     parameters = [v for v in variables if v.causality == "parameter" and v.type == "Real"]
     inputs = [v.name for v in variables if v.causality == "input"]
@@ -121,7 +121,7 @@ def sequences(fmu: Path, longest: int = 40) -> st.SearchStrategy[list[Any]]:
 
 
 def fuzz(fmu: Path, number: int, examples: int, report: Callable[[str], None] | None = None) -> dict[str, Any]:
-    """`count` sequences of a seeded search: {"sequences", "calls", "failures": shortest that fail}."""
+    """Run `count` sequences of a seeded search: {"sequences", "calls", "failures": shortest that fail}."""
     served = Served(fmu)
     failures: list[dict[str, Any]] = []
     smallest: dict[str, Any] = {}

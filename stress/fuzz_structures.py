@@ -122,7 +122,7 @@ ODD += [[], {}, [1.0], [0.5, 0.5], [1e300, -1.0], {"a": 1}, {"stiffness": "x"}]
 
 
 def structure_problem(path: Path) -> str | None:
-    """The mistake in how a structure's file was read, or in its rest and modes; None if there is none."""
+    """Return the mistake in how a structure's file was read, or in its rest and modes; None if there is none."""
     try:
         structure = Structure.from_toml(path)
     except InputError as error:
@@ -132,7 +132,7 @@ def structure_problem(path: Path) -> str | None:
 
 
 def builder_problem(path: Path) -> str | None:
-    """The same of what a builder makes of arguments."""
+    """Return the mistake in what a builder makes of arguments."""
     name, arguments = json.loads(path.read_text())
     try:
         structure = CALLS[name][0](**arguments)
@@ -142,7 +142,7 @@ def builder_problem(path: Path) -> str | None:
 
 
 def calls() -> st.SearchStrategy[bytes]:
-    """Calls of builders with one or two arguments that are odd."""
+    """Return calls of builders with one or two arguments that are odd."""
 
     def call(name: str, changes: list[tuple[int, Any]]) -> bytes:
         arguments = dict(CALLS[name][1])

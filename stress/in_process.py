@@ -15,7 +15,7 @@ from typing import Any
 
 
 def start(fmu: str, largest_file: int = 0) -> list[Any]:
-    """Outputs after a first step; no file may grow beyond `largest_file` bytes once the FMU is extracted."""
+    """Return outputs after a first step; no file may grow beyond `largest_file` bytes once the FMU is extracted."""
     from support.instance import Instance, unpacked
 
     folder = unpacked(fmu)
@@ -37,7 +37,7 @@ def simulate(column: str) -> str:
 
 
 def command(program: str, arguments: list[str]) -> None:
-    """A command of the project, `solver` or `build_fmu`; exits as it does."""
+    """Run a command of the project, `solver` or `build_fmu`; exits as it does."""
     import build_fmu
     from solver.commands import command_line
 
@@ -45,21 +45,21 @@ def command(program: str, arguments: list[str]) -> None:
 
 
 def digests(seed: int, count: int) -> list[str]:
-    """Of determinism.py."""
+    """Run `digests` of determinism.py."""
     from .determinism import digest
 
     return [digest(seed, k) for k in range(count)]
 
 
 def scene_rows() -> list[Any]:
-    """Of determinism.py."""
+    """Run `scene_rows` of determinism.py."""
     from .determinism import scene_rows
 
     return list(scene_rows())
 
 
 def sweep() -> list[dict[str, Any]]:
-    """Of scheme.py."""
+    """Run `sweep` of scheme.py."""
     from .scheme import sweep
 
     return sweep()

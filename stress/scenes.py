@@ -187,7 +187,7 @@ def _structure_data(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def _made(rng: np.random.Generator, kind: type[Any], draw: Callable[[np.random.Generator], dict[str, Any]]) -> Any:
-    """The first model drawn that the readers accept and that stands."""
+    """Return the first model drawn that the readers accept and that stands."""
     for _ in range(MOST_VARIANTS):
         try:
             return kind.from_dict(draw(rng))
@@ -206,7 +206,7 @@ def _run(model: Model, motion: Motion) -> Numbers:
 
 
 def _driven(model: Model, motion: Motion) -> np.ndarray:
-    """Outputs as an FMU steps a model whose base follows inputs, or is driven by a body, and may turn."""
+    """Return outputs as an FMU steps a model whose base follows inputs, or is driven by a body, and may turn."""
     drive, turns = ("acceleration", "body", "horizontal")[len(motion.ax) % 3], len(motion.ax) % 2
     driven: Any
     if isinstance(model, Column):
@@ -237,7 +237,9 @@ def _driven(model: Model, motion: Motion) -> np.ndarray:
 
 
 def _derivatives(driven: Any, model: Model, t: float) -> Numbers:
-    """Rates of the outputs and their derivatives along inputs, as a native FMU has them where one can be built."""
+    """Return the rates of the outputs and their derivatives along inputs, as a native FMU has them where one can be
+    built.
+    """
     row, other = np.zeros((2, driven.seen.size))
     if isinstance(model, Structure):
         seeds = np.ones(driven._inputs.size)
@@ -261,7 +263,7 @@ def _run_many(models: list[Model], motions: list[Motion]) -> Numbers:
 
 
 def scene(kind: str, seed: int, number: int) -> Callable[[], Numbers]:
-    """The scene of that number; the same arguments give the same one."""
+    """Return the scene of that number; the same arguments give the same one."""
     rng = np.random.default_rng([seed, KINDS.index(kind), number])
     in_space = kind in ("structures", "lanes in space")
     draw, of = (_structure_data, Structure) if in_space else (_column_data, Column)

@@ -33,13 +33,13 @@ SCENES = ((0.02, 2.0, 2.0), (0.05, 2.0, 2.0))  # g, Hz, s: short enough to predi
 
 
 def shaft(n: int, stiffness: float, damping: float, step: float = 1e-4) -> Column:
-    """The shaft of Phocas in n equal drums, set up as in the paper."""
+    """Return the shaft of Phocas in n equal drums, set up as in the paper."""
     block = Block(HEIGHT / n, WIDTH, WIDTH, MASS / n, Joint(stiffness, damping))
     return Column("shaft", (block,) * n, Settings("paper", step=step))
 
 
 def grows(column: Column, step: float) -> tuple[bool, float]:
-    """Whether a small disturbance of rest grows in STEPS steps, and the sweeps made per evaluation."""
+    """Return True if a small disturbance of rest grows in STEPS steps, and the sweeps made per evaluation."""
     stepper = Stepper(column)
     stepper.model.settings.step = step  # past the check of the step, which is what this function tests
     n = column.n
@@ -57,7 +57,7 @@ def grows(column: Column, step: float) -> tuple[bool, float]:
 
 
 def limit_found(column: Column, limit: float) -> float:
-    """The step at which the scheme begins to diverge, in parts of `limit`; inf if that is beyond LONGEST."""
+    """Return the step at which the scheme begins to diverge, in parts of `limit`; inf if that is beyond LONGEST."""
     low, high = 0.5, LONGEST
     if grows(column, low * limit)[0]:
         return 0.0
@@ -70,7 +70,9 @@ def limit_found(column: Column, limit: float) -> float:
 
 
 def refused_beyond(column: Column, limit: float) -> bool:
-    """Whether a step just within the limit is accepted, and one just beyond refused with the limit in the message."""
+    """Return True if a step just within the limit is accepted, and one just beyond refused with the limit in the
+    message.
+    """
     Stepper(column.with_settings(step=0.999 * limit))
     try:
         Stepper(column.with_settings(step=1.001 * limit))
@@ -103,7 +105,7 @@ def stability_map(
 
 
 def sweep_costs() -> list[dict[str, Any]]:
-    """Error of the top displacement against the tolerance of the sweeps.
+    """Return the error of the top displacement against the tolerance of the sweeps.
 
     That tolerance is a constant of the kernels: each one is compiled in a copy of the solver.
     """
@@ -119,7 +121,7 @@ def sweep_costs() -> list[dict[str, Any]]:
 
 
 def _swept(tolerance: float | None) -> list[dict[str, Any]]:
-    """The result of `sweep` in a process of its own."""
+    """Return the result of `sweep` in a process of its own."""
     with tempfile.TemporaryDirectory(prefix="stress_") as folder:
         for name in ("solver", "stress"):
             shutil.copytree(ROOT / name, Path(folder) / name, ignore=shutil.ignore_patterns("__pycache__"))
@@ -142,7 +144,7 @@ def _swept(tolerance: float | None) -> list[dict[str, Any]]:
 
 
 def sweep() -> list[dict[str, Any]]:
-    """Top displacement and sweeps an evaluation of every scene, with the tolerance that the kernels have."""
+    """Return top displacement and sweeps an evaluation of every scene, with the tolerance that the kernels have."""
     from solver.kernels.paper import equations as paper
 
     found = []
@@ -157,7 +159,7 @@ def sweep() -> list[dict[str, Any]]:
 
 
 def run(short: bool = False) -> dict[str, Any]:
-    """The map and the cost of the sweeps."""
+    """Return the map and the cost of the sweeps."""
     if short:
         return {"map": stability_map((1, 3), (1e8, 1e10), (0.0, 1e-3))}
     stiffnesses = tuple(10.0**k for k in range(6, 15, 2))

@@ -84,7 +84,7 @@ COUNTED = {"steps": "steps", "implicit": "implicit_steps", "elastic": "elastic_s
 
 
 def _cut(motion: Motion, pieces: int) -> Motion:
-    """The motion with `pieces` times as many samples: shorter communication steps."""
+    """Return the motion with `pieces` times as many samples: shorter communication steps."""
     if pieces == 1:
         return motion
     shares = np.arange(pieces) / pieces
@@ -99,7 +99,7 @@ def _cut(motion: Motion, pieces: int) -> Motion:
 
 
 def examine(case: Case) -> dict[str, Any]:
-    """Every check of one case: {"failures": [...], "figures": {...}, ...}."""
+    """Make every check of one case: {"failures": [...], "figures": {...}, ...}."""
     column, motion = case.column, case.motion
     tolerance = column.settings.tolerance
     times = motion.start + np.linspace(0.0, motion.duration, ROWS + 1)
@@ -125,7 +125,7 @@ def examine(case: Case) -> dict[str, Any]:
 
 
 def check_rows(column: Column, run: Track, failures: list[str], figures: dict[str, float]) -> None:
-    """Finite; N >= 0, |M| <= N b / 2, contact within 0..1."""
+    """Check that rows are finite; N >= 0, |M| <= N b / 2, contact within 0..1."""
     n = column.n
     if not np.all(np.isfinite(run.rows)):
         failures.append("an output is not finite")
@@ -147,12 +147,14 @@ def check_rows(column: Column, run: Track, failures: list[str], figures: dict[st
 
 
 def _standing(run: Track) -> int:
-    """Number of rows before the verdict."""
+    """Return the number of rows before the verdict."""
     return int(np.searchsorted(run.times, run.overturn_time)) if run.overturned else len(run.times)
 
 
 def check_energy(column: Column, motion: Motion, run: Track, failures: list[str], figures: dict[str, float]) -> None:
-    """Energy never exceeds that at the start plus the work of the base; without damping it is never less."""
+    """Check that the energy never exceeds that at the start plus the work of the base; without damping it is never
+    less.
+    """
     count = _standing(run)
     if count < 2:
         return
@@ -171,7 +173,7 @@ def check_energy(column: Column, motion: Motion, run: Track, failures: list[str]
 
 
 def _check_mirror(column: Column, motion: Motion, run: Track, failures: list[str]) -> None:
-    """The mirrored motion gives the mirrored response, to the last bit."""
+    """Check that the mirrored motion gives the mirrored response, to the last bit."""
     n = column.n
     mirrored = follow(column, motion.mirrored(), run.times)
     joints = [np.full(n, -1.0 if name in MIRRORED else 1.0) for name in at.OUTPUTS.fields]
@@ -182,7 +184,7 @@ def _check_mirror(column: Column, motion: Motion, run: Track, failures: list[str
 
 
 def _altered(column: Column, part: float) -> Column:
-    """The column with data changed by a relative amount, smaller than their uncertainty."""
+    """Return the column with data changed by a relative amount, smaller than their uncertainty."""
     blocks = tuple(
         replace(block, joint=replace(block.joint, stiffness=block.joint.stiffness * (1.0 + (-1) ** i * part)))
         for i, block in enumerate(column.blocks)
@@ -193,7 +195,9 @@ def _altered(column: Column, part: float) -> Column:
 def _check_agreement(
     case: Case, usual: Track, failures: list[str], figures: dict[str, float], tolerance: float
 ) -> None:
-    """Half the tolerance, other communication steps: within the tolerance as long as the motion can be predicted."""
+    """Compare half the tolerance and other communication steps: within the tolerance as long as the motion can be
+    predicted.
+    """
     column, motion, times = case.column, case.motion, usual.times
     n = column.n
     half = follow(column, motion, times, tolerance=max(1e-13, 0.5 * tolerance))
@@ -250,7 +254,7 @@ def _serve(pipe: Connection, seed: int, most_blocks: int, patience: int) -> None
 def campaign(
     seed: int, first: int, count: int, most_blocks: int = MOST_BLOCKS, patience: int = 20, seconds: float = math.inf
 ) -> Iterator[dict[str, Any]]:
-    """The findings of the cases first, first + 1, ..., until `count` cases or `seconds` are reached.
+    """Return the findings of the cases first, first + 1, ..., until `count` cases or `seconds` are reached.
 
     patience: s of processor time for one case; one that takes longer is reported as slow. A case that ends the process
     is reported as well, and the campaign continues.

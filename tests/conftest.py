@@ -19,7 +19,9 @@ from solver.kernels.machine.making import make
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Whatever started the tests: a shell's background job hands on SIGINT as ignored, and a child would ignore it."""
+    """Restore the action of SIGINT: a shell's background job hands on SIGINT as ignored, and a child would
+    ignore it.
+    """
     signal.signal(signal.SIGINT, signal.default_int_handler)
     # many columns of the tests are drawn at random, or odd on purpose; pytest would import the solver too early for it
     config.addinivalue_line("filterwarnings", "ignore::solver.common.errors.InputWarning")
@@ -37,7 +39,7 @@ settings.load_profile("any machine")
 
 @pytest.fixture(scope="session")
 def records() -> Path:
-    """Folder of the recorded ground motions, which are not part of the project."""
+    """Return the folder of the recorded ground motions, which are not part of the project."""
     folder = ROOT.parent / "shared" / "records"
     if not folder.is_dir():
         pytest.skip(f"no recorded ground motions in {folder}")
@@ -46,7 +48,7 @@ def records() -> Path:
 
 @pytest.fixture(scope="session")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> Fmus:
-    """The FMUs of the two example columns."""
+    """Return the FMUs of the two example columns."""
     return Fmus(
         phocas=built_once(tmp_path_factory, "phocas.fmu", lambda path: Fmus.build(PHOCAS, path)),
         damped=built_once(tmp_path_factory, "damped.fmu", lambda path: Fmus.build(DAMPED, path)),
@@ -55,14 +57,14 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> Fmus:
 
 @pytest.fixture(scope="session")
 def trilith(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The FMU of a structure in space."""
+    """Return the FMU of a structure in space."""
     file = ROOT / "examples" / "structures" / "trilith.toml"
     return built_once(tmp_path_factory, "trilith.fmu", lambda path: Fmus.build(file, path))
 
 
 @pytest.fixture(scope="session")
 def native_trilith(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The same without Python, for Linux."""
+    """Return the same without Python, for Linux."""
     pytest.importorskip("ziglang", reason="needs the extra native")
     file = ROOT / "examples" / "structures" / "trilith.toml"
     return built_once(tmp_path_factory, "native_trilith.fmu", lambda path: Fmus.build(file, path, *LINUX))
@@ -70,27 +72,27 @@ def native_trilith(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def native(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The damped example as a native FMU of FMI 2.0, for Linux, with its base as a terminal."""
+    """Return the damped example as a native FMU of FMI 2.0, for Linux, with its base as a terminal."""
     pytest.importorskip("ziglang", reason="needs the extra native")
     return built_once(tmp_path_factory, "native.fmu", lambda path: Fmus.build(DAMPED, path, *LINUX, "--terminals"))
 
 
 @pytest.fixture(scope="session")
 def native3(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The same of FMI 3.0, for all platforms."""
+    """Return the same of FMI 3.0, for all platforms."""
     pytest.importorskip("ziglang", reason="needs the extra native")
     return built_once(tmp_path_factory, "native3.fmu", lambda path: Fmus.build(DAMPED, path, "--native", "--fmi", "3"))
 
 
 @pytest.fixture(scope="session")
 def coupled(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The FMUs and SSPs of examples/coupling, with Python but for the ground."""
+    """Return the FMUs and SSPs of examples/coupling, with Python but for the ground."""
     return built_once(tmp_path_factory, "coupled", lambda path: coupling(path))
 
 
 @pytest.fixture(scope="session")
 def native_coupled(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The same without Python."""
+    """Return the same without Python."""
     return built_once(tmp_path_factory, "native_coupled", lambda path: coupling(path, "--native"))
 
 

@@ -46,7 +46,7 @@ class Case:
 
 
 def data_folder(data: Path | None, name: str, advice: str) -> Path:
-    """The folder `name` of the user's data. Raises AbsentError with the advice on where to get it."""
+    """Return the folder `name` of the user's data. Raises AbsentError with the advice on where to get it."""
     if data is None or not (data / name).is_dir():
         place = "--data FOLDER" if data is None else str(data)
         raise AbsentError(f"needs {place} to hold {name}: {advice}")

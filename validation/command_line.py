@@ -51,7 +51,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def run(case: Case, data: Path | None, folder: Path, rims: Sequence[float] = ()) -> None:
-    """One case: its lines printed, its numbers and its picture written to the folder."""
+    """Run one case: its lines printed, its numbers and its picture written to the folder."""
     print(f"--- {case.name}: {case.title}", flush=True)
     begin, begin_cpu = clock.perf_counter(), clock.process_time()
     with warnings.catch_warnings():
@@ -67,7 +67,7 @@ def run(case: Case, data: Path | None, folder: Path, rims: Sequence[float] = ())
 
 
 def record(case: Case, outcome: Outcome, seconds: float, cpu: float) -> dict[str, Any]:
-    """All that a case says, for JSON: not a number becomes None."""
+    """Return the results of a case for JSON: NaN becomes None."""
     return {
         "case": case.name,
         "title": case.title,
@@ -83,7 +83,7 @@ def record(case: Case, outcome: Outcome, seconds: float, cpu: float) -> dict[str
 
 
 def plain(value: Any) -> Any:
-    """The value in the types of JSON, None for what is not finite."""
+    """Return the value in the types of JSON, None for what is not finite."""
     if isinstance(value, dict):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, np.ndarray | np.generic):

@@ -27,7 +27,7 @@ class Rock:
     def structure(
         self, scale: float, stiffness: float, damping: float, friction: float, rim: float | None = None
     ) -> Structure:
-        """The rock on the base, its foot larger by `scale` about the point below the centroid.
+        """Return the rock on the base, its foot larger by `scale` about the point below the centroid.
 
         rim: width over that of the foot of a rim in which it touches, as stiff in all as the whole foot and critically
         damped. The width of the foot is that of the square which has its area over its perimeter.
@@ -59,7 +59,8 @@ class Rock:
 
 
 def rock_from(path: Path, mass: float, level: float) -> Rock:
-    """The rock of a scan (OBJ) of uniform density as it is stored, z up; its foot: the hull of points within `level` m.
+    """Return the rock of a scan (OBJ) of uniform density as it is stored, z up; its foot: the hull of points within
+    `level` m.
 
     A scan without faces is taken as its convex hull. Raises InputError.
     """
@@ -77,7 +78,7 @@ def rock_from(path: Path, mass: float, level: float) -> Rock:
 
 
 def scan(path: Path) -> tuple[FloatArray, bool]:
-    """Vertices (n, 3) of a scan, in its own unit, and whether it has faces. Raises InputError."""
+    """Return the vertices (n, 3) of a scan, in its own unit, and whether it has faces. Raises InputError."""
     if not path.is_file():
         raise InputError(f"{path}: no such file, though the folder of the data is there")
     lines = path.read_text(encoding="utf-8", errors="replace").splitlines()

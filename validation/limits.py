@@ -14,7 +14,7 @@ from .rigid_block import FloatArray
 
 
 def largest_push(arch: Structure) -> float:
-    """The largest steady acceleration along x, over gravity, under which some line of thrust lies in all joints.
+    """Return the largest steady acceleration along x, over gravity, under which some line of thrust lies in all joints.
 
     The blocks follow each other from base to base in the plane x, z, joint k under block k, as `multiblock.arch` makes
     them. J. Heyman (1969), International Journal of Mechanical Sciences 11: rigid blocks, no tension, no sliding; the
@@ -41,7 +41,7 @@ def largest_push(arch: Structure) -> float:
 
 
 def _joints_of(arch: Structure) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Centres (n + 1, 2) m, directions of thrust from block to block (n + 1, 2), and half widths (n + 1,) m."""
+    """Return centres (n + 1, 2) m, directions of thrust from block to block (n + 1, 2), and half widths (n + 1,) m."""
     places = np.array([joint.face.centre[[0, 2]] for joint in arch.joints])
     ways = np.array([joint.face.normal[[0, 2]] for joint in arch.joints])
     ways[-1] *= -1.0  # its normal points from the base to the block before it

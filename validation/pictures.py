@@ -17,7 +17,7 @@ DPI = 110
 
 
 def panels(columns: int, rows: int = 1, width: float = 4.2, height: float = 3.5) -> tuple[Figure, Any]:
-    """A figure and its axes, an array (rows, columns). Sizes in inches."""
+    """Return a figure and its axes, an array (rows, columns). Sizes in inches."""
     figure, axes = plt.subplots(
         rows, columns, figsize=(width * columns, height * rows + 0.45), squeeze=False, layout="constrained"
     )
@@ -25,7 +25,7 @@ def panels(columns: int, rows: int = 1, width: float = 4.2, height: float = 3.5)
 
 
 def label(axis: Any, x: str, y: str, title: str = "") -> None:
-    """Axis labels, a title, a light grid."""
+    """Add axis labels, a title, a light grid."""
     axis.set_xlabel(x)
     axis.set_ylabel(y)
     axis.set_title(title, fontsize=10)

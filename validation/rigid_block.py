@@ -19,7 +19,7 @@ HALVINGS = 40  # to find the impact within a step
 def overturning(
     amplitude: FloatArray, speed: FloatArray, alpha: float, restitution: float, slender: bool = False
 ) -> NDArray[np.int64]:
-    """Impacts before the block falls under a one-sine pulse, of the shape of the arrays; -1 where it stands.
+    """Return the impacts before the block falls under a one-sine pulse, of the shape of the arrays; -1 where it stands.
 
     amplitude: over alpha g; speed: circular frequency over p; alpha: rad; restitution: rotation rate after over before
     an impact. Zhang and Makris (2001), Journal of Engineering Mechanics 127 (5): theta'' = -p^2 (sin(s alpha - theta)
@@ -41,7 +41,7 @@ def _acceleration(theta, side, time, pulse, alpha, slender):
 
 @njit
 def _step(theta, rate, side, time, h, pulse, alpha, slender):
-    """A step of the classical Runge-Kutta method."""
+    """Make a step of the classical Runge-Kutta method."""
     half = 0.5 * h
     a1 = _acceleration(theta, side, time, pulse, alpha, slender)
     a2 = _acceleration(theta + half * rate, side, time + half, pulse, alpha, slender)

@@ -35,7 +35,10 @@ class Tests:
 
 
 def read(data: Path | None) -> Tests:
-    """All tests of the repository. Raises AbsentError without it or without openpyxl, InputError for wrong files."""
+    """Return all tests of the repository.
+
+    Raises AbsentError without it or without openpyxl, InputError for wrong files.
+    """
     folder = data_folder(data, REPOSITORY, ADVICE) / FOLDER
     table = outcomes(folder / "Results_Granite.xlsx")
     files = {int(row[0]): folder / f"Test{int(row[0]):03d}.txt" for row in table}
@@ -67,7 +70,7 @@ def outcomes(path: Path) -> FloatArray:
 
 
 def acceleration(path: Path) -> FloatArray:
-    """Of the table, m/s2: the second column, in g, less its mean before the table moves."""
+    """Return the acceleration of the table, m/s2: the second column, in g, less its mean before the table moves."""
     try:
         time, ax = np.loadtxt(path, skiprows=1, usecols=(0, 1), unpack=True)
     except (ValueError, IndexError) as wrong:
@@ -81,13 +84,13 @@ def acceleration(path: Path) -> FloatArray:
 
 
 def peak_velocity(ax: FloatArray) -> float:
-    """Peak ground velocity, m/s; a straight line is taken off the velocity, which sensors make drift."""
+    """Return the peak ground velocity, m/s; a straight line is taken off the velocity, which sensors make drift."""
     velocity = SAMPLE * np.concatenate([[0.0], np.cumsum(0.5 * (ax[1:] + ax[:-1]))])
     time = np.linspace(-1.0, 1.0, len(velocity))
     return float(np.max(np.abs(velocity - np.polyval(np.polyfit(time, velocity, 1), time))))
 
 
 def scan_of(data: Path | None, specimen: str) -> Path:
-    """The file of the scan of a rock. Raises AbsentError without the data."""
+    """Return the file of the scan of a rock. Raises AbsentError without the data."""
     number = TESTS[specimen]
     return data_folder(data, REPOSITORY, ADVICE) / "data" / f"SP{number}_PBRmodel" / f"SP{number}.obj"

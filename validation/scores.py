@@ -1,4 +1,4 @@
-"""How good a prediction of verdicts is: agreement, logarithmic score, calibration; halves to fit and to judge on."""
+"""Scores of a prediction of verdicts: agreement, logarithmic score, calibration; halves to fit and to judge on."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Z = 1.96  # of 95 % bounds
 
 
 def halves(fallen: Flags, splits: int, seed: int) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-    """Random halves with the same part of fallen tests in each: indices to fit on, indices to judge on."""
+    """Yield random halves with the same part of fallen tests in each: indices to fit on, indices to judge on."""
     rng = np.random.default_rng(seed)
     for _ in range(splits):
         order = np.concatenate([rng.permutation(np.flatnonzero(fallen)), rng.permutation(np.flatnonzero(~fallen))])
@@ -24,22 +24,24 @@ def halves(fallen: Flags, splits: int, seed: int) -> Iterator[tuple[NDArray[np.i
 
 
 def with_lapse(share: FloatArray) -> FloatArray:
-    """Shares moved away from 0 and 1, so that one wrong certainty does not cost everything."""
+    """Return shares moved away from 0 and 1, so that one wrong certainty does not cost everything."""
     return 0.5 * LAPSE + (1.0 - LAPSE) * share
 
 
 def agreement(share: FloatArray, fallen: Flags) -> float:
-    """Part of the tests on whose side the share is."""
+    """Return the part of the tests on whose side the share is."""
     return float(np.mean((share > 0.5) == fallen))
 
 
 def log_score(share: FloatArray, fallen: Flags) -> FloatArray:
-    """Mean logarithm of the share given to what happened, over the last axis: 0 is perfect, -0.693 a coin."""
+    """Return the mean logarithm of the share given to what happened, over the last axis: 0 is perfect, -0.693
+    a coin.
+    """
     return np.mean(np.log(np.where(fallen, share, 1.0 - share)), axis=-1)
 
 
 def lognormal_fit(measure: FloatArray, fallen: Flags) -> tuple[float, float]:
-    """Median and deviation of the lognormal fragility that is most likely, with the lapse."""
+    """Return the median and deviation of the lognormal fragility that is most likely, with the lapse."""
 
     def cost(x: FloatArray) -> float:
         return -float(log_score(lognormal(measure, float(np.exp(x[0])), float(np.exp(x[1]))), fallen))
@@ -50,12 +52,12 @@ def lognormal_fit(measure: FloatArray, fallen: Flags) -> tuple[float, float]:
 
 
 def lognormal(measure: FloatArray, median: float, deviation: float) -> FloatArray:
-    """Share that falls at a measure of intensity."""
+    """Return the share that falls at a measure of intensity."""
     return with_lapse(ndtr(np.log(measure / median) / deviation))
 
 
 def bounds(count: FloatArray, total: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """95 % bounds of a share, Wilson (1927)."""
+    """Return the 95 % bounds of a share, Wilson (1927)."""
     share = count / total
     middle = (share + Z**2 / (2.0 * total)) / (1.0 + Z**2 / total)
     half = Z / (1.0 + Z**2 / total) * np.sqrt(share * (1.0 - share) / total + Z**2 / (4.0 * total**2))
@@ -63,7 +65,9 @@ def bounds(count: FloatArray, total: FloatArray) -> tuple[FloatArray, FloatArray
 
 
 def binned(place: FloatArray, edges: FloatArray, share: FloatArray, fallen: Flags) -> FloatArray:
-    """Number of tests, mean share predicted, number fallen, in each bin of `place` that has any: (bins, 3)."""
+    """Return the number of tests, mean share predicted, number fallen, in each bin of `place` that has any:
+    (bins, 3).
+    """
     index = np.digitize(place, edges[1:-1])
     rows = [
         (np.sum(index == k), np.mean(share[index == k]), np.sum(fallen[index == k]))

@@ -40,14 +40,18 @@ class Pair:
     sides: tuple[int, int]
 
     def _arms(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """As built: from the lower corner to its centroid and to the corner above, and from there to the upper one."""
+        """Return the arms as built: from the lower corner to its centroid and to the corner above, and from there to
+        the upper one.
+        """
         half, over = 0.5 * self.sides[0] * self.lower.width, 0.5 * self.sides[1] * self.upper.width
         to_lower = np.array([-half, 0.5 * self.lower.height])
         to_corner = np.array([over - half, self.lower.height])
         return to_lower, to_corner, np.array([-over, 0.5 * self.upper.height])
 
     def accelerations(self, angles: FloatArray, rates: FloatArray) -> FloatArray:
-        """Of both rotations, rad/s2: M q'' = -dV/dq - what centripetal accelerations ask for."""
+        """Return the accelerations of both rotations, rad/s2: M q'' = -dV/dq - what centripetal accelerations
+        ask for.
+        """
         to_lower, to_corner, to_upper = self._arms()
         a, b = angles
         low, high, over = _slope(a, to_lower), _slope(a, to_corner), _slope(b, to_upper)
@@ -65,7 +69,7 @@ class Pair:
         return np.linalg.solve(mass, -weight - pulled)
 
     def energy(self, angles: FloatArray, rates: FloatArray) -> float:
-        """J; zero of weight at the base."""
+        """Return the energy, J; zero of weight at the base."""
         to_lower, to_corner, to_upper = self._arms()
         a, b = angles
         slow = _slope(a, to_lower) * rates[0]
@@ -77,7 +81,9 @@ class Pair:
         return float(0.5 * kinetic + G * rise)
 
     def released(self, tilt: float, relative: float, end: float = 20.0) -> tuple[FloatArray, FloatArray]:
-        """Times, s, and both rotations, (times, 2), from rest at these tilts, rad, until one of them is zero."""
+        """Return the times, s, and both rotations, (times, 2), from rest at these tilts, rad, until one of them is
+        zero.
+        """
 
         def rate(_: float, y: FloatArray) -> FloatArray:
             return np.concatenate([y[2:], self.accelerations(y[:2], y[2:])])
@@ -93,12 +99,12 @@ class Pair:
 
 
 def _turn(angle: float, arm: FloatArray) -> FloatArray:
-    """An arm (x, z) turned clockwise."""
+    """Return an arm (x, z) turned clockwise."""
     c, s = math.cos(angle), math.sin(angle)
     return np.array([arm[0] * c + arm[1] * s, arm[1] * c - arm[0] * s])
 
 
 def _slope(angle: float, arm: FloatArray) -> FloatArray:
-    """Its derivative by the angle."""
+    """Return the derivative of an arm by the angle."""
     x, z = _turn(angle, arm)
     return np.array([z, -x])

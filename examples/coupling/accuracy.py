@@ -1,4 +1,4 @@
-"""How accurate and how stable the coupling is, against the same systems solved as one (reference.py).
+"""Accuracy and stability of the coupling against the same systems solved as one (reference.py).
 
     python examples/coupling/accuracy.py [--quick] [--record RECORD.AT2]
 
@@ -43,7 +43,7 @@ PERIOD, DAMPING = 2.0, 0.1  # s, of critical: linear isolators under slab and co
 
 
 def linear(ratio: float) -> dict[str, float]:
-    """Slab of `ratio` times the effective mass on linear isolators."""
+    """Return slab of `ratio` times the effective mass on linear isolators."""
     mass = ratio * MEFF
     stiffness = (mass + TOTAL) * (2.0 * math.pi / PERIOD) ** 2
     return {"mass": mass, "stiffness": stiffness, "damping": 2.0 * DAMPING * math.sqrt(stiffness * (mass + TOTAL))}
@@ -60,14 +60,14 @@ PARTNERS: dict[str, tuple[str, dict[str, float]]] = {
 
 
 def column_with(eta: float) -> Column:
-    """The Column of Phocas, joints damped by eta s."""
+    """Return the Column of Phocas, joints damped by eta s."""
     column = Column.from_toml(COLUMN)
     blocks = [replace(block, joint=replace(block.joint, damping=eta)) for block in column.blocks]
     return replace(column, blocks=tuple(blocks))
 
 
 def harmonic(scene: str, stop: float) -> np.ndarray:
-    """Samples of a scene every SPACING, m/s2."""
+    """Return the samples of a scene every SPACING, m/s2."""
     amplitude, frequency = SCENES[scene]
     return amplitude * np.sin(2.0 * np.pi * frequency * SPACING * np.arange(round(stop / SPACING) + 1))
 
@@ -99,13 +99,13 @@ class Case:
         return np.asarray(-force - (p["strength"] * truth["z"] if self.kind == "lead-rubber" else 0.0))
 
     def ground(self, t: float) -> float:
-        """Ground acceleration, m/s2."""
+        """Return ground acceleration, m/s2."""
         past = t / SPACING
         k = min(int(past + 1e-9), len(self.samples) - 2)
         return float(self.samples[k] + (past - k) * (self.samples[k + 1] - self.samples[k]))
 
     def couple(self, h: float, way: str = "", stop: float | None = None) -> Run:
-        """Coupled: way is plain, held, line, parabola or iterated; empty for the partner's own."""
+        """Couple both: way is plain, held, line, parabola or iterated; empty for the partner's own."""
         damping = {f"joint[{i}].damping": self.eta for i in (1, 2, 3)}
         column = Fmu(self.fmus["column"], **{"base.drive": "acceleration"}, **damping)
         own: dict[str, Any] = dict(self.parameters)
@@ -133,7 +133,7 @@ class Case:
             partner.close()
 
     def by_state(self, h: float, stop: float | None = None) -> Run:
-        """Exchanged once a step, what each side says of its state."""
+        """Exchange once a step what each side says of its state."""
         damping = {f"joint[{i}].damping": self.eta for i in (1, 2, 3)}
         on_soil = self.kind == "soil"
         column = Fmu(self.fmus["column_on_soil" if on_soil else "column"], **damping)
@@ -158,7 +158,7 @@ class Case:
         return Run(zip(("time", "block[1].ux", *seen), rows.T, strict=True), diverged=None)
 
     def errors(self, run: Run) -> tuple[float, float]:
-        """Largest error of the top displacement, and of the isolators' force or the foundation's rotation."""
+        """Return the largest error of the top displacement, and of the isolator force or the foundation's rotation."""
         if run["diverged"] is not None:
             return math.inf, math.inf
         every = round((run["time"][1] - run["time"][0]) / SPACING * 1e6)
@@ -178,14 +178,16 @@ class Case:
 
 
 def percent(error: float) -> str:
-    """As printed."""
+    """Format a number in per cent, as printed."""
     if not error < 10.0:
         return "diverges"
     return f"{100.0 * error:.2g} %"
 
 
 def plain_limit(fmus: dict[str, Path]) -> float:
-    """Slab mass over effective mass below which the plain reaction diverges, by bisection: 0.3 s of gentle shaking."""
+    """Return slab mass over effective mass below which the plain reaction diverges, by bisection: 0.3 s of gentle
+    shaking.
+    """
     lo, hi = 0.5, 2.0
     samples = 0.01 * np.sin(2.0 * np.pi * SPACING * np.arange(601))
     for _ in range(7):
@@ -199,7 +201,7 @@ def plain_limit(fmus: dict[str, Path]) -> float:
 
 
 def mass_ratios(fmus: dict[str, Path], stop: float, say: Callable[[str], None]) -> list[dict[str, Any]]:
-    """Every mass ratio, damped and undamped, both scenes, at 1 ms: plain, and R0/Meff with slope."""
+    """Print every mass ratio, damped and undamped, both scenes, at 1 ms: plain, and R0/Meff with slope."""
     rows = []
     say("slab / Meff   eta   scene        window       plain        held   line: top, force   parabola: the same")
     for eta in (1e-3, 0.0):
@@ -217,7 +219,7 @@ def mass_ratios(fmus: dict[str, Path], stop: float, say: Callable[[str], None]) 
 
 
 def orders(fmus: dict[str, Path], stop: float, say: Callable[[str], None]) -> list[dict[str, Any]]:
-    """Error against communication step, for everything that the column can stand on."""
+    """Print the error against communication step, for everything that the column can stand on."""
     steps = (4e-3, 2e-3, 1e-3, 5e-4)
     rows = []
     listed = ", ".join(f"{1e3 * h:g}" for h in steps)
@@ -240,7 +242,7 @@ def orders(fmus: dict[str, Path], stop: float, say: Callable[[str], None]) -> li
 
 
 def once_a_step(fmus: dict[str, Path], stop: float, say: Callable[[str], None]) -> list[dict[str, Any]]:
-    """Error against communication step where everything is exchanged once a step."""
+    """Print the error against communication step where everything is exchanged once a step."""
     steps = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)
     rows = []
     listed = ", ".join(f"{1e3 * h:g}" for h in steps)
@@ -254,7 +256,7 @@ def once_a_step(fmus: dict[str, Path], stop: float, say: Callable[[str], None]) 
 
 
 def longest_steps(fmus: dict[str, Path], stop: float, say: Callable[[str], None]) -> None:
-    """Up to which step it stays stable."""
+    """Print the longest step at which it stays stable."""
     steps = (1e-3, 2e-3, 3e-3, 4e-3, 6e-3, 8e-3)
     listed = ", ".join(f"{1e3 * h:g}" for h in steps)
     say(f"slab / Meff   eta   slope        error of the top at {listed} ms")
@@ -267,7 +269,7 @@ def longest_steps(fmus: dict[str, Path], stop: float, say: Callable[[str], None]
 
 
 def recorded(fmus: dict[str, Path], record: Path, say: Callable[[str], None]) -> list[dict[str, Any]]:
-    """A recorded motion, as long as it can be predicted, at 1 ms."""
+    """Print the errors under a recorded motion, as long as it can be predicted, at 1 ms."""
     motion = Motion.from_at2(record)
     stop = min(motion.duration, 12.0)
     samples = motion.acceleration(motion.start + SPACING * np.arange(round(stop / SPACING) + 1))[0]

@@ -125,7 +125,7 @@ def build_all(
 def build_systems(
     folder: Path, fmus: dict[str, Path], column: Path, stop: float, native: bool = False, step: float = STEP
 ) -> dict[str, Path]:
-    """The SSPs, and of native FMUs what master.c reads; paths by name. step: s, how often they exchange."""
+    """Build the SSPs, and of native FMUs what master.c reads; paths by name. step: s, how often they exchange."""
     weight = sum(block.mass for block in Column.from_toml(column).blocks) * Column.from_toml(column).g
     parameters: dict[str, dict[str, Any]] = {
         "isolator": {"mass": 40e3, "stiffness": 1.2e6, "damping": 7.6e4},
@@ -146,7 +146,7 @@ def build_systems(
 
 
 def waves() -> str:
-    """A record in CSV: 0.1 g at 1 Hz, which begins and ends softly, five waves and as long again of silence."""
+    """Return a record in CSV: 0.1 g at 1 Hz, which begins and ends softly, five waves and as long again of silence."""
     lines = ["time,base.ax"]
     for k in range(1001):
         t = 0.01 * k

@@ -42,26 +42,27 @@ CLOSE = {"rtol": 1e-9, "atol": 1e-11}
 
 
 def ground(t: float) -> np.ndarray:
-    """Acceleration of the ground in x and y, m/s2."""
+    """Return the acceleration of the ground in x and y, m/s2."""
     grows = min(1.0, t)
     return grows * np.array([3.0 * math.sin(9.0 * t), 1.5 * math.sin(7.0 * t)])
 
 
 def ground_over(t: float, h: float) -> tuple[np.ndarray, np.ndarray]:
-    """Acceleration and slope that move over a step as the parabola through its start, middle and end does."""
+    """Return acceleration and slope that move over a step as the parabola through its start, middle and end does."""
     first, middle, last = (ground(t + part * h) for part in (0.0, 0.5, 1.0))
     return (2.0 * first + 2.0 * middle - last) / 3.0, (last - first) / h
 
 
 def held() -> Structure:
-    """The trilith with joints that do not slide, so that its phase is all of its state."""
+    """Return the trilith with joints that do not slide, so that its phase is all of its state."""
     data = tomllib.loads(TRILITH.read_text(encoding="utf-8"))
     del data["joints"]["friction"]
     return Structure.from_dict(data)
 
 
 def slide(z: tuple[float, float], x: float, y: float) -> tuple[float, float]:
-    """The stretch of the spring, in parts of that at which it slides, after a straight path (x, y) in such parts.
+    """Return the stretch of the spring, in parts of that at which it slides, after a straight path (x, y) in such
+    parts.
 
     It goes with the path up to the circle of radius 1, then along it towards the path: the tangent of half the angle
     between both falls by exp(-path).
@@ -83,7 +84,7 @@ def slide(z: tuple[float, float], x: float, y: float) -> tuple[float, float]:
 def follow(
     z: tuple[float, float], v: np.ndarray, a: np.ndarray, slope: np.ndarray, h: float, chords: int = CHORDS
 ) -> tuple[float, float]:
-    """The stretch after a step of h s on the path v s + a s^2 / 2 + slope s^3 / 6, in chords."""
+    """Return the stretch after a step of h s on the path v s + a s^2 / 2 + slope s^3 / 6, in chords."""
     s = h / chords * np.arange(chords + 1)[:, None]
     for x, y in (np.diff(s * (v + s * (0.5 * a + s * slope / 6.0)), axis=0) / YIELD).tolist():
         z = slide(z, x, y)
@@ -91,7 +92,9 @@ def follow(
 
 
 def pull_of(isolator: dict[str, float], weight: float, x: np.ndarray, v: np.ndarray, z: Any) -> np.ndarray:
-    """Force of the isolators on the slab at x m, v m/s, N; z: stretch of the slider, weight: what slides carries, N."""
+    """Return the force of the isolators on the slab at x m, v m/s, N; z: stretch of the slider, weight: what slides
+    carries, N.
+    """
     pull: np.ndarray = -isolator["stiffness"] * x - isolator["damping"] * v
     return pull - isolator["friction"] * weight * np.asarray(z)
 
@@ -99,7 +102,7 @@ def pull_of(isolator: dict[str, float], weight: float, x: np.ndarray, v: np.ndar
 def couple(
     structure: Structure, model: np.ndarray, mass: float, isolator: dict[str, float], h: float, order: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Displacements of the slab, and of the last block relative to it, every 0.02 s, m (rows, 2).
+    """Return the displacements of the slab, and of the last block relative to it, every 0.02 s, m (rows, 2).
 
     mass: of the slab, kg. order: 1: held, 2: the line from the step before, 3: the parabola through two before. Raises
     SolverError where it diverges, and warns as the FMUs do.
@@ -140,7 +143,8 @@ def couple(
 
 
 def as_one(structure: Structure, mass: float, isolator: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
-    """The same as one system of equations, by scipy: phase of the structure, place, velocity and stretch of the slab.
+    """Return the same as one system of equations, by scipy: phase of the structure, place, velocity and stretch of the
+    slab.
 
     The stretch of what slides keeps its size and turns with the path. Joints must not slide.
     """
@@ -170,7 +174,7 @@ def as_one(structure: Structure, mass: float, isolator: dict[str, float]) -> tup
 
 
 def errors(found: tuple[np.ndarray, np.ndarray], one: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-    """Of slab and beam, in parts of their peaks."""
+    """Return the errors of slab and beam, in parts of their peaks."""
     return np.array([np.max(np.abs(a - b)) / np.max(np.abs(b)) for a, b in zip(found, one, strict=True)])
 
 

@@ -36,7 +36,8 @@ ISOLATORS: dict[str, dict[str, float]] = {
 
 
 def pulse(velocity: float = 0.6, period: float = 1.2, cycles: float = 2.0) -> Motion:
-    """A near-fault ground motion of G. P. Mavroeidis and A. S. Papageorgiou, Bull. Seism. Soc. Am. 93 (2003) 1099-1131.
+    """Return a near-fault ground motion of G. P. Mavroeidis and A. S. Papageorgiou, Bull. Seism. Soc.
+    Am. 93 (2003) 1099-1131.
 
     velocity: m/s, amplitude; period: s, prevailing; cycles: gamma.
     """
@@ -47,7 +48,7 @@ def pulse(velocity: float = 0.6, period: float = 1.2, cycles: float = 2.0) -> Mo
 
 
 def run_both(column: Column, fmus: dict[str, Path], motion: Motion, isolator: str) -> tuple[Run, Run]:
-    """Histories of the fixed and of the isolated column, every STEP."""
+    """Return histories of the fixed and of the isolated column, every STEP."""
     stop = motion.duration + AFTER
     n = column.n
     ends = "block[{}].ux", "block[{}].theta", "joint[{}].contact"
@@ -74,7 +75,7 @@ def run_both(column: Column, fmus: dict[str, Path], motion: Motion, isolator: st
 
 
 def openings(column: Column, run: Run) -> np.ndarray:
-    """Largest opening of each joint at its edge, m, (n,) from the top."""
+    """Return the largest opening of each joint at its edge, m, (n,) from the top."""
     theta = np.array([run[f"block[{i}].theta"] for i in range(1, column.n + 1)] + [np.zeros(len(run["time"]))])
     found = []
     for i, block in enumerate(column.blocks):
@@ -84,7 +85,7 @@ def openings(column: Column, run: Run) -> np.ndarray:
 
 
 def report(column: Column, fixed: Run, isolated: Run) -> str:
-    """The numbers an engineer wants."""
+    """Return the numbers an engineer wants."""
 
     def verdict(run: Run) -> str:
         late = run["overturn_time"][-1]
@@ -112,7 +113,7 @@ def report(column: Column, fixed: Run, isolated: Run) -> str:
 
 
 def draw(column: Column, fixed: Run, isolated: Run, motion: Motion, isolator: str, path: Path) -> None:
-    """Column response, ground and isolator loop."""
+    """Draw the column response, ground and isolator loop."""
     figure = Figure(figsize=(10.0, 6.4), layout="constrained")
     (ground, loop), (top, contact) = figure.subplots(2, 2, width_ratios=(1.8, 1.0))
     runs = ((fixed, FIXED, "fixed base"), (isolated, ISOLATED, "isolated"))

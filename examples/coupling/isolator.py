@@ -70,7 +70,7 @@ Given = given_of(PORTS)
 
 
 def isolator_force(value, motion):
-    """On the slab, N."""
+    """Return the force on the slab, N."""
     x, v, z = motion[0], motion[1], motion[2]
     if value.kind == LINEAR:
         return -(value.stiffness * x + value.damping * v)
@@ -81,12 +81,14 @@ def isolator_force(value, motion):
 
 
 def weight_at(motion):
-    """What slab and column weigh now, N, by the line through the last two exchanges: so it belongs to the state."""
+    """Return the present weight of slab and column, N, by the line through the last two exchanges: so it belongs to the
+    state.
+    """
     return motion[4] if motion[5] == 0.0 else 2.0 * motion[4] - motion[5]
 
 
 def accelerations(value, motion):
-    """Of the slab, along x alone: vertically it goes with the ground."""
+    """Return the accelerations of the slab, along x alone: vertically it goes with the ground."""
     met = value.column_R0x - value.column_mxz * value.ground_az
     return (isolator_force(value, motion) + met) / (value.mass + value.column_mxx), 0.0, 0.0
 
@@ -96,12 +98,12 @@ def given_slopes(value):
 
 
 def needs(value, motion, a):
-    """Force that the slab needs of the column to accelerate by a: what its equation lacks."""
+    """Return the force that the slab needs of the column to accelerate by a: what its equation lacks."""
     return value.mass * a[0] - isolator_force(value, motion), 0.0, 0.0
 
 
 def velocities(motion):
-    """Of the slab in space."""
+    """Return the velocities of the slab in space."""
     return motion[1] + motion[3], 0.0, 0.0
 
 
@@ -123,13 +125,13 @@ def move(value, motion, a, slope, h):
 
 
 def outputs(value, motion, a, slope):
-    """In the order of the table, but for the work."""
+    """Return the outputs in the order of the table, but for the work."""
     x, v, z, ground, force = motion[0], motion[1], motion[2], motion[3], isolator_force(value, motion)
     return a[0], value.ground_az, slope[0], value.ground_jz, x, v, z, force, v + ground, force, value.mass
 
 
 def hysteresis(z, path):
-    """z after a path in one direction, in yield displacements."""
+    """Return z after a path in one direction, in yield displacements."""
     sign = 1.0
     if path < 0.0:
         sign, z, path = -1.0, -z, -path
@@ -140,7 +142,9 @@ def hysteresis(z, path):
 
 
 def turns(v, a, j, h):
-    """The two instants, in order, where v + a s + j s^2 / 2 changes its sign; h in place of one that is not within."""
+    """Return the two instants, in order, where v + a s + j s^2 / 2 changes its sign; h in place of one that is not
+    within.
+    """
     first = second = h
     if j == 0.0:
         if a != 0.0:

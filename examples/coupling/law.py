@@ -54,7 +54,7 @@ def choice(name, description, words, start):
 
 
 def slope_parameter(start):
-    """How the body accelerates within a step."""
+    """Return the parameter for the acceleration within a step."""
     text = "Slope within a step (parabola of the steps before, line since the step before, none, inputs given.*)"
     return choice("slope", text, SLOPES, start)
 
@@ -65,19 +65,21 @@ def field(name):
 
 
 def given_of(ports):
-    """The class of what the functions are given: inputs and parameters, as numbers, in the order of the table."""
+    """Return the class of what the functions are given: inputs and parameters, as numbers, in the order of the
+    table.
+    """
     return namedtuple("Given", [field(port.name) for port in ports if port.causality != "output"])
 
 
 def slopes(way, given, a, before):
-    """How the accelerations go on from here, per s."""
+    """Return the rates of the accelerations from here on, per s."""
     if way == GIVEN:
         return given
     return slope(way, a[0], before, 0), slope(way, a[1], before, 1), slope(way, a[2], before, 2)
 
 
 def slope(way, a, before, k):
-    """Slope of the acceleration of one axis."""
+    """Return the slope of the acceleration of one axis."""
     if way == HELD or before[0] < 1.0:
         return 0.0
     step, last = before[1], before[2 + k]
@@ -88,7 +90,7 @@ def slope(way, a, before, k):
 
 
 def remember(before, a, h):
-    """One more step of h s that began with the accelerations a."""
+    """Remember one more step of h s that began with the accelerations a."""
     for k in range(4):
         before[5 + k] = before[1 + k]
     before[0] = min(before[0] + 1.0, 2.0)
@@ -96,7 +98,9 @@ def remember(before, a, h):
 
 
 def power(needs, v):
-    """Power from the body to the column, W, by the forces of the body; the column's differ by coupling errors."""
+    """Return the power from the body to the column, W, by the forces of the body; the column's differ by coupling
+    errors.
+    """
     return -(needs[0] * v[0] + needs[1] * v[1] + needs[2] * v[2])
 
 
@@ -109,7 +113,7 @@ def is_finite(a):
 
 
 def travel(position, rate, acceleration, slope, h):
-    """(position, rate) after h s."""
+    """Return (position, rate) after h s."""
     return (
         position + h * (rate + h * (0.5 * acceleration + h * slope / 6.0)),
         rate + h * (acceleration + 0.5 * h * slope),

@@ -35,7 +35,7 @@ SEEN = ("x", "y", "vx", "vy", "ax", "ay")  # of the port
 
 
 def on_slab(springs: bool = False) -> Structure:
-    """The trilith on its slab, which slides freely on the base; springs: with isolators inside, as ties."""
+    """Return the trilith on its slab, which slides freely on the base; springs: with isolators inside, as ties."""
     data: dict[str, Any] = tomllib.loads(TRILITH.read_text(encoding="utf-8"))
     slab = {"name": "slab", "on": "base", "at": [1.5, 0.0], "width": 4.5, "depth": 1.5, "height": 0.3, "mass": MASS}
     slab["joint"] = {"friction": 1e3, "shear_ratio": 1e-6, "damping": 1e-3}
@@ -51,19 +51,22 @@ def on_slab(springs: bool = False) -> Structure:
 
 
 def ground(duration: float) -> Motion:
-    """A base motion in two directions, which lines join between samples."""
+    """Return a base motion in two directions, which lines join between samples."""
     t = STEP * np.arange(round(duration / STEP) + 1)
     grows = np.minimum(1.0, t)
     return Motion.from_samples(STEP, 3.0 * grows * np.sin(9.0 * t), ay=1.5 * grows * np.sin(7.0 * t))
 
 
 def isolators(x: Array, v: Array) -> Array:
-    """Force on the slab at places m and velocities m/s, N."""
+    """Return the force on the slab at places m and velocities m/s, N."""
     return -STIFFNESS * x - DAMPING * v
 
 
 def couple(h: float, duration: float, law: Callable[[Array, Array], Array] = isolators) -> tuple[Array, Array]:
-    """Places of slab and beam every 0.02 s under an exchange once in h s, m (rows, 2). Raises SolverError."""
+    """Return the places of slab and beam every 0.02 s under an exchange once in h s, m (rows, 2).
+
+    Raises SolverError.
+    """
     structure, motion = on_slab(), ground(duration)
     body = DrivenStructure(structure, packed(structure), Chosen(TOLERANCE))
     places = places_of(OUTPUTS, structure.sizes)
@@ -90,7 +93,7 @@ def couple(h: float, duration: float, law: Callable[[Array, Array], Array] = iso
 
 
 def as_one(duration: float) -> tuple[Array, Array]:
-    """The same of the structure with ties in place of the partner."""
+    """Return the same of the structure with ties in place of the partner."""
     found = simulate(on_slab(True), ground(duration), duration, tolerance=TOLERANCE, output_step=EVERY, settle=0.0)
     top = np.column_stack([found.ux[:, -1], found.uy[:, -1]])
     return np.column_stack([found.port_x[:, 0], found.port_y[:, 0]]), top

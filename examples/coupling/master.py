@@ -30,7 +30,7 @@ Wire = tuple[str, str, str, str]  # output of one FMU, input of another: names o
 
 
 def by_state(column: Fmu, partner: Fmu, names: tuple[str, str] = ("column", "partner")) -> list[Wire]:
-    """What a column and the body under it say to each other; names: of both in `run`."""
+    """Exchange the states of a column and the body under it; names: of both in `run`."""
     one, other = names
     split = [name for name in SPLIT if f"column.{name}" in partner.variables]
     body = [name for name in BODY if f"body.{name}" in partner.variables]
@@ -145,7 +145,9 @@ def couple(
     accelerations = partner.references([f"base.{axis}" for axis in axes])
 
     def exchange() -> None:
-        """Reaction to the partner, motion to the column: one pass, for R0 and m do not depend on the acceleration."""
+        """Exchange reaction to the partner, motion to the column: one pass, for R0 and m do not depend on the
+        acceleration.
+        """
         partner.slave.setReal(into_partner, column.slave.getReal(out_of_column))
         column.slave.setReal(into_column, partner.slave.getReal(out_of_partner))
 

@@ -59,14 +59,14 @@ class Partner(Fmi2Slave):
         self._begin()
 
     def _begin(self):
-        """From rest."""
+        """Begin from rest."""
         self.motion = [0.0] * self.law.MOTION
         self._before = [0.0] * BEFORE
         self._work = 0.0  # J, given to the column so far
         self._fresh = False
 
     def _value(self):
-        """Inputs and parameters as the functions of the law take them. Raises ValueError."""
+        """Return inputs and parameters as the functions of the law take them. Raises ValueError."""
         values = []
         for port in self._given:
             value = self._numbers[port.name]
@@ -80,7 +80,7 @@ class Partner(Fmi2Slave):
         return self.law.Given(*values)
 
     def _accelerations(self, value):
-        """Of this instant, and their slopes."""
+        """Return the accelerations of this instant, and their slopes."""
         a = self.law.accelerations(value, self.motion)
         return a, slopes(value.slope, self.law.given_slopes(value), a, self._before)
 
@@ -171,7 +171,7 @@ class Partner(Fmi2Slave):
         self._fresh = False
 
     def to_xml(self, model_options=None):
-        """The model description, written as that of the column is."""
+        """Return the model description, written as that of the column is."""
         from partner_table import description
 
         return description(self.law, str(self.guid))

@@ -30,7 +30,7 @@ REASONS = {NO_NUMBER: "the acceleration is no finite number", NO_DERIVATIVES: "d
 
 
 def law_of(name: str, package: str = PLAIN) -> ModuleType:
-    """The module of a partner, as a part of a package that this folder is."""
+    """Return the module of a partner, as a part of a package that this folder is."""
     if package not in sys.modules:
         folder = ModuleType(package)
         folder.__path__ = [str(HERE)]
@@ -39,7 +39,7 @@ def law_of(name: str, package: str = PLAIN) -> ModuleType:
 
 
 def _sources(name: str) -> str:
-    """What identifies the partner's own sources."""
+    """Return what identifies the partner's own sources."""
     content = b"".join((HERE / f"{part}.py").read_bytes() for part in ("law", name, "partner_kernels"))
     return hashlib.sha256(content).hexdigest()[:16]
 
@@ -60,7 +60,6 @@ def _entries(group: str, begin: Callable[..., Any], step: Callable[..., Any], se
     begin(given, from_rest, model, state), step(inputs, model, state, work, h) -> reason or 0,
     see(inputs, model, state, work, t, samples, row).
     """
-
     made = entry(group, __name__)
 
     @made
@@ -110,7 +109,7 @@ def _partner_entries(name: str, own: ModuleType, law: ModuleType) -> None:
 
     @kernel
     def begin(given, from_rest, model, state):
-        """Parameters into the model; from rest."""
+        """Put the parameters into the model, and begin from rest."""
         for k in range(count - inputs_count):
             model[k] = given[k]
         if from_rest:
@@ -134,7 +133,7 @@ def _partner_entries(name: str, own: ModuleType, law: ModuleType) -> None:
 
     @kernel
     def see(inputs, model, motion, work, t, samples, row):
-        """The outputs."""
+        """Fill the outputs."""
         value = given(inputs, model, work)
         a = accelerations(value, motion)
         slope = slopes(value.slope, given_slopes(value), a, motion[steps:])
@@ -151,7 +150,7 @@ def _ground_entries(name: str) -> None:
 
     @kernel
     def at(samples, t):
-        """Accelerations and slopes from time t on."""
+        """Return accelerations and slopes from time t on."""
         k = segment_at(samples, t)
         if -1 <= k < samples.size - 1:
             ahead = samples.times[k + 1] - t
@@ -162,7 +161,7 @@ def _ground_entries(name: str) -> None:
 
     @kernel
     def begin(given, from_rest, model, state):
-        """The step of the parameters, 0 if it is not given."""
+        """Return the step of the parameters, 0 if it is not given."""
         model[0] = given[0]
         if from_rest:
             state[0] = 0.0
@@ -175,7 +174,7 @@ def _ground_entries(name: str) -> None:
 
     @kernel
     def see(inputs, model, state, work, t, samples, row):
-        """The outputs."""
+        """Fill the outputs."""
         step = model[0] if model[0] != 0.0 else state[0]
         now_x, jx, now_z, jz = at(samples, t)
         if step > 0.0:

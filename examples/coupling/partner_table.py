@@ -1,4 +1,4 @@
-"""From a partner's ports to the FMU's variables, its model description, and what the C core has to know.
+"""The FMU's variables from a partner's ports, its model description, and what the C core has to know.
 
 Runs where FMUs are built.
 """
@@ -26,7 +26,7 @@ RECORD = {"RECORD": "record", "RECORD_PGA": "pga", "RECORD_SCALE": "scale"}  # o
 
 
 def variables(law: ModuleType, record_name: str = "") -> list[Variable]:
-    """The table; references count from 1."""
+    """Return the table; references count from 1."""
     parameters = tuple(port.name for port in law.PORTS if port.causality == "parameter")
     table = []
     for reference, port in enumerate(law.PORTS, start=1):
@@ -59,14 +59,14 @@ def description(
     flags: Mapping[str, bool | int] = FLAGS,
     tool: str = "build.py with PythonFMU",
 ) -> Element:
-    """The root element of the model description."""
+    """Return the root element of the model description."""
     table = variables(law) if table is None else table
     about = About(law.TITLE, guid, law.ABOUT, VERSION, experiment or Experiment(), flags, tool)
     return model_description(about, table)
 
 
 def subject(law: ModuleType, group: str) -> NativeSubject:
-    """Description of a partner for the C core; group: of its kernels."""
+    """Return the description of a partner for the C core; group: of its kernels."""
     ports = law.PORTS
     names = {kind: [port.name for port in ports if port.causality == kind] for kind in ("input", "output", "parameter")}
     has_record = "record" in names["parameter"]
@@ -102,7 +102,7 @@ def subject(law: ModuleType, group: str) -> NativeSubject:
 def native_partner(
     name: str, platforms: list[str], record: Path | None = None, scale: float = 1.0
 ) -> tuple[dict[str, bytes], str]:
-    """The files of a partner's FMU without Python, and its GUID. Raises InputError, OSError."""
+    """Return the files of a partner's FMU without Python, and its GUID. Raises InputError, OSError."""
     law = law_of(name)
     motion = None if record is None else Motion.from_file(record)
     table = variables(law, record.name if record else "")

@@ -37,7 +37,7 @@ OWN = 7  # unknowns of a partner: x, v, z; or x, v, z, w, theta, omega, inner ra
 
 @kernel
 def partner_rates(kind, p, own, ground, split, rates):
-    """Rates of the partner's unknowns under the ground acceleration; returns (ax, az, alpha) of the base."""
+    """Return the rates of the partner's unknowns under the ground acceleration; returns (ax, az, alpha) of the base."""
     x, v, z = own[0], own[1], own[2]
     if kind != SOIL:
         normal = p[0] * p[7] - split.R0z
@@ -70,7 +70,7 @@ def partner_rates(kind, p, own, ground, split, rates):
 
 @kernel
 def all_rates(column, kind, p, y, ground, row, split, rates):
-    """Rates (4n + OWN,) of y, rotations of the blocks absolute; returns the displacement of the top, m."""
+    """Return the rates (4n + OWN,) of y, rotations of the blocks absolute; returns the displacement of the top, m."""
     n, phase = column.model.n, column.state.phase
     own = y[4 * n :]
     theta, omega = (own[4], own[5]) if kind == SOIL else (0.0, 0.0)
@@ -94,7 +94,9 @@ def all_rates(column, kind, p, y, ground, row, split, rates):
 
 @from_python
 def integrate(n, arrays, kind, p, y, dt, samples, h, per, seen, parts, k, stage, out):
-    """Steps of h s under samples every dt s, linear in between; after every `per` of them a row of (ux, unknowns)."""
+    """Return steps of h s under samples every dt s, linear in between; after every `per` of them a row of (ux,
+    unknowns).
+    """
     model, state, counts, base, work = arrays
     none = no_samples(row_of(base))
     column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), none, 0, row_of(work))
@@ -130,7 +132,8 @@ def solve_as_one(
     every: float = 1e-3,
     h: float = 1e-5,
 ) -> dict[str, Any]:
-    """Histories every `every` s up to `stop`: time, top (ux of block 1), x, v, z, theta; and the unknowns as `all`.
+    """Return the histories every `every` s up to `stop`: time, top (ux of block 1), x, v, z, theta; and the unknowns as
+    `all`.
 
     kind: linear, lead-rubber, friction-pendulum or soil; parameters by the names of the FMU's. samples: ground
     acceleration at k dt, m/s2.
@@ -150,7 +153,7 @@ def solve_as_one(
 
 
 def _packed(column: Column, kind: str, parameters: dict[str, float]) -> np.ndarray:
-    """Parameters in the order of `partner_rates`."""
+    """Return the parameters in the order of `partner_rates`."""
     if kind != "soil":
         values = dict(zip(ISOLATOR, DEFAULTS, strict=True)) | parameters
         return np.array([values[name] for name in ISOLATOR])

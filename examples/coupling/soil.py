@@ -61,7 +61,7 @@ Given = given_of(PORTS)
 
 
 def cone(value):
-    """Springs and dashpots (sway, vertical, rocking), and the rate 1/s at which the inner rotation follows."""
+    """Return springs and dashpots (sway, vertical, rocking), and the rate 1/s at which the inner rotation follows."""
     r, rho, vs, nu = value.radius, value.density, value.shear_velocity, value.poisson
     area, second = math.pi * r * r, math.pi * r**4 / 4.0
     ratio = math.sqrt(2.0 * (1.0 - nu) / (1.0 - 2.0 * nu))
@@ -76,7 +76,7 @@ def cone(value):
 
 
 def soil_forces(value, motion):
-    """On the foundation: horizontal, vertical, moment."""
+    """Return the forces on the foundation: horizontal, vertical, moment."""
     sway, heave, rocking, _ = cone(value)
     return (
         -(sway[0] * motion[0] + sway[1] * motion[1]),
@@ -86,7 +86,7 @@ def soil_forces(value, motion):
 
 
 def accelerations(value, motion):
-    """Of the foundation."""
+    """Return the accelerations of the foundation."""
     f_x, f_z, f_t = soil_forces(value, motion)
     return solve(
         (value.mass + value.column_mxx, value.column_mxz, value.column_mxt),
@@ -97,7 +97,7 @@ def accelerations(value, motion):
 
 
 def carried(value):
-    """Weight that the soil balances at rest, N: none before a column stands on it, which always weighs."""
+    """Return the weight that the soil balances at rest, N: none before a column stands on it, which always weighs."""
     return value.weight if value.column_R0z != 0.0 else 0.0
 
 
@@ -106,13 +106,15 @@ def given_slopes(value):
 
 
 def needs(value, motion, a):
-    """Forces and moment that the foundation needs of the column to accelerate by a: what its equation lacks."""
+    """Return the forces and moment that the foundation needs of the column to accelerate by a: what its
+    equation lacks.
+    """
     f_x, f_z, f_t = soil_forces(value, motion)
     return value.mass * a[0] - f_x, value.mass * a[1] - f_z - carried(value), value.inertia * a[2] - f_t
 
 
 def velocities(motion):
-    """Of the foundation in space."""
+    """Return the velocities of the foundation in space."""
     return motion[1] + motion[7], motion[3] + motion[8], motion[5]
 
 
@@ -132,7 +134,7 @@ def move(value, motion, a, slope, h):
 
 
 def outputs(value, motion, a, slope):
-    """In the order of the table, but for the work."""
+    """Return the outputs in the order of the table, but for the work."""
     x, v, z, theta, omega = motion[0], motion[1], motion[2], motion[4], motion[5]
     v_x, v_z, _ = velocities(motion)
     f_x, f_z, f_t = soil_forces(value, motion)
@@ -141,7 +143,9 @@ def outputs(value, motion, a, slope):
 
 
 def solve(first, second, third, right):
-    """Solution of a symmetric, positive definite system of three, given by what its rows hold from the diagonal on."""
+    """Return the solution of a symmetric, positive definite system of three, given by what its rows hold from the
+    diagonal on.
+    """
     xx, xz, xt = first
     by_z, by_t = xz / xx, xt / xx
     zz, zt = second[0] - by_z * xz, second[1] - by_z * xt

@@ -50,7 +50,9 @@ class System:
 def coupled(
     partner: str, fmus: Mapping[str, Path], parameters: Mapping[str, Mapping[str, Any]], stop: float, step: float
 ) -> System:
-    """The column on a partner; the ground is a component if there is an FMU of it, otherwise inputs of the system."""
+    """Return the column on a partner; the ground is a component if there is an FMU of it, otherwise inputs of the
+    system.
+    """
     inside = "ground" in fmus
     parts = [*(["ground"] if inside else []), "column", partner]
     name = {"isolator": "isolated", "soil": "on_soil"}[partner] + ("" if inside else "_inputs")
@@ -84,7 +86,7 @@ def outside(part: str, name: str) -> str:
 
 
 def write(system: System, output: Path) -> Path:
-    """The archive."""
+    """Write the archive."""
     with zipfile.ZipFile(output, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("SystemStructure.ssd", _text(structure(system)))
         for part, values in system.parameters.items():
@@ -96,7 +98,7 @@ def write(system: System, output: Path) -> Path:
 
 
 def wire(system: System, folder: Path, platform: str, watched: list[tuple[str, str]]) -> Path:
-    """Files for master.c: libraries for one platform and a list of connections. Native FMUs only."""
+    """Write files for master.c: libraries for one platform and a list of connections. Native FMUs only."""
     folder.mkdir(parents=True, exist_ok=True)
     descriptions: dict[str, Any] = {part: read_model_description(str(path)) for part, path in system.fmus.items()}
     numbers = {
@@ -130,7 +132,7 @@ def _text(root: Element) -> bytes:
 
 
 def parameter_set(values: Mapping[str, Any]) -> Element:
-    """Values of the variables of one component. All sets have one name: ecos is given this name."""
+    """Return the values of the variables of one component. All sets have one name: ecos is given this name."""
     root = Element("ssv:ParameterSet", {**_spaces("ssc", "ssv"), "version": "1.0", "name": SET})
     parameters = SubElement(root, "ssv:Parameters")
     for variable, value in values.items():
@@ -145,7 +147,7 @@ def _spaces(*names: str) -> dict[str, str]:
 
 
 def structure(system: System) -> Element:
-    """The system."""
+    """Return the system."""
     units = {part: _units(path) for part, path in system.fmus.items()}
     used = {unit for _, _, target, end in system.connections if target and (unit := units[target][end])}
     used |= {unit for part, name in system.shown if (unit := units[part][name])}
@@ -194,7 +196,9 @@ def structure(system: System) -> Element:
 
 
 def _connectors(owner: Element, ports: list[tuple[str, str, str]]) -> None:
-    """Connectors, inputs on the left side and outputs on the right, from the top down in parts of the height."""
+    """Return the connectors, inputs on the left side and outputs on the right, from the top down in parts of the
+    height.
+    """
     connectors = SubElement(owner, "ssd:Connectors")
     for side, own in (("0.0", "input"), ("1.0", "output")):
         listed = [(name, unit) for name, kind, unit in ports if kind == own]

@@ -37,7 +37,9 @@ FOLDS = 9
 
 
 def mesh(sides: int, rings: int) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (n, 3) m, and triangles (k, 3) by number from 0, outside anticlockwise; sides: a multiple of 8."""
+    """Return the corners (n, 3) m, and triangles (k, 3) by number from 0, outside anticlockwise; sides: a multiple of
+    8.
+    """
     angle = 2.0 * np.pi * np.arange(sides) / sides
     around = np.column_stack([np.cos(angle), np.sin(angle)])
     square = around / np.max(np.abs(around), axis=1, keepdims=True) * PLINTH_SIZE

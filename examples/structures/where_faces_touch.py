@@ -35,7 +35,7 @@ FACES = ("whole", "rim", "feet")
 
 
 def column(where: str) -> Column:
-    """The statue and its pedestal in a plane."""
+    """Return the statue and its pedestal in a plane."""
     laws: dict[str, dict[str, Any]] = {
         "whole": {},
         "rim": {"rim": RIM},
@@ -51,7 +51,9 @@ def column(where: str) -> Column:
 
 
 def structure(where: str) -> Structure:
-    """The same in space; the feet are two placed joints, which hold as long as the statue does not slide."""
+    """Return the statue and its pedestal in space; the feet are two placed joints, which hold as long as the statue
+    does not slide.
+    """
     flat = column(where)
     if where != "feet":
         return flat.in_space()

@@ -1,4 +1,4 @@
-"""What the ties of a structure do under a recorded motion in three components.
+"""The effect of the ties of a structure under a recorded motion in three components.
 
     python examples/structures/with_and_without_ties.py STRUCTURE.toml ALONG ACROSS VERTICAL
 
@@ -18,7 +18,7 @@ G = 9.80665
 
 
 def shaking(along: str, across: str, vertical: str) -> Motion:
-    """The three components, scaled."""
+    """Return the three components, scaled."""
     x, y, z = (
         Motion.from_file(path).scaled_to(part * G) for path, part in ((along, 0.35), (across, 0.30), (vertical, 0.20))
     )
@@ -26,7 +26,7 @@ def shaking(along: str, across: str, vertical: str) -> Motion:
 
 
 def lines_on(structure: Structure, motion: Motion) -> list[str]:
-    """Lines on one run."""
+    """Return the lines on one run."""
     begin = time.process_time()
     response = simulate(structure, motion, output_step=0.01)
     seconds = time.process_time() - begin
@@ -49,13 +49,13 @@ def lines_on(structure: Structure, motion: Motion) -> list[str]:
 
 
 def between(structure: Structure, j: int) -> str:
-    """Names of the two bodies of a joint."""
+    """Return names of the two bodies of a joint."""
     names = [*structure.names, "base"]
     return f"{names[structure.joints[j].upper]} on {names[structure.joints[j].lower]}"
 
 
 def main() -> None:
-    """Both runs."""
+    """Make both runs."""
     file, *records = sys.argv[1:]
     structure, motion = Structure.from_toml(file), shaking(*records)
     for name, made in (("with ties", structure), ("without ties", replace(structure, ties=()))):

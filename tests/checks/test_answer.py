@@ -17,7 +17,7 @@ WORDS = ("standing", "overturned", "undecided", "unfinished")
 
 
 def random_verdicts(rng: np.random.Generator) -> Verdicts:
-    """Of 1 to 8 motions, and one to five varied runs of each; often of one kind alone."""
+    """Return verdicts of 1 to 8 motions, and of one to five varied runs of each; often of one kind alone."""
     motions, each = int(rng.integers(1, 9)), int(rng.integers(1, 6))
     odds = rng.dirichlet([2.0, 0.2, 0.2, 0.1])
     own_odds = rng.dirichlet([2.0, 0.2, 0.2])
@@ -27,7 +27,7 @@ def random_verdicts(rng: np.random.Generator) -> Verdicts:
 
 
 def random_margin(rng: np.random.Generator, found: Verdicts) -> Margin | None:
-    """One as `margin_of` gives it: below 1 where a run falls at 1, else not."""
+    """Return a margin as `margin_of` does: below 1 where a run falls at 1, else not."""
     if rng.random() < 0.2:
         return None
     place = int(rng.integers(len(found.names)))
@@ -39,7 +39,7 @@ def random_margin(rng: np.random.Generator, found: Verdicts) -> Margin | None:
 
 
 def random_rows(rng: np.random.Generator, found: Verdicts) -> list[Row]:
-    """Of demands: infinite where the model falls, some without a capacity."""
+    """Return rows of demands: infinite where the model falls, some without a capacity."""
     falls = bool(found.own_falls)
     return [
         Row(name, math.inf if falls else float(rng.uniform(0.0, 1.3)), float(rng.choice([1.0, math.nan])), MM)

@@ -21,7 +21,9 @@ def column(count: int, width: float = 0.5, height: float = 1.0, stiffness: float
 
 
 def test_kinematics_of_one_rigid_block() -> None:
-    """alpha0 = b / h, e* = 1; the top, the point of control, moves twice as far as the centroid to begin with."""
+    """Check that alpha0 = b / h, e* = 1; the top, the point of control, moves twice as far as the centroid to begin
+    with.
+    """
     found = mechanism(column(1), 1.0)
     assert found.joint == 0
     assert found.mass_part == pytest.approx(1.0, rel=1e-12)
@@ -38,7 +40,7 @@ def test_kinematics_of_one_rigid_block() -> None:
 
 
 def test_part_of_the_mass_of_two_blocks() -> None:
-    """Both turn about the base: centroids at 1/2 and 3/2 heights, e* = 2^2 / (2 * 2.5)."""
+    """Check that both turn about the base: centroids at 1/2 and 3/2 heights, e* = 2^2 / (2 * 2.5)."""
     found = mechanism(column(2), 1.35)
     assert found.joint == 1
     assert found.mass_part == pytest.approx(0.8, rel=1e-12)
@@ -46,7 +48,7 @@ def test_part_of_the_mass_of_two_blocks() -> None:
 
 
 def test_a_pedestal_that_stands_still_is_no_part_of_the_mechanism() -> None:
-    """The statue alone turns: its e* is 1 on the ground and on a pedestal that is wider and heavier."""
+    """Check that the statue alone turns: its e* is 1 on the ground and on a pedestal that is wider and heavier."""
     statue = column(1)
     pedestal = Block(0.8, 2.0, 2.0, 8000.0, Joint(STIFF, 1e-4))
     both = mechanism(Column("test", (*statue.blocks, pedestal)), 1.35)
@@ -79,7 +81,7 @@ def test_parts_of_a_stack_are_the_bodies_of_one_block() -> None:
 
 
 def test_capacity_and_frequency_have_the_energy_of_the_turned_block() -> None:
-    """Twice the work of the restoring moment, by quadrature, over the square of the rotation."""
+    """Compare with twice the work of the restoring moment, by quadrature, over the square of the rotation."""
     body = RigidBody(*parts_above(column(1, height=3.0))[0])
     radius, alpha, theta = math.hypot(0.25, 1.5), body.edge_angle, 0.1
     angles = np.linspace(0.0, theta, 20_001)
@@ -104,7 +106,7 @@ def test_rotation_balances_demand_and_capacity() -> None:
 
 
 def test_sliding_distance_on_a_falling_branch() -> None:
-    """Sa = P TC / T there, so that c_s is reached at f = c_s / (P TC)."""
+    """Check that Sa = P TC / T there, so that c_s is reached at f = c_s / (P TC)."""
     action = CornerSpectrum(20.0, 2.5, 0.1, 0.5, 50.0)
     plateau = 50.0 * math.sqrt(10.0 / 15.0)
     strength = 2.0 * 0.3 * (1.0 - 0.4 * 0.2) * G

@@ -46,7 +46,7 @@ SHORT = Plan(ensemble=4, joints=False)
 
 @pytest.fixture(scope="module")
 def found() -> Check:
-    """A block under three sines of 0.15 g, which it survives."""
+    """Return a block under three sines of 0.15 g, which it survives."""
     return check(BLOCK, PULSES, pga=0.15 * G, plan=SHORT)
 
 
@@ -76,7 +76,7 @@ def test_rows_have_the_largest_of_runs_made_apart(found: Check) -> None:
 
 
 def test_margin_has_falls_beyond_it_and_none_within(found: Check) -> None:
-    """With the same varied columns, run by `simulate_many` directly."""
+    """Compare with runs of the same varied columns by `simulate_many`."""
     assert found.margin is not None
     margin = found.margin
     assert 1.0 <= margin.stands < margin.falls <= NARROW * margin.stands
@@ -91,7 +91,7 @@ def test_margin_has_falls_beyond_it_and_none_within(found: Check) -> None:
 
 
 def test_margin_of_a_stronger_motion_is_smaller(found: Check) -> None:
-    """Twice as strong: half the margin, within both bisections, where the first falls are the same."""
+    """Check that twice the motion has half the margin, within both bisections, where the first falls are the same."""
     assert found.margin is not None
     strong = [applied(scaled.name, scaled.motion, 2.0 * found.margin.falls) for scaled in found.action.motions]
     ensembles = [varied(found.subject, found.responses[k], scaled, SHORT, k) for k, scaled in enumerate(strong)]
@@ -162,7 +162,9 @@ def test_a_column_that_falls_fails() -> None:
 
 
 def test_a_fall_is_no_slip_and_no_pressure() -> None:
-    """Demands of a motion under which a column falls are not known: nothing is compared with them in words."""
+    """Check that demands of a motion under which a column falls are not known: nothing is compared with them
+    in words.
+    """
     rough = Column("rough", tuple(replace(block, joint=replace(block.joint, friction=0.9)) for block in BLOCK.blocks))
     strong = check(rough, {"pulse": PULSES["0.8 Hz"]}, pga=1.5 * G, plan=replace(SHORT, margin=False))
     assert math.isinf(row(strong, "slip").demand)

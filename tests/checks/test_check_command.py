@@ -25,7 +25,7 @@ QUICK = ("--no-margin", "--no-joints", "--ensemble", "1")
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A column, a wider one, and two records, in the current folder."""
+    """Return a column, a wider one, and two records, in the current folder."""
     monkeypatch.chdir(tmp_path)
     Path("block.toml").write_text(COLUMN, encoding="utf-8")
     wider = COLUMN.replace('"block"', '"wider"').replace("width = 0.5", "width = 1.0").replace("1200", "2400")
@@ -105,7 +105,7 @@ def test_no_record_needs_a_spectrum(folder: Path, capsys: pytest.CaptureFixture[
 def test_a_row_is_enough_for_another_code(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """With an option of its own, and without those of the others: the parser, the help and the messages follow."""
+    """Check an option of its own, without those of the others: the parser, the help and the messages follow."""
 
     def plateau(top: float) -> TargetSpectrum:
         return TargetSpectrum("flat", CornerSpectrum(0.4 * top, 2.5, 0.1, 0.5, 2.0))
@@ -132,7 +132,7 @@ def test_a_row_is_enough_for_another_code(
 def test_odd_names_reach_neither_terminal_nor_legend_as_they_are(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Of records: no UTF-8, a control code, a formula of matplotlib, a name that legends leave out."""
+    """Check names of records: no UTF-8, a control code, a formula of matplotlib, a name that legends leave out."""
     names = [os.fsdecode(b"caf\xe9.csv"), "\x1b[31mred.csv", "$x_$^{.csv", "_hidden.csv"]
     for name in names:
         Path(name).write_bytes(Path("slow.csv").read_bytes())
@@ -162,7 +162,7 @@ def test_a_record_in_other_units_and_a_factor_out_of_range(folder: Path, capsys:
 
 
 def test_both_directions_in_one_command(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The second is the column with width and depth exchanged; the report has both answers."""
+    """Check that the second is the column with width and depth exchanged; the report has both answers."""
     deep = COLUMN.replace("depth = 0.5", "depth = 1.0")
     Path("deep.toml").write_text(deep, encoding="utf-8")
     Path("turned.toml").write_text(COLUMN.replace("width = 0.5", "width = 1.0"), encoding="utf-8")
@@ -182,7 +182,7 @@ def test_both_directions_in_one_command(folder: Path, capsys: pytest.CaptureFixt
 
 
 def test_mortar_is_said_wherever_it_is_left_out(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """In statics, where checks compare with the dry edge, in the report; and which joint broke through."""
+    """Check statics, checks that compare with the dry edge, and the report; and which joint broke through."""
     mortar = COLUMN.replace("strength = 2e6 }", "friction = 0.6, tensile_strength = 2e5, cohesion = 3e5 }")
     Path("mortar.toml").write_text(mortar, encoding="utf-8")
     said = "computed without mortar, as once all bonds have broken"
@@ -208,7 +208,7 @@ def test_mortar_is_said_wherever_it_is_left_out(folder: Path, capsys: pytest.Cap
 
 
 def test_two_components_act_unless_the_plane_is_asked_for(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Under a code spectrum, and of records with --across; one record alone, --plane and --both keep the plane."""
+    """Check a code spectrum, and records with --across; one record alone, --plane and --both keep the plane."""
     code = ["--spectrum", "ec8", "--ag", "0.02", "--soil", "A", "--artificial", "1"]
     deep = COLUMN.replace("depth = 0.5", "depth = 1.0")
     Path("deep.toml").write_text(deep, encoding="utf-8")
@@ -237,7 +237,9 @@ def test_two_components_act_unless_the_plane_is_asked_for(folder: Path, capsys: 
 
 
 def test_both_directions_of_a_structure(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The second check turns the motions: along its short side the block falls, along the other it stands."""
+    """Check that the second check turns the motions: along its short side the block falls, along the other it
+    stands.
+    """
     block = 'name = "slab"\n[joints]\nstiffness = 2e9\ndamping = 2e-3\n[[block]]\nname = "slab"\non = "base"\n'
     Path("slab.toml").write_text(f"{block}width = 0.5\ndepth = 1.5\nheight = 2.0\nmass = 1200.0\n", encoding="utf-8")
     assert main(["check", "slab.toml", "slow.csv", "--pga", "0.4", *QUICK, "--both"]) == 0

@@ -55,7 +55,7 @@ def row(made: Check, name: str) -> Row:
 
 @pytest.fixture(scope="module")
 def found() -> Check:
-    """The trilith, one joint of which has a strength, under one short motion in two directions."""
+    """Return the trilith, one joint of which has a strength, under one short motion in two directions."""
     trilith = Structure.from_toml(TRILITH)
     beds = [replace(trilith.joints[0].bed, strength=15e6), *(joint.bed for joint in trilith.joints[1:])]
     joints = tuple(replace(joint, bed=bed) for joint, bed in zip(trilith.joints, beds, strict=True))
@@ -80,7 +80,7 @@ def test_rows_have_the_worse_of_both_ways(found: Check) -> None:
 
 
 def test_a_block_has_the_margin_that_it_has_in_its_plane() -> None:
-    """The same factors are drawn for both; in space its joint gives along itself."""
+    """Check that the same factors are drawn for both; in space its joint gives along itself."""
     plan = Plan(ensemble=4, joints=False)
     flat, made = (check(model, [ALONG], pga=0.2 * G, plan=plan) for model in (COLUMN, BLOCK))
     assert flat.margin is not None
@@ -153,7 +153,7 @@ def test_force_of_a_tie_beside_its_yield() -> None:
 
 
 def test_hits_of_neighbours_and_the_gap_that_is_left() -> None:
-    """Two drums of which the higher one rocks under the second motion, and hits; counted from the runs themselves."""
+    """Count the hits of two drums, of which the higher one rocks under the second motion, from the runs themselves."""
     drum = {"on": "base", "shape": "drum", "diameter": 1.0, "density": 2000.0}
     blocks = [
         {**drum, "name": "low", "at": [0.0, 0.0], "height": 2.0},
@@ -185,7 +185,7 @@ def test_hits_of_neighbours_and_the_gap_that_is_left() -> None:
 
 
 def test_what_breaks_of_joints_that_bear_tension() -> None:
-    """A pier that cracks in part, on a dry footing that has no row."""
+    """Check a pier that cracks in part, on a dry footing that has no row."""
     pier = {"name": "pier", "on": "foot", "width": 0.5, "depth": 1.0, "height": 2.0, "density": 2000.0}
     pier["joint"] = {"tensile_strength": 2e4, "cohesion": 1e6}
     foot = {"name": "foot", "on": "base", "width": 1.5, "depth": 1.5, "height": 0.3, "density": 2000.0}
@@ -199,7 +199,7 @@ def test_what_breaks_of_joints_that_bear_tension() -> None:
 
 
 def test_what_still_rocks_is_undecided_and_what_fails_is_unfinished() -> None:
-    """A run without a rest has fallen, whatever else is said of it."""
+    """Check that a run without a rest has fallen, whatever else is said of it."""
     words = ("undecided", "undecided", "overturned", "standing")
     numbers = np.array([WORDS["verdict"].index(word) for word in words])
     table = Table({"verdict": numbers}, {"failures": {1: "why", 2: "no rest"}})
@@ -208,7 +208,7 @@ def test_what_still_rocks_is_undecided_and_what_fails_is_unfinished() -> None:
 
 
 def test_varied_structures_that_do_not_even_rest_count_as_fallen() -> None:
-    """A slender block whose modulus is just above that at which it does not stand: every other one has less."""
+    """Check a slender block whose modulus is just above that at which it does not stand: every other one has less."""
     tall = {"name": "tall", "on": "base", "width": 0.2, "depth": 0.2, "height": 4.0, "density": 2000.0}
     weight, inertia = 2000.0 * 0.16 * G, 0.2**4 / 12.0
     law = {"stiffness": 1.05 * weight * 2.0 / inertia, "damping": 2e-3}
@@ -226,7 +226,7 @@ def test_varied_structures_that_do_not_even_rest_count_as_fallen() -> None:
 
 
 def test_a_rigid_block_rocks_with_the_period_of_its_mechanism() -> None:
-    """(C8.7.1.10) of stiff blocks, whatever their width: the mechanism has it from the whole curve of pushes."""
+    """Check (C8.7.1.10) of stiff blocks of any width: the mechanism has it from the whole curve of pushes."""
     for width in (0.2, 0.3):
         stiff = Column("stiff", (Block(2.0, width, 0.5, 1200.0, Joint(2e12, 1e-6)),))
         assert mechanism(stiff, 1.35).period() == pytest.approx(rocking_period(1.0, G, 1.35), rel=2e-3)  # 6e-4

@@ -22,7 +22,7 @@ def shaken() -> Motion:
 
 
 def test_runs_with_other_joints_are_those_of_checks_of_their_own() -> None:
-    """Outcome and falls with each modulus and damping, from checks of columns that have them."""
+    """Compare outcome and falls at each modulus and damping with checks of columns that have them."""
     found = check(BLOCK, [shaken()], plan=PLAN)
     assert [(one.key, one.factor) for one in found.others] == [
         ("modulus", 0.5),
@@ -56,7 +56,7 @@ def test_sentence_says_what_the_answer_hangs_on() -> None:
 
 
 def test_answer_shows_the_restitution() -> None:
-    """Of Housner's block 1 - 1.5 sin^2(alpha), of the model as it rocks."""
+    """Check the restitution of Housner's block, 1 - 1.5 sin^2(alpha), and of the model as it rocks."""
     rigid = 1.0 - 1.5 * math.sin(math.atan(0.45 / 1.7)) ** 2
     said = restitution_sentence(BLOCK)
     assert f"the model {restitution(BLOCK):.3f}, Housner's rigid block {rigid:.3f}" in said
@@ -65,7 +65,7 @@ def test_answer_shows_the_restitution() -> None:
 
 
 def test_a_statue_on_a_pedestal_rocks_on_the_pedestal() -> None:
-    """Its restitution and its critical damping are those of the statue alone, whose base is that joint."""
+    """Check that its restitution and its critical damping are those of the statue alone, whose base is that joint."""
     pedestal = Block(0.9, 0.8, 0.8, 1500.0, Joint(4e9, 1e-3))
     both = Column("both", (*BLOCK.blocks, pedestal))
     assert housner_restitution(both) == pytest.approx(housner_restitution(BLOCK), rel=1e-12)
@@ -73,7 +73,9 @@ def test_a_statue_on_a_pedestal_rocks_on_the_pedestal() -> None:
 
 
 def test_housner_out_of_reach_is_refused_with_the_nearest() -> None:
-    """Never a damping beyond the critical one; the nearest is what the column has at the damping that is named."""
+    """Check that no damping exceeds the critical one; the nearest is what the column has at the damping that
+    is named.
+    """
     stocky = Column("stocky", (Block(2.0, 1.0, 1.0, 4000.0, Joint(5e9, 1e-3)),))
     most = damping_from_ratio(stocky, 1.0)
     with pytest.raises(InputError, match="the nearest") as refused:

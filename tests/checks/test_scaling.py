@@ -29,7 +29,9 @@ def test_factors_that_are_large_are_said(factor: float, said: bool) -> None:
 
 @pytest.mark.parametrize("factor", [101.0, 2e5, 0.009])
 def test_factors_that_no_record_bears_are_refused(factor: float) -> None:
-    """Noise of a far station, scaled 200,000 times, is no ground motion; nor is a vertical component of noise."""
+    """Check that noise of a far station, scaled 200,000 times, is no ground motion; nor is a vertical component of
+    noise.
+    """
     far = scaled_to_pga({"far": Motion.from_samples(0.01, [0.0, 1.0, 0.0])}, factor)
     up = scaled_to_pga({"far": Motion.from_samples(0.01, [0.0, 1.0, 0.0], [0.0, 1.0, 0.0])}, 1.0, factor)
     for scaled in (far, up):

@@ -79,7 +79,9 @@ def test_table_is_interpolated_in_logarithms(tmp_path: Path) -> None:
 
 
 def test_a_table_may_begin_at_period_0_with_the_pga(tmp_path: Path) -> None:
-    """Up to the first period it is linear, as EN 1998-1 (3.2) is up to TB; beyond it is the table without that row."""
+    """Check that up to the first period it is linear, as EN 1998-1 (3.2) is up to TB; beyond it is the table without
+    that row.
+    """
     path = tmp_path / "site.csv"
     path.write_text("period;g\n0;0.2\n0.15;0.5\n0.6;0.5\n2;0.15\n", encoding="utf-8")
     found, code = spectra.spectrum_from_csv(path), CornerSpectrum(0.2 * G, 2.5, 0.15, 0.6, 2.0)
@@ -91,7 +93,7 @@ def test_a_table_may_begin_at_period_0_with_the_pga(tmp_path: Path) -> None:
 
 
 def test_a_table_that_is_left_is_named_with_both_periods() -> None:
-    """1/T^2 beyond the table halves what EN 1998-1 has between TC and TD = 2 s."""
+    """Check that 1/T^2 beyond the table halves what EN 1998-1 has between TC and TD = 2 s."""
     table = TargetSpectrum("site.csv", TableSpectrum(np.array([0.1, 1.0]), G * np.array([0.5, 0.25])))
     below, beyond = table.outside(0.0, 2.0)
     assert below.startswith("the table begins at 0.1 s and is read from 0 s: its first value, 0.5 g, is kept")
@@ -134,7 +136,10 @@ def test_wrong_parameters_are_refused() -> None:
 
 
 def test_artificial_motions_follow_the_spectrum() -> None:
-    """Against the exact oscillators of `spectrum`. Measured, seeds 0 to 2: 0.87 to 1.13 of the target, mean 0.99."""
+    """Compare with the exact oscillators of `spectrum`.
+
+    Measured, seeds 0 to 2: 0.87 to 1.13 of the target, mean 0.99.
+    """
     target = spectra.eurocode8(0.25 * G, "B")
     periods = np.geomspace(0.05, 4.0, 60)
     motions = artificial_motions(target, 3)
@@ -153,13 +158,13 @@ def test_artificial_motions_follow_the_spectrum() -> None:
 
 
 def rough(low: float) -> TargetSpectrum:
-    """A spectrum that falls to a part of itself at 0.3 s, within a percent of the period."""
+    """Return a spectrum that falls to a part of itself at 0.3 s, within a percent of the period."""
     table = TableSpectrum(np.array([0.02, 0.3, 0.303, 4.0]), G * np.array([0.5, 0.5, 0.5 * low, 0.5 * low]))
     return TargetSpectrum("rough", table)
 
 
 def test_artificial_motions_keep_the_least_part_of_the_target() -> None:
-    """As records do: by one factor, which spectra of codes need hardly, or not at all; else they are refused."""
+    """Check the one factor, as of records, which spectra of codes hardly need; else they are refused."""
     span, rugged = (0.04, 2.0), rough(0.05)
     target = spectra.ntc2018(2.0, 2.4, 0.1, "A")
     (raised,) = raised_to_spectrum(artificial_motions(target, 1, 2), target, span)

@@ -34,7 +34,7 @@ def test_the_page_has_the_restitutions_of_the_example(program: dict[str, Any]) -
 
 
 def test_damping_is_critical_on_the_edge_of_the_statue(program: dict[str, Any]) -> None:
-    """Of half of the face, of a band of the rim, of one foot."""
+    """Check half of the face, a band of the rim, and one foot."""
     bands = {"whole": 0.25, "rim": 0.083, "feet": 0.5 / 6.0}
     inertia = 486.0 * (0.5**2 + 1.8**2) / 12.0
     for name, band in bands.items():
@@ -44,7 +44,9 @@ def test_damping_is_critical_on_the_edge_of_the_statue(program: dict[str, Any]) 
 
 @pytest.mark.parametrize("name", FACES)
 def test_the_statue_in_space_is_that_of_the_plane(program: dict[str, Any], name: str) -> None:
-    """The first frequency that sways along the width; its joints never slide, and in space shear gives way a little."""
+    """Compare the first frequency that sways along the width; its joints never slide, and in space shear gives way a
+    little.
+    """
     flat = natural_frequencies(program["column"](name))[0]
     space = modes_in_space(program["structure"](name)).frequency
     assert min(abs(space / flat - 1.0)) < 0.05

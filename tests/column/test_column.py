@@ -74,7 +74,7 @@ def blocks(draw: st.DrawFn) -> Block:
 
 
 def upon_each_other(blocks: list[Block]) -> tuple[Block, ...]:
-    """The blocks, no contact face larger than the face below where its size is given."""
+    """Return the blocks, no contact face larger than the face below where its size is given."""
     made = list(blocks)
     for k, (block, below) in enumerate(pairwise(blocks)):
         joint = block.joint
@@ -383,7 +383,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
 
 
 def test_what_is_remembered_of_a_column_does_not_hang_on_its_joints() -> None:
-    """Columns that differ in moduli, dampings and settings share what was worked out of their shape."""
+    """Check that columns that differ in moduli, dampings and settings share what was worked out of their shape."""
     for name in ("phocas-damped.toml", "phocas-round.toml"):
         column = Column.from_toml(EXAMPLES / name)
         described(column), is_stable(column), reason_against_lanes(column)
@@ -405,7 +405,9 @@ def test_what_is_remembered_of_a_column_does_not_hang_on_its_joints() -> None:
 
 
 def test_the_other_direction_exchanges_widths_and_depths() -> None:
-    """Twice is the column itself; the inertia that is given keeps what it has beyond a homogeneous block."""
+    """Check that exchanging twice gives the column itself; the inertia that is given keeps what it has beyond a
+    homogeneous block.
+    """
     column = replace(Column.from_dict(tomllib.loads(TOML)), settings=Settings())
     turned = column.across()
     assert turned.name == "two across"

@@ -33,7 +33,7 @@ Solver = Callable[..., Ended]
 
 @pytest.fixture
 def solver(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Solver:
-    """`python -m solver` in the folder of the test, in this process."""
+    """Return `python -m solver` in the folder of the test, in this process."""
     monkeypatch.chdir(tmp_path)
     return lambda *words: Ended(main([str(word) for word in words]), *capsys.readouterr())
 
@@ -45,7 +45,7 @@ def read(path: Path) -> tuple[list[str], np.ndarray]:
 
 
 def printed_peaks(text: str) -> list[float]:
-    """Peaks in mm from what `simulate` prints."""
+    """Return the peaks in mm from what `simulate` prints."""
     lines = text.splitlines()
     first = next(k for k, line in enumerate(lines) if line.startswith("block")) + 1
     return [float(line.split()[1]) for line in lines[first:] if line.split()[0].isdigit() and len(line.split()) == 2]
@@ -53,7 +53,7 @@ def printed_peaks(text: str) -> list[float]:
 
 @pytest.fixture
 def motion(tmp_path: Path) -> Motion:
-    """0.05 g at 3 Hz for 2 s, sampled, as motion.csv and in memory."""
+    """Return a motion of 0.05 g at 3 Hz for 2 s, sampled, as motion.csv and in memory."""
     Motion.harmonic(0.05 * STANDARD_GRAVITY, 3.0, 2.0).to_csv(tmp_path / "motion.csv", step=0.01)
     return Motion.from_csv(tmp_path / "motion.csv")
 
@@ -283,7 +283,9 @@ GROUPS = ("Loads", "Accuracy", "Output", "Verdict", "Trust", "Work")
 
 
 def options_by_group(function: Callable[..., object]) -> dict[str, str]:
-    """Option -> group: the first paragraph of the docstring, of those that begin with a group's name, that has it."""
+    """Return the option -> group: the first paragraph of the docstring, of those that begin with a group's name, that
+    has it.
+    """
     paragraphs = (inspect.getdoc(function) or "").split("\n\n")
     begun = [(group, text) for text in paragraphs for group in GROUPS if re.match(rf"{group}[.;]", text)]
     names = set(inspect.signature(function).parameters) - {
@@ -324,7 +326,7 @@ def test_a_decimal_comma_of_an_option_is_called_by_its_name(capsys: pytest.Captu
 
 
 def test_output_that_is_no_longer_read_ends_a_command_silently() -> None:
-    """As `| head` does: with the exit code that shells give."""
+    """Close the pipe early, as `| head` does: with the exit code that shells give."""
     with subprocess.Popen(
         [sys.executable, "-m", "multiblock", "statics", str(PHOCAS)], stdout=subprocess.PIPE, stderr=subprocess.PIPE
     ) as command:
@@ -336,7 +338,9 @@ def test_output_that_is_no_longer_read_ends_a_command_silently() -> None:
 
 
 def test_modes_that_hardly_vibrate_are_remarked() -> None:
-    """Swings of a damped oscillator fall by exp(-2 pi r / sqrt(1 - r^2)): to less than a seventh above 0.3."""
+    """Check that swings of a damped oscillator fall by exp(-2 pi r / sqrt(1 - r^2)): to less than a seventh
+    above 0.3.
+    """
     assert np.exp(-2.0 * np.pi * STRONG / np.sqrt(1.0 - STRONG**2)) < 1.0 / 7.0
     assert strongly_damped_lines(np.array([0.02, 0.29])) == []
     (line,) = strongly_damped_lines(np.array([0.02, 0.92, 1.7]))

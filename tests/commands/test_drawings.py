@@ -28,7 +28,7 @@ def response() -> Response:
 
 @pytest.fixture(scope="module")
 def falling() -> Response:
-    """Rotations as large as they come."""
+    """Return rotations of any size."""
     return simulate(phocas(1e-3), Motion.harmonic(0.6 * STANDARD_GRAVITY, 0.25, 3.0))
 
 
@@ -56,7 +56,7 @@ def test_the_scale_multiplies_rotations_and_openings(response: Response) -> None
     drawn, true = corners_of(response, k, scale), corners_of(response, k, 1.0)
 
     def joint(corners: list[np.ndarray], i: int) -> np.ndarray:
-        """Middle of the lower face of block i from the middle of the face below."""
+        """Return the middle of the lower face of block i from the middle of the face below."""
         below = 0.5 * (corners[i + 1][2] + corners[i + 1][3]) if i < 2 else np.zeros(2)
         return 0.5 * (corners[i][0] + corners[i][1]) - below
 
@@ -71,7 +71,7 @@ def words(figure: Figure) -> list[str]:
 
 
 def factor(figure: Figure) -> float:
-    """The factor printed on a picture."""
+    """Return the factor printed on a picture."""
     (text,) = [text for text in words(figure) if "times" in text]
     return float(text.rpartition(" ")[2])
 

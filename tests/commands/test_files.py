@@ -70,7 +70,7 @@ READERS |= {"c.AT2": (Motion.from_file, MOST_RECORD)}
 
 @pytest.mark.parametrize("name", READERS)
 def test_a_file_that_is_too_large_is_not_read(tmp_path: Path, name: str) -> None:
-    """A sparse one, which takes no room on the disk."""
+    """Refuse a sparse file, which takes no room on the disk."""
     path, (read, most) = tmp_path / name, READERS[name]
     with path.open("wb") as file:
         file.truncate(most + 1)
@@ -81,7 +81,7 @@ def test_a_file_that_is_too_large_is_not_read(tmp_path: Path, name: str) -> None
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes with names are of POSIX")
 @pytest.mark.parametrize("name", READERS)
 def test_pipes_and_devices_are_refused_at_once(tmp_path: Path, name: str) -> None:
-    """Not waited for, nor read without end."""
+    """Refuse them without waiting, and without reading on and on."""
     os.mkfifo(tmp_path / name)
     os.symlink("/dev/zero", tmp_path / f"zero{name}")
     for path in (tmp_path / name, tmp_path / f"zero{name}"):

@@ -17,7 +17,7 @@ from solver.ground.intensity import intensity, spectrum
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A column and records of several kinds, in the working directory."""
+    """Return a column and records of several kinds, in the working directory."""
     (tmp_path / "column.toml").write_text(BLOCK)
     (tmp_path / "motion.csv").write_text("time,base.ax\n0,1\n1,0\n")
     (tmp_path / "record.AT2").write_text(at2(), encoding="utf-8")
@@ -31,7 +31,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def converted(line: str) -> Motion:
-    """The motion that `convert` writes."""
+    """Return the motion that `convert` writes."""
     assert main(["convert", *line.split(), "out.csv", "--force"]) == 0
     return Motion.from_csv("out.csv")
 

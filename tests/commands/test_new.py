@@ -62,7 +62,7 @@ def test_mass_of_a_statue_follows_size_part_and_material(
 
 
 def test_columns_under_architraves(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The same blocks and joints as those of the builder."""
+    """Compare blocks and joints with those of the builder."""
     path = tmp_path / "a.toml"
     sizes = ("3", "2.5", "4", "5", "0.9", "0.7", "0.6", "0.5")
     assert ask(monkeypatch, path, "colonnade", "granite", *sizes, "whole", "2e-3", "yes", "20") == 0
@@ -80,7 +80,7 @@ def test_columns_under_architraves(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 def test_an_arch_has_its_span_and_rise(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Of its middle line: the first and the last face are half the span aside, their middles below the crown by it."""
+    """Check the middle line: first and last face are half the span aside, their middles below the crown by it."""
     path = tmp_path / "a.toml"
     assert ask(monkeypatch, path, "arch", "", "40", "8", "2", "0.5", "1", *[""] * 4) == 0
     found = Structure.from_toml(path)
@@ -109,7 +109,7 @@ STATUE = ("statue", "granite", *[""] * 9)  # up to the depth of its pedestal
 def test_faces_of_dry_stone_touch_in_a_rim_unless_asked_otherwise(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A sixth of the smallest face, with the damping that is critical as the statue stands on its edge."""
+    """Check a sixth of the smallest face, with the damping that is critical as the statue stands on its edge."""
     path = tmp_path / "a.toml"
     assert ask(monkeypatch, path, *STATUE, *[""] * 4) == 0
     rim = Column.from_toml(path)
@@ -147,7 +147,8 @@ GRANITE = ((0.25, 0.754, 503.0, 0.936), (0.17, 0.502, 228.0, 0.973), (0.12, 0.37
 
 @pytest.mark.parametrize(("width", "depth", "mass", "measured"), GRANITE)
 def test_the_proposed_rim_is_that_of_tested_granite(width: float, depth: float, mass: float, measured: float) -> None:
-    """Blocks 1 m high (Pena and others 2007): a rim of a sixth, critically damped, is nearer than whole faces or feet.
+    """Compare with blocks 1 m high (Pena and others 2007): a rim of a sixth, critically damped, is nearer than whole
+    faces or feet.
 
     Measured off by 0.004, -0.006, -0.001; whole faces by 0.024, 0.006, 0.007.
     """
@@ -194,7 +195,7 @@ def test_a_wrong_answer_on_a_terminal_is_asked_for_again(
 
 
 def test_material_fills_in_and_is_overridden() -> None:
-    """In a column file: what it fills in equals numbers written out; a block may name another, numbers win."""
+    """Check a column file: what it fills in equals numbers written out; a block may name another, numbers win."""
     sizes = {"height": 1.5, "width": 0.8, "depth": 0.8}
     marble, brick = MATERIALS["marble"], MATERIALS["brick"]
     column = Column.from_dict(
@@ -296,7 +297,7 @@ def test_a_mesh(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_a_mesh_on_two_feet(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A slab of 1 m x 0.5 m on two bars, 0.2 m wide, along y at its ends, 0.4 m high in all."""
+    """Check a slab of 1 m x 0.5 m on two bars, 0.2 m wide, along y at its ends, 0.4 m high in all."""
     trimesh = pytest.importorskip("trimesh")
     pytest.importorskip("manifold3d")
     boxes = []

@@ -28,7 +28,7 @@ pytestmark = pytest.mark.long  # draws pictures
 
 
 def histories(n: int, samples: int = 500) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Times over 5 s and smooth histories of n blocks, the top one moving most."""
+    """Return the times over 5 s and smooth histories of n blocks, the top one moving most."""
     time = np.linspace(0.0, 5.0, samples)
     shape = np.linspace(1.0, 1.0 / n, n)
     wave = np.sin(7.0 * time)[:, None] * shape
@@ -37,13 +37,13 @@ def histories(n: int, samples: int = 500) -> tuple[np.ndarray, dict[str, np.ndar
 
 
 def plot_histories(time: np.ndarray, given: dict[str, np.ndarray], title: str | None = None, **options: Any) -> Figure:
-    """The picture of histories of equal blocks."""
+    """Return the picture of histories of equal blocks."""
     blocks = (Block(1.0, 1.0, 1.0, 2000.0, Joint(1e9, 1e-3)),) * given["ux"].shape[1]
     return plots.plot_histories(time, given, Column("stack", blocks), title=title, **options)
 
 
 def panel(figure: Figure, words: str):
-    """The one panel with these words in its heading."""
+    """Return the one panel with these words in its heading."""
     (found,) = [axes for axes in figure.axes if words in axes.get_title(loc="left")]
     return found
 
@@ -53,12 +53,12 @@ def heights(line: Line2D) -> list[float]:
 
 
 def histories_of(axes: Axes) -> dict[str, Line2D]:
-    """Colour -> line of a panel, without the marks of peaks."""
+    """Return colour -> line of a panel, without the marks of peaks."""
     return {to_hex(line.get_color()).upper(): line for line in axes.lines if line.get_label() != PEAK}
 
 
 def marks(axes: Axes) -> dict[str, tuple[float, str]]:
-    """Colour -> height and marker of the peaks that rows miss."""
+    """Return colour -> height and marker of the peaks that rows miss."""
     found = [line for line in axes.lines if line.get_label() == PEAK]
     return {to_hex(line.get_color()).upper(): (heights(line)[0], str(line.get_marker())) for line in found}
 
@@ -236,7 +236,7 @@ def test_unit_of_displacement(largest: float, unit: str, factor: float) -> None:
 
 
 def fallen() -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Histories of three blocks, 1 m wide, that fall from 2 s on, lie at 3 s and stay there."""
+    """Return the histories of three blocks, 1 m wide, that fall from 2 s on, lie at 3 s and stay there."""
     time, given = histories(3)
     falling = np.clip(time - 2.0, 0.0, 1.0)[:, None] ** 2 * np.array([2.5, 1.5, 0.5])
     given["ux"] = 0.1 * given["ux"] + falling
@@ -332,7 +332,9 @@ def test_one_instant_is_no_history() -> None:
 
 
 def test_the_number_of_a_fall_is_the_same_in_figure_and_page(tmp_path: Path) -> None:
-    """A slender block that falls: both show what it moved by before it could not come back, and no mark is later."""
+    """Check a slender block that falls: both show what it moved by before it could not come back, and no mark
+    is later.
+    """
     block = Column("slender", (Block(2.0, 0.3, 0.3, 400.0, Joint(2e9, 2e-3)),))
     run = simulate(block, wavelets.one_sine(9.80665, 0.8), duration=6.0, check=False)
     assert run.overturn_time < 5.0

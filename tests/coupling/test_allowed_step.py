@@ -35,7 +35,7 @@ def longest(way: float, h: float, dashpot: float, spring: float, moved: float, m
     ("slope", "rate", "heaviest"), [("held", 2.0, 1.0), ("line", 1.0, 3.0), ("parabola", 6.0 / 11.0, 19.0 / 3.0)]
 )
 def test_of_dashpots_in_closed_form(slope: str, rate: float, heaviest: float) -> None:
-    """Light bases: h = rate M / c. Beyond `heaviest` times the mass on the dashpots any step is stable.
+    """Check light bases: h = rate M / c. Beyond `heaviest` times the mass on the dashpots any step is stable.
 
     The recurrence changes its sign at every step where it begins to grow. Steps are tried 5 % apart.
     """
@@ -63,7 +63,7 @@ def on_free_body(h: float, slope: str, mass: float, steps: int) -> tuple[float, 
 
 @pytest.mark.parametrize("slope", list(SLOPES))
 def test_columns_on_a_light_body(slope: str) -> None:
-    """A free body of 30 t: below the step that is named the motion fades, above it grows.
+    """Check a free body of 30 t: below the step that is named the motion fades, above it grows.
 
     That of `held` is named from the lowest block alone, and is 1.5 times too short here: upper joints damp it too.
     """
@@ -83,7 +83,9 @@ def test_columns_on_a_light_body(slope: str) -> None:
 def test_fmus_show_the_motion_of_the_base_and_say_which_step_is_too_long(
     model: Path, kind: str, tmp_path: Path
 ) -> None:
-    """A heavy body under a constant force moves as in closed form; with a light one a step is too long: said once."""
+    """Check that a heavy body under a constant force moves as in closed form; with a light one a step is too long: said
+    once.
+    """
     fmu, drive = tmp_path / "driven.fmu", drive_of("body", "line", 1)
     if kind == "python":
         build_fmu(model, fmu, drive=drive)

@@ -68,18 +68,18 @@ class Partner:
         return float(v[0] - 0.5 * (abs(v[0]) * z + v[0] * abs(z))) / self.yielding
 
     def said(self) -> tuple[Array, Array]:
-        """F0 and M."""
+        """Return F0 and M."""
         return self.at_port @ (self.inverse @ self.force(self.u, self.v, self.z))[self.port], self.at_port
 
     def rates(self, t: float, u: Array, v: Array, z: float, a: Array) -> Array:
-        """u'' where its port accelerates by a."""
+        """Return u'' where its port accelerates by a."""
         f = self.force(u, v, z)
         f[self.port] += self.at_port @ (a - (self.inverse @ f)[self.port])
         found: Array = self.inverse @ f - ground(t) * self.shaken
         return found
 
     def move(self, t: float, h: float, a: Array) -> None:
-        """By the parabola through the accelerations of the steps before, as the column does."""
+        """Move it by the parabola through the accelerations of the steps before, as the column does."""
         slope = 0.0 * a
         if self.before:
             slope = (a - self.before[-1]) / h
@@ -102,18 +102,18 @@ class Partner:
 
 
 def ground(t: float) -> float:
-    """Acceleration, m/s2, that begins softly."""
+    """Return an acceleration, m/s2, that begins softly."""
     return 3.0 * float(np.sin(12.0 * t) * np.sin(3.0 * t))
 
 
 def slab(ratio: float) -> Partner:
-    """A slab on springs and dashpots, of `ratio` times the mass that the column opposes at once."""
+    """Return a slab on springs and dashpots, of `ratio` times the mass that the column opposes at once."""
     mass = ratio * 600.0
     return Partner(np.array([[mass]]), np.array([[8e3]]), np.array([[4e5]]), 0)
 
 
 def building(storeys: int = 10) -> Partner:
-    """A shear building whose storeys have the consistent mass of a bar, so that its roof has an effective mass."""
+    """Return a shear building whose storeys have the consistent mass of a bar, so that the roof has a mass."""
     size = np.eye(storeys)
     below = np.eye(storeys, k=-1)
     mass = 4e3 * (4.0 * size + below + below.T) / 6.0
@@ -124,14 +124,15 @@ def building(storeys: int = 10) -> Partner:
 
 
 def isolator(stiffness: float, strength: float, yielding: float) -> Partner:
-    """A slab of 4 t on springs and a slider: lead rubber, or a pendulum under the weight of slab and column."""
+    """Return a slab of 4 t on springs and a slider: lead rubber, or a pendulum under the weight of slab and column."""
     made = Partner(np.array([[4e3]]), np.array([[2e3]]), np.array([[stiffness]]), 0)
     made.strength, made.yielding = strength, yielding
     return made
 
 
 def soil(layers: int = 10) -> Partner:
-    """A column of soil, 1 m2 and 1 m a layer, 1.9 t/m3 and 200 m/s, that radiates into rock of 2.3 t/m3 and 800 m/s.
+    """Return a column of soil, 1 m2 and 1 m a layer, 1.9 t/m3 and 200 m/s, that radiates into rock of 2.3 t/m3 and 800
+    m/s.
 
     u counts from the motion of the rock's outcrop, so that the dashpot of its face acts on u'.
     """
@@ -148,7 +149,7 @@ def soil(layers: int = 10) -> Partner:
 
 
 def footing() -> Partner:
-    """A footing of 10 t that turns on a spring and a dashpot; along x and z it hardly gives."""
+    """Return a footing of 10 t that turns on a spring and a dashpot; along x and z it hardly gives."""
     mass = np.diag([1e4, 1e4, 2.5e3])
     return Partner(mass, np.diag([4e5, 4e5, 2e4]), np.diag([1e8, 1e8, 1.5e6]), 0, 1, 2)
 
@@ -164,7 +165,9 @@ TRIAL = {
 
 
 def coupled(columns: list[Column], partner: Partner, h: float) -> Array:
-    """Histories of the tops and of the port every EVERY s: all say their states, then all are set, then all step."""
+    """Return the histories of the tops and of the port every EVERY s: all say their states, then all are set, then all
+    step.
+    """
     steppers, axes = [Stepper(exact(column)) for column in columns], len(partner.port)
     for stepper in steppers:
         stepper.driven_by("body" if axes > 1 else "horizontal", "parabola", len(columns))
@@ -193,14 +196,14 @@ PLACES = np.triu_indices(3)  # of the masses in what is said
 
 
 def numbers(force: Array, mass: Array) -> Array:
-    """Force and mass at a base as they are said: F0x to Mtt; what is not given is zero."""
+    """Return the force and mass at a base as they are said: F0x to Mtt; what is not given is zero."""
     whole, size = np.zeros((3, 3)), len(force)
     whole[:size, :size] = mass
     return np.concatenate([force, np.zeros(3 - size), whole[PLACES]])
 
 
 def matrix_of(split: Array) -> Array:
-    """The mass of a column by what it says, (3, 3)."""
+    """Return the mass of a column by what it says, (3, 3)."""
     mass = np.zeros((3, 3))
     mass[PLACES] = split[3:]
     found: Array = mass + np.triu(mass, 1).T
@@ -208,7 +211,7 @@ def matrix_of(split: Array) -> Array:
 
 
 def as_one(columns: list[Column], partner: Partner) -> Array:
-    """The same by Lagrange's equations and one integrator; it is at rest, under the weight of the columns."""
+    """Return the same by Lagrange's equations and one integrator; it is at rest, under the weight of the columns."""
     references = [Reference.of(column).on_rotating_base() for column in columns]
     rests = [np.append(np.zeros(column.n), -settlements(column)) for column in columns]
     dofs, axes = len(partner.u), len(partner.port)
@@ -217,7 +220,7 @@ def as_one(columns: list[Column], partner: Partner) -> Array:
     partner.bear(sum(column.g * sum(block.mass for block in column.blocks) for column in columns))
 
     def on_base(x: Array, part: Array) -> Array:
-        """Rotations and openings of a column, and of the base as its last body."""
+        """Return the rotations and openings of a column, and of the base as its last body."""
         n, turn = len(part) // 2, x[partner.port[2]] if axes > 1 else 0.0
         return np.concatenate([x[part[:n]], [turn], x[part[n:]], [0.0]])
 
@@ -248,7 +251,7 @@ def as_one(columns: list[Column], partner: Partner) -> Array:
 
 
 def errors(seen: Array, truth: Array) -> Array:
-    """Of each history, in parts of its peak."""
+    """Return the error of each history, in parts of its peak."""
     found: Array = np.max(np.abs(seen - truth), axis=0) / np.max(np.abs(truth), axis=0)
     return found
 
@@ -267,7 +270,7 @@ def test_a_column_on_a_slab_is_of_order_3(ratio: float) -> None:
 
 @pytest.mark.long
 def test_a_column_on_the_roof_of_a_building() -> None:
-    """Ten storeys, of which the column meets an effective mass and force."""
+    """Check ten storeys, of which the column meets an effective mass and force."""
     truth = as_one([COLUMN], building())
     assert np.all(errors(coupled([COLUMN], building(), 1e-3), truth) < 1e-5)  # measured 4e-6
     assert np.all(errors(coupled([COLUMN], building(), 5e-4), truth) < 1e-6)  # measured 4e-7
@@ -275,7 +278,9 @@ def test_a_column_on_the_roof_of_a_building() -> None:
 
 @pytest.mark.long
 def test_a_base_that_rocks_is_of_order_3() -> None:
-    """The spring under the base says couple and inertia, and turns the base: top, and x, z and rotation of the base."""
+    """Check that the spring under the base says couple and inertia, and turns the base: top, and x, z and rotation of
+    the base.
+    """
     truth = as_one([COLUMN], footing())
     assert np.max(np.abs(truth[:, -1])) > 5e-3  # rad, which tilt the top by 17 of its 39 mm
     found = np.array([errors(coupled([COLUMN], footing(), h), truth) for h in (4e-3, 2e-3, 1e-3, 5e-4)])
@@ -286,7 +291,7 @@ def test_a_base_that_rocks_is_of_order_3() -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("name", TRIAL)
 def test_partners_of_every_kind(name: str) -> None:
-    """Errors at 2, 1 and 0.5 ms of the peak; docs/notes/coupling.md has the table, which `-s` prints."""
+    """Check the errors at 2, 1 and 0.5 ms of the peak; docs/notes/coupling.md has the table, which `-s` prints."""
     truth = as_one([COLUMN], TRIAL[name]())
     found = [float(np.max(errors(coupled([COLUMN], TRIAL[name](), h), truth))) for h in (2e-3, 1e-3, 5e-4)]
     print(f"| {name} | {' | '.join(f'{error:.1e}' for error in found)} |")
@@ -295,7 +300,7 @@ def test_partners_of_every_kind(name: str) -> None:
 
 
 def test_two_columns_on_one_slab() -> None:
-    """Each is given the other's R0 and m as one more body."""
+    """Check that each is given the other's R0 and m as one more body."""
     truth = as_one([COLUMN, OTHER], slab(1.0))
     assert np.all(errors(coupled([COLUMN, OTHER], slab(1.0), 1e-3), truth) < 5e-6)  # measured 4e-7, 1.8e-6, 2e-7
 
@@ -303,7 +308,7 @@ def test_two_columns_on_one_slab() -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("model", ["columns/phocas-damped.toml", "structures/trilith.toml"])
 def test_fmus_of_both_kinds_are_driven_alike(model: str, tmp_path: Path) -> None:
-    """Force and mass set once a step, and no output read between that and the step: the same bits, and a motion."""
+    """Set force and mass once a step, and read no output between that and the step: the same bits, and a motion."""
     file, drive = EXAMPLES / model, drive_of("body", "parabola", 2)
     fmus = [build_fmu(file, tmp_path / "python.fmu", drive=drive)]
     fmus.append(build_native_fmu(file, tmp_path / "native.fmu", platforms=["linux64"], drive=drive))
@@ -345,7 +350,7 @@ model.close()
 
 @pytest.mark.parametrize("mass", [0.0, 1e-3, 1e3, 1e9])
 def test_no_mass_of_a_partner_makes_it_unstable(mass: float) -> None:
-    """A free body: column and body keep the momentum that a blow gives; without a mass of its own, too."""
+    """Check a free body: column and body keep the momentum that a blow gives; without a mass of its own, too."""
     stepper, h, blow = Stepper(exact(COLUMN)), 1e-3, 1e3
     stepper.driven_by("horizontal", "parabola", 1)
     velocity = 0.0

@@ -24,7 +24,7 @@ BODY = ("F0x", "F0z", "F0m", "Mxx", "Mxz", "Mxt", "Mzz", "Mzt", "Mtt")
 
 @pytest.mark.parametrize("partner", ["isolator", "soil"])
 def test_initialization_has_no_algebraic_loop(coupled: Path, partner: str) -> None:
-    """Outputs and what they follow, in initialization and later, within the FMUs and through the connections."""
+    """Check outputs and what they follow, in initialization and later, within the FMUs and through the connections."""
     for when in ("initialUnknowns", "outputs"):
         follows: dict[tuple[str, str], set[tuple[str, str]]] = {}
         variables = {}

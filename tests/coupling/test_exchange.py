@@ -30,13 +30,13 @@ STEP, STEPS = 1e-3, 400
 
 
 def ground(t: np.ndarray) -> np.ndarray:
-    """Acceleration of the ground, m/s2."""
+    """Return the acceleration of the ground, m/s2."""
     found: np.ndarray = 2.0 * np.sin(11.0 * t) * np.sin(2.5 * t)
     return found
 
 
 def text_of(body: ColumnBody) -> str:
-    """The page inside the FMU of a body, without its tags."""
+    """Return the page inside the FMU of a body, without its tags."""
     page = pages(body, body.table(), "")["documentation/index.html"].decode()
     return unescape(re.sub(r"<[^>]*>", " ", page))
 
@@ -75,7 +75,7 @@ def test_the_text_in_html() -> None:
 
 
 def as_one() -> np.ndarray:
-    """Displacements of the top relative to the base, by Lagrange's equations and one integrator."""
+    """Return the displacements of the top relative to the base, by Lagrange's equations and one integrator."""
     reference, n = Reference.of(COLUMN).on_rotating_base(), COLUMN.n
     rest = np.append(np.zeros(n), -settlements(COLUMN))
 
@@ -102,7 +102,9 @@ def as_one() -> np.ndarray:
 @pytest.mark.long
 @pytest.mark.parametrize("options", [(), LINUX], ids=["python", "native"])
 def test_the_partner_of_the_text_moves_as_the_system_solved_as_one(options: tuple[str, ...], tmp_path: Path) -> None:
-    """The code is taken out of the FMU's own page and run: displacements of the slab, and of the top of the column."""
+    """Check that the code is taken out of the FMU's own page and run: displacements of the slab, and of the top of the
+    column.
+    """
     file = tmp_path / "two.toml"
     block = "[[block]]\nheight = 1.2\nwidth = 0.7\ndepth = 0.9\nmass = 1800.0\n"
     file.write_text(f'name = "two"\n{2 * block}[joint]\nstiffness = 3e8\ndamping = 3e-3\n[solver]\ntolerance = 1e-9\n')

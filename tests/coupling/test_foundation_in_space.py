@@ -51,7 +51,7 @@ def of_blocks(*blocks: dict[str, Any], **more: Any) -> Structure:
 
 
 def as_one() -> Array:
-    """Displacement of the shaft along x and y, m, with the foundation as a block on its bed."""
+    """Return the displacement of the shaft along x and y, m, with the foundation as a block on its bed."""
     slab = {"name": "slab", "on": "base", "width": SIDE, "depth": SIDE, "height": DEEP, "density": DENSITY}
     slab["joint"] = {"stiffness": BED, "damping": 0.0, "shear_ratio": ALONG, "shear_damping": 0.0}
     whole = of_blocks(slab, {**SHAFT, "on": "slab"}, solver={"tolerance": 1e-10})
@@ -93,7 +93,7 @@ class Foundation:
         return -ahead / 2e-5
 
     def move(self, h: float, line: bool, acceleration: Array) -> None:
-        """By the slope that the structure takes too; acceleration: relative to the ground."""
+        """Move it by the slope that the structure takes too; acceleration: relative to the ground."""
         slope = np.zeros(5)
         if self.before:
             slope = (acceleration - self.before[-1]) / h
@@ -105,7 +105,7 @@ class Foundation:
 
 
 def coupled(h: float, line: bool = False) -> Array:
-    """The same, exchanged once a step: all say their states, then all step."""
+    """Return the same, exchanged once a step: all say their states, then all step."""
     structure = of_blocks({**SHAFT, "on": "base"})
     chosen = Chosen(1e-10, drive=BODY, slope=SLOPE_LINE if line else SLOPE_PARABOLA, turns=1.0)
     body, places = DrivenStructure(structure, packed(structure), chosen), places_of(OUTPUTS, structure.sizes)
@@ -131,7 +131,7 @@ def coupled(h: float, line: bool = False) -> Array:
 
 
 def test_errors_fall_as_the_rule_of_the_slope_says() -> None:
-    """Ground that begins smoothly: the line is of order 2, the parabola of order 3."""
+    """Check ground that begins smoothly: the line is of order 2, the parabola of order 3."""
     whole = as_one()
     size = float(np.max(np.abs(whole)))
     parabola = [float(np.max(np.abs(coupled(h) - whole))) / size for h in (2e-3, 1e-3, 5e-4)]
@@ -158,7 +158,7 @@ def test_what_drives_a_turning_base_has_inertia() -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("drive", [Drive("body", "line", 1, True), Drive(turns=True)], ids=["by bodies", "by inputs"])
 def test_fmus_of_both_kinds_turn_alike(drive: Drive, tmp_path: Path) -> None:
-    """The bits of the solver: inputs in their order, and the same code without Python."""
+    """Compare with the bits of the solver: inputs in their order, and the same code without Python."""
     file, h, count = tmp_path / "rocking.toml", 2e-3, 100
     file.write_text(TEXT, encoding="utf-8")
     read = read_body(file, drive=drive)

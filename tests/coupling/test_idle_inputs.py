@@ -30,7 +30,7 @@ PUSH = {"body.F0x": 1e4}
 
 @pytest.fixture(scope="session", params=[(kind, model) for model in MODELS for kind in KINDS], ids="-".join)
 def fmu(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
-    """The model, and its FMU for any way of driving the base."""
+    """Return the model, and its FMU for any way of driving the base."""
     kind, model = request.param
     if kind != "python":
         pytest.importorskip("ziglang", reason="needs the extra native")
@@ -41,7 +41,7 @@ def fmu(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 
 
 def heard(fmu: Path, drive: str, before: dict[str, Any], *steps: dict[str, Any]) -> tuple[list[str], list[Any]]:
-    """The lines that the FMU logs about its base, and its outputs; it has to end well."""
+    """Return the lines that the FMU logs about its base, and its outputs; it has to end well."""
     done = ended(driven.run, fmu, {"base.drive": drive, **before}, steps)
     assert done.returncode == 0, done.stderr
     lines = [line for line in said(done.stdout) if "does nothing" in line or "base never" in line or "base acc" in line]
@@ -104,7 +104,7 @@ def test_the_warning_of_a_base_at_rest_looks_at_the_base(fmu: tuple[str, Path]) 
 def test_a_record_moves_the_base_from_its_first_sample_that_is_not_zero(
     options: tuple[str, ...], tmp_path: Path
 ) -> None:
-    """A run of 4 ms ends before the record begins, or not; scaled by 0 it never does."""
+    """Check that a run of 4 ms ends before the record begins, or not; scaled by 0 it never does."""
     if options:
         pytest.importorskip("ziglang", reason="needs the extra native")
     Motion.from_samples(1e-3, [0.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0]).to_csv(tmp_path / "late.csv")

@@ -19,7 +19,7 @@ from solver.models.structure.model import Structure
 
 
 def test_the_line_is_of_the_second_order(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Errors fall by four with half the step, and under a slab of a tenth of the mass 4 ms are too long."""
+    """Check that errors fall by four with half the step, and under a slab of a tenth of the mass 4 ms are too long."""
     monkeypatch.setattr(in_space, "DURATION", 1.0)
     structure = Structure.from_toml(in_space.TRILITH)
     model, mass = packed(structure), sum(block.mass for block in structure.blocks)
@@ -38,7 +38,7 @@ def test_the_line_is_of_the_second_order(monkeypatch: pytest.MonkeyPatch) -> Non
 
 @pytest.mark.parametrize("name", ["linear", "pendulum"])
 def test_the_coupling_is_one_system(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Slab and beam against all in one set of equations, over four steps."""
+    """Compare slab and beam with all in one set of equations, over four steps."""
     monkeypatch.setattr(in_space, "DURATION", 1.0)
     structure = in_space.held()
     model, mass = packed(structure), sum(block.mass for block in structure.blocks)
@@ -63,7 +63,9 @@ def test_the_coupling_is_one_system(name: str, monkeypatch: pytest.MonkeyPatch) 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_what_slides_is_exact_along_a_straight_path(seed: int) -> None:
-    """Against z' = p, less what leads out of the circle where it has come to it; whatever the length of the path."""
+    """Compare with z' = p, less what leads out of the circle where it has come to it; whatever the length of
+    the path.
+    """
     rng = np.random.default_rng(seed)
     z = rng.uniform(0.0, 1.0) * np.array([np.cos(seed), np.sin(seed)])
     for _ in range(4):

@@ -17,7 +17,9 @@ import light_slab
 
 
 def test_it_is_stable_at_10_ms_and_of_the_second_order() -> None:
-    """In two directions, against the isolators as ties inside: parts of the largest displacement of slab and beam."""
+    """Compare in two directions with the isolators as ties inside: parts of the largest displacement of slab
+    and beam.
+    """
     errors = {}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", InputWarning)  # its rollers are an unusual joint

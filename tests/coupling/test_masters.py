@@ -23,24 +23,24 @@ COMPLAINTS = ("error", "warn", "fatal", "fail")
 
 @pytest.fixture(scope="module")
 def alone(fmus: Fmus) -> list[float]:
-    """The column under FMPy."""
+    """Return the column under FMPy."""
     return list(call(masters.alone, fmus.damped))
 
 
 def said(*command: object, cwd: Path | None = None, **variables: str) -> tuple[str, str]:
-    """Output and error output of a process; fails unless it ends with 0."""
+    """Return the output and error output of a process; fails unless it ends with 0."""
     done = finish_in(cwd, *command, **variables)
     assert done.returncode == 0, f"exit code {done.returncode}: {done.stderr}"
     return done.stdout, done.stderr
 
 
 def libraries() -> str:
-    """The folder of pip's shared libraries, such as the tbb that ecos is linked with."""
+    """Return the folder of pip's shared libraries, such as the tbb that ecos is linked with."""
     return os.pathsep.join((str(Path(sys.prefix) / "lib"), os.environ.get("LD_LIBRARY_PATH", "")))
 
 
 def package(name: str) -> Path:
-    """Folder of an installed package; skips where it is absent."""
+    """Return the folder of an installed package; skips where it is absent."""
     spec = importlib.util.find_spec(name)
     if spec is None or spec.origin is None:
         pytest.skip(f"{name} is not installed")

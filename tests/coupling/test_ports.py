@@ -55,18 +55,18 @@ TEXT = FILE.format(
 
 
 def pair(**ties: Any) -> Structure:
-    """Two columns beside each other, with a port each."""
+    """Return two columns beside each other, with a port each."""
     return Structure.from_dict({**tomllib.loads(TEXT), **ties})
 
 
 def samples() -> dict[str, np.ndarray]:
-    """Of some components at the first port, and of the base, every H s."""
+    """Return samples of some components at the first port, and of the base, every H s."""
     t = H * np.arange(round(DURATION / H) + 1)
     return {"Fx": 1e4 * np.sin(9.0 * t), "Fy": 5e3 * np.sin(7.0 * t), "Mz": 2e3 * t, "ax": 0.8 * np.sin(11.0 * t)}
 
 
 def test_inputs_of_ports_are_followed_as_simulate_follows_loads() -> None:
-    """Values and slopes of the same lines."""
+    """Check values and slopes of the same lines."""
     structure, given = pair(), samples()
     time = H * np.arange(len(given["Fx"]))
     load = Load.of(time, **{name: given[name] for name in ("Fx", "Fy", "Mz")})
@@ -125,7 +125,7 @@ def test_both_kinds_of_fmu_have_the_bits_of_the_solver(tmp_path: Path) -> None:
 
 
 def test_a_damper_between_two_ports_is_one_between_two_points() -> None:
-    """A partner that gives equal and opposite forces along x, against a tie that only damps: second order.
+    """Compare a partner that gives equal and opposite forces along x with a tie that only damps: second order.
 
     In full contact: rocking columns amplify all differences.
     """
@@ -161,7 +161,7 @@ def test_a_damper_between_two_ports_is_one_between_two_points() -> None:
 
 
 def test_ports_beside_a_base_that_a_body_drives() -> None:
-    """Inputs of ports stand before those of bodies: without loads the same bits as without ports."""
+    """Check that inputs of ports stand before those of bodies: without loads the same bits as without ports."""
     found = []
     for structure in (pair(), pair(port=[])):
         body = DrivenStructure(structure, packed(structure), Chosen(1e-6, drive=HORIZONTAL))

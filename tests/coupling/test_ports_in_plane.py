@@ -43,13 +43,13 @@ def shaft(folder: Path) -> Path:
 
 
 def samples() -> dict[str, np.ndarray]:
-    """Of some components at the first port, and of the base, every H s."""
+    """Return samples of some components at the first port, and of the base, every H s."""
     t = H * np.arange(round(DURATION / H) + 1)
     return {"Fx": 6e3 * np.sin(9.0 * t), "Fz": 5e3 * np.sin(7.0 * t), "My": 2e3 * t, "ax": 0.4 * np.sin(11.0 * t)}
 
 
 def driven(column: Column, given: dict[str, np.ndarray]) -> np.ndarray:
-    """Rows of a stepper under these samples at its first port, with slopes, every H s."""
+    """Return the rows of a stepper under these samples at its first port, with slopes, every H s."""
     stepper, count = Stepper(column), len(column.ports)
     rows = [stepper.observe(0.0).copy()]
     for k in range(len(given["ax"]) - 1):
@@ -109,7 +109,7 @@ def test_an_fmu_has_the_bits_of_the_solver(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def native_shaft(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The FMU without Python, for Linux."""
+    """Return the FMU without Python, for Linux."""
     if not NATIVE:
         pytest.skip("needs the extra native")
     file = shaft(tmp_path_factory.mktemp("shaft"))
@@ -138,7 +138,7 @@ def test_directional_derivatives_by_loads(native_shaft: Path, seeds: dict[str, f
 
 @pytest.mark.long
 def test_ports_on_a_base_that_a_body_drives(tmp_path: Path) -> None:
-    """Both FMUs have the same bits, and the body feels the loads at once."""
+    """Check that both FMUs have the same bits, and the body feels the loads at once."""
     if not NATIVE:
         pytest.skip("needs the extra native")
     file, drive, rows = shaft(tmp_path), drive_of("body", "parabola", 1), []
@@ -156,7 +156,7 @@ def test_ports_on_a_base_that_a_body_drives(tmp_path: Path) -> None:
 
 
 def test_a_body_meets_the_loads_of_the_instant(tmp_path: Path) -> None:
-    """(M + m) a = F0 + R0 under the loads as they are, not as their slopes let them be a step later."""
+    """Check that (M + m) a = F0 + R0 under the loads as they are, not as their slopes let them be a step later."""
     column, found = Column.from_toml(shaft(tmp_path)), []
     for slope in (0.0, 1e6):
         stepper = Stepper(column)
@@ -179,7 +179,7 @@ def test_a_body_meets_the_loads_of_the_instant(tmp_path: Path) -> None:
 
 
 def shafts(damping: float = 1e-3) -> list[Column]:
-    """Two columns of one block, unlike, with a port on top."""
+    """Return two columns of one block, unlike, with a port on top."""
     found = []
     for name, height, stiffness in (("left", 3.0, 2e9), ("right", 2.5, 1.5e9)):
         block = {"height": height, "width": 1.2, "depth": 1.2, "density": 2500.0}
@@ -208,7 +208,7 @@ def on_stepper(column: Column) -> beam.Column:
 
 
 def as_one(columns: list[Column], times: Array) -> Array:
-    """Places of both ports, of the columns by Lagrange's equations and the beam as one system."""
+    """Return the places of both ports, of the columns by Lagrange's equations and the beam as one system."""
     references = [Reference.of(column) for column in columns]
     partner = beam.thrown()
     rests = [Stepper(column).state.phase for column in columns]
@@ -240,7 +240,7 @@ def as_one(columns: list[Column], times: Array) -> Array:
 
 @pytest.mark.long  # the system solved as one takes 10 s
 def test_a_beam_on_two_columns_is_one_system_to_second_order(tmp_path: Path) -> None:
-    """Elastic, in full contact, one exchange a step."""
+    """Check elastic columns in full contact, with one exchange a step."""
     columns, duration = shafts(), 0.2
     exact = as_one(columns, np.linspace(0.0, duration, 101))
     size = np.max(np.abs(exact))
@@ -263,7 +263,7 @@ def test_a_beam_on_two_columns_is_one_system_to_second_order(tmp_path: Path) -> 
 
 @pytest.mark.long  # builds a native FMU
 def test_a_beam_on_two_columns_of_the_example(tmp_path: Path) -> None:
-    """Through rocking, with and without Python: one FMU of each sort bears an end."""
+    """Check rocking, with and without Python: one FMU of each sort bears an end."""
     if not NATIVE:
         pytest.skip("needs the extra native")
     file = ROOT / "examples" / "columns" / "portico.toml"
@@ -277,7 +277,7 @@ def test_a_beam_on_two_columns_of_the_example(tmp_path: Path) -> None:
 
 
 def toml(column: Column) -> str:
-    """Its file."""
+    """Return its file."""
     data: dict[str, Any] = column.to_dict()
     block, port, joint = data["block"][0], data["port"][0], data["block"][0]["joint"]
     return (

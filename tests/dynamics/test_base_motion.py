@@ -40,7 +40,7 @@ _model, _work = at.MODEL.over, at.WORK.over
 
 @from_python
 def gains_of(n: int, model: Array, work: Array, turn: float, gains: Array) -> tuple[float, float, float, float]:
-    """g (1, 1, m), the effective mass, kg, of the last observation; the gains of the tangential forces, kg."""
+    """Return g (1, 1, m), the effective mass, kg, of the last observation; the gains of the tangential forces, kg."""
     spaces = _model(row_of(model), n), _work(row_of(work), n)
     tangential_gains(spaces[0], spaces[1], row_of(gains))
     g = base_direction(spaces[0], spaces[1].between, turn)
@@ -48,7 +48,7 @@ def gains_of(n: int, model: Array, work: Array, turn: float, gains: Array) -> tu
 
 
 def on_base(column: Column, q: Array, rate: Array, motion: Array) -> tuple[Stepper, Array, Array]:
-    """A stepper at that state, rotations absolute, its accelerations (2n,), absolute, and its output row.
+    """Return a stepper at that state, rotations absolute, its accelerations (2n,), absolute, and its output row.
 
     motion: ax, az, theta, omega, alpha of the base.
     """
@@ -64,7 +64,7 @@ def on_base(column: Column, q: Array, rate: Array, motion: Array) -> tuple[Stepp
 
 
 def scene(seed: int, n: int, largest: float) -> tuple[Column, Array, Array, Array]:
-    """A random column, a random state on a base with a random rotation, a random motion of that base."""
+    """Return a random column, its random state on a rotated base, and a random motion of that base."""
     rng = np.random.default_rng(seed)
     column = random_column(rng, n)
     q, rate = random_state(rng, column, largest)
@@ -75,7 +75,7 @@ def scene(seed: int, n: int, largest: float) -> tuple[Column, Array, Array, Arra
 
 
 def with_base(values: Array, base: float) -> Array:
-    """Coordinates (2n,) with those of the base put under them, (2n + 2,)."""
+    """Return the coordinates (2n,) with those of the base put under them, (2n + 2,)."""
     n = len(values) // 2
     return np.concatenate([values[:n], [base], values[n:], [0.0]])
 
@@ -123,7 +123,7 @@ def test_the_row_on_a_rotating_base_shows_geometry_and_newtons_laws(seed: int, n
 
 
 def mass_of(split: Array) -> Array:
-    """The effective mass (3, 3) of a split reaction."""
+    """Return the effective mass (3, 3) of a split reaction."""
     xx, xz, xt, zz, zt, tt = split[3:]
     return np.array([[xx, xz, xt], [xz, zz, zt], [xt, zt, tt]])
 
@@ -199,7 +199,7 @@ def test_the_paper_formulation_splits_its_reaction_too() -> None:
 
 
 def driven(column: Column, steps: int, h: float, base: object, **inputs: float) -> tuple[Stepper, Array]:
-    """A stepper driven through steps of h s by base(t) = (theta, omega, alpha), and its rows at their ends."""
+    """Return a stepper driven through steps of h s by base(t) = (theta, omega, alpha), and its rows at their ends."""
     stepper = Stepper(column)
     stepper.drive(0.0, **turned(base(0.0)))  # type: ignore[operator]
     stepper.stand_on_base()
@@ -212,7 +212,7 @@ def driven(column: Column, steps: int, h: float, base: object, **inputs: float) 
 
 
 def turned(rotation: tuple[float, float, float]) -> dict[str, float]:
-    """Rotation of the base, its rate and acceleration, by name."""
+    """Return the rotation of the base, its rate and acceleration, by name."""
     return dict(zip(("theta", "omega", "alpha"), rotation, strict=True))
 
 
@@ -231,19 +231,19 @@ def test_a_tilted_base_is_tilted_gravity() -> None:
 
 
 def rock(t: float) -> tuple[float, float, float]:
-    """A base that rocks by up to 4 mrad at 1.5 Hz, beginning gently."""
+    """Return a base that rocks by up to 4 mrad at 1.5 Hz, beginning gently."""
     w = 3.0 * np.pi
     return 2e-3 * (1.0 - np.cos(w * t)), 2e-3 * w * np.sin(w * t), 2e-3 * w * w * np.cos(w * t)
 
 
 def gently(t: float) -> tuple[float, float, float]:
-    """`rock` by a twentieth, which leaves the joints of Phocas in contact."""
+    """Return `rock` by a twentieth, which leaves the joints of Phocas in contact."""
     theta, omega, alpha = rock(t)
     return 0.05 * theta, 0.05 * omega, 0.05 * alpha
 
 
 def energy_of(column: Column, stepper: Stepper, theta: float, omega: float) -> float:
-    """Kinetic, gravitational and elastic energy on the rotating base, J."""
+    """Return the kinetic, gravitational and elastic energy on the rotating base, J."""
     n = column.n
     phase = coordinates(stepper).copy()
     phase[:n] += theta

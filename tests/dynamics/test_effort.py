@@ -23,7 +23,7 @@ def column(stiffness: float = 1e9, damping: float = 1e-3) -> Column:
 
 
 def test_a_run_without_hope_is_given_up_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A billion cycles a second: 3e10 steps."""
+    """Check a billion cycles a second: 3e10 steps."""
     monkeypatch.setattr(effort, "EARLY", 1e5)
     fast = Motion.harmonic(3.0, 1e9, 5.0)
     subjects: list[Any] = [column(), Structure.stack(column())]
@@ -69,7 +69,7 @@ def test_lanes_leave_runs_of_too_many_steps_alone(monkeypatch: pytest.MonkeyPatc
 
 
 def _damped(**parts: Any) -> Structure:
-    """One block of 5 t on a bed or on a bearing, with what damps it too much."""
+    """Return one block of 5 t on a bed or on a bearing, with what damps it too much."""
     joints = {"stiffness": 1e9, "damping": 1e-3, **parts.get("joints", {})}
     block = {"name": "a", "width": 0.9, "depth": 0.9, "height": 4.0, "mass": 5e3}
     if "bearing" in parts:
@@ -104,7 +104,9 @@ def _damped(**parts: Any) -> Structure:
     ids=["joint", "shear", "tie", "bearing"],
 )
 def test_a_run_that_dampers_make_too_long_is_refused_at_its_start(parts: dict[str, Any], said: str) -> None:
-    """Alone and in lanes, by the fastest rate at which they let a motion die out, and the line names the number."""
+    """Check the refusal, alone and in lanes, by the fastest rate at which a motion dies out; the line names
+    the number.
+    """
     structure, steps = _damped(**parts), []
     with pytest.raises(SolverError, match=r"it needs .* evaluations, more than 5e\+07: the fastest is " + said):
         simulate(structure, SHAKE, settle=0.0, callback=lambda t, now: steps.append(t))
@@ -115,7 +117,7 @@ def test_a_run_that_dampers_make_too_long_is_refused_at_its_start(parts: dict[st
 
 
 def test_stabilized_steps_follow_a_joint_that_dampers_make_slow() -> None:
-    """A damping of 100 s: 2.6e7 evaluations a second by explicit steps, 1e6 by stabilized ones."""
+    """Check a damping of 100 s: 2.6e7 evaluations a second by explicit steps, 1e6 by stabilized ones."""
     structure = _damped(joints={"damping": 100.0})
     assert fastest_decay(structure) > 1e7
     response = simulate(structure, SHAKE, settle=0.0, tolerance=1e-4)
@@ -123,7 +125,7 @@ def test_stabilized_steps_follow_a_joint_that_dampers_make_slow() -> None:
 
 
 def test_the_fastest_decay_is_that_of_the_dampers_alone() -> None:
-    """Of a slab on dashpots through its centroid's height: each coordinate alone."""
+    """Check a slab on dashpots at the height of its centroid: each coordinate alone."""
     law = {"kind": "elastomeric", "stiffness": 1e5, "damping": 3e4, "vertical_stiffness": 1e8, "vertical_damping": 2e-3}
     place = {"between": ["a", "base"], "at": [[x, y, 0.2] for x in (-1, 1) for y in (-1, 1)]}
     block = {"name": "a", "width": 2.4, "depth": 2.4, "height": 0.4, "mass": 5e3, "position": [0.0] * 3}

@@ -29,7 +29,7 @@ amplitudes = st.sampled_from([1e-4, 1e-2, 0.5])  # rad, of a joint; five of them
 
 
 def scene(seed: int, n: int, largest: float, damped: bool = True) -> tuple[Column, Array, Array, float, float]:
-    """A random column, a random state and a random base acceleration."""
+    """Return a random column, a random state and a random base acceleration."""
     rng = np.random.default_rng(seed)
     column = random_column(rng, n, damped=damped)
     q, rate = random_state(rng, column, largest)
@@ -49,7 +49,7 @@ def test_accelerations_are_those_of_lagranges_equations(seed: int, n: int, large
 @pytest.mark.parametrize("largest", [1e-4, 1e-2, 0.5])
 @pytest.mark.parametrize("n", [1, 3, 10, 50])
 def test_accelerations_and_forces_are_those_of_the_articulated_body(n: int, largest: float) -> None:
-    """Another elimination of the same equations, also on a rotating base; stacks of 50 blocks too."""
+    """Compare with another elimination of the same equations, also on a rotating base; stacks of 50 blocks too."""
     for seed in range(20):
         column, q, rate, ax, az = scene(seed, n, largest)
         turned = np.random.default_rng(seed).uniform(-1.0, 1.0, 3) * [1.0, 2.0, 10.0]

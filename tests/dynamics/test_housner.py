@@ -26,17 +26,17 @@ def slender_block(opens: float) -> Column:
 
 
 def rectangle(times: float) -> tuple[float, Callable[[float], Motion]]:
-    """Least amplitude, in ALPHA g, of a rectangle of `times` / p s; the pulse of an amplitude, m/s2."""
+    """Return the least amplitude, in ALPHA g, of a rectangle of `times` / p s; the pulse of an amplitude, m/s2."""
     return rectangle_amplitude(times), lambda a: Motion.from_samples(times / P, [a], hold=True)
 
 
 def half_sine(speed: float) -> tuple[float, Callable[[float], Motion]]:
-    """`rectangle` for half a sine of `speed` times p, rad/s."""
+    """Return `rectangle` for half a sine of `speed` times p, rad/s."""
     return half_sine_amplitude(speed), lambda a: sine(a, speed, 0.5)
 
 
 def one_sine(speed: float) -> tuple[float, Callable[[float], Motion]]:
-    """`rectangle` for a whole sine."""
+    """Return `rectangle` for a whole sine."""
     return one_sine_amplitude(speed), lambda a: sine(a, speed, 1.0)
 
 
@@ -46,14 +46,14 @@ def sine(amplitude: float, speed: float, cycles: float) -> Motion:
 
 
 def falls_at_once(column: Column, pulse: Motion) -> bool:
-    """Whether a pulse overturns the block to the side of its first motion."""
+    """Return True if a pulse overturns the block to the side of its first motion."""
     run = simulate(column, pulse, pulse.duration + 12.0 / P, output_step=0.02, settle=0.0)
     theta = run.ry[:, 0]
     return run.overturned and bool(np.all(theta < 0.02 * ALPHA))
 
 
 def least_pulse(column: Column, pulse: Callable[[float], Motion], near: float) -> float:
-    """Least amplitude that overturns, over `near` m/s2, to 2e-4."""
+    """Return the least amplitude that overturns, over `near` m/s2, to 2e-4."""
     low, high = 0.85, 1.05
     assert falls_at_once(column, pulse(high * near))
     assert not falls_at_once(column, pulse(low * near))

@@ -30,30 +30,30 @@ _model, _phase = at.MODEL.over, at.PHASE.over
 
 @from_python
 def factorized(n: int, model: Array, phase: Array, tangent: Array, part: float) -> None:
-    """`factorize`, over arrays."""
+    """Call `factorize` over arrays."""
     factorize(_model(row_of(model), n), _phase(row_of(phase), n), row_of(tangent), part)
 
 
 @from_python
 def add_solution(n: int, model: Array, tangent: Array, a: Array, v: Array, part: float) -> None:
-    """`solve`, over arrays."""
+    """Call `solve` over arrays."""
     solve(_model(row_of(model), n), row_of(tangent), row_of(a), row_of(v), part)
 
 
 def drums(n: int, eta: float = 1e-3, **changes: float) -> Column:
-    """The shaft of the Column of Phocas cut into n drums, whose joints together are as soft as its three."""
+    """Return the shaft of the Column of Phocas cut into n drums, whose joints together are as soft as its three."""
     block = Block(14.07 / n, 1.56, 1.56, 81000.0 / n, Joint(PHOCAS_STIFFNESS * n / 3.0, eta))
     return Column("drums", (block,) * n).with_settings(**changes)  # type: ignore[arg-type]
 
 
 def symmetric(tangent: SimpleNamespace, name: str, i: int) -> Array:
-    """The 2 x 2 matrix of joint i, by (theta, delta), of the fields `name`_11, `name`_12 and `name`_22."""
+    """Return the 2 x 2 matrix of joint i, by (theta, delta), of the fields `name`_11, `name`_12 and `name`_22."""
     one, mixed, two = (getattr(tangent, f"{name}_{place}")[i] for place in ("11", "12", "22"))
     return np.array([[one, mixed], [mixed, two]])
 
 
 def joint_matrices(column: Column, tangent: Array, part: float) -> tuple[Array, Array]:
-    """(G, K): derivatives of the joints' forces from `factorize`, by (theta, delta), weighted and not."""
+    """Return (G, K): derivatives of the joints' forces from `factorize`, by (theta, delta), weighted and not."""
     n = column.n
     weighted, plain = np.zeros((2 * n, 2 * n)), np.zeros((2 * n, 2 * n))
     fields = TANGENT.see(tangent, n)
@@ -74,7 +74,7 @@ def joint_matrices(column: Column, tangent: Array, part: float) -> tuple[Array, 
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 6), part=st.floats(1e-5, 1e-1))
 @pytest.mark.parametrize("make", [random_column, off_axis_column])
 def test_solution_is_that_of_the_dense_system(make: Callable[..., Column], seed: int, n: int, part: float) -> None:
-    """Joints that have slid stick: slips and offsets are lengths of the chain."""
+    """Check that joints that have slid stick: slips and offsets are lengths of the chain."""
     rng = np.random.default_rng(seed)
     column = make(rng, n)
     q, rate, _ = sliding_state(rng, column, 0.3)
@@ -98,7 +98,7 @@ def test_solution_is_that_of_the_dense_system(make: Callable[..., Column], seed:
 @settings(deadline=None, max_examples=40)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_stiffness_of_a_joint_that_has_slid_is_the_derivative_of_its_forces(seed: int) -> None:
-    """By central differences of the pressures of Lagrange's equations, in full contact, without dashpots."""
+    """Compare with central differences of the pressures of Lagrange's equations, in full contact, without dashpots."""
     rng = np.random.default_rng(seed)
     joint = Joint(1e9, 0.0, friction=0.5)
     below = Block(2.0, 1.0, 1.0, 5000.0, Joint(1e9, 0.0, friction=0.5))
@@ -112,7 +112,9 @@ def test_stiffness_of_a_joint_that_has_slid_is_the_derivative_of_its_forces(seed
     fields = TANGENT.see(tangent, n)
 
     def forces(at_q: Array) -> Array:
-        """Generalized forces of joint 1 on its rotation and its opening, as a column, with the sign of resistance."""
+        """Return the generalized forces of joint 1 on its rotation and its opening, as a column, with the sign of
+        resistance.
+        """
         normal, moment = reference.pressures(at_q, np.zeros(6))
         half = 0.5 * (at_q[0] - at_q[1])
         return np.array([(moment[0] + 0.5 * at_q[4] * normal[0]) * np.cos(half), -normal[0]])
@@ -146,7 +148,7 @@ def test_stiffness_is_the_second_derivative_of_the_joint_potential_in_full_conta
 def test_matrices_of_a_damped_joint_are_the_derivatives_of_its_forces(
     turn: float, opening: float, spin: float, rate: float, eta: float
 ) -> None:
-    """By central differences of the law itself, with the moving edge, wherever it is smooth."""
+    """Compare with central differences of the law itself, with the moving edge, wherever it is smooth."""
     assume(abs(turn) > 1e-4)
     column = Column("one", (Block(2.0, 1.0, 1.0, 5000.0, Joint(1e9, eta)),))
     tangent = np.zeros(TANGENT.size(1))
@@ -228,7 +230,7 @@ def test_implicit_and_explicit_steps_lead_to_the_same_motion() -> None:
 
 
 def test_a_finely_cut_column_off_its_axis_is_stepped_implicitly_and_to_its_tolerance() -> None:
-    """Offset drums, one of whose joints could slide but does not: against explicit steps at a tight tolerance."""
+    """Compare offset drums, one of whose joints could slide but does not, with explicit steps at a tight tolerance."""
     column = drums(12, 2e-3, tolerance=1e-4)
     blocks = list(column.blocks)
     blocks[3] = replace(blocks[3], joint=replace(blocks[3].joint, offset=0.05, friction=0.7))
@@ -255,7 +257,7 @@ def test_two_hundred_drums_are_followed_in_a_few_thousand_steps() -> None:
 
 
 def error_in_tolerances(column: Column, motion: Motion, duration: float, tolerance: float) -> float:
-    """Largest deviation of ux from a run without implicit steps, in tolerances of its peak."""
+    """Return the largest deviation of ux from a run without implicit steps, in tolerances of its peak."""
     reference = simulate(column, motion, duration, tolerance=1e-9, without=("implicit",))
     response = simulate(column, motion, duration, tolerance=tolerance)
     assert reference.stats["implicit_steps"] == 0
@@ -265,7 +267,9 @@ def error_in_tolerances(column: Column, motion: Motion, duration: float, toleran
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-5])
 def test_implicit_steps_of_a_rocking_column_in_mortar_err_little(tolerance: float) -> None:
-    """Moving edges of contact count in the derivative of the forces: without them 0.17 to 0.38 tolerances here."""
+    """Check that moving edges of contact count in the derivative of the forces: without them 0.17 to 0.38 tolerances
+    here.
+    """
     motion = Motion.harmonic(0.2 * G, 1.5, 6.0)
     assert error_in_tolerances(phocas(0.05), motion, 6.0, tolerance) < 0.15  # measured 0.03 to 0.08
 
@@ -274,6 +278,8 @@ def test_implicit_steps_of_a_rocking_column_in_mortar_err_little(tolerance: floa
     "tolerance", [1e-3, *(pytest.param(tolerance, marks=pytest.mark.long) for tolerance in (1e-2, 1e-4, 1e-5, 1e-6))]
 )
 def test_phocas_in_mortar_under_a_record_keeps_the_tolerance(records: Path, tolerance: float) -> None:
-    """The motion amplifies a change of it by 200; without moving edges errors are 30 to 52 tolerances down to 1e-5."""
+    """Check that the motion amplifies a change of it by 200; without moving edges errors are 30 to 52 tolerances down
+    to 1e-5.
+    """
     motion = Motion.from_at2(records / "kobe-1995-nishi-akashi-090.AT2").scaled(0.8)
     assert error_in_tolerances(phocas(0.05), motion, 20.0, tolerance) < 10.0  # measured 4.3, 7.6, 6.7, 3.4, 0.2

@@ -26,7 +26,7 @@ Tree = tuple["Tree", ...]  # a rooted tree is the tuple of the trees on its root
 
 
 def forests(order: int, largest: Tree | None = None) -> Iterator[tuple[Tree, ...]]:
-    """Every multiset of rooted trees with `order` nodes in all."""
+    """Yield every multiset of rooted trees with `order` nodes in all."""
     if order == 0:
         yield ()
     for first in range(1, order + 1):
@@ -49,7 +49,9 @@ def density(tree: Tree) -> int:
 
 
 def stage_table(method: ModuleType) -> tuple[Array, Array, Array]:
-    """Stage weights (s, s), nodes (s,) and weights (s,) of an explicit method, the evaluation at the end included."""
+    """Return the stage weights (s, s), nodes (s,) and weights (s,) of an explicit method, the evaluation at the end
+    included.
+    """
     if method is order_8:
         last = order_8.END
         a = np.zeros((last + 1, last + 1))
@@ -66,7 +68,7 @@ def stage_table(method: ModuleType) -> tuple[Array, Array, Array]:
 
 
 def error_weights(method: ModuleType, prefix: str, stages: int) -> Array:
-    """The row of the error estimate of that name, (s,)."""
+    """Return the row of the error estimate of that name, (s,)."""
     if method is order_8:
         return np.append(order_8.WEIGHTS[getattr(order_8, prefix)], 0.0)
     row = [getattr(method, f"{prefix}_{j}", 0.0) for j in range(stages)]
@@ -75,7 +77,9 @@ def error_weights(method: ModuleType, prefix: str, stages: int) -> Array:
 
 
 def residual(a: Array, weights: Array, tree: Tree) -> float:
-    """Defect of Butcher's order condition of a tree: sum of weights times elementary weights, less 1 / density."""
+    """Return the defect of Butcher's order condition of a tree: sum of weights times elementary weights, less 1 /
+    density.
+    """
 
     def stage_values(at_root: Tree) -> Array:
         found = np.ones(len(weights))
@@ -106,7 +110,9 @@ def test_tableau_satisfies_the_order_conditions(method: ModuleType, estimates: d
 
 
 def smooth_run(column: Column) -> tuple[Array, float]:
-    """Rotations (displacements, paper) after 0.5 s of 0.005 g at 2 Hz, which opens no joint, and the largest one."""
+    """Return the rotations (displacements, paper) after 0.5 s of 0.005 g at 2 Hz, which opens no joint, and the largest
+    one.
+    """
     stepper = forced(Stepper(column), 0.005 * G, 2.0)
     stepper.advance(0.0, 0.5)
     assert stepper.state.control.time_full == pytest.approx(0.5, rel=1e-12)
@@ -172,7 +178,7 @@ def test_auto_agrees_with_dop853_on_lagranges_equations() -> None:
 
 
 def scene(formulation: str) -> Stepper:
-    """A damped column, pushed, under a constant base acceleration: it rocks."""
+    """Return a damped column, pushed, under a constant base acceleration: it rocks."""
     column = phocas(1e-3, formulation=formulation, tolerance=1e-8)
     stepper = Stepper(column, InitialState(rotation_rate=[0.03, 0.02, 0.01]))
     stepper.base.ax = 0.2

@@ -79,7 +79,7 @@ def test_what_cannot_be_held_is_said_in_one_line() -> None:
 
 
 def test_a_pattern_pushes_as_the_acceleration_that_it_is() -> None:
-    """m at the centroid of each block: the same curve; at the top by its moment about the edge."""
+    """Compare m at the centroid of each block: the same curve; at the top by its moment about the edge."""
     column = phocas(1e-3)
     ports = tuple(Port(f"p{i}", i, (0.0, 0.0)) for i in range(3))
     one = capacity_curve(column)

@@ -25,7 +25,7 @@ seeds = st.integers(0, 2**32 - 1)
 
 
 def with_ports(rng: np.random.Generator, column: Column) -> tuple[Column, Array]:
-    """The column with three ports anywhere, and loads on them (3, 3) of up to the weight."""
+    """Return the column with three ports anywhere, and loads on them (3, 3) of up to the weight."""
     weight = column.g * sum(block.mass for block in column.blocks)
     at_points = rng.uniform(-2.0, 2.0, (3, 2)).tolist()
     ports = tuple(Port(f"p{k}", int(rng.integers(column.n)), tuple(point)) for k, point in enumerate(at_points))
@@ -33,7 +33,7 @@ def with_ports(rng: np.random.Generator, column: Column) -> tuple[Column, Array]
 
 
 def spots(row: Array, n: int) -> Array:
-    """What is seen of each port, (ports, 6)."""
+    """Return what is seen of each port, (ports, 6)."""
     return row[at.ROW.size(n) :].reshape(6, -1).T
 
 

@@ -27,7 +27,7 @@ def ported(column: Column, *ports: Port) -> Column:
 
 
 def test_a_slow_force_turns_a_block_on_its_joint_as_in_closed_form() -> None:
-    """Moment over the rotation of the joint in full contact, less what the weight takes."""
+    """Compare with the moment over the rotation of the joint in full contact, less what the weight takes."""
     column = ported(monolith(eta=5e-2, tolerance=1e-8), FOOT_TO_TOP)
     force = 2e3
     settled = MASS * G / (PHOCAS_STIFFNESS * WIDTH**2)
@@ -45,7 +45,7 @@ def test_a_slow_force_turns_a_block_on_its_joint_as_in_closed_form() -> None:
 
 
 def test_a_blow_gives_the_momentum_of_rigid_bodies() -> None:
-    """Upwards without weight: m v; across, while the joint has hardly moved: the moment about the foot."""
+    """Check m v upwards without weight; across, while the joint has hardly moved, the moment about the foot."""
     blow = Load.of([0.0, 1e-4, 2e-4], Fz=[0.0, 8.1e6, 0.0])
     up = simulate(ported(replace(monolith(), g=0.0)), STILL, 0.05, loads={"top": blow}, output_step=1e-3, settle=0.0)
     speed = 8.1e6 * 1e-4 / MASS
@@ -65,7 +65,7 @@ def test_a_blow_gives_the_momentum_of_rigid_bodies() -> None:
 
 @pytest.mark.parametrize("make", [lambda: phocas(tolerance=1e-9), lambda: leaning(0.0)])
 def test_energy_grows_by_the_work_of_the_loads(make: Any) -> None:
-    """Undamped and in full contact, by Simpson's rule over the rates of the ports."""
+    """Integrate the rates of the ports by Simpson's rule, undamped and in full contact."""
     column = ported(make(), TOP, Port("side", 1, (0.78, 0.3)))
     time = np.linspace(0.0, 1.0, 101)
     fx, fz = 4e3 * np.sin(9.0 * time), 6e4 * np.sin(20.0 * time)
@@ -94,7 +94,9 @@ def test_rates_of_a_port_are_those_of_its_place_and_its_peaks_those_of_its_histo
 
 
 def test_the_same_column_in_space_under_the_same_loads() -> None:
-    """Rigid along its joints in the limit: what is left is a series in the inverse of their stiffness there."""
+    """Compare in the limit of joints that are rigid along themselves: what is left is a series in the inverse of their
+    stiffness there.
+    """
     data = phocas(1e-3).to_dict()
     port = {"name": "side", "block": "block2", "at": [0.5, 0.7]}
     time = np.linspace(0.0, 0.4, 21)
@@ -119,7 +121,7 @@ def test_the_same_column_in_space_under_the_same_loads() -> None:
 
 
 def test_the_error_follows_the_tolerance_where_joints_open() -> None:
-    """Damped, rocking, with jumps of the load: against a tolerance of 1e-11."""
+    """Compare a damped column, which rocks under jumps of the load, with a tolerance of 1e-11."""
     load = Load.of([0.2, 0.5, 0.500001, 0.9], Fx=[3e4, 5e4, -4e4, -2e4])
     column = ported(phocas(1e-3))
 
@@ -137,7 +139,7 @@ def test_the_error_follows_the_tolerance_where_joints_open() -> None:
 
 @pytest.mark.parametrize("skip", ["implicit", "elastic"])
 def test_methods_agree_under_loads(skip: str) -> None:
-    """Much damped, for which implicit steps are longer; and by modes before and after the load."""
+    """Compare much damping, for which implicit steps are longer, and modes before and after the load."""
     load = Load.of([0.3, 0.4, 0.7], Fx=[0.0, 2e4, 0.0], Fz=[0.0, -5e4, 0.0])
     column = ported(phocas(0.1 if skip == "implicit" else 1e-3))
     motion = wavelets.ricker(0.3, 2.0)
@@ -152,7 +154,7 @@ def test_methods_agree_under_loads(skip: str) -> None:
 
 
 def test_a_block_that_a_force_makes_slide() -> None:
-    """Coulomb: from rest by half of F / m - mu g times the square of the time."""
+    """Compare with Coulomb: from rest by half of F / m - mu g times the square of the time."""
     joint = Joint(1e10, 1e-3, friction=0.3)
     column = Column("slab", (Block(0.2, 4.0, 4.0, 8000.0, joint),), Settings(tolerance=1e-8))
     low = Port("low", 0, (0.0, -0.1))

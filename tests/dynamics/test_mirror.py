@@ -16,7 +16,7 @@ from stress.cases import MIRRORED
 
 
 def of(block: Block, n: int, **settings: Any) -> Any:
-    """A column of n such blocks, which is its own mirror image."""
+    """Return a column of n such blocks, which is its own mirror image."""
     return lambda sign: Column("symmetric", (block,) * n, Settings(**settings))
 
 
@@ -54,7 +54,7 @@ def test_by_every_kind_of_step(case: str) -> None:
 @pytest.mark.parametrize("n", [1, 4])
 @pytest.mark.parametrize("formulation", ["exact", "paper"])
 def test_in_either_formulation(formulation: str, n: int) -> None:
-    """Vertical motion too."""
+    """Check vertical motion too."""
     rng = np.random.default_rng(n)
     column = replace(random_column(rng, n, softest=1e9), settings=Settings(formulation, step=5e-5))
     samples = Motion.from_samples(0.01, rng.normal(size=60) * 3.0, rng.normal(size=60))

@@ -37,13 +37,13 @@ GENERAL = ("elastic",)  # without the modal method
 
 
 def cut(n: int, eta: float, **settings: Any) -> Column:
-    """The Column of Phocas in n equal blocks, joints damped by eta s."""
+    """Return the Column of Phocas in n equal blocks, joints damped by eta s."""
     block = Block(14.07 / n, 1.56, 1.56, 81000.0 / n, Joint(533 * 9.80665e6, eta))
     return Column("cut", (block,) * n, Settings(**settings))
 
 
 def shifted(eta: float, section: str) -> Column:
-    """Phocas with round joints, whose drums are off the axis and touch in lenses."""
+    """Return Phocas with round joints, whose drums are off the axis and touch in lenses."""
     blocks = (
         replace(block, section=section, bore=0.4 * (section == "annulus") or None) for block in cut(3, eta).blocks
     )
@@ -72,7 +72,7 @@ _half = HALF.over
 
 @from_python
 def responses(square: float, beta: float, h: float, omega: float, out: Array) -> None:
-    """`respond`, to an array."""
+    """Return the results of `respond` as an array."""
     respond(square, beta, h, omega, _half(row_of(out), 0))
 
 
@@ -115,7 +115,7 @@ def test_responses_of_a_mode_are_those_of_the_matrix_exponential(zeta: float, tu
 
 
 def uneven(n: int) -> Column:
-    """All blocks differ, undamped, with so little weight that the column is stable."""
+    """Return an undamped column whose blocks differ, with so little weight that it is stable."""
     return with_gravity(random_column(np.random.default_rng(n), n, damped=False, softest=1e9), 0.1)
 
 
@@ -152,7 +152,7 @@ def test_there_are_no_modal_data_where_they_would_not_serve(column: Column) -> N
 
 
 def test_modes_off_the_axis_are_those_of_lagranges_equations() -> None:
-    """M, and derivatives of the accelerations by coordinates, by rates and by those of the base."""
+    """Compare M, and the derivatives of the accelerations by coordinates, by rates and by those of the base."""
     column = leaning(1e-3)
     modes, (reference, q) = Modes(column), reference_rest(column)
     shapes, inverses = modes.shapes[0], modes.inverses[0]
@@ -397,7 +397,7 @@ def test_short_cuts_left_out_come_from_toml_and_go_back() -> None:
 
 
 def rough(friction: float, section: str = "rectangle", **settings: Any) -> Column:
-    """Phocas, whose joints may slide, rectangles or circles."""
+    """Return Phocas, whose joints may slide, rectangles or circles."""
     column = phocas(1e-3, **settings)
     joints = [replace(block.joint, friction=friction) for block in column.blocks]
     blocks = (replace(block, joint=joint, section=section) for block, joint in zip(column.blocks, joints, strict=True))
@@ -420,7 +420,7 @@ def test_a_column_whose_friction_is_not_reached_takes_the_steps_of_one_that_cann
 @pytest.mark.parametrize("amplitude", [0.02, 0.05, 0.3])
 @pytest.mark.parametrize("friction", [0.015, 0.045, 0.25])
 def test_a_column_that_slides_moves_the_same_with_modes_and_without(amplitude: float, friction: float) -> None:
-    """Sticking by modes, sliding, and sticking again off its axis; amplified by no more than a few times."""
+    """Compare sticking by modes, sliding, and sticking again off its axis; amplified by no more than a few times."""
     pulse = np.sin(np.linspace(0.0, 6.0 * math.pi, 151)) * amplitude * G
     motion = Motion.from_samples(0.01, np.concatenate([pulse, np.zeros(50)]))
     truth = simulate(rough(friction, tolerance=1e-9, without=("elastic", "rest")), motion, settle=0.0)

@@ -54,7 +54,7 @@ def advanced(stepper: Stepper, t: float, stop: float, step: float) -> float:
 
 @pytest.mark.parametrize("speed", [0.3, 0.6, 0.9])
 def test_what_a_motion_loses_is_what_its_cracks_take(speed: float) -> None:
-    """Without dampers strength^2 / (2 stiffness) times the broken area, at every instant."""
+    """Check that without dampers it is strength^2 / (2 stiffness) times the broken area, at every instant."""
     strength = 5e4
     stepper = Stepper(column(block(strength), block(strength)), InitialState(rotation_rate=[speed, speed]))
     chain = chain_of(stepper.column)
@@ -135,7 +135,7 @@ def test_a_block_moves_as_on_fibres_that_break_one_by_one(damping: float) -> Non
 
 @pytest.mark.parametrize("turn", [0.0, 1e-16, 1e-13, 1e-10, 1e-8, 1e-6])
 def test_a_uniform_pull_breaks_a_joint_at_once(turn: float) -> None:
-    """Lifted by a base that falls, however little it is turned, a block flies off as its momentum has it."""
+    """Check that lifted by a base that falls, however little it is turned, a block flies off as its momentum has it."""
     strength, falls = 2e4, 80.0
     stepper = Stepper(column(block(strength)), InitialState(rotation=[turn]))
     stepper.drive(0.0, az=-falls)
@@ -153,7 +153,7 @@ def test_a_uniform_pull_breaks_a_joint_at_once(turn: float) -> None:
 
 
 def test_a_crack_that_has_run_through_leaves_a_dry_joint() -> None:
-    """From there on to the last bit that of a column without mortar in the same state."""
+    """Check that from there on it moves to the last bit as a column without mortar in the same state."""
     bonded = column(block(5e4), without=("elastic", "implicit"))
     stepper = Stepper(bonded, InitialState(rotation_rate=[1.0]))
     t = advanced(stepper, 0.0, 0.1, 0.01)
@@ -170,7 +170,7 @@ def test_a_crack_that_has_run_through_leaves_a_dry_joint() -> None:
 
 
 def test_a_strong_joint_swings_as_its_linear_mode() -> None:
-    """Beyond the rotation at which it would open without mortar."""
+    """Check rotations beyond that at which it would open without mortar."""
     single = column(block(1e9), tolerance=1e-10)
     omega = 2.0 * math.pi * multiblock.natural_frequencies(single)[0]
     opens = 2.0 * MASS * G / (STIFFNESS * AREA * WIDTH)
@@ -203,7 +203,7 @@ def test_results_converge_as_the_tolerance_does() -> None:
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
 def test_a_fibre_breaks_however_little_it_is_pulled_beyond_its_strength(tolerance: float) -> None:
-    """Between the phases that a step is made of: a spring's largest stretch is known."""
+    """Check between the phases that a step is made of: a spring's largest stretch is known."""
     rate, omega = 0.05, math.sqrt(STIFFNESS * AREA / MASS)
     most = rate / omega - MASS * G / (STIFFNESS * AREA)
     for beyond in (1e-3, 1e-5, 1e-7, -1e-7, -1e-5):
@@ -252,7 +252,7 @@ def test_a_joint_slides_at_friction_and_cohesion_then_at_friction_alone() -> Non
 
 
 def test_without_strength_a_bond_breaks_where_the_joint_opens() -> None:
-    """A crack as wide as the joint has opened; until then it bears along itself."""
+    """Check that a crack as wide as the joint has opened; until then it bears along itself."""
     single = column(block(0.0, cohesion=1e6, friction=0.5, damping=1e-3))
     stepper = Stepper(single, InitialState(rotation_rate=[0.3]))
     least = 1.0

@@ -28,12 +28,12 @@ from solver.statics.capacity import capacity_curve, rest_of
 
 
 def shaft(eta: float = 0.0, tolerance: float = 1e-8, **settings: Any) -> Column:
-    """Phocas, to be changed."""
+    """Return Phocas, to be changed."""
     return phocas(eta, tolerance=tolerance, **settings)
 
 
 def wave(a: float, duration: float = 2.0) -> Motion:
-    """Phocas rocks under it."""
+    """Return a motion under which Phocas rocks."""
     return Motion.harmonic(a * G, 2.0, duration)
 
 
@@ -42,7 +42,7 @@ def wave(a: float, duration: float = 2.0) -> Motion:
 
 @pytest.mark.parametrize("offset", [0.05, 0.3, -0.6])
 def test_an_offset_block_rests_as_its_weight_asks_for(offset: float) -> None:
-    """Moments of the weights by hand, to the first order; the contact under the block is what overlaps."""
+    """Compare with moments of the weights by hand, to the first order; the contact under the block is what overlaps."""
     column = changed(shaft(), 1, offset=offset)
     joints = StillColumn(column).row(StillColumn(column).rest).joints
     weight, b = 27000.0 * G, 1.56
@@ -130,7 +130,7 @@ def test_a_column_that_cannot_stand_is_refused() -> None:
 
 
 def test_an_upright_column_has_its_own_bits() -> None:
-    """Zeros are as good as nothing."""
+    """Check that zeros are as good as nothing."""
     zeros = shaft(1e-3)
     for number in (1, 2, 3):
         zeros = changed(zeros, number, tilt=0.0, offset=0.0, inclination=0.0)
@@ -187,7 +187,7 @@ def test_a_damped_run_settles_and_stands() -> None:
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 5))])
 def test_no_column_is_found_with_less_energy_than_the_least(seed: int) -> None:
-    """A search over rotations and openings, by the reference's energies; a block at its limit to either side."""
+    """Search over rotations and openings, by the reference's energies; a block at its limit to either side."""
     rng = np.random.default_rng(seed)
     column = shaft()
     for number in (1, 2, 3):
@@ -225,7 +225,7 @@ def test_least_energy_of_a_stiff_leaning_block_is_the_rise_of_its_centroid_to_ab
 
 
 def test_a_leaning_column_below_the_least_energy_stands_however_it_is_pushed() -> None:
-    """Undamped blocks that start with what is allowed, in random directions; the undamped column rocks on and on."""
+    """Push undamped blocks with what is allowed, in random directions; the undamped column rocks on and on."""
     column = changed(shaft(tolerance=1e-4), 2, offset=0.1, inclination=0.01)
     chain, rng = Chain(column), np.random.default_rng(5)
     allowed = SAFE * max(least_energy(column, part)[0] for part in PARTS)
@@ -260,7 +260,7 @@ def test_statics_begin_at_the_rest() -> None:
 def slider(
     mu: float, eta: float = 1e-3, offset: float | None = None, tolerance: float = 1e-8, section: str = "rectangle"
 ) -> Column:
-    """A flat block on a heavy one of the same width."""
+    """Return a flat block on a heavy one of the same width."""
     bore = 0.5 if section == "annulus" else None
     top = Block(0.3, 1.0, 1.0, 800.0, Joint(2e9, eta, friction=mu, offset=offset), section=section, bore=bore)
     low = Block(0.4, 1.0, 1.0, 100000.0, Joint(2e11, eta))
@@ -282,7 +282,7 @@ def test_a_block_that_slides_over_the_rim_tips_when_its_centroid_passes_it(reach
 
 @pytest.mark.parametrize("section", ["rectangle", "circle", "annulus"])
 def test_a_block_pushed_off_slides_as_on_an_endless_face_until_it_tips(section: str) -> None:
-    """Friction is that of the weight, however small the contact and whatever its shape."""
+    """Check that friction is that of the weight, however small the contact and whatever its shape."""
     mu, reach = 0.2, 0.25
     speed = sqrt(2.0 * mu * G * reach)
     column = slider(mu, section=section)
@@ -294,7 +294,7 @@ def test_a_block_pushed_off_slides_as_on_an_endless_face_until_it_tips(section: 
 
 
 def test_an_offset_is_where_a_slip_begins() -> None:
-    """A column with an initial slip equals one with that offset."""
+    """Check that a column with an initial slip equals one with that offset."""
     slid = Stepper(slider(0.5), InitialState(slip=[0.2, 0.0]))
     built = Stepper(slider(0.5, offset=0.2))
     phase = built.state.phase

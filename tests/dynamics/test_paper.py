@@ -37,7 +37,10 @@ class Dense:
         self.M[n:, n:] = self.T @ self.mass
 
     def matrices(self, u: Array, rate: Array, ax: float, az: float) -> tuple[Array, Array]:
-        """(dM, f + df) of eqs. 12 and 23, signs as in theory.md; a vertical base acceleration adds to gravity."""
+        """Return (dM, f + df) of equations 12 and 23, signs as in theory.md.
+
+        A vertical base acceleration adds to gravity.
+        """
         n, data = self.n, self.data
         v, w = u[:n], u[n:]
         theta = (v - below(v)) / data.height
@@ -72,7 +75,7 @@ class Dense:
 
 
 def from_exact(column: Column, q: Array) -> Array:
-    """(v, w) of the rotations and openings q, to first order."""
+    """Return (v, w) of the rotations and openings q, to first order."""
     height = np.array([block.height for block in column.blocks])
     return np.concatenate([from_base(height * q[: column.n]), -from_base(q[column.n :])])
 
@@ -175,7 +178,7 @@ def test_exact_and_paper_differ_by_the_square_of_the_amplitude(seed: int, n: int
     ax, az = rng.uniform(-1.0, 1.0, 2) * unit.g
 
     def difference(scale: float) -> float:
-        """Rotations, openings, rates, gravity and base acceleration all of the first order."""
+        """Return the rotations, openings, rates, gravity and base acceleration all of the first order."""
         exact = with_gravity(unit, scale * unit.g)
         paper = exact.with_settings(formulation="paper")
         first, _ = look(exact, scale * q, scale * rate, scale * ax, scale * az)

@@ -33,7 +33,7 @@ HISTORIES = [output.field for output in OUTPUTS if not output.only_peak]
 
 
 def of_rows(run: Response) -> dict[str, np.ndarray]:
-    """The peaks as the rows show them."""
+    """Return the peaks as the rows show them."""
     found = {name: np.atleast_1d(np.max(np.abs(getattr(run, name)), axis=0)) for name in HISTORIES}
     found["contact"] = np.min(run.contact, axis=0)
     found["friction"] = np.max(friction_history(run.Tx, run.N, carried_weights(run.model)), axis=0)
@@ -70,7 +70,7 @@ def test_peaks_do_not_depend_on_the_rows(scene: str) -> None:
 
 
 def test_peak_of_a_spring_in_closed_form() -> None:
-    """A block that is pushed down oscillates about its weight by v sqrt(k m)."""
+    """Check that a block that is pushed down oscillates about its weight by v sqrt(k m)."""
     stiffness, mass, speed = 1e9, 2000.0, 3e-3
     column = Column("block", (Block(1.0, 1.0, 1.0, mass, Joint(stiffness, 0.0)),))
     run = simulate(column, Motion.harmonic(0.0, 1.0, 0.5), output_step=0.1, initial=InitialState(opening_rate=[-speed]))
@@ -96,7 +96,7 @@ def test_without_peaks_those_of_ux_are_kept_and_the_steps_are_the_same() -> None
 
 
 def test_peaks_of_a_run_in_short_calls_cover_what_is_seen_between_them() -> None:
-    """As with a master that sets new accelerations: they act at once, and so do the forces along the joints."""
+    """Set new accelerations as a master does: they act at once, and so do the forces along the joints."""
     stepper, h = Stepper(phocas(1e-3)), 1e-3
     names = ("Tx", "N", "My", "S", "base_Fx", "base_Fz", "base_My")
     seen = {name: np.zeros(1 if name.startswith("base") else 3) for name in names}

@@ -101,7 +101,7 @@ def test_papers_peaks_by_the_papers_integrator_reach_the_printed_digits(scene: S
     ids=["0.02 g", "0.05 g"],
 )
 def test_last_displacements_of_the_paper_are_those_printed(scene: Scene, last: tuple[float, ...], slack: float) -> None:
-    """By the accelerations of the solver, and a general integrator at a tolerance that no fixed step reaches."""
+    """Integrate the accelerations of the solver by a general integrator at a tolerance that no fixed step reaches."""
     stepper = forced(Stepper(phocas(formulation="paper")), scene.amplitude * G, scene.frequency)
     phase = coordinates(stepper)
 
@@ -143,7 +143,7 @@ def test_column_as_one_block_has_the_frequency_of_theory_section_5() -> None:
 
 
 def drift(push: float, tolerance: float = 1e-5) -> float:
-    """Largest change of energy within 20 s of free rocking, in parts of the initial kinetic energy."""
+    """Return the largest change of energy within 20 s of free rocking, in parts of the initial kinetic energy."""
     column = phocas(tolerance=tolerance)
     reference = Reference.of(column)
     stepper = Stepper(column, InitialState(rotation_rate=[push] * 3))

@@ -31,7 +31,7 @@ def test_block_on_a_falling_base_is_pushed_off_and_flies(formulation: str) -> No
 
 
 def linear_block(formulation: str) -> tuple[float, float]:
-    """Circular frequencies (rocking, bouncing) of the monolith about its rest state, in closed form."""
+    """Return the circular frequencies (rocking, bouncing) of the monolith about its rest state, in closed form."""
     height, width, mass = 14.07, 1.56, 81000.0
     h, inertia = 0.5 * height, mass * (height**2 + width**2) / 12.0
     rest = -mass * G / (PHOCAS_STIFFNESS * width**2)  # opening

@@ -17,13 +17,13 @@ TOLERANCE = 1e-5
 
 
 def burst(ax: float) -> Motion:
-    """Motion from 4 s to 6 s, silence before and after, 10 s in all."""
+    """Return motion from 4 s to 6 s, silence before and after, 10 s in all."""
     time = 0.01 * np.arange(1001)
     return Motion.from_samples(0.01, np.where((time > 4.0) & (time < 6.0), ax * np.sin(4.0 * np.pi * time), 0.0))
 
 
 def both(name: str, column: Column, motion: Motion, duration: float | None = None) -> tuple[Response, Response]:
-    """With a short cut and without it."""
+    """Run with a short cut and without it."""
     return simulate(column, motion, duration), simulate(column, motion, duration, without=(name,))
 
 

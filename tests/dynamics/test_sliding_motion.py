@@ -22,14 +22,14 @@ from solver.models.column.sticking import always_sticks
 
 
 def two_blocks(eta: float, tolerance: float) -> Column:
-    """Two blocks that rock and slide."""
+    """Return two blocks that rock and slide."""
     top = Block(1.2, 0.8, 0.8, 1800.0, Joint(4e8, eta, friction=0.25))
     low = Block(1.5, 1.0, 1.0, 3500.0, Joint(6e8, eta, friction=0.3))
     return Column("two", (top, low), Settings(tolerance=tolerance))
 
 
 def pulse(acceleration: float, duration: float, total: float) -> Motion:
-    """A rectangular pulse of the base towards -x."""
+    """Return a rectangular pulse of the base towards -x."""
     time = 0.01 * np.arange(round(total / 0.01))
     return Motion.from_samples(0.01, np.where(time < duration - 1e-9, -acceleration, 0.0), hold=True)
 
@@ -91,7 +91,7 @@ def test_energy_falls_by_the_work_of_friction(largest: float) -> None:
 
 
 def test_two_blocks_that_rock_and_slide_against_another_integrator() -> None:
-    """DOP853 of scipy on Lagrange's equations, stopped where a joint sticks or slides."""
+    """Compare with DOP853 of scipy on Lagrange's equations, stopped where a joint sticks or slides."""
     column = two_blocks(1e-3, 1e-10)
     stepper = Stepper(column, InitialState(rotation=[0.02, 0.012], slip_rate=[0.5, -0.2]))
     phase = stepper.state.phase
@@ -142,7 +142,7 @@ def test_the_tolerance_is_kept(eta: float) -> None:
 
 
 def test_a_column_that_bears_all_moves_as_one_that_cannot_slide() -> None:
-    """Equal bits, if equal short cuts are taken."""
+    """Compare for equal bits, if equal short cuts are taken."""
     rigid = phocas(1e-3, without=("elastic", "implicit", "rest"))
     blocks = tuple(replace(block, joint=replace(block.joint, friction=100.0, dowel=1e12)) for block in rigid.blocks)
     motion = Motion.harmonic(0.05 * G, 2.0, 2.0)
@@ -178,7 +178,7 @@ def test_a_column_that_has_come_to_rest_stands() -> None:
 
 
 def test_what_is_said_to_stick_for_good_does() -> None:
-    """Pushed as hard as the bound allows, in every direction of a random state: no joint slides."""
+    """Push as hard as the bound allows, in every direction of a random state: no joint slides."""
     column = two_blocks(0.0, 1e-8)
     n, rng, said = column.n, np.random.default_rng(3), 0
     for _ in range(20):
@@ -200,7 +200,7 @@ def test_what_is_said_to_stick_for_good_does() -> None:
 @pytest.mark.parametrize("offset", [None, 0.06])
 @pytest.mark.parametrize("seed", range(4))
 def test_from_when_it_is_said_to_stick_for_good_nothing_opens_or_slides(seed: int, offset: float | None) -> None:
-    """Damped columns that have rocked and slid, on their axis as built or not: the rest of their motion."""
+    """Check the rest of the motion of damped columns that have rocked and slid, on their axis as built or not."""
     rng = np.random.default_rng(seed)
     blocks = []
     for _ in range(3):

@@ -81,7 +81,7 @@ def test_a_change_that_is_not_stable_is_refused() -> None:
     [{"ax": -1.1e6}, {"az": 1e14}, {"jz": 1e14}, {"jx": -1.1e8}, {"omega": 2e6}, {"alpha": 1e7}, {"theta": 2e6}],
 )
 def test_inputs_beyond_a_million_are_refused(given: dict[str, float]) -> None:
-    """Under an acceleration of 1e14 m/s2 a step does not end."""
+    """Check that under an acceleration of 1e14 m/s2 a step does not end."""
     stepper = Stepper(Column.from_toml(ROOT / "examples/columns/phocas-damped.toml"))
     stepper.drive(0.0, **given)
     before = stepper.arrays.state.copy()
@@ -91,7 +91,7 @@ def test_inputs_beyond_a_million_are_refused(given: dict[str, float]) -> None:
 
 
 def test_the_largest_inputs_are_followed_to_the_end_or_to_the_fall() -> None:
-    """Measured: 7000 evaluations at most."""
+    """Follow them in 7000 evaluations at most, as measured."""
     for given in ({"az": 1e6}, {"az": -1e6}, {"ax": 1e6}, {"jz": 1e6}, {"omega": 1e5}, {"alpha": 1e6}):
         stepper = Stepper(Column.from_toml(ROOT / "examples/columns/phocas-damped.toml"))
         stepper.drive(0.0, **given)
@@ -100,7 +100,7 @@ def test_the_largest_inputs_are_followed_to_the_end_or_to_the_fall() -> None:
 
 
 def test_a_step_that_does_not_end_is_given_up() -> None:
-    """From a state that no run leaves behind: there is no step that the control could propose next."""
+    """Start from a state that no run leaves behind: there is no step that the control could propose next."""
     stepper = Stepper(Column.from_toml(ROOT / "examples/columns/phocas-damped.toml"))
     stepper.drive(0.0, 1.0)
     stepper.advance(0.0, 0.1)
@@ -112,7 +112,7 @@ def test_a_step_that_does_not_end_is_given_up() -> None:
 
 
 def test_a_run_that_does_not_end_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its chunks become shorter as they cost more, each within its own bound: that of all is the run's."""
+    """Check that its chunks become shorter as they cost more, each within its own bound: that of all is the run's."""
     monkeypatch.setattr("solver.models.column.stepper.most_work", lambda settings, h: 100.0)
     stepper = Stepper(Column.from_toml(ROOT / "examples/columns/phocas-damped.toml"))
     why = r"after \d\.\d+ s: .* too slow to go on: the fastest is block\[1\]\.joint"

@@ -1,4 +1,4 @@
-"""When an acceleration of the base counts as diverging with its coupling."""
+"""The detection of base accelerations that diverge with their coupling."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from solver import Motion
 
 
 def found(values: np.ndarray) -> int:
-    """The step at which it counts as diverging; -1 if it never does."""
+    """Return the step at which it counts as diverging; -1 if it never does."""
     watch = Alternation(1)
     return next((k for k, value in enumerate(values) if watch.found(float(k), [value]) >= 0), -1)
 
 
 @pytest.mark.parametrize("factor", [1.1, 1.2, 2.0, 20.0])
 def test_what_grows_with_changing_sign_is_found(factor: float) -> None:
-    """By 1.2 to 20 times a step in couplings of docs/coupling.md, below a smooth motion of 3 m/s2."""
+    """Check growth by 1.2 to 20 times a step in couplings of docs/coupling.md, below a smooth motion of 3 m/s2."""
     k = np.arange(200)
     smooth = 3.0 * np.sin(0.05 * k)
     error = np.minimum(1e-6 * factor**k, 100.0) * (-1.0) ** k
@@ -30,7 +30,7 @@ def test_what_grows_with_changing_sign_is_found(factor: float) -> None:
 
 
 def test_ground_motion_is_not() -> None:
-    """Sines of any frequency, decaying ringing, noise; and steps that are made again from the same time."""
+    """Check sines of any frequency, decaying ringing, noise; and steps that are made again from the same time."""
     k = np.arange(2000)
     assert all(found(np.sin(w * k) * np.minimum(1.0, k / 500.0)) < 0 for w in np.linspace(0.01, 2.8, 50))
     assert found(0.97**k * (-1.0) ** k) < 0

@@ -29,7 +29,9 @@ def fmpy_run(
     frequency: float,
     start_values: dict[str, float | str] | None = None,
 ) -> np.ndarray:
-    """Histories of a harmonic run under fmpy; fails unless the process ends with 0 and the run with its duration."""
+    """Return the histories of a harmonic run under fmpy; fails unless the process ends with 0 and the run with its
+    duration.
+    """
     output = tmp_path / "result.npy"
     call(runs.simulate, fmu, duration, h, amplitude, frequency, output, start_values or {})
     result = np.load(output)
@@ -38,7 +40,7 @@ def fmpy_run(
 
 
 def held_harmonic(duration: float, h: float, amplitude: float, frequency: float) -> Motion:
-    """The samples that `runs.simulate` hands to the FMU."""
+    """Return the samples that `runs.simulate` hands to the FMU."""
     time = h * np.arange(round(duration / h) + 1)
     return Motion.from_samples(h, amplitude * G * np.sin(2 * np.pi * frequency * time), hold=True)
 
@@ -51,13 +53,13 @@ def held_harmonic(duration: float, h: float, amplitude: float, frequency: float)
     ],
 )
 def test_fmpy_finds_no_problems(fmus: Fmus, tmp_path: Path, n: int, text: str) -> None:
-    """Without weight too, where nothing gives nominals."""
+    """Check it without weight too, where nothing gives nominals."""
     fmu = fmus.build(stack_file(tmp_path, n, text), tmp_path / "stack.fmu")
     assert "No problems found" in run("fmpy", "validate", fmu)
 
 
 def test_declares_units_and_causality(fmus: Fmus) -> None:
-    """value_references.txt has the names, test_fmu_description.py the dependencies."""
+    """Check units and causality; value_references.txt has the names, test_fmu_description.py the dependencies."""
     description = read_model_description(str(fmus.phocas))
     by_name = {variable.name: variable for variable in description.modelVariables}
     assert description.coSimulation.modelIdentifier == "phocas"
@@ -284,7 +286,7 @@ def test_a_wrong_column_file_ends_the_build_with_2_and_one_line(
 
 @pytest.mark.long
 def test_the_native_fmu_has_the_same_bits(fmus: Fmus, native: Path) -> None:
-    """As built, and of a column off its axis that slides; test_native.py compares others."""
+    """Compare it as built, and of a column off its axis that slides; test_native.py compares others."""
     values = [{}, {"joint[1].offset": 0.1, "joint[2].inclination": 0.01, "joint[1].friction": 0.4}]
     values += [{"joint[1].rim": 0.05, "joint[3].rim": 0.2, "joint[1].friction": 0.3}]
     for same, apart in call(inside.compare, native, fmus.damped, values):

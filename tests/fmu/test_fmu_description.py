@@ -25,7 +25,7 @@ FACTORS = {"mm": 1e3, "g": 1.0 / 9.80665, "deg": 57.29577951308232, "kN": 1e-3, 
 
 @pytest.fixture(scope="module")
 def archive(fmus: Fmus) -> dict[str, bytes]:
-    """The files of the FMU."""
+    """Return the files of the FMU."""
     with zipfile.ZipFile(fmus.damped) as file:
         assert all(entry.compress_type == zipfile.ZIP_DEFLATED for entry in file.infolist())
         return {name: file.read(name) for name in file.namelist()}
@@ -33,7 +33,7 @@ def archive(fmus: Fmus) -> dict[str, bytes]:
 
 @pytest.fixture(scope="module")
 def root(archive: dict[str, bytes]) -> ElementTree.Element:
-    """The model description."""
+    """Return the model description."""
     return ElementTree.fromstring(archive["modelDescription.xml"])
 
 
@@ -110,7 +110,7 @@ def test_initial_unknowns_follow_what_is_declared_and_nothing_else(fmus: Fmus, r
 
 
 def direct_inputs(name: str) -> set[str]:
-    """Inputs that an output of a column of three blocks follows without delay."""
+    """Return inputs that an output of a column of three blocks follows without delay."""
     if name.endswith(("_peak", "_least", ".slip")):
         return set()
     if name.endswith((".ux", ".uz")) or name.startswith("base.m"):
@@ -132,7 +132,7 @@ def test_the_documentation_explains_every_variable(archive: dict[str, bytes], ro
 
 
 def test_says_what_is_inside_and_what_it_needs(archive: dict[str, bytes]) -> None:
-    """Licences where FMI looks for them; what `pythonfmu deploy` installs is what the project itself needs."""
+    """Find licences where FMI looks for them; what `pythonfmu deploy` installs is what the project itself needs."""
     needed = re.findall(r'^RUNS = \["(numpy[^"]*)"', (ROOT / "setup.py").read_text(encoding="utf-8"), re.MULTILINE)
     assert archive["resources/scene.glb"].startswith(b"glTF")
     assert archive["resources/requirements.txt"].decode().split() == needed

@@ -64,7 +64,9 @@ def test_on_a_system_that_it_has_no_code_for_the_fmu_says_so(fmus: Fmus) -> None
 
 @pytest.mark.skipif(not shutil.which("valgrind"), reason="valgrind is not installed")
 def test_a_process_without_an_instance_frees_the_wrapper_once(fmus: Fmus) -> None:
-    """A second time would write into memory of others: the process mostly ends well, and now and then by a signal."""
+    """Check that a second time would write into memory of others: the process mostly ends well, and now and then by a
+    signal.
+    """
     watched = command(failures.on_another_system, fmus.damped)
     done = finish("valgrind", "--error-limit=no", *watched, PYTHONMALLOC="malloc")
     assert done.returncode == 1
@@ -74,7 +76,9 @@ def test_a_process_without_an_instance_frees_the_wrapper_once(fmus: Fmus) -> Non
 
 
 def test_tunable_parameters_act_from_the_next_step_on(fmus: Fmus) -> None:
-    """A joint damped ten times as much dissipates more; the very change is that of an instance built with it."""
+    """Check that a joint damped ten times as much dissipates more; the very change is that of an instance built with
+    it.
+    """
     dampings = [(1e-3, 1e-3), (1e-3, 1e-2), (1e-2, 1e-3)]
     little, then_much, then_little = call(failures.rings, fmus.damped, dampings)
     assert then_much < 0.5 * little

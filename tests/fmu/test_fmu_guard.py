@@ -30,7 +30,7 @@ FOLDERS = ("Müller", "a#b", "100% sure", "a b", "柱", "a%2")
 
 @pytest.mark.parametrize("folder", ["".join(FOLDERS), *(it for it in FOLDERS)])
 def test_it_runs_below_any_folder(fmus: Fmus, tmp_path: Path, folder: str) -> None:
-    """Without the guard all but the one with a blank end with 139."""
+    """Check that without the guard all but the one with a blank end with 139."""
     there = tmp_path / folder
     there.mkdir()
     run("fmpy", "simulate", fmus.damped, *OPTIONS, there / "out.csv", TMPDIR=str(there))
@@ -48,7 +48,7 @@ def test_the_one_folder_that_it_cannot_run_below_is_refused(fmus: Fmus, tmp_path
 
 
 def test_what_cannot_be_instantiated_is_refused_with_a_reason(fmus: Fmus, tmp_path: Path) -> None:
-    """Without the guard a missing URI ends the process with 134, a wrong one with 139, the rest is accepted."""
+    """Check that without the guard a missing URI ends the process with 134, a wrong one with 139; the rest passes."""
     done = ended(guarded.instantiate, fmus.damped, tmp_path)
     assert done.returncode == 0, done.stderr
     made = returned(done.stdout)
@@ -62,7 +62,9 @@ def test_what_cannot_be_instantiated_is_refused_with_a_reason(fmus: Fmus, tmp_pa
 
 
 def test_the_status_of_the_last_step(fmus: Fmus) -> None:
-    """A discarded step does not mean that the slave wants to end the run; a wrong one is no step to try halved."""
+    """Check that a discarded step does not mean that the slave wants to end the run; a wrong one is no step to try
+    halved.
+    """
     found = call(guarded.statuses, fmus.damped)
     assert found["steps"] == [[[0] * 4, 0, 0.1, 0, ""], [[0] * 4, 2, 0.1, 0, ""], [[0] * 4, 0, 0.2, 0, ""]]
     assert all(answer.endswith("(error).") for answer in found["wrong"])

@@ -63,7 +63,9 @@ def test_native_states_with_changed_numbers_end_no_process(native: Path) -> None
 
 
 def stops(heard: list[object]) -> None:
-    """To the stop time, within rounding, and not beyond; wherever after a reset; no stop before the start."""
+    """Check steps to the stop time, within rounding, and not beyond; anywhere after a reset; no stop before
+    the start.
+    """
     wrong, begun, rounded, late, moved, free, *backwards = heard
     assert begun == rounded == free == "ok"
     assert moved is True
@@ -86,7 +88,7 @@ def test_native_steps_beyond_the_stop_time_are_an_error(native: Path, native3: P
 
 
 def honoured(fmu: Path) -> None:
-    """The master's tolerance counts unless the parameter is set, before or after, and in a state."""
+    """Check that the master's tolerance counts unless the parameter is set, before or after, and in a state."""
     assert call(hostile.tolerances, fmu) == [AS_BUILT, 1e-8, 1e-7, AS_BUILT, 1e-6]
     pairs = [(None, None), (None, 1e-9), (1e-9, None), (1e-3, 1e-9)]  # of the experiment and of the parameter
     usual, fine, *others = call(hostile.with_tolerances, fmu, pairs)
@@ -112,7 +114,7 @@ def test_the_native_fmu_honours_the_tolerance_of_the_master(native: Path) -> Non
 
 
 def test_a_column_of_a_thousand_blocks_needs_little_stack(tmp_path: Path) -> None:
-    """256 kB, as docs/native.md says, of which the thread of Python takes a part."""
+    """Check 256 kB, as docs/native.md says, of which the thread of Python takes a part."""
     column = tmp_path / "stack.toml"
     block = "[[block]]\nheight = 0.1\nwidth = 2.0\ndepth = 2.0\ndensity = 2000.0\n"
     column.write_text('name = "stack"\n' + block * 1000 + "[joint]\nstiffness = 1e11\ndamping = 1e-3\n")

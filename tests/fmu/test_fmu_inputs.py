@@ -22,7 +22,7 @@ TIGHT = {"solver.tolerance": 1e-9}
 
 
 def errors(fmu: Path, way: str, steps: tuple[float, ...]) -> list[float]:
-    """Largest error of ux at each communication step, in parts of the peak, against the harmonic itself."""
+    """Return the largest error of ux at each communication step, in parts of the peak, against the harmonic itself."""
     column = Column.from_toml(DAMPED)
     response = simulate(column, Motion.harmonic(AMPLITUDE, FREQUENCY, STOP), STOP, tolerance=1e-9, output_step=0.1)
     found = []

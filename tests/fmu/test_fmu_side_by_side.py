@@ -30,7 +30,7 @@ class Foreign(Fmi2Slave):
 
 @pytest.fixture
 def foreign(tmp_path: Path) -> Path:
-    """An FMU of another tool, with a module called solver."""
+    """Return an FMU of another tool, with a module called solver."""
     (tmp_path / "foreign.py").write_text(FOREIGN)
     (tmp_path / "solver.py").write_text("def answer():\n    return 42.0\n")
     assert FmuBuilder.has_binary()

@@ -16,7 +16,7 @@ from solver.kernels.machine.level import X86
 
 
 def start(fmu: Path, home: Path, hindrance: str = "", record: object = "", **variables: str) -> subprocess.Popen[str]:
-    """A process on an account whose home is a folder."""
+    """Return a process on an account whose home is a folder."""
     others = ("XDG_CACHE_HOME", "MULTIBLOCK_CACHE_DIR", "PYTHONDONTWRITEBYTECODE")
     kept = {key: value for key, value in environment().items() if key not in others}
     return subprocess.Popen(
@@ -29,7 +29,7 @@ def start(fmu: Path, home: Path, hindrance: str = "", record: object = "", **var
 
 
 def displacement(process: subprocess.Popen[str]) -> float:
-    """The displacement that the process prints; fails unless it ends with 0 and says nothing else."""
+    """Return the displacement that the process prints; fails unless it ends with 0 and says nothing else."""
     out, err = process.communicate()
     assert (process.returncode, err) == (0, "")
     return float(returned(out))

@@ -63,7 +63,9 @@ def test_a_state_with_a_record_needs_the_same_record(fmus: Fmus, tmp_path: Path)
 
 
 def refused(fmu: Path, state: Path) -> str:
-    """The line that an instance logs about a state that is not its own; fails unless it is then as good as before."""
+    """Return the line that an instance logs about a state that is not its own; fails unless it is then as good as
+    before.
+    """
     done = ended(states.refused, fmu, state)
     assert done.returncode == 0, done.stderr
     (line,) = done.stderr.strip().splitlines()

@@ -19,7 +19,7 @@ STOP = 4.0
 
 @pytest.fixture
 def pulse(tmp_path: Path) -> Path:
-    """A record that makes the column rock on a tenth of its base, and lets it come to rest."""
+    """Return a record that makes the column rock on a tenth of its base, and lets it come to rest."""
     time = 0.02 * np.arange(round(STOP / 0.02) + 1)
     ax = 2.0 * np.sin(4.0 * np.pi * time) * np.exp(-(((time - 1.5) / 0.8) ** 2))
     path = tmp_path / "pulse.csv"
@@ -70,7 +70,9 @@ def test_a_held_input_does_not_mind_the_step_either(fmus: Fmus) -> None:
 
 
 def test_a_step_that_would_take_too_long_is_discarded(fmus: Fmus) -> None:
-    """1e4 s under a steady push, and one without end: 1 s of work and a tenth, where each took as long as it is."""
+    """Discard 1e4 s under a steady push, and one without end: 1 s of work and a tenth, where each took as long as it
+    is.
+    """
     undamped = {f"joint[{i}].damping": 0.0 for i in (1, 2, 3)}
     heard, same = call(steps.too_long, fmus.damped, {"base.ax": 0.5} | undamped, [1e4, 1e300])
     assert all("discard" in answer for answer in heard)
@@ -85,7 +87,7 @@ def test_so_is_that_of_a_structure_and_of_a_native_fmu(request: pytest.FixtureRe
 
 
 def warned(fmu: Path, name: str, grows: float, iterated: bool = False) -> int:
-    """How often an FMU says that the coupling is unstable; fails unless the run ends well."""
+    """Count how often an FMU says that the coupling is unstable; fails unless the run ends well."""
     done = ended(steps.alternating, fmu, name, grows, iterated)
     assert done.returncode == 0, done.stderr
     line = "changes its sign at every step and grows"

@@ -33,7 +33,7 @@ H, DURATION = 0.01, 1.0  # s
 
 @pytest.fixture(scope="module")
 def casks(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The FMU of casks that stand 0.05 mm apart, and a parapet."""
+    """Return the FMU of casks that stand 0.05 mm apart, and a parapet."""
     file = tmp_path_factory.mktemp("casks") / "casks.toml"
     file.write_text(CLOSE, encoding="utf-8")
     return built_once(tmp_path_factory, "close-casks.fmu", lambda path: Fmus.build(file, path))

@@ -34,7 +34,7 @@ def test_a_parser_reads_it() -> None:
 
 
 def test_the_reaction_is_symmetric_and_opposite() -> None:
-    """Each cut force is -(R0 - row of m times a), with the rows of a symmetric matrix."""
+    """Check that each cut force is -(R0 - row of m times a), with the rows of a symmetric matrix."""
     text = FILE.read_text(encoding="utf-8")
     rows = {
         "x.f": ("R0x", "mxx", "mxz", "mxt"),

@@ -23,7 +23,9 @@ KINDS: dict[str, tuple[str, ...]] = {
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_output_is_a_real(kind: str, tmp_path: Path) -> None:
-    """Valid, with the outputs of the usual FMU that are reals, which give the same; and another identity."""
+    """Check that it is valid, with the outputs of the usual FMU that are reals, which give the same; and another
+    identity.
+    """
     if kind != "python" and not sys.platform.startswith("linux"):
         pytest.skip("built for Linux")
     file = stack_file(tmp_path, 2)

@@ -24,7 +24,9 @@ def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_results_are_repeated(fmu: Path) -> None:
-    """Measured: 1.5e-10 of the largest value, by times that FMPy adds up; 1e-5 asked by the command."""
+    """Compare with the stored results: measured 1.5e-10 of the largest value, by times that FMPy adds up; 1e-5 asked by
+    the command.
+    """
     assert "33 outputs at 101 instants" in run(*REPLAY, fmu)
 
 

@@ -24,7 +24,7 @@ SIZES = space.sizes_of(4, 3, 2, 1, 40, ports=2, pairs=2, bonds=2)
 
 
 def names(part: LayoutPart) -> list[str]:
-    """The names of the numbers of a layout, as deep as there are names, in their order."""
+    """Return the names of the numbers of a layout, as deep as there are names, in their order."""
     if isinstance(part, Numbers):
         return [""]
     if isinstance(part, (Record, Table)):
@@ -75,7 +75,9 @@ def test_a_new_field_that_is_not_described_is_an_error(monkeypatch: pytest.Monke
 
 
 def test_a_snapshot_has_no_other_arrays_and_fields() -> None:
-    """A new one is to be checked in state.py, check_contents, as those of a moment in is_possible of core.c."""
+    """Check the fields: a new one is to be checked in state.py, check_contents, as those of a moment in is_possible of
+    core.c.
+    """
     assert state_ranges.Ranges._fields == ARRAYS
     assert Snapshot._fields == (
         *("stamp", "mode", "time", "input_time", "shaken", "retune", "inputs_stand", "tolerance_set"),
@@ -102,7 +104,7 @@ def test_ranges_of_a_structure_are_as_long_as_its_arrays(sizes: space.Sizes) -> 
 
 
 def structure_state() -> tuple[np.ndarray, Any]:
-    """A state of zeros with polygons of four corners, and its names."""
+    """Return a state of zeros with polygons of four corners, and its names."""
     numbers = np.zeros(space.STATE.size(SIZES))
     seen = space.STATE.see(numbers, SIZES)
     seen.phase.q0[:] = 1.0
@@ -182,7 +184,7 @@ def test_the_acceleration_of_a_base_that_bodies_drive_is_never_wrong() -> None:
 
 
 def test_what_is_said_by_nan_and_infinity_is_no_fault() -> None:
-    """Of a column at rest whose parameters have just been changed."""
+    """Check a column at rest whose parameters have just been changed."""
     ranges = state_ranges.of_column(2, 0, 0)
     base, state = np.zeros(plane.BASE.beside), np.zeros(plane.STATE.size(2))
     names, control = plane.BASE.see(base), plane.STATE.see(state, 2).control

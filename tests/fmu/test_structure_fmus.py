@@ -27,7 +27,7 @@ H, DURATION = 0.01, 2.0  # s
 
 
 def shaking(duration: float = DURATION) -> np.ndarray:
-    """Samples of three components every H s, that make the trilith rock, (rows, 3) m/s2."""
+    """Return the samples of three components every H s, that make the trilith rock, (rows, 3) m/s2."""
     t = H * np.arange(round(duration / H) + 1)
     ax, ay, az = 2.0 * np.sin(8.8 * t), 0.9 * np.sin(7.1 * t), 0.3 * np.sin(26.0 * t)
     return np.column_stack([ax, ay, az])
@@ -38,14 +38,14 @@ def motion_of(samples: np.ndarray) -> Motion:
 
 
 def followed(fmu: Path, folder: Path, values: dict[str, Any]) -> np.ndarray:
-    """All outputs of an FMU after each step under `shaking`."""
+    """Return all outputs of an FMU after each step under `shaking`."""
     output = folder / f"{fmu.stem}.npy"
     call(inside.follow, fmu, shaking().tolist(), H, values, output)
     return np.load(output)
 
 
 def test_value_references_never_change() -> None:
-    """The file is added to, never changed."""
+    """Compare with the file, which is added to, never changed."""
     kept = {name: int(number) for name, number in map(str.split, KEPT.read_text(encoding="utf-8").splitlines())}
     files = [FOLDER / f"{name}.toml" for name in ("colonnade", "statue-on-pendulums", "casks")]
     table = list(
@@ -67,7 +67,7 @@ def test_fmpy_finds_no_problems(trilith: Path) -> None:
 
 
 def test_agrees_with_a_run(trilith: Path, tmp_path: Path) -> None:
-    """Histories and peaks of everything, under the same lines between the same samples."""
+    """Compare histories and peaks of everything, under the same lines between the same samples."""
     seen = followed(trilith, tmp_path, {"solver.tolerance": 1e-8})
     structure = Structure.from_toml(TRILITH)
     response = simulate(structure, motion_of(shaking()), DURATION, tolerance=1e-8, output_step=H)
@@ -82,7 +82,9 @@ def test_agrees_with_a_run(trilith: Path, tmp_path: Path) -> None:
 
 @pytest.mark.long
 def test_a_record_inside_is_followed_whatever_the_steps(tmp_path: Path, trilith: Path) -> None:
-    """Steps that do not coincide with the samples, and the whole run at once; outputs at the end, by the tolerance."""
+    """Follow steps that do not coincide with the samples, and the whole run at once; outputs at the end, by the
+    tolerance.
+    """
     motion = motion_of(shaking())
     motion.to_csv(tmp_path / "record.csv")
     values = {"base.record": str(tmp_path / "record.csv"), "base.record_scale": 0.8, "solver.tolerance": 1e-8}
@@ -134,7 +136,7 @@ def test_a_fall_is_told_and_held(trilith: Path) -> None:
 
 
 def test_a_motion_in_a_plane_stays_in_it() -> None:
-    """Exactly, until something pushes across."""
+    """Check that it does exactly, until something pushes across."""
     structure = Structure.from_toml(FOLDER / "doric-in-space.toml")
     driven = DrivenStructure(structure, packed(structure), Chosen(1e-5))
     n = structure.n
@@ -186,7 +188,7 @@ def test_the_native_fmu_has_the_same_bits(trilith: Path, native_trilith: Path, t
 
 @pytest.mark.long
 def test_a_host_in_c_runs_it(native_trilith: Path, tmp_path: Path) -> None:
-    """Goes back to a saved and serialized state on its way; the displacement is that of a run."""
+    """Return to a saved and serialized state on its way; the displacement is that of a run."""
     guid = read_model_description(str(native_trilith)).guid
     library = Path(extract(str(native_trilith), unzipdir=tmp_path / "files")) / "binaries" / "linux64" / "trilith.so"
     once, again = map(float, run(c_host(tmp_path), library, "file:///nowhere", guid, "1", "10001").split())
@@ -198,7 +200,7 @@ def test_a_host_in_c_runs_it(native_trilith: Path, tmp_path: Path) -> None:
 
 @pytest.mark.long
 def test_joints_that_slide(tmp_path: Path) -> None:
-    """The same bits; and a run, which has other steps, by the error of both."""
+    """Compare the bits; and a run, which has other steps, by the error of both."""
     pytest.importorskip("ziglang", reason="needs the extra native")
     file = tmp_path / "slippery.toml"
     file.write_text(TRILITH.read_text().replace("friction = 0.7", "friction = 0.2"))

@@ -27,7 +27,9 @@ def stack(n: int) -> Column:
 
 
 def test_value_references_never_change() -> None:
-    """The file is added to, never changed: couplings and programs of users rely on these numbers."""
+    """Compare with the file, which is added to, never changed: couplings and programs of users rely on these
+    numbers.
+    """
     kept = {name: int(number) for name, number in map(str.split, KEPT.read_text(encoding="utf-8").splitlines())}
     columns = [Column.from_toml(DAMPED).with_settings(formulation=formulation) for formulation in FORMULATIONS]
     table = {variable.name: variable.reference for column in columns for variable in variables(column)}
@@ -77,7 +79,7 @@ def test_limits_are_those_that_the_column_is_checked_by() -> None:
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 def test_the_table_gives_the_column_back(formulation: str) -> None:
-    """The formulation is that of the column as built; a step is a parameter where it is fixed."""
+    """Check that the formulation is that of the column as built; a step is a parameter where it is fixed."""
     column = Column.from_toml(DAMPED).with_settings(formulation=formulation, without=("rest", "elastic"))
     values: dict[str, Any] = {variable.name: variable.start for variable in variables(column)}
     assert column_from(column, values.__getitem__) == column
@@ -94,7 +96,7 @@ def test_large_columns_do_not_list_what_grows_with_the_square_of_their_blocks() 
 
 
 def sampled(times: list[float]) -> Motion:
-    """A motion with samples at these times."""
+    """Return a motion with samples at these times."""
     ones = np.ones(len(times))
     return Motion(np.array(times), ones, ones, times[-1] - times[0])
 
@@ -103,7 +105,7 @@ def sampled(times: list[float]) -> Motion:
     ("dt", "count", "end"), [(0.01, 3000, 29.99), (0.005, 60000, 299.995), (1.0 / 128.0, 129, 1.0)]
 )
 def test_the_usual_experiment_has_the_numbers_of_the_record(dt: float, count: int, end: float) -> None:
-    """Whatever rounding leaves of them where times are multiplied, added up, or read."""
+    """Check what rounding leaves of them where times are multiplied, added up, or read."""
     experiment = usual_experiment(None, Motion.from_samples(dt, np.ones(count)))
     assert (experiment.start, experiment.stop, experiment.step) == (0.0, end, dt)
     read = sampled([float(f"{k * dt:.7f}") for k in range(count)])

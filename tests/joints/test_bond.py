@@ -68,14 +68,14 @@ def forces(state: State, bond: Bond) -> Found:
 
 
 def bond_of(state: State, parts: tuple[float, float, float]) -> Bond:
-    """A bonded part of a joint; its reach is a part of the largest stretch of the contact."""
+    """Return a bonded part of a joint; its reach is a part of the largest stretch of the contact."""
     stretch = abs(state.opening) + 0.5 * state.width * abs(state.slope)
     one, other, reach = parts
     return Bond(state.width * min(one, other), state.width * max(one, other), reach * stretch)
 
 
 def by_pieces(state: State, bond: Bond) -> tuple[float, float]:
-    """N and M by two Gauss points between all places where the pressure bends or jumps: exact."""
+    """Return N and M by two Gauss points between all places where the pressure bends or jumps: exact."""
     half = 0.5 * state.width
 
     def pen(s: float) -> float:
@@ -184,7 +184,7 @@ class Quasistatic:
         self.strength, self.left, self.right = strength, -0.5 * WIDTH, 0.5 * WIDTH
 
     def at(self, theta: float, normal: float = NORMAL) -> tuple[float, float]:
-        """Opening and moment."""
+        """Return the opening and moment."""
         own, reach = law_of(STIFFNESS), self.strength / STIFFNESS
 
         def of(opening: float) -> Found:
@@ -204,7 +204,7 @@ class Quasistatic:
 
 
 def turned_and_moment(a: float, strength: float, normal: float = NORMAL) -> tuple[float, float]:
-    """Rotation and moment where the length a bears: docs/notes/structures.md."""
+    """Return the rotation and moment where the length a bears: docs/notes/structures.md."""
     theta = (2.0 * normal / (a * DEPTH) + 2.0 * strength) / (STIFFNESS * a)
     return theta, normal * (0.5 * WIDTH - a / 3.0) + strength * DEPTH * a * a / 6.0
 
@@ -259,7 +259,9 @@ def test_fibres_that_break_one_by_one_bear_the_same() -> None:
 
 
 def test_what_a_crack_takes_is_that_of_its_fibres() -> None:
-    """Work of moment and force, less the elastic energy: strength^2 / (2 stiffness) times the broken area."""
+    """Compare the work of moment and force, less the elastic energy, with strength^2 / (2 stiffness) times the broken
+    area.
+    """
     strength = 5e4
     nodes, weights = np.polynomial.legendre.leggauss(12)
     joint = Quasistatic(strength)
@@ -279,7 +281,7 @@ def test_what_a_crack_takes_is_that_of_its_fibres() -> None:
     work -= NORMAL * (opening - begun[0])  # of the force, which presses
 
     def elastic(a: float, opening: float, theta: float) -> float:
-        """Of a straight line of pressure over the length a at the right end."""
+        """Return the resultants of a straight line of pressure over the length a at the right end."""
         one, other = -opening + (0.5 * WIDTH - a) * theta, -opening + 0.5 * WIDTH * theta
         return STIFFNESS * DEPTH * a * (one * one + one * other + other * other) / 6.0
 

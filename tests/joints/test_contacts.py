@@ -41,7 +41,7 @@ class Shape:
     strips: tuple[float, ...] = ()
 
     def outer(self, x: Array) -> Array:
-        """Half the depth of the rim at abscissas from the middle."""
+        """Return half the depth of the rim at abscissas from the middle."""
         half, inside = 0.5 * self.width, np.abs(x) < 0.5 * self.width
         if self.strips:
             number = np.clip(((x + half) / self.width * len(self.strips)).astype(int), 0, len(self.strips) - 1)
@@ -52,7 +52,7 @@ class Shape:
         return _half_chord(0.5 * self.bore, x)
 
     def kinks(self, other: Shape) -> list[float]:
-        """Ends, edges of strips, and where a rim is as deep as a straight part of the other face."""
+        """Return the ends, edges of strips, and where a rim is as deep as a straight part of the other face."""
         places = [0.5 * sign * size for size in (self.width, self.bore) for sign in (-1.0, 1.0)]
         places += [self.width * (k / len(self.strips) - 0.5) for k in range(len(self.strips))]
         for half in {0.5 * depth for depth in (other.depth, *other.strips)}:
@@ -89,7 +89,7 @@ class Pair:
 
     @property
     def inside(self) -> Pair:
-        """Return what a rim leaves open of either face."""
+        """The part of either face that a rim leaves open."""
         return Pair(self.own.inset(self.rim), self.below.inset(self.rim))
 
     def depth(self, x: Array, slip: float) -> Array:
@@ -98,7 +98,7 @@ class Pair:
         return self.outline(x, slip) - open_
 
     def outline(self, x: Array, slip: float) -> Array:
-        """Depth of what both faces share."""
+        """Return the depth of what both faces share."""
         outer = np.minimum(self.own.outer(x), self.below.outer(x + slip))
         return 2.0 * np.maximum(0.0, outer - np.maximum(self.own.inner(x), self.below.inner(x + slip)))
 
@@ -110,7 +110,7 @@ class Pair:
         return edges | self.inside.kinks(slip) if self.rim else edges
 
     def integrals(self, slip: float, opening: float, slope: float) -> Array:
-        """Energy J, N and M of the penetration slope * x - opening, by Gauss's rule between all kinks."""
+        """Return the energy J, N and M of the penetration slope * x - opening, by Gauss's rule between all kinks."""
         x, w = np.polynomial.legendre.leggauss(40)
         edges = self.kinks(slip) | ({opening / slope} if slope else set())
         found = np.zeros(3)
@@ -150,7 +150,7 @@ SLIPS = (0.0, 1e-9, 0.013, -0.11, 0.3, -0.52)
 
 @from_python
 def _ask(model: Array, opening: float, slope: float, slip: float, out: Array) -> None:
-    """Elastic energy of joint 1, N, M, what its rims push by, and its ends."""
+    """Return the elastic energy of joint 1, N, M, what its rims push by, and its ends."""
     blocks = _model(row_of(model), 2).blocks
     contact, law = contact_of(blocks, 0, slip), law_of(blocks, 0)
     out[0] = joint_potential(contact, law, opening, slope)
@@ -193,7 +193,7 @@ def test_nothing_touches_beyond_the_ends_and_something_does_within(name: str) ->
 
 @pytest.mark.parametrize("name", PAIRS)
 def test_rims_push_by_what_a_slip_takes_off_the_energy(name: str) -> None:
-    """By central differences, at no slip as well, but for the crest that faces of the same width have there."""
+    """Compare with central differences, at no slip as well, but for the crest of faces of equal width there."""
     column, rng, pushed = PAIRS[name].column(), np.random.default_rng(3), 0
     for slip in (0.0, 0.017, -0.11, 0.24, -0.33):
         if slip == 0.0 and PAIRS[name].own.width == PAIRS[name].below.width:
@@ -220,7 +220,7 @@ def test_mirror_images_are_mirrored_to_the_last_bit(name: str) -> None:
 
 @pytest.mark.parametrize("name", PAIRS)
 def test_energy_falls_by_the_work_of_friction_alone(name: str) -> None:
-    """Rocking and sliding at once, undamped, over a part of the contact."""
+    """Let it rock and slide at once, undamped, over a part of the contact."""
     column = PAIRS[name].column(tolerance=1e-10)
     chain = Chain(column)
     stepper = Stepper(column, InitialState(slip_rate=[0.7, 0.0], rotation=[2e-3, 0.0]))
@@ -235,7 +235,7 @@ def test_energy_falls_by_the_work_of_friction_alone(name: str) -> None:
 
 
 def slab(offset: float = 0.0, width: float = 2.0, height: float = 0.5, **joint: Any) -> Column:
-    """A block on a heavy plinth of 1 m."""
+    """Return a block on a heavy plinth of 1 m."""
     top = Block(height, width, 1.0, 5000.0, Joint(1e12, 1e-3, offset=offset or None, **joint))
     return Column("slab", (top, Block(0.5, 1.0, 1.0, 1e5, Joint(1e14, 1e-3))))
 
@@ -246,7 +246,7 @@ def at_rest(column: Column) -> Any:
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_slab_off_its_plinth_presses_on_what_is_left(side: float) -> None:
-    """The resultant is 0.1 m from the rim, so that 0.3 m bear: 2 N / (0.3 m 1 m)."""
+    """Check that the resultant is 0.1 m from the rim, so that 0.3 m bear: 2 N / (0.3 m 1 m)."""
     seen = at_rest(slab(0.4 * side))
     assert seen.sigma_max[0] == pytest.approx(2.0 * 5000.0 * G / 0.3, rel=1e-4)  # 327 kPa; measured 3e-6
     assert seen.contact[0] == pytest.approx(0.3, rel=1e-4)
@@ -259,7 +259,9 @@ def test_a_slab_whose_centroid_is_beyond_the_rim_does_not_stand(offset: float) -
 
 
 def test_a_block_wider_than_its_plinth_is_pushed_over_the_plinths_rim() -> None:
-    """4 m tall on 1 m: half the width over the height of the centroid of both, less what the joints give way by."""
+    """Check a block 4 m tall on 1 m: half the width over the height of the centroid of both, less what the joints give
+    way by.
+    """
     low = Block(0.2, 1.0, 1.0, 540.0, Joint(1e11, 1e-3))
     wide = Column("wide", (Block(4.0, 2.0, 1.0, 21600.0, Joint(1e11, 1e-3)), low))
     narrow = Column("narrow", (Block(4.0, 2.0, 1.0, 21600.0, Joint(1e11, 1e-3, width=1.0)), low))
@@ -278,7 +280,7 @@ def test_a_drum_on_a_ring_bears_on_the_ring() -> None:
 
 
 def test_a_wider_face_below_changes_nothing() -> None:
-    """Bits of runs do not depend on how far the face below reaches beyond the contact."""
+    """Check that bits of runs do not depend on how far the face below reaches beyond the contact."""
     top = Block(2.0, 1.0, 1.0, 5000.0, Joint(1e9, 1e-3))
     motion = Motion.harmonic(0.3 * G, 1.5, 3.0)
     found = [

@@ -34,7 +34,7 @@ def test_forces_are_the_integral_of_the_pressure(state: State) -> None:
 
 
 def sampled_pressure(state: State, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Pressure in the middle of `count` strips, written as theory.md section 2 does."""
+    """Return the pressure in the middle of `count` strips, written as theory.md section 2 does."""
     s = (np.arange(count) + 0.5) / count * state.width - 0.5 * state.width
     pen = -(state.opening - s * state.slope)
     rate = -(state.opening_rate - s * state.slope_rate)
@@ -138,7 +138,7 @@ PHOCAS_WIDTH = 1.56
 
 
 def base_joint(turn: float) -> tuple[float, float, float]:
-    """The Phocas base joint under the whole weight, partly open (theory.md section 5)."""
+    """Return the Phocas base joint under the whole weight, partly open (theory.md section 5)."""
     deepest = math.sqrt(2.0 * PHOCAS_WEIGHT * turn / (PHOCAS_STIFFNESS * PHOCAS_WIDTH))
     opening = 0.5 * PHOCAS_WIDTH * turn - deepest
     return joint_forces(PHOCAS_STIFFNESS, PHOCAS_WIDTH, PHOCAS_WIDTH, 0.0, opening, turn, 0.0, 0.0)

@@ -30,7 +30,7 @@ class Faces:
     slip: float
 
     def width(self, x: Array) -> Array:
-        """Of the contact, from the chords of the four circles."""
+        """Return the width of the contact, from the chords of the four circles."""
 
         def half(radius: float, place: Array) -> Array:
             return np.sqrt(np.maximum(0.0, (radius - place) * (radius + place)))
@@ -40,7 +40,7 @@ class Faces:
         return 2.0 * np.maximum(0.0, outer - inner)
 
     def kinks(self) -> list[float]:
-        """Rims, and where two of the circles cross."""
+        """Return rims, and where two of the circles cross."""
         circles = [(self.own, 0.0), (self.bore, 0.0), (self.below, -self.slip), (self.bore_below, -self.slip)]
         places = [centre + sign * radius for radius, centre in circles for sign in (-1.0, 1.0)]
         for one, _ in circles[:2]:
@@ -50,7 +50,9 @@ class Faces:
         return places
 
     def moments(self, lo: float, hi: float, about: float) -> Array:
-        """Area, first and second moment about a place, by Gauss's rule; ends are drawn apart, as roots ask for."""
+        """Return the area, first and second moment about a place, by Gauss's rule; ends are drawn apart, as roots ask
+        for.
+        """
         x, w = np.polynomial.legendre.leggauss(60)
         edges = sorted({lo, hi, *(place for place in self.kinks() if lo < place < hi)})
         found = np.zeros(3)

@@ -63,7 +63,7 @@ def test_sections_that_the_law_is_not_written_for_are_refused() -> None:
 
 
 def damping_limits(of: Column) -> list[tuple[float, float]]:
-    """Limits within which a host can set the dampings of the native FMU."""
+    """Return the limits within which a host can set the dampings of the native FMU."""
     return [check.limits for check in column_subject(of).checks if check.name.endswith(".damping")]
 
 

@@ -67,7 +67,7 @@ def test_only_the_regime_that_applies_has_a_margin(state: State) -> None:
 @examples
 @given(states(), states(), st.floats(0.0, 1.0))
 def test_margin_vanishes_where_the_regime_changes(one: State, other: State, at_fraction: float) -> None:
-    """Along the line between two states the sign of the margin and the regime agree."""
+    """Check that along the line between two states the sign of the margin and the regime agree."""
 
     def between(s: float) -> State:
         mixed = [(1.0 - s) * a + s * b for a, b in zip(astuple(one)[4:], astuple(other)[4:], strict=True)]
@@ -90,7 +90,7 @@ def test_steps_end_where_regimes_do_whatever_the_tolerance() -> None:
 
 
 def test_order_is_that_of_the_method_across_openings() -> None:
-    """With regimes held the error falls with the tolerance as in smooth motion, over dozens of openings."""
+    """Check that with regimes held the error falls with the tolerance as in smooth motion, over dozens of openings."""
     motion = Motion.harmonic(0.05 * G, 2.0, 1.5)
     reference = simulate(phocas(1e-3), motion, tolerance=1e-12).ux
     errors = {}
@@ -125,7 +125,7 @@ def look_inside(
 
 @pytest.mark.long  # compiles the interpolation, as the next a step
 def test_interpolation_with_the_bump_is_of_a_higher_order() -> None:
-    """On a free vibration in full contact, against a run that lands on the middle of the step."""
+    """Compare a free vibration in full contact with a run that lands on the middle of the step."""
     gains = []
     for step in (2e-3, 1e-3):
         stepper = Stepper(phocas(0.0, tolerance=1e-13))
@@ -159,7 +159,7 @@ def _repeat(n, model, state, counts, base, work, t, step):
 
 @pytest.mark.long
 def test_a_step_made_again_up_to_a_change_is_judged_again() -> None:
-    """A step beyond the limit of stability throws small stiff blocks away at 1e9 rad/s."""
+    """Check that a step beyond the limit of stability throws small stiff blocks away at 1e9 rad/s."""
     stepper = Stepper(phocas(), InitialState(rotation_rate=[0.03] * 3))
     stepper.advance(0.0, 0.1)
     rejected = int(stepper.counts.rejected)
@@ -183,7 +183,7 @@ def fill(phase: SimpleNamespace, values: Array) -> None:
 
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-8])
 def test_undamped_column_run_backwards_returns_to_where_it_came_from(tolerance: float) -> None:
-    """Half a second of free rocking, some 35 openings and closings there and as many back."""
+    """Run half a second of free rocking, some 35 openings and closings, and as many back."""
     stepper = Stepper(phocas(0.0, tolerance=tolerance), InitialState(rotation_rate=[0.03] * 3))
     phase = coordinates(stepper)
     start = phase.copy()

@@ -29,13 +29,13 @@ examples = settings(deadline=None, max_examples=150, derandomize=True)
 
 
 def block(rim: float | None, stiffness: float = 1e13, depth: float = 20.0, eta: float = 0.0, **joint: Any) -> Column:
-    """A block of 0.5 x 1.9 m, long across the motion unless said otherwise."""
+    """Return a block of 0.5 x 1.9 m, long across the motion unless said otherwise."""
     own = Joint(stiffness, eta, rim=rim, **joint)
     return Column("block", (Block(1.9, 0.5, depth, 2500.0 * 0.5 * 1.9 * depth, own),), Settings(tolerance=1e-6))
 
 
 def critical(column: Column, rim: float) -> float:
-    """The eta, s, that is critical as the block stands on the band along its edge: 2 over its frequency there."""
+    """Return the critical eta, s, of the block on the band along its edge: 2 over its frequency there."""
     only = column.blocks[0]
     eases = 1.0 / only.mass + (0.5 * only.width) ** 2 / only.resolved_inertia  # 1/kg, at the edge
     return 2.0 / math.sqrt(only.joint.stiffness * rim * only.depth * eases)
@@ -46,7 +46,7 @@ def critical(column: Column, rim: float) -> float:
 
 @st.composite
 def pairs(draw: st.DrawFn) -> Pair:
-    """A rectangle, disc or ring on another one, of random sizes."""
+    """Return a rectangle, disc or ring on another one, of random sizes."""
 
     def shape() -> Shape:
         width, kind = draw(st.floats(0.7, 1.5)), draw(st.integers(0, 2))
@@ -89,7 +89,7 @@ def test_a_rim_of_half_the_width_is_the_whole_face_to_the_last_bit(pair: Pair, s
 
 
 def test_the_rim_of_a_rectangle_is_that_of_strips() -> None:
-    """Of a rim as wide as a strip: the same forces, and the same motion."""
+    """Compare a rim as wide as a strip: the same forces, and the same motion."""
     width, depth, rim = 1.6, 1.0, 0.1
     strips = (depth, *(14 * (2.0 * rim,)), depth)
     two = [Joint(1e9, 1e-3, rim=rim), Joint(1e9, 1e-3, section="strips", strips=strips)]
@@ -124,14 +124,14 @@ def test_the_stiffness_at_rest_is_the_slope_of_the_forces_and_that_of_the_textbo
 
 
 def test_a_rim_stands_as_far_as_the_outline_reaches() -> None:
-    """The push that overturns a stiff block is that about its edge, less what gives way."""
+    """Check that the push that overturns a stiff block is that about its edge, less what gives way."""
     push = float(np.max(capacity_curve(block(1e-3)).acceleration))
     assert push == pytest.approx(G * 0.25 / 0.95, rel=3e-3)
 
 
 @pytest.mark.parametrize("section", [{}, {"section": "circle"}, {"section": "annulus", "bore": 0.3}])
 def test_faces_that_share_area_touch_in_a_rim_after_any_slip(section: dict[str, Any]) -> None:
-    """Two equal blocks whose insides no longer meet still bear on each other, up to the last of the overlap."""
+    """Check that two equal blocks whose insides no longer meet still bear on each other, to the last of the overlap."""
     low = Block(0.4, 1.0, 1.0, 1e5, Joint(1e12, 1e-3), **section)
     top = Block(0.2, 1.0, 1.0, 500.0, Joint(1e11, 1e-3, rim=0.06, offset=0.45), **section)
     column = Column("slipped", (top, low))
@@ -140,7 +140,7 @@ def test_faces_that_share_area_touch_in_a_rim_after_any_slip(section: dict[str, 
 
 
 def test_a_damped_block_on_a_rim_loses_energy_all_the_time() -> None:
-    """Rocking and sliding on a still base, over a heavy plinth no wider than the block."""
+    """Let it rock and slide on a still base, over a heavy plinth no wider than the block."""
     top = Block(1.2, 0.5, 0.5, 750.0, Joint(1e10, 1e-4, friction=0.25, rim=0.02))
     column = Column("two", (top, Block(0.3, 0.5, 0.5, 1e5, Joint(1e12, 1e-4, rim=0.05))), Settings(tolerance=1e-8))
     stepper = Stepper(column, InitialState(rotation=[0.12, 0.0], slip_rate=[0.5, 0.0]))

@@ -57,7 +57,9 @@ _circle_part = from_python(circle_part)
 
 @from_python
 def _ask(model: Array, opening: float, slope: float, opening_rate: float, slope_rate: float, out: Array) -> None:
-    """N, M, length; the same held in the regime; energy; stiffness of the part from lo to hi; of all; of a strip."""
+    """Return N, M, length; the same held in the regime; energy; stiffness of the part from lo to hi; of all; of a
+    strip.
+    """
     blocks = _model(row_of(model), 1).blocks
     contact, law = contact_of(blocks, 0), law_of(blocks, 0)
     k, eta = law.stiffness, law.damping
@@ -72,7 +74,9 @@ def _ask(model: Array, opening: float, slope: float, opening_rate: float, slope_
 
 
 def ask(name: str, *state: float, damping: float = 0.0) -> Array:
-    """The numbers of `_ask` for a joint of this name; opening, slope and their rates, or lo and hi in the first two."""
+    """Return the numbers of `_ask` for a joint of this name; opening, slope and their rates, or lo and hi in the first
+    two.
+    """
     block = Block(2.0, WIDTH, WIDTH, 1e4, replace(JOINTS[name], damping=damping))
     out = np.zeros(14)
     _ask(pack_model(Column("one", (block,))), *(*state, 0.0, 0.0, 0.0, 0.0)[:4], out)
@@ -95,7 +99,7 @@ def chord(radius: float, s: Array) -> Array:
 
 
 def nodes(name: str, lo: float, hi: float) -> Nodes:
-    """Gauss-Legendre nodes over the part of a section; what a rim leaves open has negative areas."""
+    """Return Gauss-Legendre nodes over the part of a section; what a rim leaves open has negative areas."""
     found, rim = inset_nodes(name, lo, hi, 0.0), JOINTS[name].rim
     if rim is None:
         return found
@@ -105,7 +109,7 @@ def nodes(name: str, lo: float, hi: float) -> Nodes:
 
 
 def inset_nodes(name: str, lo: float, hi: float, rim: float) -> Nodes:
-    """`nodes` of a section inset by a rim; round ones by the angle, which leaves nothing singular."""
+    """Return `nodes` of a section inset by a rim; round ones by the angle, which leaves nothing singular."""
     x, w = np.polynomial.legendre.leggauss(30)
     kinks = {lo, hi, *(edge for edge in edges(name) if lo < edge < hi)} if lo < hi else {lo}
     places, areas = [], []
@@ -143,7 +147,7 @@ def depth(name: str, place: float) -> float:
 def resultants(
     name: str, eta: float, opening: float, slope: float, opening_rate: float, slope_rate: float
 ) -> tuple[float, float]:
-    """N and M of the pressure max(0, k pen + eta k pen') where pen > 0."""
+    """Return N and M of the pressure max(0, k pen + eta k pen') where pen > 0."""
     end = ENDS[name]
     kinks = {-end, end}
     for value, gradient in ((opening, slope), (opening + eta * opening_rate, slope + eta * slope_rate)):
@@ -183,7 +187,7 @@ def test_moments_of_a_part_are_those_of_quadrature(name: str, data: st.DataObjec
 @pytest.mark.parametrize("depth_of_segment", [10.0**-k for k in range(13)])
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_slivers_at_the_rim_of_a_circle_keep_their_digits(depth_of_segment: float, side: float) -> None:
-    """Against a sum of positive terms in the depth: chord 2 sqrt(2 x) sqrt(1 - x / 2), binomially expanded."""
+    """Compare with a sum of positive terms in the depth: chord 2 sqrt(2 x) sqrt(1 - x / 2), binomially expanded."""
     h = 1.0 - (1.0 - depth_of_segment)  # as it is after rounding
     lo, hi = sorted((side * (1.0 - depth_of_segment), side))
     middle, area, first, second = _circle_part(1.0, lo, hi)
@@ -229,7 +233,7 @@ def test_a_narrow_strip_has_the_depth_of_the_section(name: str, place: float) ->
 
 @st.composite
 def states(draw: st.DrawFn) -> tuple[float, tuple[float, float, float, float]]:
-    """Damping, and opening, slope and their rates, in every regime."""
+    """Return the damping, and opening, slope and their rates, in every regime."""
     lifted = 10.0 ** draw(st.floats(-7.0, -1.0))
     slope = draw(st.sampled_from([-1.0, 1.0])) * 2.0 * lifted / WIDTH
     opening = draw(st.floats(-1.5, 1.1)) * lifted
@@ -242,7 +246,7 @@ def states(draw: st.DrawFn) -> tuple[float, tuple[float, float, float, float]]:
 
 
 def force_of(eta: float, state: tuple[float, ...]) -> float:
-    """N of the largest penetration and speed over the whole joint: that of full contact."""
+    """Return N of the largest penetration and speed over the whole joint: that of full contact."""
     opening, slope, opening_rate, slope_rate = (abs(value) for value in state)
     return K * WIDTH**2 * (opening + 0.5 * WIDTH * slope + eta * (opening_rate + 0.5 * WIDTH * slope_rate))
 
@@ -301,7 +305,7 @@ def test_forces_are_minus_the_gradient_of_the_energy(name: str, case: tuple[floa
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("boundary", [-1.0, 1.0])
 def test_law_and_its_tangent_are_continuous_where_regimes_meet(name: str, sign: float, boundary: float) -> None:
-    """From full to partial contact, and from a sliver to none: the tangent jumps by nothing but curvature."""
+    """Pass from full to partial contact, and from a sliver to none: the tangent jumps by nothing but curvature."""
     slope = 2e-4
     lifted = ENDS[name] * slope
     scale = K * WIDTH**2 * lifted * np.array([1.0, WIDTH])
@@ -316,7 +320,7 @@ def test_law_and_its_tangent_are_continuous_where_regimes_meet(name: str, sign: 
 
 
 def test_uplift_of_a_circle_begins_at_the_kern() -> None:
-    """M = N R / 4 (theory.md section 10)."""
+    """Check that M = N R / 4 (theory.md section 10)."""
     radius = 0.5 * WIDTH
     slope = 1e-4
     force, moment, length = ask("circle", -slope * radius * (1.0 + 1e-14), slope)[:3]
@@ -344,7 +348,7 @@ SHAPES: list[dict[str, Any]] = [
 
 @pytest.mark.parametrize("joint", SHAPES)
 def test_an_undamped_column_that_rocks_keeps_its_energy(joint: dict[str, Any]) -> None:
-    """Forces and kinetics agree with the energies of kinematics.py over dozens of openings."""
+    """Check that forces and kinetics agree with the energies of kinematics.py over dozens of openings."""
     column = drums(**joint)
     start = InitialState(rotation_rate=[0.05] * 3)
     stepper = Stepper(column.with_settings(tolerance=1e-8), start)

@@ -32,13 +32,13 @@ each_kind = pytest.mark.parametrize(
 
 
 def with_joints(column: Column, **joint: Any) -> Column:
-    """The column with other joints."""
+    """Return the column with other joints."""
     blocks = (replace(block, joint=replace(block.joint, **joint)) for block in column.blocks)
     return replace(column, blocks=tuple(blocks))
 
 
 def of_kind(kind: str, eta: float = 2e-3, friction: float = 0.5) -> Column:
-    """The Column of Phocas with joints that belong to this kind of lanes."""
+    """Return the Column of Phocas with joints that belong to this kind of lanes."""
     column = phocas(eta)
     if kind == "fixed step":
         return column.with_settings(formulation="paper", step=2e-4)
@@ -56,7 +56,7 @@ def of_kind(kind: str, eta: float = 2e-3, friction: float = 0.5) -> Column:
 
 @each_kind
 def test_runs_are_those_of_simulate(kind: str) -> None:
-    """Of columns thrown down at several speeds, and of some that stand: verdicts, falls, peaks, ends."""
+    """Compare columns thrown down at several speeds, and some that stand: verdicts, falls, peaks, ends."""
     fixed_step = kind == "fixed step"  # at the fixed step of the column
     columns = [of_kind(kind)] * 8 + [of_kind(kind, friction=0.08)] * 4
     lanes, closer = (
@@ -108,7 +108,7 @@ def test_any_number_of_blocks(n: int) -> None:
 
 
 def noise(seed: int, seconds: float, step: float = 0.01) -> Motion:
-    """Noise up to some 5 Hz that makes Phocas rock, in both directions."""
+    """Return noise up to some 5 Hz that makes Phocas rock, in both directions."""
     rng = np.random.default_rng(seed)
     time = step * np.arange(round(seconds / step) + 1)
     waves = [np.sin(2.0 * math.pi * f * time + rng.uniform(0.0, 6.0)) * rng.normal() for f in rng.uniform(0.5, 5.0, 8)]
@@ -117,7 +117,7 @@ def noise(seed: int, seconds: float, step: float = 0.01) -> Motion:
 
 
 def eleven(kind: str) -> tuple[list[Column], list[Motion], list[float]]:
-    """More runs than lanes: columns that differ, harmonics and records of several lengths, one that falls.
+    """Return more runs than lanes: columns that differ, harmonics and records of several lengths, one that falls.
 
     Every third is of rectangles, which alone have lanes of their own.
     """
@@ -133,7 +133,7 @@ def eleven(kind: str) -> tuple[list[Column], list[Motion], list[float]]:
 
 
 def bits_of(kind: str, runs: Sequence[tuple[Column, Motion, float]], threads: int = 1) -> list[bytes]:
-    """All results of each run of a batch."""
+    """Return all results of each run of a batch."""
     columns, motions, durations = ([run[0] for run in runs], [run[1] for run in runs], [run[2] for run in runs])
     found: list[Any]
     if kind == "fixed step":
@@ -185,7 +185,7 @@ def test_mirror_images_have_the_same_bits() -> None:
 
 
 def recorded(kind: str, n: int, off_axis: bool, records: Path) -> tuple[list[Column], list[Motion]]:
-    """Columns of a kind under records that make them rock or slide."""
+    """Return columns of a kind under records that make them rock or slide."""
     if kind == "round":
         return rounds(n, records)
     seeds = {"slipping": (1, 8), "round, slipping": (2, 10), "strips, slipping": (3, 9), "rims, slipping": (4, 8)}
@@ -210,7 +210,7 @@ def recorded(kind: str, n: int, off_axis: bool, records: Path) -> tuple[list[Col
 
 
 def rounds(n: int, records: Path) -> tuple[list[Column], list[Motion]]:
-    """Full and hollow drums that rock."""
+    """Return full and hollow drums that rock."""
     files = [Motion.from_at2(records / name) for name in RECORDS]
     columns, motions = [], []
     for k in range(9):
@@ -226,7 +226,7 @@ def rounds(n: int, records: Path) -> tuple[list[Column], list[Motion]]:
 
 
 def histories(columns: Sequence[Column], motions: Sequence[Motion], duration: float, times: Array) -> list[Array]:
-    """Tops and slips of single runs at a tight tolerance."""
+    """Return the tops and slips of single runs at a tight tolerance."""
     found = []
     for column, motion in zip(columns, motions, strict=True):
         closer = column.with_settings(tolerance=1e-9, without=("peaks",))
@@ -236,7 +236,7 @@ def histories(columns: Sequence[Column], motions: Sequence[Motion], duration: fl
 
 
 def history(column: Column, phases: Array) -> Array:
-    """Displacements of the tops and slips, (rows, n or 2 n)."""
+    """Return the displacements of the tops and slips, (rows, n or 2 n)."""
     return np.hstack([Chain(column).top_displacements(phases), phases[:, 4 * column.n : 5 * column.n]])
 
 
@@ -260,7 +260,7 @@ RECORDED = [
 def test_the_tolerance_is_kept_under_records(
     kind: str, off_axis: bool, n: int, tame: int, slid: int, overturned: int, within: float, records: Path
 ) -> None:
-    """Tops and slips, relative to the largest top, of the runs that amplify a change by less than 100."""
+    """Compare tops and slips, relative to the largest top, of the runs that amplify a change by less than 100."""
     columns, motions = recorded(kind, n, off_axis, records)
     duration, times = 8.0, np.linspace(0.0, 7.95, 160)
     truth = histories(columns, motions, duration, times)
@@ -285,7 +285,7 @@ def test_the_tolerance_is_kept_under_records(
 
 @pytest.mark.long
 def test_newmarks_sliding_block_under_a_triangular_pulse() -> None:
-    """The block lags behind from where the base exceeds mu g until it has caught up with it."""
+    """Check that the block lags behind from where the base exceeds mu g until it has caught up with it."""
     a, half = 0.6 * G, 0.1  # the base accelerates up to a within 0.1 s, and down to nothing in as many
     motion = Motion.from_samples(half, [0.0, a, *[0.0] * 5])
     coefficients = (0.15, 0.2, 0.3)
@@ -303,7 +303,7 @@ def test_newmarks_sliding_block_under_a_triangular_pulse() -> None:
 
 @pytest.mark.long
 def test_columns_that_begin_by_modes_go_on_in_lanes_once_they_open_or_slide() -> None:
-    """Off the axis or on it, in contact all the time, opening by resonance, sliding below that."""
+    """Start off the axis or on it, in contact all the time, opening by resonance, sliding below that."""
     motions = [Motion.harmonic(a * G, f, 3.0) for a, f in ((0.004, 2.0), (0.03, 2.0), (0.03, 2.0), (0.03, 2.9))]
     columns = []
     for offset, friction in ((0.05, None), (0.05, 0.7), (0.05, 0.02), (None, 0.025)):
@@ -342,7 +342,7 @@ def test_a_rectangle_cut_into_strips_is_the_rectangle(friction: float | None) ->
 
 @pytest.mark.long
 def test_sweeps_that_do_not_settle_leave_the_run_beside_as_it_is() -> None:
-    """Of a motion beyond any first-order model."""
+    """Check a motion beyond any first-order model."""
     motions = [Motion.harmonic(0.1 * G, 2.0, 0.2), Motion.harmonic(1e5 * G, 50.0, 0.2)]
     column = monolith(eta=1e-3, formulation="paper", step=2e-4)
     table = simulate_many(column, motions, keep=("peak_top_ux", "verdict"))

@@ -55,7 +55,7 @@ _model, _work, _round = at.MODEL.over, at.WORK.over, ROUND_SPACE.over
 
 @from_python
 def law_in_lanes(given: Array, found: Array) -> None:
-    """`joint_forces_in_lanes` of eight joints, (8 arguments, 8 lanes), to (3, 8); both flat."""
+    """Return `joint_forces_in_lanes` of eight joints, (8 arguments, 8 lanes), to (3, 8); both flat."""
     g, f = lanes_of(given), lanes_of(found)
     half = 0.5 * g[1]
     f[0], f[1], f[2] = joint_forces_in_lanes(-half, half, g[0] * g[2], g[3], g[4], g[5], g[6], g[7])
@@ -76,7 +76,7 @@ def test_law_in_lanes_is_the_law_to_the_last_bit(eight: list[State]) -> None:
 
 
 def test_law_in_lanes_is_the_law_on_the_boundaries_of_its_regimes() -> None:
-    """Parallel faces, faces that touch, edges at a corner, dampers that just pull, none at all."""
+    """Compare parallel faces, faces that touch, edges at a corner, dampers that just pull, none at all."""
     width, values = 1.5, (-0.75e-3, 0.0, 0.75e-3)
     eight = [
         State(5e9, width, 1.2, damping, opening, slope, opening_rate, slope_rate)
@@ -96,7 +96,7 @@ def test_law_in_lanes_is_the_law_on_the_boundaries_of_its_regimes() -> None:
 
 @from_python
 def forces(n: int, model: Array, work: Array, given: Array, found: Array) -> None:
-    """`resultants` of the joints of one column; given: opening, slope and their rates of each, (n, 4), flat."""
+    """Return `resultants` of the joints of one column; given: opening, slope and their rates of each, (n, 4), flat."""
     blocks, hold = _model(row_of(model), n).blocks, _work(row_of(work), n).hold
     for i in range(n):
         g = 4 * i
@@ -106,7 +106,7 @@ def forces(n: int, model: Array, work: Array, given: Array, found: Array) -> Non
 
 @from_python
 def forces_in_lanes(n: int, buffer: Array, given: Array, found: Array) -> None:
-    """The same of eight columns."""
+    """Return the same of eight columns."""
     space, rows, results = _round(lanes_of(buffer), n), lanes_of(given), lanes_of(found)
     blocks, hold = space.model.blocks, space.work.hold
     for i in range(n):
@@ -117,7 +117,7 @@ def forces_in_lanes(n: int, buffer: Array, given: Array, found: Array) -> None:
 
 @pytest.mark.parametrize("largest", [0.0, 1e-5, 1e-3, 0.3])
 def test_law_of_round_joints_in_lanes_is_the_law_to_the_last_bit(largest: float) -> None:
-    """All contact, parts, slivers and none, with and without dampers, sections mixed in any way."""
+    """Compare full contact, parts, slivers and none, with and without dampers, sections mixed in any way."""
     n = 40
     buffer = np.zeros((ROUND_SPACE.size(n), WIDTH))
     given, found, expected = np.zeros((WIDTH, 4 * n)), np.zeros((3 * n, WIDTH)), np.zeros((WIDTH, 3 * n))
@@ -142,20 +142,20 @@ def test_law_of_round_joints_in_lanes_is_the_law_to_the_last_bit(largest: float)
 
 @from_python
 def parts(strips: Array, ends: Array, found: Array) -> None:
-    """`strips_part` of one section: middle, area and moments of the part between two ends."""
+    """Return `strips_part` of one section: middle, area and moments of the part between two ends."""
     found[0], found[1], found[2], found[3] = strips_part(row_of(strips), ends[0], ends[1])
 
 
 @from_python
 def parts_in_lanes(strips: Array, ends: Array, found: Array) -> None:
-    """`strips_part_in_lanes` for eight sections."""
+    """Return `strips_part_in_lanes` for eight sections."""
     rows, results = lanes_of(ends), lanes_of(found)
     results[0], results[1], results[2], results[3] = strips_part_in_lanes(lanes_of(strips), rows[0], rows[1])
 
 
 @pytest.mark.parametrize("alike", [True, False])
 def test_parts_in_lanes_are_those_of_each_to_the_last_bit_and_mirror_images_mirrored(alike: bool) -> None:
-    """Whole sections, parts, slivers and none; as many strips in each lane or not, and none in one of them."""
+    """Compare whole sections, parts, slivers and none; as many strips in each lane or not, and none in one of them."""
     for seed in range(60):
         rng = np.random.default_rng(seed)
         counts = (
@@ -184,7 +184,7 @@ def test_parts_in_lanes_are_those_of_each_to_the_last_bit_and_mirror_images_mirr
 
 
 def in_strips_where_it_stands(rng: np.random.Generator, n: int) -> Column:
-    """Strips, lenses, straight cuts and whole faces side by side."""
+    """Return strips, lenses, straight cuts and whole faces side by side."""
     while True:
         column = in_strips(rough(random_drums(rng, n), rng), rng)
         with contextlib.suppress(InputError):  # with an edge gone it may not stand
@@ -193,7 +193,7 @@ def in_strips_where_it_stands(rng: np.random.Generator, n: int) -> Column:
 
 
 def in_rims_where_it_stands(rng: np.random.Generator, n: int) -> Column:
-    """Rims of drums, rings and rectangles, beside strips and whole faces."""
+    """Return rims of drums, rings and rectangles, beside strips and whole faces."""
     while True:
         drawn = sliding_column(rng, n)
         if rng.random() < 0.7:
@@ -228,7 +228,7 @@ accelerations_of = {space: accelerating(space) for space, _ in KINDS.values()}
 
 
 def eight_columns(kind: str, n: int) -> tuple[Array, Array, Array]:
-    """(models, phases, motions of the base) of eight columns that move, (8, length) each."""
+    """Return (models, phases, motions of the base) of eight columns that move, (8, length) each."""
     _, draw = KINDS[kind]
     models, phases, motions = [], [], []
     for seed in range(WIDTH):
@@ -248,14 +248,14 @@ def eight_columns(kind: str, n: int) -> tuple[Array, Array, Array]:
 
 
 def named(phase: Any, joints: Any, slips: bool) -> dict[str, Array]:
-    """Accelerations, and the resultants of the joints."""
+    """Return the accelerations, and the resultants of the joints."""
     found = {name: getattr(phase, f"{name}_acceleration") for name in ("theta", "opening", *(("slip",) * slips))}
     names = ("normal", "moment", "tangential", *(("pressure_shear", "overcome", "shear_capacity") * slips))
     return found | {name: getattr(joints, name) for name in names}
 
 
 def found_in_lanes(kind: str, n: int, models: Array, phases: Array, motions: Array) -> dict[str, Array]:
-    """The same quantities from lanes, (n, 8) each."""
+    """Return the same quantities from lanes, (n, 8) each."""
     space, _ = KINDS[kind]
     buffer = np.zeros((space.size(n), WIDTH))
     seen, place = space.see(buffer, n), space.size(n) - at.WORK.size(n)  # where `start` is, the first of the work
@@ -268,7 +268,7 @@ def found_in_lanes(kind: str, n: int, models: Array, phases: Array, motions: Arr
 @each_kind
 @pytest.mark.parametrize("n", [1, 3, 5])
 def test_accelerations_in_lanes_are_those_of_each_column(kind: str, n: int) -> None:
-    """Those of one column are compared with Lagrange's equations in test_exact.py and test_sliding.py."""
+    """Compare with those of one column, which other tests compare with Lagrange's equations."""
     models, phases, motions = eight_columns(kind, n)
     found = found_in_lanes(kind, n, models, phases, motions)
     slips = "slip" in found
@@ -302,7 +302,7 @@ def test_a_lane_has_the_same_bits_whatever_is_in_the_others(kind: str) -> None:
 
 @from_python
 def sines_in_lanes(count: int, x: Array, sines: Array, cosines: Array, only: Array) -> None:
-    """`sine_cosine` and `sine` of `count` lanes."""
+    """Return `sine_cosine` and `sine` of `count` lanes."""
     xs, s, c, o = lanes_of(x), lanes_of(sines), lanes_of(cosines), lanes_of(only)
     for k in range(count):
         s[k], c[k] = sine_cosine(xs[k])
@@ -310,7 +310,7 @@ def sines_in_lanes(count: int, x: Array, sines: Array, cosines: Array, only: Arr
 
 
 def units(found: Array, function: Callable[[float], float], x: Array) -> float:
-    """Largest difference from a function of math, in units in the last place of that."""
+    """Return the largest difference from a function of math, in its units in the last place."""
     expected = np.array([function(value) for value in x])
     return float(np.max(np.abs(found - expected) / np.spacing(np.abs(expected))))
 
@@ -330,7 +330,7 @@ def test_sine_and_cosine_in_lanes_are_those_of_math(largest: float) -> None:
 
 
 def test_sine_and_cosine_in_lanes_about_the_multiples_of_a_quarter_turn() -> None:
-    """The reduction loses most there: the sine or the cosine is next to nothing."""
+    """Check that the reduction loses most there: the sine or the cosine is next to nothing."""
     x = np.repeat(np.arange(-64.0, 64.0), 8) * 0.5 * math.pi
     x += np.tile([0.0, 1e-15, 1e-9, 1e-3, -1e-9, -1e-3, 0.785, -0.785], 128)
     sines, cosines, only = np.zeros_like(x), np.zeros_like(x), np.zeros_like(x)
@@ -341,7 +341,9 @@ def test_sine_and_cosine_in_lanes_about_the_multiples_of_a_quarter_turn() -> Non
 
 @from_python
 def halves(count: int, x: Array, found: Array) -> None:
-    """Sine and cosine of half of each of `count` times eight numbers, in lanes and one by one, each in two ways."""
+    """Return the sine and cosine of half of each of `count` times eight numbers, in lanes and one by one, each in two
+    ways.
+    """
     xs, f, numbers, one_by_one = lanes_of(x), lanes_of(found), row_of(x), row_of(found)
     for k in range(count):
         f[k], f[count + k] = half_sine_cosine(xs[k])
@@ -362,7 +364,7 @@ def test_sine_and_cosine_of_a_half_are_those_to_the_last_bit(largest: float) -> 
 
 @from_python
 def functions_in_lanes(x: Array, y: Array, found: Array) -> int:
-    """All functions of lanes.py, of eight numbers each."""
+    """Return all functions of lanes.py, of eight numbers each."""
     a, b, f = lanes_of(x)[0], lanes_of(y)[0], lanes_of(found)
     f[0], f[1], f[2], f[3], f[4] = magnitude(a), square_root(magnitude(a)), lesser(a, b), greater(a, b), nearest(a)
     f[5] = where((a > b) & ~(b == 0.0) | (a <= -1.0), a, 2)
@@ -384,7 +386,7 @@ def test_functions_of_lanes_are_those_of_numpy() -> None:
 
 @from_python
 def angles(sine: Array, cosine: Array, alone: Array, together: Array) -> None:
-    """`angle_of` of numbers one by one and in lanes."""
+    """Return `angle_of` of numbers one by one and in lanes."""
     s, c, found = lanes_of(sine), lanes_of(cosine), lanes_of(together)
     for k in range(sine.size):
         alone[k] = angle_of(sine[k], cosine[k])

@@ -29,13 +29,13 @@ KEEP = ("peak_u", "peak_centroid_ux", "peak_uy", "peak_uz", "verdict", "overturn
 
 
 def trilith(friction: float | None = None) -> Structure:
-    """Two columns of two boxes under an architrave."""
+    """Return two columns of two boxes under an architrave."""
     law = LAW if friction is None else {**LAW, "friction": friction}
     return colonnade(2, 2, 3.0, 0.9, 4.0, law, architrave=(0.7, 0.9))
 
 
 def held() -> Structure:
-    """A slab that slides, held by a rod that yields, and by a rope that is slack."""
+    """Return a slab that slides, held by a rod that yields, and by a rope that is slack."""
     block = {"name": "b", "width": 4.0, "depth": 4.0, "height": 0.2, "mass": 1000.0, "on": "base"}
     rod = {"between": ["b", "base"], "from": [0.0, 0.0, 0.0], "to": [6.0, 0.0, 0.1], "stiffness": 1e5, "yield": 2e3}
     rope = {"between": ["b", "base"], "from": [0.0, 0.0, 0.0], "to": [0.0, 6.0, 0.1], "stiffness": 1e5, "slack": 0.05}
@@ -44,14 +44,14 @@ def held() -> Structure:
 
 
 def recorded(seed: int, hold: bool = False) -> Motion:
-    """A motion of three components, sampled at 50 Hz for 2 s."""
+    """Return a motion of three components, sampled at 50 Hz for 2 s."""
     rng = np.random.default_rng(seed)
     ax, ay, az = (np.convolve(rng.normal(size=101), np.ones(10), "same") for _ in range(3))
     return Motion.from_samples(0.02, 0.8 * ax, ay=0.6 * ay, az=0.3 * az, hold=hold)
 
 
 def waves(count: int = 11, size: float = 0.12, direction: float = 0.4) -> list[Motion]:
-    """Harmonic motions of 2 s."""
+    """Return harmonic motions of 2 s."""
     return [
         Motion.harmonic(size * (1.0 + 0.05 * k) * G, 1.0 + 0.05 * k, 2.0, direction=direction) for k in range(count)
     ]
@@ -64,7 +64,7 @@ def in_lanes(structure: Structure, motions: list[Motion], settle: float = 0.0, *
 
 
 def beside(restitution: float = 0.5) -> Structure:
-    """A slender drum between a stouter one and a box, and a wall behind the box: all kinds of contact."""
+    """Return a slender drum between a stouter one and a box, and a wall behind the box: all kinds of contact."""
     drum, box = {"shape": "drum", "diameter": 0.8, "density": 2500.0}, {"width": 0.6, "depth": 1.2, "density": 2500.0}
     blocks = [
         {"name": "stout", "on": "base", "at": [0.0, 0.0], **drum, "diameter": 1.2, "height": 2.4},
@@ -115,7 +115,7 @@ def test_peaks_are_those_of_close_runs(name: str) -> None:
 
 
 def test_runs_do_not_depend_on_their_neighbours() -> None:
-    """One by one, in other lanes, after others: equal bits."""
+    """Compare runs one by one, in other lanes, after others: equal bits."""
     structure, motions = trilith(0.3).with_settings(tolerance=1e-3), waves(size=0.2)
     together = in_lanes(structure, motions, settle=2.0)
     alone = [in_lanes(structure, [motion], settle=2.0)[0] for motion in motions[:3]]
@@ -127,7 +127,7 @@ def test_runs_do_not_depend_on_their_neighbours() -> None:
 
 
 def hits(count: int = 11) -> list[Motion]:
-    """Motions under which all pairs of `beside` meet."""
+    """Return motions under which all pairs of `beside` meet."""
     return [Motion.harmonic((0.35 + 0.03 * k) * G, 1.5 + 0.05 * k, 0.8, direction=0.1 * k) for k in range(count)]
 
 
@@ -144,7 +144,7 @@ def test_neighbours_meet_in_lanes_as_alone() -> None:
 
 
 def test_a_hit_in_one_lane_changes_no_bit_of_the_others() -> None:
-    """Runs that hit at other times, and one that does not: one by one, in other lanes."""
+    """Compare runs that hit at other times, and one that does not, one by one and in other lanes."""
     motions = [Motion.harmonic(0.02 * G, 1.0, 0.8), *hits(10)]
     structure = beside().with_settings(tolerance=1e-3)
     together = in_lanes(structure, motions)
@@ -174,7 +174,7 @@ def test_a_post_that_leans_stands_in_lanes_too() -> None:
 
 
 def test_runs_are_followed_to_their_verdict() -> None:
-    """Columns that fall, fall later, rock on or come to rest, as alone; the fall is at the same time."""
+    """Check that columns that fall, fall later, rock on or come to rest, as alone; the fall is at the same time."""
     structure = stack(2, damping=3e-3).with_settings(tolerance=1e-5)
     motions = [Motion.harmonic(0.05 * k * G, 0.7, 2.0, direction=0.3) for k in range(12)]
     found = in_lanes(structure, motions, settle=5.0)
@@ -192,7 +192,7 @@ def test_runs_are_followed_to_their_verdict() -> None:
 
 
 def test_a_structure_that_does_not_move_is_not_stepped_on() -> None:
-    """After a record without motion, as alone."""
+    """Follow it after a record without motion, as alone."""
     structure, motion = stack(1, damping=1e-2).with_settings(tolerance=1e-3), Motion.from_samples(0.1, np.zeros(3))
     alone = simulate(structure, motion, duration=60.0, settle=0.0, without=("elastic",))
     (found,) = in_lanes(structure, [motion], duration=60.0)
@@ -202,7 +202,9 @@ def test_a_structure_that_does_not_move_is_not_stepped_on() -> None:
 
 
 def test_many_runs_go_through_lanes_and_the_others_alone() -> None:
-    """Structures of two kinds, one of them too lightly damped for lanes; each gives the same bits in any company."""
+    """Run structures of two kinds, one of them too lightly damped for lanes; each gives the same bits in any
+    company.
+    """
     plain, light = trilith().with_settings(tolerance=1e-4), with_law(trilith(), damping=1e-8)
     structures = [replace(light, tolerance=1e-4) if k == 3 else plain for k in range(10)]
     structures[5] = stack(2).with_settings(tolerance=1e-4)
@@ -233,7 +235,7 @@ def test_an_arch_without_a_rest_has_fallen_and_is_named() -> None:
 
 
 def test_the_trilith_of_the_examples() -> None:
-    """The trilith of the examples under one record's worth of samples, in lanes and alone, to the same digits."""
+    """Run the trilith of the examples under one record's worth of samples, in lanes and alone, to the same digits."""
     structure = Structure.from_toml(TRILITH)
     motion = recorded(1)
     (found,) = in_lanes(structure, [motion])
@@ -244,7 +246,7 @@ def test_the_trilith_of_the_examples() -> None:
 
 @pytest.mark.parametrize("friction", [None, 0.4])
 def test_an_ensemble_in_lanes_is_that_of_runs_alone(friction: float | None, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Displacements over time within a tenth of the tolerance (measured: 0.01); some of the eight fall."""
+    """Check that displacements over time within a tenth of the tolerance (measured: 0.01); some of the eight fall."""
     structure, motion, spread = trilith(friction), waves(1, 0.5)[0], Spread(0.05, 0.05, 0.2)
     ensembles = []
     for lanes in (True, False):

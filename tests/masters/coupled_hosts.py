@@ -55,7 +55,7 @@ class Host(NamedTuple):
 
 
 def inside(way: Callable[..., Any], needed: str = "", **more: Any) -> Callable[[Path, str, int, float], Any]:
-    """A way of support/inside/systems.py, in a process of its own."""
+    """Return a way of support/inside/systems.py, in a process of its own."""
 
     def rows(folder: Path, partner: str, steps: int, step: float) -> Any:
         if needed == "ecospy":
@@ -68,7 +68,7 @@ def inside(way: Callable[..., Any], needed: str = "", **more: Any) -> Callable[[
 
 
 def in_c(folder: Path, partner: str, steps: int, step: float) -> Any:
-    """examples/coupling/master.c, compiled here."""
+    """Run examples/coupling/master.c, compiled here."""
     host = folder / "master"
     if not host.exists():
         run(found("cc"), "-O1", "-o", host, EXAMPLE / "master.c", "-ldl")
@@ -122,7 +122,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def error(host: Host, folder: Path, partner: str, step: float, truth: Any) -> float:
-    """Of the top, in parts of its peak; infinite where a host gives the run up. truth: every systems.STEP s."""
+    """Return the error of the top, in parts of its peak; infinite where a host gives the run up.
+
+    truth: every systems.STEP s.
+    """
     steps = round(len(truth) * systems.STEP / step)
     try:
         top = np.array(host.rows(folder, partner, steps, step))[:, 0]
@@ -134,7 +137,7 @@ def error(host: Host, folder: Path, partner: str, step: float, truth: Any) -> fl
 
 
 def said(errors: dict[float, float]) -> list[str]:
-    """Cells: the errors, the order, the longest step."""
+    """Return cells: the errors, the order, the longest step."""
     stable = [step for step in STEPS if all(errors[other] < STABLE for other in STEPS if other <= step)]
     shown = [f"{errors[step]:.1e}" if errors[step] < STABLE else "diverges" for step in SHOWN]
     *_, before, last = SHOWN

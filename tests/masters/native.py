@@ -52,7 +52,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _sanitized(column: Path, fmu: Path, folder: Path, sequences: int) -> int:
-    """Calls in any order to a library with sanitizers."""
+    """Call a library with sanitizers in any order."""
     if not shutil.which("gcc"):
         print(f"{'sanitizers':10} skipped: gcc is not installed")
         return 0

@@ -122,7 +122,9 @@ def _libpython() -> Path:
 
 
 def _outside_python(kind: str) -> dict[str, str]:
-    """The environment in which a host that is not Python finds Python, numpy and numba, where the FMU needs them."""
+    """Return the environment in which a host that is not Python finds Python, numpy and numba, where the FMU needs
+    them.
+    """
     if kind != PYTHON:
         return dict(os.environ)
     site = os.pathsep.join(path for path in sys.path if path.endswith("site-packages"))
@@ -153,7 +155,7 @@ def _forces(fmu: Path) -> Any:
 
 
 def _system(way: Callable[..., object], folder: Path, *as_fmpy: bool) -> str:
-    """A master that hands every value over once a step, and the same calls made one by one."""
+    """Run a master that hands every value over once a step, and the same calls made one by one."""
     seen = called(way, folder, "isolator", STEPS)
     return _agreement(seen, called(systems.one_pass, folder, "isolator", STEPS, *as_fmpy))
 
@@ -174,7 +176,7 @@ def validation(kind: str, fmu: Path) -> str:
 
 
 def c_host(kind: str, fmu: Path) -> str:
-    """Status, state and exit of a process that starts Python itself, or has none; coupled: master.c."""
+    """Return the status, state and exit of a process that starts Python itself, or has none; coupled: master.c."""
     _knows(kind, fmi_3="tests/masters/host.c speaks FMI 2.0")
     compiler = found("cc")
     with tempfile.TemporaryDirectory() as folder:
@@ -231,7 +233,7 @@ def toolbox(kind: str, fmu: Path) -> str:
 
 
 def pyfmi(kind: str, fmu: Path) -> str:
-    """Loading and 20 s with PyFMI's own master."""
+    """Load it, and run 20 s with PyFMI's own master."""
     needs("pyfmi")
     _knows(kind, fmi_3="co-simulation of FMI 2.0 only", ssp=NO_SSP)
     with tempfile.TemporaryDirectory() as folder:
@@ -240,14 +242,14 @@ def pyfmi(kind: str, fmu: Path) -> str:
 
 
 def _motion(folder: str) -> str:
-    """A file of inputs: without one the base stays still, and the FMU warns that it was never shaken."""
+    """Return a file of inputs: without one the base stays still, and the FMU warns that it was never shaken."""
     file = Path(folder) / "motion.csv"
     file.write_text('"time","base.ax"\n0,0\n0.5,0.5\n2,0.5\n', encoding="utf-8")
     return str(file)
 
 
 def fmusim(kind: str, fmu: Path) -> str:
-    """A run, and one in two parts through a state file."""
+    """Make a run, and one in two parts through a state file."""
     program = found("fmusim")
     _knows(kind, ssp=NO_SSP)
     with tempfile.TemporaryDirectory() as folder:
@@ -271,7 +273,7 @@ def fmusim(kind: str, fmu: Path) -> str:
 
 
 def fmu_check(kind: str, fmu: Path) -> str:
-    """The FMU Compliance Checker."""
+    """Run the FMU Compliance Checker."""
     program = found("fmuCheck.linux64")
     _knows(kind, fmi_3=ONLY_2, ssp=NO_SSP)
     with tempfile.TemporaryDirectory() as folder:
@@ -281,7 +283,7 @@ def fmu_check(kind: str, fmu: Path) -> str:
 
 
 def vdm_check(version: int) -> Callable[[str, Path], str]:
-    """The formal model of the rules of one version of FMI."""
+    """Run the formal model of the rules of one version of FMI."""
 
     def check(kind: str, fmu: Path) -> str:
         program = found(f"VDMCheck{version}.sh")
@@ -297,7 +299,7 @@ def vdm_check(version: int) -> Callable[[str, Path], str]:
 
 
 def omsimulator(kind: str, fmu: Path) -> str:
-    """OMSimulator from the command line; coupled, tests/coupling/test_coupling_hosts.py compares its results."""
+    """Run OMSimulator from the command line; coupled, tests/coupling/test_coupling_hosts.py compares its results."""
     program = found("OMSimulator")
     _knows(kind)
     if kind == FMI_3:

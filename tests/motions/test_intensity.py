@@ -59,7 +59,9 @@ def test_rectangular_pulse_is_exact() -> None:
 
 
 def test_spectrum_of_the_rectangular_pulse() -> None:
-    """Undamped: 2 while the pulse outlasts half a period, 2 sin(pi length / T) in the free vibration after it."""
+    """Compare undamped oscillators: 2 while the pulse outlasts half a period, 2 sin(pi length / T) in the free
+    vibration after it.
+    """
     period = np.geomspace(0.05, 20.0, 200)
     wanted = np.where(period < 2.0 * LENGTH, 2.0, 2.0 * np.sin(np.pi * LENGTH / period)) * A
     found = spectrum(PULSE, period, damping=0.0)
@@ -105,7 +107,7 @@ def test_spectrum_does_not_depend_on_how_a_straight_line_is_cut() -> None:
 
 
 def test_limits_of_the_spectrum() -> None:
-    """A stiff oscillator follows the base, a soft one stands still."""
+    """Check that a stiff oscillator follows the base, a soft one stands still."""
     motion = sampled(0.01)
     found = spectrum(motion, [0.02, 2000.0])
     assert found.psa[0] == pytest.approx(motion.pga, rel=2e-3)  # 3e-4 measured
@@ -179,7 +181,7 @@ def test_peak_of_one_history_is_that_of_several() -> None:
 
 @pytest.mark.parametrize("time", [[0.0, 1.0, 1e15], [0.0, 1e-15, 1.0], [0.0, 0.005, 1e7]])
 def test_spans_that_no_spectrum_can_follow(time: list[float]) -> None:
-    """A spectrum of them takes 256 GiB, or does not end."""
+    """Check that a spectrum of them takes 256 GiB, or does not end."""
     motion = Motion(np.array(time), np.array([0.0, 1.0, 0.5]), np.zeros(3), time[-1])
     with pytest.raises(InputError, match=r"time: samples .* s apart, must be closer and more even"):
         spectrum(motion)

@@ -236,7 +236,7 @@ def test_at2_headers(tmp_path: Path, size: str, units: str) -> None:
     ],
 )
 def test_recorded_ground_motions(records: Path, tmp_path: Path, name: str, count: int, dt: float, pga: float) -> None:
-    """Known by their content too."""
+    """Find them by their content too."""
     motion = Motion.from_at2(records / f"{name}.AT2")
     assert len(motion.time) == count
     assert motion.time[1] == dt

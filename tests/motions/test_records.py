@@ -53,7 +53,7 @@ def test_every_format_gives_the_same_samples(tmp_path: Path, case: Case, encodin
 
 
 def test_the_synthetic_record_uses_the_digits_of_its_formats() -> None:
-    """A tolerance is worth nothing if the samples are smaller than it; and columns do touch."""
+    """Check that a tolerance is worth nothing if the samples are smaller than it; and columns do touch."""
     assert np.max(np.abs(SAMPLES)) > 1.0
     assert max(case.off for case in CASES.values()) < 1e-5
     assert len(re.findall(r"E[-+]\d\d-\.", CASES["at2 touching"].text)) > 50
@@ -208,7 +208,7 @@ def test_units_go_by_their_usual_spellings(tmp_path: Path, name: str, units: flo
 @given(st.data())
 @pytest.mark.parametrize("name", [*{case.format: name for name, case in CASES.items()}.values(), *MORE])
 def test_a_spoiled_record_is_read_or_refused_in_one_line(tmp_path: Path, name: str, data: st.DataObject) -> None:
-    """Whatever is cut, doubled, moved or overwritten in its first lines: no other error, no number that is none."""
+    """Cut, double, move or overwrite its first lines: no other error, no number that is none."""
     case = CASES[name]
     lines = case.text.splitlines(keepends=True)
     first = 52 if "cosmos" in name else 22

@@ -42,7 +42,7 @@ def read(tmp_path: Path, text: str, **given: Any) -> Motion:
     ],
 )
 def test_decimal_commas_are_refused_where_they_are(tmp_path: Path, text: str, given: dict[str, float]) -> None:
-    """Not taken for two samples each: twice as many, 20 times as strong."""
+    """Refuse to take them for two samples each: twice as many, 20 times as strong."""
     with pytest.raises(InputError, match=rf"record\.txt: line 1: [-\d,]+ {COMMA} [-\d.]+ with a decimal point"):
         read(tmp_path, text, units="g", **given)
 
@@ -55,7 +55,7 @@ def test_commas_between_columns_stay(tmp_path: Path, text: str) -> None:
 
 
 def test_every_command_reads_tables_alike(tmp_path: Path) -> None:
-    """Between semicolons; decimal commas are named with their line."""
+    """Read them between semicolons; decimal commas are named with their line."""
     path = tmp_path / "table.csv"
     good, bad = "time;value\n0;0.5\n1;1.5\n2;0.25\n", "time;value\n0;0,5\n1;1,5\n2;0,25\n"
     for reads in (load_from_file, read_history):
@@ -72,7 +72,7 @@ def test_every_command_reads_tables_alike(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("count", [2, 3, 4, 5, 7])
 def test_tables_of_times_are_not_rows_of_samples(tmp_path: Path, count: int) -> None:
-    """With dt every number is a sample; the first column of these is none."""
+    """Check that with dt every number is a sample; the first column of these is none."""
     text = rows_of(TIME, *[k * IN_G for k in range(1, count)])
     for lines in (text, text + "1.0\n", rows_of(1.7e9 + TIME, *[IN_G] * (count - 1))):
         with pytest.raises(InputError, match="dt: must be left out, the first column increases as times do") as caught:
@@ -102,7 +102,7 @@ def test_times_of_too_few_digits_are_refused_with_dt_too(tmp_path: Path) -> None
 @pytest.mark.parametrize("begin", [1_700_000_000, 1_700_000_000_000, -2_000_000_000])
 @pytest.mark.parametrize("header", ["", "time,base.ax\n"])
 def test_times_since_1970_begin_at_0_and_it_is_said(tmp_path: Path, begin: int, header: str) -> None:
-    """The motion is that of times from 0, to the bit."""
+    """Check that the motion is that of times from 0, to the bit."""
     mark = "," if header else " "
     text = header + "".join(f"{begin + k // 100}.{k % 100:02d}{mark}{a:.6f}\n" for k, a in enumerate(SAMPLES))
     if begin < 0:
@@ -124,7 +124,7 @@ def test_times_that_keep_their_digits_stay(tmp_path: Path) -> None:
     "head", ["1\n0.01\n", "9.81 0.01\n", "200 0.01\n", "0.01 200\n", "200\n", "200\n0.02\n", "0.01\n981\n"]
 )
 def test_numbers_of_a_header_are_no_samples(tmp_path: Path, head: str) -> None:
-    """A count or a factor, and the step, above the samples."""
+    """Check a count or a factor, and the step, above the samples."""
     with pytest.raises(InputError, match="look like a header; must begin with # to be left out"):
         read(tmp_path, head + rows_of(IN_G), units="g", dt=DT)
     marked = "".join(f"# {line}\n" for line in head.splitlines())

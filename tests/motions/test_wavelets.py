@@ -25,13 +25,15 @@ W = 2.0 * np.pi * F
 
 
 def integrated(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
-    """Velocity and displacement of smooth samples by Simpson's rule."""
+    """Return the velocity and displacement of smooth samples by Simpson's rule."""
     velocity = cumulative_simpson(motion.ax, x=motion.time, initial=0.0)
     return velocity, cumulative_simpson(velocity, x=motion.time, initial=0.0)
 
 
 def test_ricker() -> None:
-    """It is minus the second derivative of a bell: the displacement is one, and velocity and displacement end at 0."""
+    """Check that it is minus the second derivative of a bell: the displacement is one, and velocity and displacement
+    end at 0.
+    """
     motion = ricker(A, F)
     assert motion.pga == A
     assert motion.time[np.argmax(motion.ax)] == pytest.approx(2.0 / F, rel=1e-12)
@@ -73,7 +75,7 @@ def test_one_cosine() -> None:
 @pytest.mark.parametrize("cycles", [1.5, 2.0, 3.7])
 @pytest.mark.parametrize("phase", [0.0, 0.5 * np.pi, 2.4])
 def test_mavroeidis_papageorgiou(cycles: float, phase: float) -> None:
-    """Integrated by Simpson's rule, its acceleration gives the published velocity, which is 0 at both ends."""
+    """Check that integrated by Simpson's rule, the acceleration gives the published velocity, 0 at both ends."""
     motion = mavroeidis_papageorgiou(0.7, F, cycles, phase)
     s = motion.time - 0.5 * cycles / F
     wanted = 0.35 * (1.0 + np.cos(W * s / cycles)) * np.cos(W * s + phase)
@@ -103,7 +105,7 @@ def test_noise_ends_without_velocity() -> None:
 
 
 def test_noise_has_the_spectrum_of_its_filter() -> None:
-    """The mean of many: Kanai and Tajimi's with Clough and Penzien's, within the scatter of the mean."""
+    """Compare the mean of many with Kanai and Tajimi's with Clough and Penzien's, within the scatter of the mean."""
     ground, damping, dt = 2.5, 0.3, 0.005
     count = 60
     runs = [filtered_noise(1.0, ground, 40.0, seed, damping, dt) for seed in range(count)]

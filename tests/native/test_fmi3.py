@@ -77,7 +77,7 @@ def test_the_base_is_one_terminal(native: Path, native3: Path) -> None:
 
 
 def test_bodies_at_the_base_are_terminals_too() -> None:
-    """An FMU built for two bodies has a terminal for each, with every input of it and nothing else."""
+    """Check that an FMU built for two bodies has a terminal for each, with every input of it and nothing else."""
     table = ColumnBody(Column.from_toml(DAMPED), Drive("body", "parabola", 2)).table()
     ports = terminals(table).iter("Terminal")
     found = {port.get("name"): [part.get("variableName") for part in port] for port in ports}
@@ -102,7 +102,7 @@ def driven_table(drive: str) -> list[Variable]:
 
 @pytest.mark.parametrize("scalars", [True, False])
 def test_points_of_blocks_are_terminals(tmp_path: Path, scalars: bool) -> None:
-    """One for each port, or one of arrays; its signals are loads, their slopes and the motion."""
+    """Find one for each port, or one of arrays; its signals are loads, their slopes and the motion."""
     file = tmp_path / "table.toml"
     block = "[[block]]\nheight = 1.0\nwidth = 1.0\ndepth = 1.0\ndensity = 2000.0\n"
     port = '[[port]]\nname = "{}"\nblock = "block{}"\nat = [0.0, 0.5]\n'

@@ -23,7 +23,7 @@ UNDAMPED: dict[str, object] = {f"joint[{i}].damping": 0.0 for i in (1, 2, 3)}
 
 
 def stack(folder: Path, n: int, joint: str) -> Path:
-    """A column of n blocks, no two alike, 14 m high; one FMU of each sort would be too many to name by hand."""
+    """Return a column of n blocks, no two alike, 14 m high; one FMU of each sort would be too many to name by hand."""
     blocks = "".join(
         f"[[block]]\nheight = {14.0 / n * (0.8 + 0.4 * (k % 3) / 2)}\nwidth = {1.5 + 0.02 * (k % 5)}\ndepth = 1.5\n"
         "density = 2400.0\n"
@@ -35,7 +35,7 @@ def stack(folder: Path, n: int, joint: str) -> Path:
 
 
 def compare(first: Path, second: Path, *values: dict[str, object]) -> list[tuple[bool, float]]:
-    """For each set of start values: whether all outputs have the same bits, and how far they are apart."""
+    """Return for each set of start values whether all outputs have the same bits, and how far they are apart."""
     return [(same, apart) for same, apart in call(inside.compare, first, second, values)]
 
 
@@ -55,7 +55,7 @@ def test_three_blocks_give_the_numbers_of_the_pythonfmu(fmus: Fmus, native: Path
 
 
 def test_faces_of_other_shapes_and_sizes(tmp_path: Path) -> None:
-    """A square on a smaller drum on a plank, all of which slide; contact faces that become too large."""
+    """Compare a square on a smaller drum on a plank, all of which slide; contact faces that become too large."""
     column = tmp_path / "mixed.toml"
     column.write_text(
         'name = "mixed"\njoint = {stiffness = 4e9, damping = 2e-3, friction = 0.3}\n'
@@ -84,7 +84,7 @@ def test_one_and_fifty_blocks(tmp_path: Path, n: int, joint: str) -> None:
 
 
 def test_joints_of_mortar(tmp_path: Path) -> None:
-    """Through cracks, a joint that breaks and one that slides."""
+    """Compare through cracks, a joint that breaks and one that slides."""
     column = ROOT / "examples" / "columns" / "mortar.toml"
     native = Fmus.build(column, tmp_path / "native.fmu", *LINUX)
     python = Fmus.build(column, tmp_path / "python.fmu")
@@ -158,7 +158,7 @@ def test_round_hollow_and_chipped_joints(tmp_path: Path) -> None:
 
 
 def test_joints_that_slide(fmus: Fmus, native: Path) -> None:
-    """Friction set as a parameter: outputs, parameters and a state kept while a joint slides, in both FMUs."""
+    """Set friction as a parameter: outputs, parameters and a state kept while a joint slides, in both FMUs."""
     results = compare(
         native,
         fmus.damped,
@@ -189,7 +189,7 @@ def test_fmpy_is_content_and_python_is_not_needed(native: Path) -> None:
 
 
 def test_the_two_fmus_differ_in_capabilities_only(fmus: Fmus, native: Path) -> None:
-    """And in the words about `base.record`: the native one reads no files."""
+    """Check the words about `base.record`: the native one reads no files."""
 
     def variables(fmu: Path) -> str:
         with zipfile.ZipFile(fmu) as archive:
@@ -239,7 +239,7 @@ def test_directional_derivatives_are_the_effective_mass(native: Path) -> None:
 def test_directional_derivatives_by_the_rotation_of_the_base(
     native: Path, name: str, step: float, least: float
 ) -> None:
-    """Against differences of what the instance shows; by alpha, in which it is linear, they round to 8e-6."""
+    """Compare with differences of what the instance shows; by alpha, in which it is linear, they round to 8e-6."""
     found, differences = np.array(call(inside.by_rotation, native, f"base.{name}", step))
     size = np.abs(differences) + 1e-6 * np.max(np.abs(differences))
     assert np.max(np.abs(differences)) > 1.0

@@ -39,7 +39,7 @@ FORMATS = {
 
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The damped example for all platforms."""
+    """Return the damped example for all platforms."""
     return built_once(tmp_path_factory, "all_platforms.fmu", lambda path: Fmus.build(DAMPED, path, "--native"))
 
 
@@ -126,7 +126,7 @@ def test_without_ziglang_the_build_says_so(
 
 
 def written(folder: Path) -> Path:
-    """A folder with the header files of the damped example."""
+    """Return a folder with the header files of the damped example."""
     folder.mkdir()
     for name, text in table.headers(contents_of(read_body(DAMPED))).items():
         (folder / name).write_text(text, encoding="utf-8")
@@ -134,7 +134,7 @@ def written(folder: Path) -> Path:
 
 
 def compile_core(folder: Path) -> str:
-    """The compiler's messages about core.c with the headers in a folder; nothing if it is content."""
+    """Return the compiler's messages about core.c with the headers in a folder; nothing if it is content."""
     core = library.sources(2)[0]
     options = ("-std=c11", "-Wall", "-Wextra", "-Werror", "-c", f"-I{folder}", core, "-o", folder / "core.o")
     return finish(sys.executable, "-m", "ziglang", "cc", *options).stderr
@@ -150,7 +150,7 @@ def test_the_core_knows_no_names_of_a_standard() -> None:
 
 
 def test_every_kernel_is_given_all_its_arguments_by_name() -> None:
-    """An argument that a list of named initializers leaves out is zero, and no compiler says so."""
+    """Check that an argument that a list of named initializers leaves out is zero, and no compiler says so."""
     core = library.sources(2)[0].read_text(encoding="utf-8")
     groups = {
         name: re.findall(r"\.(\w+) = ", text)

@@ -32,7 +32,7 @@ def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def files(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
-    """The files to be compiled, as the model description lists them."""
+    """Return the files to be compiled, as the model description lists them."""
     folder = Path(extract(str(fmu), unzipdir=tmp_path_factory.mktemp("unpacked")))
     root = ElementTree.parse(folder / "modelDescription.xml").getroot()
     found = [folder / "sources" / str(file.get("name")) for file in root.findall("CoSimulation/SourceFiles/File")]
@@ -41,7 +41,7 @@ def files(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
 
 
 def displacement(fmu: Path, library: Path, folder: Path) -> float:
-    """Of the top, under the C host; fails unless it ends with 0."""
+    """Return the displacement of the top, under the C host; fails unless it ends with 0."""
     guid = read_model_description(str(fmu)).guid
     once, again = map(float, run(c_host(folder), library, "file:///nowhere", guid, "1", "10001").split())
     assert once == again
@@ -67,7 +67,9 @@ def test_a_compiler_makes_the_library_of_it(fmu: Path, files: list[Path], tmp_pa
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
 @pytest.mark.parametrize("option", ["-flto", "-fsanitize=address"])
 def test_it_links_with_what_gcc_adds_to_the_code(fmu: Path, files: list[Path], tmp_path: Path, option: str) -> None:
-    """Directives that the compiler writes after the assembly go to the section of code, not to one the linker drops."""
+    """Check that directives that the compiler writes after the assembly go to the section of code, not to one the
+    linker drops.
+    """
     library = tmp_path / "column.so"
     run("gcc", *OPTIONS, option, "-DFMI2_OVERRIDE_FUNCTION_PREFIX", *files, "-lm", "-o", library)
     if option == "-flto":  # the other wants its own library loaded first

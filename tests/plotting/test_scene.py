@@ -37,7 +37,7 @@ def in_plane() -> Any:
 
 
 def contents(path: Path) -> tuple[Any, bytes]:
-    """JSON and buffer of a .glb."""
+    """Return JSON and buffer of a .glb."""
     data = path.read_bytes()
     assert data[:4] == b"glTF"
     assert int.from_bytes(data[8:12], "little") == len(data)
@@ -46,7 +46,7 @@ def contents(path: Path) -> tuple[Any, bytes]:
 
 
 def numbers(gltf: Any, data: bytes, accessor: int) -> Any:
-    """The numbers of an accessor."""
+    """Return the numbers of an accessor."""
     found = gltf["accessors"][accessor]
     view, size = gltf["bufferViews"][found["bufferView"]], {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[found["type"]]
     kind = {5126: "<f4", 5125: "<u4"}[found["componentType"]]
@@ -55,13 +55,13 @@ def numbers(gltf: Any, data: bytes, accessor: int) -> Any:
 
 
 def rotated(q: Any, points: Any) -> Any:
-    """Points turned by a quaternion, the real part last."""
+    """Return the points turned by a quaternion, the real part last."""
     across = np.cross(q[:3], points)
     return points + 2.0 * (q[3] * across + np.cross(q[:3], across))
 
 
 def vertices_of(path: Path, t: float) -> dict[str, tuple[Any, Any]]:
-    """By name of the body: its vertices about its centroid as built, and in the scene at t, in m, z up."""
+    """Return by name of the body its vertices about its centroid as built, and in the scene at t, in m, z up."""
     gltf, data = contents(path)
     found = {}
     (animation,) = gltf["animations"]
@@ -140,7 +140,9 @@ def test_rows_of_a_column_turn_as_in_space() -> None:
 def test_results_of_an_fmu_move_the_blocks_inside_it(
     which: str, request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """By the numbers of the blocks, as an FMU has them, or by plain names; the same places as from the response."""
+    """Move them by the numbers of the blocks, as an FMU has them, or by plain names; the same places as from the
+    response.
+    """
     response = request.getfixturevalue(which)
     model, labels = response.model, {1: "block[{}].{}", 0: "block{}.{}"}[which == "in_plane"]
     bodies, _ = parts_of(model)
@@ -165,7 +167,7 @@ def test_results_of_an_fmu_move_the_blocks_inside_it(
 
 
 def test_a_page_of_many_blocks_for_20_s_has_3_mb_at_most(in_space: Any, tmp_path: Path) -> None:
-    """The rows are fewer where there are many blocks. 2.5 MB was measured."""
+    """Check that the rows are fewer where there are many blocks. 2.5 MB was measured."""
     n, rows = 200, 2001
     drum = {"shape": "drum", "diameter": 1.0, "height": 1.0, "mass": 2000.0}
     blocks = [{"name": f"b{i}", "on": f"b{i - 1}" if i else "base", **drum} for i in range(n)]
@@ -178,7 +180,7 @@ def test_a_page_of_many_blocks_for_20_s_has_3_mb_at_most(in_space: Any, tmp_path
 
 
 def test_the_base_moves_by_its_displacement_without_drift() -> None:
-    """A harmonic of acceleration drifts; what is left has its amplitude, a over omega squared, to 3 %."""
+    """Check that a harmonic of acceleration drifts; what is left has its amplitude, a over omega squared, to 3 %."""
     path = _path_of_base(Motion.harmonic(2.0, 2.0, 20.0), np.linspace(0.0, 20.0, 4001))
     assert np.max(np.abs(path[200:-200, 0])) == pytest.approx(2.0 / (4.0 * np.pi) ** 2, rel=0.1)
     assert np.max(np.abs(path[:, 1:])) == 0.0
@@ -215,7 +217,7 @@ def test_a_page_fetches_nothing_and_is_small(in_space: Any, tmp_path: Path) -> N
 
 
 def test_walls_are_drawn_where_they_stand(tmp_path: Path) -> None:
-    """As far as they are near the blocks, in a page, a .glb and files for ParaView; seen from the blocks."""
+    """Draw them as far as they are near the blocks, in a page, a .glb and files for ParaView; seen from the blocks."""
     structure = Structure.from_toml(ROOT / "examples" / "structures" / "facade.toml")
     (wall,) = walls_of(structure)
     points = wall.centroid + wall.surfaces[0].points

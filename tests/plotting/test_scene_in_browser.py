@@ -66,7 +66,7 @@ def opened(browser: Browser, folder: Path) -> Browser:
 
 
 def in_pixels(browser: Browser, points: Any) -> Any:
-    """Where the camera of the page has points, m (k, 3): px (k, 2)."""
+    """Return the places of points, m (k, 3), in the camera of the page: px (k, 2)."""
     eye = np.array(browser.evaluate("camera()")).reshape(4, 4).T
     seen = np.column_stack([points, np.ones(len(points))]) @ eye.T
     width, height = browser.evaluate("[canvas.width, canvas.height]")
@@ -87,14 +87,14 @@ def box_of(pixels: Any) -> Any:
 
 
 def places(response: Any, k: int, i: int) -> Any:
-    """Where the corners of a block of a structure are at a row, by `response.displacement`, m (corners, 3)."""
+    """Return the places of the corners of a structure's block at a row, by `response.displacement`, m (corners, 3)."""
     block = response.model.blocks[i]
     own = (block.corners - block.centroid) @ block.axes
     return np.array([block.centroid + block.axes @ one + response.displacement(i, one)[k] for one in own])
 
 
 def places_of_top(response: Any, k: int) -> Any:
-    """Where the corners of the top block of an upright column are at a row, by its outputs, m (8, 3)."""
+    """Return the places of the corners of the top block of an upright column at a row, by its outputs, m (8, 3)."""
     block, tall = response.model.blocks[0], sum(block.height for block in response.model.blocks)
     rise, theta = block.height - block.resolved_centroid, response.ry[k, 0]
     cos, sin = np.cos(theta), np.sin(theta)
@@ -174,7 +174,7 @@ def test_the_validator_of_khronos_has_nothing_to_say(podium: tuple[Any, Path], c
 
 
 def test_three_js_moves_the_blocks_as_the_response_says(podium: tuple[Any, Path]) -> None:
-    """At rows, between which it blends: 3e-8 m was measured."""
+    """Compare at rows, between which it blends: 3e-8 m was measured."""
     response, folder = podium
     if not (Path(os.environ.get("NODE_PATH", "")) / "three" / "package.json").is_file():
         pytest.skip("no three here: npm install three, and NODE_PATH")

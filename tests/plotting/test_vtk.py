@@ -27,7 +27,7 @@ def series(folder: Path, name: str) -> Iterator[tuple[float, Any]]:
 
 
 def largest(mesh: Any, count: int) -> Any:
-    """The largest pressure of each joint, Pa."""
+    """Return the largest pressure of each joint, Pa."""
     found = np.zeros(count)
     for cells, joints in zip(mesh.cells, mesh.cell_data["joint"], strict=True):
         np.maximum.at(found, joints - 1, mesh.point_data["pressure"][cells.data].max(axis=1))
@@ -53,7 +53,7 @@ def test_blocks_of_a_structure_are_where_they_move_to(tmp_path: Path) -> None:
 
 
 def test_pressures_are_those_of_the_response(tmp_path: Path) -> None:
-    """Undamped, else the response has the part of damping too: 1.5e-12 of the largest was measured."""
+    """Compare undamped, else the response has the part of damping too: 1.5e-12 of the largest was measured."""
     block = {"height": 4.69, "width": 1.56, "depth": 1.56, "mass": 27000.0, "repeat": 3}
     column = Column.from_dict({"name": "undamped", "joint": {"stiffness": 5.2e9, "damping": 0.0}, "block": [block]})
     response = simulate(column, SHAKING, check=False, settle=0.0)

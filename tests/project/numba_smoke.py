@@ -1,4 +1,4 @@
-"""What must have equal bits under every version of numba, printed a number a line: a run, lanes, and a PythonFMU.
+"""Results that must have equal bits under every version of numba, one a line: a run, lanes, and a PythonFMU.
 
     python tests/project/numba_smoke.py [--fmu FILE [--only-fmu] | --without-fmu]
 
@@ -47,7 +47,7 @@ def main() -> None:
 
 
 def run_and_lanes() -> None:
-    """A run of one column, and of many in lanes."""
+    """Return a run of one column, and of many in lanes."""
     column = Column.from_toml(COLUMN)
     run = simulate(column, Motion.harmonic(0.05 * STANDARD_GRAVITY, 2.0, 20.0))
     say("run", run.peak_top_ux[0], math.fsum(run.ux.ravel()))  # numpy's sums differ between its versions
@@ -57,7 +57,7 @@ def run_and_lanes() -> None:
 
 
 def run_fmu(fmu: Path) -> None:
-    """Sums over the outputs of an FMU, which is built if it does not exist."""
+    """Return the sums over the outputs of an FMU, which is built if it does not exist."""
     if not fmu.exists():
         build_fmu(COLUMN, fmu)
     found = simulate_fmu(str(fmu), stop_time=1.0, output_interval=0.05, input=ramp())
@@ -66,14 +66,14 @@ def run_fmu(fmu: Path) -> None:
 
 
 def ramp() -> np.ndarray:
-    """A ramp of the base acceleration, m/s2, as FMPy takes inputs; the others are 0."""
+    """Return a ramp of the base acceleration, m/s2, as FMPy takes inputs; the others are 0."""
     given = np.zeros(2, dtype=[(name, np.float64) for name in ("time", "base.ax", *OTHER_INPUTS)])
     given["time"] = given["base.ax"] = (0.0, 1.0)
     return given
 
 
 def say(what: str, *numbers: float) -> None:
-    """The numbers, all digits; the processor time so far, with that of child processes, goes to stderr."""
+    """Print the numbers, all digits; the processor time so far, with that of child processes, goes to stderr."""
     print(what, *(repr(float(number)) for number in numbers), flush=True)
     if not what.startswith("fmu"):
         print(f"{what}: {sum(os.times()[:4]):.1f} s of processor time so far", file=sys.stderr)

@@ -117,7 +117,7 @@ def test_evaluation_in_c_agrees_to_rounding(n, tmp_path):
 
 @pytest.mark.parametrize("n", [1, 3, 8])
 def test_evaluation_in_c_in_held_regimes(n, tmp_path):
-    """Whatever the regime that a joint is held in: the same resultants to rounding, the same joints outside."""
+    """Compare in every regime that a joint is held in: the same resultants to rounding, the same joints outside."""
     try:
         library = evaluation.compiled_c(tmp_path)
     except OSError as error:
@@ -161,7 +161,7 @@ def test_articulated_recursion_agrees_to_rounding(n):
 
 
 def test_evaluation_in_lanes_is_that_of_one_column():
-    """Eight different columns in different states, next to each other."""
+    """Compare eight different columns in different states, next to each other."""
     n = 3
     rng = np.random.default_rng(1)
     columns = [random_column(rng, n) for _ in range(WIDTH)]
@@ -436,7 +436,9 @@ def test_the_fmus_benchmark_prints_a_figure_for_each_part() -> None:
 
 @pytest.mark.parametrize("scene", sliding.scenes()[1:], ids=lambda scene: scene.name)
 def test_regularized_friction_comes_to_that_of_the_solver_as_its_width(scene):
-    """Another formulation without any decision: free bodies in the plane, friction that is a smooth function."""
+    """Compare with another formulation without any decision: free bodies in the plane, friction that is a smooth
+    function.
+    """
     times = grid(scene.duration)
     closest = simulate(scene.column, scene.motion, scene.duration, tolerance=1e-10, settle=0.0)
     assert np.max(np.abs(closest.slip)) > 1e-3
@@ -450,7 +452,7 @@ def test_regularized_friction_comes_to_that_of_the_solver_as_its_width(scene):
 
 
 def test_loosest_tolerance_within_an_error_is_found() -> None:
-    """Of runs whose error is thrice their tolerance: the loosest of those tried is 3e-4."""
+    """Search runs whose error is thrice their tolerance: the loosest of those tried is 3e-4."""
 
     def way(tolerance: float) -> Any:
         return SimpleNamespace(ux=np.array([1.0, 3.0 * tolerance]))

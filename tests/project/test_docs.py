@@ -25,7 +25,7 @@ def sources() -> list[Path]:
 
 
 def prose(text: str) -> list[tuple[int, str]]:
-    """Lines with their numbers, without code, tables, and links that stand alone."""
+    """Return the lines with their numbers, without code, tables, and links that stand alone."""
     lines, code = [], False
     for number, line in enumerate(text.splitlines(), start=1):
         if line.startswith("```"):
@@ -36,12 +36,14 @@ def prose(text: str) -> list[tuple[int, str]]:
 
 
 def name_of(page: Path) -> str:
-    """A page as it is named in the results: its path in the project."""
+    """Return a page as it is named in the results: its path in the project."""
     return page.relative_to(ROOT).as_posix()
 
 
 def anchors(page: Path) -> set[str]:
-    """The fragments by which the sections of a page are linked: lower case, hyphens for blanks, no punctuation."""
+    """Return the fragments by which the sections of a page are linked: lower case, hyphens for blanks, no
+    punctuation.
+    """
     titles = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
     return {re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-") for title in titles}
 
@@ -69,7 +71,7 @@ def test_lines_are_wrapped() -> None:
 
 
 def test_no_line_begins_as_a_comment() -> None:
-    """The site leaves out lines that begin with a per cent sign."""
+    """Check that the site leaves out lines that begin with a per cent sign."""
     lines = [(name_of(page), line) for page in PAGES for _, line in prose(page.read_text(encoding="utf-8"))]
     assert [page for page, line in lines if line.lstrip().startswith("%")] == []
 
@@ -106,7 +108,7 @@ def test_programs_import_the_public_interface() -> None:
 
 
 def test_files_of_python_that_code_names_exist() -> None:
-    """By the end of their path, in comments, docstrings and messages."""
+    """Look for them by the end of their path, in comments, docstrings and messages."""
     have = [f"/{name_of(file)}" for file in [*sources(), *(ROOT / "docs").glob("*.py")]]
     named: dict[str, str] = {}
     for file in sources():

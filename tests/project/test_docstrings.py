@@ -13,30 +13,31 @@ from support.fmus import ROOT
 FOLDERS = (
     *("build_fmu.py", "fmu_src", "multiblock", "solver/checks", "solver/commands", "solver/common", "solver/ground"),
     *("solver/kernels", "solver/models", "solver/plotting", "solver/runs", "solver/statics", "solver/studies"),
+    *("tests", "benchmarks", "validation", "stress", "examples"),
 )
 # what docstrings of functions may begin with: D401 of ruff refuses other forms of verbs, and accepts all other words
 VERBS = """
     Abort Accept Accumulate Add Adjust Advance Align Allow Append Apply Arrange Ask Assemble Assert Assign
-    Attach Average Avoid Begin Bind Bisect Bound Bracket Branch Bring Broadcast Build Cache Calculate Calibrate
-    Call Cap Carry Change Check Choose Classify Clear Clip Close Collect Combine Compare Compile Complete
-    Compute Concatenate Connect Convert Copy Correct Count Crack Create Cut Damp Decide Declare Decode Decorate
-    Deduplicate Define Delete Describe Detect Determine Differentiate Disable Discard Dispatch Display Divide Do
-    Draw Drive Drop Emit Enable Encode End Ensure Enter Estimate Evaluate Evict Examine Exchange Execute Exit
-    Expand Export Extend Extract Extrapolate Factor Factorize Fetch Fill Filter Find Finish Fit Flag Fold Follow
-    Forget Format Free Freeze Generate Get Give Group Guard Guess Handle Hash Hold Identify Ignore Import
-    Include Increment Initialize Insert Install Instantiate Integrate Interpolate Interpret Interrupt Invert
-    Iterate Join Keep Label Lay Leave Let Limit Line Link List Load Locate Look Loosen Lower Make Map Mark Mask
-    Match Measure Merge Minimize Mirror Move Multiply Name Negate Normalize Note Offer Open Optimize Override
-    Pack Pad Parse Partition Pass Patch Pause Perform Perturb Pick Pickle Place Play Plot Pop Pose Post Predict
-    Prepare Press Print Probe Process Produce Project Propagate Provide Pull Push Put Quantify Query Raise
-    Randomize Rank Rate Reach Read Rebuild Recall Recompute Record Recover Reduce Refine Refuse Register Reject
-    Release Reload Remember Remove Rename Render Renew Repeat Replace Report Represent Require Reset Reshape
-    Resolve Rest Restore Restrict Return Reuse Rewind Rewrite Rotate Round Run Sample Save Scale Scan Search See
-    Select Send Separate Serialize Set Settle Shift Shorten Show Shrink Simplify Simulate Skip Slide Smooth
-    Solve Sort Span Split Spread Stack Start State Stop Store Strip Subscribe Substitute Subtract Sum Suppress
-    Suspend Swap Sweep Switch Tabulate Take Tell Terminate Test Tilt Time Trace Track Transform Translate
-    Transpose Treat Truncate Try Turn Unpack Unzip Update Use Validate Vary Verify Visit Wait Walk Warn Weigh
-    Widen Wrap Write Yield Zero Zip
+    Attach Average Avoid Begin Bind Bisect Bound Bracket Branch Break Bring Broadcast Build Cache Calculate
+    Calibrate Call Cap Carry Change Check Choose Classify Clear Clip Close Collect Combine Compare Compile
+    Complete Compute Concatenate Connect Convert Copy Correct Count Couple Crack Create Cut Damp Decide Declare
+    Decode Decorate Deduplicate Define Delete Describe Detect Determine Differentiate Disable Discard Dispatch
+    Display Divide Do Draw Drive Drop Emit Enable Encode End Ensure Enter Estimate Evaluate Evict Examine
+    Exchange Execute Exit Expand Export Extend Extract Extrapolate Factor Factorize Fetch Fill Filter Find
+    Finish Fit Flag Fold Follow Forget Format Free Freeze Generate Get Give Group Guard Guess Handle Hash Hit
+    Hold Identify Ignore Import Include Increment Initialize Insert Install Instantiate Integrate Interpolate
+    Interpret Interrupt Invert Iterate Join Judge Keep Kill Label Lay Lead Leave Let Limit Line Link List Load
+    Locate Look Loosen Lower Make Map Mark Mask Match Measure Merge Minimize Mirror Move Multiply Name Negate
+    Normalize Note Offer Open Optimize Override Overwrite Pack Pad Parse Partition Pass Patch Pause Perform
+    Perturb Pick Pickle Place Play Plot Pop Pose Post Predict Prepare Press Print Probe Process Produce Project
+    Propagate Provide Pull Push Put Quantify Query Raise Randomize Rank Rate Reach Read Rebuild Recall Recompute
+    Record Recover Reduce Refine Refuse Register Reject Release Reload Remember Remove Rename Render Renew
+    Repeat Replace Report Represent Require Reset Reshape Resolve Rest Restore Restrict Return Reuse Rewind
+    Rewrite Rotate Round Run Sample Save Scale Scan Search See Select Send Separate Serialize Serve Set Settle
+    Shake Shift Shorten Show Shrink Simplify Simulate Skip Slide Smooth Solve Sort Span Split Spread Stack Start
+    State Step Stop Store Strip Subscribe Substitute Subtract Sum Suppress Suspend Swap Sweep Switch Tabulate
+    Take Tell Terminate Test Throw Tilt Time Trace Track Transform Translate Transpose Treat Truncate Try Turn
+    Unpack Unzip Update Use Validate Vary Verify Visit Wait Walk Warn Weigh Widen Wrap Write Yield Zero Zip
 """
 
 
@@ -76,7 +77,7 @@ class Face:
 
 
 def test_long_kernels_have_comments() -> None:
-    """Every function of 15 lines and more has one; measured 9.4 % of all lines have one."""
+    """Check that every function of 15 lines and more has one; measured 10.4 % of all lines have one."""
     missing, comments, lines = [], 0, 0
     for file in sorted((ROOT / "solver" / "kernels").rglob("*.py")):
         text = file.read_text(encoding="utf-8")
@@ -93,7 +94,7 @@ def test_long_kernels_have_comments() -> None:
             if places.isdisjoint(range(node.lineno, (node.end_lineno or 0) + 1))
         ]
     assert missing == []
-    assert comments > 0.06 * lines
+    assert comments > 0.08 * lines
 
 
 def body_lines(function: ast.FunctionDef) -> int:

@@ -35,13 +35,13 @@ def read(path: Path) -> list[dict[str, str]]:
 
 
 def is_picture(path: Path) -> bool:
-    """Whether a file is a PNG of a readable size with something on it."""
+    """Return True if a file is a PNG of a readable size with something on it."""
     pixels = imread(path)
     return bool(pixels.shape[0] > 500 and pixels.shape[1] > 1000 and np.std(pixels[..., :3]) > 0.05)
 
 
 def too_stiff(folder: Path) -> Path:
-    """The Column of Phocas with joints too stiff for its step."""
+    """Return the Column of Phocas with joints too stiff for its step."""
     file = folder / "stiff.toml"
     text = PHOCAS.read_text(encoding="utf-8")
     file.write_text(text.replace("stiffness = 5226944450.0", "stiffness = 5e13"), encoding="utf-8")
@@ -221,7 +221,9 @@ def test_sweep_records_overturning(figure3: ModuleType) -> None:
 
 
 def runs_like_the_paper(figure3: ModuleType) -> list:
-    """At 0.05 g 2 Hz moves the column most; at 0.1 g the lower the frequency the more, until it falls."""
+    """Return True if 0.05 g at 2 Hz moves the column most; at 0.1 g the lower the frequency the more, until it
+    falls.
+    """
     peaks = {0.05: {0.25: 2.0, 1.5: 57.0, 2.0: 31.0, 3.0: 12.0}, 0.1: {0.25: 7000.0, 1.5: 80.0, 2.0: 52.0, 3.0: 19.0}}
     return [
         figure3.Run(a, f, 1e-3 * peak * np.array([1.0, 0.6, 0.3]), 9.5 if (a, f) == (0.1, 0.25) else math.nan)
@@ -268,7 +270,7 @@ def test_caption_compares_like_with_like_only(figure3: ModuleType) -> None:
 
 @pytest.mark.campaign
 def test_what_ties_do(tmp_path: Path) -> None:
-    """Both runs under a second of shaking: ties bear forces, and the architraves slide apart less."""
+    """Run both for a second of shaking: ties bear forces, and the architraves slide apart less."""
     time = np.arange(101) / 100.0
     rows = zip(time, 3.0 * np.sin(4.0 * math.pi * time), strict=True)
     record = tmp_path / "record.csv"

@@ -53,7 +53,7 @@ def text_of(name: str) -> str:
 
 
 def modules_with(function: str, folder: Path) -> list[str]:
-    """The names of the modules in a folder that define a function."""
+    """Return the names of the modules in a folder that define a function."""
     return sorted(file.stem for file in folder.glob("*.py") if f"\ndef {function}(" in file.read_text(encoding="utf-8"))
 
 
@@ -86,7 +86,7 @@ def test_formats_of_records_are_complete() -> None:
 
 
 def moments(whole: FaceShape) -> tuple[float, float, float]:
-    """Area, second moment and largest distance of two points, by the depths of a face."""
+    """Return the area, second moment and largest distance of two points, by the depths of a face."""
     s = whole.width * ((np.arange(4000) + 0.5) / 4000 - 0.5)
     depth = np.array([deepest(whole, place, place) for place in s])
     weight = depth * whole.width / len(s)
@@ -95,7 +95,9 @@ def moments(whole: FaceShape) -> tuple[float, float, float]:
 
 @pytest.mark.parametrize("name", [name for name in SECTIONS if name != "strips"])
 def test_functions_of_a_section_fit_together(name: str) -> None:
-    """Area and diameter of a whole face by its depths; the contact on the base by its parts; a part of its picture."""
+    """Compare area and diameter of a whole face by its depths; the contact on the base by its parts; a part of its
+    picture.
+    """
     forgotten = []
     whole = face_of(float(SECTIONS.index(name)), 0.8, 0.6, 0.3)
     area, second = face(*whole)
@@ -126,7 +128,7 @@ def test_kernels_refuse_a_section_that_they_do_not_know() -> None:
 
 
 def spaces_of_block(i: int) -> int:
-    """The index of the numbers of block i, from 0, in the description of a column."""
+    """Return the index of the numbers of block i, from 0, in the description of a column."""
     return description.GIVEN_SETTINGS.beside + description.GIVEN.beside * i
 
 

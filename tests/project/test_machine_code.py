@@ -65,7 +65,7 @@ def test_every_entry_belongs_to_a_group_whose_module_defines_it() -> None:
 
 @pytest.mark.parametrize("module", [entries, of_paper])
 def test_a_column_needs_no_group_but_its_own(module: ModuleType) -> None:
-    """An FMU carries that group, and the one of joints."""
+    """Check that an FMU carries that group, and the one of joints."""
     used = {item.group for item in vars(module).values() if isinstance(item, Entry)}
     assert used - {"statics"} == {module.run.group, *(group for group in used if "lanes" in group)}
 
@@ -249,7 +249,7 @@ def test_no_native_fmu_is_linked_with_planted_code(monkeypatch: pytest.MonkeyPat
 
 @pytest.mark.skipif(os.name == "nt", reason="folders of a user on Windows are his own")
 def test_a_folder_that_all_may_add_to_stays_so(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """As /tmp, whose owner would close it to all others."""
+    """Check a folder as /tmp, whose owner would close it to all others."""
     shared = tmp_path / "shared"
     shared.mkdir()
     shared.chmod(0o1777)

@@ -1,4 +1,4 @@
-"""What knows a model knows its protocol only: classes are asked for where files and arguments are read."""
+"""The rule that code knows the protocol of a model only: classes are asked for where files and arguments are read."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MOST = 2
 
 
 def asked(file: Path) -> list[str]:
-    """Lines of a file that ask whether something is a column or a structure, or the response of one."""
+    """Return the lines of a file that ask whether something is a column or a structure, or the response of one."""
     found = []
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "isinstance":
@@ -34,7 +34,7 @@ def test_classes_of_models_are_hardly_asked_for() -> None:
 
 
 def test_kinds_answer_what_their_protocol_leaves_open() -> None:
-    """Fields without a value, and methods that raise NotImplementedError."""
+    """Find fields without a value, and methods that raise NotImplementedError."""
     values, methods = vars(protocol.Kind), inspect.getmembers(protocol.Kind, inspect.isfunction)
     open_fields = {name for name in protocol.Kind.__annotations__ if name not in values}
     open_methods = {name for name, method in methods if "raise NotImplementedError" in inspect.getsource(method)}

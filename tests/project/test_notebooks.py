@@ -20,7 +20,7 @@ OURS = ("<Column", "<Motion", "<Response", "<Table", "<Study", "<Results")
 
 
 def texts(notebook: Any) -> list[list[str]]:
-    """The texts of every cell that are this project's own: pandas and xarray lay theirs out by their version."""
+    """Return the texts of every cell that are this project's own: pandas and xarray lay theirs out by their version."""
     found = []
     for cell in notebook.cells:
         shown = [output.get("text") or output["data"]["text/plain"] for output in cell.get("outputs", ())]

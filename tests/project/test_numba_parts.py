@@ -21,7 +21,7 @@ PUBLIC = {"numba", "numba.extending", "numba.types", "llvmlite", "llvmlite.bindi
 
 
 def imported(file: Path) -> set[str]:
-    """Modules of numba and llvmlite that a file imports."""
+    """Return the modules of numba and llvmlite that a file imports."""
     found: set[str] = set()
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):

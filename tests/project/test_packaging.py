@@ -33,7 +33,7 @@ PIP: list[str | Path] = [sys.executable, "-m", "pip", "-q", "--disable-pip-versi
 
 
 def wheel_in(folder: Path, **environment: str) -> Path:
-    """The wheel of the project, built in a folder."""
+    """Return the wheel of the project, built in a folder."""
     source = folder / "source"  # a copy: a build leaves files behind
     for name in ("solver", "fmu_src", "multiblock", "examples"):
         shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
@@ -47,7 +47,9 @@ def wheel_in(folder: Path, **environment: str) -> Path:
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder that the wheel is installed in, away from the checkout; what it depends on is this interpreter's."""
+    """Return a folder that the wheel is installed in, away from the checkout; what it depends on is this
+    interpreter's.
+    """
     folder = tmp_path_factory.mktemp("wheel")
     made = wheel_in(folder)
     assert made.name == f"multiblock_fmu-{__version__}-py3-none-any.whl"
@@ -63,7 +65,7 @@ def from_wheel(installed: Path, folder: Path, *command: object) -> subprocess.Co
 @pytest.mark.long  # compiles the kernels at a place of their own
 @pytest.mark.skipif(sys.platform == "win32", reason="pip puts the command elsewhere on Windows")
 def test_the_wheel_builds_the_default_column_from_any_folder(installed: Path, tmp_path: Path) -> None:
-    """.ci/run simulates with it, where nothing but what the solver needs is installed."""
+    """Build it; .ci/run simulates with it, where nothing but what the solver needs is installed."""
     done = from_wheel(installed, tmp_path, sys.executable, "-c", "import solver; print(solver.__file__)")
     assert done.stdout.strip() == str(installed / "solver" / "__init__.py")
     done = from_wheel(installed, tmp_path, installed / "bin" / "multiblock", "build-fmu")
@@ -97,7 +99,9 @@ print(*(repr(float(one)) for one in found))
 @pytest.mark.long  # makes all machine code, and two environments
 @pytest.mark.skipif(sys.platform != "linux", reason="builds the wheel for Linux, and runs it")
 def test_a_wheel_for_a_platform_needs_numpy_alone_and_keeps_nothing(tmp_path: Path) -> None:
-    """Installed without numba on an account without a home, it runs everything, and builds an FMU that runs there."""
+    """Check that installed without numba on an account without a home, it runs everything, and builds an FMU that runs
+    there.
+    """
     pytest.importorskip("ziglang", reason="needs the extra native")
     wheel = wheel_in(tmp_path / "made", MULTIBLOCK_WHEEL="manylinux_2_17_x86_64")
     assert wheel.name == f"multiblock_fmu-{__version__}-py3-none-manylinux_2_17_x86_64.whl"
@@ -131,7 +135,7 @@ def test_a_wheel_for_a_platform_needs_numpy_alone_and_keeps_nothing(tmp_path: Pa
 @pytest.mark.long  # makes an environment
 @pytest.mark.skipif(sys.platform == "win32", reason="its environments have other folders")
 def test_nothing_is_left_where_the_wheel_was_installed(installed: Path, tmp_path: Path) -> None:
-    """Machine code outlives the project in the cache folder of the user alone."""
+    """Check that machine code outlives the project in the cache folder of the user alone."""
     (wheel,) = installed.parent.glob("*.whl")
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", tmp_path / "venv"], check=True)
     python = tmp_path / "venv" / "bin" / "python"
@@ -148,7 +152,7 @@ def test_nothing_is_left_where_the_wheel_was_installed(installed: Path, tmp_path
 
 
 def files_below(folder: Path) -> set[Path]:
-    """Everything in a folder, by path within it."""
+    """Return everything in a folder, by path within it."""
     return {path.relative_to(folder) for path in folder.rglob("*")}
 
 
@@ -167,7 +171,7 @@ def test_every_name_of_the_command_line(capsys: pytest.CaptureFixture[str]) -> N
 
 
 def take_away(monkeypatch: pytest.MonkeyPatch, package: str) -> None:
-    """As if `package` were not installed, for imports to come."""
+    """Let imports fail as if `package` were not installed."""
     monkeypatch.setitem(sys.modules, package, None)
     for name in [name for name in sys.modules if name.startswith(f"{package}.")]:
         monkeypatch.setitem(sys.modules, name, None)
@@ -210,7 +214,9 @@ def test_what_is_missing_is_named_with_its_extra(
 def test_a_record_whose_name_no_fmu_can_hold(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: str, options: list[str]
 ) -> None:
-    """The name of a record stands in the XML and in a path: a bad one would end in a traceback or an unreadable FMU."""
+    """Check that the name of a record stands in the XML and in a path: a bad one would end in a traceback or an
+    unreadable FMU.
+    """
     monkeypatch.chdir(tmp_path)
     assert build_fmu.main([str(build_fmu.DEFAULT_COLUMN), "--record", name, *options]) == 2
     err = capsys.readouterr().err

@@ -26,7 +26,7 @@ def rigid_frame(level: float) -> np.ndarray:
 
 
 def test_rigid_rocking_has_its_known_boundaries_and_peaks() -> None:
-    """Figures found by other integrations, at g = 9.81 m/s2."""
+    """Compare with figures found by other integrations, at g = 9.81 m/s2."""
     block, frame = rigid_blocks.block(0.4, 1.6), rigid_blocks.frame(0.9, 4.0, RATIO)
     assert block.restitution == pytest.approx(0.9118, abs=5e-5)
     assert frame.restitution == pytest.approx(0.9149, abs=5e-5)
@@ -41,7 +41,9 @@ def test_rigid_rocking_has_its_known_boundaries_and_peaks() -> None:
 
 
 def test_a_rigid_block_let_go_returns_in_housners_quarter_period() -> None:
-    """It is struck by a pulse so short that it only sets it in motion: upright again after twice the quarter."""
+    """Check that it is struck by a pulse so short that it only sets it in motion: upright again after twice the
+    quarter.
+    """
     block = rigid_blocks.block(0.4, 1.6)
     strike = Shaking(40.0, 1e-6, 2e-3, 0.5 * math.pi)
     rows = 1e-3 * np.arange(1500, dtype=np.float64)

@@ -21,13 +21,13 @@ BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```", README, flags=re.MULTILINE | re.DOT
 
 
 def blocks(language: str) -> list[str]:
-    """The README's code blocks of one language."""
+    """Return the README's code blocks of one language."""
     return [text for found, text in BLOCKS if found == language]
 
 
 @pytest.fixture
 def checkout(tmp_path: Path) -> Path:
-    """A folder that looks like the project's root to a command, with a record and the README's column in it."""
+    """Return a folder that looks like the project's root to a command, with a record and the README's column in it."""
     (tmp_path / "column.toml").write_text("".join(blocks("toml")), encoding="utf-8")
     return pages.checkout(tmp_path)
 
@@ -38,7 +38,7 @@ LONG = ("examples/", "benchmarks", "stress", "--native", "multiblock study")
 
 
 def takes_long(command: str) -> bool:
-    """Whether a command is one of the studies and campaigns."""
+    """Return True if a command is one of the studies and campaigns."""
     program = command.removeprefix("python ").removeprefix("-m ")
     return program.startswith(LONG) or "--native" in command
 

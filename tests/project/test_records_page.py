@@ -22,7 +22,7 @@ PROGRAMS = [text for kind, text in BLOCKS if kind == "python"]
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The files that the page speaks of, in the working directory."""
+    """Return the files that the page speaks of, in the working directory."""
     (tmp_path / "COLUMN.toml").write_text(BLOCK)
     for name in ("RECORD.AT2", "horizontal.AT2", "vertical.AT2"):
         (tmp_path / name).write_text(at2(), encoding="utf-8")

@@ -35,7 +35,7 @@ FMU = DOCS / "tutorials" / "5-first-fmu.md"
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The working directory: a checkout, with the column that the tutorials write."""
+    """Return the working directory: a checkout, with the column that the tutorials write."""
     (tmp_path / "statue.toml").write_text(STATUE, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     return pages.checkout(tmp_path)
@@ -83,7 +83,7 @@ def test_results_page(folder: Path) -> None:
 
 
 def test_check_page(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """Its commands and program, with one varied column a motion and no margin, which save minutes."""
+    """Run its commands and program, with one varied column a motion and no margin, which save minutes."""
     for name in ("COLUMN", "column", "dowels", "wider"):
         shutil.copy(folder / "statue.toml", folder / f"{name}.toml")
     for name in ("FIRST", "SECOND", "THIRD", "A", "B", "C"):
@@ -106,7 +106,7 @@ def test_check_page(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
 
 
 def write_structure(folder: Path) -> None:
-    """The file that the page shows, as its commands and programs name it."""
+    """Return the file that the page shows, as its commands and programs name it."""
     (text,) = (text for text in pages.blocks(STRUCTURES, "toml") if "[[port]]" in text)
     (folder / "structure.toml").write_text(text, encoding="utf-8")
 
@@ -129,7 +129,7 @@ def test_structures_page(folder: Path) -> None:
 
 
 def test_programs_of_the_structures_page(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The programs run, and print the figure that the page names."""
+    """Run the programs, which print the figure that the page names."""
     write_structure(folder)
     for program in pages.blocks(STRUCTURES, "python"):
         exec(program, {})
@@ -140,7 +140,9 @@ def test_programs_of_the_structures_page(folder: Path, capsys: pytest.CaptureFix
 
 
 def test_neighbours_page(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Its program prints the figures that stand behind its lines; its table of restitutions is the closed form."""
+    """Run its program, which prints the figures that stand behind its lines; its table of restitutions is the closed
+    form.
+    """
     (text,), (program,) = pages.blocks(NEIGHBOURS, "toml"), pages.blocks(NEIGHBOURS, "python")
     (folder / "store.toml").write_text(text, encoding="utf-8")
     exec(program, {})
@@ -209,7 +211,7 @@ def test_gallery_has_every_example() -> None:
 
 @pytest.fixture(scope="module")
 def parts() -> dict[str, str]:
-    """Every part of the site that the code knows."""
+    """Return every part of the site that the code knows."""
     sys.path.insert(0, str(DOCS))
     try:
         tables = importlib.import_module("tables")

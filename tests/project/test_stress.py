@@ -56,7 +56,7 @@ def test_energy_is_that_of_the_reference() -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("number", [(2, 86, 10), (1, 63), (7, 9, 10), (2, 193, 10)])
 def test_landings_after_long_flights(number: tuple[int, ...]) -> None:
-    """Cases of the campaign in which energy or errors are hard to keep.
+    """Check cases of the campaign in which energy or errors are hard to keep.
 
     A landing can make much of the last digits of the flight before it: single errors scatter, in (1, 63) from 0.6 to
     180 tolerances, so that any one of them says little. Judged is the median over nine tolerances from half to twice
@@ -74,7 +74,7 @@ SCATTERED = ("error: ", "half the tolerance: ", "communication step: ")  # the e
 
 
 def test_energy_that_is_not_the_inputs_is_noticed() -> None:
-    """Of a motion stronger than the one that is given."""
+    """Check a motion stronger than the one that is given."""
     held = Motion.from_samples(0.01, 0.3 * np.sin(0.1 * np.arange(100)), hold=True)
     case = replace(draw(7, 0), kind="held noise", column=phocas(), motion=held)
     assert examine(case)["failures"] == []

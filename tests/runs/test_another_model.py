@@ -45,7 +45,7 @@ def test_least_half_sine_that_overturns_it(speed: float) -> None:
 
 
 def test_each_impact_leaves_the_part_of_the_rate() -> None:
-    """Amplitudes fall by 1 - (1 - x / alpha)^2 -> r^2 of it (Housner's equation 15)."""
+    """Check that amplitudes fall by 1 - (1 - x / alpha)^2 -> r^2 of it (Housner's equation 15)."""
     response = simulate(BLOCK, Motion.from_samples(0.1, np.full(4, 1.5 * ONE), hold=True), 8.0, output_step=1e-3)
     turns = np.abs(response.ry)
     peaks = turns[1:-1][(turns[1:-1] > turns[:-2]) & (turns[1:-1] >= turns[2:])] / BLOCK.alpha
@@ -93,7 +93,7 @@ def test_a_check_has_the_rows_that_it_can_have() -> None:
 
 
 def test_it_runs_inside_an_fmu(tmp_path: Path) -> None:
-    """Driven by a record inside and by held inputs beside it, as one run of the sum of both."""
+    """Drive it by a record inside and by held inputs beside it, as one run of the sum of both."""
     step, count = 0.01, 400
     held = 0.9 * ONE * (np.arange(count + 1) < 30)
     time = step * np.arange(101)

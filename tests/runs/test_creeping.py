@@ -26,7 +26,7 @@ from solver.models.column.verdict import (
 
 
 def rough(column: Column, friction: float | None, offsets: np.ndarray | None = None, **others: float) -> Column:
-    """The column with these joints."""
+    """Return the column with these joints."""
     shifts = np.zeros(column.n) if offsets is None else offsets
     blocks = (
         replace(
@@ -39,7 +39,7 @@ def rough(column: Column, friction: float | None, offsets: np.ndarray | None = N
 
 
 def spinning(column: Column, spin: np.ndarray, energy: float) -> np.ndarray:
-    """A phase at the upright rest, all slips zero, that turns with this energy, J, in the direction `spin`."""
+    """Return a phase at the upright rest, all slips zero, that turns with this energy, J, in the direction `spin`."""
     n, zeros = column.n, np.zeros(column.n)
     phase = np.concatenate([zeros, -settled(column), spin, *(zeros,) * 3])
     phase[2 * n : 3 * n] *= math.sqrt(energy / Chain(column).energy(phase))
@@ -61,7 +61,7 @@ def test_a_block_may_slide_by_its_energy_over_the_friction() -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_levers_that_slips_have_shortened_hold_no_more_than_the_least_energy_there(seed: int) -> None:
-    """Against the least energy of the column that stands off its axis by these slips, on a grid (leaning.py)."""
+    """Compare with the least energy of the column that stands off its axis by these slips, on a grid (leaning.py)."""
     rng = np.random.default_rng(seed)
     column = phocas(1e-3)
     slips = rng.uniform(-0.3, 0.3, 3) * 0.78 * rng.uniform(0.1, 1.0)
@@ -72,7 +72,7 @@ def test_levers_that_slips_have_shortened_hold_no_more_than_the_least_energy_the
 
 
 def test_a_column_with_less_energy_than_it_may_have_does_not_fall() -> None:
-    """Pushed in random directions, as hard as is allowed, with friction that lets it slide."""
+    """Push it in random directions, as hard as is allowed, with friction that lets it slide."""
     rng = np.random.default_rng(5)
     slid = 0
     for friction in (0.12, 0.3, 0.7):
@@ -94,7 +94,7 @@ def test_a_column_with_less_energy_than_it_may_have_does_not_fall() -> None:
 
 
 def test_a_column_that_rocks_with_friction_is_soon_known_to_stand() -> None:
-    """Not only once no joint can open any more, 140 s later."""
+    """Check that it is known before no joint can open any more, 140 s later."""
     run = simulate(rough(phocas(1e-3), 0.7), Motion.harmonic(0.15 * G, 1.0, 10.0))
     assert run.verdict == "standing"
     assert run.stats["settled_for"] < 10.0

@@ -33,7 +33,7 @@ def test_bounds_are_those_of_clopper_and_pearson(count: int, size: int) -> None:
 
 
 def test_lanes_say_what_single_runs_say() -> None:
-    """An initial state that is rest keeps the runs out of the lanes."""
+    """Check that an initial state that is rest keeps the runs out of the lanes."""
     column = phocas(1e-3)
     eight, alone = ensemble_of(column, MOTION, ensemble=8), ensemble_of(
         column, MOTION, ensemble=8, initial=InitialState()
@@ -46,7 +46,7 @@ def test_lanes_say_what_single_runs_say() -> None:
 
 
 def test_rows_closer_than_steps_are_those_of_a_single_run() -> None:
-    """Several rows are in one step; the last instant is requested twice."""
+    """Check that several rows are in one step; the last instant is requested twice."""
     column, motion = phocas(1e-3), Motion.harmonic(0.05 * G, 2.0, 1.0)
     run = simulate(column, motion, tolerance=1e-6, output_step=5e-5, without=("peaks",))
     batch = run_batch([run.model] * 2, [motion] * 2, [1.0] * 2, times=np.append(run.time, 1.0))
@@ -67,7 +67,7 @@ def test_runs_that_fall_after_the_motion_are_said_to() -> None:
 
 
 def test_columns_in_mortar_run_one_by_one() -> None:
-    """Their dampers make explicit steps short, and lanes have no others."""
+    """Check that their dampers make explicit steps short, and lanes have no others."""
     run = simulate(phocas(0.05), Motion.harmonic(0.2 * G, 1.5, 2.0), ensemble=2)
     assert run.stats["implicit_steps"] > 0
     assert run.ensemble is not None
@@ -121,7 +121,7 @@ def test_a_seed_is_an_ensemble() -> None:
 
 
 def test_shares_near_the_edge_contain_that_of_many_runs() -> None:
-    """A pulse about the least that overturns: the share of 400 runs is within the bounds that 8 and 64 give."""
+    """Check a pulse about the least that overturns: the share of 400 runs is within the bounds that 8 and 64 give."""
     time = np.linspace(0.0, 1.0, 101)
     pulse = Motion.from_samples(0.01, 0.229 * G * np.sin(math.pi * time))
 

@@ -14,7 +14,7 @@ from solver.models.outputs import places_of
 
 
 def response(T: list[float], N: list[float], step: float = 0.5, g: float = STANDARD_GRAVITY) -> Response:
-    """One block of weight 100 N, its forces at rows `step` apart."""
+    """Return one block of weight 100 N, its forces at rows `step` apart."""
     column = Column("one", (Block(1.0, 1.0, 1.0, 100.0 / STANDARD_GRAVITY, Joint(1e9, 1e-3)),), g=g)
     rows, places = np.zeros((len(T), at.ROW.size(1))), places_of(OUTPUTS, column.sizes)
     rows[:, places["Tx"]] = np.array(T)[:, None]

@@ -40,7 +40,7 @@ damping = 1e-5
 
 @pytest.fixture
 def tall(tmp_path: Path) -> Path:
-    """A folder with a column and a motion that take minutes."""
+    """Return a folder with a column and a motion that take minutes."""
     (tmp_path / "tall.toml").write_text('name = "tall"\n' + 12 * BLOCK)
     t = 0.01 * np.arange(20000)
     rows = np.column_stack([t, 2.0 * np.sin(2.0 * np.pi * 1.3 * t)])
@@ -51,7 +51,9 @@ def tall(tmp_path: Path) -> Path:
 def interrupted(
     folder: Path, *arguments: str, after: float = 5.0, from_line: bool = False, **variables: str
 ) -> tuple[subprocess.Popen[str], float, str, str]:
-    """A command that gets SIGINT `after` s from its start, or from its first line; s until it ended, stdout, stderr."""
+    """Return a command that gets SIGINT `after` s from its start, or from its first line; s until it ended, stdout,
+    stderr.
+    """
     environment = {**os.environ, "PYTHONPATH": str(ROOT), **variables}
     command = [sys.executable, *arguments]
     with subprocess.Popen(
@@ -68,7 +70,7 @@ def interrupted(
 
 @pytest.fixture(scope="module", autouse=True)
 def _compiled() -> None:
-    """The interrupt hits a run, not the compilation."""
+    """Compile first, so that the interrupt hits a run, not the compilation."""
     simulate(phocas(1e-3), Motion.harmonic(1.0, 1.0, 0.1), check=True, ensemble=2).observe()
 
 
@@ -119,7 +121,7 @@ def test_ctrl_c_ends_a_run_at_once(tall: Path, options: tuple[str, ...]) -> None
 
 @pytest.mark.long  # processes that run for seconds before they are interrupted, as the next
 def test_ctrl_c_while_kernels_are_compiled_ends_at_once(tall: Path) -> None:
-    """With an empty cache that is what the command begins with."""
+    """Begin with an empty cache, so that the command compiles first."""
     process, took, out, err = interrupted(
         tall, "-m", "solver", "simulate", "tall.toml", "motion.csv", MULTIBLOCK_CACHE_DIR=str(tall / "cache")
     )
@@ -130,7 +132,7 @@ def test_ctrl_c_while_kernels_are_compiled_ends_at_once(tall: Path) -> None:
 
 @pytest.mark.long
 def test_ctrl_c_while_the_results_are_written_leaves_nothing(tall: Path) -> None:
-    """A file takes its name once it is whole."""
+    """Check that a file takes its name once it is whole."""
     before = sorted(tall.iterdir())
     options = ("--duration", "1", "--output-step", "2e-6", "--no-check", "--settle", "0", "-o", "out.csv")
     process, _, _, err = interrupted(tall, "-m", "solver", "simulate", "tall.toml", "motion.csv", *options, after=12.0)

@@ -26,7 +26,7 @@ KEEP = ("peak_top_ux", "residual_top_ux", "residual_ry", "energy", "verdict", "o
 
 
 def mixture() -> tuple[list[Column], list[Motion], list[float]]:
-    """Columns of one and of three blocks, the paper's formulation, weak and strong motions, one that falls."""
+    """Return columns of one and of three blocks, the paper's formulation, weak and strong motions, one that falls."""
     columns = [phocas(1e-3), monolith(eta=1e-3), phocas(5e-3, formulation="paper"), phocas(2e-2)] * 5
     motions = [Motion.harmonic(0.01 * G * (k + 1), 2.0, 1.0) for k in range(19)] + [Motion.harmonic(0.6 * G, 0.4, 3.0)]
     return columns, motions, [0.5 + 0.05 * k for k in range(19)] + [3.0]
@@ -69,13 +69,15 @@ def test_runs_are_those_of_simulate() -> None:
 
 
 def sliding(friction: float = 0.1) -> Column:
-    """Phocas in drums as squat as they are high, whose joints slide before they open."""
+    """Return Phocas in drums as squat as they are high, whose joints slide before they open."""
     block = Block(1.0, 1.56, 1.56, 5500.0, Joint(PHOCAS_STIFFNESS, 2e-3, friction=friction))
     return Column("drums", (block,) * 2)
 
 
 def test_peaks_of_every_output_are_those_of_simulate() -> None:
-    """Bit for bit, as these runs are made one by one: of one, two and three blocks, either formulation, that slide."""
+    """Compare bit for bit, as these runs are made one by one: of one, two and three blocks, either formulation, that
+    slide.
+    """
     columns = [phocas(1e-3), monolith(eta=1e-3), phocas(5e-3, formulation="paper"), sliding(), phocas(1e-3)]
     motions = [Motion.harmonic(a * G, f, 1.0) for a, f in ((0.1, 2.0), (0.2, 1.5), (0.01, 2.0), (0.3, 1.0), (0.6, 0.4))]
     durations = [1.0, 1.0, 0.2, 1.0, 3.0]
@@ -118,7 +120,9 @@ def test_what_is_kept_has_a_unit_and_is_what_a_response_has() -> None:
 
 
 def test_motions_that_end_before_the_run_does() -> None:
-    """The base falls silent at once, from a sample or a harmonic that is not zero, while the column rocks in a lane."""
+    """Check that the base falls silent at once, from a sample or a harmonic that is not zero, while the column rocks in
+    a lane.
+    """
     time = 0.01 * np.arange(101)
     record = Motion.from_samples(0.01, 1.2 * np.sin(11.0 * time) + 0.8 * np.cos(5.0 * time), 0.3 * np.sin(7.0 * time))
     motions = [record, Motion.harmonic(0.1 * G, 1.7, 0.8), record.mirrored(), record.scaled(0.5)]
@@ -169,7 +173,7 @@ def test_the_same_bits_in_any_order_and_number_of_threads(threads: int) -> None:
 
 
 def test_a_column_under_many_motions_is_as_many_equal_columns() -> None:
-    """Which is assembled once, and whose barriers are found once (settling.py)."""
+    """Check that it is assembled once, and its barriers are found once (settling.py)."""
     motions = [Motion.harmonic(0.4 * G, 0.5 + 0.05 * k, 2.0) for k in range(16)]
     column = phocas(1e-3)
     one = simulate_many(column, motions, tolerance=1e-3, keep=KEEP)
@@ -232,7 +236,7 @@ def test_what_is_wrong_is_said_in_one_line() -> None:
 
 
 def test_a_run_that_fails_is_undecided_and_reported() -> None:
-    """The first-order formulation does not know a base that throws the blocks about."""
+    """Check that the first-order formulation does not know a base that throws the blocks about."""
     wild = Motion.harmonic(1e6, 50.0, 1.0)
     table = simulate_many(phocas(1e-3, formulation="paper"), [wild, Motion.harmonic(0.01 * G, 2.0, 0.2)], keep=KEEP)
     assert table["verdict"][0] in ("undecided", "overturned")

@@ -47,7 +47,7 @@ def test_an_undamped_block_keeps_its_energy_and_a_damped_one_loses_some(in_space
 
 @pytest.mark.parametrize("in_space", [False, True])
 def test_velocity_is_the_rate_of_the_displacement(in_space: bool) -> None:
-    """Central differences over 0.2 ms. Measured: 1.4e-3 of the largest velocity, where blocks land."""
+    """Compare with central differences over 0.2 ms. Measured: 1.4e-3 of the largest velocity, where blocks land."""
     model = column(2e-4, 2)
     response: Any = simulate(model.in_space() if in_space else model, PULSE, output_step=2e-4, settle=0.0)
     places = np.stack([response.ux, response.uy, response.uz], axis=-1) if in_space else response.ux
@@ -57,7 +57,7 @@ def test_velocity_is_the_rate_of_the_displacement(in_space: bool) -> None:
 
 
 def test_the_column_and_the_structure_that_it_is_say_the_same() -> None:
-    """A block that rocks; in space it is elastic along its joint too. Measured: 2e-4 of the largest."""
+    """Compare a block that rocks; in space it is elastic along its joint too. Measured: 2e-4 of the largest."""
     planar = simulate(column(2e-4), PULSE, settle=0.0, tolerance=1e-6)
     spatial = simulate(column(2e-4).in_space(), PULSE, settle=0.0, tolerance=1e-6)
     for name in ("energy", "opening"):
@@ -68,7 +68,7 @@ def test_the_column_and_the_structure_that_it_is_say_the_same() -> None:
 
 @pytest.mark.parametrize("in_space", [False, True])
 def test_a_joint_opens_where_its_contact_ends(in_space: bool) -> None:
-    """The gap at the edge of a joint turned by theta over which the part c of its width is in contact.
+    """Compare with the gap at the edge of a joint turned by theta over which the part c of its width is in contact.
 
     Measured: within 0.5 mm of 31 mm, since dampers take part in where the pressure ends.
     """

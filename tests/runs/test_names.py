@@ -50,7 +50,7 @@ def column() -> Column:
 
 @cache
 def runs(falls: bool = False) -> tuple[Any, Any]:
-    """The same column in its plane and in space."""
+    """Return the same column in its plane and in space."""
     motion = FALL if falls else SHAKE
     one, other = (simulate(model, motion, tolerance=1e-7, check=True) for model in (column(), column().in_space()))
     return one, other
@@ -62,7 +62,7 @@ def old(of: str, name: str) -> Any:
 
 @pytest.mark.parametrize("name", [*BLOCK_NAMES, *JOINT_NAMES, *BASE_NAMES, "energy"])
 def test_a_name_is_the_same_quantity_in_the_plane_and_in_space(name: str) -> None:
-    """While no joint opens. Measured: 4.5e-2 of the largest; in space joints shear too."""
+    """Compare while no joint opens. Measured: 4.5e-2 of the largest; in space joints shear too."""
     planar, spatial = (np.asarray(getattr(run, name)) for run in runs())
     assert planar.shape == spatial.shape
     np.testing.assert_allclose(spatial, planar, atol=0.06 * np.max(np.abs(planar)))
@@ -189,7 +189,7 @@ def test_tables_have_the_same_names() -> None:
 
 
 def test_the_columns_that_a_table_has_by_default() -> None:
-    """Their displacements are those of the points that the model follows."""
+    """Check that their displacements are those of the points that the model follows."""
     planar, spatial = table(False), table(True)
     assert tuple(planar) == ("peak_top_ux", "verdict")
     assert tuple(spatial) == ("peak_u", "peak_centroid_ux", "verdict")

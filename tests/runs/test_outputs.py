@@ -23,7 +23,7 @@ SIZES = {"block": 2, "joint": 1, "tie": 0, "base": 2}
 
 
 class Three(Histories):
-    """Of two blocks with one joint."""
+    """Outputs of two blocks with one joint."""
 
     u = Output(BLOCK, "m", "Place of {it}")
     c = Output(JOINT, "", "Contact of joint {i}", 0.0, 1.0, by_least=True)
@@ -84,7 +84,7 @@ def test_peaks_and_what_can_be_kept_follow() -> None:
 def test_outputs_of_an_fmu_are_those_of_a_response(
     response: type[Histories], model: Column | Structure, table: list[Variable]
 ) -> None:
-    """In the order of the kernels: the row, and later on its peaks."""
+    """Compare in the order of the kernels: the row, and later on its peaks."""
     outputs = response.outputs
     assert outputs == model.kind.outputs
     labels = {owner: range(1, size + 1) for owner, size in model.sizes.items()} | {BASE: range(1)}

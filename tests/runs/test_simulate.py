@@ -21,7 +21,7 @@ HISTORIES = [output.field for output in OUTPUTS if not output.only_peak]
 
 
 def shake(seed: int, samples: int = 200) -> Motion:
-    """Random samples in both directions, 0.01 s apart."""
+    """Return random samples in both directions, 0.01 s apart."""
     rng = np.random.default_rng(seed)
     return Motion.from_samples(0.01, rng.normal(size=samples) * 3.0, rng.normal(size=samples))
 
@@ -31,7 +31,7 @@ def same(one: Response, other: Response) -> bool:
 
 
 def difference(one: Stepper, other: Stepper) -> float:
-    """Largest difference of coordinates, rates and accelerations, each in parts of the largest of its kind.
+    """Return the largest difference of coordinates, rates and accelerations, each in parts of the largest of its kind.
 
     A call sums up its steps from where it begins, so that times inside it differ from those of two by last digits.
     """

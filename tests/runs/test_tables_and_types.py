@@ -25,7 +25,7 @@ PULSES = [wavelets.ricker(size * 9.80665, 1.0) for size in (0.2, 0.4, 0.6, 0.8)]
 
 
 def types(column: Column, structure: Structure, motion: Motion) -> None:
-    """Never called."""
+    """State types; it is never called."""
     assert_type(simulate(column, motion), Response)
     assert_type(simulate(structure, "RECORD.AT2"), SpatialResponse)
     assert_type(simulate(structure, motion, plane="auto"), Response | SpatialResponse)

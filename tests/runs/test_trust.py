@@ -50,7 +50,7 @@ def test_a_check_changes_nothing_else() -> None:
 
 
 def test_an_undamped_column_is_predictable_for_some_seconds() -> None:
-    """theory.md section 6: perturbations grow by e in 15 to 30 ms."""
+    """Check theory.md section 6: perturbations grow by e in 15 to 30 ms."""
     run = simulate(phocas(), Motion.harmonic(0.1 * G, 1.0, 10.0), check=True)
     assert run.horizon is not None
     assert 0.2 < run.horizon < 6.0

@@ -38,7 +38,7 @@ P = math.sqrt(G / (4.0 / 3.0 * math.hypot(14.07 / 2, 0.78)))  # 1/s, its frequen
 
 
 def half_sine(amplitude: float, length: float) -> Motion:
-    """A half sine of amplitude m/s2 and length s."""
+    """Return a half sine of amplitude m/s2 and length s."""
     return Motion.from_samples(length / 200, amplitude * np.sin(math.pi * np.linspace(0.0, 1.0, 201)))
 
 
@@ -112,7 +112,7 @@ def test_no_column_is_found_with_less_energy_than_the_least(seed: int) -> None:
 
 
 def test_a_column_below_the_barrier_stands_however_it_is_pushed() -> None:
-    """Undamped blocks that start with what the barrier allows, in random directions."""
+    """Push undamped blocks with what the barrier allows, in random directions."""
     column = phocas()
     allowed = Chain.safe * barrier(column).energy
     rng = np.random.default_rng(3)
@@ -203,19 +203,19 @@ some_columns = pytest.mark.parametrize(
 
 
 def drawn(make: Callable[..., Column], n: int) -> tuple[list[Column], np.random.Generator]:
-    """Columns that stand."""
+    """Return columns that stand."""
     rng = np.random.default_rng(n)
     return [column for column in (make(rng, n, softest=1e7) for _ in range(60)) if is_stable(column)], rng
 
 
 def models_of(columns: Sequence[Column]) -> Array:
-    """Packed models, a row for each column."""
+    """Return packed models, a row for each column."""
     return np.array([pack_model(column)[: at.MODEL.size(column.n)] for column in columns])
 
 
 @some_columns
 def test_the_quick_bound_for_many_columns_is_never_above_the_barrier(make: Callable[..., Column], n: int) -> None:
-    """Energies of many columns are also those of each."""
+    """Check that energies of many columns are also those of each."""
     columns, rng = drawn(make, n)
     chain = Chain.of_many(models_of(columns), n)
     bounds = [least_energies(chain, part, grazed)[0] for part in SHARES for grazed in GRAZED]
@@ -228,7 +228,7 @@ def test_the_quick_bound_for_many_columns_is_never_above_the_barrier(make: Calla
 
 @some_columns
 def test_what_is_held_of_many_columns_is_what_is_held_of_each(make: Callable[..., Column], n: int) -> None:
-    """Whichever are evaluated together, and with up to four times the energy of the barrier."""
+    """Compare whichever are evaluated together, and with up to four times the energy of the barrier."""
     columns, rng = drawn(make, n)
     models = models_of(columns)
     energy = np.array([barrier(column).energy for column in columns]) * rng.uniform(0.0, 4.0, len(columns)) ** 2
@@ -242,7 +242,7 @@ def test_what_is_held_of_many_columns_is_what_is_held_of_each(make: Callable[...
 
 
 def test_columns_settle_in_lanes_as_they_do_alone() -> None:
-    """Blocks that rock when their base comes to rest: most fall then, some stand, two are not known in time."""
+    """Check blocks that rock when their base comes to rest: most fall then, some stand, two are not known in time."""
     column, settle = phocas(2e-3), 3.0
     spins = np.linspace(0.02, 0.4, 24)
     phases = np.concatenate([np.zeros(3), -settled(column), np.zeros(6)]) + np.zeros((24, 1))

@@ -31,7 +31,7 @@ class Seen(NamedTuple):
 
 
 def scene(seed: int) -> Scene:
-    """A block whose friction is near its slenderness, under a sine of 1 to 2.5 times that, so that it does both."""
+    """Return a block whose friction is near its slenderness, under a sine of 1 to 2.5 times that: it does both."""
     rng = np.random.default_rng(seed)
     width, slenderness = rng.uniform(0.3, 1.2), rng.uniform(0.25, 0.7)
     stiffness, damping = 10.0 ** rng.uniform(8.5, 9.5), 10.0 ** rng.uniform(-3.5, -2.7)
@@ -81,7 +81,9 @@ def differences(seeds: range) -> tuple[int, int, int]:
 
 
 def test_blocks_that_stand_move_as_on_fibres() -> None:
-    """The medians of twelve scenes: single blocks rock past each other, which the smallest difference decides."""
+    """Compare the medians of twelve scenes: single blocks rock past each other, which the smallest difference
+    decides.
+    """
     rotations, places = [], []
     for seed in range(12):
         given = scene(seed)
@@ -97,7 +99,7 @@ def test_blocks_that_stand_move_as_on_fibres() -> None:
 
 @pytest.mark.campaign
 def test_verdicts_differ_no_more_in_space_than_in_the_plane() -> None:
-    """Measured: of 320 blocks, 264 of which rock by 0.05 rad and slide by 1 cm at least, 3 in space, 7 in the plane.
+    """Count them: of 320 blocks, 264 of which rock by 0.05 rad and slide by 1 cm at least, 3 in space, 7 in the plane.
 
     Friction acts along the half-way tangent of a joint, that of the fibres along the ground: half of the tilt away. Let
     it act there in the fibres, too, and 2 and 6 differ.

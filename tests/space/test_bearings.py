@@ -53,7 +53,7 @@ KINDS: dict[str, Law] = {"pendulum": PENDULUM, "double": DOUBLE, "rubber": RUBBE
 def slab(
     law: Law, mass: float = 5000.0, at: Any = CORNERS, tolerance: float = 1e-5, width: float = 2.4, **more: Any
 ) -> Structure:
-    """A slab on equal bearings at these places."""
+    """Return a slab on equal bearings at these places."""
     bearing = {"between": ["slab", "base"], "at": at, **ACROSS, **law, **more}
     block = {"name": "slab", "width": width, "depth": width, "height": 0.4, "mass": mass, "position": [0.0, 0.0, 0.1]}
     law = {"stiffness": 1e9, "damping": 1e-3}
@@ -62,13 +62,13 @@ def slab(
 
 
 def pulled(law: Law, load: float = 12e3) -> Pulled:
-    """One bearing in the middle of a slab."""
+    """Return the force of one bearing in the middle of a slab."""
     return Pulled(slab(law, at=[0.0, 0.0, 0.3]), load)
 
 
 @pytest.mark.parametrize("law", [PENDULUM, DOUBLE, {**ROLLING, "radius": 1.5}, ROLLING])
 def test_a_pendulum_dissipates_what_friction_does(law: Law) -> None:
-    """4 F (U - F/K_0), with F = mu N, whatever the radius; 4 F U where it is rigid until it slides."""
+    """Compare with 4 F (U - F/K_0), with F = mu N, whatever the radius; 4 F U where it is rigid until it slides."""
     amplitude, load = 0.2, 12e3
     friction, stiffness = law["friction"] * load, law["initial_stiffness"]
     closed = 4.0 * friction * (amplitude - friction / stiffness)
@@ -88,7 +88,7 @@ def test_lead_rubber_dissipates_what_the_lead_does() -> None:
 
 
 def test_rubber_is_a_spring_and_a_dashpot() -> None:
-    """An ellipse: pi c omega U^2."""
+    """Compare with an ellipse: pi c omega U^2."""
     amplitude, omega, bearing = 0.2, 3.0, pulled(RUBBER)
     assert ellipse(bearing, amplitude, omega) == pytest.approx(math.pi * 2e3 * omega * amplitude**2, rel=1e-12)
     for u, v in ((0.2, 0.0), (-0.1, 0.5), (0.0, -0.6)):
@@ -110,7 +110,7 @@ def test_a_ring_pushes_back_beyond_the_rim() -> None:
 
 
 def _hurled(structure: Structure, u: float, v: float, lifted: float) -> SpatialState:
-    """A slab above its rest by `lifted`, m, away from the middle and moving along x."""
+    """Return a slab above its rest by `lifted`, m, away from the middle and moving along x."""
     initial = SpatialState(*(np.zeros((1, 3)) for _ in range(4)))
     initial.displacement[0] = u, 0.0, rest_of(structure).phase[2] + lifted
     initial.velocity[0, 0] = v
@@ -123,7 +123,7 @@ FREE: Law = {"kind": "rolling", "friction": 0.0, "radius": 1e4}
 @pytest.mark.parametrize("eta", [0.0, 5e-4])
 @pytest.mark.parametrize("name", ["rolling", "rubber", "double"])
 def test_a_rim_stops_a_slab_as_in_closed_form(name: str, eta: float) -> None:
-    """Rolling without friction nothing but the ring acts along it, also where the base drops away.
+    """Check that rolling without friction nothing but the ring acts along it, also where the base drops away.
 
     A slab 10 mm above its pendulums feels nothing but the ring either, until it has fallen on them.
     """
@@ -143,7 +143,9 @@ def test_a_rim_stops_a_slab_as_in_closed_form(name: str, eta: float) -> None:
 
 @pytest.mark.parametrize("law", [SMOOTH, DOUBLE_SMOOTH])
 def test_a_rim_stops_a_pendulum_that_stays_on_its_surface(law: Law) -> None:
-    """m v^2 / 2 = m g u^2 / 2R + k_r (u - u_r)^2 / 2 at the farthest place, with a ring too soft to lift it."""
+    """Compare with m v^2 / 2 = m g u^2 / 2R + k_r (u - u_r)^2 / 2 at the farthest place, with a ring too soft to lift
+    it.
+    """
     rim, stiffness, speed = 0.05, 1e5, 0.5
     structure = slab({**law, "rim": rim, "rim_stiffness": stiffness, "rim_damping": 0.0}, vertical_stiffness=1e10)
     structure = replace(structure, tolerance=1e-6)
@@ -203,7 +205,7 @@ def _lead_alone(
 @pytest.mark.parametrize("damping", [0.0, 1e-3, 3e-2])
 @pytest.mark.parametrize("name", ["lead", "pendulum"])
 def test_vertical_damping_does_not_damp_the_slider(name: str, damping: float) -> None:
-    """A mass on a spring and an ideal slider moves as far, whatever the vertical damping."""
+    """Check that a mass on a spring and an ideal slider moves as far, whatever the vertical damping."""
     law, mass, t = KINDS[name], 5000.0, np.arange(0.0, 3.01, 0.01)
     motion = Motion.from_samples(0.01, 1.5 * np.sin(2.0 * math.pi * 0.9 * t) * np.minimum(1.0, t))
     structure = slab(law, mass, vertical_damping=damping, vertical_stiffness=1e9)
@@ -215,13 +217,13 @@ def test_vertical_damping_does_not_damp_the_slider(name: str, damping: float) ->
 
 
 def test_a_sliders_own_damping_is_a_dashpot_of_its_initial_stiffness() -> None:
-    """Without a slip, as long as the lead bears: T = K_0 (u + eta u')."""
+    """Compare without a slip, as long as the lead bears: T = K_0 (u + eta u')."""
     bearing = pulled({**LEAD, "initial_damping": 2e-3})
     assert bearing.force(1e-3, 0.5) == pytest.approx(2e4 * 1e-3 + 2e5 * (1e-3 + 2e-3 * 0.5), rel=1e-9)
 
 
 def _motion(seed: int, seconds: float, size: float = 4.0, step: float = 0.02) -> Motion:
-    """Noise about 0.8 Hz in three components."""
+    """Return noise about 0.8 Hz in three components."""
     rng, t = np.random.default_rng(seed), np.arange(0.0, seconds, step)
     envelope = np.sin(math.pi * t / seconds)
     ax, ay, az = (
@@ -292,7 +294,9 @@ def _reference(law: Law, motion: Motion, mass: float, times: FloatArray, stiffne
 @pytest.mark.long
 @pytest.mark.parametrize("name", ["pendulum", "lead"])
 def test_two_directions_are_those_of_a_reference_written_apart(name: str) -> None:
-    """Under noise in three components; the error falls with the tolerance, with the steps by an order above 2."""
+    """Compare under noise in three components; the error falls with the tolerance, with the steps by an order
+    above 2.
+    """
     law, motion = KINDS[name], _motion(3, 0.8, 4.0)
     errors: list[float] = []
     steps, known = [], np.zeros((3, 0))
@@ -313,7 +317,7 @@ def test_two_directions_are_those_of_a_reference_written_apart(name: str) -> Non
 @pytest.mark.long
 @pytest.mark.parametrize("name", ["double", "rolling"])
 def test_a_rim_under_a_motion_that_lifts_is_that_of_the_reference(name: str) -> None:
-    """Under 1.3 g upwards, whose slab leaves its bearings and meets the ring again and again."""
+    """Shake it by 1.3 g upwards: the slab leaves its bearings and meets the ring again and again."""
     rim = {"rim": 0.04, "rim_stiffness": 2e6, "rim_damping": 1e-3}
     law, even = {**KINDS[name], **rim, "initial_damping": 2e-3}, _motion(7, 0.8, 6.0)
     up = 1.3 * G * np.sin(2.0 * math.pi * 4.0 * even.time)
@@ -348,7 +352,7 @@ def test_energy_is_never_gained(name: str) -> None:
 
 
 def _thrown(structure: Structure, seed: int) -> FloatArray:
-    """Energy above rest of a slab that is thrown at random, every 10 ms of 2 s, J."""
+    """Return the energy above rest of a slab that is thrown at random, every 10 ms of 2 s, J."""
     stepper, rng = SpatialStepper(structure), np.random.default_rng(seed)
     start_from(stepper, rest_of(structure))
     at_rest = stepper.observe()
@@ -493,7 +497,7 @@ def test_the_statue_stands_on_its_bearings(name: str) -> None:
 @pytest.mark.parametrize("law", [{**RUBBER, "damping": 0.0}, SMOOTH], ids=["rubber", "pendulums"])
 @pytest.mark.parametrize("restitution", [0.8, 0.4])
 def test_an_isolated_slab_that_meets_its_moat(law: Law, restitution: float) -> None:
-    """It swings to the wall, v^2 = v0^2 - (omega d)^2, leaves it with e v, and is faster in the middle.
+    """Check that it swings to the wall, v^2 = v0^2 - (omega d)^2, leaves it with e v, and is faster in the middle.
 
     d: gap, omega: of the swing. Its spring goes on pushing during the contact, friction takes what a pendulum rises by.
     """

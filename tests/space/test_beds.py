@@ -22,7 +22,7 @@ SCALE = 1e-4  # m, of penetrations
 
 @from_python
 def bed_of(arrays, p, q, found):
-    """The bed of joint 0 for two planes, and the integral of p squared."""
+    """Return the bed of joint 0 for two planes, and the integral of p squared."""
     scene, _ = seen(arrays)
     first, second = Plane(p[0], p[1], p[2]), Plane(q[0], q[1], q[2])
     bed, square = bed_of_joint(scene, 0, first, second), bed_of_joint(scene, 0, first, first)
@@ -45,7 +45,7 @@ def drum(bore: float = 0.0) -> Structure:
 
 
 def _clip(points: list[tuple[Fraction, ...]], place: int) -> list[tuple[Fraction, ...]]:
-    """The part of a polygon of (x, y, p, q) where number `place` is positive."""
+    """Return the part of a polygon of (x, y, p, q) where number `place` is positive."""
     kept: list[tuple[Fraction, ...]] = []
     for k, point in enumerate(points):
         before = points[k - 1]
@@ -58,7 +58,7 @@ def _clip(points: list[tuple[Fraction, ...]], place: int) -> list[tuple[Fraction
 
 
 def exact_bed(outline: FloatArray, p: FloatArray, q: FloatArray) -> tuple[FloatArray, float]:
-    """(force, first_x, first_y, area, largest) in rational numbers, by Green's formulas; and their scale."""
+    """Return (force, first_x, first_y, area, largest) in rational numbers, by Green's formulas; and their scale."""
     planes = [[Fraction(float(value)) for value in plane] for plane in (p, q)]
     corners = []
     for x, y in outline.tolist():
@@ -107,7 +107,7 @@ def test_sliver_of_a_polygon_keeps_its_digits(depth: float) -> None:
 
 
 def _breaks(radius: float, p: FloatArray, q: FloatArray) -> list[float]:
-    """Places along x where the integrand over x is not smooth."""
+    """Return the places along x where the integrand over x is not smooth."""
     found = [-radius, radius]
     for c, a, b in (p, q):
         slope = math.hypot(a, b)

@@ -33,7 +33,7 @@ WEDGE = np.array([[-0.3, 0.0], [0.3, 0.0], [0.2, 0.7], [-0.2, 0.7]])
 
 
 def overlap_of(solids: list[Solid], u: Any, rotation: Any, joined: tuple[tuple[int, int], ...] = ()) -> Overlap:
-    """Of blocks displaced and turned, (rows, blocks, 3); joined: pairs that a joint connects."""
+    """Return the overlap of blocks displaced and turned, (rows, blocks, 3); joined: pairs that a joint connects."""
     u, rotation = np.asarray(u, dtype=np.float64), np.asarray(rotation, dtype=np.float64)
     joints = tuple(SimpleNamespace(upper=i, lower=j, bearing=True) for i, j in joined)
     names = tuple(solid.name for solid in solids)
@@ -73,7 +73,9 @@ def test_places_known_in_closed_form() -> None:
 
 
 def test_only_what_is_deeper_than_as_built_counts() -> None:
-    """Blocks that touch as built, and slide along each other or apart, do not overlap; nor does what is far."""
+    """Check that blocks that touch as built, and slide along each other or apart, do not overlap; nor does
+    what is far.
+    """
     still, u = np.zeros((2, 3, 3)), np.zeros((2, 3, 3))
     row = [cube("a", 0.0), cube("b", 1.0), cube("c", 2.0)]
     u[1] = [[-0.1, 0.0, 0.0], [0.0, 0.3, 0.0], [0.5 * TOUCH, 0.0, 0.0]]
@@ -89,7 +91,7 @@ def test_only_what_is_deeper_than_as_built_counts() -> None:
 
 
 def share_a_point(one: np.ndarray, other: np.ndarray) -> bool:
-    """Whether the hulls of corners share a point, by a linear program over the weights of both."""
+    """Return True if the hulls of corners share a point, by a linear program over the weights of both."""
     m, k = len(one), len(other)
     equal = np.zeros((5, m + k))
     equal[:3, :m], equal[:3, m:] = one.T, -other.T
@@ -126,7 +128,7 @@ def test_random_boxes_and_prisms_overlap_where_a_linear_program_says_so() -> Non
 
 
 def beside(gap: float) -> Structure:
-    """Two stones side by side, one slender and one stout, that no joint connects."""
+    """Return two stones side by side, one slender and one stout, that no joint connects."""
     sizes = {"depth": 0.4, "density": 2500.0, "on": "base"}
     slender = {"name": "slender", "width": 0.3, "height": 2.0, "at": [0.0, 0.0], **sizes}
     stout = {"name": "stout", "width": 1.0, "height": 1.0, "at": [0.65 + gap, 0.0], **sizes}
@@ -154,7 +156,7 @@ def test_stones_that_pass_through_each_other_are_named_and_fail_a_check() -> Non
 
 
 def polygons(solid: Solid, sides: int = 48) -> np.ndarray:
-    """Corners of a drum whose rims are polygons about them, from its centroid."""
+    """Return the corners of a drum whose rims are polygons about them, from its centroid."""
     angles = np.linspace(0.0, 2.0 * math.pi, sides, endpoint=False)
     circle = np.stack([np.cos(angles), np.sin(angles)], axis=1) / math.cos(math.pi / sides)
     ends = [face.centre + face.radius * circle @ face.axes[:, :2].T for face in solid.faces]
@@ -162,7 +164,7 @@ def polygons(solid: Solid, sides: int = 48) -> np.ndarray:
 
 
 def test_random_drums_overlap_where_a_linear_program_says_so() -> None:
-    """The program has polygons about their rims, which lie up to 0.2 % of the radius outside."""
+    """Check that the program has polygons about their rims, which lie up to 0.2 % of the radius outside."""
     rng, apart, still = np.random.default_rng(8), 0, np.zeros((1, 3))
     for _ in range(120):
         drums = []
@@ -184,7 +186,7 @@ MEET: dict[str, Any] = {"reach": 0.6, "line_stiffness": 1e8, "stiffness": 1e8, "
 
 
 def two(apart: float, turn: float = 0.0, meet: dict[str, Any] | None = None) -> Structure:
-    """Two boxes of 0.6 m beside each other."""
+    """Return two boxes of 0.6 m beside each other."""
     size = {"on": "base", "width": 0.6, "depth": 0.6, "height": 1.0, "density": 2400.0}
     blocks = [
         {"name": "a", "at": [0.0, 0.0], **size},
@@ -213,7 +215,7 @@ def test_overlaps_as_built_are_refused_or_said() -> None:
 
 
 def test_a_block_that_enters_its_neighbour_where_no_sides_are_paired_is_said() -> None:
-    """It turns by a quarter before it hits: its sides were paired as built."""
+    """Check that it turns by a quarter before it hits: its sides were paired as built."""
     structure = two(1.1, meet=MEET)
     state = SpatialState(*(np.zeros((2, 3)) for _ in range(4)))
     state.velocity[0, 0], state.spin[0, 2], state.displacement[:, 2] = 0.7, 2.2, -2.4e-5
@@ -228,7 +230,7 @@ def test_a_block_that_enters_its_neighbour_where_no_sides_are_paired_is_said() -
 
 
 def on_strips(friction: float, blocks: int = 1) -> Structure:
-    """A stack of stones 0.5 m wide and 1 m high, each on two strips of 20 mm at its edges."""
+    """Return a stack of stones 0.5 m wide and 1 m high, each on two strips of 20 mm at its edges."""
     names = [*(f"stone{k}" for k in range(blocks, 0, -1)), "base"]
     stones, strips = [], []
     for k, (name, under) in enumerate(itertools.pairwise(names)):

@@ -41,7 +41,7 @@ FloatArray = NDArray[np.float64]
 
 
 def pier(block: dict[str, Any] | None = None, tolerance: float = 1e-6, **law: Any) -> Structure:
-    """A block on a bed of mortar."""
+    """Return a block on a bed of mortar."""
     joints = {"stiffness": STIFFNESS, "damping": 0.0, "tensile_strength": STRENGTH} | law
     data = {"name": "pier", "joints": joints, "block": [block or PIER], "solver": {"tolerance": tolerance}}
     return Structure.from_dict(data)
@@ -56,7 +56,7 @@ class Held:
         self._places = places_of(OUTPUTS, structure.sizes)
 
     def resultants(self, turn: tuple[float, float], opening: float, keep: bool = False) -> dict[str, float]:
-        """Turned about the middle of its foot by an axis times an angle, and lifted along the normal of the joint."""
+        """Return the resultants of a pier, turned about the middle of its foot by a rotation vector, and lifted."""
         see, angle = self.stepper.see, math.hypot(*turn)
         x, y = (turn[0] / angle, turn[1] / angle) if angle else (0.0, 0.0)
         half, sine = 0.5 * angle, math.sin(angle)
@@ -70,7 +70,9 @@ class Held:
         return {name: float(self.stepper.row[self._places[name]][0]) for name in ("N", "Mx", "My", "bond")}
 
     def moment(self, slope: float, force: float, keep: bool = False) -> tuple[float, float]:
-        """Moment under a constant force, and what is left of the bond, by the slope of one face over the other."""
+        """Return the moment under a constant force, and what is left of the bond, by the slope of one face over the
+        other.
+        """
         turn = (0.0, 2.0 * math.asin(0.5 * slope))
         opening = brentq(lambda u: self.resultants(turn, u)["N"] - force, -1e-2, 1e-2, xtol=1e-17, rtol=1e-15)
         found = self.resultants(turn, opening, keep)
@@ -82,7 +84,7 @@ FIRST = 2.0 * (FORCE / AREA + STRENGTH) / (STIFFNESS * WIDTH)  # the slope at wh
 
 
 def broken_to(slope: float) -> float:
-    """Length of the bond that is left at this slope."""
+    """Return the length of the bond that is left at this slope."""
     if slope <= FIRST:
         return WIDTH
     left = lambda a: STIFFNESS * a * slope - 2.0 * FORCE / (a * DEPTH) - 2.0 * STRENGTH  # noqa: E731
@@ -91,7 +93,7 @@ def broken_to(slope: float) -> float:
 
 @pytest.mark.parametrize("part", [0.5, 0.999, 1.5, 3.0, 6.0])
 def test_moment_and_crack_follow_the_closed_form(part: float) -> None:
-    """Measured: 3e-11."""
+    """Compare with the closed form: measured 3e-11."""
     slope = part * FIRST
     moment, left = Held(pier()).moment(slope, FORCE)
     length = broken_to(slope)
@@ -104,7 +106,7 @@ def test_moment_and_crack_follow_the_closed_form(part: float) -> None:
 
 
 def test_unloading_keeps_the_crack() -> None:
-    """Back in full contact the joint is as stiff as before, and beyond that what was broken is dry."""
+    """Check that back in full contact the joint is as stiff as before, and beyond that what was broken is dry."""
     held = Held(pier())
     for part in np.linspace(0.0, 3.0, 61):
         held.moment(part * FIRST, FORCE, keep=True)
@@ -130,7 +132,7 @@ def test_unloading_keeps_the_crack() -> None:
 
 
 def test_a_bond_is_cut_by_every_turn_it_has_been_through() -> None:
-    """Fibres over a section of six corners, that break one by one as the block leans to all sides."""
+    """Break fibres over a section of six corners one by one as the block leans to all sides."""
     outline = [[-0.6, -0.3], [0.5, -0.4], [0.7, 0.1], [0.3, 0.45], [-0.2, 0.4], [-0.55, 0.2]]
     block = {"name": "pier", "width": 2.0, "depth": 1.2, "height": HEIGHT, "mass": MASS, "position": [0.0, 0.0, 0.0]}
     joint = {"between": ["pier", "base"], "at": [0.0, 0.0, 0.0], "section": "polygon", "outline": outline}
@@ -168,7 +170,7 @@ def test_a_bond_is_cut_by_every_turn_it_has_been_through() -> None:
 def thrown(
     structure: Structure, spin: tuple[float, float, float], velocity: tuple[float, float, float], until: float = 0.6
 ) -> tuple[SpatialStepper, FloatArray, FloatArray]:
-    """Output rows and energies above the first of a pier that is given a push at rest."""
+    """Return the output rows and energies above the first of a pier that is given a push at rest."""
     stepper = SpatialStepper(structure)
     start_from(stepper, rest_of(structure))
     see, arm = stepper.see, (0.0, 0.0, 0.5 * HEIGHT)
@@ -192,7 +194,7 @@ def thrown(
 def test_energy_is_lost_to_what_breaks_alone(
     spin: tuple[float, float, float], velocity: tuple[float, float, float], tolerance: float
 ) -> None:
-    """Without damping; measured at most 2e-4 of the tolerance, of the energy of the motion."""
+    """Check it without damping; measured at most 2e-4 of the tolerance, of the energy of the motion."""
     structure = pier(tolerance=tolerance)
     _, rows, energy = thrown(structure, spin, velocity)
     bond = rows[:, places_of(OUTPUTS, structure.sizes)["bond"]][:, 0]
@@ -204,7 +206,9 @@ def test_energy_is_lost_to_what_breaks_alone(
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6])
 def test_what_is_pulled_just_beyond_its_strength_breaks(tolerance: float) -> None:
-    """It bounces on its bed, undamped, between two ends of steps: up to the strength to a part of the tolerance."""
+    """Check that it bounces on its bed, undamped, between two ends of steps: up to the strength to a part of the
+    tolerance.
+    """
     structure = pier(tolerance=tolerance)
     omega, settled = math.sqrt(STIFFNESS * AREA / MASS), MASS * 9.80665 / (STIFFNESS * AREA)
     speed = omega * (STRENGTH / STIFFNESS + settled)
@@ -215,7 +219,9 @@ def test_what_is_pulled_just_beyond_its_strength_breaks(tolerance: float) -> Non
 
 @pytest.mark.parametrize("spin", [(0.0, 0.08, 0.0), (0.02, 0.08, 0.01)], ids=["in its plane", "to all sides"])
 def test_a_run_that_cracks_converges(spin: tuple[float, float, float]) -> None:
-    """Measured: at most 12 tolerances of the largest displacement, and 7 of the share of the bond."""
+    """Compare with a tight tolerance: measured at most 12 tolerances of the largest displacement, and 7 of the share of
+    the bond.
+    """
     found = {}
     for tolerance in (1e-3, 1e-5, 1e-8):
         structure = pier(tolerance=tolerance, damping=1e-3, friction=0.5, cohesion=1e6)
@@ -230,7 +236,7 @@ def test_a_run_that_cracks_converges(spin: tuple[float, float, float]) -> None:
 
 
 def test_what_has_broken_through_is_a_dry_joint() -> None:
-    """From a state after the last of the bond has gone the run is that of a joint without, to the bit."""
+    """Start from a state after the last of the bond has gone: the run is that of a joint without, to the bit."""
     mortar = pier(damping=1e-3, friction=0.5)
     stepper, _, _ = thrown(mortar, (0.0, 0.3, 0.0), (0.0, 0.0, 0.0), 0.4)
     assert stepper.state.bonded[0] == 0.0
@@ -250,7 +256,9 @@ def test_no_strength_is_the_joint_without_bits_changed() -> None:
 
 
 def test_a_strength_that_is_never_reached_gives_a_linear_motion() -> None:
-    """Pulled as much as pressed, against exponentials of its tangent at rest: measured 3e-4, as far as it tilts."""
+    """Compare with exponentials of its tangent at rest, pulled as much as pressed: measured 3e-4, as far as it
+    tilts.
+    """
     structure = pier(tensile_strength=1e9, tolerance=1e-8)
     spin, until = 0.1, 0.05
     _, rows, _ = thrown(structure, (0.0, spin, 0.0), (0.0, 0.0, 0.0), until)
@@ -288,7 +296,7 @@ def test_cohesion_is_borne_beside_friction_and_lost_for_good(speed: float) -> No
 
 
 def test_the_first_slide_is_at_friction_and_cohesion_together() -> None:
-    """A push that grows slowly along a flat pier: measured 3e-4 of the force, as the normal force ripples."""
+    """Push a flat pier along its face ever harder: measured 3e-4 of the force, as the normal force ripples."""
     flat = {**PIER, "height": 0.1}
     structure = pier(flat, tensile_strength=1e7, cohesion=3e4, friction=0.5, damping=2e-3)
     rate = 4.0  # m/s3
@@ -317,7 +325,9 @@ def test_what_cannot_be_is_said_in_a_line(law: dict[str, Any], block: dict[str, 
 
 
 def test_looking_for_a_crack_changes_no_force_on_the_base() -> None:
-    """Explicit steps of a bond that holds: measured 1e-6 of the peaks of steps by modes, which look for none."""
+    """Compare explicit steps of a bond that holds: measured 1e-6 of the peaks of steps by modes, which look
+    for none.
+    """
     motion, law = Motion.harmonic(1.0, 2.0, 2.0), dict[str, Any](damping=1e-3, friction=0.7, cohesion=5e5)
     by_modes = simulate(pier(**law), motion)
     explicit = simulate(pier(**law).with_settings(without=("elastic",)), motion)
@@ -327,8 +337,9 @@ def test_looking_for_a_crack_changes_no_force_on_the_base() -> None:
 
 
 def test_runs_that_crack_pass_through_lanes() -> None:
-    """Three courses cracked by pulses along both axes: measured 2e-6 of the largest displacement from runs alone,
-    8e-6 of a joint that a crack stops in. A run has the same bits in whatever company."""
+    """Crack three courses by pulses along both axes: measured 2e-6 of the largest displacement from runs alone,
+    8e-6 of a joint that a crack stops in. A run has the same bits in whatever company.
+    """
     course = {"name": "course", "repeat": 3, "on": "base", "width": 0.5, "depth": 1.0, "height": 0.6, "density": 2e3}
     law = {"damping": 1e-3, "friction": 0.7, "cohesion": 1e5, "tensile_strength": 3e4}
     structure = pier(course, tolerance=1e-5, **law)
@@ -368,7 +379,7 @@ def test_the_least_share_of_a_bond_is_kept() -> None:
 
 
 def test_the_largest_push_is_that_at_which_it_begins_to_snap() -> None:
-    """The strength exceeds the mean pressure: measured 1.3e-4 of the push."""
+    """Check a strength that exceeds the mean pressure: measured 1.3e-4 of the push."""
     found = push_over(pier())
     weight, arm = MASS * 9.80665, 0.5 * HEIGHT
     moment = weight * WIDTH / 6.0 + STRENGTH * DEPTH * WIDTH**2 / 6.0
@@ -379,13 +390,15 @@ def test_the_largest_push_is_that_at_which_it_begins_to_snap() -> None:
 
 
 def _sheared(structure: Structure, push: float) -> float:
-    """Angle, about, by which the resultant leans as the bed is sheared: displacement over the arm."""
+    """Return the angle, about, by which the resultant leans as the bed is sheared: displacement over the arm."""
     bed = structure.joints[0].bed
     return MASS * push / (bed.shear_ratio * bed.stiffness * AREA) / (0.5 * HEIGHT)
 
 
 def test_steps_go_by_modes_in_tension_too_until_it_cracks() -> None:
-    """Two courses under a sine that grows: measured 9e-7 of the largest displacement, the share of the bond alike."""
+    """Shake two courses by a sine that grows: measured 9e-7 of the largest displacement, the share of the bond
+    alike.
+    """
     course = {"name": "course", "repeat": 2, "on": "base", "width": 0.5, "depth": 1.0, "height": 0.6, "density": 2e3}
     structure = pier(course, tolerance=1e-5, damping=1e-3, friction=0.7, cohesion=5e5, tensile_strength=1.5e4)
     time = np.linspace(0.0, 2.0, 401)
@@ -403,7 +416,7 @@ def test_steps_go_by_modes_in_tension_too_until_it_cracks() -> None:
 
 
 def test_a_column_of_mortar_and_its_stack_agree_as_the_bed_stiffens_along() -> None:
-    """Two blocks that crack, in the plane and in space: apart as the shear of the latter, 3.2e-2 and 3.2e-3."""
+    """Compare two blocks that crack, in the plane and in space: apart as the shear of the latter, 3.2e-2 and 3.2e-3."""
     law = {"stiffness": 1e9, "damping": 1e-3, "tensile_strength": 1.5e4}
     block = {"width": 0.5, "depth": 1.0, "height": 1.0, "density": 2000.0}
     motion, solver = wavelets.one_sine(0.16 * 9.80665, 3.0), {"tolerance": 1e-6}
@@ -431,7 +444,7 @@ def _corners_put(
 
 @pytest.mark.parametrize(("corners", "put"), [(4.0, 4.0), (128.0, 128.0), (300.0, 128.0), (math.nan, 128.0)])
 def test_no_bond_has_more_corners_than_there_is_room_for(corners: float, put: float) -> None:
-    """Whatever a state says: nothing is written behind the room."""
+    """Check that, whatever a state says, nothing is written behind the room."""
     model = pier().model
     arrays = arrays_of(model)
     state, work = np.append(arrays.state, np.zeros(1000)), np.full(arrays.work.size + 1000, -7.0)
@@ -451,7 +464,7 @@ def _cut(room: FloatArray, count: int, height: float) -> int:
 
 @pytest.mark.parametrize(("count", "left"), [(4, 4), (87, 130), (88, 132), (90, 0), (128, 0)])
 def test_no_cut_writes_behind_its_room(count: int, left: int) -> None:
-    """Of a comb whose teeth each have one corner above the line, whatever bytes of a state may hold."""
+    """Cut a comb whose teeth each have one corner above the line, whatever bytes of a state may hold."""
     comb = np.column_stack([np.arange(count), (np.arange(count) + 1) % 2 if count > 4 else [0.0, 0.0, 1.0, 1.0]])
     room = np.full(at.ROOM + 1000, -7.0)
     room[: 2 * count] = comb.ravel()

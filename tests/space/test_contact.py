@@ -28,7 +28,7 @@ MASS = 2000.0 * HEIGHT * math.pi * 0.25 * DIAMETER**2
 def structure(
     *shapes: dict[str, Any], apart: float = 1.2, tolerance: float = 1e-6, of_joints: float = 1e-3, **law: float
 ) -> Structure:
-    """Blocks side by side along x on a base without gravity, which they leave at once."""
+    """Return blocks side by side along x on a base without gravity, which they leave at once."""
     blocks = [{"name": f"b{k}", "on": "base", "at": [k * apart, 0.0], **shape} for k, shape in enumerate(shapes)]
     neighbours = {"reach": 0.5, "line_stiffness": LINE, "stiffness": FACE, "damping": 0.0, "friction": 0.0} | law
     if "restitution" in law:
@@ -39,7 +39,7 @@ def structure(
 
 
 def thrown(made: Structure, velocity: Any, rotation: Any = None, spin: Any = None) -> SpatialStepper:
-    """The structure high above its base, its blocks in motion."""
+    """Return the structure high above its base, its blocks in motion."""
     none = np.zeros((made.n, 3))
     up = none + np.array([0.0, 0.0, 2.0])
     turned, turning = (none if part is None else np.asarray(part) for part in (rotation, spin))
@@ -47,12 +47,12 @@ def thrown(made: Structure, velocity: Any, rotation: Any = None, spin: Any = Non
 
 
 def follow(stepper: SpatialStepper, stop: float) -> None:
-    """Go on from time 0."""
+    """Advance from time 0."""
     stepper.run(STILL, 0.0, stop, np.zeros(0))
 
 
 def momenta(stepper: SpatialStepper) -> tuple[FloatArray, FloatArray]:
-    """Momentum, N s, and angular momentum about the origin, N m s."""
+    """Return the momentum, N s, and angular momentum about the origin, N m s."""
     made, see = stepper.structure, stepper.see
     linear, angular = np.zeros(3), np.zeros(3)
     for i, block in enumerate(made.blocks):
@@ -68,7 +68,7 @@ def momenta(stepper: SpatialStepper) -> tuple[FloatArray, FloatArray]:
 
 
 def _random(shapes: tuple[dict[str, Any], ...], seed: int, **more: float) -> tuple[SpatialStepper, float]:
-    """A throw at random against each other, and the time by which they have met and parted."""
+    """Return a throw at random against each other, and the time by which they have met and parted."""
     rng = np.random.default_rng(seed)
     made = structure(*shapes, **more)
     speed = np.array([[0.6, 0.0, 0.0], [-0.6, 0.0, 0.0]]) + 0.1 * rng.normal(size=(2, 3))
@@ -124,7 +124,9 @@ def test_a_wall_moves_with_the_base(shape: dict[str, Any]) -> None:
 
 
 def test_a_block_before_a_wall_returns_in_a_quarter_of_housners_period() -> None:
-    """Leaned away from a wall and let go, it is upright again, and hits, after acosh(1 / (1 - theta / alpha)) / p."""
+    """Check that leaned away from a wall and let go, it is upright again, and hits, after acosh(1 / (1 - theta /
+    alpha)) / p.
+    """
     width, height, modulus = 0.4, 2.0, 1e11
     block = {"name": "b", "on": "base", "width": width, "depth": 1.0, "height": height, "density": 2500.0}
     wall = {"at": [-0.5 * width - 1e-4, 0.0, 0.0], "normal": [1.0, 0.0], "width": 4.0, "height": 3.0}
@@ -166,7 +168,7 @@ def test_a_drum_that_spins_is_held_back_by_friction(shapes: tuple[dict[str, Any]
 
 
 def test_friction_that_sticks_keeps_energy_but_for_what_slides() -> None:
-    """Two drums that roll on each other: what is stretched comes back, nothing is gained."""
+    """Let two drums roll on each other: what is stretched comes back, nothing is gained."""
     for seed in range(4):
         stepper, stop = _random((DRUM, DRUM), seed, friction=0.5, of_joints=0.0)
         energy, spans = stepper.observe(), []
@@ -180,7 +182,7 @@ def test_friction_that_sticks_keeps_energy_but_for_what_slides() -> None:
 @pytest.mark.parametrize("first", ["low", "post"])
 @pytest.mark.parametrize("part", [0.85, 1.3])
 def test_a_post_leans_on_the_edge_of_a_block_by_the_friction_along_its_side(first: str, part: float) -> None:
-    """By statics its foot needs 0.066 of friction: the edge slides along the side of the post, at 0.25 rad.
+    """Check that by statics its foot needs 0.066 of friction: the edge slides along the side of the post, at 0.25 rad.
 
     It begins 0.5 mm away and bounces, which is why a little more than that does not do.
     """
@@ -208,7 +210,7 @@ def test_a_post_leans_on_the_edge_of_a_block_by_the_friction_along_its_side(firs
 
 
 def test_cradle_of_newton() -> None:
-    """Five drums 1 mm apart: so slow that one impact ends before the next begins, the last one leaves alone."""
+    """Check five drums 1 mm apart: so slow that one impact ends before the next begins, the last one leaves alone."""
     stepper = thrown(structure(*(DRUM,) * 5, apart=1.001), [[0.05, 0.0, 0.0]] + 4 * [[0.0, 0.0, 0.0]])
     follow(stepper, 0.3)
     assert stepper.see.vx == pytest.approx([0.0, 0.0, 0.0, 0.0, 0.05], abs=1e-6)
@@ -231,7 +233,7 @@ def test_pairs_that_stay_apart_change_no_bit() -> None:
 
 
 def test_a_step_ends_where_a_gap_closes_whatever_the_damping() -> None:
-    """Impacts of a damped pair, whose force begins at once, on joints without damping, whose steps are exact."""
+    """Check impacts of a damped pair, whose force begins at once, on joints without damping, whose steps are exact."""
     for tolerance in (1e-4, 1e-7):
         made = structure(DRUM, DRUM, restitution=0.3, of_joints=0.0, tolerance=tolerance)
         stepper = thrown(made, [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
@@ -241,7 +243,9 @@ def test_a_step_ends_where_a_gap_closes_whatever_the_damping() -> None:
 
 
 def test_many_runs_of_neighbours_meet_in_lanes_and_alone() -> None:
-    """What a table keeps of two drums side by side is what single runs find; forces of hits are watched alone."""
+    """Check that what a table keeps of two drums side by side is what single runs find; forces of hits are watched
+    alone.
+    """
     shapes = DRUM, DRUM | {"height": 2.0 * HEIGHT}
     blocks = [shape | {"name": f"b{k}", "on": "base", "at": [1.01 * k, 0.0]} for k, shape in enumerate(shapes)]
     data = structure(DRUM).to_dict() | {"g": 9.81, "block": blocks}

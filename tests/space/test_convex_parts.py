@@ -32,7 +32,7 @@ DRUM: dict[str, Any] = {"shape": "drum", "diameter": 0.4, "height": 0.4, "densit
 
 
 def solid(*boxes: Any, turn: FloatArray | None = None) -> Any:
-    """One closed mesh of boxes that touch."""
+    """Return one closed mesh of boxes that touch."""
     made = trimesh.boolean.union([trimesh.creation.box(bounds=box) for box in boxes])
     if turn is not None:
         made.apply_transform(turn)
@@ -45,7 +45,9 @@ def file_of(folder: Path, *boxes: Any, **more: Any) -> str:
 
 
 def beside(stone: dict[str, Any], other: dict[str, Any], at: Any, *plinths: dict[str, Any], **law: Any) -> Structure:
-    """Both blocks on plinths or the base, without gravity, which they leave at once; at: middle of the other's foot."""
+    """Return both blocks on plinths or the base, without gravity, which they leave at once; at: middle of the other's
+    foot.
+    """
     plinth = {"name": "plinth", "on": "base", "at": list(at[:2]), "width": 0.3, "depth": 0.3, "height": at[2]}
     blocks = [stone, {**other, "name": "other", "on": "plinth", "at": list(at[:2])}]
     rest = [*plinths, {**plinth, "density": DENSITY}]
@@ -57,7 +59,7 @@ def beside(stone: dict[str, Any], other: dict[str, Any], at: Any, *plinths: dict
 
 
 def thrown(made: Structure, velocity: Any, stop: float) -> Any:
-    """The last two blocks high above their plinths, the last one thrown, m/s."""
+    """Return the last two blocks high above their plinths, the last one thrown, m/s."""
     none = np.zeros((made.n, 3))
     up, speed = none.copy(), none.copy()
     up[-2:, 2], speed[-1] = 3.0, velocity
@@ -67,7 +69,7 @@ def thrown(made: Structure, velocity: Any, stop: float) -> Any:
 
 
 def hits(stepper: Any) -> float:
-    """Largest force of any pair, N."""
+    """Return the largest force of any pair, N."""
     return float(np.max(stepper.state.peaks[-6 - len(stepper.structure.neighbours) : -6]))
 
 
@@ -100,7 +102,7 @@ def test_feet_bear_as_without_parts(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("shape", [BOX, DRUM], ids=["box", "drum"])
 def test_what_flies_through_the_hollow_meets_the_hull_alone(tmp_path: Path, shape: dict[str, Any]) -> None:
-    """Along y, over the foot and beside the shaft: the hull is there, the stone is not."""
+    """Throw it along y, over the foot and beside the shaft: the hull is there, the stone is not."""
     file, at = file_of(tmp_path, *ELL), (0.65, 1.3, 0.4)
     for more, meets in (({}, True), ({"parts": 8}, False)):
         made = beside({**STONE, "file": file, **more}, shape, at, damping=0.0)
@@ -126,7 +128,7 @@ def test_what_hits_the_shaft_in_line_with_the_centroid_parts_by_the_restitution(
 
 
 def test_the_shaft_is_hit_as_if_it_were_alone(tmp_path: Path) -> None:
-    """Off its centroid, as a convex block of the shaft alone with the bulk of all."""
+    """Hit it off its centroid, as a convex block of the shaft alone with the bulk of all."""
     stone = {**STONE, "file": file_of(tmp_path, *ELL), "parts": 8}
     table = beside(stone, BOX, (4, 0, 1)).to_dict()["block"][-2]
     points = [[x, y, z] for x in (0.0, 0.4) for y in (0.0, 0.6) for z in (0.3, 1.7)]
@@ -160,7 +162,7 @@ def test_what_overlaps_a_hull_may_be_beside_the_stone(tmp_path: Path) -> None:
 
 
 def test_a_statue_lies_within_its_parts_and_is_the_same_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of 8 parts: 1.069 of its volume, where its hull has 1.91."""
+    """Check 8 parts: 1.069 of its volume, where its hull has 1.91."""
     statue = str(ROOT / "examples" / "structures" / "statue.obj")
     table = {**STONE, "file": statue, "parts": 8}
     made = beside(table, BOX, (4, 0, 1))

@@ -19,7 +19,7 @@ TRILITH = ROOT / "examples" / "structures" / "trilith.toml"
 
 
 def drawn(structure: Structure, scale: float = 0.0, azimuth: float = -62.0) -> tuple[Figure, np.ndarray]:
-    """A picture of a structure whose first block is moved along x, and the order of its blocks."""
+    """Return a picture of a structure whose first block is moved along x, and the order of its blocks."""
     figure = Figure(figsize=(4.0, 4.0))
     axes = figure.add_subplot(projection="3d")
     u = np.zeros((structure.n, 3))

@@ -19,7 +19,7 @@ STEP, DURATION = 0.005, 1.5  # s
 
 
 def shape(rng: np.random.Generator, size: float) -> dict[str, Any]:
-    """A box, a drum, a ring or a hull of about this width, m."""
+    """Return a box, a drum, a ring or a hull of about this width, m."""
     width = size * rng.uniform(0.3, 0.9)
     height = width * rng.uniform(0.4, 3.0)
     kind = rng.integers(4)
@@ -36,13 +36,13 @@ def shape(rng: np.random.Generator, size: float) -> dict[str, Any]:
 
 
 def pile(rng: np.random.Generator) -> dict[str, Any]:
-    """One to three blocks on each other."""
+    """Return one to three blocks on each other."""
     names = ["base", *(f"b{i}" for i in range(rng.integers(1, 4)))]
     return {"block": [{"name": name, "on": on, "density": DENSITY, **shape(rng, 1.0)} for on, name in pairwise(names)]}
 
 
 def row(rng: np.random.Generator) -> dict[str, Any]:
-    """Boxes beside each other, some before a wall."""
+    """Return boxes beside each other, some before a wall."""
     blocks, x = [], 0.0
     for i in range(rng.integers(2, 4)):
         width = rng.uniform(0.25, 0.7)
@@ -55,7 +55,7 @@ def row(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def portal(rng: np.random.Generator) -> dict[str, Any]:
-    """A beam on two posts."""
+    """Return a beam on two posts."""
     width, height = rng.uniform(0.3, 0.5), rng.uniform(1.0, 2.5)
     post = {"on": "base", "width": width, "depth": width, "height": height, "density": DENSITY}
     beam = {"width": 2.2, "depth": width * rng.uniform(0.8, 1.4), "height": 0.4, "density": DENSITY}
@@ -64,7 +64,7 @@ def portal(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def scene(seed: int, rim: bool = False) -> tuple[SpatialStepper, np.random.Generator] | None:
-    """A structure at rest; None if it cannot be built, or does not stand. rim: its faces touch in one."""
+    """Return a structure at rest; None if it cannot be built, or does not stand. rim: its faces touch in one."""
     rng = np.random.default_rng(seed)
     damping, friction = 10.0 ** rng.uniform(-4.0, -2.7), 10.0 ** rng.uniform(-1.5, 0.0)
     law = {"stiffness": 10.0 ** rng.uniform(7.5, 9.5), "damping": damping, "friction": friction}
@@ -81,7 +81,7 @@ def scene(seed: int, rim: bool = False) -> tuple[SpatialStepper, np.random.Gener
 
 
 def is_off(stepper: SpatialStepper) -> bool:
-    """Whether a joint has slid by more than the width of its block: its faces share nothing any more."""
+    """Return True if a joint has slid by more than the width of its block: its faces share nothing any more."""
     slips, joints = stepper.slips, stepper.structure.joints
     width = np.array(
         [
@@ -93,7 +93,7 @@ def is_off(stepper: SpatialStepper) -> bool:
 
 
 def largest_rise(seed: int, rim: bool = False) -> tuple[float, float]:
-    """How far the energy rises above its least so far, over its size; and the largest slip, m."""
+    """Return how far the energy rises above its least so far, over its size; and the largest slip, m."""
     made = scene(seed, rim)
     if made is None:
         return 0.0, 0.0

@@ -37,7 +37,7 @@ SCENES = {
 
 @pytest.mark.parametrize("name", SCENES)
 def test_forces_are_as_good_as_displacements(name: str) -> None:
-    """Rows and peaks within ten tolerances of the largest of their kind."""
+    """Check that rows and peaks are within ten tolerances of the largest of their kind."""
     structure, motion = SCENES[name]
     closest = simulate(structure, motion, settle=0.0, tolerance=1e-7)
     for tolerance in (1e-3, 1e-4):
@@ -51,7 +51,7 @@ def test_forces_are_as_good_as_displacements(name: str) -> None:
 
 
 def test_rate_at_which_the_joints_die_out() -> None:
-    """By powers of the dampers, against all eigenvalues of the matrix that they are."""
+    """Compare powers of the dampers with all eigenvalues of the matrix that they are."""
     for structure, _ in SCENES.values():
         stepper = SpatialStepper(structure)
         start_from(stepper, rest_of(structure))
@@ -72,7 +72,7 @@ def test_rate_at_which_the_joints_die_out() -> None:
 
 
 def _dropped(tilt: float, height: float, tolerance: float, g: float = G, fall: float = 0.0) -> SpatialResponse:
-    """A run of 0.6 s of a block let go above its base, m, turned about its centroid, rad, with a speed, m/s."""
+    """Return a run of 0.6 s of a block let go above its base, m, turned about its centroid, rad, with a speed, m/s."""
     block = {"name": "a", "on": "base", "width": 1.0, "depth": 1.0, "height": 2.0, "mass": 5000.0}
     joints = {"stiffness": 1e9, "damping": 1e-3}
     data = {"name": "dropped", "g": g, "joints": joints, "block": [block], "solver": {"tolerance": tolerance}}
@@ -86,7 +86,9 @@ def _dropped(tilt: float, height: float, tolerance: float, g: float = G, fall: f
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-6])
 @pytest.mark.parametrize(("g", "fall"), [(G, 0.0), (0.0, 1.4)])
 def test_a_run_begins_without_forces(tolerance: float, g: float, fall: float) -> None:
-    """A block falls flat, but for 1e-6 rad, on a spring and a dashpot: p'' + 2 zeta omega p' + omega^2 p = g."""
+    """Check that a block falls flat, but for 1e-6 rad, on a spring and a dashpot: p'' + 2 zeta omega p' + omega^2 p =
+    g.
+    """
     height, omega, eta = 0.1, math.sqrt(1e9 / 5000.0), 1e-3
     speed, zeta = math.sqrt(fall**2 + 2.0 * g * height), 0.5 * eta * omega
     t = np.linspace(0.0, math.pi / omega, 20001)
@@ -111,7 +113,7 @@ def test_a_tilted_block_is_let_go_above_its_base(tilt: float, height: float) -> 
 
 
 def test_peaks_with_a_kink_are_found() -> None:
-    """Forces of an arch that rocks, against rows of the same steps every 20 us."""
+    """Compare forces of an arch that rocks with rows of the same steps every 20 us."""
     rng, t = np.random.default_rng(501), np.arange(0.0, 2.0, 0.01)
     wave = np.sin(math.pi * t / 2.0) * 1.8
     ax, ay, az = (

@@ -23,12 +23,12 @@ TRILITH = ROOT / "examples" / "structures" / "trilith.toml"
 
 
 def history(response: SpatialResponse) -> FloatArray:
-    """Displacements of all blocks, m."""
+    """Return the displacements of all blocks, m."""
     return np.stack([response.ux, response.uy, response.uz])
 
 
 def test_a_slab_on_a_base_that_circles_slides_as_newmarks_does() -> None:
-    """The direction of friction turns all the time; the rigid-plastic block is integrated apart."""
+    """Check that the direction of friction turns all the time; the rigid-plastic block is integrated apart."""
     block = {"name": "b", "width": 4.0, "depth": 4.0, "height": 0.2, "mass": 1000.0, "on": "base"}
     law = {"stiffness": 1e10, "damping": 1e-3, "friction": 0.3}
     structure = Structure.from_dict({"name": "slab", "joints": law, "block": [block], "solver": {"tolerance": 1e-6}})
@@ -38,7 +38,7 @@ def test_a_slab_on_a_base_that_circles_slides_as_newmarks_does() -> None:
     response = simulate(structure, Motion.from_samples(step, ax, ay=ay), duration=1.0, output_step=0.1, settle=0)
 
     def rate(t: float, y: FloatArray) -> FloatArray:
-        """Of place and velocity over the base."""
+        """Return the rate of place and velocity over the base."""
         a = np.array([np.interp(t, time, ax), np.interp(t, time, ay)])
         return np.concatenate([y[2:], -a - 0.3 * G * y[2:] / np.hypot(*y[2:])])
 
@@ -62,7 +62,7 @@ def test_the_tolerance_is_kept_where_joints_slide(shear_damping: float) -> None:
 
 
 def test_friction_takes_energy() -> None:
-    """A trilith whose blocks are pushed at random: joints slide, twist and stick, and its energy never rises."""
+    """Push the blocks of a trilith at random: joints slide, twist and stick, and its energy never rises."""
     structure = with_law(Structure.from_toml(TRILITH), friction=0.2).with_settings(tolerance=1e-7)
     stepper, rng = SpatialStepper(structure), np.random.default_rng(3)
     start_from(stepper, rest_of(structure))
@@ -81,7 +81,7 @@ def test_friction_takes_energy() -> None:
 
 
 def test_a_tie_that_yields_keeps_to_the_tolerance() -> None:
-    """A slab that slides, held by a rod that yields in both directions; small differences grow to five times."""
+    """Hold a slab that slides by a rod that yields in both directions; small differences grow to five times."""
     block = {"name": "b", "width": 4.0, "depth": 4.0, "height": 0.2, "mass": 1000.0, "on": "base"}
     rod = {"between": ["b", "base"], "from": [0.0, 0.0, 0.0], "to": [6.0, 0.0, 0.1], "stiffness": 1e5, "yield": 2e3}
     data = {"name": "held", "joints": {"stiffness": 1e8, "damping": 1e-3, "friction": 0.1}, "block": [block]}
@@ -97,7 +97,7 @@ def test_a_tie_that_yields_keeps_to_the_tolerance() -> None:
 
 
 def test_steps_while_a_tie_yields_are_stable() -> None:
-    """A slab held by a tie alone: steps that are bounded by their errors only let its force fall short."""
+    """Hold a slab by a tie alone: steps that are bounded by their errors only let its force fall short."""
     block = {"name": "b", "width": 4.0, "depth": 4.0, "height": 0.2, "mass": 1000.0, "on": "base"}
     tie = {"between": ["b", "base"], "from": [2.0, 0.0, 0.0], "to": [6.0, 0.0, 0.1], "stiffness": 1e5, "yield": 2e3}
     law = {"stiffness": 1e8, "damping": 1e-3, "friction": 1e-4}

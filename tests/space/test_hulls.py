@@ -41,14 +41,14 @@ def structure_of(*blocks: dict[str, Any]) -> Structure:
 
 
 def sphere(count: int) -> np.ndarray:
-    """Points all over a sphere of radius 1, (count, 3)."""
+    """Return the points all over a sphere of radius 1, (count, 3)."""
     k = np.arange(count) + 0.5
     z, angle = 1.0 - 2.0 * k / count, np.pi * (1.0 + np.sqrt(5.0)) * k
     return np.column_stack([np.sqrt(1.0 - z * z) * np.cos(angle), np.sqrt(1.0 - z * z) * np.sin(angle), z])
 
 
 def about(inertia: np.ndarray, volume: float, arm: np.ndarray) -> np.ndarray:
-    """Inertia about a point that is `arm` away from the centroid."""
+    """Return the inertia about a point that is `arm` away from the centroid."""
     return inertia + volume * (arm @ arm * np.eye(3) - np.outer(arm, arm))
 
 
@@ -70,7 +70,9 @@ def test_bulk_of_a_box_anywhere() -> None:
 
 
 def test_bulk_of_a_tetrahedron() -> None:
-    """Corners 0, a ex, b ey, c ez: volume a b c / 6, second moments V a^2 / 10 and V a b / 20 about the first."""
+    """Compare with corners 0, a ex, b ey, c ez: volume a b c / 6, second moments V a^2 / 10 and V a b / 20 about the
+    first.
+    """
     sides = np.array([1.0, 2.0, 3.0])
     hull = hull_of(convex_surface(np.concatenate([np.zeros((1, 3)), np.diag(sides)])))
     bulk = bulk_of(hull.triangles)
@@ -82,7 +84,7 @@ def test_bulk_of_a_tetrahedron() -> None:
 
 
 def test_bulk_of_an_octahedron() -> None:
-    """Half diagonals of 1: volume 4 / 3, inertia V / 5."""
+    """Compare with half diagonals of 1: volume 4 / 3, inertia V / 5."""
     bulk = bulk_of(convex_surface(np.concatenate([np.eye(3), -np.eye(3)])))
     assert bulk.volume == pytest.approx(4.0 / 3.0, rel=1e-14)
     assert np.max(np.abs(bulk.inertia - 4.0 / 15.0 * np.eye(3))) < 1e-14
@@ -102,7 +104,7 @@ def test_bulk_of_an_ellipsoid_converges_by_the_size_of_its_triangles() -> None:
 
 
 def test_a_hull_that_is_simplified_keeps_its_corners() -> None:
-    """A box whose edges are rounded by 600 points has the same flat sides within a thousandth."""
+    """Check that a box whose edges are rounded by 600 points has the same flat sides within a thousandth."""
     rounded = np.array([[0.5, 0.3, 1.0]]) * np.sign(sphere(600)) + 0.02 * sphere(600)
     small = hull_of(convex_surface(rounded))
     assert len(small.points) < 310
@@ -111,7 +113,7 @@ def test_a_hull_that_is_simplified_keeps_its_corners() -> None:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_flat_sides_that_are_rounded_in_a_file_are_one_face(seed: int) -> None:
-    """A box of many small triangles in single precision, as STL has it, far from the origin in double precision."""
+    """Read a box of many triangles in single precision, as STL has it, far from the origin in double precision."""
     rng = np.random.default_rng(seed)
     grid = np.linspace(0.0, 1.0, 9)
     cube = np.array([p for p in itertools.product(grid, repeat=3) if {0.0, 1.0} & set(p)])
@@ -127,7 +129,7 @@ def test_flat_sides_that_are_rounded_in_a_file_are_one_face(seed: int) -> None:
 
 
 def test_a_hull_of_a_box_is_the_box() -> None:
-    """Faces in another order and places that differ by rounding: so does the answer."""
+    """Compare with faces in another order and at places that differ by rounding, as the answer does."""
     box = {"name": "stone", "on": "base", "width": 1.0, "depth": 0.6, "height": 2.0, "density": 2500.0}
     one, other = structure_of(HULL), structure_of(box)
     assert one.is_plane
@@ -180,7 +182,9 @@ PARTS = [
 
 
 def bulk_of_boxes() -> tuple[float, np.ndarray, np.ndarray]:
-    """Volume, centroid and inertia of density 1 of the table: those of its boxes by the theorem of Steiner."""
+    """Return the volume, centroid and inertia of density 1 of the table: those of its boxes by the theorem of
+    Steiner.
+    """
     middles, sizes = (np.array([part[k] for part in PARTS]) for k in (0, 1))
     volumes = np.prod(sizes, axis=1)
     centroid = volumes @ middles / np.sum(volumes)
@@ -192,7 +196,7 @@ def bulk_of_boxes() -> tuple[float, np.ndarray, np.ndarray]:
 
 
 def table(**more: Any) -> dict[str, Any]:
-    """A table of stone on four legs by its numbers, its middle at the origin."""
+    """Return a table of stone on four legs by its numbers, its middle at the origin."""
     volume, centroid, inertia = bulk_of_boxes()
     points = [[x, y, z] for x in (-0.6, 0.6) for y in (-0.4, 0.4) for z in (0.0, HIGH)]
     six = inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]].tolist()
@@ -202,7 +206,8 @@ def table(**more: Any) -> dict[str, Any]:
 
 @pytest.mark.parametrize("lifted", [False, True])
 def test_what_stands_on_several_feet_bears_on_them_alone(lifted: bool) -> None:
-    """At rest under a couple about y, in closed form: all legs, or those of one side while the others have lifted.
+    """Compare at rest under a couple about y with the closed form: all legs, or those of one side while the others have
+    lifted.
 
     All legs: couple + W h r = k r (sum of LEG^4 / 12 + LEG^2 ALONG^2) with the rotation r, weight W and height h of the
     centroid. Two: couple + W h r = W (ALONG + e), r = 6 W e / (k LEG^4).
@@ -233,7 +238,9 @@ def test_what_stands_on_several_feet_bears_on_them_alone(lifted: bool) -> None:
 
 @needs_trimesh
 def test_the_feet_of_a_mesh_are_found(tmp_path: Path) -> None:
-    """A table of five boxes: its bulk as of these, in closed form, far from its hull; four feet, or one around them."""
+    """Check a table of five boxes: its bulk as of these, in closed form, far from its hull; four feet, or one around
+    them.
+    """
     trimesh = pytest.importorskip("trimesh")
     boxes = []
     for middle, size in PARTS:
@@ -314,7 +321,7 @@ def test_studies_vary_mass_and_scale() -> None:
 
 
 def test_two_stones_of_many_corners_are_compared_in_little_time() -> None:
-    """Two round stones that no joint connects, one moved into the other."""
+    """Compare two round stones that no joint connects, one moved into the other."""
     points = (sphere(2000) * [0.5, 0.4, 0.6]).tolist()
     foot = [[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1]]
     stones = [{**HULL, "name": f"stone{k}", "points": points, "foot": foot, "at": [1.1 * k, 0.0]} for k in range(2)]
@@ -331,7 +338,7 @@ def test_two_stones_of_many_corners_are_compared_in_little_time() -> None:
 
 
 def stacked(*boxes: tuple[float, float, float, float]) -> Any:
-    """A mesh of boxes one on the other, each (width, depth, from, to), not joined: as many closed parts."""
+    """Return a mesh of boxes one on the other, each (width, depth, from, to), not joined: as many closed parts."""
     trimesh = pytest.importorskip("trimesh")
     parts = []
     for width, depth, low, high in boxes:
@@ -344,7 +351,7 @@ def stacked(*boxes: tuple[float, float, float, float]) -> Any:
 @needs_trimesh
 @pytest.mark.parametrize("kind", ["obj", "stl", "glb", "ply"])
 def test_files_of_all_kinds_are_one_block(tmp_path: Path, kind: str) -> None:
-    """A slab of 1 x 0.6 x 0.2 under a shaft of 0.4 x 0.4 x 1.6, in mm: its own mass, contacts of its hull."""
+    """Read a slab of 1 x 0.6 x 0.2 under a shaft of 0.4 x 0.4 x 1.6, in mm: its own mass, contacts of its hull."""
     mesh = stacked((1.0, 0.6, 0.0, 0.2), (0.4, 0.4, 0.2, 1.8))
     mesh.apply_scale(1e3)
     mesh.export(tmp_path / f"stone.{kind}")

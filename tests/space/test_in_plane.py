@@ -35,7 +35,7 @@ def test_the_column_of_a_stack_is_the_column(name: str) -> None:
 
 
 def test_the_response_is_that_of_the_column() -> None:
-    """Of a file's structure, the lowest block first: the same as in the plane, and near the same as in space."""
+    """Compare a file's structure, the lowest block first: the same as in the plane, and near the same as in space."""
     structure = replace(stack(ratio=40.0), tolerance=1e-7)
     planar = simulate(structure, MOTION, settle=0, plane="auto")
     assert isinstance(planar, Response)

@@ -21,7 +21,7 @@ SMALL = 1e-5  # m and rad, of differences; terms of the third order are 1e-10 of
 
 
 def random_structure(seed: int) -> Structure:
-    """A colonnade, an arch or a wall of random sizes, with random ties and ratios of stiffness, undamped."""
+    """Return a colonnade, an arch or a wall of random sizes, with random ties and ratios of stiffness, undamped."""
     rng = np.random.default_rng(seed)
     law = {"stiffness": 1e8, "damping": 0.0, "shear_ratio": float(rng.uniform(0.3, 2.0))}
     a, b, c = rng.uniform(0.8, 1.4, 3)
@@ -42,7 +42,7 @@ def random_structure(seed: int) -> Structure:
 
 
 def split(q: FloatArray) -> tuple[FloatArray, list[FloatArray]]:
-    """Displacements and rotation matrices of all bodies, the base last."""
+    """Return the displacements and rotation matrices of all bodies, the base last."""
     parts = np.concatenate([q.reshape(-1, 6), np.zeros((1, 6))])
     return parts[:, :3], [Rotation.from_rotvec(part[3:]).as_matrix() for part in parts]
 
@@ -71,7 +71,7 @@ def potential(structure: Structure, q: FloatArray) -> float:
 
 
 def rim(face: Face) -> FloatArray:
-    """The outline of a face; of a disc that of a polygon of equal area, whose error is 1e-9."""
+    """Return the outline of a face; of a disc that of a polygon of equal area, whose error is 1e-9."""
     if not face.radius:
         return face.outline
     angle = np.linspace(0.0, 2.0 * np.pi, 721)[:-1]
@@ -80,7 +80,7 @@ def rim(face: Face) -> FloatArray:
 
 
 def squares(outline: FloatArray, p: tuple[float, float, float]) -> float:
-    """The integral of p^2 where the linear function p is positive."""
+    """Return the integral of p^2 where the linear function p is positive."""
     far = 1e3
     slope = np.array(p[1:])
     size = float(np.linalg.norm(slope))
@@ -94,7 +94,7 @@ def squares(outline: FloatArray, p: tuple[float, float, float]) -> float:
 
 
 def spin_by(turn: FloatArray) -> FloatArray:
-    """The matrix from the rate of a rotation vector to the spin along the axes of the block, by differences."""
+    """Return the matrix from the rate of a rotation vector to the spin along the axes of the block, by differences."""
     now, columns = Rotation.from_rotvec(turn).as_matrix(), []
     for axis in SMALL * np.eye(3):
         ahead, behind = (Rotation.from_rotvec(turn + way * axis).as_matrix() for way in (1.0, -1.0))
@@ -114,7 +114,7 @@ def mass_matrix(structure: Structure, q: FloatArray) -> FloatArray:
 
 
 def accelerations(structure: Structure, q: FloatArray, rates: FloatArray) -> FloatArray:
-    """Of the coordinates: M q'' = dT/dq - dV/dq - M' q'."""
+    """Return the accelerations of the coordinates: M q'' = dT/dq - dV/dq - M' q'."""
 
     def kinetic(at: FloatArray) -> float:
         return 0.5 * float(rates @ mass_matrix(structure, at) @ rates)

@@ -22,7 +22,7 @@ WALL = {"at": [RADIUS + GAP, 0.0, 0.0], "normal": [-1.0, 0.0], "width": 4.0, "he
 
 
 def tipped(beside: dict[str, Any], tilt: float, **law: Any) -> SpatialResponse:
-    """A post tipped about its rim, beyond its edge, and let go."""
+    """Return a post tipped about its rim, beyond its edge, and let go."""
     neighbours = {"reach": 1.0, "line_stiffness": 1e8, "restitution": 0.02, "friction": 0.5} | law
     blocks = [{**POST, "height": HEIGHT}, *([{**BLOCK, **beside}] if beside else [])]
     joints = {"stiffness": 1e9, "damping": 2e-3, "friction": 0.8}
@@ -53,7 +53,7 @@ def test_a_block_that_falls_short_of_its_neighbour_stays_fallen() -> None:
 
 
 def test_a_block_that_touches_upright_says_nothing_of_its_neighbour() -> None:
-    """It stands by its own: it is at rest, and is not pressed."""
+    """Check that it stands by its own: it is at rest, and is not pressed."""
     response = tipped({"at": [RADIUS + GAP + 1.0, 0.0]}, 0.0)
     assert response.verdict == "standing"
     assert "rests against" not in response.reason

@@ -33,7 +33,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def block(g: float = G, at: tuple[float, float, float] = (0.0, 0.0, 0.5), **joint: float) -> Structure:
-    """A cube of 1 m on its bed, with a port."""
+    """Return a cube of 1 m on its bed, with a port."""
     return Structure.from_dict(
         {
             "name": "cube",
@@ -46,7 +46,7 @@ def block(g: float = G, at: tuple[float, float, float] = (0.0, 0.0, 0.5), **join
 
 
 def test_a_slow_force_moves_the_block_on_its_bed_as_in_closed_form() -> None:
-    """In full contact: shear of the bed, and its rotation less what the weight and the load add."""
+    """Compare in full contact: shear of the bed, and its rotation less what the weight and the load add."""
     force = 3000.0
     ramp = Load.of([0.0, 1.0, 2.0], Fx=[0.0, force, force])
     x = simulate(block(), STILL, 2.0, loads={"top": ramp}, output_step=0.1).port_x[-1, 0]
@@ -59,7 +59,7 @@ def test_a_slow_force_moves_the_block_on_its_bed_as_in_closed_form() -> None:
 
 
 def test_a_blow_gives_a_free_block_its_impulse() -> None:
-    """Without weight, upwards: m v is the impulse."""
+    """Check that without weight, upwards, m v is the impulse."""
     blow = Load.of([0.0, 1e-3, 2e-3], Fz=[0.0, 2e6, 0.0])
     found = simulate(block(g=0.0), STILL, 0.05, loads={"top": blow}, output_step=1e-3, settle=0.0)
     speed = 2000.0 / MASS
@@ -81,7 +81,7 @@ def test_rates_of_a_port_are_those_of_its_place() -> None:
 
 
 def test_released_it_swings_from_the_place_where_the_load_held_it() -> None:
-    """At the lowest frequency of the bed, undamped; rest under the load is what a slow load reaches."""
+    """Compare at the lowest frequency of the bed, undamped; rest under the load is what a slow load reaches."""
     slow = simulate(block(), STILL, 2.0, loads={"top": Load.of([0.0, 1.0, 2.0], Fx=[0.0, 3e3, 3e3])}, tolerance=1e-8)
     undamped = block(damping=0.0)
     found = simulate(undamped, STILL, 0.4, release={"top": {"Fx": 3e3}}, output_step=1e-4, settle=0.0, tolerance=1e-8)
@@ -102,7 +102,7 @@ def test_released_it_swings_from_the_place_where_the_load_held_it() -> None:
 
 
 def test_loads_and_base_motion_are_followed_on_one_grid() -> None:
-    """Base and load both held constant at the same acceleration of the block cancel: m a at the centroid."""
+    """Check that base and load both held constant at the same acceleration of the block cancel: m a at the centroid."""
     structure = block(at=(0.0, 0.0, 0.0))
     shaken = wavelets.ricker(1.0, 3.0)
     against = Load.of(shaken.time[::1] + 0.0, Fx=MASS * shaken.ax)
@@ -199,7 +199,9 @@ def test_formulas_and_files(tmp_path: Path) -> None:
 
 
 def test_a_pattern_pushes_as_the_acceleration_that_it_is() -> None:
-    """m at the centroid: the same path; at the top by its moment about the edge, but for the bed's penetration."""
+    """Compare m at the centroid: the same path; at the top by its moment about the edge, but for the bed's
+    penetration.
+    """
     structure = block(at=(0.0, 0.0, 0.0))
     one, other = push_over(structure), push_over(structure, pattern={"top.Fx": MASS})
     assert other.acceleration == pytest.approx(one.acceleration, rel=1e-9, abs=1e-9)

@@ -36,7 +36,7 @@ def inverted(mesh: Any) -> Any:
 
 
 def read(file: Path, **more: Any) -> Any:
-    """The block of a mesh."""
+    """Return the block of a mesh."""
     table = {"name": "a", "on": "base", "shape": "mesh", "file": str(file), "density": DENSITY, **more}
     law = {"stiffness": 1e9, "damping": 1e-3}
     return Structure.from_dict({"name": "m", "joints": law, "block": [table]}).blocks[0]
@@ -51,7 +51,7 @@ def written(folder: Path, *meshes: Any, kind: str = "obj") -> Path:
 @pytest.mark.parametrize("noise", [1e-6, 5e-6, 2e-5, 1e-3])
 @pytest.mark.parametrize("seed", range(8))
 def test_flat_sides_with_noise_are_the_hull_of_a_closed_solid(noise: float, seed: int) -> None:
-    """A slab of 1.5 x 0.5 x 0.3 m, each side of 32 triangles: volume within twice the noise times its surface."""
+    """Check a slab of 1.5 x 0.5 x 0.3 m, each side of 32 triangles: volume within twice the noise times its surface."""
     mesh = box((0, 0, 0), (1.5, 0.5, 0.3)).subdivide().subdivide()
     rng = np.random.default_rng(seed)
     hull = hull_of(convex_surface(mesh.vertices + rng.uniform(-noise, noise, mesh.vertices.shape)))
@@ -123,7 +123,7 @@ def test_solids_that_do_not_touch_are_said(tmp_path: Path, meshes: list[Any], co
 
 
 def test_a_foot_that_is_hollow_is_said(tmp_path: Path) -> None:
-    """The foot of a ring is the disc around it; feet that are given, or a full foot, are not warned of."""
+    """Check that the foot of a ring is the disc around it; feet that are given, or a full foot, are not warned of."""
     ring = written(tmp_path, trimesh.creation.annulus(0.3, 0.5, 0.6))
     with pytest.warns(InputWarning, match=r"block\[1\].foot: .*outline of 0.78 m2, the mesh has 0.499 m2 there"):
         read(ring)
@@ -141,7 +141,7 @@ def test_a_mesh_in_mm_is_said_in_python(tmp_path: Path) -> None:
 
 
 def test_wrong_winding_is_repaired(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Of a box of 192 triangles some look inwards; of a hollow box the inner shell looks outwards."""
+    """Check a box of 192 triangles, of which some look inwards; of a hollow box the inner shell looks outwards."""
     whole = box(*OUTER).subdivide().subdivide()
     faces = np.array(whole.faces)
     wrong = np.random.default_rng(3).random(len(faces)) < 0.2
@@ -164,7 +164,7 @@ def test_wrong_winding_is_repaired(tmp_path: Path, capsys: pytest.CaptureFixture
 
 
 def gltf(folder: Path, uri: str) -> Path:
-    """A tetrahedron whose numbers lie in a file of another name."""
+    """Return a tetrahedron whose numbers lie in a file of another name."""
     points = np.array([[0, 0, 0], [3, 0, 0], [0, 3, 0], [0, 0, 3]], dtype="<f4").tobytes()
     corners = np.array([0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3], dtype=np.uint8).tobytes()
     views = [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}]
@@ -225,7 +225,7 @@ def test_files_that_a_mesh_names_are_ordinary_ones_in_its_folder(tmp_path: Path,
 @pytest.mark.skipif(os.name == "nt", reason="has no pipes with names")
 @pytest.mark.parametrize("kind", ["obj", "ply", "gltf"])
 def test_materials_are_not_read(tmp_path: Path, capfd: pytest.CaptureFixture[str], kind: str) -> None:
-    """A file of colours may be missing, or a pipe: nothing is said of it."""
+    """Check that a file of colours may be missing, or a pipe: nothing is said of it."""
     os.mkfifo(tmp_path / "pipe")
     file = tmp_path / f"stone.{kind}"
     for name in ("pipe", "nothing.jpg"):
@@ -246,7 +246,7 @@ def test_materials_are_not_read(tmp_path: Path, capfd: pytest.CaptureFixture[str
 
 @pytest.mark.parametrize("hole", ["round", "square"])
 def test_a_ring_has_parts_around_its_hole(tmp_path: Path, hole: str) -> None:
-    """Its hull holds the hole; 16 convex parts of it hold less than 5 % of that beside the ring."""
+    """Check that its hull holds the hole; 16 convex parts of it hold less than 5 % of that beside the ring."""
     if hole == "round":
         ring = trimesh.creation.annulus(0.4, 0.6, 0.5)
     else:
@@ -270,7 +270,7 @@ def test_parts_that_do_not_help_are_said(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("depth", [0.1, 1e-6])
 def test_faces_that_are_no_convex_polygons_are_refused(depth: float) -> None:
-    """A slab whose sides across y have a bottom edge like a saw; its other faces are those of the hull."""
+    """Refuse a slab whose sides across y have a bottom edge like a saw; its other faces are those of the hull."""
     side = [[0.0, 0.0], *[[k / 10, depth * (k % 2)] for k in range(1, 10)], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
     count = len(side)
     points = [[x, y, z] for y in (0.0, 1.0) for x, z in side]
@@ -291,7 +291,9 @@ def test_faces_that_are_no_convex_polygons_are_refused(depth: float) -> None:
 
 
 def test_a_prism_has_no_corners_on_straight_sides() -> None:
-    """A bottom of 90 corners that zigzags by 8e-12 m is the straight side that its ends have; by 1 um it is refused."""
+    """Check that a bottom of 90 corners that zigzags by 8e-12 m is the straight side that its ends have; by 1 um it is
+    refused.
+    """
 
     def outline(depth: float) -> list[list[float]]:
         return [[k / 90, depth * (k % 2)] for k in range(91)] + [[1.0, 1.0], [0.0, 1.0]]

@@ -33,7 +33,7 @@ def _trilith(**law: Any) -> Structure:
 
 
 def _tied(**tie: Any) -> Structure:
-    """Two columns, each held down by a rod, and a rod between them."""
+    """Return two columns, each held down by a rod, and a rod between them."""
     size = {"width": 1.0, "depth": 1.2, "height": 2.0, "density": 2500.0}
     blocks = [
         {"name": f"{side}{k}", "on": f"{side}{k - 1}" if k else "base", **size} | ({} if k else {"at": [x, 0.0]})
@@ -81,7 +81,7 @@ def _places(response: SpatialResponse) -> np.ndarray:
 
 
 def _off(found: SpatialResponse, best: SpatialResponse) -> tuple[float, float]:
-    """Largest error of places over the largest, and of peaks, each over the largest of its kind."""
+    """Return the largest error of places over the largest, and of peaks, each over the largest of its kind."""
     places = float(np.max(np.abs(_places(found) - _places(best))) / np.max(np.abs(_places(best))))
     peaks = [
         float(np.max(np.abs(value - found.peaks[name])) / np.max(np.abs(value)))
@@ -134,7 +134,9 @@ def test_evaluations_in_contact() -> None:
 
 
 def test_frequencies_and_damping_are_those_of_the_structure() -> None:
-    """A stack whose dampers are proportional to its springs: eta omega^2, but for the stiffness that weight adds."""
+    """Compare a stack whose dampers are proportional to its springs: eta omega^2, but for the stiffness that weight
+    adds.
+    """
     structure = stack()
     data = _prepared(structure)
     square, damping = data[:, 0], data[:, 1]
@@ -144,7 +146,7 @@ def test_frequencies_and_damping_are_those_of_the_structure() -> None:
 
 
 def _prepared(structure: Structure) -> np.ndarray:
-    """The records of the modes after a step."""
+    """Return the records of the modes after a step."""
     stepper = _stepper(structure)
     stepper.run(None, 0.0, 1e-6, np.zeros(0))
     records = stepper.model.modal[modal_layout.LIMITS.beside :][: 6 * structure.n * MODE.beside]
@@ -153,14 +155,14 @@ def _prepared(structure: Structure) -> np.ndarray:
 
 
 def _stepper(structure: Structure) -> SpatialStepper:
-    """At rest, with modes."""
+    """Return a stepper at rest, with modes."""
     stepper = SpatialStepper(structure, modal_data_of(structure).numbers)
     start_from(stepper, rest_of(structure))
     return stepper
 
 
 def test_modes_span_all_coordinates() -> None:
-    """Shapes and inverses, group by group, are inverse matrices, for bodies that are turned at rest as well."""
+    """Check that shapes and inverses, group by group, are inverse matrices, for bodies turned at rest as well."""
     structure = _tied()
     numbers = modal_data_of(structure).numbers
     limits = modal_layout.LIMITS.see(numbers)
@@ -204,7 +206,7 @@ def test_why_there_are_no_modes() -> None:
 
 
 def test_a_joint_that_has_slid_is_stepped_by_modes_again() -> None:
-    """Its slip is an offset of the rest, which the remainder bears."""
+    """Check that its slip is an offset of the rest, which the remainder bears."""
     block = {"name": "b", "width": 4.0, "depth": 4.0, "height": 0.2, "mass": 1000.0, "on": "base"}
     law = {"stiffness": 1e9, "damping": 1e-3, "friction": 0.3}
     slab = Structure.from_dict({"name": "slab", "joints": law, "block": [block]})

@@ -51,7 +51,7 @@ def test_first_second_in_the_plane_tends_to_the_planar_column() -> None:
 
 
 def _thrown(structure: Structure, seed: int = 1) -> SpatialState:
-    """The structure at rest, its blocks pushed at random."""
+    """Return the structure at rest, its blocks pushed at random."""
     rng, rest = np.random.default_rng(seed), rest_of(structure)
     n = structure.n
     at = rest.phase[: 3 * n].reshape(3, n).T
@@ -60,7 +60,7 @@ def _thrown(structure: Structure, seed: int = 1) -> SpatialState:
 
 @pytest.mark.parametrize("section", ["rectangle", "circle"])
 def test_energy_stays_without_damping(section: str) -> None:
-    """Relative to the energy above rest, after a second in which joints open and close some 600 times."""
+    """Compare with the energy above rest, after a second in which joints open and close some 600 times."""
     for tolerance, part in ((1e-5, 0.1), (1e-7, 0.6)):
         structure = stack(section=section, damping=0.0, tolerance=tolerance)
         stepper = SpatialStepper(structure)
@@ -74,7 +74,7 @@ def test_energy_stays_without_damping(section: str) -> None:
 
 
 def test_forces_are_in_balance_with_momentum() -> None:
-    """What acts on the base is the rate of the momentum, and of its moment about the origin, of all blocks."""
+    """Check that what acts on the base is the rate of the momentum, and its moment about the origin, of all blocks."""
     structure = stack(section="circle", damping=1e-3)
     stepper = SpatialStepper(structure)
     state = _thrown(structure)
@@ -99,7 +99,7 @@ def test_forces_are_in_balance_with_momentum() -> None:
 
 @pytest.mark.parametrize("name", ["arch", "trilith", "drums"])
 def test_forces_are_the_slopes_of_the_energy(name: str) -> None:
-    """At random places, with large rotations and faces that are inclined, without damping and friction."""
+    """Compare at random places, with large rotations and faces that are inclined, without damping and friction."""
     rng = np.random.default_rng(7)
     law = {"stiffness": 1e8, "damping": 0.0}
     structure = {
@@ -153,7 +153,9 @@ def test_round_column_is_the_same_in_any_direction() -> None:
 
 
 def _wobble(section: str, across: float) -> float:
-    """How far three blocks move across, m, under two cycles of 0.35 g 1 Hz along x and four of a part of it across."""
+    """Return how far three blocks move across, m, under two cycles of 0.35 g 1 Hz along x and four of a part of it
+    across.
+    """
     time = np.linspace(0.0, 2.0, 2001)
     ax, ay = (0.35 * G * np.sin(2.0 * math.pi * frequency * time) for frequency in (1.0, 2.0))
     motion = Motion.from_samples(1e-3, ax, ay=across * ay)
@@ -176,7 +178,7 @@ def test_round_drums_wobble_and_square_ones_do_not() -> None:
 
 
 def _frame(gamma: float, modulus: float) -> float:
-    """Quarter period of two columns 6 m x 1 m x 1 m under a beam of gamma column masses each, s."""
+    """Return the quarter period of two columns 6 m x 1 m x 1 m under a beam of gamma column masses each, s."""
     law = {"stiffness": modulus, "damping": 0.0, "shear_ratio": 1.0}
     size = {"width": 1.0, "depth": 1.0, "height": 6.0, "density": 1000.0}
     blocks: list[dict[str, Any]] = [{"name": f"c{k}", "on": "base", "at": [5.0 * k, 0.0], **size} for k in range(2)]
@@ -207,7 +209,9 @@ def _frame(gamma: float, modulus: float) -> float:
 @pytest.mark.long
 @pytest.mark.parametrize("gamma", [0.0, 1.0, 3.0])
 def test_rocking_frame_tends_to_its_closed_form(gamma: float) -> None:
-    """N. Makris, M. F. Vassiliou, Earthquake Engng Struct. Dyn. 42 (2013): a block with another frequency parameter."""
+    """Compare with N. Makris, M. F. Vassiliou, Earthquake Engng Struct. Dyn. 42 (2013): a
+    block with another frequency parameter.
+    """
     p = math.sqrt(3.0 * G / (4.0 * 0.5 * math.hypot(1.0, 6.0)))
     exact = math.acosh(2.0) / (p * math.sqrt((1.0 + 2.0 * gamma) / (1.0 + 3.0 * gamma)))
     soft, hard = _frame(gamma, 3e9), _frame(gamma, 3e10)
@@ -217,7 +221,7 @@ def test_rocking_frame_tends_to_its_closed_form(gamma: float) -> None:
 
 
 def test_rolling_disc_precesses_as_eulers() -> None:
-    """A coin that rolls on its rim, its centre at rest, precesses at 2 sqrt(g / (r sin alpha)): L. Euler."""
+    """Check that a coin that rolls on its rim, its centre at rest, precesses at 2 sqrt(g / (r sin alpha)): L. Euler."""
     alpha, h = 0.05, 0.01
     block = {"name": "d", "shape": "drum", "diameter": 2.0, "height": h, "density": 2000.0, "on": "base"}
     data = {"name": "coin", "joints": {"stiffness": 1e9, "damping": 0.0}, "block": [block]}
@@ -236,7 +240,7 @@ def test_rolling_disc_precesses_as_eulers() -> None:
 
 
 def test_arch_gives_way_under_a_push_that_grows_slowly() -> None:
-    """Seven voussoirs over 157.5 degrees: at 0.35 g, moved by 1 m at 0.37 g."""
+    """Push seven voussoirs over 157.5 degrees: at 0.35 g, moved by 1 m at 0.37 g."""
     structure = arch(7, 10.0, 1.5, 1.0, {"stiffness": 1e10, "damping": 1e-3}, angle=math.radians(157.5))
     time = np.linspace(0.0, 20.0, 201)
     response = run(replace(structure, without=("peaks",)), Motion.from_samples(0.1, 0.02 * G * time))
@@ -273,7 +277,7 @@ def test_histories_as_frames_and_in_a_notebook() -> None:
 
 
 def test_a_block_that_tumbles_has_fallen_at_a_quarter_turn() -> None:
-    """Thrown up, it turns freely at 9 rad/s; the frame half-way to the base would flip at half a turn."""
+    """Check that thrown up, it turns freely at 9 rad/s; the frame half-way to the base would flip at half a turn."""
     spin = np.zeros((1, 3))
     spin[0, 1] = 9.0
     thrown = SpatialState(np.array([[0.0, 0.0, 0.5]]), np.zeros((1, 3)), np.array([[0.0, 0.0, 8.0]]), spin)

@@ -23,7 +23,7 @@ WALL = {"at": [-0.7, 0.0, 0.0], "normal": [1.0, 0.0], "width": 2.0, "height": 3.
 
 
 def described(*blocks: dict[str, Any], **neighbours: Any) -> dict[str, Any]:
-    """A structure of blocks 1.2 m apart along x."""
+    """Return a structure of blocks 1.2 m apart along x."""
     tables = [{"name": f"b{k}", "on": "base", "at": [1.2 * k, 0.0], **block} for k, block in enumerate(blocks)]
     table = {key: value for key, value in {**LAW, **neighbours}.items() if value is not None}
     return {"name": "row", "joints": {"stiffness": 1e9, "damping": 1e-3}, "block": tables, "neighbours": table}
@@ -112,7 +112,7 @@ def test_pairs_with_a_joint_and_overlaps_are_refused() -> None:
 
 
 def test_declared_gaps_move_the_contact() -> None:
-    """A drum taken to be nearer than it is meets as one that stands there."""
+    """Check that a drum taken to be nearer than it is meets as one that stands there."""
     for gap in (0.05, 0.4):
         made = Structure.from_dict(described(DRUM, DRUM, pair=[{"between": ["b0", "b1"], "gap": gap}]))
         pairs = made.model.names.pairs
@@ -168,7 +168,7 @@ def test_a_column_in_its_plane_meets_none_and_its_stack_does() -> None:
 
 
 def test_a_stack_before_a_wall_is_not_run_as_a_column() -> None:
-    """Shaken in its plane, where a stack without neighbours is left to its column, which would pass the wall."""
+    """Shake it in its plane, where a stack without neighbours is left to its column, which would pass the wall."""
     made = Structure.from_toml(ROOT / "examples" / "structures" / "facade.toml")
     motion = Motion.harmonic(3.0, 1.5, 1.0)
     assert made.kind.equivalent_model(made, motion) is made
@@ -178,7 +178,9 @@ def test_a_stack_before_a_wall_is_not_run_as_a_column() -> None:
 
 
 def test_modes_are_those_of_blocks_that_stand_apart() -> None:
-    """To the last bit where gaps are open at rest; where two blocks touch there are none, and both are named."""
+    """Compare to the last bit where gaps are open at rest; where two blocks touch there are none, and both are
+    named.
+    """
     data = described(DRUM, BOX)
     apart = Structure.from_dict(data)
     alone = Structure.from_dict({key: value for key, value in data.items() if key != "neighbours"})

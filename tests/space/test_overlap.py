@@ -33,7 +33,7 @@ DRUM = {"shape": "drum", "height": 0.5, "mass": 1000.0}
 
 @from_python
 def bed_after(arrays, slips, p, q, found):
-    """The bed of joint 0 after slips and a twist."""
+    """Return the bed of joint 0 after slips and a twist."""
     scene, _ = seen(arrays)
     scene.slips.p1[0], scene.slips.p2[0], scene.slips.p3[0] = slips[0], slips[1], slips[2]
     bed = bed_of_joint(scene, 0, Plane(p[0], p[1], p[2]), Plane(q[0], q[1], q[2]))
@@ -48,7 +48,7 @@ def bed(structure: Structure, slips: Any, p: FloatArray, q: FloatArray) -> Float
 
 @from_python
 def beds_after(lanes, model, slips, p, q, found):
-    """As `bed_after`, eight at once."""
+    """Return eight beds at once, as `bed_after` does."""
     row = row_of(model)
     queue = Queue(0, row, row, row, row, row, row, row, row, row, row, 0, row, row)
     scene = batch_over(sizes_in(row), lanes_of(lanes), queue).scene
@@ -59,7 +59,7 @@ def beds_after(lanes, model, slips, p, q, found):
 
 
 def beds(structure: Structure, *given: list[FloatArray]) -> FloatArray:
-    """Beds of eight slips, p and q, (8, 5)."""
+    """Return the beds of eight slips, p and q, (8, 5)."""
     model = structure.model.numbers.copy()
     lanes = aligned(WIDTH * ALL.size(structure.model.sizes))
     lanes.reshape(-1, WIDTH)[: model.size] = model[:, None]
@@ -72,7 +72,7 @@ def beds(structure: Structure, *given: list[FloatArray]) -> FloatArray:
 
 
 def two(upper: dict[str, Any], lower: dict[str, Any]) -> Structure:
-    """A block on another one, joint 0 between them."""
+    """Return a block on another one, joint 0 between them."""
     blocks = [{**lower, "name": "lower", "on": "base"}, {**upper, "name": "upper", "on": "lower"}]
     law = {"stiffness": 1e9, "damping": 1e-3, "friction": 0.5}
     found = Structure.from_dict({"name": "two", "joints": law, "block": blocks})
@@ -108,14 +108,14 @@ def test_polygons_against_rational_numbers(seed: int) -> None:
 
 
 def sections(shape: dict[str, Any]) -> list[tuple[float, float]]:
-    """Sign and radius of the discs of a drum; of a box a sign and no radius."""
+    """Return the sign and radius of the discs of a drum; of a box a sign and no radius."""
     if shape["shape"] == "box":
         return [(1.0, 0.0)]
     return [(1.0, 0.5 * shape["diameter"]), *([(-1.0, 0.5 * shape["bore"])] if shape.get("bore") else [])]
 
 
 def by_quadrature(upper: dict[str, Any], lower: dict[str, Any], slips: FloatArray, p: Any, q: Any) -> FloatArray:
-    """(force, first_x, first_y, area): over x of what is exact over y, for boxes without a twist."""
+    """Return (force, first_x, first_y, area): over x of what is exact over y, for boxes without a twist."""
 
     def span(shape: dict[str, Any], radius: float, x: float, half: float) -> tuple[float, float]:
         u, middle = x - half * slips[0], half * slips[1]
@@ -223,14 +223,14 @@ def test_forces_are_the_slopes_of_the_energy_after_a_slip(name: str) -> None:
 
 
 def slider(section: str) -> Column:
-    """A flat block on a heavy one of the same width."""
+    """Return a flat block on a heavy one of the same width."""
     bore = 0.5 if section == "annulus" else None
     top = Block(0.3, 1.0, 1.0, 800.0, Joint(2e9, 1e-3, friction=0.2), section=section, bore=bore)
     return Column("slider", (top, Block(0.4, 1.0, 1.0, 100000.0, Joint(2e11, 1e-3))))
 
 
 def pushed(structure: Structure, reach: float, angle: float = 0.0, duration: float = 2.0) -> SpatialResponse:
-    """A push of block 0 that friction of 0.2 stops after `reach` m."""
+    """Return a push of block 0 that friction of 0.2 stops after `reach` m."""
     velocity = np.zeros((structure.n, 3))
     velocity[0] = math.sqrt(2.0 * 0.2 * G * reach) * np.array([math.cos(angle), math.sin(angle), 0.0])
     still = np.zeros_like(velocity)
@@ -242,7 +242,7 @@ def pushed(structure: Structure, reach: float, angle: float = 0.0, duration: flo
 
 @pytest.mark.parametrize("section", ["rectangle", "circle", "annulus"])
 def test_a_block_pushed_off_slides_as_on_an_endless_face_until_it_tips(section: str) -> None:
-    """Friction is that of the weight, however small the contact and whatever its shape; in the plane too."""
+    """Check that friction is that of the weight, however small the contact and whatever its shape; in the plane too."""
     structure = slider(section).in_space()
     response = pushed(structure, 0.25, angle=0.5)
     assert math.hypot(response.ux[-1, 0], response.uy[-1, 0]) == pytest.approx(0.25, rel=2e-3)
@@ -262,7 +262,7 @@ def test_a_block_that_slides_over_the_rim_tips_when_its_centroid_passes_it(
 
 @pytest.mark.parametrize("shape", ["box", "drum"])
 def test_on_the_ground_a_block_slides_any_way_without_tipping(shape: str) -> None:
-    """The contact goes with the block: pressure and rotation are those at rest."""
+    """Check that the contact goes with the block: pressure and rotation are those at rest."""
     size = {"width": 0.5, "depth": 0.5} if shape == "box" else {"diameter": 0.5}
     block = {"name": "b", "shape": shape, "height": 0.1, "density": 2000.0, "on": "base", **size}
     law = {"stiffness": 1e9, "damping": 1e-3, "friction": 0.2}
@@ -279,7 +279,7 @@ def test_on_the_ground_a_block_slides_any_way_without_tipping(shape: str) -> Non
 
 @pytest.mark.parametrize("section", ["rectangle", "circle"])
 def test_the_plane_and_space_agree_where_a_block_slides(section: str) -> None:
-    """Rigid in shear in the limit."""
+    """Compare in the limit of rigid shear."""
     bottom = Block(0.4, 1.0, 1.0, 1600.0, Joint(2e8, 1e-3), section=section)
     column = Column("two", (Block(0.3, 1.0, 1.0, 800.0, Joint(2e8, 1e-3, friction=0.2), section=section), bottom))
     motion = Motion.harmonic(0.45 * G, 1.0, 2.0)
@@ -295,7 +295,7 @@ def test_the_plane_and_space_agree_where_a_block_slides(section: str) -> None:
 
 @pytest.mark.parametrize("shape", ["box", "drum"])
 def test_a_slip_that_is_over_leaves_no_trace_on_the_ground(shape: str) -> None:
-    """A block thrown with a spin where it has slid to, and where it was built."""
+    """Compare a block thrown with a spin where it has slid to, and where it was built."""
     size = {"width": 0.8, "depth": 0.5} if shape == "box" else {"diameter": 0.5}
     law = {"stiffness": 1e8, "damping": 1e-3, "friction": 0.2}
     found = []

@@ -51,7 +51,7 @@ PAIRS = (
 
 
 def two_faces(above: str, below: str, friction: float) -> SpatialStepper:
-    """A block on another one, or on the base, hardly held along its face."""
+    """Return a block on another one, or on the base, hardly held along its face."""
     law = {"stiffness": 1e8, "damping": 0.0}
     low, high = ({"name": name, "density": 2400.0, **SHAPES.get(name, BOX)} for name in (below, above))
     for block in (low, high):
@@ -73,7 +73,7 @@ def place(stepper: SpatialStepper, pose: FloatArray, slip: FloatArray) -> None:
 
 
 def energies(stepper: SpatialStepper, pose: FloatArray, slip: FloatArray, step: float) -> FloatArray:
-    """Negative differences of the energy over each component of the slip."""
+    """Return the negative differences of the energy over each component of the slip."""
     found = np.zeros(3)
     for k, to in enumerate(step * np.eye(3)):
         place(stepper, pose, slip + to)
@@ -84,7 +84,7 @@ def energies(stepper: SpatialStepper, pose: FloatArray, slip: FloatArray, step: 
 
 
 def shear(stepper: SpatialStepper, pose: FloatArray, slip: FloatArray) -> tuple[FloatArray, float]:
-    """Force along the joint on the upper block, N, N, and N m, and across it, N."""
+    """Return the force along the joint on the upper block, N, N, and N m, and across it, N."""
     place(stepper, pose, slip)
     stepper.observe()
     m = stepper.sizes.m
@@ -93,7 +93,7 @@ def shear(stepper: SpatialStepper, pose: FloatArray, slip: FloatArray) -> tuple[
 
 
 def random_pose(rng: np.random.Generator, slipped: float) -> tuple[FloatArray, FloatArray]:
-    """A tilted, sunken and twisted block, and what its slider has given way by."""
+    """Return a tilted, sunken and twisted block, and what its slider has given way by."""
     slip = slipped * rng.normal(size=3) * (0.1, 0.1, 0.3)
     tilt = rng.normal(size=2) * 10.0 ** rng.uniform(-4.0, -0.8)
     sunk = -0.5 * abs(tilt[0]) - 10.0 ** rng.uniform(-5.0, -2.5) * rng.uniform(0.2, 1.0)
@@ -119,7 +119,7 @@ def test_a_joint_without_friction_bears_the_derivative_of_its_energy(above: str,
 
 @pytest.mark.parametrize("shape", ["box", "hull", "drum", "ring"])
 def test_equal_faces_have_a_derivative_for_each_way_of_slipping(shape: str) -> None:
-    """Without a slip yet, each edge belongs to the face that the other one leaves there."""
+    """Check that without a slip yet, each edge belongs to the face that the other one leaves there."""
     smooth, rough = two_faces(shape, shape, 1e-12), two_faces(shape, shape, 1e9)
     worst, seen, rng, step = 0.0, 0, np.random.default_rng(6), 1e-7
     for _ in range(60):

@@ -28,12 +28,12 @@ def pulled(structure: Structure) -> Pulled:
 
 
 def damping(lost: float, force: float, amplitude: float) -> float:
-    """The equivalent damping ratio of a loop, of the stiffness to its tip."""
+    """Return the equivalent damping ratio of a loop, of the stiffness to its tip."""
     return lost / (2.0 * math.pi * force * amplitude)
 
 
 def test_lead_rubber() -> None:
-    """LRB600 at 110 mm: 1.58 kN/mm, 23 %, 13.13 kN/mm before yield; of four bearings."""
+    """Compare with LRB600 at 110 mm: 1.58 kN/mm, 23 %, 13.13 kN/mm before yield; of four bearings."""
     structure, u = published("lead-rubber-lrb600"), 0.11
     bearings = pulled(structure)
     assert bearings.force(1e-3) == pytest.approx(4 * 13.13e6 * 1e-3, rel=1e-9)
@@ -47,7 +47,7 @@ def test_lead_rubber() -> None:
 
 
 def test_rubber() -> None:
-    """Compound X0.6 at a strain of 1: 0.684 MPa, 21.0 %, by its published formulas."""
+    """Compare with compound X0.6 at a strain of 1: 0.684 MPa, 21.0 %, by its published formulas."""
     structure, u = published("rubber-x06"), 0.2
     shear, ratio = 0.68385e6, 0.23834 - 0.028108 - 0.000087664
     force = pulled(structure).force(u)
@@ -58,7 +58,7 @@ def test_rubber() -> None:
 
 
 def test_pendulum() -> None:
-    """For 1000 kN: a period of 3 s, slides at 10 % of its load within a tenth of that, 4 mm at most."""
+    """Check for 1000 kN: a period of 3 s, slides at 10 % of its load within a tenth of that, 4 mm at most."""
     structure = published("pendulum-bdqz1000")
     bearings = pulled(structure)
     assert bearings.load == pytest.approx(1e6, rel=1e-3)
@@ -74,7 +74,7 @@ def test_pendulum() -> None:
 
 
 def test_slider() -> None:
-    """SLR-600 at 9.8 MPa and 0.4 m/s: slides at mu P, until then G A/Tr."""
+    """Compare with SLR-600 at 9.8 MPa and 0.4 m/s: slides at mu P, until then G A/Tr."""
     structure = published("slider-slr600")
     bearings, area = pulled(structure), 0.25 * math.pi * 0.6**2
     assert bearings.load / area == pytest.approx(9.8e6, rel=1e-3)
@@ -86,7 +86,7 @@ def test_slider() -> None:
 
 
 def test_gliding_plate() -> None:
-    """No more than 80 gal arrive, whatever the floor does: here five times as much."""
+    """Check that no more than 80 gal arrive, whatever the floor does: here five times as much."""
     structure = published("gliding-plate")
     times = np.arange(0.0, 6.0, 0.01)
     response = simulate(structure, Motion.from_samples(0.01, 4.0 * np.sin(4.0 * math.pi * times)))

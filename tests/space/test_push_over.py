@@ -45,17 +45,17 @@ def block(
 
 
 def largest(structure: Structure, degrees: float = 0.0, vertical: float = 0.0) -> float:
-    """g."""
+    """Return the largest push, g."""
     return push_over(structure, math.radians(degrees), vertical).largest_acceleration / G
 
 
 def rigid_like(width: float, depth: float, height: float, degrees: float = 0.0, shape: str = "box") -> float:
-    """The largest push, g, at an infinite modulus, from three moduli."""
+    """Return the largest push, g, at an infinite modulus, from three moduli."""
     return by_ratio([largest(block(width, depth, height, k, shape), degrees) for k in (1e12, 1e13, 1e14)])
 
 
 def test_a_stiff_block_balances_its_width_over_its_height() -> None:
-    """Extrapolated in the modulus; measured: 2e-6, over a corner 3e-5, of the drum 5e-6."""
+    """Extrapolate in the modulus; measured: 2e-6, over a corner 3e-5, of the drum 5e-6."""
     assert rigid_like(0.5, 0.8, 2.0) == pytest.approx(0.25, rel=1e-5)
     assert rigid_like(0.5, 0.8, 2.0, degrees=90.0) == pytest.approx(0.4, rel=1e-5)
     assert rigid_like(0.5, 0.5, 2.0, degrees=45.0) == pytest.approx(0.25 * math.sqrt(2.0), rel=1e-4)
@@ -63,7 +63,7 @@ def test_a_stiff_block_balances_its_width_over_its_height() -> None:
 
 
 def test_a_push_upwards_takes_weight_away() -> None:
-    """A rigid block turns at a = (b/h) (g - v a); measured: 4e-4 at this modulus, beside that without v."""
+    """Check that a rigid block turns at a = (b/h) (g - v a); measured: 4e-4 at this modulus, beside that without v."""
     plain, lifted = largest(block(0.5, 0.5, 2.0, 1e14)), largest(block(0.5, 0.5, 2.0, 1e14), vertical=0.5)
     assert lifted / plain == pytest.approx(1.0 / (1.0 + 0.5 * 0.25), rel=1e-3)
     assert largest(block(0.5, 0.5, 2.0, 1e14), vertical=-0.5) > plain
@@ -71,7 +71,7 @@ def test_a_push_upwards_takes_weight_away() -> None:
 
 @pytest.mark.parametrize("degrees", [0.0, 30.0, 45.0, 200.0])
 def test_a_block_slides_at_its_friction(degrees: float) -> None:
-    """Measured: 2e-8."""
+    """Compare with the friction: measured 2e-8."""
     found = push_over(block(1.0, 1.0, 0.5, friction=0.3), math.radians(degrees))
     assert found.largest_acceleration / G == pytest.approx(0.3, rel=1e-6)
     assert found.sliding == pytest.approx(found.largest_acceleration, rel=1e-6)
@@ -83,7 +83,7 @@ def test_a_block_slides_at_its_friction(degrees: float) -> None:
     ["doric", "phocas-damped", "phocas-round", "storage", "pronaos", pytest.param("aurelian", marks=pytest.mark.long)],
 )
 def test_columns_balance_what_they_do_in_their_plane(name: str) -> None:
-    """With joints nearly rigid along themselves. Measured: 1e-8 of the largest push, 1e-5 of the first opening.
+    """Compare with joints nearly rigid along themselves. Measured: 1e-8 of the largest push, 1e-5 of the first opening.
 
     A first opening is found to 1e-4 of a step; those of a column's plane to nine digits.
     """
@@ -97,7 +97,7 @@ def test_columns_balance_what_they_do_in_their_plane(name: str) -> None:
 
 
 def test_a_square_block_in_any_of_four_directions_and_a_drum_in_all() -> None:
-    """Measured: 2e-16, of the drum 5e-15."""
+    """Compare with the closed form: measured 2e-16, of the drum 5e-15."""
     square = [largest(stack(3), degrees) for degrees in (0.0, 90.0, 180.0, 270.0)]
     assert square == pytest.approx(4 * [square[0]], rel=1e-9)
     drums = [largest(stack(3, "circle"), degrees) for degrees in (0.0, 17.0, 45.0, 200.0)]
@@ -106,7 +106,7 @@ def test_a_square_block_in_any_of_four_directions_and_a_drum_in_all() -> None:
 
 
 def test_an_arch_balances_what_limit_analysis_says() -> None:
-    """Extrapolated; measured: 6e-4, of which the extrapolation is most."""
+    """Extrapolate; measured: 6e-4, of which the extrapolation is most."""
     made = [arch(7, 10.0, 1.5, 1.0, {"stiffness": k, "damping": 1e-3}, math.radians(157.5)) for k in (1e10, 1e11, 1e12)]
     pushes = [largest(one) for one in made]
     assert by_ratio(pushes) == pytest.approx(largest_push(made[0]), rel=1e-3)
@@ -114,7 +114,7 @@ def test_an_arch_balances_what_limit_analysis_says() -> None:
 
 
 def test_base_holds_the_push_and_the_weight() -> None:
-    """At every place; measured: 1e-10 of the weight."""
+    """Check at every place; measured: 1e-10 of the weight."""
     trilith = Structure.from_toml(TRILITH)
     found = push_over(trilith, math.radians(30.0), 0.2)
     mass, weight = trilith.weight / trilith.g, trilith.weight
@@ -137,7 +137,7 @@ def test_the_trilith_under_a_slow_motion_stands_below_its_largest_push_and_falls
 
 @pytest.mark.long
 def test_joints_that_bear_hardly_any_load_slide_first() -> None:
-    """The ends of the architraves, along the colonnade; the largest push is that of the whole."""
+    """Check the ends of the architraves, along the colonnade; the largest push is that of the whole."""
     found = push_over(Structure.from_toml(STRUCTURES / "colonnade.toml"))
     assert found.sliding_joint.startswith("architrave")
     assert found.sliding < 0.1 * found.largest_acceleration
@@ -170,7 +170,7 @@ def test_no_weight() -> None:
 
 
 def test_modes_of_a_column_are_those_of_its_plane() -> None:
-    """Joints as good as rigid along themselves; measured: 3e-7 of frequency and damping ratio."""
+    """Compare joints as good as rigid along themselves; measured: 3e-7 of frequency and damping ratio."""
     column = Column.from_toml(COLUMNS / "phocas-damped.toml")
     plane, found = natural_modes(column), modes_in_space(with_law(column.in_space(), shear_ratio=1e6))
     for k, frequency in enumerate(plane.frequency):

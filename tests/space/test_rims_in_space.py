@@ -19,12 +19,12 @@ RIM = 0.06  # m
 
 
 def with_rim(upper: dict[str, Any], lower: dict[str, Any], rim: float) -> Structure:
-    """Two blocks on each other, whose faces touch in a rim."""
+    """Return two blocks on each other, whose faces touch in a rim."""
     return two({**upper, "joint": {"rim": rim}}, {**lower, "joint": {"rim": rim}})
 
 
 def narrowed(shape: dict[str, Any], rim: float) -> dict[str, Any]:
-    """The block whose faces are the insides of those of another one."""
+    """Return the block whose faces are the insides of those of another one."""
     found = {**shape}
     for key in ("width", "depth", "diameter"):
         if key in found:
@@ -90,14 +90,14 @@ def test_a_rim_of_half_a_face_is_the_whole_face_to_the_last_bit(name: str) -> No
 
 
 def hull(rng: np.random.Generator, count: int) -> FloatArray:
-    """A convex polygon about the origin, anticlockwise."""
+    """Return a convex polygon about the origin, anticlockwise."""
     angles = np.sort(rng.uniform(0.0, 2.0 * math.pi, 3 * count))[::3]
     return np.column_stack([np.cos(angles), 0.8 * np.sin(angles)])
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_the_centre_is_the_centroid_of_what_bears(seed: int) -> None:
-    """Of an irregular face: the rim's centroid is not that of the face. Area and moments by a fine grid."""
+    """Check an irregular face: the rim's centroid is not that of the face. Area and moments by a fine grid."""
     rng = np.random.default_rng(seed)
     points = hull(rng, 5)
     law = {"stiffness": 1e9, "damping": 0.0, "rim": RIM}
@@ -145,7 +145,7 @@ def test_a_rim_that_cannot_be_is_refused(law: dict[str, Any], words: str) -> Non
 
 
 def test_a_drum_has_a_ring() -> None:
-    """A disc with a rim is a ring, to rounding."""
+    """Check that a disc with a rim is a ring, to rounding."""
     law = {"stiffness": 1e9, "damping": 1e-3}
     block = {"name": "d", "on": "base", "mass": 1000.0, **{k: v for k, v in DRUM.items() if k != "mass"}}
     disc = Structure.from_dict({"name": "d", "joints": {**law, "rim": 0.1}, "block": [{**block, "diameter": 1.0}]})
@@ -160,7 +160,7 @@ def test_a_drum_has_a_ring() -> None:
 
 
 def tall(depth: float, rim: float | None, stiffness: float = 1e12) -> Structure:
-    """A block of 0.4 x 1.6 m in a plane, critically damped as it stands on its edge."""
+    """Return a block of 0.4 x 1.6 m in a plane, critically damped as it stands on its edge."""
     width, height, density = 0.4, 1.6, 2500.0
     law = law_on_edge(stiffness, (width, depth, height), density, rim)
     size = {"width": width, "depth": depth, "height": height, "density": density}
@@ -168,7 +168,9 @@ def tall(depth: float, rim: float | None, stiffness: float = 1e12) -> Structure:
 
 
 def restitution(structure: Structure) -> float:
-    """Rotation rate after over before the first impact, by the energies of the turning points; let go at 0.08 rad."""
+    """Return the rotation rate after over before the first impact, by the energies of the turning points; let go at
+    0.08 rad.
+    """
     turn, half, rise = 0.08, 0.2, 0.8
     lift = half * math.sin(turn) + rise * (math.cos(turn) - 1.0)
     across = rise * math.sin(turn) + half * (1.0 - math.cos(turn))
@@ -182,7 +184,7 @@ def restitution(structure: Structure) -> float:
 
 
 def test_a_block_on_a_rim_loses_what_housners_block_loses() -> None:
-    """e = 1 - 1.5 sin^2(alpha) = 0.9118 where the impulse acts at the edge; a flat face loses less.
+    """Check that e = 1 - 1.5 sin^2(alpha) = 0.9118 where the impulse acts at the edge; a flat face loses less.
 
     A square base has as much of its rim along the motion as across it, and lies between.
     """

@@ -28,7 +28,7 @@ _phase = PHASE.over
 
 
 def boxes(count: int, stiffness: float, rim: float | None, tolerance: float, **law: Any) -> Structure:
-    """Boxes of 1 x 1 x 2 m on each other, critically damped as they stand on an edge."""
+    """Return boxes of 1 x 1 x 2 m on each other, critically damped as they stand on an edge."""
     density, width, height = 2500.0, 1.0, 2.0
     size = {"width": width, "depth": width, "height": height, "density": density}
     names = ["base", *(f"b{i}" for i in range(count))]
@@ -48,7 +48,7 @@ def stages_over(reach):
 
 
 def test_steps_are_stable_over_their_reach_for_every_number_of_stages() -> None:
-    """The amplification a + b P(1 + w z) of real rates is at most 1, and at most 0.95 away from z = 0."""
+    """Check that the amplification a + b P(1 + w z) of real rates is at most 1, and at most 0.95 away from z = 0."""
     for reach in np.geomspace(1.0, LONGEST_REACH, 200):
         s = stages_over(float(reach))
         assert s % 2 == 1
@@ -74,7 +74,7 @@ def one_step(arrays, h, stages, found):
 
 
 def test_one_step_is_the_polynomial_of_the_method_times_the_state() -> None:
-    """A block pressed all over, moved up and down: m z'' = -k A (z + eta z'), which is linear."""
+    """Move a block, pressed all over, up and down: m z'' = -k A (z + eta z'), which is linear."""
     structure = boxes(1, 1e9, None, 1e-3)
     stepper = SpatialStepper(structure)
     start_from(stepper, rest_of(structure))
@@ -105,7 +105,9 @@ STIFF = {
 
 @pytest.mark.parametrize("name", STIFF)
 def test_answers_are_those_of_steps_of_order_5_at_a_part_of_the_work(name: str) -> None:
-    """One second of a sine, in which all of them rock; errors against a run at a tolerance of 1e-7 without."""
+    """Compare over one second of a sine, in which all of them rock; errors against a run at a tolerance of 1e-7
+    without.
+    """
     count, stiffness, rim, law = STIFF[name]
     motion = Motion.harmonic(0.3 * G, 1.5, 1.0)
     exact = simulate(boxes(count, stiffness, rim, 1e-7, **law), motion, settle=0.0, without=["stabilized"])
@@ -124,7 +126,7 @@ def test_answers_are_those_of_steps_of_order_5_at_a_part_of_the_work(name: str) 
 
 
 def test_soft_structures_are_stepped_as_before() -> None:
-    """Their steps are bounded by accuracy, so that no stabilized one is tried: equal bits."""
+    """Check that their steps are bounded by accuracy, so that no stabilized one is tried: equal bits."""
     structure = boxes(3, 1e9, None, 1e-5).with_settings(tolerance=1e-5)
     soft = Structure.from_dict({**structure.to_dict(), "joints": {"stiffness": 1e9, "damping": 1e-3, "friction": 0.6}})
     motion = Motion.harmonic(0.3 * G, 1.5, 2.0)

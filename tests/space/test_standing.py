@@ -1,4 +1,4 @@
-"""When a structure on a still base is said to stand for good: what it would take to fall, and what it has."""
+"""The verdict that a structure on a still base stands for ever: what it would take to fall, and what it has."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def made(*blocks: dict[str, Any], law: dict[str, Any] = LAW) -> Structure:
 
 
 def tilted(structure: Structure, angle: float) -> SpatialState:
-    """One box turned by an angle about its right lower edge, rad, and so far lifted that the edge just touches."""
+    """Return one box turned by an angle about its right lower edge, rad, and lifted so that the edge just touches."""
     wide, high = 0.5, 1.0
     reach, lean = math.hypot(wide, high), math.atan2(wide, high)
     x, z = wide - reach * math.sin(lean - angle), reach * math.cos(lean - angle) - high
@@ -43,7 +43,7 @@ def tilted(structure: Structure, angle: float) -> SpatialState:
 
 @pytest.mark.parametrize(("angle", "stands"), [(0.0, True), (0.2, True), (0.8, False), (1.0, False)])
 def test_a_block_beyond_its_edge_does_not_stand(angle: float, stands: bool) -> None:
-    """The edge is at 0.464 rad; beyond it the block has less energy than at rest from 0.93 rad on."""
+    """Check that the edge is at 0.464 rad; beyond it the block has less energy than at rest from 0.93 rad on."""
     structure = made(block())
     response = simulate(structure, STILL, initial=tilted(structure, angle), settle=0.0)
     assert response.verdict in (("standing", "undecided") if stands else ("undecided", "overturned"))
@@ -52,7 +52,7 @@ def test_a_block_beyond_its_edge_does_not_stand(angle: float, stands: bool) -> N
 
 
 def barrier(structure: Structure) -> float:
-    """What the well of a structure at rest counts on, J: SAFE of it is allowed."""
+    """Return the barrier of the well of a structure at rest, J, of which SAFE is allowed."""
     stepper = SpatialStepper(structure)
     start_from(stepper, rest_of(structure))
     stepper.observe()
@@ -61,7 +61,7 @@ def barrier(structure: Structure) -> float:
 
 @pytest.mark.parametrize("off", [0.0, 0.2])
 def test_barrier_of_a_block_is_the_work_that_lifts_it_over_its_edge(off: float) -> None:
-    """A slab on a plinth, off its middle: the lever is that of the nearer edge. Joints give way a little."""
+    """Check a slab on a plinth, off its middle: the lever is that of the nearer edge. Joints give way a little."""
     plinth = block(width=1.0, height=4.0)
     slab = block(width=1.0, height=2.0, name="slab", on="b", at=[off, 0.0])
     weight, reach = 2500.0 * 2.0 * G, 0.5 - off
@@ -100,7 +100,7 @@ def test_a_structure_at_rest_stands_and_one_with_the_energy_to_fall_may_not(make
 
 
 def test_an_arch_that_sags_does_not_stand() -> None:
-    """Below the least thickness of a semicircular arch, 0.1075 of its radius; released from the place as built."""
+    """Release it as built, below the least thickness of a semicircular arch, 0.1075 of its radius."""
     thin = arch(30, 10.0, 0.95, 1.0, {"stiffness": 2e10, "damping": 1e-3})
     stepper = SpatialStepper(thin)
     stepper.run(None, 0.0, 0.3, np.zeros(0))

@@ -73,7 +73,7 @@ STAR = [[math.cos(0.8 * math.pi * k), math.sin(0.8 * math.pi * k)] for k in rang
 
 
 def test_a_rest_is_found_in_one_step_where_four_get_stuck() -> None:
-    """A colonnade with moduli that vary by 20 %, as checks draw them: all joints together bear the weight."""
+    """Check a colonnade with moduli that vary by 20 %, as checks draw them: all joints together bear the weight."""
     colonnade = Structure.from_toml(ROOT / "examples" / "structures" / "colonnade.toml")
     rng, pulse = np.random.default_rng([0, 0]), Motion.harmonic(1.0, 1.0, 1.0)
     _, (varied, _) = (vary(colonnade, pulse, Spread(0.2, 0.5, 0.01), rng) for _ in range(2))
@@ -90,7 +90,7 @@ def test_a_rest_is_found_in_one_step_where_four_get_stuck() -> None:
     "moduli", [[2e9, 3e15, 2e9], [2e9, 2e19, 2e9], [1e18, 2e9, 2e9], [2e9, 1e16, 3e9, 1e17, 2e9], [1e8, 1e20, 1e8]]
 )
 def test_a_stiff_joint_between_others_rests(moduli: list[float], section: str, friction: float | None) -> None:
-    """Springs on each other, each under the weight of what is above it."""
+    """Check springs on each other, each under the weight of what is above it."""
     pile = stack(len(moduli), section)
     beds = [replace(joint.bed, stiffness=k, friction=friction) for joint, k in zip(pile.joints, moduli, strict=True)]
     pile = replace(pile, joints=tuple(replace(j, bed=bed) for j, bed in zip(pile.joints, beds, strict=True)))
@@ -107,7 +107,9 @@ def test_a_stiff_joint_between_others_rests(moduli: list[float], section: str, f
 
 @pytest.mark.parametrize("name", ["arch", "trilith"])
 def test_a_rest_hardly_changes_once_a_joint_is_stiff(name: str) -> None:
-    """By its modulus to the power -1: each joint alone of a structure that is statically indeterminate."""
+    """Check that it changes by its modulus to the power -1: each joint alone of a structure that is statically
+    indeterminate.
+    """
     structure = Structure.from_toml(ROOT / "examples" / "structures" / f"{name}.toml")
     for one in range(len(structure.joints)):
         rests = []
@@ -209,7 +211,7 @@ def test_builders_name_a_wrong_value(make: Any, line: str) -> None:
 
 
 def test_only_faces_that_look_at_each_other_are_compared(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two prisms of 100 corners have 10404 pairs of faces, of which 204 may touch."""
+    """Check that two prisms of 100 corners have 10404 pairs of faces, of which 204 may touch."""
     turns = np.linspace(0.0, 2.0 * math.pi, 100, endpoint=False) - 0.5 * math.pi - math.pi / 100
     outline = np.column_stack([np.cos(turns), np.sin(turns) - np.min(np.sin(turns))])
     block = {**PRISM, "outline": outline.tolist()}
@@ -267,7 +269,7 @@ def test_polygons_share_what_monte_carlo_says() -> None:
 
 
 def test_turned_structure_answers_turned() -> None:
-    """The same blocks and motion turned about the vertical axis move the same, turned."""
+    """Check that the same blocks and motion turned about the vertical axis move the same, turned."""
     angle = 0.7
     turn = rotation_matrix(np.array([0.0, 0.0, angle]))
     found = []
@@ -460,7 +462,9 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_numbers_too_far_apart_for_a_rest_are_refused() -> None:
-    """A gravity at the end of float64: the tangent at rest would be no number, and its modes would not converge."""
+    """Refuse a gravity at the end of float64: the tangent at rest would be no number, and its modes would not
+    converge.
+    """
     block = {"name": "a", "on": "base", "width": 1.0, "depth": 1.0, "height": 1.0, "mass": 1e15}
     odd = Structure.from_dict({"name": "odd", "g": 5e-324, "joints": LAW, "block": [block]})
     with pytest.raises(InputError, match=r"^odd: its numbers lie too far apart for its rest to be found"):
@@ -468,7 +472,7 @@ def test_numbers_too_far_apart_for_a_rest_are_refused() -> None:
 
 
 def test_a_tie_that_also_pushes_has_no_slack() -> None:
-    """With slack it would push as built: 168 kN at rest of one of 1e7 N/m."""
+    """Check that with slack it would push as built: 168 kN at rest of one of 1e7 N/m."""
     tie = {"between": ["b", "base"], "from": [0.0, 0.0, 0.0], "to": [3.0, 0.0, 0.0], "stiffness": 1e7, "slack": 0.02}
     block = {"name": "b", "width": 1.0, "depth": 1.0, "height": 1.0, "mass": 2000.0, "on": "base"}
     data = {"name": "a", "joints": {"stiffness": 1e9, "damping": 1e-3}, "block": [block]}

@@ -31,13 +31,15 @@ THROWN, SPIN = (
 
 
 def evenly(t: float) -> Array:
-    """Held accelerations: what a communication step follows exactly."""
+    """Return held accelerations, which a communication step follows exactly."""
     theta = [0.3 + 0.4 * t + 0.05 * t * t, 0.1 - 0.2 * t + 0.15 * t * t]
     return np.array([*theta, 0.4 + 0.1 * t, -0.2 + 0.3 * t, 0.1, 0.3])
 
 
 def swinging(t: float) -> Array:
-    """What it does not follow: each call corrects angle and rate of the base, beneath a block that stays."""
+    """Return a motion that it does not follow: each call corrects angle and rate of the base, beneath a block that
+    stays.
+    """
     s, c = np.sin([3.0 * t, 2.0 * t]), np.cos([3.0 * t, 2.0 * t])
     return np.concatenate([s * [0.1, 0.2], c * [0.3, 0.4], -s * [0.9, 0.8]])
 
@@ -47,7 +49,9 @@ def turned(turn: Turn, t: float) -> Rotation:
 
 
 def flown(turn: Turn, stop: float) -> tuple[Array, Array, Rotation, Array]:
-    """Centroid, its velocity, rotation and angular velocity of a free box, along fixed axes from the base's origin."""
+    """Return the centroid, its velocity, rotation and angular velocity of a free box, along fixed axes from the base's
+    origin.
+    """
     whole = turned(turn, 0.0)  # with all that stands on it, which has no rate yet
     place = whole.apply([0.4, 0.3, 1.0 + 2.0])
     velocity, falls = whole.apply(THROWN), -BASE - np.array([0.0, 0.0, G])
@@ -76,7 +80,7 @@ def flown(turn: Turn, stop: float) -> tuple[Array, Array, Rotation, Array]:
 
 @pytest.mark.parametrize("turn", [evenly, swinging])
 def test_a_free_block_flies_as_it_would_over_a_fixed_base(turn: Turn) -> None:
-    """All forces of inertia, and what is seen of blocks and ports: of the base a free block feels nothing."""
+    """Check all forces of inertia, and what is seen of blocks and ports: of the base a free block feels nothing."""
     law = {"stiffness": 1e9, "damping": 1e-3, "friction": 0.5}
     structure = Structure.from_dict({"name": "thrown", "joints": law, "block": [BOX], "port": [PORT]})
     body = DrivenStructure(structure, packed(structure), Chosen(1e-10, turns=1.0))
@@ -99,7 +103,9 @@ def test_a_free_block_flies_as_it_would_over_a_fixed_base(turn: Turn) -> None:
 
 
 def test_blocks_that_rub_in_flight_feel_no_turn() -> None:
-    """Two drums that press and slide on each other, and what friction remembers: as over a base that rests."""
+    """Compare two drums that press and slide on each other, and what friction remembers, with those over a base that
+    rests.
+    """
     law = {"stiffness": 1e9, "damping": 1e-3, "friction": 0.5}
     drum = {"shape": "drum", "diameter": 1.0, "height": 2.0, "density": 2000.0, "on": "base"}
     blocks = [{**drum, "name": f"d{k}", "at": [1.0 * k, 0.0]} for k in range(2)]
@@ -125,7 +131,7 @@ def test_blocks_that_rub_in_flight_feel_no_turn() -> None:
 
 
 def test_a_slow_tilt_is_weight_beside_its_middle() -> None:
-    """Force and couple on the base along fixed axes: those of the weight where the centroids are."""
+    """Compare force and couple on the base along fixed axes with those of the weight where the centroids are."""
     structure = Structure.from_dict({"name": "tilted", "joints": {"stiffness": 1e9, "damping": 2e-2}, "block": [BOX]})
     body = DrivenStructure(structure, packed(structure), Chosen(1e-9, turns=1.0))
     theta = np.array([0.03, -0.05])
@@ -142,7 +148,9 @@ def test_a_slow_tilt_is_weight_beside_its_middle() -> None:
 
 
 def test_it_is_a_column_that_turns_in_its_plane() -> None:
-    """A stack whose joints are ever stiffer along themselves: the limit is the column, whose joints are rigid there."""
+    """Compare a stack whose joints are ever stiffer along themselves: the limit is the column, whose joints are rigid
+    there.
+    """
     h, count = 2e-3, 200
     time = h * np.arange(count + 1, dtype=np.float64)
     theta, omega, alpha = 1e-3 * (1.0 - np.cos(7.0 * time)), 7e-3 * np.sin(7.0 * time), 49e-3 * np.cos(7.0 * time)

@@ -36,7 +36,7 @@ STILL = Motion.harmonic(1e-12, 1.0, 6.0)  # a base that is as good as still
 
 
 def turned_back(column: Column, start: InitialState) -> tuple[float, float]:
-    """Rotations from which one block is let go, and at which it turns on the other side, rad."""
+    """Return the rotations from which one block is let go, and at which it turns on the other side, rad."""
     run = simulate(column, STILL, initial=start, output_step=1e-3, settle=0.0)
     theta = run.ry[:, 0]
     beyond = int(np.argmax(theta < 0.0))
@@ -46,7 +46,7 @@ def turned_back(column: Column, start: InitialState) -> tuple[float, float]:
 
 
 def rigid_energy(turn: float) -> float:
-    """Of Housner's block above its place upright, over its weight and half its diagonal."""
+    """Return the energy of Housner's block above its place upright, over its weight and half its diagonal."""
     return math.cos(ALPHA - turn) - math.cos(ALPHA)
 
 
@@ -212,7 +212,8 @@ def test_command_gives_each_joint_its_modulus(tmp_path: Path, capsys: pytest.Cap
 
 
 def test_a_block_that_touches_at_its_edges_loses_what_housners_block_loses() -> None:
-    """Two edge strips, where the curve of balance has a corner: one strip opens, and the block turns on the other.
+    """Check two edge strips, where the curve of balance has a corner: one strip opens, and the block turns on the
+    other.
 
     The largest push turns the block about the middle of a strip, which bears all. Measured: 0.9116 beside Housner's
     0.9028, of the whole face 0.958.

@@ -40,7 +40,7 @@ def softened(column: Column, factor: float) -> Column:
 
 
 def stands(column: Column) -> bool:
-    """By the frequencies of the differenced accelerations."""
+    """Return True if it stands, by the frequencies of the differenced accelerations."""
     try:
         natural_frequencies(column)
     except SolverError:
@@ -49,7 +49,7 @@ def stands(column: Column) -> bool:
 
 
 def edge(column: Column, judge: Any) -> float:
-    """The factor on all moduli from which on `judge` says that the column stands."""
+    """Return the factor on all moduli from which on `judge` says that the column stands."""
     low, high = 1e-4, 10.0
     for _ in range(40):
         middle = np.sqrt(low * high)
@@ -115,7 +115,7 @@ def test_settlement_and_pressure_are_warned_of() -> None:
 
 
 def changed(joint: dict[str, Any] | None = None, **block: Any) -> Column:
-    """The Column of Phocas, damped, with another block in the middle."""
+    """Return the Column of Phocas, damped, with another block in the middle."""
     top, middle, base = phocas(1e-3).blocks
     return Column(
         "changed", (top, replace(middle, joint=replace(middle.joint, **(joint or {})), **block), base), g=9.81

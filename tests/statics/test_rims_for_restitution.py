@@ -27,14 +27,15 @@ ALPHA = math.atan2(WIDTH, HEIGHT)
 
 
 def block(stiffness: float, depth: float = 20.0, **joint: Any) -> Column:
-    """A block that is long across the motion unless said otherwise."""
+    """Return a block that is long across the motion unless said otherwise."""
     law = Joint(stiffness, 1e-3, **joint)
     made = Block(HEIGHT, WIDTH, depth, 2500.0 * WIDTH * HEIGHT * depth, law)
     return Column("block", (made,), Settings(tolerance=1e-6))
 
 
 def rigid(place: float) -> float:
-    """Rotation rate after over before the impulse, which acts at this part of the half width from the middle.
+    """Return the rotation rate after over before the impulse, which acts at this part of the half width from the
+    middle.
 
     About that point nothing turns the block: (I - m b x) before, (I + m b x) after, I = m (b^2 + 4 h^2) / 3 about the
     middle of the base. At the edge it is Housner's.
@@ -54,7 +55,7 @@ def test_the_closed_form_at_the_edge_is_housners() -> None:
 
 
 def test_damping_on_the_edge_is_critical_for_the_mass_that_lands() -> None:
-    """A homogeneous block lands with m / (1 + 3 sin^2 alpha)."""
+    """Check that a homogeneous block lands with m / (1 + 3 sin^2 alpha)."""
     column = block(1e12, 0.7, rim=2e-3)
     mass = column.blocks[0].mass / (1.0 + 3.0 * math.sin(ALPHA) ** 2)
     assert column_damping_on_edge(column) == pytest.approx(2.0 * math.sqrt(mass / (1e12 * 2e-3 * 0.7)), rel=1e-13)
@@ -67,7 +68,7 @@ def test_damping_on_the_edge_is_critical_for_the_mass_that_lands() -> None:
 
 
 def test_the_statue_on_a_pedestal_lands_with_its_own_mass() -> None:
-    """Damping is that of the part that rocks, here the upper block on its own joint."""
+    """Check that damping is that of the part that rocks, here the upper block on its own joint."""
     statue, plinth = Block(1.8, 0.5, 0.5, 700.0, Joint(3e9, 0.0, rim=0.01)), Block(1.0, 0.9, 0.9, 2000.0, Joint(1e9, 0))
     alone = Column("statue", (statue,))
     assert column_damping_on_edge(Column("both", (statue, plinth))) == pytest.approx(column_damping_on_edge(alone))
@@ -85,7 +86,7 @@ def test_the_statue_on_a_pedestal_lands_with_its_own_mass() -> None:
 )
 @pytest.mark.parametrize("rim", [0.05, 0.12])
 def test_area_of_the_band_along_an_edge(section: dict[str, Any], below: dict[str, Any], rim: float) -> None:
-    """Of all places of the face as near to its edge along the motion as the rim is wide."""
+    """Measure all places of the face as near to its edge along the motion as the rim is wide."""
     size = 0.8 if section else 0.5  # a square upper face lies within the round one below
     top = Block(1.0, size, size, 1000.0, Joint(1e10, 1e-3, rim=rim), **section)
     low = Block(1.0, 1.0, 1.0, 1000.0, Joint(1e10, 1e-3), **below)
@@ -104,7 +105,8 @@ def test_area_of_the_band_along_an_edge(section: dict[str, Any], below: dict[str
 
 @pytest.mark.parametrize("stiffness", [1e9, 1e11, 1e13])
 def test_critically_damped_faces_lie_between_the_third_and_the_edge(stiffness: float) -> None:
-    """The wider the rim, the nearer to the middle an impact acts; a flat face loses less than an impulse at 2 thirds.
+    """Check that the wider the rim, the nearer to the middle an impact acts; a flat face loses less than an impulse at
+    2 thirds.
 
     Measured: whole faces 0.944 to 0.953; edges 0.904 of 1e13.
     """
@@ -125,7 +127,7 @@ def test_critically_damped_faces_lie_between_the_third_and_the_edge(stiffness: f
 @pytest.mark.parametrize("wanted", [None, 0.93])
 @pytest.mark.parametrize("stiffness", [1e9, 1e11])
 def test_a_block_rocks_with_the_restitution_that_was_asked_for(wanted: float | None, stiffness: float) -> None:
-    """By the rotations on both sides of the impact, and the energy of a rigid block there."""
+    """Compare the rotations on both sides of the impact, and the energy of a rigid block there."""
     fit = rim_from_restitution(block(stiffness), wanted)
     asked = rigid(1.0) if wanted is None else wanted
     assert fit.rim is not None
@@ -155,14 +157,14 @@ def test_whole_faces_that_lose_enough_keep_touching_all_over() -> None:
 
 
 def test_a_restitution_near_to_the_least_is_taken_with_a_warning() -> None:
-    """Housner's is the limit of a narrow and stiff rim."""
+    """Check that Housner's is the limit of a narrow and stiff rim."""
     with pytest.warns(InputWarning, match=r"no rim down to 0\.00024 m reaches it; the nearest is 0\.903"):
         fit = rim_from_restitution(block(1e13))
     assert fit.restitution == pytest.approx(rigid(1.0), rel=2e-3)  # measured 8e-4
 
 
 def test_what_no_rim_has_is_refused_with_the_nearest() -> None:
-    """Of a square base the bands beside the motion act as a flat face does."""
+    """Check that of a square base the bands beside the motion act as a flat face does."""
     with pytest.raises(InputError, match=r"no rim down to .* reaches it; the nearest is 0\.918") as refused:
         rim_from_restitution(block(1e13, 0.5))
     assert "bases long across the motion, or strips at their edges" in str(refused.value)
@@ -196,7 +198,7 @@ def values(text: str) -> dict[str, float]:
 def test_command_finds_a_rim_where_damping_alone_does_not_do(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """What it prints, put into the file, has the restitution."""
+    """Check that what it prints, put into the file, has the restitution."""
     assert main(["calibrate", written(tmp_path, "1e10"), "--restitution", "housner"]) == 0
     first = capsys.readouterr().out
     assert first.startswith("damping alone does not have it: no damping reaches it up to the critical one")

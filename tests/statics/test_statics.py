@@ -37,7 +37,7 @@ NIGH = Motion.harmonic(1e-12, 1.0, 2.0)  # a base that is as good as still
 
 
 def stacks() -> list[Column]:
-    """Random columns that stand, softer and stiffer."""
+    """Return random columns that stand, softer and stiffer."""
     rng = np.random.default_rng(6)
     found = (random_column(rng, n, softest=3e7) for n in (1, 2, 3, 5, 8) * 4)
     return [column for column in found if is_stable(column)]
@@ -48,7 +48,7 @@ def push_of(turn: float) -> float:
     width, height, half, weight = 1.56, 7.035, 0.5 * turn, 81000.0 * G
 
     def moment(push: float) -> float:
-        """On the block about its centroid."""
+        """Return the moment on the block about its centroid."""
         normal = weight * (math.cos(half) - push * math.sin(half))
         along = -weight * (push * math.cos(half) + math.sin(half))
         slope = 2.0 * math.sin(half)
@@ -86,7 +86,8 @@ def test_stiffer_block_tends_to_the_rigid_one() -> None:
 
 
 def unbalance(curve: CapacityCurve) -> float:
-    """Largest error of base shear and moment against the weights and pushes of the blocks, in parts of weight * width.
+    """Return the largest error of base shear and moment against the weights and pushes of the blocks, in parts of
+    weight * width.
 
     Moments are taken about the middle of the lowest joint's opening, where the kernels reckon the base's moment.
     """
@@ -122,7 +123,9 @@ def test_curve_is_of_balance_from_rest_over_the_largest_push_to_none(column: Col
 
 
 def test_a_joint_that_opens_as_the_column_topples_has_no_uplift() -> None:
-    """Forty blocks as high as Phocas, softer: upper joints open on the falling branch only, one beyond its end."""
+    """Check forty blocks as high as Phocas, softer: upper joints open on the falling branch only, one beyond
+    its end.
+    """
     n = 40
     block = Block(14.07 / n, 1.56, 1.56, 81000.0 / n, Joint(0.4 * PHOCAS_STIFFNESS, 1e-3))
     column = Column("slices", (block,) * n)
@@ -184,7 +187,7 @@ def test_joints_open_a_little_before_the_kern_of_an_undeformed_column() -> None:
 
 
 def pushed_slowly(column: Column, most: float) -> Response:
-    """A push towards +x that grows to `most` m/s2 within 80 s and stays for another 40 s."""
+    """Return a push towards +x that grows to `most` m/s2 within 80 s and stays for another 40 s."""
     growth = 0.5 * (1.0 - np.cos(np.pi * np.minimum(1.0, np.linspace(0.0, 1.5, 1201))))
     return simulate(column, Motion.from_samples(0.1, -most * growth), settle=0.0)
 

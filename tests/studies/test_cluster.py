@@ -73,14 +73,14 @@ def site(tmp_path: Path) -> Iterator[Site]:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A folder with a study of 1200 runs of a single block."""
+    """Return a folder with a study of 1200 runs of a single block."""
     (tmp_path / "block.toml").write_text(BLOCK, encoding="utf-8")
     (tmp_path / "study.toml").write_text(TEXT.format(samples=RUNS // 2), encoding="utf-8")
     return tmp_path
 
 
 def run_until(folder: Path, site: Site, count: int) -> subprocess.Popen[str]:
-    """A study on the site, of which some runs are finished, but not all."""
+    """Return a study on the site, of which some runs are finished, but not all."""
     process = start(folder, "run", "study.toml", "--dask", site.address, "--chunk", 0.05)
     while finished(folder) < count:
         assert process.poll() is None, process.communicate()
@@ -90,7 +90,7 @@ def run_until(folder: Path, site: Site, count: int) -> subprocess.Popen[str]:
 
 
 def check(folder: Path) -> None:
-    """Each run is there, once, to the bit."""
+    """Check that each run is there, once, to the bit."""
     _, rows = read_journal(folder / "small.journal")
     assert sorted(row[0] for row in rows) == list(range(RUNS))
     assert finished(folder) == RUNS

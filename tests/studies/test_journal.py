@@ -32,7 +32,7 @@ def test_rows_come_back_to_the_last_bit(tmp_path: Path) -> None:
 
 
 def test_cut_off_anywhere_it_goes_on(tmp_path: Path) -> None:
-    """As a killed process or a full disk leaves it: after every byte."""
+    """Cut it off after every byte, as a killed process or a full disk leaves it."""
     path = tmp_path / "first.journal"
     whole = written(path)
     ends = [k for k, byte in enumerate(whole) if byte == ord("\n")]

@@ -20,7 +20,7 @@ from solver.studies.journal import read_journal
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL on Windows")
 def test_killed_at_any_moment_it_loses_nothing_and_repeats_nothing(folder: Path) -> None:
-    """Killed some times at random moments while it works, then left alone: each run is there, once, to the bit."""
+    """Kill it some times at random moments while it works, then leave it alone: each run is there, once, to the bit."""
     (folder / "study.toml").write_text(TEXT.format(samples=2000), encoding="utf-8")
     runs = Study.from_toml(folder / "study.toml").runs  # of seconds in all: it is killed long before its end
     dice = random.Random(7)
@@ -56,7 +56,10 @@ def test_killed_at_any_moment_it_loses_nothing_and_repeats_nothing(folder: Path)
     "how", [signal.SIGKILL, *(pytest.param(one, marks=pytest.mark.long) for one in (signal.SIGINT, signal.SIGTERM))]
 )
 def test_workers_end_with_the_process_that_started_them(folder: Path, how: signal.Signals) -> None:
-    """Measured: 0.1 s. Ctrl-C, which a terminal sends to all of them, does not wait for the runs under way either."""
+    """Wait for their end: measured 0.1 s.
+
+    Ctrl-C, which a terminal sends to all of them, does not wait for the runs under way either.
+    """
     (folder / "study.toml").write_text(TEXT.format(samples=200_000), encoding="utf-8")
     process = start(folder, "run", "study.toml", "--processes", 2)
     while finished(folder) < 20:

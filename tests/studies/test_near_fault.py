@@ -33,7 +33,7 @@ def test_relations() -> None:
 
 @pytest.mark.parametrize("magnitude", [5.5, 6.5, 7.5])
 def test_the_pulse_alone(magnitude: float) -> None:
-    """With hardly any noise the velocity is the pulse's: its peak, and it ends at rest."""
+    """Check that with hardly any noise the velocity is the pulse's: its peak, and it ends at rest."""
     made = motion(magnitude, 10.0, 3, phase=40.0, pga_factor=1e-6, pgv_factor=1.5)
     assert intensity(made).pgv == pytest.approx(1.5 * pgv(magnitude, 10.0), rel=2e-3)  # sampled every 5 ms
     assert abs(intensity(made).final_velocity) < 2e-3 * intensity(made).pgv

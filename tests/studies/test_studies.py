@@ -143,7 +143,7 @@ def test_numbers_of_a_column_by_name() -> None:
 
 
 def test_a_tilted_base_is_gravity_turned() -> None:
-    """At rest on a base that leans by psi the lowest joint carries N = m g cos(psi) and S = m g sin(psi)."""
+    """Check that at rest on a base that leans by psi the lowest joint carries N = m g cos(psi) and S = m g sin(psi)."""
     angle = 0.02
     column = Column.from_toml(DAMPED).with_settings(tolerance=1e-9)
     flat = Motion.from_samples(0.01, np.zeros(1501))
@@ -217,7 +217,7 @@ WRONG: tuple[Any, ...] = (
 
 
 def places(value: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
-    """Paths of keys and indices of every table, list and value inside."""
+    """Yield the paths of keys and indices of every table, list and value inside."""
     if place:
         yield place
     keys = value if isinstance(value, dict) else range(len(value)) if isinstance(value, list) else ()
@@ -226,7 +226,7 @@ def places(value: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]
 
 
 def test_values_of_a_wrong_type_are_refused_in_one_line_wherever_they_are(folder: Path) -> None:
-    """Each value of a study replaced by each of `WRONG`: an InputError of one line of at most 440 letters, or none."""
+    """Replace each value of a study by each of `WRONG`: an InputError of one line of at most 440 letters, or none."""
     spec = tomllib.loads((folder / "study.toml").read_text(encoding="utf-8"))
     spec["random"]["block.width"] = {"distribution": "choice", "values": [1.0, 1.1]}
     spec["motion"][0] |= {"name": "pulse", "scale": 1.0}
@@ -264,7 +264,7 @@ def test_a_silent_record_cannot_be_scaled_to_an_intensity(study: Study) -> None:
 
 
 def test_a_draw_that_does_not_suit_is_noted_and_the_others_go_on(study: Study) -> None:
-    """A stiffness drawn so small that the block cannot stand."""
+    """Draw a stiffness so small that the block cannot stand."""
     soft = Distribution.from_table("key", {"distribution": "choice", "values": [1.0, 1e-4]})
     odd = Study(
         **{
@@ -439,7 +439,7 @@ def test_an_executor_that_goes_away_leaves_what_was_finished(
 
 
 def test_a_mistake_in_a_chunk_ends_the_study(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
-    """All runs make one chunk."""
+    """Put all runs into one chunk."""
 
     def wrong(*_: object) -> None:
         raise ZeroDivisionError("division by zero")

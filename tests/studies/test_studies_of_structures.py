@@ -79,7 +79,7 @@ def test_runs_are_those_of_structures_changed_by_hand(study: Study) -> None:
 
 
 def replace_all(structure: Any, values: dict[str, float]) -> Structure:
-    """The numbers of the study, set in the dict and in the joints themselves."""
+    """Return the numbers of the study, set in the dict and in the joints themselves."""
     data = structure.to_dict()
     data["tie"][0]["yield"] = values["tie[1].yield"]
     data["block"][2]["density"] *= values["block[beam].density"]
@@ -168,7 +168,9 @@ def test_what_goes_together(study: Study, tmp_path: Path) -> None:
 
 
 def test_casks_hit_where_casks_far_apart_come_nearer_than_their_distance(tmp_path: Path) -> None:
-    """Until a pair meets, no motion depends on the distance: casks that never meet tell who hits at any distance."""
+    """Check that until a pair meets, no motion depends on the distance: casks that never meet tell who hits at any
+    distance.
+    """
     study = replace(
         Study.from_toml(EXAMPLES / "studies" / "casks.toml"),
         grid={"intensity": (0.4, 0.7), "neighbours.pair.gap": (0.1, 0.3, 50.0)},
@@ -195,7 +197,7 @@ def test_casks_hit_where_casks_far_apart_come_nearer_than_their_distance(tmp_pat
 
 
 def test_noise_of_two_components(study: Study) -> None:
-    """The second one is another noise of the size that is asked for; columns have no use for it."""
+    """Check that the second one is another noise of the size that is asked for; columns have no use for it."""
     numbers = {"frequency": 2.0, "duration": 4.0, "seed": 7.0, "amplitude": 3.0}
     motion = Shaking("noise", "noise", {**numbers, "across": 0.5}).base({}, False)
     alone = Shaking("noise", "noise", numbers).base({}, False)

@@ -31,7 +31,7 @@ def test_some_runs_of_each(path: Path) -> None:
 
 
 def test_numbers_of_runs() -> None:
-    """As their first lines and the pages say."""
+    """Compare with their first lines and with the pages."""
     wanted = {"fragility": 100_000, "reference": 10_000, "reference-pulses": 2000, "montecarlo": 2000}
     wanted |= {"figure3": 960, "spectrum": 1008, "casks": 1680}
     found = {path.stem: Study.from_toml(path).runs for path in FILES if path.stem in wanted}

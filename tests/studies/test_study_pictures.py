@@ -70,7 +70,7 @@ def test_nothing_to_draw() -> None:
 
 
 def test_curves_have_gaps_where_they_fall_and_dots_between_two_falls() -> None:
-    """Levels 1 to 7; it falls at 2, 4 and 7, and level 5 was not run: the line ends before each fall."""
+    """Check levels 1 to 7; it falls at 2, 4 and 7, and level 5 was not run: the line ends before each fall."""
     levels = np.arange(1.0, 8.0)
     moved = np.array([0.1, np.inf, 0.3, np.inf, np.nan, 0.6, np.inf])
     axes = Figure().add_subplot()

@@ -17,7 +17,7 @@ from solver.studies.statistics import binned, bounds_of, percentiles, undecided_
 def made_up(
     largest: Any, intensity: Any, kind: str = "fragility", samples: int = 0, grid: Any = None, beside: Any = None
 ) -> Results:
-    """Results as if they had been run: infinite displacements are columns that fell."""
+    """Return the results as if they had been run: infinite displacements are columns that fell."""
     beside = beside or {}
     study = {
         "name": "made up",
@@ -52,7 +52,7 @@ def made_up(
 
 @pytest.fixture(scope="module")
 def known() -> Results:
-    """20,000 runs of a column of capacity 0.5 g, deviation 0.4: what moves by more than 1 m falls."""
+    """Return 20,000 runs of a column of capacity 0.5 g, deviation 0.4: what moves by more than 1 m falls."""
     rng = np.random.default_rng(5)
     im = rng.uniform(0.05, 2.0, 20000)
     demand = (im / 0.5) ** 1.25 * np.exp(0.5 * rng.standard_normal(len(im)))
@@ -81,7 +81,9 @@ def test_a_known_fragility_is_found(known: Results) -> None:
 
 
 def test_fallen_columns_are_censored(known: Results) -> None:
-    """By the displacements of those that stand, at a limit that few of them reach; simple regression would be wrong."""
+    """Fit the displacements of those that stand, at a limit that few of them reach; simple regression would be
+    wrong.
+    """
     found = fit_fragility(known, limit=0.8, method="demand", resampled=20)
     wanted = 0.5 * 0.8 ** (1.0 / 1.25)
     assert found.median == pytest.approx(wanted, rel=0.02)
@@ -94,7 +96,7 @@ def test_fallen_columns_are_censored(known: Results) -> None:
 
 @pytest.mark.long
 def test_bounds_hold_as_often_as_they_say() -> None:
-    """Of 60 small studies the truth lies within the bounds of some 57."""
+    """Check that of 60 small studies the truth lies within the bounds of some 57."""
     rng = np.random.default_rng(11)
     hits = 0
     for _ in range(60):
@@ -125,7 +127,7 @@ def test_runs_that_do_not_tell_are_refused() -> None:
 def test_outcomes_that_are_separated_are_refused_with_the_range_of_the_median(
     levels: list[float], fell: list[int], where: str
 ) -> None:
-    """Any small deviation fits them, so that bounds would have no width."""
+    """Check that any small deviation fits them, so that bounds would have no width."""
     results = made_up(np.where(np.array(fell) > 0, math.inf, 0.1), np.array(levels))
     with pytest.raises(InputError, match=f"the median lies {where}"):
         fit_fragility(results)
@@ -133,7 +135,7 @@ def test_outcomes_that_are_separated_are_refused_with_the_range_of_the_median(
 
 @pytest.mark.parametrize(("levels", "fell"), [((0.2, 0.6), (0, 10)), ((0.3, 0.5, 0.7), (1, 5, 12))])
 def test_bounds_have_the_width_of_the_likelihood(levels: tuple[float, ...], fell: tuple[int, ...]) -> None:
-    """Against all pairs of a fine grid: those whose likelihood is at least exp(-1.92) of the largest."""
+    """Compare with all pairs of a fine grid: those whose likelihood is at least exp(-1.92) of the largest."""
     im = np.repeat(levels, 12)
     failed = np.concatenate([np.arange(12) < count for count in fell])
     found = fit_fragility(made_up(np.where(failed, math.inf, 0.1), im, samples=1))  # one motion: nothing to resample
@@ -153,7 +155,9 @@ def test_bounds_have_the_width_of_the_likelihood(levels: tuple[float, ...], fell
 
 @pytest.mark.long
 def test_bounds_of_few_levels_hold_as_often_as_they_say() -> None:
-    """Of 100 studies of 12 samples at four levels the truth lies within the bounds of some 95: measured 94 to 100."""
+    """Check that of 100 studies of 12 samples at four levels the truth lies within the bounds of some 95: measured 94
+    to 100.
+    """
     rng = np.random.default_rng(7)
     for median, deviation in ((0.45, 0.3), (0.6, 0.15)):
         hits, made = 0, 0
@@ -234,7 +238,7 @@ def test_the_parameter_that_matters_comes_first() -> None:
 
 
 def test_what_the_grid_does_is_in_no_rank() -> None:
-    """A stiffness that orders the runs at every level, though the level moves them far more."""
+    """Check a stiffness that orders the runs at every level, though the level moves them far more."""
     levels, samples = [0.1, 0.2, 0.4], 50
     stiffness = np.tile(np.random.default_rng(3).random(samples), 3)
     u = np.repeat([1e-3, 1e-1, 1e1], samples) * (1.0 + stiffness)
@@ -243,7 +247,7 @@ def test_what_the_grid_does_is_in_no_rank() -> None:
 
 
 def test_a_seed_has_no_rank() -> None:
-    """A seed labels a motion: a displacement that happens to grow with it says nothing."""
+    """Check that a seed labels a motion: a displacement that happens to grow with it says nothing."""
     seed, stiffness = np.arange(60.0), np.linspace(1.0, 2.0, 60)[::-1]
     results = made_up(
         0.1 + 0.01 * seed, np.full(60, 0.3), "montecarlo", beside={"motion.seed": seed, "joint.stiffness": stiffness}

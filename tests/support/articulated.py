@@ -26,7 +26,8 @@ Motion = tuple[float, float, float, float, float]  # of the base: ax, az, theta,
 
 
 def articulated(column: Column, q: Array, rate: Array, base: Motion) -> tuple[Array, Array, float]:
-    """Accelerations (2n,) of rotations and openings, forces along the joints on the part above (n,), effective mass.
+    """Return the accelerations (2n,) of rotations and openings, forces along the joints on the part above (n,),
+    effective mass.
 
     Rotations are relative to the base, which turns by theta, clockwise.
     """

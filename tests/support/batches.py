@@ -23,7 +23,7 @@ def run_batch(
     times: Array | None = None,
     threads: int = 1,
 ) -> BatchResult:
-    """`follow_in_lanes` of runs, which are as long as their motions where no durations are given, s."""
+    """Return `follow_in_lanes` of runs, which are as long as their motions where no durations are given, s."""
     lengths = [motion.duration for motion in motions] if durations is None else list(durations)
     if tolerance is not None:
         columns = [column.with_settings(tolerance=tolerance) for column in columns]

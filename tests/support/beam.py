@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 class Seen(NamedTuple):
-    """Of a port along x and z: place m, velocity m/s, acceleration m/s2, (2,) each."""
+    """The motion of a port along x and z: place m, velocity m/s, acceleration m/s2, (2,) each."""
 
     place: Array
     velocity: Array
@@ -37,23 +37,23 @@ class Beam:
     damper: tuple[float, float] = (2e4, 6e4)  # N s/m
 
     def ends(self, motion: Array) -> Array:
-        """The motion of both ends along x and z, (2, 2), by that of the beam (3,)."""
+        """Return the motion of both ends along x and z, (2, 2), by that of the beam (3,)."""
         lift = 0.5 * self.length * motion[2]
         return np.array([[motion[0], motion[1] + lift], [motion[0], motion[1] - lift]])
 
     def forces(self, state: Array, places: Array, velocities: Array) -> Array:
-        """On the ports, (2, 2) N."""
+        """Return the forces on the ports, (2, 2) N."""
         found: Array = np.array(self.spring) * (self.ends(state[:3]) - places)
         return found + np.array(self.damper) * (self.ends(state[3:]) - velocities)
 
     def rates(self, state: Array, places: Array, velocities: Array) -> Array:
-        """Of the state."""
+        """Return the rates of the state."""
         on_beam = -self.forces(state, places, velocities)
         turning = 0.5 * self.length * (on_beam[0, 1] - on_beam[1, 1])
         return np.array([*state[3:], *(on_beam.sum(axis=0) / self.mass), turning / self.inertia])
 
     def said(self, ports: Sequence[Seen]) -> tuple[Array, Array]:
-        """Forces on the ports and their slopes, (2, 2) N and N/s."""
+        """Return the forces on the ports and their slopes, (2, 2) N and N/s."""
         place, velocity, acceleration = (np.array([getattr(port, name) for port in ports]) for name in Seen._fields)
         rates = self.rates(self.state, place, velocity)
         slopes = np.array(self.spring) * (self.ends(self.state[3:]) - velocity)
@@ -61,7 +61,7 @@ class Beam:
         return self.forces(self.state, place, velocity), slopes
 
     def step(self, ports: Sequence[Seen], h: float) -> None:
-        """On over h s, by Runge and Kutta, while the ports go on as they accelerate now."""
+        """Advance by h s, by Runge and Kutta, while the ports go on as they accelerate now."""
         place, velocity, acceleration = (np.array([getattr(port, name) for port in ports]) for name in Seen._fields)
 
         def rates(state: Array, t: float) -> Array:
@@ -75,7 +75,7 @@ class Beam:
 
 
 def thrown() -> Beam:
-    """A beam that moves as the columns rest."""
+    """Return a beam that moves as the columns rest."""
     return Beam(np.array([0.0, 0.0, 0.0, 0.03, -0.02, 0.004]))
 
 

@@ -29,7 +29,7 @@ class Pulled:
         self.sag = load / (joint.bed.stiffness * math.pi * joint.face.radius**2)
 
     def force(self, u: float, v: float = 0.0) -> float:
-        """The horizontal force on all of them, N; what slides remembers it."""
+        """Return the horizontal force on all of them, N; what slides remembers it."""
         see = self.stepper.see
         see.ux[:], see.uz[:] = u, 0.5 * self.pendulum * u * u - self.sag  # so far do they rise
         see.vx[:], see.vz[:] = v, self.pendulum * u * v
@@ -40,7 +40,7 @@ class Pulled:
 
 
 def loop(pulled: Pulled, amplitude: float, reach: float) -> float:
-    """What one cycle of this amplitude dissipates, J; reach: m, what slides moves so far elastically.
+    """Return what one cycle of this amplitude dissipates, J; reach: m, what slides moves so far elastically.
 
     The force is piecewise linear in the place, with its corners among the places: trapezoids are exact.
     """
@@ -54,7 +54,7 @@ def loop(pulled: Pulled, amplitude: float, reach: float) -> float:
 
 
 def ellipse(pulled: Pulled, amplitude: float, omega: float) -> float:
-    """What one cycle of this amplitude, m, and frequency, rad/s, dissipates, J."""
+    """Return what one cycle of this amplitude, m, and frequency, rad/s, dissipates, J."""
     angle = np.linspace(0.0, 2.0 * math.pi, 257)
     u, v = amplitude * np.sin(angle), amplitude * omega * np.cos(angle)
     t = np.array([pulled.force(*pair) for pair in zip(u.tolist(), v.tolist(), strict=True)])

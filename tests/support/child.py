@@ -24,23 +24,23 @@ MARK = "returned: "  # before the result, among whatever else the process prints
 
 
 def command(function: Callable[..., object], *arguments: object, **named: object) -> list[str]:
-    """The command line of a process that calls the function and prints what it returns."""
+    """Return the command line of a process that calls the function and prints what it returns."""
     given = json.dumps([arguments, named], default=str)
     return [sys.executable, __file__, function.__module__, function.__name__, given]
 
 
 def call(function: Callable[..., object], *arguments: object, **named: object) -> Any:
-    """The value that the function returns there; fails unless the process exits with 0."""
+    """Return the value that the function returns there; fails unless the process exits with 0."""
     return returned(run(*command(function, *arguments, **named)))
 
 
 def call_with_example(function: Callable[..., object], *arguments: object, **variables: str) -> Any:
-    """As `call`, with the modules of examples/coupling in reach and more variables in the environment."""
+    """Call as `call` does, with the modules of examples/coupling in reach and more variables in the environment."""
     return returned(run(*command(function, *arguments), PYTHONPATH=_with_example(), **variables))
 
 
 def ended_with_example(function: Callable[..., object], *arguments: object) -> subprocess.CompletedProcess[str]:
-    """As `ended`, with the same modules in reach."""
+    """Run as `ended` does, with the same modules in reach."""
     return finish(*command(function, *arguments), PYTHONPATH=_with_example())
 
 
@@ -49,18 +49,18 @@ def _with_example() -> str:
 
 
 def ended(function: Callable[..., object], *arguments: object, **named: object) -> subprocess.CompletedProcess[str]:
-    """The process after its end, whatever it exits with; `returned` finds the result in what it printed."""
+    """Return the process after its end, whatever it exits with; `returned` finds the result in what it printed."""
     return finish(*command(function, *arguments, **named))
 
 
 def returned(printed: str) -> Any:
-    """The result among all that a process printed."""
+    """Return the result among all that a process printed."""
     (line,) = [line for line in printed.splitlines() if line.startswith(MARK)]
     return json.loads(line.removeprefix(MARK))
 
 
 def said(printed: str) -> list[str]:
-    """The lines that are not the result."""
+    """Return the lines that are not the result."""
     return [line for line in printed.splitlines() if not line.startswith(MARK)]
 
 

@@ -30,7 +30,7 @@ RECORDS = ("elcentro-1940-ns.AT2", "northridge-1994-arleta-360.AT2", "kobe-1995-
 
 
 def flat_block(mu: float = MU, dowel: float | None = None, tolerance: float = 1e-8) -> Column:
-    """One block that is too flat to rock."""
+    """Return one block that is too flat to rock."""
     return Column(
         "flat",
         (Block(0.5, 2.0, 1.0, 2000.0, Joint(5e8, 1e-3, friction=mu, dowel=dowel)),),
@@ -39,7 +39,7 @@ def flat_block(mu: float = MU, dowel: float | None = None, tolerance: float = 1e
 
 
 def sliding_column(rng: np.random.Generator, n: int, damped: bool = True) -> Column:
-    """A random column all of whose joints may slide, some of them with a dowel, some as wide as their blocks."""
+    """Return a random column all of whose joints may slide, some of them with a dowel, some as wide as their blocks."""
     column = random_column(rng, n, damped=damped)
     weight = column.g * sum(block.mass for block in column.blocks)
     blocks = []
@@ -51,7 +51,9 @@ def sliding_column(rng: np.random.Generator, n: int, damped: bool = True) -> Col
 
 
 def off_axis_column(rng: np.random.Generator, n: int) -> Column:
-    """`sliding_column` with some joints without friction, blocks offset and inclined, as far as the column stands."""
+    """Return `sliding_column` with some joints without friction, blocks offset and inclined, as far as the column
+    stands.
+    """
     column = sliding_column(rng, n)
     values = rng.uniform(-1.0, 1.0, (n, 3)) * [0.3, 0.2, 0.2]
     sticks = rng.random(n) < 0.3
@@ -75,7 +77,7 @@ SECTIONS = ("circle", "annulus", "rectangle")
 
 
 def random_drums(rng: np.random.Generator, n: int, softest: float = 1e6) -> Column:
-    """A random column of which every joint is a circle, an annulus or a rectangle."""
+    """Return a random column of which every joint is a circle, an annulus or a rectangle."""
     blocks = []
     for block in random_column(rng, n, softest=softest).blocks:
         section = str(rng.choice(SECTIONS))
@@ -86,7 +88,7 @@ def random_drums(rng: np.random.Generator, n: int, softest: float = 1e6) -> Colu
 
 
 def rough(column: Column, rng: np.random.Generator) -> Column:
-    """The same with friction in every joint, its blocks as round as the joints at them, or straight."""
+    """Return the same with friction in every joint, its blocks as round as the joints at them, or straight."""
     blocks: list[Block] = []
     for block in column.blocks:
         joint, above = replace(block.joint, friction=float(rng.uniform(0.1, 0.6))), blocks[-1].joint if blocks else None
@@ -101,7 +103,9 @@ def rough(column: Column, rng: np.random.Generator) -> Column:
 
 
 def in_strips(column: Column, rng: np.random.Generator, part: float = 0.7) -> Column:
-    """The column with about `part` of its joints made of strips, whose depths differ by half; some edges have none."""
+    """Return the column with about `part` of its joints made of strips, whose depths differ by half; some edges have
+    none.
+    """
     blocks: list[Block] = []
     for block in column.blocks:
         count = int(rng.integers(1, MOST_STRIPS + 1))
@@ -117,7 +121,7 @@ def in_strips(column: Column, rng: np.random.Generator, part: float = 0.7) -> Co
 
 
 def shaken(seed: int, n: int, count: int, off_axis: bool, records: Path) -> tuple[list[Column], list[Motion]]:
-    """Damped columns of n blocks under records that make them rock or slide."""
+    """Return damped columns of n blocks under records that make them rock or slide."""
     rng = np.random.default_rng([seed, n])
     files = [Motion.from_at2(records / name) for name in RECORDS]
     columns: list[Column] = []

@@ -24,7 +24,7 @@ REFUSED = "error" if importlib.util.find_spec("ziglang") and sys.platform.starts
 
 
 def environment() -> dict[str, str]:
-    """The environment of a child process, with project, tests and the scripts of this interpreter in reach."""
+    """Return the environment of a child process, with project, tests and the scripts of this interpreter in reach."""
     scripts = str(Path(sys.executable).parent)
     modules = os.pathsep.join((str(ROOT), str(ROOT / "tests")))
     return os.environ | {"PYTHONPATH": modules, "PATH": scripts + os.pathsep + os.environ.get("PATH", "")}
@@ -36,7 +36,7 @@ def finish(*command: object, **variables: str) -> subprocess.CompletedProcess[st
 
 
 def finish_in(folder: Path | None, *command: object, **variables: str) -> subprocess.CompletedProcess[str]:
-    """As `finish`, in a folder."""
+    """Finish a process as `finish` does, in a folder."""
     words, given = [str(part) for part in command], environment() | variables
     return subprocess.run(words, cwd=folder, capture_output=True, text=True, env=given, check=False)
 
@@ -49,7 +49,7 @@ def run(*command: object, **variables: str) -> str:
 
 
 def read_results(path: Path) -> dict[str, np.ndarray]:
-    """Columns of an FMPy result file, Booleans as 0 and 1 (FMPy itself cannot read those back)."""
+    """Return columns of an FMPy result file, Booleans as 0 and 1 (FMPy itself cannot read those back)."""
     with path.open(newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
     words = {"False": 0.0, "True": 1.0}
@@ -72,7 +72,7 @@ class Fmus:
 
 
 def built_once(made: pytest.TempPathFactory, name: str, build: Callable[[Path], object]) -> Path:
-    """A file or folder that the first worker which needs it builds for all of them; `build` takes its path."""
+    """Return a file or folder that the first worker which needs it builds for all of them; `build` takes its path."""
     root = made.getbasetemp()
     root = root.parent if "PYTEST_XDIST_WORKER" in os.environ else root
     built = root / f"{name}.built"
@@ -85,14 +85,14 @@ def built_once(made: pytest.TempPathFactory, name: str, build: Callable[[Path], 
 
 
 def c_host(folder: Path, target: str = "x86_64-linux-gnu") -> Path:
-    """The host in C (tests/masters/host.c), compiled for a target."""
+    """Return the host in C (tests/masters/host.c), compiled for a target."""
     source, host = ROOT / "tests" / "masters" / "host.c", folder / "host"
     run(sys.executable, "-m", "ziglang", "cc", "-target", target, "-O1", source, "-o", host, "-ldl")
     return host
 
 
 def stack_file(folder: Path, n: int, text: str = "") -> Path:
-    """The file of a column of n equal blocks, which begins with `text`."""
+    """Return the file of a column of n equal blocks, which begins with `text`."""
     block = "[[block]]\nheight = 1.0\nwidth = 1.0\ndepth = 1.0\ndensity = 2000.0\n"
     path = folder / "stack.toml"
     path.write_text(f'name = "stack"\n{text}{block * n}[joint]\nstiffness = 1e12\ndamping = 1e-3\n')

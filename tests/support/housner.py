@@ -11,12 +11,12 @@ from scipy.optimize import brentq
 
 
 def rectangle_amplitude(length: float) -> float:
-    """Of a rectangle."""
+    """Return the amplitude of a rectangle."""
     return 1.0 / (1.0 - math.exp(-length))
 
 
 def half_sine_amplitude(speed: float) -> float:
-    """Of half a sine."""
+    """Return the amplitude of half a sine."""
 
     def starting_at(psi: float) -> float:
         return (math.cos(psi) + math.exp(-(math.pi - psi) / speed)) / math.sin(psi) - speed
@@ -25,7 +25,7 @@ def half_sine_amplitude(speed: float) -> float:
 
 
 def one_sine_amplitude(speed: float) -> float:
-    """Of a whole sine that overturns the block before it has hit the base on the other side."""
+    """Return the amplitude of a whole sine that overturns the block before it has hit the base on the other side."""
 
     def starting_at(psi: float) -> float:
         return math.cos(psi) - speed * math.sin(psi) - math.exp(-(2.0 * math.pi - psi) / speed)

@@ -14,24 +14,24 @@ from fmpy.fmi2 import FMU2Slave
 
 
 def called(variable: Any) -> str:
-    """Names in the calls of FMI 2.0 for the kind of a variable."""
+    """Return names in the calls of FMI 2.0 for the kind of a variable."""
     return "Integer" if variable.type == "Enumeration" else str(variable.type)
 
 
 def temporary_folder() -> str:
-    """A folder that is there until the process ends."""
+    """Return a folder that is there until the process ends."""
     folder = tempfile.mkdtemp(prefix="fmu_")
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     return folder
 
 
 def unpacked(fmu: str) -> str:
-    """Such a folder with the files of an FMU."""
+    """Return such a folder with the files of an FMU."""
     return str(extract(fmu, unzipdir=temporary_folder()))
 
 
 def keep_what_is_unpacked_together() -> None:
-    """For masters that leave what they unpack: it goes with the process."""
+    """Keep what masters leave unpacked in a folder that ends with the process."""
     os.environ["TMPDIR"] = temporary_folder()
 
 
@@ -75,7 +75,7 @@ class Instance:
             getattr(self.fmi, f"set{called(variable)}")([variable.valueReference], [value])
 
     def get(self, *names: str) -> list[Any]:
-        """The values of some variables, or of all outputs."""
+        """Return the values of some variables, or of all outputs."""
         names = names or tuple(name for name, item in self.variables.items() if item.causality == "output")
         values = []
         for name in names:
@@ -87,7 +87,7 @@ class Instance:
         self.fmi.doStep(currentCommunicationPoint=t, communicationStepSize=h)
 
     def attempt(self, call: str, *arguments: Any) -> str:
-        """The result of a call: "ok", or the error that FMPy makes of its status."""
+        """Return the result of a call: "ok", or the error that FMPy makes of its status."""
         try:
             getattr(self if hasattr(self, call) else self.fmi, call)(*arguments)
         except Exception as error:

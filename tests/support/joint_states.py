@@ -34,7 +34,7 @@ class State:
 
 @st.composite
 def states(draw: st.DrawFn, damped: bool = True) -> State:
-    """Joints in every regime: the opening is up to three times what the turn lifts the edge by."""
+    """Return joints in every regime: the opening is up to three times what the turn lifts the edge by."""
     width, depth = draw(st.floats(0.1, 5.0)), draw(st.floats(0.1, 5.0))
     stiffness = 10.0 ** draw(st.floats(6.0, 11.0))
     lifted = 10.0 ** draw(st.floats(-7.0, -1.0))

@@ -57,7 +57,7 @@ _margin = from_python(regimes.regime_margin)
 
 
 def law_of(stiffness: float, damping: float = 0.0, **others: float) -> law.PressureLaw:
-    """A law; parameters that are not given are 0."""
+    """Return a law; parameters that are not given are 0."""
     given = {"stiffness": stiffness, "damping": damping} | others
     return law.PressureLaw(*(float(given.get(name, 0.0)) for name in law.PressureLaw._fields))
 
@@ -65,7 +65,7 @@ def law_of(stiffness: float, damping: float = 0.0, **others: float) -> law.Press
 def joint_forces(
     k: float, width: float, depth: float, eta: float, *motion: float, **others: float
 ) -> tuple[float, float, float]:
-    """N, M and loaded length by stiffness, width, depth, damping, opening, slope and their rates.
+    """Return N, M and loaded length by stiffness, width, depth, damping, opening, slope and their rates.
 
     others: here and below, parameters of another law, by name.
     """
@@ -76,33 +76,33 @@ def joint_forces(
 def held_forces(
     regime: int, k: float, width: float, depth: float, eta: float, *motion: float, **others: float
 ) -> tuple[float, float, float, float]:
-    """`joint_forces` held in a regime, and the margin of that regime."""
+    """Return `joint_forces` held in a regime, and the margin of that regime."""
     own = law_of(k, eta, **others)
     n, m, length, margin = _held(regime, own, float(width), float(depth), *map(float, motion), NO_STRIPS)
     return n, m, length, margin
 
 
 def joint_tangent(k: float, width: float, depth: float, *part: float, **others: float) -> tuple[float, float, float]:
-    """Derivatives of N and M by stiffness, width, depth, both ends of the loaded part, mean and gradient."""
+    """Return the derivatives of N and M by stiffness, width, depth, both ends of the loaded part, mean and gradient."""
     along, mixed, second = _tangent(law_of(k, **others), float(width), float(depth), *map(float, part), NO_STRIPS)
     return along, mixed, second
 
 
 def joint_potential(k: float, *numbers: float, **others: float) -> float:
-    """Elastic energy by stiffness, width, depth, opening and slope."""
+    """Return the elastic energy by stiffness, width, depth, opening and slope."""
     return float(_potential(law_of(k, **others), *map(float, numbers), NO_STRIPS))
 
 
 def joint_peak_pressure(k: float, width: float, eta: float, *motion: float, **others: float) -> float:
-    """Largest pressure by stiffness, width, damping, opening, slope and their rates."""
+    """Return the largest pressure by stiffness, width, damping, opening, slope and their rates."""
     return float(_peak_pressure(law_of(k, eta, **others), float(width), *map(float, motion), NO_STRIPS))
 
 
 def contact_regime(width: float, *rest: float) -> int:
-    """Regime by width, damping, opening, slope and their rates."""
+    """Return the regime by width, damping, opening, slope and their rates."""
     return int(_regime(-0.5 * width, 0.5 * width, *rest))
 
 
 def regime_margin(regime: int, width: float, *rest: float) -> float:
-    """Margin of a regime, by width, damping, opening, slope and their rates."""
+    """Return the margin of a regime, by width, damping, opening, slope and their rates."""
     return float(_margin(regime, -0.5 * width, 0.5 * width, *rest))

@@ -21,7 +21,7 @@ TINY = 1e-30  # complex step
 
 
 def linear(pressure: Array) -> Array:
-    """The identity: the law max(0, k pen + eta k dpen) without a change."""
+    """Return the identity: the law max(0, k pen + eta k dpen) without a change."""
     return pressure
 
 
@@ -66,7 +66,7 @@ class Reference:
     # --- kinematics
 
     def tops(self, q: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Centres of the top faces (x, z), each (n,) m."""
+        """Return the centres of the top faces (x, z), each (n,) m."""
         theta, delta = q[: self.n], q[self.n :]
         phi = 0.5 * (theta + below(theta))
         return from_base(delta * np.sin(phi) + self.height * np.sin(theta)), from_base(
@@ -79,14 +79,14 @@ class Reference:
         return x - (self.height - self.centroid) * np.sin(theta), z - (self.height - self.centroid) * np.cos(theta)
 
     def joint_middles(self, q: Array) -> tuple[Array, Array]:
-        """Half way between the centres of the two faces of each joint (x, z)."""
+        """Return the points half way between the centres of the two faces of each joint (x, z)."""
         x, z = self.tops(q)
         theta, delta = q[: self.n], q[self.n :]
         phi = 0.5 * (theta + below(theta))
         return below(x) + 0.5 * delta * np.sin(phi), below(z) + 0.5 * delta * np.cos(phi)
 
     def jacobians(self, q: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Derivatives of the centroids (x, z) by q, each (n, 2n)."""
+        """Return the derivatives of the centroids (x, z) by q, each (n, 2n)."""
         n = self.n
         theta, delta = q[:n, None], q[n:, None]
         turn, slide = np.eye(2 * n)[:n], np.eye(2 * n)[n:]
@@ -99,7 +99,7 @@ class Reference:
     # --- energies
 
     def mass_matrix(self, q: NDArray[Any]) -> NDArray[Any]:
-        """(2n, 2n), of the kinetic energy rate' M rate / 2."""
+        """Return the mass matrix (2n, 2n) of the kinetic energy rate' M rate / 2."""
         x, z = self.jacobians(q)
         matrix: NDArray[Any] = x.T @ (self.mass[:, None] * x) + z.T @ (self.mass[:, None] * z)
         matrix[: self.n, : self.n] += np.diag(self.inertia)
@@ -109,7 +109,7 @@ class Reference:
         return float(0.5 * rate @ self.mass_matrix(q) @ rate)
 
     def elastic(self, q: Array) -> float:
-        """Energy of the joints, J."""
+        """Return the energy of the joints, J."""
         slope, opening = self.slopes(q), q[self.n :]
         total = 0.0
         for k, b, t, a, dw in zip(self.stiffness, self.width, self.depth, np.abs(slope), opening, strict=True):
@@ -121,7 +121,7 @@ class Reference:
         return total
 
     def energy(self, q: Array, rate: Array) -> float:
-        """Kinetic, gravitational and elastic, J."""
+        """Return the kinetic, gravitational and elastic energy, J."""
         return self.kinetic(q, rate) + float(self.g * self.mass @ self.centroids(q)[1]) + self.elastic(q)
 
     # --- joints
@@ -131,7 +131,7 @@ class Reference:
         return 2.0 * np.sin(0.5 * (theta - below(theta)))
 
     def resultants(self, q: Array, rate: Array) -> tuple[Array, Array]:
-        """N (N) and M (N m) of every joint."""
+        """Return N (N) and M (N m) of every joint."""
         theta, spin = q[: self.n], rate[: self.n]
         half = 0.5 * (theta - below(theta))
         states = zip(
@@ -144,12 +144,12 @@ class Reference:
     # --- motion
 
     def accelerations(self, q: Array, rate: Array, ax: float = 0.0, az: float = 0.0) -> Array:
-        """q'' (2n,) of d/dt dL/dq' - dL/dq = Q, the base acceleration as fictitious forces in L."""
+        """Return q'' (2n,) of d/dt dL/dq' - dL/dq = Q, the base acceleration as fictitious forces in L."""
         found: Array = np.linalg.solve(self.mass_matrix(q), self.forces(q, rate, ax, az))
         return found
 
     def on_rotating_base(self) -> Reference:
-        """The column on one more body, the last, of no height, mass or stiffness: the base."""
+        """Return the column on one more body, the last, of no height, mass or stiffness: the base."""
         beside = {"width": 1.0, "depth": 1.0}
         more: dict[str, Any] = {
             name: np.append(value, beside.get(name, 0.0))
@@ -159,7 +159,9 @@ class Reference:
         return replace(self, **more)
 
     def accelerations_on_base(self, q: Array, rate: Array, ax: float, az: float, alpha: float) -> Array:
-        """q'' (2n,) where the last body is the base: rotation and opening under it follow alpha rad/s2 and zero."""
+        """Return q'' (2n,) where the last body is the base: rotation and opening under it follow alpha rad/s2
+        and zero.
+        """
         n = self.n
         found = np.zeros(2 * n)
         found[n - 1] = alpha
@@ -170,7 +172,7 @@ class Reference:
         return found
 
     def with_base(self, q: Array, rate: Array) -> tuple[Array, Array]:
-        """Mass matrix and forces, of the base along x and z, then of q.
+        """Return the mass matrix and forces, of the base along x and z, then of q.
 
         The last body is the base (`on_rotating_base`): its rotation comes third, and it does not open.
         """
@@ -184,7 +186,7 @@ class Reference:
         return matrix, np.append(along, self.forces(q, rate, 0.0, 0.0)[order])
 
     def forces(self, q: Array, rate: Array, ax: float, az: float) -> Array:
-        """Generalized forces, equal to the mass matrix times q'' (2n,)."""
+        """Return the generalized forces, equal to the mass matrix times q'' (2n,)."""
         n = self.n
 
         def lagrangian(at: NDArray[Any]) -> Any:
@@ -201,19 +203,19 @@ class Reference:
         return found
 
     def centroid_accelerations(self, q: Array, rate: Array, acceleration: Array) -> tuple[Array, Array]:
-        """Accelerations of the centroids relative to the base (x, z), each (n,) m/s2."""
+        """Return the accelerations of the centroids relative to the base (x, z), each (n,) m/s2."""
         x, z = self.jacobians(q)
         dx, dz = (part.imag @ rate / TINY for part in self.jacobians(q + 1j * TINY * rate))
         return x @ acceleration + dx, z @ acceleration + dz
 
 
 def below(values: NDArray[Any]) -> NDArray[Any]:
-    """For each block the value of the block under it; zero for the base."""
+    """Return for each block the value of the block under it; zero for the base."""
     return np.concatenate([values[1:], np.zeros_like(values[:1])])
 
 
 def from_base(steps: NDArray[Any]) -> NDArray[Any]:
-    """Sums from the base up to each block."""
+    """Return the sums from the base up to each block."""
     return np.cumsum(steps[::-1], axis=0)[::-1]
 
 
@@ -230,7 +232,7 @@ def pressure_resultants(
     law: Callable[[Array], Array] = linear,
     bends: tuple[float, ...] = (),
 ) -> tuple[float, float]:
-    """N and M of the pressure max(0, k pen + eta k dpen) where pen > 0, by Gauss's rule between its kinks.
+    """Return N and M of the pressure max(0, k pen + eta k dpen) where pen > 0, by Gauss's rule between its kinks.
 
     law: function of that pressure, for another law; bends: pressures at which it has kinks; it is linear between them.
     """

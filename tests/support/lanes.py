@@ -16,13 +16,13 @@ _model, _phase, _work = at.MODEL.over, at.PHASE.over, at.WORK.over
 
 
 def in_lanes(rows: Array) -> Array:
-    """Eight rows interleaved: eight neighbouring numbers an element."""
+    """Return eight rows interleaved: eight neighbouring numbers an element."""
     return np.ascontiguousarray(rows.T).reshape(-1)
 
 
 @from_python
 def accelerate(n: int, model: Array, phase: Array, work: Array, base: Array) -> None:
-    """`exact_accelerations` of one column; base: ax, az, theta, omega, alpha."""
+    """Return `exact_accelerations` of one column; base: ax, az, theta, omega, alpha."""
     b, space = row_of(base), _work(row_of(work), n)
     motion = Motion(b[0], b[1], b[2], b[3], b[4])
     exact_accelerations(
@@ -31,7 +31,7 @@ def accelerate(n: int, model: Array, phase: Array, work: Array, base: Array) -> 
 
 
 def accelerating(space: Space) -> Callable[[int, Array, Array], None]:
-    """`exact_accelerations` for eight columns, whose buffer holds the space; the phase is its work.start."""
+    """Return `exact_accelerations` for eight columns, whose buffer holds the space; the phase is its work.start."""
     over = space.over
 
     @from_python

@@ -35,7 +35,7 @@ def place(column: Column, q: NDArray[Any], number: int, turn: float = 0.0) -> tu
 
 
 def generalized(column: Column, q: Array, loads: Array, turn: float = 0.0) -> Array:
-    """Forces on the coordinates of loads (ports, 3): Fx, Fz (N), My (N m, clockwise)."""
+    """Return the forces on the coordinates of loads (ports, 3): Fx, Fz (N), My (N m, clockwise)."""
     found = np.zeros(len(q))
     for number, (fx, fz, my) in enumerate(loads):
         found[column.ports[number].body] += my
@@ -46,7 +46,7 @@ def generalized(column: Column, q: Array, loads: Array, turn: float = 0.0) -> Ar
 
 
 def accelerations(column: Column, q: Array, rate: Array, ax: float, az: float, loads: Array) -> Array:
-    """q'' (2n,) of a column on its axis under loads."""
+    """Return q'' (2n,) of a column on its axis under loads."""
     reference = Reference.of(column)
     forces = reference.forces(q, rate, ax, az) + generalized(column, q, loads)
     found: Array = np.linalg.solve(reference.mass_matrix(q), forces)
@@ -54,7 +54,7 @@ def accelerations(column: Column, q: Array, rate: Array, ax: float, az: float, l
 
 
 def motion_of(column: Column, q: Array, rate: Array, second: Array, number: int) -> Array:
-    """x, z, vx, vz, ax, az of a port, from the column as built."""
+    """Return x, z, vx, vz, ax, az of a port, from the column as built."""
     built = np.zeros(len(q))
     if len(q) > 2 * column.n:
         built[2 * column.n :] = [block.joint.offset or 0.0 for block in column.blocks]

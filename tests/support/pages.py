@@ -17,13 +17,13 @@ DOCS = ROOT / "docs"
 
 
 def blocks(page: Path, language: str) -> list[str]:
-    """The code blocks of one language, "" for what a program prints."""
+    """Return the code blocks of one language, "" for what a program prints."""
     found = re.findall(r"^```(\w*)\n(.*?)^```", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
     return [text for name, text in found if name == language]
 
 
 def commands(page: Path) -> list[str]:
-    """The lines of the shell blocks, without those that install."""
+    """Return the lines of the shell blocks, without those that install."""
     lines = [line for text in blocks(page, "sh") for line in text.strip().splitlines()]
     return [line for line in lines if not line.startswith("pip install")]
 

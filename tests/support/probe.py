@@ -19,7 +19,7 @@ PHOCAS_STIFFNESS = 533 * 9.80665e6  # N/m3
 
 
 def phocas(eta: float = 0.0, **settings: str | float | tuple[str, ...]) -> Column:
-    """The Column of Phocas (theory.md section 5), joints damped by eta s."""
+    """Return the Column of Phocas (theory.md section 5), joints damped by eta s."""
     block = Block(4.69, 1.56, 1.56, 27000.0, Joint(PHOCAS_STIFFNESS, eta))
     return Column("phocas", (block,) * 3, Settings(**settings))  # type: ignore[arg-type]
 
@@ -27,7 +27,7 @@ def phocas(eta: float = 0.0, **settings: str | float | tuple[str, ...]) -> Colum
 def monolith(
     stiffness: float = PHOCAS_STIFFNESS, eta: float = 0.0, **settings: str | float | tuple[str, ...]
 ) -> Column:
-    """The Column of Phocas as one rigid block (theory.md section 5)."""
+    """Return the Column of Phocas as one rigid block (theory.md section 5)."""
     block = Block(14.07, 1.56, 1.56, 81000.0, Joint(stiffness, eta))
     return Column("monolith", (block,), Settings(**settings))  # type: ignore[arg-type]
 
@@ -35,7 +35,7 @@ def monolith(
 def random_column(
     rng: np.random.Generator, n: int, formulation: str = "exact", damped: bool = True, softest: float = 1e6
 ) -> Column:
-    """All blocks differ, centroids off the middle, joints narrower than both blocks and from `softest` N/m3 up."""
+    """Return a column of unlike blocks, centroids off the middle, joints narrower than both, from `softest` N/m3 up."""
     blocks = []
     for _ in range(n):
         height, width, depth = rng.uniform(0.5, 5.0), rng.uniform(0.3, 3.0), rng.uniform(0.3, 3.0)
@@ -55,7 +55,7 @@ def random_column(
 
 
 def settled(column: Column) -> Array:
-    """Compression of the joints at rest, m (n,)."""
+    """Return the compression of the joints at rest, m (n,)."""
     masses = np.array([block.mass for block in column.blocks])
     springs = [block.joint.stiffness * block.joint_width * block.joint_depth for block in column.blocks]
     result: Array = column.g * np.cumsum(masses) / np.array(springs)
@@ -63,7 +63,9 @@ def settled(column: Column) -> Array:
 
 
 def random_state(rng: np.random.Generator, column: Column, largest: float) -> tuple[Array, Array]:
-    """(q, rates) of the exact formulation: joints in all regimes, turned by up to `largest` rad, moving anywhere."""
+    """Return (q, rates) of the exact formulation: joints in all regimes, turned by up to `largest` rad, moving
+    anywhere.
+    """
     n = column.n
     width = np.array([block.joint_width for block in column.blocks])
     depth = settled(column)
@@ -79,7 +81,7 @@ def random_state(rng: np.random.Generator, column: Column, largest: float) -> tu
 
 
 def sliding_state(rng: np.random.Generator, column: Column, largest: float) -> tuple[Array, Array, Array]:
-    """(q, rates, directions): joints moved by up to a fifth of their width, most of them sliding."""
+    """Return (q, rates, directions): joints moved by up to a fifth of their width, most of them sliding."""
     n = column.n
     q, rate = random_state(rng, column, largest)
     offset = np.array([block.joint.offset or 0.0 for block in column.blocks])
@@ -96,18 +98,18 @@ def sliding_state(rng: np.random.Generator, column: Column, largest: float) -> t
 
 
 def coordinates(stepper: Stepper) -> Array:
-    """Coordinates and rates of a column, (4n,): writing to them takes effect."""
+    """Return the coordinates and rates of a column, (4n,): writing to them takes effect."""
     return stepper.arrays.state[at.CONTROL.beside :][: 4 * stepper.n]
 
 
 def forced(stepper: Stepper, amplitude: float, frequency: float) -> Stepper:
-    """The stepper on a base that accelerates by amplitude m/s2 at frequency Hz."""
+    """Return the stepper on a base that accelerates by amplitude m/s2 at frequency Hz."""
     stepper.base.wave_amplitude, stepper.base.wave_omega = amplitude, 2.0 * np.pi * frequency
     return stepper
 
 
 def walk(stepper: Stepper, times: Array) -> Array:
-    """Coordinates and rates (4n,) after a call from each time, s, to the next."""
+    """Return the coordinates and rates (4n,) after a call from each time, s, to the next."""
     for begin, end in pairwise(times):
         stepper.advance(begin, end - begin)
     return coordinates(stepper).copy()
@@ -120,13 +122,13 @@ def put_back(kept: Stepper, into: Stepper) -> None:
 
 
 def observed_accelerations(stepper: Stepper) -> Array:
-    """Accelerations of the coordinates at the last observation of the stepper, (2n,)."""
+    """Return the accelerations of the coordinates at the last observation of the stepper, (2n,)."""
     between = at.WORK.see(stepper.arrays.work, stepper.n).between
     return np.concatenate([between.theta_acceleration, between.opening_acceleration])
 
 
 def look(column: Column, q: Array, rate: Array, ax: float = 0.0, az: float = 0.0) -> tuple[Array, Array]:
-    """(accelerations (2n,), output row) of a state whose coordinates are those of the column's formulation."""
+    """Return (accelerations (2n,), output row) of a state whose coordinates are those of the column's formulation."""
     stepper = Stepper(column)
     coordinates(stepper)[:] = np.concatenate([q, rate])
     stepper.drive(0.0, ax=ax, az=az)
@@ -135,13 +137,13 @@ def look(column: Column, q: Array, rate: Array, ax: float = 0.0, az: float = 0.0
 
 
 def field(row: Array, name: str, n: int) -> Array:
-    """One field of an output row, (n,)."""
+    """Return one field of an output row, (n,)."""
     found: Array = getattr(at.ROW.see(row, n).joints, name)
     return found
 
 
 def reaction(row: Array, name: str) -> float:
-    """One component of the base reaction of an output row."""
+    """Return one component of the base reaction of an output row."""
     return float(getattr(at.REACTION.see(row[-at.REACTION.beside :]), name))
 
 

@@ -29,7 +29,10 @@ class ComplaintError(Exception):
 
 
 def run(*command: object, environment: dict[str, str] | None = None, cwd: str | None = None, bad: str = "") -> str:
-    """The output of a process. Raises ComplaintError unless it ends with 0 and prints none of the words in `bad`."""
+    """Return the output of a process.
+
+    Raises ComplaintError unless it ends with 0 and prints none of the words in `bad`.
+    """
     words = [str(word) for word in command]
     done = subprocess.run(words, capture_output=True, text=True, env=environment, cwd=cwd, check=False)
     text = (done.stdout + done.stderr).strip()
@@ -68,7 +71,7 @@ def needs_ecos() -> None:
 
 
 def versioned(name: str, package: str | None) -> str:
-    """The name of a master, with its version where pip knows it."""
+    """Return the name of a master, with its version where pip knows it."""
     with suppress(importlib.metadata.PackageNotFoundError):
         return f"{name} ({importlib.metadata.version(package)})" if package else name
     return name

@@ -57,7 +57,7 @@ class Caller:
         }
 
     def run(self, count: int) -> dict[str, int]:
-        """Random calls; the number of each kind that was answered with OK."""
+        """Make random calls; return the number of each kind that was answered with OK."""
         succeeded = dict.fromkeys((call.__name__ for call in self.calls), 0)
         for _ in range(count):
             (call,) = self.some.choices(list(self.calls), list(self.calls.values()))
@@ -166,7 +166,7 @@ class Caller:
 
 
 def usual(column: Instance) -> list[Any]:
-    """Outputs of a run that is always the same."""
+    """Return the outputs of a run that is always the same."""
     column.fmi.reset()
     column.initialize()
     column.set({"base.ax": 1.2})
@@ -175,7 +175,7 @@ def usual(column: Instance) -> list[Any]:
 
 
 def main(fmu: str, count: int, seed: int = 3) -> int:
-    """Returns the exit code."""
+    """Return the exit code."""
     caller = Caller(fmu, seed)
     succeeded = caller.run(count)
     never = [name for name, times in succeeded.items() if not times and name not in NEVER]

@@ -28,7 +28,7 @@ def _rows(values: Sequence[str], each: int) -> str:
 
 
 def fortran_e(value: float, width: int, digits: int) -> str:
-    """A number in Fortran's Ew.d, whose mantissa lies between 0.1 and 1, without the 0 before its point."""
+    """Return a number in Fortran's Ew.d, whose mantissa lies between 0.1 and 1, without the 0 before its point."""
     if value == 0.0:
         return f"{'.' + '0' * digits + 'E+00':>{width}}"
     exponent = int(np.floor(np.log10(abs(value)))) + 1
@@ -40,20 +40,20 @@ def fortran_e(value: float, width: int, digits: int) -> str:
 
 
 def at2(size: str = "NPTS=  {n}, DT= {dt:.5f} SEC", units: str = "ACCELERATION TIME HISTORY IN UNITS OF G") -> str:
-    """PEER: five E15.7 in g a row."""
+    """Return PEER's format: five E15.7 in g a row."""
     head = f"PEER STRONG MOTION DATABASE RECORD\nTESTVILLE 01/01/00, D\u00fczce, 090\n{units}\n{size}\n"
     return head.format(n=len(SAMPLES), dt=DT) + _rows([fortran_e(a / G, 15, 7) for a in SAMPLES], 5)
 
 
 def at2_touching() -> str:
-    """The record in columns as narrow as their numbers, so that every minus sign touches the number before."""
+    """Return the record in columns as narrow as their numbers, so that every minus sign touches the number before."""
     head = at2().split("\n")[:4]
     values = [fortran_e(a / G, 13, 7) for a in SAMPLES]
     return "\n".join(head) + "\n" + _rows(values, 6)
 
 
 def esm() -> str:
-    """ESM: header of DYNA 1.2, one value in cm/s2 a line."""
+    """Return ESM's format: header of DYNA 1.2, one value in cm/s2 a line."""
     given = {"EVENT_NAME": "TESTVILLE", "EVENT_ID": "XX-2000-0001", "EVENT_TIME_HHMMSS": "134126", "MAGNITUDE_L": ""}
     given |= {"NETWORK": "XX", "STATION_CODE": "TST", "VS30_M/S": "", "STREAM": "HNE"}
     given |= {"DATE_TIME_FIRST_SAMPLE_YYYYMMDD_HHMMSS": "20000101_134250.000", "SAMPLING_INTERVAL_S": f"{DT:.6f}"}
@@ -66,7 +66,7 @@ COUNT = 3920.0 / 6182761 / 100.0  # m/s2 a count of K-NET's recorder
 
 
 def knet(direction: str = "N-S", most: str = "Max Acc. (gal)") -> str:
-    """K-NET: 17 lines of header, eight counts a row about a zero of the recorder."""
+    """Return K-NET's format: 17 lines of header, eight counts a row about a zero of the recorder."""
     peak = 100.0 * np.max(np.abs(SAMPLES))
     head = f"""Origin Time       2006/01/18 23:25:00
 Lat.              37.798
@@ -109,7 +109,9 @@ def _cosmos_channel(number: int, samples: np.ndarray, units: str, layout: str, v
 
 
 def cosmos_v2(channels: int = 1) -> str:
-    """COSMOS V2: F10.5 in cm/s2; with velocities and displacements, which are none of ours; more channels mirrored."""
+    """Return COSMOS V2: F10.5 in cm/s2; with velocities and displacements, which are none of ours; more channels
+    mirrored.
+    """
     return "".join(
         _cosmos_channel(k, 100.0 * (-1.0) ** (k - 1) * SAMPLES, "cm/s^2 (4)", "8F10.5", lambda a: f"{a:10.5f}")
         for k in range(1, channels + 1)
@@ -117,12 +119,12 @@ def cosmos_v2(channels: int = 1) -> str:
 
 
 def cosmos_v1() -> str:
-    """COSMOS V1 in g, one E15.6 a line."""
+    """Return COSMOS V1 in g, one E15.6 a line."""
     return _cosmos_channel(1, SAMPLES / G, "g (02)", "1E15.6", lambda a: f"{a:15.6E}")
 
 
 def csmip_v2() -> str:
-    """CSMIP: the line above the numbers gives number, step, units and columns, which touch."""
+    """Return CSMIP V2: the line above the numbers gives number, step, units and columns, which touch."""
     line = f"{len(SAMPLES):5d} points of accel data equally spaced at  .010 sec, in cm/sec2. (8f8.3)"
     values = _rows([f"{100.0 * a:8.3f}" for a in SAMPLES], 8)
     veloc = f"{len(SAMPLES):5d} points of veloc data equally spaced at  .010 sec, in cm/sec.  (8f8.3)"
@@ -131,7 +133,7 @@ def csmip_v2() -> str:
 
 
 def cosmos_v1c() -> str:
-    """COSMOS V1 as CESMD writes it: a point after the unit, no comma before the format, columns that touch."""
+    """Return COSMOS V1 as CESMD writes it: a point after the unit, no comma before the format, columns that touch."""
     text = cosmos_v1().split("\n")
     k = next(k for k, line in enumerate(text) if "acceleration pts" in line)
     text[k] = f"{len(SAMPLES):8d} acceleration pts, approx   2 secs, units=g.     (02)Format=(8f9.6)"
@@ -140,7 +142,9 @@ def cosmos_v1c() -> str:
 
 
 def csmip_v1(units: str = "g .     ") -> str:
-    """CSMIP V1 of 1999 to 2019: 27 lines, two lists of numbers, then number, rate, units and columns; two channels."""
+    """Return CSMIP V1 of 1999 to 2019: 27 lines, two lists of numbers, then number, rate, units and columns; two
+    channels.
+    """
     head = [f"text line {k}" for k in range(1, 28)]
     head[10] = f"No. of Points =    {len(SAMPLES)}  Record Length =  2.000 sec   at 100 Samples/sec"
     line = f"{len(SAMPLES):6d} Accelerogram points at 100 pts/sec in units of {units} Format: (8f9.6)"
@@ -153,7 +157,7 @@ def csmip_v1(units: str = "g .     ") -> str:
 
 
 def smc() -> str:
-    """SMC: 11 lines of text, 48 integers, 50 reals, comments, eight numbers in cm/s2 a row, columns that touch."""
+    """Return SMC: 11 lines of text, 48 integers, 50 reals, comments, eight numbers in cm/s2, columns that touch."""
     head = ["2 CORRECTED ACCELEROGRAM", "*", "TST", "     2000   1   1 Testville", "*", "station = Test", *["*"] * 5]
     integers, reals = [f"{-32768:10d}"] * 48, [f"{'0.1700000E+39':>15}"] * 50
     integers[15], integers[16], reals[1] = f"{2:10d}", f"{len(SAMPLES):10d}", f"{'0.1000000E+03':>15}"
@@ -162,7 +166,7 @@ def smc() -> str:
 
 
 def geonet() -> str:
-    """GeoNet V2A: channels of 26 lines, then accelerations, velocities and displacements in columns of 8."""
+    """Return GeoNet V2A: channels of 26 lines, then accelerations, velocities and displacements in columns of 8."""
     channels = []
     for name, sign in (("N10E", 1.0), ("Up", -1.0)):
         head = ["Corrected accelerogram 20000101_000000_TST GNS Science", "Site TST  a place", *["text"] * 10]
@@ -176,13 +180,13 @@ def geonet() -> str:
 
 
 def csv(separator: str = ",", header: Sequence[str] = ("time", "base.ax")) -> str:
-    """The CSV of this project."""
+    """Return the CSV of this project."""
     rows = [f"{t:.17g}{separator}{a:.17g}" for t, a in zip(_TIME, SAMPLES, strict=True)]
     return "\n".join([separator.join(header), *rows]) + "\n"
 
 
 def plain(units: float = G, each: int = 1, digits: int = 9) -> str:
-    """Numbers alone, in units of `units` m/s2."""
+    """Return numbers alone, in units of `units` m/s2."""
     return "# a remark\n" + _rows([f" {a / units:.{digits}f}" for a in SAMPLES], each)
 
 

@@ -52,7 +52,7 @@ class SlidingReference(Reference):
         return np.concatenate([np.zeros(2 * self.n), self.offset])
 
     def ends(self, slip: Array) -> tuple[Array, Array]:
-        """Ends of the contacts, m from the middle of the block."""
+        """Return the ends of the contacts, m from the middle of the block."""
         return np.maximum(-0.5 * self.width, -self.rim - slip), np.minimum(0.5 * self.width, self.rim - slip)
 
     def split(self, q: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
@@ -68,7 +68,7 @@ class SlidingReference(Reference):
         )
 
     def jacobians(self, q: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Derivatives of the centroids (x, z) by q, each (n, 3n)."""
+        """Return the derivatives of the centroids (x, z) by q, each (n, 3n)."""
         n = self.n
         theta, delta, slip = (part[:, None] for part in self.split(q))
         turn, open_, slide = np.eye(3 * n)[:n], np.eye(3 * n)[n : 2 * n], np.eye(3 * n)[2 * n :]
@@ -85,7 +85,7 @@ class SlidingReference(Reference):
         return x - high * np.cos(theta) * turn, z + high * np.sin(theta) * turn
 
     def pressures(self, q: Array, rate: Array) -> tuple[Array, Array]:
-        """N and its moment about the middle of the block above, which is displaced by slip / 2."""
+        """Return N and its moment about the middle of the block above, which is displaced by slip / 2."""
         theta, delta, slip = self.split(q)
         spin, delta_rate, slip_rate = self.split(rate)
         half = 0.5 * (theta - below(theta))
@@ -100,7 +100,9 @@ class SlidingReference(Reference):
         return normal, moment + middle * normal
 
     def at_rims(self, q: Array) -> Array:
-        """Forces along the joints, on the blocks above, from rims that end contacts, N: the energy density there."""
+        """Return the forces along the joints, on the blocks above, from rims that end contacts, N: the energy density
+        there.
+        """
         theta, delta, slip = self.split(q)
         slope = 2.0 * np.sin(0.5 * (theta - below(theta)))
         found = np.zeros(self.n)
@@ -119,7 +121,9 @@ class SlidingReference(Reference):
     def solve(
         self, q: Array, rate: Array, direction: Array, ax: float = 0.0, az: float = 0.0
     ) -> tuple[Array, Array, Array, Array]:
-        """q'' (3n,), T of every joint on the block above, the part of it that is not friction, the capacity (n,)."""
+        """Return q'' (3n,), T of every joint on the block above, the part of it that is not friction, the capacity
+        (n,).
+        """
         n = self.n
         theta, _, slip = self.split(q)
         half = 0.5 * (theta - below(theta))
@@ -137,7 +141,7 @@ class SlidingReference(Reference):
         return found, tangential, drift, bears
 
     def inertial(self, q: Array, rate: Array, ax: float, az: float) -> Array:
-        """Gravity, the base and the velocity terms (3n,)."""
+        """Return the gravity, the base and the velocity terms (3n,)."""
 
         def lagrangian(at: NDArray[Any]) -> Any:
             x, z = self.centroids(at)
@@ -158,7 +162,7 @@ class SlidingReference(Reference):
 def follow(
     reference: SlidingReference, q: Array, rate: Array, ax: float, until: float, tolerance: float
 ) -> tuple[Array, int]:
-    """(q and rates at time `until` s under a held ax, changes of sliding): DOP853 between these."""
+    """Return (q and rates at time `until` s under a held ax, changes of sliding): DOP853 between these."""
     n = reference.n
     direction, t, changes = np.sign(rate[2 * n :]), 0.0, 0
     y: Array = np.concatenate([q, rate])

@@ -21,7 +21,7 @@ MODULUS = 533.0 * 9.80665e6  # N/m3, of the paper's column
 def stack(
     n: int = 3, section: str = "rectangle", damping: float = 1e-3, ratio: float = 0.4, **options: Any
 ) -> Structure:
-    """Blocks of the size of the paper's, boxes or drums; the lowest first."""
+    """Return blocks of the size of the paper's, boxes or drums; the lowest first."""
     shape: dict[str, Any] = (
         {"shape": "drum", "diameter": 1.56} if section == "circle" else {"width": 1.56, "depth": 1.56}
     )
@@ -48,7 +48,7 @@ def law_on_edge(
 
 
 def with_law(structure: Structure, **changes: Any) -> Structure:
-    """The structure with other numbers in the law of every joint."""
+    """Return the structure with other numbers in the law of every joint."""
 
     def changed(joint: SpatialJoint) -> SpatialJoint:
         return replace(joint, bed=replace(joint.bed, **changes))
@@ -59,7 +59,7 @@ def with_law(structure: Structure, **changes: Any) -> Structure:
 def run(
     structure: Structure, motion: Motion, duration: float | None = None, initial: SpatialState | None = None
 ) -> SpatialResponse:
-    """A run with rows every 5 ms; it is not followed after its end."""
+    """Return a run with rows every 5 ms; it is not followed after its end."""
     duration = motion.duration if duration is None else duration
     times = motion.start + 0.005 * np.arange(int(duration / 0.005) + 1, dtype=np.float64)
     return single_run(structure, RunPlan(motion, duration, times, initial))

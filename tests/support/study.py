@@ -36,7 +36,7 @@ high = 2.0
 
 
 def same(one: Results, other: Results) -> bool:
-    """Whether two tables are the same to the last bit."""
+    """Return True if two tables are the same to the last bit."""
     return list(one) == list(other) and all(
         one[name].dtype.kind == other[name].dtype.kind and one[name].tobytes() == other[name].tobytes() for name in one
     )
@@ -53,6 +53,6 @@ def start(folder: Path, *words: object, **variables: str) -> subprocess.Popen[st
 
 
 def finished(folder: Path) -> int:
-    """Whole lines of runs in the journal."""
+    """Return whole lines of runs in the journal."""
     path = folder / "small.journal"
     return max(0, path.read_bytes().count(b"\n") - 1) if path.exists() else 0

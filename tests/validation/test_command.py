@@ -34,7 +34,7 @@ joint = { stiffness = 1e9, damping = 3e-3 }
 
 
 def write_test(folder: Path, number: int, ax: np.ndarray) -> None:
-    """A file as the shaking table writes it; ax in g over an offset of 0.02 g."""
+    """Return a file as the shaking table writes it; ax in g over an offset of 0.02 g."""
     time = rocks.SAMPLE * np.arange(len(ax))
     rows = np.column_stack([time, ax + 0.02, time, ax, time, ax, time, ax])
     header = "\t".join(["Time [s]", "Amplitude"] * 4)
@@ -43,7 +43,7 @@ def write_test(folder: Path, number: int, ax: np.ndarray) -> None:
 
 @pytest.fixture
 def made(tmp_path: Path) -> Path:
-    """24 tests of a rock that falls from a certain velocity on; a 25th has an empty file."""
+    """Return 24 tests of a rock that falls from a certain velocity on; a 25th has an empty file."""
     openpyxl = pytest.importorskip("openpyxl", reason="reads the table of outcomes; pip install openpyxl")
     folder = tmp_path / rocks.REPOSITORY / rocks.FOLDER
     folder.mkdir(parents=True)

@@ -25,7 +25,7 @@ NEEDS = pytest.mark.skipif(not find_spec("trimesh"), reason="needs trimesh, of t
 
 
 def write_box(path: Path, with_faces: bool, unit: float) -> None:
-    """A box above the origin, off the axes, its sides as triangles; unit: of a metre in the file."""
+    """Return a box above the origin, off the axes, its sides as triangles; unit: of a metre in the file."""
     corners = unit * (np.array([*itertools.product((0.0, 1.0), repeat=3)]) * SIZES + [3.0, -2.0, 0.5])
     lines = [f"v {x} {y} {z}" for x, y, z in corners]
     hull = ConvexHull(corners)
@@ -76,7 +76,7 @@ def test_no_scan(tmp_path: Path) -> None:
 @NEEDS
 @pytest.mark.parametrize(("rim", "middle"), [(None, 0.6), (0.1, 0.45)])  # g: on a rim smaller feet are tried
 def test_a_larger_foot_falls_later(tmp_path: Path, rim: float | None, middle: float) -> None:
-    """Along x, the narrow way, under pulses of 2 Hz that grow; West's limit is b / h g times a factor."""
+    """Push it along x, the narrow way, by pulses of 2 Hz that grow; West's limit is b / h g times a factor."""
     write_box(tmp_path / "box.obj", True, 1.0)
     rock = rock_from(tmp_path / "box.obj", 500.0, 1e-3)
     time = rocks_in_space.SAMPLE * np.arange(800)

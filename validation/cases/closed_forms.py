@@ -37,7 +37,9 @@ Row = tuple[str, float, float]  # what, expected, found
 
 
 def similar(column: Column, scale: float) -> Column:
-    """The column with all lengths times `scale`, of the same material: the same k in N/m3, eta times its root."""
+    """Return the column with all lengths times `scale`, of the same material: the same k in N/m3, eta times
+    its root.
+    """
     blocks = []
     for block in column.blocks:
         joint = replace(block.joint, damping=block.joint.damping * math.sqrt(scale))
@@ -47,7 +49,7 @@ def similar(column: Column, scale: float) -> Column:
 
 
 def statics() -> list[Row]:
-    """Phocas at rest, and as one block under a steady push (section 5 of theory.md)."""
+    """Return Phocas at rest, and as one block under a steady push (section 5 of theory.md)."""
     column = Column.from_toml(COLUMNS / "phocas.toml")
     block = column.blocks[0]
     spring = block.joint.stiffness * block.width * block.depth
@@ -71,7 +73,7 @@ def statics() -> list[Row]:
 
 
 def dynamics() -> list[Row]:
-    """Phocas forced, against a converged solution and OpenSees; a tenth of it, against itself."""
+    """Return Phocas forced, against a converged solution and OpenSees; a tenth of it, against itself."""
     column = Column.from_toml(COLUMNS / "phocas.toml")
     ux = simulate(column, Motion.harmonic(0.05 * G, 2.0, 3.0), tolerance=1e-8, output_step=0.005, settle=0.0).ux[:, 0]
     rows = [
@@ -92,7 +94,7 @@ def dynamics() -> list[Row]:
 
 
 def measured() -> list[Row]:
-    """The Column of Marcus Aurelius: its modulus is fitted to the mean of the first two frequencies."""
+    """Return the Column of Marcus Aurelius: its modulus is fitted to the mean of the first two frequencies."""
     column = Column.from_toml(COLUMNS / "aurelian.toml")
     modes = natural_modes(column)
     sway = np.sort(modes.frequency[modes.sways])
@@ -104,7 +106,7 @@ def measured() -> list[Row]:
 
 
 def compute(data: Path | None) -> Outcome:
-    """All rows."""
+    """Compute all rows."""
     rows = [*statics(), *dynamics(), *measured()]
     lines = [f"{'':52s} {'expected':>13s} {'found':>13s} {'deviation':>10s}"]
     lines += [f"{what:52s} {known:13.6g} {found:13.6g} {found / known - 1.0:10.1e}" for what, known, found in rows]

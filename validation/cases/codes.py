@@ -36,7 +36,7 @@ History = tuple[FloatArray, FloatArray]  # s, m
 
 
 def column(stiffness: float, damping: float) -> Column:
-    """Tapered drums, 1 m deep, and the slab on top of them; the top one first."""
+    """Return tapered drums, 1 m deep, and the slab on top of them; the top one first."""
     drum = (HEIGHT - CAPITAL) / DRUMS
 
     def width(level: float) -> float:
@@ -51,7 +51,7 @@ def column(stiffness: float, damping: float) -> Column:
 
 
 def on_its_edges(whole: Column) -> Column:
-    """The same with joints that bear at both edges alone, of the same stiffness in all, as HybriDFEM has them."""
+    """Return the column with joints that bear at both edges alone, equally stiff in all, as HybriDFEM has them."""
     edges = (DEPTH, *[0.0] * (STRIPS - 2), DEPTH)
     blocks = [
         replace(
@@ -70,23 +70,26 @@ def on_planar_rims(whole: Column, share: float) -> Column:
 
 
 def pulse(level: float = LEVEL, length: float = PULSE) -> Motion:
-    """The base acceleration, held: level (g) for length (s), then half of it the other way for twice as long."""
+    """Return the base acceleration, held: level (g) for length (s), then half of it the other way for twice as long."""
     return Motion.from_samples(length, [level * G, -0.5 * level * G, -0.5 * level * G], hold=True)
 
 
 def acceleration(t: float) -> float:
-    """The same at an instant, m/s2."""
+    """Return the acceleration at an instant, m/s2."""
     return LEVEL * G if t < PULSE else (-0.5 * LEVEL * G if t < 3.0 * PULSE else 0.0)
 
 
 def here(drums: Column) -> History:
-    """Top displacement by this solver."""
+    """Return the top displacement by this solver."""
     found = simulate(drums, pulse(), LENGTH, tolerance=1e-7, output_step=ROW, settle=0.0)
     return found.time, found.ux[:, 0]
 
 
 def by_opensees(stiffness: float, damping: float) -> History:
-    """By rigid elements and joints of no-tension fibres, HHT 0.9, as in the benchmarks. Raises if it is absent."""
+    """Solve by rigid elements and joints of no-tension fibres, HHT 0.9, as in the benchmarks.
+
+    Raises if it is absent.
+    """
     ops = opensees.load()
     top = opensees.build(ops, column(stiffness, damping), UNFELT, 1.0)
     time = STEP * np.arange(round(LENGTH / STEP) + 2)
@@ -99,7 +102,7 @@ def by_opensees(stiffness: float, damping: float) -> History:
 
 
 def by_mujoco(time_constant: float) -> History:
-    """By rigid boxes with soft contacts of this time constant (s), 0.02 by default, friction FRICTION.
+    """Solve by rigid boxes with soft contacts of this time constant (s), 0.02 by default, friction FRICTION.
 
     Gravity carries the motion: the base is at rest in its own frame. A body of MuJoCo cannot taper: boxes of the mean
     width, their mass and height kept.
@@ -134,7 +137,7 @@ def by_mujoco(time_constant: float) -> History:
 
 
 def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:
-    """All programs that are installed."""
+    """Run all programs that are installed."""
     found: dict[str, History] = {}
     absent = []
     for k in STIFFNESSES:
@@ -170,7 +173,7 @@ def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:
 
 
 def draw(found: dict[str, History]) -> Figure:
-    """Histories of the top."""
+    """Draw the histories of the top."""
     figure, axes = panels(1, width=8.4)
     axis = axes[0, 0]
     colours = iter((BLUE, GREEN, INK, GREY, RED, "#e39b7b", "#8e44ad", "#c39bd3"))

@@ -41,7 +41,7 @@ class Test:
 
 
 def read(folder: Path) -> list[Test]:
-    """The rows of tests.csv. Raises InputError with file, line, key and value."""
+    """Read the rows of tests.csv. Raises InputError with file, line, key and value."""
     path = folder / "tests.csv"
     if not path.is_file():
         raise InputError(f"{path}: no such file; its first line must be {','.join(KEYS)}")
@@ -79,13 +79,16 @@ def _number(where: str, key: str, text: str | None) -> float:
 
 
 def place_in(sample: FloatArray, measured: float) -> float:
-    """Part of the sample below the measured value: within 0.025 and 0.975 it could be one of them; NaN if unknown."""
+    """Return the part of the sample below the measured value: within 0.025 and 0.975 it could be one of them; NaN if
+    unknown.
+    """
     known = sample[np.isfinite(sample)]
     return math.nan if math.isnan(measured) or not len(known) else float(np.mean(known < measured))
 
 
 def ensemble_of(test: Test, share: float | None = None) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Peaks and residual displacements of the top, m, and whether it fell: (RUNS,) each, with SPREAD about the test.
+    """Return the peaks and residual displacements of the top, m, and whether it fell: (RUNS,) each, with SPREAD about
+    the test.
 
     share: width over that of the face of the rims in which the drums touch, critically damped; None: as in the file.
     """
@@ -105,7 +108,7 @@ def ensemble_of(test: Test, share: float | None = None) -> tuple[FloatArray, Flo
 
 
 def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:
-    """An ensemble of the column under each motion; places of the measured values in it."""
+    """Compute an ensemble of the column under each motion; places of the measured values in it."""
     tests = read(data_folder(data, FOLDER, ADVICE))
     lines, numbers = [], {}
     figure, axes = panels(1, width=8.4)

@@ -36,7 +36,7 @@ AFTER = 3.0  # s that are followed after the pulse, before the verdict is sought
 
 
 def columns(rims: Sequence[float] = ()) -> dict[str, Column]:
-    """Models here, by name."""
+    """Return the models here, by name."""
     rimmed = {label_of(share): on_planar_rims(column(STIFFNESS, 0.0), share) for share in rims}
     return {
         "rectangles, eta = 1 ms": column(STIFFNESS, 1e-3),
@@ -47,13 +47,13 @@ def columns(rims: Sequence[float] = ()) -> dict[str, Column]:
 
 
 def amplitudes(length: float) -> FloatArray:
-    """Those tried with a pulse of this length (s), g."""
+    """Return the amplitudes tried with a pulse of this length (s), g."""
     count = 1 + math.floor(math.log(IMPULSE / length / LEAST) / math.log(RATIO))
     return LEAST * RATIO ** np.arange(count, dtype=np.float64)
 
 
 def limits(whole: Column, length: float) -> tuple[float, float]:
-    """The least amplitude that overturns the column, and the largest under which it stands, g.
+    """Return the least amplitude that overturns the column, and the largest under which it stands, g.
 
     nan: none of those tried.
     """
@@ -65,7 +65,7 @@ def limits(whole: Column, length: float) -> tuple[float, float]:
 
 
 def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:
-    """All models at all lengths, beside the others."""
+    """Compute all models at all lengths, beside the others."""
     found = {name: [limits(whole, length) for length in LENGTHS] for name, whole in columns(rims).items()}
     lines = ["least amplitude that overturns, g; in brackets the largest that stands, where it is larger:"]
     lines.append(f"  {'length, s':26s} " + " ".join(f"{length:12g}" for length in LENGTHS))
@@ -79,7 +79,7 @@ def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:
 
 
 def draw(found: dict[str, list[tuple[float, float]]]) -> Figure:
-    """Least amplitudes over the length."""
+    """Draw the least amplitudes over the length."""
     figure, axes = panels(1, width=7.2)
     axis = axes[0, 0]
     for (name, values), marker in zip(OTHERS.items(), "^xs", strict=True):

@@ -44,7 +44,7 @@ MEASURED: dict[str, tuple[float, float, float, float, tuple[float, ...]]] = {
 
 @dataclass(frozen=True)
 class Face:
-    """Where a face bears: everywhere, at its two edges, or in a rim of this width over its own."""
+    """The part of a face that bears: everywhere, at its two edges, or in a rim of this width over its own."""
 
     edges_alone: bool = False
     rim: float | None = None
@@ -65,12 +65,12 @@ def block(
 
 
 def housner(alpha: float) -> float:
-    """Restitution of the rigid block: 1 - 1.5 sin^2(alpha)."""
+    """Return the restitution of the rigid block: 1 - 1.5 sin^2(alpha)."""
     return 1.0 - 1.5 * math.sin(alpha) ** 2
 
 
 def least_restitution(alpha: float, stiffness: float, face: Face) -> float:
-    """The least of ETAS, released half way; NaN if the block does not stand or sways only."""
+    """Return the least of ETAS, released half way; NaN if the block does not stand or sways only."""
     column = block(HEIGHT * math.tan(alpha), HEIGHT, stiffness, 1e-3, face)
     found = []
     try:
@@ -95,7 +95,9 @@ def predicted_restitution(name: str, stiffness: float, share: float) -> float:
 
 
 def compare(name: str, stiffness: float, kind: str, face: Face) -> dict[str, Any]:
-    """Damping that has the measured restitution; peaks and times of impacts over those of a rigid block with it."""
+    """Compare the damping that has the measured restitution; peaks and times of impacts over those of a rigid block
+    with it.
+    """
     width, depth, height, wanted, _ = MEASURED[name]
     alpha, p = math.atan(width / height), math.sqrt(0.75 * G / (0.5 * math.hypot(width, height)))
     column = block(width, height, stiffness, 1e-3, face, depth)
@@ -114,12 +116,12 @@ def compare(name: str, stiffness: float, kind: str, face: Face) -> dict[str, Any
 
 
 def deviation(row: dict[str, Any]) -> float:
-    """Largest deviation of peaks and times; infinite if no damping reaches the restitution."""
+    """Return the largest deviation of peaks and times; infinite if no damping reaches the restitution."""
     return math.inf if row["eta"] is None else float(np.max(np.abs(np.array(row["peaks"] + row["times"]) - 1.0)))
 
 
 def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:
-    """The map of the least restitution, and the measured blocks."""
+    """Compute the map of the least restitution, and the measured blocks."""
     faces = FACES | {label_of(share): Face(rim=share) for share in rims if share < WHOLE}
     least = {
         kind: np.array([[least_restitution(alpha, k, face) for alpha in ALPHAS] for k in STIFFNESSES])
@@ -171,7 +173,9 @@ def _lines_of(rows: list[dict[str, Any]]) -> list[str]:
 
 
 def draw(least: dict[str, FloatArray], rigid: FloatArray, rows: dict[str, Any]) -> Figure:
-    """The least restitution over slenderness, with what was measured; deviations of the best joint of each block."""
+    """Draw the least restitution over slenderness, with what was measured; deviations of the best joint of
+    each block.
+    """
     figure, axes = panels(2)
     left, right = axes[0]
     left.axhline(1.0, color=INK, linewidth=1.0)

@@ -26,7 +26,7 @@ LENGTH = 15.0  # s: five impacts
 
 
 def block(stiffness: float, damping: float) -> Column:
-    """The column of Phocas as one block."""
+    """Return the column of Phocas as one block."""
     return Column("monolith", (Block(HEIGHT, WIDTH, WIDTH, MASS, Joint(stiffness, damping)),))
 
 
@@ -46,26 +46,28 @@ def quarter_period(start: float, alpha: float, p: float) -> float:
 
 
 def decay(start: float, restitution: float, impacts: int) -> FloatArray:
-    """Peaks over alpha after 1 ... impacts, released at `start` alpha. Housner (1963), slender block."""
+    """Return the peaks over alpha after 1 ... impacts, released at `start` alpha. Housner (1963), slender block."""
     n = np.arange(1, impacts + 1)
     return 1.0 - np.sqrt(1.0 - restitution ** (2 * n) * (1.0 - (1.0 - start) ** 2))
 
 
 def peaks_of(theta: FloatArray) -> FloatArray:
-    """Largest rotations between its zeros, the release first; the last, unfinished, half cycle is left out."""
+    """Return the largest rotations between its zeros, the release first; the last, unfinished, half cycle is
+    left out.
+    """
     zeros = np.flatnonzero(np.diff(np.sign(theta))) + 1
     return np.array([np.max(np.abs(part)) for part in np.split(theta, zeros)[:-1]])
 
 
 def first_zero(response: Response) -> float:
-    """When the rotation changes sign, s."""
+    """Return the time at which the rotation changes sign, s."""
     theta = response.ry[:, 0]
     k = int(np.flatnonzero(np.diff(np.sign(theta)))[0])
     return float(response.time[k] + 1e-3 * theta[k] / (theta[k] - theta[k + 1]))
 
 
 def compute(data: Path | None) -> Outcome:
-    """Quarter periods undamped, and peaks with the damping that has Housner's restitution."""
+    """Compute quarter periods undamped, and peaks with the damping that has Housner's restitution."""
     alpha = math.atan(WIDTH / HEIGHT)
     p = math.sqrt(0.75 * G / (0.5 * math.hypot(WIDTH, HEIGHT)))
     periods: dict[str, list[float]] = {}
@@ -96,7 +98,7 @@ def compute(data: Path | None) -> Outcome:
 
 
 def draw(periods: dict[str, list[float]], decays: dict[str, list[list[float]]]) -> Figure:
-    """Quarter periods over the modulus; peaks over the number of impacts."""
+    """Draw quarter periods over the modulus; peaks over the number of impacts."""
     figure, axes = panels(2)
     left, right = axes[0]
     for j, (release, colour) in enumerate(zip(RELEASES, (BLUE, RED, GREEN, INK), strict=True)):

@@ -29,36 +29,36 @@ SETTLE = 6.0  # s
 
 
 def block(stiffness: float, restitution: float) -> Column:
-    """The block, its damping such that it keeps this restitution when released at half the way to its edge."""
+    """Return the block, its damping such that it keeps this restitution when released at half the way to its edge."""
     column = Column("block", (Block(HEIGHT, WIDTH, DEPTH, MASS, Joint(stiffness, 1e-3)),))
     return calibrate.with_joints(column, damping=calibrate.damping_from_restitution(column, restitution))
 
 
 def falls(column: Column, amplitude: FloatArray, speed: FloatArray) -> Flags:
-    """Whether the pulses overturn the block; amplitude over g tan(alpha), speed over p."""
+    """Return True if the pulses overturn the block; amplitude over g tan(alpha), speed over p."""
     motions = (wavelets.one_sine(UNIT * a, w * P / (2.0 * math.pi)) for a, w in zip(amplitude, speed, strict=True))
     table = simulate_many(column, motions, tolerance=TOLERANCE, keep=("verdict",), settle=SETTLE)
     return np.asarray(table["verdict"] == "overturned", dtype=bool)
 
 
 def rigid(amplitude: FloatArray, speed: FloatArray, restitution: float) -> Flags:
-    """The same of Housner's block."""
+    """Return True if the pulses overturn Housner's block."""
     return overturning(amplitude * WIDTH / HEIGHT / ALPHA, speed, ALPHA, restitution) >= 0
 
 
 def edges(fallen: Flags, amplitudes: FloatArray) -> list[float]:
-    """Amplitudes at which the verdict changes: half way between neighbours."""
+    """Return the amplitudes at which the verdict changes: half way between neighbours."""
     changes = np.flatnonzero(np.diff(fallen.astype(int)))
     return [float(0.5 * (amplitudes[k] + amplitudes[k + 1])) for k in changes]
 
 
 def around(found: list[float]) -> FloatArray:
-    """Amplitudes from 0.8 to 1.08 times those edges, FINE apart."""
+    """Return the amplitudes from 0.8 to 1.08 times those edges, FINE apart."""
     return np.unique(np.round(np.concatenate([np.arange(0.8 * x, 1.08 * x, FINE) for x in found]), 6))
 
 
 def compute(data: Path | None) -> Outcome:
-    """The map at one modulus, and the edges of three lines of it as the modulus grows."""
+    """Compute the map at one modulus, and the edges of three lines of it as the modulus grows."""
     speed, amplitude = (grid.ravel() for grid in np.meshgrid(SPEEDS, AMPLITUDES))
     here = falls(block(MAP_STIFFNESS, MAP_RESTITUTION), amplitude, speed)
     truth = rigid(amplitude, speed, MAP_RESTITUTION)
@@ -81,7 +81,7 @@ def compute(data: Path | None) -> Outcome:
 
 
 def draw(speed: FloatArray, amplitude: FloatArray, here: Flags, truth: Flags, rows: dict[str, Any]) -> Figure:
-    """The map, and the edges over the modulus."""
+    """Draw the map, and the edges over the modulus."""
     figure, axes = panels(2)
     left, right = axes[0]
     shape = (len(AMPLITUDES), len(SPEEDS))

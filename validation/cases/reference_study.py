@@ -24,7 +24,7 @@ RESAMPLED = 40  # for the bounds
 
 
 def round_and_sliding(column: Column) -> Column:
-    """Its drums as circles of their width, with the friction of stone; masses, centroids and moduli are kept."""
+    """Return its drums as circles of their width, with the friction of stone; masses, centroids and moduli are kept."""
     blocks = []
     for block in column.blocks:
         joint = replace(block.joint, friction=FRICTION, width=None, depth=None)
@@ -33,7 +33,7 @@ def round_and_sliding(column: Column) -> Column:
 
 
 def variants(samples: int) -> dict[str, Study]:
-    """The study as published on the page, and with round drums that slide; fewer samples."""
+    """Return the study as published on the page, and with round drums that slide; fewer samples."""
     study = Study.from_toml(STUDY).with_runs(samples)
     columns = tuple(round_and_sliding(column) for column in study.columns if isinstance(column, Column))
     slid = replace(study, name=f"{study.name}-round", columns=columns, keep=(*study.keep, "residual_slip"))
@@ -41,12 +41,12 @@ def variants(samples: int) -> dict[str, Study]:
 
 
 def fragilities(results: Results) -> dict[str, Fragility]:
-    """Lognormal fragilities over PGV (m/s), of each of LIMITS."""
+    """Return the lognormal fragilities over PGV (m/s), of each of LIMITS."""
     return {name: fit_fragility(results, "pgv", limit, resampled=RESAMPLED) for name, limit in LIMITS.items()}
 
 
 def compute(data: Path | None) -> Outcome:
-    """Both variants."""
+    """Compute both variants."""
     lines: list[str] = []
     numbers: dict[str, dict[str, Any]] = {}
     made: dict[str, tuple[Results, dict[str, Fragility]]] = {}
@@ -70,7 +70,7 @@ def compute(data: Path | None) -> Outcome:
 
 
 def draw(made: dict[str, tuple[Results, dict[str, Fragility]]]) -> Figure:
-    """Fragilities over PGV; share beyond 0.35 D over magnitude at the nearest distance."""
+    """Draw fragilities over PGV; share beyond 0.35 D over magnitude at the nearest distance."""
     figure, axes = panels(2)
     left, right = axes[0]
     grid = np.geomspace(0.1, 3.0, 100)

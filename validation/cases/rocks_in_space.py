@@ -37,7 +37,7 @@ QUIET, BEYOND = 0.15, 100  # m/s2 and samples: what the table does before and af
 
 
 def shortened(motion: Motion) -> Motion:
-    """The strong part of a table motion, averaged over samples."""
+    """Return the strong part of a table motion, averaged over samples."""
     count = len(motion.ax) // AVERAGED * AVERAGED
     ax = np.mean(motion.ax[:count].reshape(-1, AVERAGED), axis=1)
     strong = np.flatnonzero(np.abs(ax) > QUIET)
@@ -51,7 +51,9 @@ def scales_of(rim: float | None) -> FloatArray:
 
 
 def verdicts(rock: Rock, motions: Iterable[Motion], direction: float, rim: float | None = None) -> FloatArray:
-    """1 where the rock on a foot of a scale falls in a test, (scales, tests); one that cannot stand has fallen."""
+    """Return 1 where the rock on a foot of a scale falls in a test, (scales, tests); one that cannot stand has
+    fallen.
+    """
     structures = [
         rock.structure(float(scale), STIFFNESS, DAMPING, FRICTION, rim).with_settings(tolerance=TOLERANCE)
         for scale in scales_of(rim)
@@ -74,14 +76,14 @@ def _falls(run: Run) -> float:
 
 
 def bank(rock: Rock, motions: list[Motion], rim: float | None = None) -> dict[str, FloatArray]:
-    """`verdicts` for each direction, in processes."""
+    """Return `verdicts` for each direction, computed in processes."""
     with get_context("spawn").Pool(cores()) as pool:
         found = pool.starmap(verdicts, [(rock, motions, direction, rim) for direction in DIRECTIONS], chunksize=1)
     return {f"{direction} degrees": part for direction, part in zip(DIRECTIONS, found, strict=True)}
 
 
 def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:
-    """All verdicts once; the rest is choosing among them."""
+    """Compute all verdicts once; the rest is choosing among them."""
     tests = read(data)
     motions = [shortened(motion) for motion in tests.motions]
     lines: list[str] = []
@@ -107,7 +109,7 @@ def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:
 
 
 def judged(tests: Tests, found: dict[str, FloatArray], specimen: str, rim: float | None = None) -> dict[str, Judged]:
-    """Each direction alone, the best on the same half, the foot as scanned, and the curve in PGV."""
+    """Judge each direction alone, the best on the same half, the foot as scanned, and the curve in PGV."""
     fallen, weights = tests.fallen[specimen], ensembles(SCALES, MEDIANS)
     shares = {name: scores.with_lapse(weights @ part) for name, part in found.items()}
     as_scanned = int(np.argmin(np.abs(scales_of(rim) - 1.0)))

@@ -47,11 +47,11 @@ class Model:
 
     @property
     def ratios(self) -> FloatArray:
-        """Return the widths over height that are tried: less on a rim, which bears farther out."""
+        """The widths over height that are tried: less on a rim, which bears farther out."""
         return RATIOS if self.rim is None or self.rim >= WHOLE else NARROWER * RATIOS
 
     def column(self, ratio: float) -> Column:
-        """The block of this width over height."""
+        """Return the block of this width over height."""
         strips = tuple(DEPTH * part for part in EDGE_STRIPS) if self.edges_only else None
         joint = Joint(
             self.stiffness,
@@ -87,7 +87,10 @@ RIMMED = {
 
 
 def bank(models: dict[str, Model], motions: list[Motion]) -> dict[str, FloatArray]:
-    """1 where a block of a ratio falls in a test: (ratios, tests) of each model. Undecided counts as standing."""
+    """Return 1 where a block of a ratio falls in a test: (ratios, tests) of each model.
+
+    Undecided counts as standing.
+    """
     found = {}
     for name, model in models.items():
         columns = [model.column(float(ratio)) for ratio in model.ratios]
@@ -97,7 +100,7 @@ def bank(models: dict[str, Model], motions: list[Motion]) -> dict[str, FloatArra
 
 
 def ensembles(values: FloatArray = RATIOS, medians: FloatArray = MEDIANS) -> FloatArray:
-    """Weights of the values in lognormal ensembles, (medians x deviations, values): rows sum to 1."""
+    """Return the weights of the values in lognormal ensembles, (medians x deviations, values): rows sum to 1."""
     distance = np.log(values) - np.log(medians)[:, None, None]
     weights = np.exp(-0.5 * (distance / DEVIATIONS[:, None]) ** 2).reshape(-1, len(values))
     found: FloatArray = weights / weights.sum(axis=1, keepdims=True)
@@ -115,7 +118,7 @@ class Judged:
 
 
 def judge(shares: FloatArray, names: list[str], fallen: Flags) -> Judged:
-    """Of candidate shares (c, m) the one of the best score on one half is judged on the other."""
+    """Judge, of candidate shares (c, m), the one of the best score on one half on the other."""
     agreements, log_scores, chosen = [], [], []
     total, count = np.zeros(len(fallen)), np.zeros(len(fallen))
     for fit, held in scores.halves(fallen, SPLITS, SEED):
@@ -129,7 +132,7 @@ def judge(shares: FloatArray, names: list[str], fallen: Flags) -> Judged:
 
 
 def judge_lognormal(measure: FloatArray, fallen: Flags) -> Judged:
-    """The same of the lognormal curve over a measure of intensity, fitted on each half."""
+    """Judge the lognormal curve over a measure of intensity, fitted on each half."""
     agreements, log_scores = [], []
     total, count = np.zeros(len(fallen)), np.zeros(len(fallen))
     for fit, held in scores.halves(fallen, SPLITS, SEED):
@@ -142,7 +145,7 @@ def judge_lognormal(measure: FloatArray, fallen: Flags) -> Judged:
 
 
 def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:
-    """Verdicts of all models in all tests, once; the rest is choosing among them."""
+    """Compute the verdicts of all models in all tests, once; the rest is choosing among them."""
     tests = read(data)
     verdicts = bank(MODELS, tests.motions)
     rimmed = {
@@ -196,7 +199,9 @@ def _judged(
 def judged_on_rims(
     rimmed: dict[str, dict[str, FloatArray]], whole: dict[str, FloatArray], weights: FloatArray, fallen: Flags
 ) -> dict[str, Judged]:
-    """Judge each model on a rim, the best of each rim, and of whole faces and rims the one chosen on the same half."""
+    """Judge each model on a rim, the best of each rim, and of whole faces and rims the one chosen on the same
+    half.
+    """
     results: dict[str, Judged] = {}
     every = [(name, scores.with_lapse(weights @ found)) for name, found in whole.items()]
     for rim, bank_of_rim in rimmed.items():
@@ -217,7 +222,7 @@ def _best(shares: list[tuple[str, FloatArray]], fallen: Flags) -> Judged:
 
 
 def draw(tests: Tests, best: dict[str, Judged]) -> Figure:
-    """Calibration, and fragility over PGV, of both specimens; all predictions on halves not fitted."""
+    """Draw the calibration, and fragility over PGV, of both specimens; all predictions on halves not fitted."""
     figure, axes = panels(2)
     left, right = axes[0]
     left.plot([0, 1], [0, 1], color=GREY, linewidth=0.8)

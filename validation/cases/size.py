@@ -1,4 +1,4 @@
-"""Whether the displacement of a rocking block depends on its size, where it is far from overturning."""
+"""The effect of size on the displacement of a rocking block, where it is far from overturning."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ REFERENCE = HEIGHTS.index(16.0)
 
 
 def block(height: float) -> Column:
-    """A block of slenderness ALPHA."""
+    """Return a block of slenderness ALPHA."""
     width = height * math.tan(ALPHA)
     return Column("block", (Block(height, width, width, DENSITY * height * width**2, Joint(STIFFNESS, DAMPING)),))
 
 
 def motions() -> list[Motion]:
-    """Noise through the ground, one a seed."""
+    """Return noise through the ground, one motion for each seed."""
     return [wavelets.filtered_noise(AMPLITUDE, FREQUENCY, DURATION, seed) for seed in range(SEEDS)]
 
 
 def compared(peak: FloatArray, fallen: Flags, heights: FloatArray) -> list[dict[str, Any]]:
-    """Peaks of each size over those of REFERENCE under the same motion; peak, fallen: (sizes, motions)."""
+    """Return the peaks of each size over those of REFERENCE under the same motion; peak, fallen: (sizes, motions)."""
     far = ~fallen & (peak < FAR * heights[:, None] * math.tan(ALPHA))
     rows = []
     for k, height in enumerate(heights):
@@ -57,7 +57,7 @@ def compared(peak: FloatArray, fallen: Flags, heights: FloatArray) -> list[dict[
 
 
 def compute(data: Path | None) -> Outcome:
-    """The same motions for all sizes."""
+    """Run the same motions for all sizes."""
     shaking = motions()
     tables = [simulate_many(block(height), shaking, tolerance=1e-4) for height in HEIGHTS]
     peak = np.array([table["peak_top_ux"][:, 0] for table in tables])
@@ -76,7 +76,7 @@ def compute(data: Path | None) -> Outcome:
 
 
 def draw(peak: FloatArray, fallen: Flags, rows: list[dict[str, Any]]) -> Figure:
-    """Peaks over size, and their ratio to those of one size."""
+    """Draw the peaks over size, and their ratio to those of one size."""
     figure, axes = panels(2)
     left, right = axes[0]
     for k, height in enumerate(HEIGHTS):

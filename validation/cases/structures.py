@@ -102,26 +102,28 @@ def rigid_restitution(gamma: float) -> float:
 
 
 def rigid_frame(gamma: float) -> float:
-    """The same of Makris and Vassiliou (2013): a block of p^2 (1 + 2 gamma) / (1 + 3 gamma); exact angles, s."""
+    """Return the quarter period of Makris and Vassiliou (2013): a block of p^2 (1 + 2 gamma) / (1 + 3 gamma); exact
+    angles, s.
+    """
     p = math.sqrt(0.75 * G / (0.5 * math.hypot(WIDTH, HEIGHT)) * (1.0 + 2.0 * gamma) / (1.0 + 3.0 * gamma))
     slope = math.atan2(WIDTH, HEIGHT)
     return quarter_period(RELEASE * slope, slope, p)
 
 
 def extrapolated(moduli: tuple[float, ...], values: list[float]) -> float:
-    """The value at an infinite modulus from the last two, by 1 / sqrt(k)."""
+    """Return the value at an infinite modulus from the last two, by 1 / sqrt(k)."""
     factor = math.sqrt(moduli[-1] / moduli[-2])
     return values[-1] + (values[-1] - values[-2]) / (factor - 1.0)
 
 
 def by_ratio(values: list[float]) -> float:
-    """The limit of the last three values if their differences go on shrinking by the same ratio (Aitken)."""
+    """Return the limit of the last three values if their differences go on shrinking by the same ratio (Aitken)."""
     before, last = values[-2] - values[-3], values[-1] - values[-2]
     return values[-1] + last * last / (before - last)
 
 
 def stands(structure: Structure) -> bool:
-    """Whether it has a rest that Newton's method finds."""
+    """Return True if it has a rest that Newton's method finds."""
     try:
         rest_of(structure)
     except InputError:
@@ -130,7 +132,7 @@ def stands(structure: Structure) -> bool:
 
 
 def least(holds: Callable[[float], bool], low: float, high: float, halvings: int = 11) -> float:
-    """The least value from which on something holds, between `low` and `high`."""
+    """Return the least value from which on something holds, between `low` and `high`."""
     for _ in range(halvings):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if holds(middle) else (middle, high)
@@ -138,29 +140,29 @@ def least(holds: Callable[[float], bool], low: float, high: float, halvings: int
 
 
 def pushed(modulus: float, share: float | None = None) -> Structure:
-    """The arch of seven voussoirs."""
+    """Return the arch of seven voussoirs."""
     count, thickness, angle = PUSHED
     law = rimmed({"stiffness": modulus, "damping": DAMPING}, share, thickness * RADIUS, 1.0)
     return arch(count, RADIUS, thickness * RADIUS, 1.0, law, angle=angle)
 
 
 def semicircle(thickness: float, modulus: float) -> Structure:
-    """A semicircular arch; thickness over radius."""
+    """Return a semicircular arch; thickness over radius."""
     return arch(SEMICIRCLE, RADIUS, thickness * RADIUS, 1.0, {"stiffness": modulus, "damping": DAMPING})
 
 
 def largest_steady_push(modulus: float, share: float | None = None) -> float:
-    """The largest steady push, g, that the arch of seven voussoirs balances."""
+    """Return the largest steady push, g, that the arch of seven voussoirs balances."""
     return push_over(pushed(modulus, share)).largest_acceleration / G
 
 
 def least_thickness(modulus: float) -> float:
-    """Thickness over radius from which on the semicircle rests."""
+    """Return the thickness over radius from which on the semicircle rests."""
     return least(lambda thickness: stands(semicircle(thickness, modulus)), 0.1, 0.14)
 
 
 def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:
-    """Each over the modulus, beside what rigid blocks do."""
+    """Compute each over the modulus, and what rigid blocks do."""
     lines = ["quarter period of a rocking frame, over that of rigid blocks, extrapolated in 1 / sqrt(k):"]
     frames = {}
     for gamma in GAMMAS:
@@ -209,7 +211,7 @@ def on_rims(rims: Sequence[float]) -> tuple[dict[str, Any], list[str]]:
 
 
 def draw(frames: dict[float, list[float]], pushes: list[float], limit: float) -> Figure:
-    """Frames and the pushed arch over the modulus."""
+    """Draw frames and the pushed arch over the modulus."""
     figure, axes = panels(2)
     left, right = axes[0]
     for (gamma, found), colour in zip(frames.items(), (BLUE, RED, GREEN), strict=True):

@@ -25,13 +25,13 @@ ROW, COMPARED = 1e-3, 0.8  # s; of the time until a corner lands
 
 
 def column(stiffness: float) -> Column:
-    """Both blocks, undamped."""
+    """Return both blocks, undamped."""
     law = Joint(stiffness, 0.0)
     return Column("two", tuple(Block(slab.height, slab.width, DEPTH, slab.mass, law) for slab in (UPPER, LOWER)))
 
 
 def tilts() -> tuple[float, float]:
-    """Of the lower block, and of the upper one relative to it, rad."""
+    """Return the tilts of the lower block, and of the upper one relative to it, rad."""
     lower, upper = (
         part * math.atan(slab.width / slab.height) for part, slab in zip(TILTS, (LOWER, UPPER), strict=True)
     )
@@ -39,7 +39,9 @@ def tilts() -> tuple[float, float]:
 
 
 def released(stiffness: float, pair: Pair, length: float) -> tuple[FloatArray, FloatArray]:
-    """Times and rotations, the lower block first, from rest; each edge is pressed in as its load asks for."""
+    """Return the times and rotations, the lower block first, from rest; each edge is pressed in as its load
+    asks for.
+    """
     tilt, relative = tilts()
     lower = pair.sides[0] * tilt
     opening = []
@@ -53,14 +55,14 @@ def released(stiffness: float, pair: Pair, length: float) -> tuple[FloatArray, F
 
 
 def landing(time: FloatArray, angles: FloatArray, pair: Pair) -> float:
-    """When one of both rotations changes its sign, s."""
+    """Return the time at which one of both rotations changes its sign, s."""
     left = np.minimum(pair.sides[0] * angles[:, 0], pair.sides[1] * (angles[:, 1] - angles[:, 0]))
     k = int(np.flatnonzero(left < 0.0)[0])
     return float(time[k - 1] + (time[k] - time[k - 1]) * left[k - 1] / (left[k - 1] - left[k]))
 
 
 def compute(data: Path | None) -> Outcome:
-    """Histories until a corner lands, and when it does."""
+    """Compute histories until a corner lands, and when it does."""
     lines, numbers, drawn = [], {}, {}
     for name, sides in PATTERNS.items():
         pair = Pair(LOWER, UPPER, sides)
@@ -83,7 +85,7 @@ def compute(data: Path | None) -> Outcome:
 
 
 def draw(drawn: dict[tuple[str, float], tuple[FloatArray, FloatArray]]) -> Figure:
-    """Rotations of both blocks in both patterns."""
+    """Draw the rotations of both blocks in both patterns."""
     figure, axes = panels(2)
     for name, axis in zip(PATTERNS, axes[0], strict=True):
         for stiffness, colour in zip(MODULI, (RED, GREEN, BLUE), strict=True):

@@ -45,7 +45,7 @@ class Block(PlainModel):
 
     @property
     def kind(self) -> Blocks:
-        """What such blocks have in common."""
+        """The kind of such blocks."""
         return BLOCKS
 
     @property
@@ -60,7 +60,7 @@ class Block(PlainModel):
 
 
 class BlockHistories(Histories):
-    """What is known of a block at an instant: the table of its outputs."""
+    """The outputs of a block at an instant: the table of its outputs."""
 
     ux = Output(BLOCK, "m", "Displacement of the top, positive to +x")
     ry = Output(BLOCK, "rad", "Rotation, clockwise")
@@ -81,7 +81,7 @@ class Rocking(Driven):
 
     @property
     def at_rest(self) -> bool:
-        """Whether it stands upright."""
+        """True if it stands upright."""
         return not self.arrays.state[:2].any()
 
     @property
@@ -95,13 +95,13 @@ class Rocking(Driven):
         return float(self.arrays.state[2]) * np.array([self.model.height, 1.0])
 
     def why_it_stands(self) -> str:
-        """Its energy is less than that of the block on its edge."""
+        """Return the reason why it stands: its energy is less than that of the block on its edge."""
         theta, rate, alpha = abs(self.arrays.state[0]), self.arrays.state[1], self.model.alpha
         energy = 0.5 * (rate / self.model.p) ** 2 + alpha * theta - 0.5 * theta * theta
         return "its energy does not suffice" if theta < alpha and energy < 0.5 * alpha**2 else ""
 
     def follow(self, shaking: Shaking, t: float, end: float) -> None:
-        """From t to `end`, s, both in one piece of the motion."""
+        """Follow it from t to `end`, s, both in one piece of the motion."""
         block, (theta, rate, peak, fell) = self.model, self.arrays.state.tolist()
         step = PART / max(block.p, shaking.omega)
         while t < end and fell == NOT_YET:
@@ -128,7 +128,7 @@ class Rocking(Driven):
 
 
 def _state(block: Block, shaking: Shaking, t: float, side: float, theta: float, rate: float) -> State:
-    """theta and its rate a time after t, on one side."""
+    """Return theta and its rate a time after t, on one side."""
     p, g, omega = block.p, block.g, shaking.omega
     part = shaking.amplitude / g * p * p / (p * p + omega**2)
 
@@ -149,17 +149,17 @@ def _state(block: Block, shaking: Shaking, t: float, side: float, theta: float, 
 
 
 def _lifts(block: Block, shaking: Shaking, t: float) -> bool:
-    """Whether the base lifts a block that rests."""
+    """Return True if the base lifts a block that rests."""
     return abs(shaking.at(t)) > block.g * block.alpha
 
 
 def _below(state: State, which: int, side: float, s: float) -> bool:
-    """Whether theta (0) or its rate (1) has passed zero from one side, s after the start."""
+    """Return True if theta (0) or its rate (1) has passed zero from one side, s after the start."""
     return side * state(s)[which] < 0.0
 
 
 def _first(holds: Callable[[float], bool], low: float, high: float) -> float:
-    """When something begins to hold, in a time in which it does so at most once; the end where it does not."""
+    """Return the time at which something begins to hold, which it does at most once; the end if it does not."""
     if not holds(high):
         return high
     for _ in range(HALVINGS):

@@ -13,9 +13,9 @@ class BlockBody(Body, word="block"):
 
     @classmethod
     def read(cls, data: Mapping[str, Any]) -> "BlockBody":
-        """Of the numbers of a block."""
+        """Read the numbers of a block."""
         return cls(Block.from_dict(data))
 
     def stepper(self, described: Block) -> Rocking:
-        """What follows it from call to call."""
+        """Return the stepper that follows it from call to call."""
         return Rocking(described)

@@ -12,13 +12,13 @@ SMALL = 0.9  # 1 - amplitude over alpha, at which its period is given
 
 @subject_of.register(Block)
 class BlockSubject(Subject):
-    """Of one rigid block; all else is as of any model without joints."""
+    """The checks of one rigid block; all else is as of any model without joints."""
 
     of_model = ("The block does not slide, and does not leave the floor.",)
 
     @property
     def period(self) -> float:
-        """Of rocking by a tenth of alpha, s (Housner's equation 8)."""
+        """The period of rocking by a tenth of alpha, s (Housner's equation 8)."""
         return 4.0 / self.model.p * math.acosh(1.0 / SMALL)
 
     @property

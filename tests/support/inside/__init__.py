@@ -1,1 +1,1 @@
-"""What runs in the process of an FMU: see child.py."""
+"""Functions that run in the process of an FMU: see child.py."""

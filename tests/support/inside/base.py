@@ -27,7 +27,7 @@ def follow(column: Instance, first: int, last: int, h: float = 5e-3) -> None:
 
 
 def reactions(fmu: str, accelerations: list[tuple[float, float, float]], turned: float) -> list[list[float]]:
-    """Reaction and split under some (ax, az, alpha) of one instant, and with the base turned."""
+    """Return the reaction and split under some (ax, az, alpha) of one instant, and with the base turned."""
     column = Instance(fmu)
     follow(column, 0, 60)
     seen = []
@@ -39,7 +39,7 @@ def reactions(fmu: str, accelerations: list[tuple[float, float, float]], turned:
 
 
 def restored(fmu: str) -> dict[str, Any]:
-    """A column that begins on a turned base, and goes on from a state on one that rotates."""
+    """Return a column that begins on a turned base, and goes on from a state on one that rotates."""
     column = Instance(fmu, {"base.theta": 4e-4})
     start = column.get("block[1].theta", "joint[3].M")
     column.set({"base.theta": 0.0})
@@ -61,7 +61,7 @@ def restored(fmu: str) -> dict[str, Any]:
 
 
 def paper_that_rotates(fmu: str) -> list[str]:
-    """What an FMU of the formulation `paper` answers while the base rotates, and afterwards."""
+    """Return what an FMU of the formulation `paper` answers while the base rotates, and afterwards."""
     column = Instance(fmu)
     column.set({"base.omega": 1e-3})
     heard = [column.attempt("step", 0.0, 0.01)]

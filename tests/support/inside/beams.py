@@ -11,7 +11,7 @@ from support.instance import Instance
 
 
 def on_fmu(fmu: str) -> Column:
-    """The first port of an FMU of its own."""
+    """Return the first port of an FMU of its own."""
     body, time = Instance(fmu), [0.0]
     names = [f"port[1].{name}" for name in ("x", "z", "vx", "vz", "ax", "az")]
 
@@ -28,5 +28,5 @@ def on_fmu(fmu: str) -> Column:
 
 
 def on_two(one: str, other: str, h: float, steps: int, output: str) -> None:
-    """Places of the ports of two FMUs, saved."""
+    """Return the places of the ports of two FMUs, saved."""
     np.save(output, coupled(thrown(), [on_fmu(one), on_fmu(other)], h, steps))

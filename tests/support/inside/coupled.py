@@ -14,7 +14,7 @@ def _cases(folder: str) -> dict[str, Path]:
 
 
 def _seen(case: Any, ways: list[tuple[float, str]]) -> list[list[float]]:
-    """Of each way (communication step, kind): two errors, the work given and taken."""
+    """Return for each way (communication step, kind) two errors, the work given and taken."""
     found = []
     for h, way in ways:
         run = case.couple(h, way)
@@ -23,7 +23,9 @@ def _seen(case: Any, ways: list[tuple[float, str]]) -> list[list[float]]:
 
 
 def on_linear_isolators(folder: str, eta: float, mass: float, ways: list[tuple[float, str]]) -> list[Any]:
-    """Predictable window, agreement of the references, and what is seen in each way, at a slab of mass * Meff."""
+    """Return the predictable window, agreement of the references, and what is seen in each way, at a slab of mass *
+    Meff.
+    """
     from accuracy import Case, harmonic, linear
 
     case = Case(_cases(folder), eta, "linear", linear(mass), harmonic("0.2 g 2 Hz", 0.8))
@@ -31,7 +33,7 @@ def on_linear_isolators(folder: str, eta: float, mass: float, ways: list[tuple[f
 
 
 def on_every_partner(folder: str, ways: list[tuple[float, str]]) -> dict[str, list[list[float]]]:
-    """Outputs of each partner of the example."""
+    """Return the outputs of each partner of the example."""
     from accuracy import PARTNERS, Case, harmonic
 
     fmus = _cases(folder)
@@ -40,7 +42,7 @@ def on_every_partner(folder: str, ways: list[tuple[float, str]]) -> dict[str, li
 
 
 def slab(fmu: str) -> list[float]:
-    """Displacement of a slab alone at every millisecond until 4 s, under sin 5 t."""
+    """Return the displacement of a slab alone at every millisecond until 4 s, under sin 5 t."""
     from master import Fmu
 
     part = Fmu(fmu, mass=1e4, stiffness=1e4 * 40.0, damping=1e4 * 1.0)
@@ -69,7 +71,7 @@ def foundation(fmu: str) -> list[list[float]]:
 
 
 def kept_state(fmu: str) -> dict[str, Any]:
-    """Whether a partner goes on from its state, and what it says to a step back and to no number."""
+    """Return True if a partner goes on from its state, and what it says to a step back and to no number."""
     from master import Fmu
 
     part = Fmu(fmu)
@@ -96,7 +98,7 @@ def kept_state(fmu: str) -> dict[str, Any]:
 
 
 def same(first: str, second: str, partner: str, parameters: dict[str, Any]) -> tuple[bool, float]:
-    """Whether the partner of one folder moves bit for bit as that of another under one column; and how far."""
+    """Return True if the partner of one folder moves bit for bit as that of another under one column; and how far."""
     from master import Fmu, couple
 
     def ground(t: float) -> float:
@@ -118,7 +120,7 @@ def same(first: str, second: str, partner: str, parameters: dict[str, Any]) -> t
 
 
 def refused(fmu: str, parameters: dict[str, Any]) -> str:
-    """The error of FMPy when a partner is set up with these values."""
+    """Return the error of FMPy when a partner is set up with these values."""
     from master import Fmu
 
     try:
@@ -129,7 +131,7 @@ def refused(fmu: str, parameters: dict[str, Any]) -> str:
 
 
 def ground(fmu: str, step: float, given: float, count: int) -> list[list[float]]:
-    """Acceleration and slope of the ground at every step; `given` is its parameter `step`."""
+    """Return the acceleration and slope of the ground at every step; `given` is its parameter `step`."""
     from master import Fmu
 
     part = Fmu(fmu, step=given)

@@ -34,7 +34,10 @@ class Heard:
 
 
 def run(fmu: str, before: Given, steps: Sequence[Given], names: Sequence[str] = ("block[1].ux",)) -> list[list[Any]]:
-    """Outputs after each step of 1 ms. before: values of initialization; steps: those set before each step."""
+    """Return the outputs after each step of 1 ms.
+
+    Before: values of initialization; steps: those set before each step.
+    """
     heard, rows = Heard(fmu), []
     heard.set(before)
     heard.body.initialize()
@@ -47,7 +50,9 @@ def run(fmu: str, before: Given, steps: Sequence[Given], names: Sequence[str] = 
 
 
 def example(fmu: str, code: str, given: dict[str, Any]) -> list[float]:
-    """Displacements of the top after each step, where the partner is the code of the FMU's own documentation."""
+    """Return the displacements of the top after each step, where the partner is the code of the FMU's own
+    documentation.
+    """
     tops: list[float] = []
 
     class Watched(Instance):

@@ -65,12 +65,12 @@ def _calls(cases: list[Case]) -> list[WrongCall]:
 
 
 def python_answers(fmu: str, logging: bool) -> list[tuple[str, bool]]:
-    """The wrong calls to the PythonFMU."""
+    """Return the wrong calls to the PythonFMU."""
     return answers(fmu, _calls(PYTHON), logging)
 
 
 def native_answers(fmu: str, values: list[dict[str, Any]]) -> list[tuple[str, bool]]:
-    """The wrong calls to the native FMU, then initializations with wrong values."""
+    """Return the wrong calls to the native FMU, then initializations with wrong values."""
 
     def with_values(given: dict[str, Any]) -> Callable[[str, bool], Instance]:
         def make(fmu: str, logging: bool = False) -> Instance:
@@ -84,7 +84,7 @@ def native_answers(fmu: str, values: list[dict[str, Any]]) -> list[tuple[str, bo
 
 
 def wrong_values(fmu: str, values: list[tuple[str, Any]]) -> list[list[str]]:
-    """What an initialization with each wrong value answers, one after a reset, and a step."""
+    """Return what an initialization with each wrong value answers, one after a reset, and a step."""
     heard = []
     for name, value in values:
         column = Instance(fmu, {name: value}, initialize=False)
@@ -98,7 +98,7 @@ def wrong_values(fmu: str, values: list[tuple[str, Any]]) -> list[list[str]]:
 
 
 def impossible_steps(fmu: str) -> list[str]:
-    """A step, five that cannot be made, and another."""
+    """Return a step, five that cannot be made, and another."""
     column = Instance(fmu)
     heard = [column.attempt("step", 0.0, 1e-2)]
     for t, h in ((1e-2, 0.0), (1e-2, -1e-2), (0.0, 1e-2), (1e-2, NAN)):
@@ -111,7 +111,9 @@ def impossible_steps(fmu: str) -> list[str]:
 
 
 def bad_inputs_and_parameters(fmu: str) -> tuple[list[str], list[Any], list[Any]]:
-    """Answers to steps over what is no input or parameter; outputs after a good step, with and without them before."""
+    """Return the answers to steps over what is no input or parameter; outputs after a good step, with and without them
+    before.
+    """
     column = started(fmu)
     heard = []
     for name, bad, good in (
@@ -133,7 +135,7 @@ def bad_inputs_and_parameters(fmu: str) -> tuple[list[str], list[Any], list[Any]
 
 
 def outputs_without_an_input(fmu: str) -> tuple[list[float], list[float], float]:
-    """Outputs that do not follow the input at once, before and while it is no number; and one that does."""
+    """Return the outputs that do not follow the input at once, before and while it is no number; and one that does."""
     names = ("block[1].ux", "joint[1].N")
     column = started(fmu)
     before = column.get(*names)
@@ -142,7 +144,7 @@ def outputs_without_an_input(fmu: str) -> tuple[list[float], list[float], float]
 
 
 def outputs_of_initialization(fmu: str) -> list[float]:
-    """The base's normal force as parameters and inputs are set in initialization."""
+    """Return the base's normal force as parameters and inputs are set in initialization."""
     column = fresh(fmu)
     column.fmi.setupExperiment()
     column.fmi.enterInitializationMode()
@@ -154,7 +156,7 @@ def outputs_of_initialization(fmu: str) -> list[float]:
 
 
 def on_another_system(fmu: str) -> None:
-    """An instance of an FMU that carries no machine code for this system."""
+    """Return an instance of an FMU that carries no machine code for this system."""
     folder = Path(unpacked(fmu))
     for library in (folder / "resources").rglob("*.so"):
         library.unlink()
@@ -162,7 +164,7 @@ def on_another_system(fmu: str) -> None:
 
 
 def rings(fmu: str, dampings: list[tuple[float, float]]) -> list[float]:
-    """Largest displacements of the top at the end of free motions whose damping is changed when they begin."""
+    """Return the largest displacements of the top at the end of free motions with damping changed as they begin."""
     return [_ring(fmu, *pair) for pair in dampings]
 
 
@@ -180,7 +182,7 @@ def _ring(fmu: str, damping: float, later: float) -> float:
 
 
 def instant(fmu: str) -> list[list[float]]:
-    """Outputs after a step, under two inputs of that instant."""
+    """Return outputs after a step, under two inputs of that instant."""
     column = Instance(fmu)
     column.step(0.0, 1e-2)
     heard = []

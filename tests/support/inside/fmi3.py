@@ -67,7 +67,7 @@ class Instance3:
 
 
 def elements(column: Instance, names: tuple[str, ...]) -> list[str]:
-    """The variables of FMI 2.0 that those of FMI 3.0 stand for."""
+    """Return the variables of FMI 2.0 that those of FMI 3.0 stand for."""
     found = []
     for name in names:
         owner, _, member = name.partition(".")
@@ -77,7 +77,7 @@ def elements(column: Instance, names: tuple[str, ...]) -> list[str]:
 
 
 def beside(fmu2: str, fmu3: str) -> dict[str, Any]:
-    """Bit for bit: steps, parameters as arrays, enumerations, derivatives, a state that goes through bytes."""
+    """Compare bit for bit: steps, parameters as arrays, enumerations, derivatives, a state that goes through bytes."""
     two, three = Instance(fmu2, initialize=False), Instance3(fmu3)
     two.set({"joint[1].damping": 2e-3, "joint[2].damping": 1e-3, "joint[3].damping": 3e-3})
     three.set(joint__damping=[2e-3, 1e-3, 3e-3])
@@ -132,12 +132,14 @@ def beside(fmu2: str, fmu3: str) -> dict[str, Any]:
 
 
 def push(t: float) -> float:
-    """A motion, m/s2."""
+    """Return a motion, m/s2."""
     return 2.0 * sin(9.0 * t) * sin(31.0 * t)
 
 
 def followed(fmu2: str, fmu3: str, step: float, count: int) -> list[list[float]]:
-    """Top displacement after every step: the motion given within the step, and sampled at 1 ms with slopes."""
+    """Return the top displacement after every step: the motion given within the step, and sampled at 1 ms with
+    slopes.
+    """
     seen: list[tuple[float, bool, bool, bool]] = []
 
     def give(
@@ -174,7 +176,7 @@ def followed(fmu2: str, fmu3: str, step: float, count: int) -> list[list[float]]
 
 
 def refusals(fmu: str) -> dict[str, Any]:
-    """Refused calls and their messages; afterwards the instance still answers."""
+    """Return refused calls and their messages; afterwards the instance still answers."""
     folder = unpacked(fmu)
     column = Instance3(fmu, folder)
     fmi = column.fmi

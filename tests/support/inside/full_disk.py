@@ -9,7 +9,7 @@ from solver.commands.command_line import main
 
 
 def simulate(column: str, motion: str, response: str) -> None:
-    """`python -m solver simulate` where no file can be larger than 5 kB; exits as it does."""
+    """Run `python -m solver simulate` where no file can be larger than 5 kB; exits as it does."""
     import resource
 
     main(["simulate", column, motion])  # compiles what is not yet: that is not what is tried here
@@ -18,6 +18,6 @@ def simulate(column: str, motion: str, response: str) -> None:
 
 
 def build_without_machine_code(column: str, output: str) -> None:
-    """The builder's command without what takes long in it; exits as it does."""
+    """Run the builder's command without what takes long in it; exits as it does."""
     vars(build_fmu)["libraries"] = lambda *_: {}
     sys.exit(build_fmu.main([column, "-o", output, "--force"]))

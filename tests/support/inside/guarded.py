@@ -1,4 +1,4 @@
-"""What the guard before PythonFMU's library answers."""
+"""The answers of the guard before PythonFMU's library."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from support.instance import Instance
 
 
 def instantiate(fmu: str, place: str) -> list[bool]:
-    """Whether instances are made in the wrong ways, then in those in which hosts write the URI, then without callbacks.
+    """Return True if instances are made in the wrong ways, then in those in which hosts write the URI, then without
+    callbacks.
 
     The standard error has a line `=` after what belongs to each.
     """
@@ -55,7 +56,9 @@ def instantiate(fmu: str, place: str) -> list[bool]:
 
 
 def last_step(column: Instance) -> list[Any]:
-    """Answers to the four questions about the last step: their statuses, its status, time (s), end and message."""
+    """Return the answers to the four questions about the last step: their statuses, its status, time (s), end and
+    message.
+    """
     dll, c = column.fmi.dll, ctypes.c_void_p(column.fmi.component)
     status, time, flag, text = fmi2Status(), fmi2Real(), fmi2Boolean(), fmi2String()
     codes = [
@@ -68,7 +71,7 @@ def last_step(column: Instance) -> list[Any]:
 
 
 def statuses(fmu: str) -> dict[str, Any]:
-    """Answers to questions about steps: a good one, a discarded one, a good one, three wrong ones."""
+    """Return the answers to questions about steps: a good one, a discarded one, a good one, three wrong ones."""
     column = Instance(fmu, {"base.ax": 0.5})
     dll, c, status = column.fmi.dll, ctypes.c_void_p(column.fmi.component), fmi2Status()
     column.step(0.0, 0.1)

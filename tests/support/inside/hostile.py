@@ -63,7 +63,7 @@ REFERENCES = {"R": 1, "I": 2002, "B": 1015, "S": 2007, "F": 1001}  # tests/value
 
 
 def with_null(prefix: str, dll: Any, component: Any, name: str, calls: dict[str, str] | None = None) -> list[Call]:
-    """A call with each of its pointers NULL in turn; they return the status."""
+    """Repeat a call with each of its pointers NULL in turn; they return the status."""
     bare = ctypes.CDLL(dll._name)  # FMPy's own functions would make pointers of what is NULL here
     kinds = (calls or FMI2_CALLS)[name]
     usual: list[Any] = []
@@ -85,7 +85,7 @@ def with_null(prefix: str, dll: Any, component: Any, name: str, calls: dict[str,
 
 
 def _nulls(prefix: str, dll: Any, component: Any, calls: dict[str, str], said: list[str]) -> Heard:
-    """Messages about every call with each of its pointers NULL in turn."""
+    """Return the messages about every call with each of its pointers NULL in turn."""
     heard: Heard = {}
     for name in calls:
         for k, call in enumerate(with_null(prefix, dll, component, name, calls), start=1):
@@ -100,7 +100,7 @@ ODD += [struct.pack("<q", number) for number in (2**40, 3, 1)]
 
 
 def changed(data: bytes, some: random.Random) -> bytes:
-    """A native state with a few of its numbers changed, under a right checksum."""
+    """Return a native state with a few of its numbers changed, under a right checksum."""
     head, content = data[:HEADER], bytearray(data[HEADER:])
     for _ in range(some.choice([1, 1, 3])):
         most = len(content) // 8
@@ -115,7 +115,7 @@ def changed(data: bytes, some: random.Random) -> bytes:
 
 
 def _listening(fmu: str) -> tuple[Instance, list[str]]:
-    """An instance of FMI 2.0, and the list of what it tells its logger."""
+    """Return an instance of FMI 2.0, and the list of what it tells its logger."""
     said: list[str] = []
 
     @fmi2CallbackLoggerTYPE
@@ -131,7 +131,7 @@ def _listening(fmu: str) -> tuple[Instance, list[str]]:
 
 
 def nulls(fmu: str) -> tuple[Heard, bool]:
-    """Messages about NULL pointers; whether the instance behaves as before."""
+    """Return the messages about NULL pointers; whether the instance behaves as before."""
     column, said = _listening(fmu)
     before = column.get()
     heard = _nulls("fmi2", column.fmi.dll, column.fmi.component, FMI2_CALLS, said)
@@ -142,13 +142,13 @@ def nulls(fmu: str) -> tuple[Heard, bool]:
 
 
 def made_without_callbacks(fmu: str) -> bool:
-    """Whether an instance is made."""
+    """Return True if an instance is made."""
     fmi = Instance(fmu).fmi
     return bool(fmi.dll.fmi2Instantiate(b"column", 1, fmi.guid.encode(), b"", None, 0, 0))
 
 
 def nulls3(fmu: str) -> tuple[Heard, bool]:
-    """Messages about NULL pointers in FMI 3.0; whether the instance behaves as before."""
+    """Return the messages about NULL pointers in FMI 3.0; whether the instance behaves as before."""
     column = Instance3(fmu)
     column.initialize()
     column.set(base__ax=0.5)
@@ -159,7 +159,9 @@ def nulls3(fmu: str) -> tuple[Heard, bool]:
 
 
 def unlikely_states(fmu: str, count: int) -> tuple[int, int, bool]:
-    """How many states with changed numbers are refused and taken; whether a whole one still gives what it did."""
+    """Return how many states with changed numbers are refused and taken; whether a whole one still gives what
+    it did.
+    """
     column, _ = _listening(fmu)
     before, whole = column.get(), column.fmi.getFMUState()
     data = column.fmi.serializeFMUstate(whole)
@@ -183,7 +185,8 @@ NO_STATES = (b"", b"{}", b"[]", b"null", b"1" * 5000, b"[" * 100000, b'{"format"
 
 
 def damaged_states(fmu: str) -> tuple[list[str], bool]:
-    """Answer of a PythonFMU to the size, and to the bytes, of a state that came from damaged bytes, and to a whole
+    """Return the answer of a PythonFMU to the size, and to the bytes, of a state that came from damaged bytes, and to a
+    whole
     one with too little room; whether a whole one still gives its bytes.
     """
     column = Instance(fmu, {"base.ax": 0.5})
@@ -204,7 +207,9 @@ def damaged_states(fmu: str) -> tuple[list[str], bool]:
 
 
 def impossible_states(fmu: str) -> tuple[list[str], bool]:
-    """Answer of a PythonFMU to bytes that are no state, under a right checksum; whether it behaves as before."""
+    """Return the answer of a PythonFMU to bytes that are no state, under a right checksum; whether it behaves as
+    before.
+    """
     column = Instance(fmu, {"base.ax": 0.5})
     column.step(0.0, 0.1)
     before = column.get()
@@ -254,7 +259,7 @@ def impossible_states(fmu: str) -> tuple[list[str], bool]:
 
 
 def beyond(fmu: str) -> list[Any]:
-    """Steps to the stop time, one with a rounding error, and beyond it; then after a reset, where there is none."""
+    """Step to the stop time, one with a rounding error, and beyond it; then after a reset, where there is none."""
     column = Instance(fmu, initialize=False)
     column.fmi.setupExperiment(startTime=0.0, stopTime=0.3)
     column.fmi.enterInitializationMode()
@@ -274,7 +279,7 @@ def beyond(fmu: str) -> list[Any]:
 
 
 def beyond3(fmu: str) -> list[Any]:
-    """Steps in FMI 3.0: to the stop time, then beyond; also a step within which an importer gives inputs."""
+    """Step in FMI 3.0 to the stop time, then beyond; also a step within which an importer gives inputs."""
     heard: list[Any] = []
     asked: list[float] = []
 
@@ -295,7 +300,9 @@ def beyond3(fmu: str) -> list[Any]:
 
 
 def tolerances(fmu: str) -> list[float]:
-    """solver.tolerance: as built; with one of the experiment; set before it; set after it; after a reset; restored."""
+    """Return solver.tolerance: as built; with one of the experiment; set before it; set after it; after a reset;
+    restored.
+    """
     column = Instance(fmu, initialize=False)
 
     def now(experiment: float | None = None) -> float:
@@ -316,7 +323,7 @@ def tolerances(fmu: str) -> list[float]:
 
 
 def with_tolerances(fmu: str, pairs: list[tuple[float | None, float | None]]) -> list[list[Any]]:
-    """Outputs of runs under the experiment's tolerance, the parameter's, or neither."""
+    """Return the outputs of runs under the experiment's tolerance, the parameter's, or neither."""
     return [_with_tolerance(fmu, *pair) for pair in pairs]
 
 
@@ -331,7 +338,7 @@ def _with_tolerance(fmu: str, experiment: float | None, parameter: float | None)
 
 
 def in_a_thread(fmu: str, stack: int) -> list[Any]:
-    """Outputs of a life in a thread with a limited stack, bytes."""
+    """Return the outputs of a life in a thread with a limited stack, bytes."""
     found: list[Any] = []
 
     def live() -> None:

@@ -1,4 +1,4 @@
-"""What an import brings with it."""
+"""The modules that an import loads."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ import sys
 
 
 def loaded_with(module: str, others: list[str]) -> list[str]:
-    """Which of `others` are loaded once `module` is imported."""
+    """Return which of `others` are loaded once `module` is imported."""
     importlib.import_module(module)
     return [name for name in others if name in sys.modules]
 
 
 def with_numba(version: str) -> str:
-    """The message of the import of what compiles kernels, under a numba of that version."""
+    """Return the message of the import of what compiles kernels, under a numba of that version."""
     import numba
 
     numba.__version__ = version

@@ -1,4 +1,4 @@
-"""Which outputs follow which variables in initialization."""
+"""The dependencies of outputs on variables in initialization."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from support.instance import Instance
 
 
 def followers(*fmus: str) -> dict[str, list[str]]:
-    """Input or parameter -> the outputs that change when it alone is changed in initialization mode.
+    """Return input or parameter -> the outputs that change when it alone is changed in initialization mode.
 
     fmus: the first one of the exact formulation, others of the paper's.
     """

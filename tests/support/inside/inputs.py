@@ -1,4 +1,4 @@
-"""What the base does to an FMU: held inputs, slopes, records."""
+"""The effects of base inputs on an FMU: held inputs, slopes, records."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from support.instance import Instance
 
 
 def history(fmu: str, values: dict[str, Any], way: str, h: float, part: float = 1.0) -> list[float]:
-    """block[1].ux every 0.1 s until 1.6 s.
+    """Return block[1].ux every 0.1 s until 1.6 s.
 
     way: how the harmonic, times `part`, is handed over: "held", "linear", "none".
     """
@@ -30,7 +30,7 @@ def history(fmu: str, values: dict[str, Any], way: str, h: float, part: float = 
 
 
 def record_inside(fmu: str, values: dict[str, Any], elsewhere: str) -> dict[str, Any]:
-    """Histories at steps of 0.1 s with the record inside, half of it, none, and one from a path."""
+    """Return the histories at steps of 0.1 s with the record inside, half of it, none, and one from a path."""
     half = values | {"base.record_scale": 0.5}
     path = values | {"base.record": elsewhere}
     return {
@@ -44,7 +44,7 @@ def record_inside(fmu: str, values: dict[str, Any], elsewhere: str) -> dict[str,
 
 
 def slopes(fmu: str) -> list[float]:
-    """Shear at the base as inputs are set and left alone."""
+    """Return the shear at the base as inputs are set and left alone."""
     column = Instance(fmu, {"base.ax": 0.5, "base.jx": 10.0})
     heard = column.get("joint[3].S")
     column.step(0.0, 0.05)
@@ -55,7 +55,7 @@ def slopes(fmu: str) -> list[float]:
 
 
 def ten_steps(fmu: str, values: dict[str, Any], h: float, logging: bool) -> None:
-    """A short run, for what is logged."""
+    """Return a short run, for what is logged."""
     column = Instance(fmu, values, loggingOn=logging)
     for k in range(10):
         column.step(k * h, h)
@@ -63,7 +63,7 @@ def ten_steps(fmu: str, values: dict[str, Any], h: float, logging: bool) -> None
 
 
 def wrong_record(fmu: str, record: str) -> str:
-    """What initialization answers; fails unless the instance works without the record afterwards."""
+    """Return what initialization answers; fails unless the instance works without the record afterwards."""
     column = Instance(fmu, {"base.record": record}, initialize=False)
     heard = column.attempt("initialize")
     column.fmi.reset()
@@ -72,7 +72,7 @@ def wrong_record(fmu: str, record: str) -> str:
 
 
 def whole_history(fmu: str, values: dict[str, Any], h: float) -> list[Any]:
-    """All outputs at every step until 1.8 s."""
+    """Return all outputs at every step until 1.8 s."""
     column = Instance(fmu, values)
     seen = column.get()
     for k in range(round(1.8 / h)):

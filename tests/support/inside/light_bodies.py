@@ -8,7 +8,7 @@ from support.instance import Instance
 
 
 def said(body: Instance, mass: float, push: float, lift: float) -> dict[str, float]:
-    """What a body of that mass says under forces along x and z, N."""
+    """Return what a body of that mass says under forces along x and z, N."""
     if "body.M" in body.variables:
         return {"body.M": mass, "body.F0x": push, "body.F0z": lift}
     return {"body.Mxx": mass, "body.Mzz": mass, "body.Mtt": mass, "body.F0x": push, "body.F0z": lift}

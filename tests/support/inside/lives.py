@@ -15,26 +15,26 @@ WrongCall = tuple[Callable[[str, bool], Instance], Callable[[Instance], object]]
 
 
 def fresh(fmu: str, logging: bool = False) -> Instance:
-    """Instantiated, not initialized."""
+    """Return an instance that is not initialized."""
     return Instance(fmu, initialize=False, loggingOn=logging)
 
 
 def started(fmu: str, logging: bool = False) -> Instance:
-    """After its first step, to 0.1 s."""
+    """Return an instance after its first step, to 0.1 s."""
     column = Instance(fmu, {"base.ax": 0.5}, loggingOn=logging)
     column.step(0.0, 0.1)
     return column
 
 
 def terminated(fmu: str, logging: bool = False) -> Instance:
-    """The same, terminated."""
+    """Return the same, terminated."""
     column = started(fmu, logging)
     column.fmi.terminate()
     return column
 
 
 def usual(column: Instance) -> list[Any]:
-    """All outputs after the first step, after a restart."""
+    """Return all outputs after the first step, after a restart."""
     column.fmi.reset()
     column.initialize()
     column.set({"base.ax": 0.5})
@@ -43,7 +43,7 @@ def usual(column: Instance) -> list[Any]:
 
 
 def answer(call: Callable[[], object]) -> str:
-    """The result of a call: "ok", or the error that FMPy makes of its status."""
+    """Return the result of a call: "ok", or the error that FMPy makes of its status."""
     try:
         call()
     except Exception as error:
@@ -52,7 +52,7 @@ def answer(call: Callable[[], object]) -> str:
 
 
 def answers(fmu: str, calls: list[WrongCall], logging: bool = False) -> list[tuple[str, bool]]:
-    """Of each call the answer, and whether the instance shows what is usual afterwards.
+    """Return for each call the answer, and whether the instance shows what is usual afterwards.
 
     Both streams have a line `==` after what belongs to a call.
     """
@@ -69,7 +69,7 @@ def answers(fmu: str, calls: list[WrongCall], logging: bool = False) -> list[tup
 
 
 def read_as_reals(fmu: str, names: list[str]) -> list[float]:
-    """Outputs after some steps, read by one call for reals, as a host does that knows no other kind."""
+    """Return the outputs after some steps, read by one call for reals, as a host does that knows no other kind."""
     column = Instance(fmu, {"base.ax": 0.5})
     for k in range(20):
         column.step(0.01 * k, 0.01)

@@ -14,7 +14,7 @@ OUTPUTS = ("block[1].ux", "joint[1].N")
 
 
 def alone(fmu: str, outputs: Sequence[str] = OUTPUTS) -> list[float]:
-    """Displacement of the top block and the force under it, or other outputs, under FMPy."""
+    """Return the displacement of the top block and the force under it, or other outputs, under FMPy."""
     column = Instance(fmu, {"base.ax": 0.5})
     for k in range(200):
         column.step(0.01 * k, 0.01)
@@ -22,7 +22,7 @@ def alone(fmu: str, outputs: Sequence[str] = OUTPUTS) -> list[float]:
 
 
 def alone3(fmu: str, outputs: Sequence[str]) -> list[float]:
-    """The same of an FMU of FMI 3.0."""
+    """Return the same of an FMU of FMI 3.0."""
     column = Instance3(fmu)
     column.set(base__ax=0.5)
     column.initialize()
@@ -32,7 +32,7 @@ def alone3(fmu: str, outputs: Sequence[str]) -> list[float]:
 
 
 def libcosim(fmu: str, outputs: Sequence[str] = OUTPUTS) -> list[float]:
-    """The same under libcosim."""
+    """Return the same under libcosim."""
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimObserver import CosimObserver
     from libcosimpy.CosimSlave import CosimLocalSlave
@@ -48,7 +48,7 @@ def libcosim(fmu: str, outputs: Sequence[str] = OUTPUTS) -> list[float]:
 
 
 def ecos(fmu: str, outputs: Sequence[str] = OUTPUTS) -> list[float]:
-    """The same under Ecos."""
+    """Return the same under Ecos."""
     from ecospy import EcosSimulation, EcosSimulationStructure
     from ecospy.EcosParameterSet import EcosParameterSet
 
@@ -67,13 +67,13 @@ def ecos(fmu: str, outputs: Sequence[str] = OUTPUTS) -> list[float]:
 
 
 def container(fmu: str) -> list[float]:
-    """Displacements of the two columns that one FMU contains."""
+    """Return the displacements of the two columns that one FMU contains."""
     result = simulate_fmu(fmu, stop_time=2.0, output_interval=0.01, start_values={"ax": 0.5})
     return [float(value) for value in np.asarray(result)[["damped", "phocas"]][-1].tolist()]
 
 
 def pyfmi(fmu: str) -> int:
-    """How many rows 20 s have under PyFMI's own master."""
+    """Return how many rows 20 s have under PyFMI's own master."""
     from pyfmi import load_fmu
 
     result = load_fmu(fmu, kind="CS").simulate(final_time=20.0, options={"ncp": 2000})

@@ -1,4 +1,4 @@
-"""What only the native FMU can do, and whether it gives the bits of the other."""
+"""The capabilities of the native FMU alone, and its bits against those of the other."""
 
 from __future__ import annotations
 
@@ -24,7 +24,9 @@ Pair = tuple[list[float], list[float]]
 
 
 def compare(first: str, second: str, values: Sequence[dict[str, Any]]) -> list[tuple[bool, float]]:
-    """For each set of start values: whether all outputs of two FMUs have the same bits, and how far they are apart."""
+    """Return for each set of start values whether all outputs of two FMUs have the same bits, and how far they are
+    apart.
+    """
     found = []
     for given in values:
         start = {name: value for name, value in given.items() if name != "push"}
@@ -51,12 +53,12 @@ def compare(first: str, second: str, values: Sequence[dict[str, Any]]) -> list[t
 
 
 def references(column: Instance, *names: str) -> Any:
-    """Value references of variables, as C has them."""
+    """Return the value references of variables, as C has them."""
     return (fmi2ValueReference * len(names))(*(column.variables[name].valueReference for name in names))
 
 
 def rates_of(body: Instance, names: Sequence[str], t: float, h: float) -> Pair:
-    """Derivatives of outputs by the FMU after a step of h s, and central differences of them over two."""
+    """Return the derivatives of outputs by the FMU after a step of h s, and central differences of them over two."""
     state, seen = body.fmi.getFMUState(), []
     body.step(t, h)
     count = len(names)
@@ -72,19 +74,19 @@ def rates_of(body: Instance, names: Sequence[str], t: float, h: float) -> Pair:
 
 
 def input_derivative(column: Instance, name: str, value: float, order: int = 1) -> int:
-    """The status of setting a derivative of an input."""
+    """Return the status of setting a derivative of an input."""
     one = references(column, name), 1, (fmi2Integer * 1)(order), (fmi2Real * 1)(value)
     return int(column.fmi.dll.fmi2SetRealInputDerivatives(column.fmi.component, *one))
 
 
 def directional(column: Instance, outputs: Sequence[str], inputs: Sequence[str], seeds: list[float]) -> list[float]:
-    """Directional derivative of outputs by inputs."""
+    """Return the directional derivative of outputs by inputs."""
     of, by = (list(references(column, *names)) for names in (outputs, inputs))
     return [float(value) for value in column.fmi.getDirectionalDerivative(of, by, seeds)]
 
 
 def rocking(fmu: str) -> Instance:
-    """A column that has rocked for 0.6 s."""
+    """Return a column that has rocked for 0.6 s."""
     column = Instance(fmu, {"solver.tolerance": 1e-9})
     for k in range(60):
         column.set({"base.ax": 1.5 * sin(0.126 * k), "base.az": 0.3})
@@ -93,7 +95,7 @@ def rocking(fmu: str) -> Instance:
 
 
 def slopes(fmu: str) -> tuple[bool, list[int]]:
-    """Whether a derivative does what the slope does; the status of four derivatives."""
+    """Return True if a derivative does what the slope does; the status of four derivatives."""
 
     def follow(derivative: bool) -> list[Any]:
         column, seen = Instance(fmu), []
@@ -117,14 +119,14 @@ def slopes(fmu: str) -> tuple[bool, list[int]]:
 
 
 def output_derivatives(fmu: str) -> Pair:
-    """Derivatives of outputs, and central differences of the outputs."""
+    """Return the derivatives of outputs, and central differences of the outputs."""
     column = rocking(fmu)
     column.set({"base.ax": 0.4, "base.jx": 3.0})
     return rates_of(column, OUTPUTS, 0.6, 1e-5)
 
 
 def by_acceleration(fmu: str) -> list[Pair]:
-    """Directional derivatives by the base acceleration, and what the outputs change by."""
+    """Return the directional derivatives by the base acceleration, and what the outputs change by."""
     column, found = rocking(fmu), []
     for given in ({}, {"base.ax": 0.7, "base.jz": 2.0}):
         column.set(given)
@@ -137,7 +139,7 @@ def by_acceleration(fmu: str) -> list[Pair]:
 
 
 def by_rotation(fmu: str, name: str, step: float) -> Pair:
-    """Directional derivatives by a rotation of the base, and differences of the outputs."""
+    """Return the directional derivatives by a rotation of the base, and differences of the outputs."""
     outputs = [*OUTPUTS, *SPLIT]
     column = rocking(fmu)
     column.set({"base.theta": 1e-4, "base.omega": 2e-3, "base.alpha": 0.05})
@@ -151,14 +153,14 @@ def by_rotation(fmu: str, name: str, step: float) -> Pair:
 
 
 def status(fmu: str) -> list[Any]:
-    """Answers to questions about a step that was refused, and to its cancellation."""
+    """Return the answers to questions about a step that was refused, and to its cancellation."""
     column = rocking(fmu)
     column.attempt("step", 0.0, 0.1)
     return [last_step(column), column.fmi.dll.fmi2CancelStep(column.fmi.component)]
 
 
 def left_behind(fmu: str) -> int:
-    """Bytes that ten thousand lives leave behind."""
+    """Return the bytes that ten thousand lives leave behind."""
     column = Instance(fmu)
     dll, callbacks, guid = column.fmi.dll, column.fmi.callbacks, column.fmi.guid.encode()
     state = ctypes.c_void_p()

@@ -14,7 +14,7 @@ from support.instance import Instance, unpacked
 
 
 def steps(column: Instance, first: int = 0, last: int = 200) -> list[Any]:
-    """All outputs after some steps."""
+    """Return all outputs after some steps."""
     for k in range(first, last):
         column.set({"base.ax": 1.2 * sin(0.12 * k)})
         column.step(0.01 * k, 0.01)
@@ -22,7 +22,7 @@ def steps(column: Instance, first: int = 0, last: int = 200) -> list[Any]:
 
 
 def in_threads(calls: list[Callable[[], Any]]) -> list[Any]:
-    """The result of each call, made in a thread of its own."""
+    """Return the result of each call, made in a thread of its own."""
     results: list[Any] = [None] * len(calls)
 
     def work(k: int) -> None:
@@ -37,12 +37,12 @@ def in_threads(calls: list[Callable[[], Any]]) -> list[Any]:
 
 
 def alone(fmu: str) -> list[Any]:
-    """One column alone."""
+    """Return one column alone."""
     return steps(Instance(fmu))
 
 
 def together(fmus: list[str]) -> dict[str, Any]:
-    """Outputs of each FMU alone, and whether they are the same in turns and in threads."""
+    """Return the outputs of each FMU alone, and whether they are the same in turns and in threads."""
     by_itself = [alone(fmu) for fmu in fmus]
     columns = [Instance(fmu) for fmu in fmus]
     for k in range(199):
@@ -75,7 +75,7 @@ def beside(ours: str, theirs: str, ours_first: bool) -> tuple[list[Any], list[fl
 
 
 def steps_during_a_long_one(fmu: str) -> int:
-    """How many steps one instance makes while another makes a single long one."""
+    """Return how many steps one instance makes while another makes a single long one."""
     slow = Instance(fmu, {"base.ax": 0.5, "base.jx": -1e-3, "solver.tolerance": 1e-12})
     quick = Instance(fmu, {"base.ax": 0.5})
     done = threading.Event()
@@ -95,13 +95,13 @@ def steps_during_a_long_one(fmu: str) -> int:
 
 
 def resident() -> int:
-    """Memory of this process, bytes."""
+    """Return the memory of this process, bytes."""
     gc.collect()
     return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
 
 
 def left_behind(fmu: str) -> tuple[int, int]:
-    """Bytes, and entries of the search path, that 300 lives leave behind."""
+    """Return the bytes, and entries of the search path, that 300 lives leave behind."""
     folder = unpacked(fmu)
 
     def live() -> None:

@@ -6,5 +6,5 @@ from solver.ground.wavelets import filtered_noise
 
 
 def samples(seed: int) -> str:
-    """Every bit of 5 s of noise."""
+    """Return every bit of 5 s of noise."""
     return filtered_noise(1.0, 2.5, 5.0, seed).ax.tobytes().hex()

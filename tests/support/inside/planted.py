@@ -36,38 +36,38 @@ def _element(row, i):
 
 @from_python
 def read(array, n, i):
-    """An element of the field a; the field b lies behind it."""
+    """Read an element of the field a; the field b lies behind it."""
     return _element(_over(row_of(array), n).table.a, i)
 
 
 @from_python
 def write(array, n, i):
-    """An element of the last part."""
+    """Write an element of the last part."""
     _over(row_of(array), n).more[i] = 1.0
     return 0.0
 
 
 @from_python
 def read_from(array, begin, i):
-    """An element of the rest of a row."""
+    """Read an element of the rest of a row."""
     return row_of(array)[begin:][i]
 
 
 @from_python
 def read_between(array, begin, i):
-    """An element of a part of eight numbers."""
+    """Read an element of a part of eight numbers."""
     return row_of(array)[begin : begin + 8][i]
 
 
 @from_python
 def read_lanes(array, i, k):
-    """A number of lane k of a row of lanes."""
+    """Read a number of lane k of a row of lanes."""
     return one_lane(lanes_of(array), k)[i]
 
 
 @from_python
 def write_lanes(array, i, k):
-    """All lanes of an element of a row of lanes."""
+    """Write all lanes of an element of a row of lanes."""
     lanes = lanes_of(array)
     lanes[i] = lanes[k] + 1.0
     return 0.0
@@ -75,7 +75,7 @@ def write_lanes(array, i, k):
 
 @from_python
 def add_packs(array, n, i):
-    """Eight numbers of the field b at once, of which the last reach into what is behind it."""
+    """Add to eight numbers of the field b at once, of which the last reach into what is behind it."""
     packs = packs_of(_over(row_of(array), n).table.b)
     packs[i] = packs[i] + 1.0
     return 0.0
@@ -126,7 +126,7 @@ def results(calls: list[tuple[str, int, int]]) -> list[list[float]]:
 
 
 def ends(calls: list[tuple[str, int, int]], before: list[tuple[str, int, int]]) -> list[tuple[int, str]]:
-    """How a process of its own ends that makes each call: its signal, 0 of none, and what it prints.
+    """Return how a process of its own ends that makes each call: its signal, 0 of none, and what it prints.
 
     before: calls that this process makes first, so that everything is compiled.
     """

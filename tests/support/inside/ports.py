@@ -26,7 +26,7 @@ def push(body: Instance, t: float) -> None:
 
 
 def pushed(body: Instance, first: int, last: int) -> list[Any]:
-    """All outputs after steps."""
+    """Return all outputs after steps."""
     for k in range(first, last):
         push(body, H * k)
         body.step(H * k, H)
@@ -34,18 +34,18 @@ def pushed(body: Instance, first: int, last: int) -> list[Any]:
 
 
 def life(fmu: str) -> dict[str, bool]:
-    """Of a state, and another gravity."""
+    """Return outputs over the life of a state, and of another gravity."""
     return states.life(fmu, pushed, 60, {"g": 9.0})
 
 
 def follow(fmu: str, output: str) -> None:
-    """All outputs after each step, saved as an array."""
+    """Return all outputs after each step, saved as an array."""
     body = Instance(fmu)
     np.save(output, np.array([[float(value) for value in pushed(body, k, k + 1)] for k in range(200)]))
 
 
 def derivatives(fmu: str) -> tuple[list[float], list[float]]:
-    """Of outputs over time, and central differences, amid loads with slopes."""
+    """Return derivatives of outputs over time, and central differences, amid loads with slopes."""
     body, h = Instance(fmu, {"solver.tolerance": 1e-11}), 1e-5
     pushed(body, 0, 100)
     push(body, 100 * H)
@@ -53,7 +53,9 @@ def derivatives(fmu: str) -> tuple[list[float], list[float]]:
 
 
 def by_inputs(fmu: str, seeds: dict[str, float]) -> tuple[list[float], list[float], bool]:
-    """Directional derivatives of outputs, what they change by as the inputs do, and whether asking changed nothing."""
+    """Return the directional derivatives of outputs, what they change by as the inputs do, and whether asking changed
+    nothing.
+    """
     body = Instance(fmu, {"solver.tolerance": 1e-9})
     pushed(body, 0, 100)
     push(body, 100 * H)

@@ -1,4 +1,4 @@
-"""How an FMU starts on an account: with Python and numpy alone, and whatever folders can be written to."""
+"""The start of an FMU on an account: with Python and numpy alone, and whatever folders can be written to."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ def _read_only(*_: object, **__: object) -> NoReturn:
 
 
 def both(column: str, structure: str) -> list[bool]:
-    """Step two FMUs in one process, the first of which is gone when the second starts; whether each has moved."""
+    """Return the step two FMUs in one process, the first of which is gone when the second starts; whether each has
+    moved.
+    """
     for name in COMPILERS:
         sys.modules[name] = None  # type: ignore[assignment]
     moved = []

@@ -22,7 +22,7 @@ def drive(column: Instance, first: int, last: int) -> list[float]:
 
 
 def bits(values: list[Any]) -> list[str]:
-    """Every digit of some numbers."""
+    """Return every digit of some numbers."""
     return [float(value).hex() for value in values]
 
 
@@ -57,7 +57,7 @@ def life(
 
 
 def go_on(fmu: str) -> dict[str, bool]:
-    """Results that are the same to the last bit after a state has been set again."""
+    """Return the results that are the same to the last bit after a state has been set again."""
     column = Instance(fmu)
     drive(column, 0, 150)
     at_save = bits(column.get())
@@ -80,7 +80,7 @@ def go_on(fmu: str) -> dict[str, bool]:
 
 
 def with_a_wrong_parameter(fmu: str) -> bool:
-    """Whether a state saved while `g` stood wrong goes on once it is right, after serializing too."""
+    """Return True if a state saved while `g` stood wrong goes on once it is right, after serializing too."""
     column = Instance(fmu)
     drive(column, 0, 50)
     column.set({"g": float("nan")})
@@ -99,7 +99,7 @@ def with_a_wrong_parameter(fmu: str) -> bool:
 
 
 def retuned(fmu: str) -> bool:
-    """Whether a state whose tunable parameter has acted on outputs, but on no step, goes on once serialized."""
+    """Return True if a state whose tunable parameter has acted on outputs, but on no step, goes on once serialized."""
     column = Instance(fmu)
     drive(column, 0, 50)
     column.set({"joint[2].damping": 4e-3})
@@ -113,7 +113,7 @@ def retuned(fmu: str) -> bool:
 
 
 def fall(fmu: str) -> dict[str, bool]:
-    """A column falls, stands again, is fallen again, falls again."""
+    """Let a column fall, stand again, be fallen again, and fall again."""
     verdict = ("overturned", "overturn_time", "overturn_joint")
     column = Instance(fmu, {"base.ax": 4.0})
     saved = column.fmi.getFMUState()
@@ -130,7 +130,7 @@ def fall(fmu: str) -> dict[str, bool]:
 
 
 def half(fmu: str, state: str, values: dict[str, float | str]) -> list[str]:
-    """Half a run, its state to a file, and the rest of the run."""
+    """Make half a run, write its state to a file, and make the rest of the run."""
     column = Instance(fmu, values)
     drive(column, 0, 150)
     Path(state).write_bytes(column.fmi.serializeFMUstate(column.fmi.getFMUState()))
@@ -138,14 +138,14 @@ def half(fmu: str, state: str, values: dict[str, float | str]) -> list[str]:
 
 
 def other_half(fmu: str, state: str) -> list[str]:
-    """The rest of the run from the file."""
+    """Make the rest of the run from the file."""
     column = Instance(fmu, initialize=False)
     column.fmi.setFMUState(column.fmi.deSerializeFMUstate(Path(state).read_bytes()))
     return bits(drive(column, 150, 300))
 
 
 def back(fmu: str, values: dict[str, float | str]) -> bool:
-    """Whether outputs after a state has been set are those from when it was got."""
+    """Return True if outputs after a state has been set are those from when it was got."""
     column = Instance(fmu, values)
     before = drive(column, 0, 150)
     saved = column.fmi.getFMUState()
@@ -155,7 +155,9 @@ def back(fmu: str, values: dict[str, float | str]) -> bool:
 
 
 def back_and_on(fmu: str, state: str, values: dict[str, float | str]) -> tuple[bool, list[str]]:
-    """As `half`, and whether the rest is the same again from the state that was got, whatever was tuned in between."""
+    """Do as `half`, and return whether the rest is the same again from the state that was got, whatever was tuned in
+    between.
+    """
     column = Instance(fmu, values)
     drive(column, 0, 150)
     saved = column.fmi.getFMUState()
@@ -168,7 +170,9 @@ def back_and_on(fmu: str, state: str, values: dict[str, float | str]) -> tuple[b
 
 
 def refused(fmu: str, state: str) -> str:
-    """Answer of an instance to a state that is not its own; fails unless the instance works as before afterwards."""
+    """Return the answer of an instance to a state that is not its own; fails unless the instance works as before
+    afterwards.
+    """
     column = Instance(fmu, {"base.ax": 1.0})
     column.step(0.0, 0.1)
     before = column.get()
@@ -187,12 +191,14 @@ def refused(fmu: str, state: str) -> str:
 
 
 def unreadable(fmu: str, state: str) -> str:
-    """Messages about bytes that are no state."""
+    """Return the messages about bytes that are no state."""
     return Instance(fmu).attempt("deSerializeFMUstate", Path(state).read_bytes())
 
 
 def sliding(fmu: str, values: dict[str, float]) -> dict[str, Any]:
-    """A state taken while a joint slides, set again and, as bytes, in another instance: the same bits from there on."""
+    """Compare a state taken while a joint slides, set again and, as bytes, in another instance: the same bits from
+    there on.
+    """
     column = Instance(fmu, values)
     slip, rate, k = 0.0, 0.0, 0
     while not (k > 20 and abs(rate) > 1e-5):  # m in a step: it slides, and not for the first time perhaps

@@ -9,7 +9,7 @@ from support.instance import Instance
 
 
 def plan(kind: str) -> list[float]:
-    """Lengths of the steps, s: a name, or one number."""
+    """Return the lengths of the steps, s: a name, or one number."""
     some = random.Random(5)
     if kind == "whole":
         return [4.0]
@@ -26,7 +26,7 @@ def plan(kind: str) -> list[float]:
 
 
 def follow(fmu: str, values: dict[str, Any], kinds: tuple[str, ...], tries: bool = False) -> list[list[float]]:
-    """Displacement and shear of the top at the end of each plan.
+    """Return the displacement and shear of the top at the end of each plan.
 
     tries: before each step another one is made and taken back.
     """
@@ -47,7 +47,9 @@ def follow(fmu: str, values: dict[str, Any], kinds: tuple[str, ...], tries: bool
 
 
 def too_long(fmu: str, values: dict[str, Any], lengths: list[float]) -> tuple[list[str], bool]:
-    """Answers to steps that no call makes; whether outputs are as before, and a step of 0.01 s is made after it."""
+    """Return the answers to steps that no call makes; whether outputs are as before, and a step of 0.01 s is made after
+    it.
+    """
     body = Instance(fmu, values)
     body.step(0.0, 0.1)
     before = body.get()
@@ -59,7 +61,7 @@ def too_long(fmu: str, values: dict[str, Any], lengths: list[float]) -> tuple[li
 
 
 def alternating(fmu: str, name: str, grows: float, iterated: bool = False) -> None:
-    """Steps under an acceleration that changes its sign at each of them and grows by a factor, on a slow wave.
+    """Step under an acceleration that changes its sign at each of them and grows by a factor, on a slow wave.
 
     iterated: each is made twice from the same state.
     """

@@ -17,7 +17,9 @@ AXES = "xyz"
 
 
 def follow(fmu: str, samples: list[list[float]], h: float, values: dict[str, Any], output: str) -> None:
-    """All outputs after each step of h s under samples of three components that lines join; saved as an array."""
+    """Return all outputs after each step of h s under samples of three components that lines join; saved as an
+    array.
+    """
     body, seen = Instance(fmu, values), []
     for k, (now, then) in enumerate(pairwise(samples)):
         for axis, a, b in zip(AXES, now, then, strict=True):
@@ -29,7 +31,7 @@ def follow(fmu: str, samples: list[list[float]], h: float, values: dict[str, Any
 
 
 def follow_inputs(fmu: str, samples: dict[str, list[float]], slopes: dict[str, str], h: float, output: str) -> None:
-    """All outputs after each step of h s under samples of inputs that lines join; saved as an array."""
+    """Return all outputs after each step of h s under samples of inputs that lines join; saved as an array."""
     body, seen = Instance(fmu), []
     for k in range(len(next(iter(samples.values()))) - 1):
         body.set({name: values[k] for name, values in samples.items()})
@@ -41,13 +43,13 @@ def follow_inputs(fmu: str, samples: dict[str, list[float]], slopes: dict[str, s
 
 
 def simulate(fmu: str, duration: float, h: float, values: dict[str, Any], output: str) -> None:
-    """The table of a run of FMPy's own without inputs, of an FMU with a record inside."""
+    """Return the table of a run of FMPy's own without inputs, of an FMU with a record inside."""
     result = simulate_fmu(fmu, stop_time=duration, output_interval=h, start_values=values)
     np.save(output, np.asarray(result))
 
 
 def shaken(body: Instance, first: int, last: int) -> list[Any]:
-    """All outputs after steps that differ from one to the next, hard enough to rock and slide."""
+    """Return all outputs after steps that differ from one to the next, hard enough to rock and slide."""
     t = sum(1e-3 * (1 + k % 7) for k in range(first))
     for k in range(first, last):
         h = 1e-3 * (1 + k % 7)
@@ -58,12 +60,12 @@ def shaken(body: Instance, first: int, last: int) -> list[Any]:
 
 
 def life(fmu: str) -> dict[str, bool]:
-    """Of a state, and another damping."""
+    """Return outputs over the life of a state, and of another damping."""
     return states.life(fmu, shaken, 100, {"joints.damping_scale": 3.0})
 
 
 def refused(fmu: str) -> list[str]:
-    """The answers to wrong parameters and steps; an instance lives on after each."""
+    """Return the answers to wrong parameters and steps; an instance lives on after each."""
     answers = []
     for name, value in (
         ("joints.damping_scale", -1.0),
@@ -85,7 +87,7 @@ def refused(fmu: str) -> list[str]:
 
 
 def fall(fmu: str) -> list[Any]:
-    """The verdict before and after a push that overturns, and after one more step; whether outputs are held."""
+    """Return the verdict before and after a push that overturns, and after one more step; whether outputs are held."""
     names = ("overturned", "overturn_time", "overturned_block", "verdict")
     body = Instance(fmu)
     body.step(0.0, 0.01)
@@ -99,7 +101,7 @@ def fall(fmu: str) -> list[Any]:
 
 
 def rates(fmu: str) -> tuple[list[float], list[float]]:
-    """Derivatives of all continuous outputs by the FMU, and central differences of them, of a native FMU."""
+    """Return the derivatives of all continuous outputs by the FMU, and central differences of them, of a native FMU."""
     from support.inside.native import rates_of
 
     body, h = Instance(fmu, {"solver.tolerance": 1e-10}), 1e-6

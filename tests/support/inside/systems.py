@@ -28,7 +28,7 @@ def _seen(partner: str, seen: tuple[tuple[str, str], ...] = SEEN) -> list[tuple[
 
 
 def parameters(folder: str, partner: str) -> dict[str, dict[str, float]]:
-    """What the sets of parameters inside the SSP say."""
+    """Return what the sets of parameters inside the SSP say."""
     found: dict[str, dict[str, float]] = {}
     with zipfile.ZipFile(f"{folder}/{NAMES[partner]}.ssp") as archive:
         for name in archive.namelist():
@@ -57,12 +57,12 @@ def at_step(folder: str, other: str, step: float) -> None:
 
 
 def path_of(folder: str, partner: str, part: str) -> str:
-    """The FMU of a component of the system of a partner."""
+    """Return the FMU of a component of the system of a partner."""
     return f"{folder}/{'column_on_soil' if (part, partner) == ('column', 'soil') else part}.fmu"
 
 
 def one_pass(folder: str, partner: str, steps: int, as_fmpy: bool = False, step: float = STEP) -> list[list[float]]:
-    """What masters do that make all steps, read all outputs once, and set all inputs once.
+    """Return what masters do that make all steps, read all outputs once, and set all inputs once.
 
     as_fmpy: nothing is handed over before the first step, and outputs are shown as they were before inputs were set.
     """
@@ -94,7 +94,9 @@ def one_pass(folder: str, partner: str, steps: int, as_fmpy: bool = False, step:
 
 
 def strict_master(folder: str, partner: str, steps: int, step: float = STEP) -> list[list[float]]:
-    """The example's `run` over FMUs that refuse what FMI 2.0 does: an output read between a set and the next step."""
+    """Run the example's `run` over FMUs that refuse what FMI 2.0 does: an output read between a set and the
+    next step.
+    """
     from master import Fmu, by_state, run
 
     class Strict(Fmu):
@@ -123,7 +125,7 @@ def strict_master(folder: str, partner: str, steps: int, step: float = STEP) -> 
 
 
 def parallel(folder: str, partner: str, steps: int, step: float = STEP) -> list[list[float]]:
-    """The same where all FMUs make their steps at once, each in a thread of its own."""
+    """Run the same where all FMUs make their steps at once, each in a thread of its own."""
     from concurrent.futures import ThreadPoolExecutor
 
     from master import Fmu, by_state
@@ -143,7 +145,9 @@ def parallel(folder: str, partner: str, steps: int, step: float = STEP) -> list[
 
 
 def by_acceleration(folder: str, partner: str, steps: int, step: float = STEP) -> list[list[float]]:
-    """The old exchange in a host that exchanges once a step: the base moves by the accelerations of the step before."""
+    """Run the old exchange in a host that exchanges once a step: the base moves by the accelerations of the step
+    before.
+    """
     from master import MOTION, SPLIT, Fmu
 
     given = parameters(folder, partner)
@@ -169,7 +173,7 @@ def by_acceleration(folder: str, partner: str, steps: int, step: float = STEP) -
 
 
 def of_ground(partner: str) -> list[tuple[str, str, str, str]]:
-    """What the ground says to the partner; a slab hands its vertical motion on to the column."""
+    """Return what the ground says to the partner; a slab hands its vertical motion on to the column."""
     wires = [("ground", f"ground.{name}", partner, f"ground.{name}") for name in ("ax", "az", "jx", "jz")]
     if partner == "isolator":
         wires += [("ground", f"ground.{name}", "column", f"base.{name}") for name in ("az", "jz")]
@@ -177,7 +181,7 @@ def of_ground(partner: str) -> list[tuple[str, str, str, str]]:
 
 
 def sorted_master(folder: str, partner: str, steps: int, step: float = STEP) -> list[list[float]]:
-    """By the example's other master, which exchanges in the order of dependencies, the ground as a component."""
+    """Run the example's other master, which exchanges in the order of dependencies, the ground as a component."""
     from master import Fmu, couple
 
     given = parameters(folder, partner)
@@ -197,7 +201,7 @@ def sorted_master(folder: str, partner: str, steps: int, step: float = STEP) -> 
 
 
 def as_one(folder: str, partner: str, steps: int) -> list[list[float]]:
-    """Top displacement and the partner's x of the same system solved as one, on the ground's own waves."""
+    """Return the top displacement and the partner's x of the same system solved as one, on the ground's own waves."""
     os.environ["MULTIBLOCK_COMPILES"] = "1"  # reference.py has kernels of its own
     from build import DEFAULT_COLUMN, WAVES
     from reference import solve_as_one
@@ -249,7 +253,7 @@ def ecos(folder: str, partner: str, steps: int, step: float = STEP) -> list[list
 def fmpy(
     folder: str, partner: str, steps: int, step: float = STEP, seen: tuple[tuple[str, str], ...] = CONNECTED
 ) -> list[list[float]]:
-    """CONNECTED, with the sets of parameters handed over: FMPy does not look for them."""
+    """Return CONNECTED, with the sets of parameters handed over: FMPy does not look for them."""
     from types import SimpleNamespace
 
     from fmpy.ssp.simulation import simulate_ssp
