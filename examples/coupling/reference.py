@@ -16,11 +16,12 @@ import numpy as np
 os.environ["MULTIBLOCK_COMPILES"] = "1"  # kernels of its own: before the solver is imported
 
 from multiblock import Column
-from solver.kernels.column.api.engine import column_over, no_samples
+from solver.kernels.column.api.engine import column_over
 from solver.kernels.column.formulations.dispatch import evaluate
 from solver.kernels.column.formulations.exact import Motion
 from solver.kernels.column.formulations.feedthrough import split_reaction
 from solver.kernels.column.formulations.outputs import observe
+from solver.kernels.engine.samples import no_samples
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python, kernel
 from solver.kernels.numba_ext.views import row_of
@@ -99,7 +100,7 @@ def integrate(n, arrays, kind, p, y, dt, samples, h, per, seen, parts, k, stage,
     """
     model, state, counts, base, work = arrays
     none = no_samples(row_of(base))
-    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), none, 0, row_of(work))
+    column = column_over(n, row_of(model), row_of(state), row_of(counts), row_of(base), none, row_of(work))
     row, split = _row(row_of(seen), n), _split(row_of(parts), 0)
     size = y.size
     last = samples.size - 1
