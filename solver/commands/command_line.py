@@ -52,6 +52,7 @@ from .new import add_new_command
 from .outcome import cracks, ensemble_lines, verdict_line
 from .progress import Line, simulated
 from .reports import column_report, motion_report
+from .schema import add_schema_command
 from .static import add_static_commands
 from .study import add_command as add_study
 
@@ -152,7 +153,7 @@ def _parsed(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) ->
 
 
 def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
-    """Add `simulate`, `export`, `check`, `new`, `record`, `convert`, `modes`, `statics`, `calibrate` and `study`."""
+    """Add all commands but those of FMUs."""
     run = commands.add_parser("simulate", help="response of a column or structure to a base motion")
     run.set_defaults(command=_simulate, paths=("motion",))
     run.add_argument("column", type=Path, metavar="FILE.toml", help="a column, or a structure in space")
@@ -180,6 +181,7 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     add_export_command(commands)
     add_check_command(commands)
     add_new_command(commands)
+    add_schema_command(commands)
     add_static_commands(commands)
     add_calibrate_command(commands)
     add_study(commands)

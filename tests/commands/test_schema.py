@@ -1,0 +1,106 @@
+"""The command `schema`: the files of the examples are valid, and files with a wrong key, type or number are not."""
+
+import json
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+from support.fmus import ROOT
+
+from multiblock import Column, InputError, Structure, Study
+from solver.commands.command_line import main
+from solver.commands.schema import SCHEMAS, schema_of
+from solver.common.ranges import NUMBERS
+from solver.models.column import file as column_file
+
+KIND_OF = {"columns": "column", "structures": "structure", "bearings": "structure", "studies": "study"}
+FILES = [path for folder in KIND_OF for path in sorted((ROOT / "examples" / folder).glob("*.toml"))]
+READERS: dict[str, Any] = {"column": Column.from_toml, "structure": Structure.from_toml, "study": Study.from_toml}
+
+
+def faults(kind: str, data: dict[str, Any]) -> list[str]:
+    """Return where a file differs from its schema, and how."""
+    errors = jsonschema.Draft202012Validator(schema_of(kind)).iter_errors(data)
+    return [f"{error.json_path}: {error.message}" for error in errors]
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: f"{path.parent.name}-{path.stem}")
+def test_examples_are_valid(path: Path) -> None:
+    assert faults(KIND_OF[path.parent.name], tomllib.loads(path.read_text(encoding="utf-8"))) == []
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "place"),
+    [
+        ("columns/phocas.toml", "height = ", "hight = ", "$.block[0]"),
+        ("columns/phocas.toml", "height = ", "height = -", "$.block[0].height"),
+        ("columns/phocas.toml", 'name = "phocas"', "name = 3", "$.name"),
+        ("columns/phocas.toml", '"paper"', '"papers"', "$.solver.formulation"),
+        ("columns/doric.toml", '"circle"', '"round"', "$.block[0].joint.section"),
+        ("columns/portico.toml", "at = [0.0, 0.178]", 'at = "top"', "$.port[0].at"),
+        ("structures/casks.toml", "reach = 0.3", 'reach = "0.3"', "$.neighbours.reach"),
+        ("structures/casks.toml", "diameter = 1.6", "width = 1.6", "$.block[1]"),
+        ("structures/arch.toml", 'between = ["voussoir1", "base"]', 'between = "voussoir1"', "$.joint[6].between"),
+        ("bearings/lead-rubber-lrb600.toml", "yield = 63e3", "radius = 1.0", "$.bearing[0]"),
+        ("bearings/lead-rubber-lrb600.toml", "tension = true", 'tension = "yes"', "$.bearing[0].tension"),
+        ("studies/casks.toml", '"least_gap"', '"gap"', "$.keep[2]"),
+        ("studies/casks.toml", "samples = 60", "samples = 0", "$.samples"),
+        ("studies/ida.toml", 'formula = "ricker"\n', 'formula = "ricker"\nmagnitude = 6.0\n', "$.motion[4]"),
+        ("studies/ida.toml", "count = 20", "counts = 20", "$.grid.intensity"),
+        ("studies/fragility.toml", 'distribution = "uniform"\n', "", "$.random.intensity"),
+    ],
+)
+def test_a_wrong_file_is_not_valid(tmp_path: Path, file: str, old: str, new: str, place: str) -> None:
+    """Compare with the program, which refuses the same file."""
+    path = ROOT / "examples" / file
+    kind, text = KIND_OF[path.parent.name], path.read_text(encoding="utf-8")
+    assert old in text
+    text = text.replace(old, new, 1).replace('"../', f'"{(ROOT / "examples").as_posix()}/')
+    found = faults(kind, tomllib.loads(text))
+    assert any(line.startswith(f"{place}: ") for line in found), found
+    (tmp_path / "wrong.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError):
+        READERS[kind](tmp_path / "wrong.toml")
+
+
+def properties(part: Any) -> Iterator[tuple[str, Any]]:
+    """Yield each key with its schema, of all tables."""
+    for name, value in part.items() if isinstance(part, dict) else enumerate(part) if isinstance(part, list) else ():
+        if name == "properties":
+            yield from value.items()
+        yield from properties(value)
+
+
+@pytest.mark.parametrize("kind", SCHEMAS)
+def test_every_key_has_a_type(kind: str) -> None:
+    found = schema_of(kind)
+    jsonschema.Draft202012Validator.check_schema(found)
+    keys = list(properties(found))
+    assert len(keys) > 30
+    assert [key for key, value in keys if not {"type", "enum", "const"} & value.keys()] == []
+
+
+def test_keys_units_ranges_and_defaults_come_from_the_tables(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = schema_of("column")["properties"]
+    joint = found["joint"]["properties"]
+    assert set(joint) == set(column_file._JOINT_KEYS)
+    known = {"type": "number", "minimum": 1e-3, "maximum": 1e20}
+    assert joint["stiffness"] == {**known, "description": "a positive Winkler modulus in N/m3, from 1e-3 to 1e20"}
+    assert (found["g"]["default"], found["solver"]["properties"]["tolerance"]["default"]) == (9.80665, 1e-5)
+    # a new key of a table
+    monkeypatch.setattr(column_file, "_LOAD_KEYS", ("mass", "above", "speed"))
+    monkeypatch.setitem(NUMBERS, "speed", ((0.0, 2.0), "a speed in m/s"))
+    load = schema_of("column")["properties"]["block"]["items"]["properties"]["load"]["properties"]
+    assert load["speed"] == {"type": "number", "minimum": 0.0, "maximum": 2.0, "description": "a speed in m/s"}
+
+
+def test_the_command_prints_one_schema_or_all(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["schema", "study"]) == 0
+    assert json.loads(capsys.readouterr().out) == schema_of("study")
+    assert main(["schema"]) == 0
+    assert json.loads(capsys.readouterr().out) == {kind: schema_of(kind) for kind in SCHEMAS}
+    assert main(["schema", "bridge"]) == 2
+    assert "invalid choice: 'bridge'" in capsys.readouterr().err
