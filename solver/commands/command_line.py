@@ -52,6 +52,7 @@ from .new import add_new_command
 from .outcome import cracks, ensemble_lines, verdict_line
 from .progress import Line, simulated
 from .reports import column_report, motion_report
+from .risk import add_risk_command
 from .schema import add_schema_command
 from .static import add_static_commands
 from .study import add_command as add_study
@@ -185,6 +186,7 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     add_static_commands(commands)
     add_calibrate_command(commands)
     add_study(commands)
+    add_risk_command(commands)
 
 
 def _add_run_options(run: argparse.ArgumentParser) -> None:

@@ -38,7 +38,7 @@ def add_command(commands: Any) -> None:
     actions = parser.add_subparsers(metavar="ACTION", required=True)
     run = actions.add_parser("run", help="make the runs that are not finished yet")
     run.set_defaults(command=_run)
-    _add_study(run)
+    add_study_options(run)
     where = run.add_mutually_exclusive_group()
     where.add_argument("--threads", type=int, metavar="N", help="threads of this process (default: one a core)")
     where.add_argument("--processes", type=int, metavar="N", help="processes of this machine")
@@ -49,17 +49,18 @@ def add_command(commands: Any) -> None:
     # `show` and `plot`
     show = actions.add_parser("show", help="print what came out, also while it runs")
     show.set_defaults(command=_show)
-    _add_study(show)
+    add_study_options(show)
     show.add_argument("--rows", type=int, default=10, metavar="N", help="runs to print (default: 10)")
     plot = actions.add_parser("plot", help="draw what came out")
     plot.set_defaults(command=_plot)
-    _add_study(plot)
+    add_study_options(plot)
     plot.add_argument("-o", "--output", type=Path, metavar="FILE.png", help="default: NAME.png beside the results")
     add_force(plot)
 
 
-def _add_study(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("study", type=Path, metavar="STUDY.toml", help=f"the study, or its results, NAME{SUFFIX}")
+def add_study_options(parser: argparse.ArgumentParser, help: str = f"the study, or its results, NAME{SUFFIX}") -> None:
+    """Add a study, and the options that say where its results are, for `results_from`."""
+    parser.add_argument("study", type=Path, metavar="STUDY.toml", help=help)
     parser.add_argument(
         "--quick", action="store_true", help="some 200 runs of it, to try: a study NAME-quick of its own"
     )
@@ -91,7 +92,7 @@ def _run(options: argparse.Namespace) -> None:
 
 
 def _show(options: argparse.Namespace) -> None:
-    results = _results(options)
+    results = results_from(options)
     print(summary(results))
     names = [name for name in results if name not in ("column", "motion", "failure") and results[name].ndim == 1]
     names.append("largest")
@@ -107,7 +108,7 @@ def _cell(results: Results, name: str, row: int) -> str:
 
 
 def _plot(options: argparse.Namespace) -> None:
-    results = _results(options)
+    results = results_from(options)
     folder = options.study.parent if options.study.suffix == SUFFIX else options.output_folder
     path = options.output or folder / f"{results.study['name']}.png"  # a default path may be overwritten
     check_outputs((options.output,), (options.study,), options.force)
@@ -122,7 +123,8 @@ def _study(options: argparse.Namespace) -> Study:
     return study.quick() if options.quick else study
 
 
-def _results(options: argparse.Namespace) -> Results:
+def results_from(options: argparse.Namespace) -> Results:
+    """Return the results of the study on the command line. Raises InputError."""
     if options.study.suffix == SUFFIX:
         return results_of(options.study)
     study = _study(options)

@@ -8,12 +8,13 @@ from .distributions import Distribution, Random
 from .execution import StudyError, run_study
 from .motions import Measure, Shaking
 from .results import Results
+from .risk import Hazard, Risk, risk
 from .standard import fragility, ida, montecarlo, spectrum, sweep
 from .statistics import fit_fragility, ida_curves, influences
 
 
 @drawing_of.register
-def _pictures(results: Results) -> Any:
+def _pictures(result: Results | Risk) -> Any:
     from . import pictures
 
     return pictures
@@ -21,9 +22,11 @@ def _pictures(results: Results) -> Any:
 
 __all__ = [
     "Distribution",
+    "Hazard",
     "Measure",
     "Random",
     "Results",
+    "Risk",
     "Shaking",
     "Study",
     "StudyError",
@@ -33,6 +36,7 @@ __all__ = [
     "ida_curves",
     "influences",
     "montecarlo",
+    "risk",
     "run_study",
     "spectrum",
     "sweep",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -77,6 +78,8 @@ BESIDE = ("scale", "tilt", DIRECTION, LOAD_SCALE)
 OF_SPACE = (ACROSS, DIRECTION)  # numbers of a motion that leaves the plane of a column
 IN_PLANE = "a column moves in its plane; structure = FILE, in place of column, solves it in space"
 MEASURES = ("pga", "pgv", "sa")
+# a measure as text, such as PGA (g) or sa(0.5): the name, period and damping of sa, and the unit if it is given
+MEASURE_TEXT = re.compile(r"(pga|pgv|sa\s*\(\s*([\d.]+)(?:\s*s)?(?:\s*,\s*([\d.]+))?\s*\))(?:\s*[(\[](.*)[)\]])?")
 
 
 @dataclass(frozen=True)
@@ -116,6 +119,23 @@ class Measure:
         period = check_number("intensity.period", table.get("period"), POSITIVE, "a positive time in s")
         damping = check_number("intensity.damping", table.get("damping", 0.05), (0.0, 0.999), "a part of critical")
         return cls(name, period, damping)
+
+    @classmethod
+    def from_text(cls, key: str, text: str) -> Measure:
+        """Read pga, pgv, sa(PERIOD) or sa(PERIOD, DAMPING), with or without its unit. Raises InputError."""
+        found = MEASURE_TEXT.fullmatch(text.strip().lower())
+        if found is None:
+            raise InputError(f"{key} = {text!r}: must be pga, pgv or sa(PERIOD)")
+        name, period, damping, unit = found.groups()
+        numbers = {"period": period, "damping": damping}
+        try:
+            given = {number: float(value) for number, value in numbers.items() if value}
+        except ValueError:
+            raise InputError(f"{key} = {text!r}: must have a period in s, as sa(0.5)") from None
+        measure = cls.from_table({"measure": "sa" if given else name, **given})
+        if unit not in (None, measure.unit):
+            raise InputError(f"{key} = {text!r}: must be in {measure.unit}")
+        return measure
 
     def to_table(self) -> dict[str, Any]:
         """Return the table from which `from_table` builds this measure."""

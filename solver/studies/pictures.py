@@ -23,6 +23,7 @@ from ..models.uncertainty import PERCENTILES
 from ..plotting.style import BLUE, FEW_COLOURS, GREEN, RED, Figure, block_colours, header, save, show_blocks, tidy
 from .motions import Measure
 from .results import Results
+from .risk import Risk
 from .statistics import (
     LEAST_GAP,
     Fragility,
@@ -36,6 +37,7 @@ from .statistics import (
     influences,
     intensity_name,
     made,
+    measure_in,
     other_varied_name,
     percentiles,
     undecided_text,
@@ -299,6 +301,49 @@ def draw_curve(axes: Axes, found: Fragility, colour: str, name: str) -> None:
     axes.plot(bins.middle[some], with_undecided[some], "o", label=label, **style)
 
 
+def draw_risks(
+    found: Risk | Mapping[str, Risk], path: str | os.PathLike[str] | None = None, title: str = "Risk"
+) -> Figure:
+    """Draw the hazard, the fragilities, and the intensities that the rates of failure come from, over one axis.
+
+    `found` is one risk, or several of one hazard by the name of the failure.
+    """
+    risks = {found.fragility.how: found} if isinstance(found, Risk) else found
+    figure = Figure(figsize=(8.5, 9.5), layout="constrained")
+    panels: list[Axes] = list(figure.subplots(3, 1, sharex=True))
+    hazard = next(iter(risks.values())).hazard
+    inner = np.concatenate([hazard.intensity, *(one.edges[1:-1] for one in risks.values())])
+    x = np.geomspace(0.7 * np.min(inner), 1.4 * np.max(inner), 500)
+    # hazard
+    panels[0].plot(x, hazard.exceeded(x), color="black", linewidth=1.5)
+    panels[0].plot(hazard.intensity, hazard.rate, "o", color="black", markersize=4.0)
+    panels[0].set(xscale="log", yscale="log", ylabel="rate of exceedance (1/year)")
+    panels[0].set_title("hazard; dots: its points", loc="left")
+    # fragilities, and the density of the rates
+    for (name, one), colour in zip(risks.items(), cycle(_LIMIT_COLOURS), strict=False):
+        low, high = one.fragility.band(x)
+        panels[1].fill_between(x, low, high, color=colour, alpha=0.25, linewidth=0.0)
+        panels[1].plot(x, one.fragility.probability(x), color=colour, linewidth=2.0, label=name)
+        panels[2].fill_between(x, one.density(x), color=colour, alpha=0.25, linewidth=0.0)
+        panels[2].plot(x, one.density(x), color=colour, linewidth=2.0, label=name)
+    measure = hazard.measure
+    panels[1].set(ylabel="probability of failure", ylim=(-0.02, 1.02))
+    panels[1].set_title("fragility with its 95 % band", loc="left")
+    panels[1].legend(frameon=False, loc="best")
+    panels[2].set(xlabel=f"{measure.label} ({measure.unit})", ylabel=f"1/year per unit of ln {measure.label}")
+    panels[2].set_title("the rate of failure by intensity; the area is the rate", loc="left")
+    panels[2].set_ylim(bottom=0.0)
+    for axes in panels:
+        tidy(axes)
+    # caption
+    said = [f"{name}: {one}." for name, one in risks.items()]
+    said.append(f"Hazard: {hazard}. Bounds: 95 % confidence of the fragility; the hazard is taken as given.")
+    lines = [line for text in said for line in textwrap.wrap(text, width=int(WIDTH * figure.get_figwidth() / 10.0))]
+    figure.supxlabel("\n".join(lines), x=0.02, ha="left", fontsize=9, linespacing=1.4)
+    header(figure, title)
+    return save(figure, path)
+
+
 def draw_spectrum(results: Results) -> Figure:
     """Draw the largest displacement over the width of the base, by size and slenderness, a panel per motion."""
     study = results.study
@@ -384,11 +429,8 @@ def draw_tornado(results: Results) -> Figure:
 
 
 def _label(results: Results, name: str) -> str:
-    table = results.study["intensity"]
-    if table is not None and table["measure"] == name:
-        measure = Measure.from_table(table)
-        return f"{measure.label} ({measure.unit})"
-    return {"pga": "PGA (g)", "pgv": "PGV (m/s)"}.get(name, name)
+    measure = measure_in(results, name)
+    return name if measure is None else f"{measure.label} ({measure.unit})"
 
 
 def caption(results: Results) -> list[str]:

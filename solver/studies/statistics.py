@@ -16,7 +16,7 @@ from ..models.protocol import FloatArray
 from ..models.structure.numbers import unit_in_space
 from ..models.uncertainty import CONFIDENCE, PERCENTILES, share_bounds
 from .confidence import likelihood_ends
-from .motions import OF_MOTION, WHOLE
+from .motions import OF_MOTION, WHOLE, Measure
 from .results import Results
 
 # function of the weights of the runs and a first guess that returns median and deviation
@@ -103,6 +103,8 @@ class Fragility(NotebookRepr):
         Number of runs that have not failed and may yet overturn; the curve takes them as standing.
     how
         What was fitted, in words.
+    measure
+        The measure of the intensity; None for other columns of the results.
     """
 
     name: str
@@ -117,6 +119,7 @@ class Fragility(NotebookRepr):
     failed: int
     undecided: int
     how: str
+    measure: Measure | None = None
 
     def _facts(self) -> tuple[str, ...]:
         parts = ("median", self.median, self.median_bounds), ("deviation", self.deviation, self.deviation_bounds)
@@ -134,7 +137,7 @@ class Fragility(NotebookRepr):
     def band(self, intensity: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the bounds of the curve at each intensity, two of (k,), at 95 % confidence."""
         curves = np.array([lognormal(intensity, median, deviation) for median, deviation in self.curves])
-        low, high = np.percentile(curves, _ends(), axis=0)
+        low, high = np.percentile(curves, percentages_of_bounds(), axis=0)
         outer = np.array([low, high, *(lognormal(intensity, median, deviation) for median, deviation in self.ends)])
         return np.min(outer, axis=0), np.max(outer, axis=0)
 
@@ -285,7 +288,7 @@ def fit_fragility(
         return fit(times[clusters].astype(np.float64), best)
 
     curves = np.array([again() for _ in range(resampled)])
-    bounds = np.percentile(curves, _ends(), axis=0)
+    bounds = np.percentile(curves, percentages_of_bounds(), axis=0)
     # the wider of the bounds by bootstrap and likelihood
     ends = np.empty((0, 2))
     if method == "failures":
@@ -306,6 +309,7 @@ def fit_fragility(
         failed=int(np.sum(failed)),
         undecided=int(np.sum(undecided)),
         how=how,
+        measure=measure_in(results, name),
     )
 
 
@@ -337,6 +341,14 @@ def intensity_name(results: Results) -> str:
     """Return the name of the measure of the study, pga if it has none."""
     measure = results.study["intensity"]
     return "pga" if measure is None else str(measure["measure"])
+
+
+def measure_in(results: Results, name: str) -> Measure | None:
+    """Return the measure of intensity in a column of the results, None if it is none."""
+    table = results.study["intensity"]
+    if table is not None and table["measure"] == name:
+        return Measure.from_table(table)
+    return Measure(name) if name in ("pga", "pgv") else None
 
 
 def binned(
@@ -459,7 +471,8 @@ def _minimum(loss: Any, start: tuple[float, float]) -> tuple[float, float]:
     return float(found.x[0]), float(found.x[1])
 
 
-def _ends() -> list[float]:
+def percentages_of_bounds() -> list[float]:
+    """Return the percentiles of a sample between which the part CONFIDENCE of it lies."""
     return [50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE)]
 
 
