@@ -111,7 +111,7 @@ def _risks(results: Results, hazard: Hazard, years: float) -> tuple[dict[str, Ri
 def _text(failure: str, found: Risk) -> str:
     """Return a risk as lines of text."""
     fragility, label, unit = found.fragility, found.hazard.measure.label, found.hazard.measure.unit
-    below, above = map(percent, found.beyond)
+    below, above = (percent(share, ".1f") for share in found.beyond)
     low, high = found.hazard.intensity[[0, -1]]
     ranges = [f"{first:g} to {last:g}" for first, last in zip(found.edges[:-1], found.edges[1:], strict=True)]
     shares = ", ".join(f"{text}: {percent(share)}" for text, share in zip(ranges, found.shares, strict=True))

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 YEARS = 50.0
 # intensities between which shares of the rate are given: those with more than LEAST_SHARE on either side
-EDGES = tuple(float(f"{part}e{power}") for power in range(-4, 4) for part in (1, 1.5, 2, 3, 5, 7))
+EDGES = tuple(float(f"{part}e{power}") for power in range(-4, 4) for part in (1, 1.5, 2, 3, 4, 5, 7))
 LEAST_SHARE = 0.01
 COLUMNS = ("failure", "from", "to", "share", "rate", "rate_low", "rate_high", "years", "probability", "low", "high")
 
@@ -105,18 +105,17 @@ class Hazard:
                 raise InputError("must have two columns with a header: an intensity, and rate or return_period")
             (first, second), *rest = rows
             # what the columns are
-            if first.lower() == "intensity":
-                if measure is None:
-                    raise InputError("column 1: the measure must be named: pga, pgv or sa(PERIOD)")
-                first = measure
-            elif measure is not None and Measure.from_text("measure", measure) != Measure.from_text("column 1", first):
+            named = None if first.lower() == "intensity" else Measure.from_text("column 1", first)
+            if named is None and measure is None:
+                raise InputError("column 1: the measure must be named: pga, pgv or sa(PERIOD)")
+            if named is not None and measure is not None and named != Measure.from_text("measure", measure):
                 raise InputError(f"column 1 = {first!r}: must be {measure}, or intensity")
             words = re.sub("[^a-z]+", " ", second.lower()).split()
             if words[:2] != ["return", "period"] and "rate" not in words:
                 raise InputError(f"column 2 = {second!r}: must be rate (1/year) or return_period (years)")
             intensity, values = np.array(rest, dtype=np.float64).reshape(-1, 2).T
             with np.errstate(divide="ignore"):
-                return cls.from_table(first, intensity, values if "rate" in words else 1.0 / values)
+                return cls.from_table(measure or first, intensity, values if "rate" in words else 1.0 / values)
 
     def exceeded(self, intensity: ArrayLike) -> FloatArray:
         """Return the annual rate at which intensities of any shape are exceeded."""
@@ -128,6 +127,8 @@ class Hazard:
     def __str__(self) -> str:
         """Return the measure, the points and the slopes beyond them."""
         (low, high), unit = self.intensity[[0, -1]], self.measure.unit
+        if low == high:
+            return f"{self.measure.label} {low:g} {unit} in {1.0 / self.rate[0]:.4g} years, slope {self.slopes[0]:g}"
         return (
             f"{self.measure.label} from {low:g} {unit} ({self.rate[0]:.3g} per year) to {high:g} {unit} "
             f"({self.rate[-1]:.3g} per year), slopes {self.slopes[0]:.3g} below and {self.slopes[-1]:.3g} above"
