@@ -333,6 +333,7 @@ def draw_risks(
     panels[2].set(xlabel=f"{measure.label} ({measure.unit})", ylabel=f"1/year per unit of ln {measure.label}")
     panels[2].set_title("the rate of failure by intensity; the area is the rate", loc="left")
     panels[2].set_ylim(bottom=0.0)
+    panels[2].xaxis.set_major_formatter(ScalarFormatter())
     for axes in panels:
         tidy(axes)
     # caption
