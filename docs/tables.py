@@ -174,7 +174,7 @@ STUDY = {
     "motion": "a table [[motion]] for each motion: record with "
     + ", ".join(map(code, motions._OF_RECORDS[1:]))
     + ", or formula; and `name`, "
-    + ", ".join(map(code, motions.BESIDE)),
+    + ", ".join(map(code, (*motions.BESIDE, *motions.ON_FLOOR))),
     "grid": "values of what varies, each with each other: a list, or {from, to, count} with spacing",
     "random": "a distribution for each random number; `relative` multiplies, `each` draws one for each block",
     "intensity": "what motions are scaled to: `measure` of "

@@ -29,6 +29,7 @@ from solver.checks.check import Check, check
 from solver.checks.limits import Limits, Plan
 from solver.commands.progress import RunsLine
 from solver.ground import wavelets
+from solver.ground.building import Building, floor_motion
 from solver.ground.intensity import Intensity, Spectrum, intensity, pgv, spectrum
 from solver.ground.loads import Load
 from solver.models.column.modes import Modes, natural_modes
@@ -50,6 +51,7 @@ __version__ = _solver.__version__
 
 __all__ = [
     "Block",
+    "Building",
     "CapacityCurve",
     "Check",
     "Cluster",
@@ -89,6 +91,7 @@ __all__ = [
     "capacity_curve",
     "check",
     "colonnade",
+    "floor_motion",
     "housner_restitution",
     "intensity",
     "modes_in_space",

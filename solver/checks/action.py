@@ -12,6 +12,7 @@ import numpy as np
 
 from ..common.errors import InputError, shown
 from ..common.files import printable
+from ..ground.building import RIGID, Building, floor_motion
 from ..ground.motion import STANDARD_GRAVITY, Motion, check_in_plane
 from . import scaling
 from .artificial import SHORTEST, artificial_motions, with_across, with_vertical
@@ -22,6 +23,10 @@ from .subject import Subject
 ARTIFICIAL = 7  # number of artificial motions: the least for which the mean counts
 SHORTEST_PART, LONGEST_PART = 0.2, 2.0  # range over the first period: EN 1998-1, 3.2.3.1.2(4)
 LONGEST_PERIOD = 4.0  # s, the end of the spectra of codes
+OF_FLOORS = (
+    "Factors and target are those of the ground; the building stays elastic, does not twist, and moves up and down "
+    "with the ground."
+)
 
 Motions = Mapping[str, Motion] | Iterable[Motion | str | os.PathLike[str]]
 
@@ -33,20 +38,29 @@ class Action:
     motions: tuple[ScaledMotion, ...]
     how: str  # how they were scaled, in words
     target: TargetSpectrum | None = None
-    periods: tuple[float, float] | None = None  # s, range in which the spectra of the motions follow the target
+    periods: tuple[float, float] | None = None  # s, range in which the spectra of the ground follow the target
+    ground: tuple[ScaledMotion, ...] = ()  # the motions of the ground, if those as applied are of a floor
+    where: str = ""  # the floor and its building, in words
 
     @cached_property
     def spectrum(self) -> Spectral:
-        """The target spectrum, or that of the motions if there is no target."""
-        return self.target or MotionSpectra(tuple(scaled.motion for scaled in self.motions))
+        """The target spectrum; that of the motions if there is no target, or they are of a floor."""
+        return (None if self.ground else self.target) or MotionSpectra(tuple(scaled.motion for scaled in self.motions))
 
     @cached_property
     def fit(self) -> tuple[float, float] | None:
         """The least and the largest ratio of the mean spectrum to the target over `periods`; None without a target."""
         if self.target is None or self.periods is None:
             return None
-        mean = Fit({scaled.name: scaled.motion for scaled in self.motions}, self.target, self.periods).mean()
+        mean = Fit({one.name: one.motion for one in self.ground or self.motions}, self.target, self.periods).mean()
         return float(np.min(mean)), float(np.max(mean))
+
+    def on_floor(self, building: Building, floor: int) -> Action:
+        """Return the action on a floor of a building, whose ground has the present motions. Raises InputError."""
+        where = building.words(floor)
+        moved = tuple(one._replace(motion=floor_motion(one.motion, building, floor)) for one in self.motions)
+        ground = self.motions if floor else ()
+        return replace(self, motions=moved, how=f"{self.how}; on {where}", ground=ground, where=where)
 
     def turned(self) -> Action:
         """Return the action with all motions rotated by a quarter turn about the vertical, from x to y."""
@@ -66,9 +80,11 @@ class Action:
             Longest period (s) at which the methods by hand read the target.
         """
         lines = scaling.factor_lines(self.motions)
+        if self.ground:
+            lines.append(f"It stands on {self.where}. {OF_FLOORS}")
         if self.target is None or self.periods is None:
             return lines
-        found = self.target.outside(0.0, max(self.periods[1], longest))
+        found = self.target.outside(0.0, max(self.periods[1], 0.0 if self.ground else longest))
         return [*(f"{self.target.name}: {line}." for line in found), *lines]
 
     @property
@@ -111,7 +127,13 @@ class Level:
             raise InputError("periods: must be left out without a target spectrum")
 
 
-def action_on(subject: Subject, motions: Motions, level: Level, variants: Sequence[Subject] = ()) -> Action:
+def action_on(
+    subject: Subject,
+    motions: Motions,
+    level: Level,
+    variants: Sequence[Subject] = (),
+    building: Building | None = None,
+) -> Action:
     """Scale the motions to a level, or make artificial ones if none is given.
 
     Parameters
@@ -124,6 +146,8 @@ def action_on(subject: Subject, motions: Motions, level: Level, variants: Sequen
         The level to which the motions are scaled.
     variants : sequence of Subject
         Further models under the same motions, which then follow a target up to the periods of their bearings too.
+    building : Building, optional
+        A building whose ground is moved, and whose first periods the range of a target then covers as well.
 
     Returns
     -------
@@ -141,8 +165,10 @@ def action_on(subject: Subject, motions: Motions, level: Level, variants: Sequen
             check_in_plane(motion)
     # a target: its spectrum decides the factors
     if level.target is not None:
-        longest = max([subject.longest, *(one.isolated for one in (subject, *variants))])
-        return _following(level.target, given, level, subject, longest)
+        firsts = [own, *(first for first in (building.periods if building else ()) if first >= RIGID)]
+        bearings = [one.isolated for one in (subject, *variants)]
+        longest = max(subject.longest, *bearings, LONGEST_PART * max(firsts))
+        return _following(level.target, given, level, subject, SHORTEST_PART * min(firsts), longest)
     if not given:
         raise InputError("motions: none given, must be records, or a target spectrum that artificial ones follow")
     # else one peak or spectral acceleration, or the motions as given
@@ -160,15 +186,15 @@ def action_on(subject: Subject, motions: Motions, level: Level, variants: Sequen
 
 
 def _following(
-    target: TargetSpectrum, given: Mapping[str, Motion], level: Level, subject: Subject, longest: float
+    target: TargetSpectrum, given: Mapping[str, Motion], level: Level, subject: Subject, shortest: float, longest: float
 ) -> Action:
     """Return an action whose spectra follow the target: the given motions scaled, or artificial ones.
 
-    `longest` (s) extends the default range of periods, up to the end of the spectra of codes.
+    The default range of periods begins at `shortest` (s); `longest` (s) extends it, up to the end of the spectra of codes.
     """
     own = subject.period
     # range of periods that the motions must follow
-    usual = (SHORTEST_PART * own, max(LONGEST_PART * own, min(longest, LONGEST_PERIOD)))
+    usual = (shortest, max(LONGEST_PART * own, min(longest, LONGEST_PERIOD)))
     low, high = usual if level.periods is None else level.periods
     if high > target.longest:
         raise InputError(

@@ -12,7 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from ..common.errors import InputError, shown
 from ..common.files import write_table
+from ..ground.building import Building
 from ..models.protocol import Model
 from ..models.uncertainty import PERCENTILES
 from ..runs.many import Callback
@@ -318,6 +320,8 @@ def check(
     seed: int = 0,
     force_scale: bool = False,
     plan: Plan | None = None,
+    building: Building | None = None,
+    floor: int = 0,
     callback: Callback | None = None,
 ) -> Check:
     """Check a column, or a structure in space, against a seismic action.
@@ -356,6 +360,10 @@ def check(
         Whether factors on records beyond 0.01 to 100 are applied too.
     plan : Plan, optional
         Limits, ensembles and margin (limits.py).
+    building : Building, optional
+        The building on whose `floor` it stands. Motions, their scaling and `target` are then those of the ground.
+    floor : int
+        The floor, 0 for the ground.
     callback : Callback, optional
         As in `simulate_many`, for each set of runs.
 
@@ -375,4 +383,7 @@ def check(
     level = Level(target, pga, vertical_pga, sa, span, least, artificial, vertical, seed, force_scale)
     plan = Plan() if plan is None else plan
     subject = subject_of(column, plan.confidence_factor)
-    return checked(subject, action_on(subject, motions, level), plan, callback)
+    if building is None and floor:
+        raise InputError(f"floor = {shown(floor)}: must be given with a building")
+    action = action_on(subject, motions, level, building=building if floor else None)
+    return checked(subject, action if building is None else action.on_floor(building, floor), plan, callback)

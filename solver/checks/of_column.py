@@ -113,5 +113,5 @@ class InPlane(Subject):
 
     def by_hand(self, action: Action, limits: Limits) -> ByHand:
         """Apply the kinematic verification and ASCE 43 under the action."""
-        smooth = action.target is not None
+        smooth = action.spectrum is action.target
         return by_hand(self.model, self.mechanism, action.spectrum, smooth, self.period, action.motions, limits)

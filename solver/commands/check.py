@@ -20,6 +20,7 @@ from ..checks.subject import Subject, subject_of
 from ..common.errors import InputError, needing, reading
 from ..common.files import check_outputs, printable
 from ..common.ranges import listed
+from ..ground.building import Building
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..models.column.model import Column
 from ..models.structure.model import Structure
@@ -27,7 +28,15 @@ from ..models.uncertainty import Spread
 from .check_report import action_lines, check_lines, variants_lines
 from .code_spectra import add_code_options, add_spectrum, target_of
 from .command_files import add_force, add_space, check_suffix, read_subject, write_outputs
-from .motion_options import FORMATS, add_file_options, check_file_options, file_line, read_with_options
+from .motion_options import (
+    FORMATS,
+    add_building_options,
+    add_file_options,
+    check_file_options,
+    file_line,
+    floor_of,
+    read_with_options,
+)
 from .progress import PlainLine, RunsLine
 
 
@@ -50,6 +59,7 @@ def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
     way.add_argument("--both", action="store_true", help=words)
     add_file_options(parser)
     _add_action(parser)
+    add_building_options(parser)
     _add_plan(parser)
     words = "another file, checked beside; may be repeated"
     parser.add_argument("--variant", type=Path, action="append", default=[], metavar="FILE.toml", help=words)
@@ -115,7 +125,7 @@ def _check(options: argparse.Namespace) -> None:
         raise InputError("--note: is for the report, must be given with --report FILE.html")
     # models, each under a name of its own
     components = (*(options.vertical or ()), *(options.across or ()))
-    inputs = (options.column, *options.records, *components, *options.variant)
+    inputs = (options.column, *options.records, *components, *options.variant, options.building)
     check_outputs((options.output, options.report), inputs, options.force)
     models = [(path, _model(path, options)) for path in (options.column, *options.variant)]
     models = _told_apart(models)
@@ -124,17 +134,23 @@ def _check(options: argparse.Namespace) -> None:
     # action on the model and its variants
     plan = _plan(options)
     level = _level(options)
-    motions = _motions(options)
+    motions, floor = _motions(options), floor_of(options)
     subjects = [(path, _subject(path, model, plan)) for path, model in models]
     with reading(options.column):
-        action = action_on(subjects[0][1], motions, level, [subject for _, subject in subjects[1:]])
+        variants = [subject for _, subject in subjects[1:]]
+        ground = action_on(subjects[0][1], motions, level, variants, floor[0] if floor and floor[1] else None)
+    action = _on_floor(ground, floor)
     print(*action_lines(action), sep="\n", flush=True)
     # run the checks; print each report as soon as it is complete
     checks: list[Check] = []
     for path, subject in subjects:
         both = options.both and len(checks) < 2
-        turned = both and checks and subject.model.kind.across
-        checks.append(replace(_checked(path, subject, action.turned() if turned else action, plan), both=both))
+        if both and checks:  # its second direction: the ground is turned, or in the plane the building
+            turned = subject.model.kind.across
+            acting = _on_floor(ground.turned() if turned else ground, floor, across=not turned)
+        else:
+            acting = action
+        checks.append(replace(_checked(path, subject, acting, plan), both=both))
         if both or len(checks) == 1:
             print(*check_lines(checks[-1]), sep="\n", flush=True)
     if options.both:
@@ -142,6 +158,14 @@ def _check(options: argparse.Namespace) -> None:
     if len(checks) > 1:
         print(*variants_lines(checks), sep="\n")
     write_outputs([(options.output, checks[0].to_csv), (options.report, partial(_write_report, checks, options.note))])
+
+
+def _on_floor(action: Action, floor: tuple[Building, int] | None, across: bool = False) -> Action:
+    """Return the action on a floor, if there is one; `across`: along y of the building."""
+    if floor is None:
+        return action
+    building, number = floor
+    return action.on_floor(building.across() if across else building, number)
 
 
 def _write_report(checks: list[Check], notes: list[str], path: Path) -> None:

@@ -74,7 +74,8 @@ def outputs_of_run(options: argparse.Namespace) -> tuple[Path | None, ...]:
         check_film(options.film)
     check_suffix(options.view, ".html")
     outputs = (options.output, options.plot, options.plot_column, options.film, options.view)
-    check_outputs(outputs, (options.column, options.motion, options.vertical, options.across), options.force)
+    inputs = options.column, options.motion, options.vertical, options.across, options.building
+    check_outputs(outputs, inputs, options.force)
     return outputs
 
 

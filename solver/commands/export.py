@@ -34,7 +34,7 @@ def _export(options: argparse.Namespace) -> None:
     if kind not in KINDS:
         raise InputError(f"{options.output}: must end in .glb, .html or .csv, or be a folder")
     if kind:
-        inputs = options.column, options.motion, options.vertical, options.across
+        inputs = options.column, options.motion, options.vertical, options.across, options.building
         check_outputs((options.output,), inputs, options.force)
     elif options.output.exists() and not options.force:
         raise InputError(f"{options.output}: is there already, --force overwrites files in it")

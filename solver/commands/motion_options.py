@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ..common.errors import InputError, reading
 from ..common.files import printable
+from ..ground.building import Building, floor_motion
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..ground.records import NAMES, Record, format_of, read_record
 from ..ground.records.columns import PLAIN
@@ -52,6 +53,25 @@ def add_motion_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--phase", type=float, metavar="DEG", help="degrees, of mavroeidis-papageorgiou (default: 0)")
     group.add_argument("--length", type=float, metavar="S", help="s, of noise")
     group.add_argument("--seed", type=int, metavar="N", help="of noise")
+    add_building_options(parser)
+
+
+def add_building_options(parser: argparse.ArgumentParser) -> None:
+    """Add --building and --floor, for `floor_of`."""
+    group = parser.add_argument_group("on a floor")
+    group.add_argument("--building", type=Path, metavar="FILE.toml", help="the building that the ground moves")
+    group.add_argument("--floor", type=int, metavar="N", help="the floor on which it stands; 0: the ground")
+
+
+def floor_of(options: argparse.Namespace) -> tuple[Building, int] | None:
+    """Return the building of --building and the number of --floor; None without both. Raises InputError."""
+    if options.building is None:
+        _refuse(options, ("floor",), "is for --building")
+        return None
+    if options.floor is None:
+        raise InputError("--floor: must be given with --building")
+    building = Building.from_toml(options.building)
+    return building, building.checked(options.floor, "--floor")
 
 
 def motion_of(options: argparse.Namespace) -> tuple[Motion, list[str]]:
@@ -70,7 +90,11 @@ def motion_of(options: argparse.Namespace) -> tuple[Motion, list[str]]:
         motion = motion.scaled_to(options.pga * STANDARD_GRAVITY)
     elif options.scale is not None:
         motion = motion.scaled(options.scale)
-    return motion, lines
+    on = floor_of(options)
+    if on is None:
+        return motion, lines
+    ground = f"{motion.pga / STANDARD_GRAVITY:.4g} g"
+    return floor_motion(motion, *on), [*lines, printable(f"{on[0].words(on[1])}; PGA of the ground {ground}")]
 
 
 def read_with_options(path: Path, options: argparse.Namespace, channel: int | None) -> tuple[Record, Motion]:

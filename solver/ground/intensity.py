@@ -127,9 +127,7 @@ def lines_of(motion: Motion, component: Component = "ax") -> Lines:
             cycles, most = motion.frequency * motion.duration, MOST_LINES // PER_CYCLE
             raise InputError(f"frequency: {cycles:.4g} cycles, must be at most {most} to be measured")
         parts = np.ceil(PER_CYCLE * motion.frequency * np.diff(time)).astype(np.int64)
-        # split each segment; index of the original segment, and position within it
-        line = np.repeat(np.arange(len(parts)), parts)
-        within = (np.arange(len(line)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[line]
+        line, within = divided(parts)
         rise, step = (after - before)[line], np.diff(time)[line]
         # add the harmonic at the new instants
         fine = np.append(time[line] + within * step, time[-1])
@@ -138,6 +136,12 @@ def lines_of(motion: Motion, component: Component = "ax") -> Lines:
         before, after = flat + wave[:-1], flat + rise / parts[line] + wave[1:]
         time = fine
     return Lines(time, before, after)
+
+
+def divided(parts: NDArray[np.int64]) -> tuple[NDArray[np.int64], FloatArray]:
+    """Divide each segment in so many parts; return the segment of each part, and its position from 0 to 1 in it."""
+    line = np.repeat(np.arange(len(parts)), parts)
+    return line, (np.arange(len(line)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[line]
 
 
 def histories(motion: Motion, component: Component = "ax") -> BaseHistories:

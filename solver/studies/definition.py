@@ -278,7 +278,10 @@ class Study(NotebookRepr):
         return found
 
     def _shaken(self, values: Mapping[str, float]) -> tuple[Motion, Motion, dict[str, float]]:
-        """Return the motion as run, the motion before scaling and tilting, and the measures of the motion as run."""
+        """Return the motion as run, the motion before scaling and tilting, and the measures of the motion as run.
+
+        On a floor the measures are those of the ground, the two motions those of the floor.
+        """
         # the motion before scaling, and its measures
         which = int(values["motion"])
         shaking = self.motions[which]
@@ -293,9 +296,14 @@ class Study(NotebookRepr):
             if present == 0.0:
                 raise InputError(f"motion[{which + 1}]: {shaking.name} is still, it cannot be scaled to an {INTENSITY}")
             factor *= values[INTENSITY] / present
-        # scale, rotate in plan, tilt, add loads
-        size = abs(factor)
-        motion = tilted(base.scaled(factor).turned(given.get(DIRECTION, 0.0)), given.get("tilt", 0.0))
+        # scale, rotate in plan, tilt, add loads; a building, being linear, is solved once for all factors
+        size, direction = abs(factor), given.get(DIRECTION, 0.0)
+        if shaking.building is None:
+            motion = base.scaled(factor).turned(direction)
+        else:
+            base = _on_floor(self, which, shape, INTENSITY in values, direction)
+            motion = base.scaled(factor)
+        motion = tilted(motion, given.get("tilt", 0.0))
         motion = shaking.with_loads(motion, base, given.get(LOAD_SCALE))
         return motion, base, {name: size * value for name, value in measures.items()}
 
@@ -466,6 +474,14 @@ def _base(
     given = study.measure
     measures = (given if given is not None and given.name == name else Measure(name) for name in study.measured)
     return made, {measure.name: measure.of(made) for measure in measures}
+
+
+@lru_cache(maxsize=16)
+def _on_floor(
+    study: Study, motion: int, numbers: tuple[tuple[str, float], ...], unit: bool, direction: float
+) -> Motion:
+    """Return `_base` turned in plan, as the floor of its building moves under it."""
+    return study.motions[motion].of_floor(_base(study, motion, numbers, unit)[0].turned(direction))
 
 
 def _thinned(values: tuple[float, ...]) -> tuple[float, ...]:

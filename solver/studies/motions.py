@@ -16,6 +16,7 @@ from ..common.digits import percent
 from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_number, shown
 from ..common.ranges import check_choice, check_keys
 from ..ground import wavelets
+from ..ground.building import Building, floor_motion
 from ..ground.intensity import pgv, spectrum
 from ..ground.loads import loads_by_port, loads_from
 from ..ground.motion import STANDARD_GRAVITY, Motion
@@ -71,6 +72,7 @@ FORMULAS = {
 OF_MOTION = "motion."  # prefix of the names of their numbers in a study
 WHOLE = ("seed",)
 _OF_RECORDS = ("record", "vertical", "across", "dt", "units", "channel", "vertical_channel")
+ON_FLOOR = ("building", "floor")  # of every motion: that of a floor of a building, whose file is named
 # numbers of every motion: factor; tilt of the base (rad, clockwise positive); for structures also the direction in plan
 # (rad, from x to y) and a factor on the loads on their ports
 LOAD_SCALE, DIRECTION = "load_scale", "direction"
@@ -159,6 +161,8 @@ class Shaking:
         The record, None for a formula.
     loads
         Loads on ports of structures, as in `simulate`.
+    building, floor
+        The building and the floor on which the model stands; None and 0 on the ground.
     """
 
     name: str
@@ -166,6 +170,8 @@ class Shaking:
     numbers: Mapping[str, float] = field(default_factory=dict)
     record: Motion | None = None
     loads: Mapping[str, Any] = field(default_factory=dict)
+    building: Building | None = None
+    floor: int = 0
 
     @classmethod
     def from_table(cls, key: str, table: Mapping[str, Any], folder: Path) -> Shaking:
@@ -182,7 +188,7 @@ class Shaking:
             raise InputError(f"{key}.name = {shown(name)}: must be a text")
         # keys, numbers, record and loads
         numbers = cls.numbers_of(formula)
-        known = ("name", "load", "formula", *numbers) if formula else ("name", "load", *_OF_RECORDS, *numbers)
+        known = ("name", "load", *ON_FLOOR, *(("formula",) if formula else _OF_RECORDS), *numbers)
         check_keys(f"{key}.", table, known)
         given = {
             item: check_number(f"{key}.{item}", table[item], FINITE, "a number") for item in numbers & table.keys()
@@ -193,7 +199,7 @@ class Shaking:
         if not isinstance(loads, Mapping):
             raise InputError(f'{key}.load = {shown(loads)}: must be a table, as {{ "roof.Fx" = 1000.0 }}')
         shown_as = shown_as if name is None else name
-        return cls(shown_as, formula, given, record, loads_by_port(loads, folder))
+        return cls(shown_as, formula, given, record, loads_by_port(loads, folder), *_on_floor(key, table, folder))
 
     def check_in_plane(self, key: str) -> None:
         """Raise InputError, with `key`, for a motion that leaves the plane of a column."""
@@ -265,9 +271,15 @@ class Shaking:
                 numbers[name] = int(numbers[name])
         return formula.makes(**{name: numbers[name] for name in (*needed, *formula.optional) if name in numbers})
 
+    def of_floor(self, ground: Motion) -> Motion:
+        """Return the motion of the floor on which the model stands, from that of the ground. Raises InputError."""
+        return ground if self.building is None else floor_motion(ground, self.building, self.floor)
+
     def to_table(self) -> dict[str, Any]:
         """Return the values that distinguish this motion from others, for fingerprints and captions."""
         found = {"name": self.name, "formula": self.formula, **self.numbers}
+        if self.building is not None:
+            found |= {"building": self.building.to_dict(), "floor": self.floor}
         loads = loads_from(self.loads, 0.0, 1.0)
         if self.record is not None:
             loads = {**self.record.loads, **loads}
@@ -285,6 +297,20 @@ def _record(key: str, table: Mapping[str, Any], folder: Path) -> Motion:
     if "across" in table:
         motion = motion.with_across(read("across", "channel"))
     return motion.with_vertical(read("vertical", "vertical_channel")) if "vertical" in table else motion
+
+
+def _on_floor(key: str, table: Mapping[str, Any], folder: Path) -> tuple[Building | None, int]:
+    """Return the building and the floor that a table names; None and 0 for the ground. Raises InputError."""
+    given = [name for name in ON_FLOOR if name in table]
+    if not given:
+        return None, 0
+    if len(given) == 1:
+        raise InputError(f"{key}.{given[0]}: must be given with {', '.join(name for name in ON_FLOOR if name not in given)}")
+    path = table["building"]
+    if not isinstance(path, str):
+        raise InputError(f"{key}.building = {shown(path)}: must be the path of a file")
+    building = Building.from_toml(folder / path)
+    return building, building.checked(table["floor"], f"{key}.floor")
 
 
 def tilted(motion: Motion, angle: float) -> Motion:

@@ -59,6 +59,9 @@ def spectra_picture(check: Check) -> Figure:
     if len(found) > 1:
         which = "mean, which counts" if len(found) >= MEAN_FROM else "mean"
         axes.plot(PERIODS, np.mean(found, axis=0), color="black", linewidth=1.8, label=which)
+    if action.ground:
+        ground = [horizontal_psa(scaled.motion, PERIODS) / STANDARD_GRAVITY for scaled in action.ground]
+        axes.plot(PERIODS, np.mean(ground, axis=0), color="0.4", linestyle="-.", linewidth=1.4, label="ground, mean")
     if action.target is not None:
         target = action.target.psa(PERIODS) / STANDARD_GRAVITY
         axes.plot(PERIODS, target, color="black", linestyle="--", linewidth=1.6, label="target")
