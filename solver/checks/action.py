@@ -190,7 +190,7 @@ def _following(
 ) -> Action:
     """Return an action whose spectra follow the target: the given motions scaled, or artificial ones.
 
-    The default range of periods begins at `shortest` (s); `longest` (s) extends it, up to the end of the spectra of codes.
+    The default range of periods begins at `shortest` (s); `longest` (s) extends it, up to where spectra of codes end.
     """
     own = subject.period
     # range of periods that the motions must follow

@@ -72,8 +72,8 @@ class Building:
         return first, second
 
     def across(self) -> Building:
-        """Return the building with its axes x and y exchanged."""
-        return replace(self, along_x=self.along_y, along_y=self.along_x)
+        """Return the building with its axes x and y exchanged, NAME across."""
+        return replace(self, name=f"{self.name} across", along_x=self.along_y, along_y=self.along_x)
 
     def words(self, floor: int) -> str:
         """Return a floor in words, with the first period. Raises InputError if there is no such floor."""
@@ -100,7 +100,7 @@ class Building:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any], name: str = "the building") -> Building:
-        """Build it from the mapping that a TOML file holds; `name` is used where the table has none. Raises InputError."""
+        """Build it from the mapping that a TOML file holds, by default named `name`. Raises InputError."""
         check_keys("", data, ("building",))
         table = data.get("building")
         if not isinstance(table, Mapping):
@@ -227,10 +227,8 @@ def _sampled(motion: Motion) -> tuple[FloatArray, FloatArray]:
         return motion.time, np.stack([motion.ax, motion.ay, motion.az])
     time = lines_of(motion, "ax" if motion.amplitude else "ay").time
     wave = np.sin(2.0 * np.pi * motion.frequency * (time - motion.start))
-    rows = [
-        np.interp(time, motion.time, getattr(motion, key)) + motion.amplitude_of(key) * wave for key in ("ax", "ay", "az")
-    ]
-    return time, np.stack(rows)
+    flat = [np.interp(time, motion.time, samples) for samples in (motion.ax, motion.ay, motion.az)]
+    return time, np.stack(flat) + np.outer([motion.amplitude, motion.amplitude_y, 0.0], wave)
 
 
 def _with_tail(time: FloatArray, rows: FloatArray, tail: float, step: float) -> tuple[FloatArray, FloatArray]:

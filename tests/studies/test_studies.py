@@ -19,6 +19,7 @@ from scipy import stats
 from support.fmus import ROOT
 from support.study import TEXT, same, start
 
+from multiblock import Building, floor_motion
 from solver import Column, InputError, Motion, simulate
 from solver.ground.motion import STANDARD_GRAVITY
 from solver.models.column.numbers import column_with
@@ -515,3 +516,44 @@ def test_the_command(folder: Path) -> None:
     code, out, errors = ended("run", "study.toml", "--samples", 13)
     assert code == 2
     assert "holds another study" in errors
+
+
+# on a floor
+
+HALL = "[building]\nstoreys = 3\nperiod = 0.4\nalpha = 2.0\n"
+ON_FLOOR = 'formula = "ricker"\nbuilding = "hall.toml"\nfloor = 2\n'
+
+
+def test_motions_of_a_study_on_a_floor(folder: Path, study: Study) -> None:
+    (folder / "hall.toml").write_text(HALL, encoding="utf-8")
+    text = (folder / "study.toml").read_text(encoding="utf-8")
+    (folder / "study.toml").write_text(text.replace('formula = "ricker"\n', ON_FLOOR), encoding="utf-8")
+    upstairs = Study.from_toml(folder / "study.toml")
+    assert upstairs.fingerprint != study.fingerprint
+    hall = Building.from_toml(folder / "hall.toml")
+    for number in (0, 13):
+        (_, ground, length), _, measures = study.run(number)
+        (_, motion, duration), _, same_measures = upstairs.run(number)
+        wanted = floor_motion(ground, hall, 2)
+        np.testing.assert_allclose(motion.time, wanted.time, rtol=1e-14, atol=0.0)
+        np.testing.assert_allclose(motion.ax, wanted.ax, rtol=0.0, atol=1e-12)
+        assert measures == same_measures  # of the ground
+        assert duration == motion.duration > length
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ('building = "hall.toml"\n', r"motion\[1\]\.floor: missing, building and floor must"),
+        ("floor = 2\n", r"motion\[1\]\.building: missing, building and floor must"),
+        ('building = "hall.toml"\nfloor = 4\n', r"motion\[1\]\.floor = 4: must be a whole number from 0, the g"),
+        ('building = "none.toml"\nfloor = 2\n', r"none\.toml: No such file"),
+        ("building = 3\nfloor = 2\n", r"motion\[1\]\.building = 3: must be the path of a file"),
+    ],
+)
+def test_mistakes_about_a_floor(folder: Path, words: str, message: str) -> None:
+    (folder / "hall.toml").write_text(HALL, encoding="utf-8")
+    text = (folder / "study.toml").read_text(encoding="utf-8")
+    (folder / "study.toml").write_text(text.replace('formula = "ricker"\n', f'formula = "ricker"\n{words}'), "utf-8")
+    with pytest.raises(InputError, match=message):
+        Study.from_toml(folder / "study.toml")
