@@ -25,7 +25,6 @@ from ..common.tables import tables_in, vector_of
 from . import oscillator
 from .intensity import MOST_LINES, divided, lines_of
 from .motion import Motion
-from .records.columns import LEAD
 from .records.record import FloatArray
 
 PERIOD = (1e-3, 100.0), "a period in s, from 0.001 to 100"
@@ -37,6 +36,7 @@ MOST_MODES = 10  # of a beam
 RIGID = 0.02  # s: modes of shorter periods move with the ground
 PER_PERIOD = 20  # samples of a floor per period of its shortest mode; straight lines cut its crests by 1.2 % at most
 FADED, LONGEST_TAIL = 0.01, 60.0  # the motion goes on until all modes have decayed to that part, at most that long (s)
+DROP = 1e-3  # of an interval: the time in which the ground stops at its end
 USUAL_DAMPING = 0.05
 _OF_BEAM = ("name", "height", "storeys", "period", "period_y", "damping", "alpha", "alpha_y")
 _OF_MODES = ("name", "mode")
@@ -217,8 +217,9 @@ def floor_motion(motion: Motion, building: Building, floor: int) -> Motion:
             relative += mode.factors[floor - 1] * (absolute - row)
         row += relative
     ax, ay, az = ground
-    beside = {"amplitude": 0.0, "amplitude_y": 0.0, "frequency": 0.0}
-    return replace(motion, time=time, ax=ax, ay=ay, az=az, duration=float(time[-1] - time[0]), **beside)
+    duration = float(time[-1] - time[0])
+    made = replace(motion, amplitude=0.0, amplitude_y=0.0, frequency=0.0)
+    return replace(made, time=time, ax=ax, ay=ay, az=az, duration=duration)
 
 
 def _sampled(motion: Motion) -> tuple[FloatArray, FloatArray]:
@@ -232,9 +233,9 @@ def _sampled(motion: Motion) -> tuple[FloatArray, FloatArray]:
 
 
 def _with_tail(time: FloatArray, rows: FloatArray, tail: float, step: float) -> tuple[FloatArray, FloatArray]:
-    """Return instants and rows with a ground at rest after the end, to which it drops at once."""
-    end = float(time[-1])
-    drop = [end + max(LEAD * step, 16.0 * np.spacing(abs(end)))] if np.any(rows[:, -1]) else []
+    """Return instants and rows with a ground at rest after the end, which it reaches within `DROP`."""
+    end, last = float(time[-1]), float(time[-1] - time[-2])
+    drop = [end + DROP * min(step, last)] if np.any(rows[:, -1]) else []
     after = [*drop, end + tail]
     return np.append(time, after), np.hstack([rows, np.zeros((3, len(after)))])
 

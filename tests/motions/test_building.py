@@ -74,7 +74,7 @@ def test_free_vibration_after_the_end() -> None:
     assert moved.end == pytest.approx(0.5 + tail, rel=1e-12)
     # the ground stops at once; a whole period of the damped oscillator later the motion has faded by its decrement
     after = moved.time > 0.5
-    assert moved.ax[after][0] == pytest.approx(moved.ax[~after][-1] + 0.3, abs=1e-4)
+    assert moved.ax[after][0] == pytest.approx(moved.ax[~after][-1] + 0.3, abs=1e-3)
     later = 0.5 / np.sqrt(1.0 - 0.05**2)
     peaks = [
         np.max(np.abs(moved.ax[(0.5 + k * later < moved.time) & (moved.time < 0.5 + (k + 1) * later)])) for k in (0, 1)
