@@ -186,7 +186,8 @@ def test_a_floor_moves_as_the_building_under_it(folder: Path, capsys: pytest.Cap
     np.testing.assert_allclose(np.interp(wanted.time, moved.time, moved.ax), wanted.ax, atol=1e-9)
     out = capsys.readouterr().out
     assert "floor 2 of 2 of hall, first period 0.5 s; PGA of the ground" in out
-    assert main("simulate column.toml record.AT2 --building hall.toml --floor 1 --no-check --settle 0".split()) == 0
+    words = ["--building", "hall.toml", "--floor", "1", "--no-check", "--settle", "0"]
+    assert main(["simulate", "column.toml", "record.AT2", *words]) == 0
     assert "floor 1 of 2 of hall, first period 0.5 s; PGA of the ground" in capsys.readouterr().out
 
 
@@ -200,9 +201,7 @@ def test_a_floor_moves_as_the_building_under_it(folder: Path, capsys: pytest.Cap
         ("--building column.toml --floor 1", "column.toml: name: unknown key, must be one of building"),
     ],
 )
-def test_mistakes_about_a_floor(
-    folder: Path, capsys: pytest.CaptureFixture[str], words: str, message: str
-) -> None:
+def test_mistakes_about_a_floor(folder: Path, capsys: pytest.CaptureFixture[str], words: str, message: str) -> None:
     Path("hall.toml").write_text(BUILDING)
     for command in ("simulate column.toml record.AT2", "convert record.AT2 out.csv"):
         assert main([*command.split(), *words.split()]) == 2

@@ -11,7 +11,7 @@ from scipy.linalg import eigh
 from multiblock import Building, InputError, Motion, floor_motion, wavelets
 from solver.ground.building import LONGEST_TAIL, RIGID
 
-BEAM = {"storeys": 4, "period": 0.5, "alpha": 3.0}
+BEAM = Building.beam(storeys=4, period=0.5, alpha=3.0)
 ONE = {"building": {"mode": [{"period": 0.5, "damping": 0.05, "x": [1.3]}]}}
 FILE = """[building]
 name = "Town hall"
@@ -76,12 +76,11 @@ def test_free_vibration_after_the_end() -> None:
     after = moved.time > 0.5
     assert moved.ax[after][0] == pytest.approx(moved.ax[~after][-1] + 0.3, abs=1e-3)
     later = 0.5 / np.sqrt(1.0 - 0.05**2)
-    peaks = [
-        np.max(np.abs(moved.ax[(0.5 + k * later < moved.time) & (moved.time < 0.5 + (k + 1) * later)])) for k in (0, 1)
-    ]
-    assert peaks[1] / peaks[0] == pytest.approx(np.exp(-0.05 * 4.0 * np.pi * later), rel=2e-2)
+    t = np.linspace(0.51, 0.99, 40)
+    first, second = (np.interp(t + part, moved.time, moved.ax) for part in (0.0, later))
+    np.testing.assert_allclose(second, np.exp(-0.05 * 4.0 * np.pi * later) * first, atol=0.02 * np.max(np.abs(first)))
     undamped = Building.beam(1, 0.5, 3.0, damping=0.0)
-    assert floor_motion(wavelets.ricker(1.0, 1.0), undamped, 1).end == pytest.approx(2.0 + LONGEST_TAIL)
+    assert floor_motion(wavelets.ricker(1.0, 1.0), undamped, 1).end == pytest.approx(4.0 + LONGEST_TAIL)
 
 
 def test_a_shear_beam() -> None:
@@ -120,17 +119,17 @@ def test_a_shear_flexural_beam_against_rayleigh_and_ritz(alpha: float) -> None:
 
 
 def test_all_modes_together_move_a_floor_with_the_ground() -> None:
-    """Check that the sum of participation times shape tends to 1."""
+    """Check that the sum of participation times shape tends to 1, in the upper half with ten modes."""
     modes = Building.beam(40, 1.0, 5.0).along_x
     sums = np.sum([mode.factors for mode in modes], axis=0)
-    assert np.max(np.abs(sums[4:-4] - 1.0)) < 0.1
+    assert np.max(np.abs(sums[20:] - 1.0)) < 0.1
     assert [len(Building.beam(n, 1.0, 5.0).along_x) for n in (1, 3, 40)] == [1, 3, 10]
 
 
 def test_a_rigid_building_and_the_ground_floor_give_the_ground() -> None:
     ground = wavelets.ricker(3.0, 1.5)
     assert floor_motion(ground, Building.beam(3, 0.9 * RIGID, 2.0), 3) is ground
-    assert floor_motion(ground, Building.beam(**BEAM), 0) is ground
+    assert floor_motion(ground, BEAM, 0) is ground
 
 
 def test_a_slow_pulse_passes_unchanged() -> None:
@@ -170,14 +169,13 @@ def test_a_harmonic_is_sampled() -> None:
 
 
 def test_motions_that_are_refused() -> None:
-    building = Building.beam(**BEAM)
     with pytest.raises(InputError, match=r"motion: must be of straight lines between samples for a floor, they"):
-        floor_motion(Motion.from_samples(0.1, [1.0], hold=True), building, 1)
+        floor_motion(Motion.from_samples(0.1, [1.0], hold=True), BEAM, 1)
     with pytest.raises(InputError, match=r"samples on the floor, must be at most 1e\+06"):
-        floor_motion(Motion.from_samples(1e6, [0.0, 1.0]), building, 1)
+        floor_motion(Motion.from_samples(1e6, [0.0, 1.0]), BEAM, 1)
     for floor in (-1, 5, 1.0, True):
         with pytest.raises(InputError, match=r"floor = .*: must be a whole number from 0, the ground, to 4"):
-            floor_motion(wavelets.ricker(1.0, 1.0), building, floor)
+            floor_motion(wavelets.ricker(1.0, 1.0), BEAM, floor)  # type: ignore[arg-type]
 
 
 def test_a_file(tmp_path: Path) -> None:
