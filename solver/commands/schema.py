@@ -231,15 +231,17 @@ def structure_schema() -> Schema:
 
 def _motion() -> Schema:
     """Return the schema of a motion of a study: a formula with its numbers, or a record."""
-    shared, record = ("name", "load", "formula"), motions._OF_RECORDS
-    cases = {name: ((*shared, *sorted(motions.Shaking.numbers_of(name))), ()) for name in motions.FORMULAS}
-    numbers = sorted({key for keys, _ in cases.values() for key in keys} - {*shared})
+    shared, record = ("name", "load", *motions.ON_FLOOR), motions._OF_RECORDS
+    cases = {name: ((*shared, "formula", *sorted(motions.Shaking.numbers_of(name))), ()) for name in motions.FORMULAS}
+    numbers = sorted({key for keys, _ in cases.values() for key in keys} - {*shared, "formula"})
     forms: dict[str, Schema] = dict.fromkeys(numbers, NUMBER)
     forms |= {key: {"type": ["string", "number"]} for key in record}
     forms |= {"name": TEXT, "load": {"type": "object"}, "formula": one_of(cases), "record": TEXT}
+    forms |= {"building": TEXT, "floor": whole(0)}
     rules = by_word("formula", cases)
-    of_record = {"propertyNames": one_of((*shared[:2], *record, *motions.BESIDE))}
+    of_record = {"propertyNames": one_of((*shared, *record, *motions.BESIDE))}
     rules["allOf"].append({"if": {"required": ["record"]}, "then": of_record})
+    rules["dependentRequired"] = {"building": ["floor"], "floor": ["building"]}
     return table(forms, forms) | rules | {"oneOf": [{"required": ["record"]}, {"required": ["formula"]}]}
 
 

@@ -49,6 +49,7 @@ def test_examples_are_valid(path: Path) -> None:
         ("studies/casks.toml", '"least_gap"', '"gap"', "$.keep[2]"),
         ("studies/casks.toml", "samples = 60", "samples = 0", "$.samples"),
         ("studies/ida.toml", 'formula = "ricker"\n', 'formula = "ricker"\nmagnitude = 6.0\n', "$.motion[4]"),
+        ("studies/ida.toml", 'formula = "ricker"\n', 'formula = "ricker"\nfloor = 2\n', "$.motion[4]"),
         ("studies/ida.toml", "count = 20", "counts = 20", "$.grid.intensity"),
         ("studies/fragility.toml", 'distribution = "uniform"\n', "", "$.random.intensity"),
     ],
@@ -104,3 +105,9 @@ def test_the_command_prints_one_schema_or_all(capsys: pytest.CaptureFixture[str]
     assert json.loads(capsys.readouterr().out) == {kind: schema_of(kind) for kind in SCHEMAS}
     assert main(["schema", "bridge"]) == 2
     assert "invalid choice: 'bridge'" in capsys.readouterr().err
+
+
+def test_a_motion_of_a_floor_is_valid() -> None:
+    data = tomllib.loads((ROOT / "examples" / "studies" / "ida.toml").read_text(encoding="utf-8"))
+    data["motion"] = [motion | {"building": "hall.toml", "floor": 2} for motion in data["motion"]]
+    assert faults("study", data) == []
