@@ -114,6 +114,34 @@ def falls_sentence(word: str, names: Sequence[str], runs: Sequence[Any]) -> str:
     return f"The {word} as given falls {', '.join(fell[:MOST_NAMED])}{more}."
 
 
+def impacts_sentence(names: Sequence[str], runs: Sequence[Any]) -> str:
+    """Return the sentence on the neighbours that hit each other as given, the hardest hit first.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of the motions.
+    runs : sequence
+        Responses of a structure with neighbours as given, one per motion.
+    """
+    hits: dict[str, list[tuple[float, str]]] = {}
+    for name, run in zip(names, runs, strict=True):
+        for one in run.impacts:
+            if one.gap < 0.0:
+                first = "shorter than a row" if np.isnan(one.first) else f"first contact at {one.first:.4g} s"
+                hardest = f"{three_digits(1e-3 * one.force)} kN under {name}, {first}"
+                hits.setdefault(one.between, []).append((one.force, hardest))
+    if not hits:
+        return "As given no neighbours hit each other."
+    worst = sorted(hits.items(), key=lambda item: max(item[1]), reverse=True)
+    said = [
+        f"{between} under {len(found)} of {len(runs)} motions ({max(found)[1]})"
+        for between, found in worst[:MOST_NAMED]
+    ]
+    more = f", and {len(hits) - MOST_NAMED} more pairs" if len(hits) > MOST_NAMED else ""
+    return f"As given these neighbours hit each other: {', '.join(said)}{more}."
+
+
 def _named(names: Sequence[str], count: int) -> str:
     if len(names) <= MOST_NAMED:
         return " and ".join(names)

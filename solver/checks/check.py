@@ -28,6 +28,7 @@ from .answer import (
     components_sentence,
     cracked_sentence,
     falls_sentence,
+    impacts_sentence,
     margin_sentence,
     outcome_of,
     verdict_sentence,
@@ -165,6 +166,12 @@ class Check:
         """The sentence on when the model as given falls, and what of it; "" if it does not."""
         names = [scaled.name for scaled in self.action.motions]
         return falls_sentence(self.subject.model.kind.word, names, self.responses)
+
+    @property
+    def impacts_sentence(self) -> str:
+        """The sentence on the neighbours that hit each other as given; "" without neighbours."""
+        names = [scaled.name for scaled in self.action.motions]
+        return impacts_sentence(names, self.responses) if self.subject.neighbours else ""
 
     @property
     def margin_sentence(self) -> str:

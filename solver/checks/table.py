@@ -352,7 +352,7 @@ def _overlap(demands: Demands, limits: Limits) -> list[Row]:
 
 
 def _hits(demands: Demands, table: Table, verdicts: Verdicts, limits: Limits) -> list[Row]:
-    """Return the rows of neighbours: share of varied runs with a hit, least gap as given; empty without neighbours."""
+    """Return the rows of neighbours: share of varied runs with a hit; least gap and largest force as given."""
     names = demands.subject.neighbours
     if not names:
         return []
@@ -367,7 +367,13 @@ def _hits(demands: Demands, table: Table, verdicts: Verdicts, limits: Limits) ->
     gaps = np.array([run.peaks["gap"] for run in demands.responses])
     values, i = np.min(gaps, axis=1), int(np.argmin(np.min(gaps, axis=0)))
     note = "the least under any motion as given: what is left, or below 0 how deep they press on each other"
-    return [share, Row("gap that is left", float(np.min(gaps)), math.nan, MM, names[i], note, tuple(values.tolist()))]
+    left = Row("gap that is left", float(np.min(gaps)), math.nan, MM, names[i], note, tuple(values.tolist()))
+    # largest force as given
+    forces = np.array([run.peaks["hit"] for run in demands.responses])
+    values, i = np.max(forces, axis=1), int(np.argmax(np.max(forces, axis=0)))
+    note = "the largest under any motion as given; it grows with the stiffness of the contact"
+    force = Row("force between neighbours", float(np.max(forces)), math.nan, KN, names[i], note, tuple(values.tolist()))
+    return [share, left, force]
 
 
 def _cracks(demands: Demands) -> list[Row]:

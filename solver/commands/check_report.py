@@ -45,8 +45,8 @@ def check_lines(check: Check) -> list[str]:
     """Return the tables with their notes, the disagreement of methods, and the sentences of the answer."""
     lines = [f"{check.name}, first period {check.period:.4g} s", *_table(check.rows)]
     lines += ["by hand:", *_table(check.by_hand.rows), *check.agreement] if check.by_hand else [NOT_IN_SPACE]
-    falls = (check.falls_sentence,) if check.falls_sentence else ()
-    said = (check.answer, check.verdict, *falls, check.margin_sentence, *check.of_joints, *check.remarks)
+    events = (line for line in (check.falls_sentence, check.impacts_sentence) if line)
+    said = (check.answer, check.verdict, *events, check.margin_sentence, *check.of_joints, *check.remarks)
     return [*lines, *said, f"inputs {check.fingerprint[:16]}"]
 
 

@@ -43,6 +43,7 @@ def summary(response: SpatialResponse) -> str:
     moved = zip(structure.names, *(1e3 * peaks[name] for name in ("ux", "uy", "uz")), strict=True)
     lines += [f"{name[:14]:14s}  {x:14.5g} {y:10.5g} {z:10.5g}" for name, x, y, z in moved][:MOST_LINES]
     lines += [f"... {structure.n - MOST_LINES} more blocks"] if structure.n > MOST_LINES else []
+    lines.append(_envelope(response))
     # joints, ties and bearings
     lines.append("joint           peak N (kN)  least contact  pressure (MPa)  slip (mm)")
     columns = 1e-3 * peaks["N"], peaks["contact"], 1e-6 * peaks["sigma_max"], 1e3 * peaks["slip"]
@@ -60,7 +61,8 @@ def summary(response: SpatialResponse) -> str:
             for k, (name, joint, most) in enumerate(moved)
             if joint.bearing is not None
         ][:MOST_LINES]
-    # cracks, verdict and accuracy
+    # neighbours, cracks, verdict and accuracy
+    lines += _neighbours(response)
     lines += cracks(structure.bond_names, peaks["bond"])
     lines.append(verdict_line(response))
     if response.estimated_error is not None and response.horizon is not None:
@@ -70,3 +72,22 @@ def summary(response: SpatialResponse) -> str:
         lines += ensemble_lines(response.ensemble, structure.names, "u", MOST_LINES)
     lines.append(f"{stats['steps']} steps in {stats['wall_time']:.2f} s")
     return "\n".join(lines)
+
+
+def _envelope(response: SpatialResponse) -> str:
+    """Return the line on the envelope of the centroids in plan, and on the one that moves farthest."""
+    ends = [f"{1e3 * np.min(moved):.4g} to {1e3 * np.max(moved):.4g} mm" for moved in (response.ux, response.uy)]
+    far = np.hypot(response.ux, response.uy)
+    row, block = np.unravel_index(int(np.argmax(far)), far.shape)
+    most = f"{response.model.names[block]} by {1e3 * far[row, block]:.4g} mm at {response.time[row]:.4g} s"
+    return f"envelope of the centroids: x {ends[0]}, y {ends[1]}; farthest {most}"
+
+
+def _neighbours(response: SpatialResponse) -> list[str]:
+    """Return a table of the neighbours in the order of their first contacts; no line without neighbours."""
+    found = [one.texts for one in response.impacts]
+    lines = ["neighbours               least gap (mm)  largest force (kN)  first contact (s)"]
+    lines += [f"{names[:24]:24s} {gap:>14s} {force:>19s} {first:>18s}" for names, gap, force, first in found]
+    if len(found) > MOST_LINES:
+        lines[1 + MOST_LINES :] = [f"... {len(found) - MOST_LINES} more pairs"]
+    return lines if found else []

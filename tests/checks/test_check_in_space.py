@@ -32,7 +32,9 @@ from solver.checks.scaling import horizontal_pga, horizontal_psa, scaled_to_pga,
 from solver.checks.subject import subject_of
 from solver.checks.table import Row
 from solver.checks.verdicts import falls, verdicts_of
+from solver.commands.check_report import check_lines
 from solver.commands.command_line import main
+from solver.common.digits import three_digits
 from solver.models.protocol import SETTLE, WORDS
 from solver.models.structure.blocks.faces import Face
 from solver.models.structure.blocks.shapes import rectangle
@@ -179,6 +181,19 @@ def test_hits_of_neighbours_and_the_gap_that_is_left() -> None:
     run = made.responses[0]
     assert gap.values[0] == run.peaks["gap"][0] == pytest.approx(np.min(run.gap), abs=1e-5)
     assert "overlap of blocks" in [one.name for one in made.rows]
+    # forces by pair, and the sentence of both
+    force = row(made, "force between neighbours")
+    assert (force.where, force.values[0], force.passes) == ("low-high", 0.0, None)
+    (weak,), (strong,) = (run.impacts for run in made.responses)
+    assert (weak.between, weak.gap, weak.force, math.isnan(weak.first)) == ("low-high", gap.values[0], 0.0, True)
+    hard = made.responses[1]
+    assert (strong.gap, strong.force) == (gap.demand, force.demand)
+    assert strong.first == hard.time[np.flatnonzero(hard.hit[:, 0])[0]]
+    assert made.impacts_sentence == (
+        f"As given these neighbours hit each other: low-high under 1 of 2 motions "
+        f"({three_digits(1e-3 * force.demand)} kN under strong, first contact at {strong.first:.4g} s)."
+    )
+    assert made.impacts_sentence in check_lines(made)
     limited = check(structure, motions, plan=replace(QUICK, limits=Limits(hits=0.0)))
     assert row(limited, "hits its neighbour").passes is False
     assert limited.answer == "FAILS by: hits its neighbour."

@@ -156,6 +156,9 @@ def _structure(structure: Structure, check: Check, run: SpatialResponse) -> Mode
         laws = [(name, structure.joints[j].bed) for name, j in zip(structure.bond_names, structure.bonds, strict=True)]
         rows = [(name, *_strengths(law)) for name, law in laws]
         sheets.append(Sheet(_MORTAR, _merged(rows), 1))
+    if run.impacts:
+        headings = ("neighbours, governing case", "least gap (mm)", "largest force (kN)", "first contact (s)")
+        sheets.append(Sheet(headings, [one.texts for one in run.impacts], 1))
     if structure.ties:
         headings = ("tie", "between", "stiffness (MN/m)", "yield (kN)")
         names = (*structure.names, "base")

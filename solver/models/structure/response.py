@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -33,6 +34,22 @@ class Moved(NamedTuple):
 
     velocity: FloatArray
     energy: FloatArray
+
+
+class Impact(NamedTuple):
+    """The contact of two neighbours in a run."""
+
+    between: str  # their names, as in `contact_names`
+    gap: float  # m, the least; below 0 they press on each other
+    force: float  # N, the largest across
+    first: float  # s, of the first row with a force; NaN without one
+
+    @property
+    def texts(self) -> tuple[str, str, str, str]:
+        """The names, the gap in mm, the force in kN and the time of the first contact in s as texts."""
+        missed = "between two rows" if self.force else "none"
+        first = missed if math.isnan(self.first) else f"{self.first:.4g}"
+        return self.between, f"{1e3 * self.gap:.4g}", f"{1e-3 * self.force:.4g}", first
 
 
 @dataclass(eq=False, repr=False)
@@ -117,6 +134,19 @@ class SpatialResponse(StructureHistories, Result):
         Shape (rows,). Raises SolverError, as velocity.
         """
         return self._moved.energy
+
+    @cached_property
+    def impacts(self) -> tuple[Impact, ...]:
+        """The contacts of neighbours, one for each two bodies, in the order in which they first touch."""
+        found: dict[str, Impact] = {}
+        peaks = zip(self.model.contact_names, self.peaks["gap"].tolist(), self.peaks["hit"].tolist(), strict=True)
+        for k, (name, gap, force) in enumerate(peaks):
+            pressed = self.time[self.hit[:, k] > 0.0]
+            one = Impact(name, gap, force, float(pressed[0]) if len(pressed) else math.nan)
+            other = found.get(name, one)  # two bodies may meet with several sides
+            first = float(np.fmin(one.first, other.first))
+            found[name] = Impact(name, min(one.gap, other.gap), max(one.force, other.force), first)
+        return tuple(sorted(found.values(), key=lambda one: (np.nan_to_num(one.first, nan=math.inf), one.gap)))
 
     @cached_property
     def overlap(self) -> Overlap:

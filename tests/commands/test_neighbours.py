@@ -1,0 +1,54 @@
+"""Neighbours in the summary of `simulate`: least gaps, forces and first contacts by pair, and the envelope."""
+
+import math
+
+import numpy as np
+import pytest
+
+from multiblock import Motion, Structure, simulate
+from solver.commands.structure import summary
+from solver.models.structure.response import SpatialResponse
+
+CASK = {"on": "base", "shape": "drum", "diameter": 1.0, "height": 3.0, "density": 2000.0}
+PLACES = {"first": 0.0, "second": 1.05, "far": 2.9}
+
+
+@pytest.fixture(scope="module")
+def run() -> SpatialResponse:
+    """Shake three casks, of which the first two hit each other and the third stands too far away."""
+    blocks = [{**CASK, "name": name, "at": [at, 0.0]} for name, at in PLACES.items()]
+    blocks[0]["height"] = 2.0
+    law = {"stiffness": 1e9, "damping": 3e-3, "friction": 0.6}
+    meet = {"reach": 1.0, "line_stiffness": 1e8, "restitution": 0.4, "friction": 0.3}
+    made = Structure.from_dict({"name": "row", "joints": law, "neighbours": meet, "block": blocks})
+    return simulate(made, Motion.harmonic(3.6, 0.8, 1.5), check=False)
+
+
+def test_impacts_are_in_the_order_of_first_contact(run: SpatialResponse) -> None:
+    assert [one.between for one in run.impacts] == ["first-second", "second-far"]
+    hit, missed = run.impacts
+    assert hit.gap == run.peaks["gap"][0] < 0.0 < hit.force == run.peaks["hit"][0]
+    assert hit.first == run.time[np.argmax(run.hit[:, 0] > 0.0)]
+    assert missed.gap > 0.0 == missed.force
+    assert math.isnan(missed.first)
+    assert missed.texts[2:] == ("0", "none")
+
+
+def test_the_summary_has_gaps_forces_and_the_envelope(run: SpatialResponse) -> None:
+    lines = summary(run).splitlines()
+    heading = next(k for k, line in enumerate(lines) if line.startswith("neighbours "))
+    for line, one in zip(lines[heading + 1 : heading + 3], run.impacts, strict=True):
+        assert tuple(line.split()) == one.texts
+    envelope = next(line for line in lines if line.startswith("envelope of the centroids: "))
+    assert f"x {1e3 * run.ux.min():.4g} to {1e3 * run.ux.max():.4g} mm" in envelope
+    block = int(np.argmax(run.peaks["u"]))
+    assert f"farthest {run.model.names[block]} by {1e3 * run.peaks['u'][block]:.4g} mm at" in envelope
+
+
+def test_without_neighbours_there_is_no_table() -> None:
+    alone = Structure.from_dict(
+        {"name": "alone", "joints": {"stiffness": 1e9, "damping": 3e-3}, "block": [{**CASK, "name": "one"}]}
+    )
+    response = simulate(alone, Motion.harmonic(1.0, 1.0, 0.5), settle=0.0, check=False)
+    assert response.impacts == ()
+    assert "neighbours" not in summary(response)
