@@ -78,10 +78,16 @@ class Hazard:
         InputError
             If there are fewer points, a number is not positive, or the rate does not fall as the intensity grows.
         """
-        points = np.array([intensity, rate], dtype=np.float64)
-        if points.shape[1] < 2 or not np.all((points > 0.0) & np.isfinite(points)):
+        s, h = (np.array(values, dtype=np.float64) for values in (intensity, rate))
+        if (
+            s.ndim != 1
+            or s.shape != h.shape
+            or len(s) < 2
+            or not all(np.all((a > 0.0) & np.isfinite(a)) for a in (s, h))
+        ):
             raise InputError("hazard: must have at least two points, of positive intensities and rates")
-        s, h = points[:, np.argsort(points[0], kind="stable")]
+        order = np.argsort(s, kind="stable")
+        s, h = s[order], h[order]
         wrong = (np.diff(s) == 0.0) | (np.diff(h) > 0.0)
         wrong[-1] |= h[-1] == h[-2]
         if np.any(wrong):
@@ -100,7 +106,10 @@ class Hazard:
         """
         with reading(path):
             lines = content_of(path, MOST_RECORD).decode("utf-8-sig").splitlines()
-            rows = [[cell.strip() for cell in row] for row in csv.reader(lines) if row]
+            try:
+                rows = [[cell.strip() for cell in row] for row in csv.reader(lines) if row]
+            except csv.Error as error:
+                raise InputError(str(error)) from None
             if not rows or any(len(row) != 2 for row in rows):
                 raise InputError("must have two columns with a header: an intensity, and rate or return_period")
             (first, second), *rest = rows

@@ -156,6 +156,7 @@ def test_tables_are_read(tmp_path: Path) -> None:
     [
         ("", "must have two columns"),
         ("pga,rate,more\n1,2,3\n", "must have two columns"),
+        ("1" * 200_000, "field larger than field limit"),
         ("pga,rate\n0.1\n", "must have two columns"),
         ("pga,poe\n0.1,0.1\n0.2,0.05\n", "column 2 = 'poe': must be rate"),
         ("acceleration,rate\n0.1,0.1\n0.2,0.05\n", "column 1 = 'acceleration': must be pga, pgv or sa"),
@@ -189,6 +190,8 @@ def test_other_measures_are_refused(tmp_path: Path) -> None:
         risk(curve(0.5, 0.4), Hazard.power_law("pgv", 2.0, 0.15, 475.0))
     with pytest.raises(InputError, match="years = 0"):
         risk(curve(0.5, 0.4), Hazard.power_law("pga", 2.0, 0.15, 475.0), 0.0)
+    with pytest.raises(InputError, match="at least two points"):
+        Hazard.from_table("pga", [0.1, 0.2], [0.1])
     with pytest.raises(InputError, match="slope = -1"):
         Hazard.power_law("pga", -1.0, 0.15, 475.0)
     path = tmp_path / "hazard.csv"
