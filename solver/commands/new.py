@@ -22,7 +22,7 @@ from ..statics.rocking import column_damping_on_edge, critical_damping, restitut
 from .command_files import add_force, check_suffix
 from .new_contacts import asked_contact, strips_of
 from .new_mesh import new_from_mesh
-from .new_structures import BUILT, Built, Law, bounce_damping, origin_of_stiffness, structure_text
+from .new_structures import BUILT, AskedLaw, Built, bounce_damping, origin_of_stiffness, structure_text
 from .questions import HEIGHT, SIZE, Limits, Question, answer_to, choice, number, parsed
 
 T = TypeVar("T")
@@ -180,7 +180,7 @@ def _new(options: argparse.Namespace) -> None:
     # contact, damping and friction of the joints
     width = BUILT[shape].face(asked) if shape in BUILT else min(_least_size(block) for block in blocks)
     touching = asked_contact(width, MATERIALS[material].has_joints, stands_alone=shape == "statue")
-    trial = Law(material, DAMPING, touching)
+    trial = AskedLaw(material, DAMPING, touching)
     built = structure_text(name, BUILT[shape], asked, trial) if shape in BUILT else ""
     damping = _asked_damping(blocks, trial, built)
     friction = choice("joints may slide", {"yes": "by friction", "no": "they never slide"}, "no") == "yes"
@@ -188,7 +188,7 @@ def _new(options: argparse.Namespace) -> None:
     if friction:
         force = ((0.0, 1e9), "a force in kN, zero or positive")
         dowel = number(Question("shear that dowels bear in each joint (kN), 0 without", 0.0, force, 1e3))
-    law = Law(material, damping, touching, friction, dowel)
+    law = AskedLaw(material, damping, touching, friction, dowel)
     # text of the file, validated before it is written
     if shape in BUILT:
         text = structure_text(name, BUILT[shape], asked, law)
@@ -207,14 +207,14 @@ def _least_size(block: dict[str, float]) -> float:
     return min(block[name] for name in names if name in block)
 
 
-def _asked_damping(blocks: Sequence[dict[str, float]], law: Law, built: str) -> float:
+def _asked_damping(blocks: Sequence[dict[str, float]], law: AskedLaw, built: str) -> float:
     """Ask for the damping, s; the proposal is the critical damping of the rocking part, computed with its joint.
 
     Parameters
     ----------
     blocks : sequence of dict
         Blocks of a column; empty for a structure.
-    law : Law
+    law : AskedLaw
         With another damping.
     built : str
         Text of a structure with another damping; empty for a column.
@@ -260,7 +260,7 @@ def _structure_lines(data: dict[str, Any], path: Path) -> list[str]:
     ]
 
 
-def column_text(name: str, what: str, blocks: Sequence[dict[str, float]], law: Law) -> str:
+def column_text(name: str, what: str, blocks: Sequence[dict[str, float]], law: AskedLaw) -> str:
     """Return the text of a column file, with comments; `Column.from_toml` validates it later.
 
     Parameters
@@ -270,7 +270,7 @@ def column_text(name: str, what: str, blocks: Sequence[dict[str, float]], law: L
         Description, for the first comment.
     blocks : sequence of dict
         Keys of the blocks from the top down, without joint and density.
-    law : Law
+    law : AskedLaw
     """
     found = law.found
     lines = [

@@ -21,7 +21,7 @@ COUNTS: Limits = ((1.0, 100.0), "a whole number from 1 to 100")
 SEVERAL: Limits = ((2.0, 100.0), "a whole number from 2 to 100")
 
 
-class Law(NamedTuple):
+class AskedLaw(NamedTuple):
     """The material of the blocks of a new file, and the answers on its joints."""
 
     material: str  # a name in MATERIALS
@@ -164,7 +164,7 @@ def bounce_damping(structure: Structure) -> float:
     return float(f"{np.median(2.0 * np.sqrt(masses[beds > 0.0] / beds[beds > 0.0])):.2g}")
 
 
-def structure_text(name: str, built: Built, asked: Asked, law: Law) -> str:
+def structure_text(name: str, built: Built, asked: Asked, law: AskedLaw) -> str:
     """Return the text of the file of a structure with these answers in SI units, with comments. Raises InputError."""
     found = law.found
     why = origin_of_stiffness(found)
