@@ -31,7 +31,7 @@ from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext import numbers
 from solver.kernels.numba_ext.jit import from_python, kernel
 from solver.kernels.numba_ext.lanes import WIDTH
-from solver.kernels.numba_ext.views import LayoutPart, Record, Space, Table, lanes_of, row_of
+from solver.kernels.numba_ext.views import FieldTable, LayoutPart, Record, Space, lanes_of, row_of
 from solver.models.column.lanes import aligned
 from solver.models.column.packing import pack_model
 from solver.models.column.stepper import Stepper
@@ -175,7 +175,7 @@ def _definitions() -> list[str]:
     def place(name: str, part: LayoutPart) -> None:
         if isinstance(part, Record):
             found.update({f"{name}_{field}": k for k, field in enumerate(part.fields)})
-        elif isinstance(part, Table):
+        elif isinstance(part, FieldTable):
             found.update({f"{name}_{field}(n)": f"({k}*(n))" for k, field in enumerate(part.fields)})
         elif isinstance(part, Space):
             per_n = beside = 0

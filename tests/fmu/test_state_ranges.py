@@ -16,7 +16,7 @@ from fmu_src.native.structure_subject import structure_subject
 from fmu_src.slave import ARRAYS
 from fmu_src.state import Snapshot
 from solver.kernels.layout import spaces as plane
-from solver.kernels.numba_ext.views import LayoutPart, Numbers, Record, Space, Table
+from solver.kernels.numba_ext.views import FieldTable, LayoutPart, Numbers, Record, Space
 from solver.kernels.structure import layout as space
 
 COLUMNS = [(n, ports) for n in (1, 3) for ports in (0, 2)]
@@ -27,7 +27,7 @@ def names(part: LayoutPart) -> list[str]:
     """Return the names of the numbers of a layout, as deep as there are names, in their order."""
     if isinstance(part, Numbers):
         return [""]
-    if isinstance(part, (Record, Table)):
+    if isinstance(part, (Record, FieldTable)):
         return list(part.fields)
     assert isinstance(part, Space)
     return [f"{name}.{inner}".rstrip(".") for name, own in part.parts.items() for inner in names(own)]

@@ -14,7 +14,7 @@ from solver.kernels.machine.entry import entries_of
 from solver.kernels.machine.groups import GROUPS
 from solver.kernels.machine.making import kept_code, made
 from solver.kernels.numba_ext.jit import from_python
-from solver.kernels.numba_ext.views import Table, row_of
+from solver.kernels.numba_ext.views import FieldTable, row_of
 
 _phase = at.PHASE.over
 
@@ -59,4 +59,4 @@ def test_fields_together_are_the_same_numbers_in_kernels_and_in_python() -> None
 
 def test_only_neighbours_can_be_together() -> None:
     with pytest.raises(AssertionError, match="not neighbours"):
-        Table("a", "b", "c", together={"ends": ("a", "c")})
+        FieldTable("a", "b", "c", together={"ends": ("a", "c")})

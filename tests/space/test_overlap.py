@@ -19,7 +19,7 @@ from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.lanes import WIDTH
 from solver.kernels.numba_ext.views import lanes_of, row_of
 from solver.kernels.structure.bed import Plane
-from solver.kernels.structure.in_lanes import ALL, Queue, batch_over
+from solver.kernels.structure.in_lanes import ALL, SpatialQueue, batch_over
 from solver.kernels.structure.joint import bed_of_joint
 from solver.kernels.structure.layout import sizes_in
 from solver.models.column.lanes import aligned
@@ -50,7 +50,7 @@ def bed(structure: Structure, slips: Any, p: FloatArray, q: FloatArray) -> Float
 def beds_after(lanes, model, slips, p, q, found):
     """Return eight beds at once, as `bed_after` does."""
     row = row_of(model)
-    queue = Queue(0, row, row, row, row, row, row, row, row, row, row, 0, row, row)
+    queue = SpatialQueue(0, row, row, row, row, row, row, row, row, row, row, 0, row, row)
     scene = batch_over(sizes_in(row), lanes_of(lanes), queue).scene
     slid, p, q, into = lanes_of(slips), lanes_of(p), lanes_of(q), lanes_of(found)
     scene.slips.p1[0], scene.slips.p2[0], scene.slips.p3[0] = slid[0], slid[1], slid[2]

@@ -15,7 +15,7 @@ slips as coordinates, and where they may be bonded by mortar a third, with the b
 from typing import Any
 
 from ..numba_ext.jit import in_both
-from ..numba_ext.views import Numbers, Record, Space, Table
+from ..numba_ext.views import FieldTable, Numbers, Record, Space
 
 # --- short cuts, as stored in the settings
 ELASTIC = 1  # modes instead of joints while all of these are in full contact
@@ -60,7 +60,7 @@ LAW = (
     "damping",  # s
 )
 OTHER_LAW: tuple[str, ...] = LAW[2:]  # if one of these is not 0, the law is not the linear one
-BLOCKS = Table(
+BLOCKS = FieldTable(
     "height",  # m
     "centroid",  # m above the bottom face
     "upper",  # m, from the centroid to the top face
@@ -130,7 +130,7 @@ INTERPOLATION_PART = 5.0  # tolerances of a step that it may miss: these errors 
 # --- state
 # In either part of a phase a rate stands 2 n numbers behind its coordinate, so that the same sums serve both parts:
 # `coordinates[i]`, `rates[i]` and `accelerations[i]` belong to the coordinate at place i, for a slip one from 6 n on.
-PHASE = Table(
+PHASE = FieldTable(
     *("theta", "opening", "theta_rate", "opening_rate", "theta_acceleration", "opening_acceleration"),
     "slip",  # m, of the upper face of the joint along its tangent
     "friction_work",  # J, that friction has taken out
@@ -153,7 +153,7 @@ PHASE = Table(
 RIGID_FIELDS = 6  # of the first part
 PHASE_FIELDS = 12  # of the first two: those of a column without mortar
 # all outputs of a column at one instant (ROW below), and T / N
-OUTPUTS = Table("ux", "uz", "theta", "N", "M", "S", "contact", "sigma_max", "T", "slip")
+OUTPUTS = FieldTable("ux", "uz", "theta", "N", "M", "S", "contact", "sigma_max", "T", "slip")
 REACTION = Record("Fx", "Fz", "My")  # of the base: N, N, N m; behind them outputs of the whole
 # largest absolute values so far; in the place of the contact the largest part of the width that was out of it, and
 # |T| / N where N is more than COUNTS_FROM of the weight that the joint carries at rest
@@ -264,10 +264,10 @@ SPLIT = Record("R0x", "R0z", "R0m", "mxx", "mxz", "mxt", "mzz", "mzt", "mtt")  #
 DRIVEN = Record("x", "z", "theta", "vx", "vz", "omega", "ax", "az", "alpha")
 
 # --- ports: points of blocks at which loads act (formulations/loads.py), and whose motion is seen
-PORTS = Table("body", "x", "z")  # number of the block; m, from its centroid along its axes as built
+PORTS = FieldTable("body", "x", "z")  # number of the block; m, from its centroid along its axes as built
 LOAD = ("fx", "fz", "my")  # N, N, N m
-SPOTS = Table("x", "z", "vx", "vz", "ax", "az")  # m, m/s, m/s2: their outputs, behind an output row
-PUSHES = Table(*LOAD)  # the loads at an instant, behind the work of a column
+SPOTS = FieldTable("x", "z", "vx", "vz", "ax", "az")  # m, m/s, m/s2: their outputs, behind an output row
+PUSHES = FieldTable(*LOAD)  # the loads at an instant, behind the work of a column
 
 
 def work_size(n: int, ports: int) -> int:
@@ -276,7 +276,7 @@ def work_size(n: int, ports: int) -> int:
 
 
 # --- work
-JOINTS = Table(
+JOINTS = FieldTable(
     "normal",  # N
     "moment",  # N m
     "length",  # m in contact
@@ -291,14 +291,14 @@ JOINTS = Table(
     "bonded_right",
 )
 # scratch of one evaluation, which names the rows
-ROOM = Table("a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n", "o")
-HOLD = Table(
+ROOM = FieldTable("a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n", "o")
+HOLD = FieldTable(
     "held",  # regime that the joint is held in; 0: any
     "regime",  # that it was last held in
     "outside",  # 1 if an evaluation found the joint outside it
     whole=True,
 )
-TOPS = Table("start_ux", "start_rate", "end_ux", "end_rate", "between_ux", "between_rate")  # of the top faces
+TOPS = FieldTable("start_ux", "start_rate", "end_ux", "end_rate", "between_ux", "between_rate")  # of the top faces
 PIECES = 4  # of a step that is searched for peaks
 TANGENT_FIELDS = 28  # of the implicit solution
 STAGES = 12  # the start of a step and the inner stages of a Runge-Kutta step

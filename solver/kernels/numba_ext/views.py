@@ -13,9 +13,9 @@ All are bare addresses: not reference-counted, without cost. A build of its own 
 Over eight columns at once (lanes.py) an element is eight neighbouring numbers, and the names give lanes; or, by
 `one_lane`, the numbers of one of the columns.
 
-`Record`, `Table`, `Numbers` and `Space` below describe the layout. `over(row, n)` lays the names over a row inside a
-kernel, `over_begin(row, n)` over one that ends before the last of them, `see(array, n)` over an array in Python: equal
-names in all.
+`Record`, `FieldTable`, `Numbers` and `Space` below describe the layout. `over(row, n)` lays the names over a row inside
+a kernel, `over_begin(row, n)` over one that ends before the last of them, `see(array, n)` over an array in Python:
+equal names in all.
 """
 
 from types import SimpleNamespace
@@ -31,11 +31,11 @@ else:
     clear = copy = lanes_of = numbers_of = one_lane = packs = packs_of = row_at = row_of = for_kernels
 
 __all__ = [
+    "FieldTable",
     "LayoutPart",
     "Numbers",
     "Record",
     "Space",
-    "Table",
     "clear",
     "copy",
     "lanes_of",
@@ -118,7 +118,7 @@ class Record(LayoutPart):
         return _RecordView(self.places, array)
 
 
-class Table(LayoutPart):
+class FieldTable(LayoutPart):
     """A table: fields of n numbers each, then fields of several times n numbers.
 
     Parameters

@@ -21,7 +21,7 @@ from ..layout import spaces as at
 from ..layout.spaces import NOT_CONVERGED, OK, ROTATES
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import greater, magnitude
-from ..numba_ext.views import Numbers, Space, Table
+from ..numba_ext.views import FieldTable, Numbers, Space
 
 MODEL = Space(**at.MODEL.parts, paper=Numbers())  # as `exact`; the empty part selects versions at compile time
 
@@ -40,7 +40,7 @@ def of_paper(column, *_):
     return is_paper(column.types[0])
 
 
-sweep_rows = Table(  # scratch of the sweeps, over the row of work.room
+sweep_rows = FieldTable(  # scratch of the sweeps, over the row of work.room
     "theta",  # rad
     "opening",  # m
     "horizontal",  # N, sum of m_j a_gj over the blocks above joint i: minus the shear (eq. 20)

@@ -43,7 +43,7 @@ from .layout import (
 from .modal import prepare
 from .stepping import advance
 from .turning import MOST_TURN, is_turned_across, rotation_at, stop_turning, turn_base
-from .watch import RATES, STAGE, Watch, row, seen
+from .watch import RATES, STAGE, SpatialWatch, row, seen
 
 # description of a structure: choices of the caller, then the model, then its state at rest
 GIVEN = Record("tolerance", "without", "damping_scale", "drive", "slope", "bodies", "turns")
@@ -262,7 +262,7 @@ def follow(model, state, counts, base, work, inputs, start, h, samples, visible)
     # the plane motion, if it is one
     scene.settings.in_plane = 1.0 if flat else 0.0
     # steps
-    state_row, nothing = phase.buffer, Watch(0, work, work, 0)
+    state_row, nothing = phase.buffer, SpatialWatch(0, work, work, 0)
     code = advance(scene, nothing, state_row, start, stop, int(min(most, bounded)) // STAGES)
     scene.settings.in_plane = 0.0  # valid in this step only
     return code_beyond if code == PAUSED else code

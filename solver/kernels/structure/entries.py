@@ -8,10 +8,10 @@ from ..numba_ext.views import lanes_of
 from . import driven
 from .cracking import settle_bonds
 from .evaluate import energy, evaluate, recall, settle_memory, show
-from .in_lanes import Queue, batch_over, follow_queue
+from .in_lanes import SpatialQueue, batch_over, follow_queue
 from .layout import PHASE, STATE, scene_of, sizes_in
 from .stepping import advance
-from .watch import Watch
+from .watch import SpatialWatch
 
 _phase, _state = PHASE.over, STATE.over
 
@@ -101,7 +101,7 @@ def run_structure(
     """
     scene, phase = see(model, state, counts, base, samples_over(times, ax, ay, az, scale, held, loads), work)
     # output rows
-    watch = Watch(at.size, at.row, rows.row, rows.size // max(1, at.size))
+    watch = SpatialWatch(at.size, at.row, rows.row, rows.size // max(1, at.size))
     return advance(scene, watch, phase, t, stop, most)
 
 
@@ -163,7 +163,7 @@ def run_structures_in_lanes(
     times: Reals, ax: Reals, ay: Reals, az: Reals, row_times: SizedReals, places: Reals, flag: Reals,
 ):  # fmt: skip
     """Run `in_lanes.follow_queue`; buffer: scratch space, eight numbers for each of one lane."""
-    queue = Queue(
+    queue = SpatialQueue(
         size, models, states, runs, outcomes, peaks, times, ax, ay, az, row_times.row, row_times.size, places, flag
     )
     follow_queue(batch_over(sizes_in(models), lanes_of(buffer), queue))

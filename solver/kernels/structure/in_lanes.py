@@ -14,7 +14,7 @@ from ..engine.samples import is_silent, no_samples, segment_from, unloaded
 from ..layout.spaces import SLACK
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import WIDTH, any_of, bits, greater, lane, lesser, magnitude, square_root, where
-from ..numba_ext.views import Record, Space, Table, clear, copy, one_lane
+from ..numba_ext.views import FieldTable, Record, Space, clear, copy, one_lane
 from .attempt import attempt_5, evaluate_at, rate
 from .bearing import raise_displacements
 from .cracking import crack, crack_within
@@ -40,7 +40,7 @@ from .watch import BETWEEN, BETWEEN_RATES, END, START, interpolate_body, row, se
 
 BETWEEN_LOOKS = 0.25  # s, between checks for rest on a still base
 FELL, RESTS, STOPPED, STEP_TOO_SMALL = 1.0, 2.0, 3.0, -1.0  # outcomes of a run
-PEAKS = Table("u", "ux", "uy", "uz")  # of blocks, m; u: of the horizontal displacement in any direction
+PEAKS = FieldTable("u", "ux", "uy", "uz")  # of blocks, m; u: of the horizontal displacement in any direction
 RUN = Record(
     *("start", "stop"),  # s, time interval of the run
     "first",  # index of the first sample of its record
@@ -78,7 +78,7 @@ _RUN, _OUTCOME, _PEAK = RUN.beside, OUTCOME.beside, PEAKS.per_n
 _OF_BLOCK, _OF_JOINT, _TX = len(OF_BLOCK), len(OF_JOINT), OF_JOINT.index("Tx")
 
 
-class Queue(NamedTuple):
+class SpatialQueue(NamedTuple):
     """The queue: rows of `size` runs and of their outcomes, and the samples of all their records.
 
     Once the number at `flag` is not zero, no more runs are started and those under way are abandoned.

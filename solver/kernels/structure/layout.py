@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from ..numba_ext.jit import in_both, leaf
 from ..numba_ext.lanes import LANES
-from ..numba_ext.views import Numbers, Record, Space, Table
+from ..numba_ext.views import FieldTable, Numbers, Record, Space
 
 
 class Sizes(NamedTuple):
@@ -52,7 +52,7 @@ SETTINGS = Record(
     *("drive", "slope", "bodies"),  # as of a column (layout/spaces.py)
     "turns",  # 1: inputs and bodies may turn the base too
 )
-BODIES = Table(
+BODIES = FieldTable(
     *("mass", "per_mass"),  # kg, 1/kg
     *("jxx", "jyy", "jzz", "jxy", "jxz", "jyz"),  # kg m2, inertia about the centroid, along the axes as built
     *("ixx", "iyy", "izz", "ixy", "ixz", "iyz"),  # 1/(kg m2), its inverse
@@ -61,7 +61,7 @@ BODIES = Table(
     "drop",  # m: a block this far below its place as built has fallen
 )
 POLYGON, ROUND, POINT = 0.0, 1.0, 2.0  # kinds of sections; a bearing is a point
-JOINTS = Table(
+JOINTS = FieldTable(
     *("upper", "lower"),  # numbers of the bodies A and B
     *("ax", "ay", "az", "bx", "by", "bz"),  # m, the centre of the joint from the centroids of A and B, as built
     *("e1x", "e1y", "e1z", "e2x", "e2y", "e2z", "e3x", "e3y", "e3z"),  # axes as built; e3 points from B to A
@@ -99,7 +99,7 @@ SHARED = Record("corners", "p1", "p2", "p3", "area", "x", "y", "xx", "yy", "xy")
 PER_CORNER = 4  # length of a row of SHARED over that of its two faces; its index is that multiple of theirs
 assert SHARED.beside <= PER_CORNER * 2 * FACE.beside
 OF_UPPER, OF_BOTH, OF_LOWER = -1.0, 0.0, 1.0  # owners of an edge; both if edges of two faces coincide
-TIES = Table(
+TIES = FieldTable(
     *("one", "other"),  # numbers of the bodies
     *("ax", "ay", "az", "bx", "by", "bz"),  # m, the ends from the centroids, as built
     *("stiffness", "damping"),  # N/m, N s/m
@@ -107,12 +107,12 @@ TIES = Table(
     "tension_only",
     "yields_at",  # N, infinite where it does not
 )
-PORTS = Table(
+PORTS = FieldTable(
     "body",  # number of the block
     *("x", "y", "z"),  # m, the point from the centroid, as built
 )
 DRUMS, PLANE, FACES = 0.0, 1.0, 2.0  # kinds of pairs: two drums, a drum and a plane face, two plane faces
-PAIRS = Table(
+PAIRS = FieldTable(
     *("one", "other"),  # numbers of the bodies
     "kind",  # DRUMS, PLANE or FACES
     *("ax", "ay", "az"),  # m, middle of the axis of the first drum, or of the first face, from its centroid, as built
@@ -130,11 +130,11 @@ PAIRS = Table(
     "decay",  # s, in which its damping stops the lighter of two blocks
     "reach",  # m, of the spheres about both blocks together
 )
-BONDS = Table(
+BONDS = FieldTable(
     "joint",  # number of the joint, a polygon
     *("strength", "cohesion"),  # Pa: tension, and force along it beside friction, at which it breaks
 )
-PHASE = Table(
+PHASE = FieldTable(
     *("ux", "uy", "uz"),  # m, displacement of the centroid
     *("q0", "q1", "q2", "q3"),  # rotation from the place as built, a unit quaternion
     *("vx", "vy", "vz"),  # m/s
@@ -143,9 +143,9 @@ PHASE = Table(
 )
 # a state is a phase and a memory: slips and twist of the sliders of joints, m, m, rad; then the plastic stretch of
 # each tie, m; then the stretches of pairs
-MEMORY = Table("p1", "p2", "p3")
+MEMORY = FieldTable("p1", "p2", "p3")
 # of each pair: elastic stretch of its friction, m, along the axes of the base; 1 while it touches
-STRETCH = Table("z1", "z2", "z3", "touches")
+STRETCH = FieldTable("z1", "z2", "z3", "touches")
 # the polygon of a bond, convex, followed by its corners. It shrinks between steps, and has no rate
 BONDED = Record("corners")
 MOST_BONDED = 128  # most corners of the polygon of a bond
@@ -192,19 +192,19 @@ DRIVEN = Record("x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az")
 DRIVEN_TURN = Record("theta_x", "theta_y", "omega_x", "omega_y", "alpha_x", "alpha_y")
 LOAD = ("fx", "fy", "fz", "mx", "my", "mz")  # N, N m, along the axes of the base, at a port
 # follows BASE: inputs at the ports at time t0, and their slopes, N/s, N m/s
-INPUT_LOADS = Table(*LOAD, *(f"d{name}" for name in LOAD))
+INPUT_LOADS = FieldTable(*LOAD, *(f"d{name}" for name in LOAD))
 # tables of an evaluation
-PUSHES = Table(*LOAD)  # zero outside of runs and outputs, unless a caller sets them
-SPOTS = Table(*("x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az"))  # m, m/s, m/s2, of ports relative to the base
+PUSHES = FieldTable(*LOAD)  # zero outside of runs and outputs, unless a caller sets them
+SPOTS = FieldTable(*("x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az"))  # m, m/s, m/s2, of ports relative to the base
 # rotation of the base: 1 if there is one; its quaternion, whose last number is 0; along its axes angular velocity,
 # rad/s, angular acceleration, rad/s2, and the change of base acceleration and gravity by the rotation, m/s2
 TURN = Record("turned", "q0", "q1", "q2", "wx", "wy", "wz", "bx", "by", "bz", "gx", "gy", "gz")
-POSES = Table(  # of n + 1 bodies
+POSES = FieldTable(  # of n + 1 bodies
     *("r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"),  # rotation less the identity
     *("wx", "wy", "wz"),  # rad/s, along the axes of the base
     *("fx", "fy", "fz", "mx", "my", "mz"),  # N, N m about the centroid, along the axes of the base
 )
-RESULTANTS = Table(  # of m joints, along the axes of the joint
+RESULTANTS = FieldTable(  # of m joints, along the axes of the joint
     *("normal", "g1", "g2", "g3"),  # N, N m: derivatives of the energy by the relative rotation
     *("t1", "t2"),  # N, on the upper block
     *("area", "pressure"),  # m2 loaded, Pa largest
@@ -212,14 +212,14 @@ RESULTANTS = Table(  # of m joints, along the axes of the joint
     *("z1", "z2", "z3"),  # their elastic parts
     *("edge_x", "edge_y", "edge_turn"),  # of two round faces after a slip: `disc_bed`
 )
-SOUND = Table(  # of bonds
+SOUND = FieldTable(  # of bonds
     *("area", "margin"),  # of an evaluation: m2; the part of what it bears along the joint that is left
     "held",  # 1 while it is as it was at the start of a step
     *("begins", "ends"),  # how far it is from breaking at both ends of a step (cracking.py)
 )
 # of pairs: force, N; energy, J; 1 while friction slides; 1 while the pair has forces
-HITS = Table("force", "energy", "slides", "bears")
-PULLS = Table("force", "stretch", "elastic")  # of k ties: N, m; the elastic part of the stretch
+HITS = FieldTable("force", "energy", "slides", "bears")
+PULLS = FieldTable("force", "stretch", "elastic")  # of k ties: N, m; the elastic part of the stretch
 STAGES = 13  # of a step of order 8, with its start and its end
 
 # --- an output row

@@ -5,7 +5,7 @@ from typing import NamedTuple
 from ..engine.modal_steps import Modal
 from ..layout.spaces import MODAL_LIMITS, MODE, RESPONSE_FIELDS, RESPONSE_HEADER, RESPONSES
 from ..numba_ext.jit import leaf
-from ..numba_ext.views import Numbers, Record, Space, Table
+from ..numba_ext.views import FieldTable, Numbers, Record, Space
 from .layout import EACH, MEMORY
 
 AXES = 6  # coordinates of a body: three displacements, three rotations
@@ -17,13 +17,13 @@ LIMITS = Record(
     *("cost", "flat_cost"),  # of a step over one by the explicit method
     "ready",  # 1: damping and limits are computed
 )
-COORDINATES = Table(
+COORDINATES = FieldTable(
     "place",  # index in a phase
     "rest",  # the number of the phase there, at rest
     "group",  # sizes of the groups
 )
-MOTION = Table("coordinates", "rates", "accelerations")  # of modes
-THREE = Table("first", "second", "third")  # generic names of the segments of MOTION
+MOTION = FieldTable("coordinates", "rates", "accelerations")  # of modes
+THREE = FieldTable("first", "second", "third")  # generic names of the segments of MOTION
 # `size` coordinates; remembered: memory of joints and ties at rest; taut: of ties, 1 if they pull at rest; shapes,
 # inverses: square matrices by rows, one for each group of coordinates
 _SIZES = "size", "remembered", "k", "matrices"

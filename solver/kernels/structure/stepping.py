@@ -374,7 +374,7 @@ def advance(scene, watch, state, t, stop, most):
     ----------
     scene : Scene
         The structure, under its base motion and loads.
-    watch : Watch
+    watch : SpatialWatch
         Output rows to fill.
     state : row
         State at t, replaced by the one reached. A structure that has fallen keeps its state.

@@ -34,7 +34,7 @@ BEYOND = 0.1  # of the change to the middle: how far such a force may still rise
 QUIET = 1e-3  # of the largest peak of a field: smaller peaks are found to a tolerance relative to this
 
 
-class Watch(NamedTuple):
+class SpatialWatch(NamedTuple):
     """The times, s, at which output rows are filled; if rows are wider (`wide`), the state follows each."""
 
     size: int

@@ -10,10 +10,10 @@ import numpy as np
 
 from solver.kernels.numba_ext.jit import from_python, kernel
 from solver.kernels.numba_ext.views import (
+    FieldTable,
     Numbers,
     Record,
     Space,
-    Table,
     clear,
     copy,
     lanes_of,
@@ -24,7 +24,7 @@ from solver.kernels.numba_ext.views import (
 from solver.kernels.structure.bed import Plane
 from solver.kernels.structure.cracking import _grows
 
-SPACE = Space(head=Record("first", "second"), table=Table("a", "b"), more=Numbers(per_n=2, beside=1))
+SPACE = Space(head=Record("first", "second"), table=FieldTable("a", "b"), more=Numbers(per_n=2, beside=1))
 _over, _over_begin = SPACE.over, SPACE.over_begin
 SIZE = 5 * 8  # numbers of the array, in lanes 5 elements; the space takes 15 of them
 

@@ -15,7 +15,7 @@ from ...layout.spaces import (
     WORK,
 )
 from ...numba_ext.jit import leaf
-from ...numba_ext.views import Numbers, Record, Space, Table
+from ...numba_ext.views import FieldTable, Numbers, Record, Space
 from ..joint.sliding import MARK
 from ..sections.section import RIMMED, ROUND, STRIPPED
 
@@ -70,7 +70,7 @@ def _knowing(space: Space, *names: str) -> Space:
     """Return a space for columns with joints other than rectangles, which the compiler recognizes by empty fields."""
     model = space.parts["model"]
     assert isinstance(model, Space)
-    blocks = Table(*BLOCKS.fields, strips=STRIP_NUMBERS, **dict.fromkeys(names, 0))  # type: ignore[arg-type]
+    blocks = FieldTable(*BLOCKS.fields, strips=STRIP_NUMBERS, **dict.fromkeys(names, 0))  # type: ignore[arg-type]
     return Space(**{**space.parts, "model": Space(**{**model.parts, "blocks": blocks})})
 
 

@@ -12,12 +12,12 @@ from typing import NamedTuple
 
 from ...numba_ext.jit import kernel, leaf
 from ...numba_ext.numbers import sine_cosine
-from ...numba_ext.views import Table
+from ...numba_ext.views import FieldTable
 from ..joint.law import joint_tangent, law_of, loaded_part
 from ..joint.sliding import opening_felt, opening_rate_felt, slip_of
 from ..sections.section import contact_of, strip_stiffness
 
-TANGENT = Table(
+TANGENT = FieldTable(
     # matrix that passes the force (couple, tangent, normal) on the part above through a block and its joint
     "pass_aa",
     "pass_at",

@@ -16,7 +16,7 @@ from ...engine.modal_steps import (
 from ...layout.modal import inverses_of, limits_of, modes_of, parts_of, shapes_of
 from ...layout.spaces import INTERPOLATION_PART, OK
 from ...numba_ext.jit import kernel, leaf
-from ...numba_ext.views import Table
+from ...numba_ext.views import FieldTable
 from ..formulations.base_motion import base_line, base_motion_beside, wave, wave_amplitude
 from ..formulations.dispatch import evaluate
 from ..formulations.slips import keep_slips, shear_margin, something_slides
@@ -27,7 +27,7 @@ from .stage import stage
 __all__ = ["OPENS", "ORDER", "attempt", "available", "forget", "longest_step", "suits"]
 CHANGES = 2.0  # the shear margin left at the end of a half step must be this many times its change over it
 
-_segments = Table(first=2, second=2, third=2).over_begin  # of 2 n numbers
+_segments = FieldTable(first=2, second=2, third=2).over_begin  # of 2 n numbers
 
 
 @leaf

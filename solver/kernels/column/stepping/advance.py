@@ -106,11 +106,13 @@ def _jump_into(column, t):
 
     The motion of the base after the jump is left as `moved_and_loaded` leaves it.
     """
+    # base acceleration and loads before the sample, then after it
     before, kept, loads = moved_and_loaded(column, t), scratch_of_ports(column), _COMPONENTS * ports_of(column)
     copy(kept, pushes_of(column), loads)
     enter(column.base, column.samples, t)
     modal.forget(column.work)
     now, pushes = moved_and_loaded(column, t), pushes_of(column)
+    # a jump of either, beyond rounding
     jump = max(abs(now.ax - before.ax), abs(now.az - before.az))
     found = not jump <= ROUNDING * max(abs(now.ax), abs(now.az))
     for i in range(loads):
@@ -138,7 +140,7 @@ def take_phase(column, motion, phase):
 # --- steps
 
 
-class Plan(NamedTuple):
+class StepPlan(NamedTuple):
     """The step to be attempted next."""
 
     method: int
@@ -150,7 +152,7 @@ class Plan(NamedTuple):
 def plan_modal(column, step, left):
     """Return the plan of a modal step of about `step` s, of which `left` s remain."""
     begin(column.work, False)
-    return Plan(MODES, shared(step, left), False)
+    return StepPlan(MODES, shared(step, left), False)
 
 
 @kernel
@@ -189,7 +191,7 @@ def plan_general(column, t, left):
     if can_slide(column.model):
         step = min(step, JUST_AFTER * begin_step(column, step))
     begin(column.work, traits.long)
-    return Plan(method, step, held)
+    return StepPlan(method, step, held)
 
 
 @kernel
@@ -200,7 +202,7 @@ def judge_step(column, plan, t, code, error):
     ----------
     column : Column
         The column after the attempt.
-    plan : Plan
+    plan : StepPlan
         The step.
     t : float
         Start of the step (s).
