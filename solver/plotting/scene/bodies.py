@@ -109,9 +109,10 @@ def has_parts(model: Any) -> bool:
 
 def walls_of(model: Any) -> tuple[SceneBody, ...]:
     """Return the walls that blocks of a structure may meet, clipped near the blocks; none of other models."""
-    if not isinstance(model, Structure):
+    neighbours = getattr(model, "neighbours", ())
+    faces = {pair.wall: pair.beside for pair in neighbours if pair.wall and isinstance(pair.beside, Face)}
+    if not faces:
         return ()
-    faces = {pair.wall: pair.beside for pair in model.neighbours if pair.wall and isinstance(pair.beside, Face)}
     corners = np.concatenate([block.corners for block in model.blocks])
     beyond = AROUND * float(np.max(np.ptp(corners, axis=0)))
     found = []
