@@ -183,9 +183,9 @@ def _new(options: argparse.Namespace) -> None:
     trial = AskedLaw(material, DAMPING, touching)
     built = structure_text(name, BUILT[shape], asked, trial) if shape in BUILT else ""
     damping = _asked_damping(blocks, trial, built)
-    friction = choice("joints may slide", {"yes": "by friction", "no": "they never slide"}, "no") == "yes"
-    dowel = 0.0
-    if friction:
+    friction, dowel = asked.get("friction", 0.0), 0.0
+    if not friction and choice("joints may slide", {"yes": "by friction", "no": "they never slide"}, "no") == "yes":
+        friction = MATERIALS[material].friction
         force = ((0.0, 1e9), "a force in kN, zero or positive")
         dowel = number(Question("shear that dowels bear in each joint (kN), 0 without", 0.0, force, 1e3))
     law = AskedLaw(material, damping, touching, friction, dowel)

@@ -1,10 +1,11 @@
-"""The structures that `new` asks about: columns under architraves, an arch, stacks side by side; and their files."""
+"""The structures that `new` asks about: architraves, an arch, stacks, casks; and their files."""
 
 from __future__ import annotations
 
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
+from string import ascii_uppercase
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +20,9 @@ Asked = Mapping[str, float]
 
 COUNTS: Limits = ((1.0, 100.0), "a whole number from 1 to 100")
 SEVERAL: Limits = ((2.0, 100.0), "a whole number from 2 to 100")
+MOST_CASKS = 200  # those of a square grid have fewer than 1000 pairs
+LINE_STIFFNESS = 1e9  # N/m2, along the line in which two casks touch: a choice (docs/neighbours.md)
+RESTITUTION = 0.5  # of two casks, a choice
 
 
 class AskedLaw(NamedTuple):
@@ -27,7 +31,7 @@ class AskedLaw(NamedTuple):
     material: str  # a name in MATERIALS
     damping: float  # s
     touching: Touching = EVERYWHERE  # the part of the faces in contact
-    friction: bool = False  # whether joints may slide
+    friction: float = 0.0  # coefficient; 0: joints never slide
     dowel: float = 0.0  # N, shear that each joint bears beside friction
 
     @property
@@ -44,7 +48,7 @@ class AskedLaw(NamedTuple):
                 f"rim = {rim:.6g}                 # m, faces touch in a band along their edges; left out: all over"
             )
         if self.friction:
-            lines.append(f"friction = {self.found.friction!r}         # coefficient; without it the joints never slide")
+            lines.append(f"friction = {self.friction!r}         # coefficient; without it the joints never slide")
         if self.dowel:
             lines.append(f"dowel = {self.dowel!r}            # N, shear borne beside friction")
         return lines
@@ -93,6 +97,37 @@ def _stacks(asked: Asked) -> dict[str, Any]:
     places = [[k * apart, 0.0] for k in range(int(asked["stacks"]))]
     shared: dict[str, Any] = {"repeat": int(asked["levels"]), "on": "base"}
     return {"block": [{"name": f"stack{k}", **shared, "at": at, **sizes} for k, at in enumerate(places, start=1)]}
+
+
+def _casks(asked: Asked) -> dict[str, Any]:
+    """Return equal casks in a grid on the ground, named by row and number: A1, A2, ..., B1.
+
+    Each may hit those beside it, also across the corner.
+    """
+    pitch = asked["diameter"] + asked["gap"]
+    cask = {"shape": "drum", "on": "base", **{key: asked[key] for key in ("diameter", "height", "mass")}}
+    law = {
+        "reach": 1.5 * pitch - asked["diameter"],
+        "line_stiffness": LINE_STIFFNESS,
+        "restitution": RESTITUTION,
+        "friction": asked["friction"],
+    }
+    blocks = [
+        {"name": f"{ascii_uppercase[row]}{number + 1}", **cask, "at": [number * pitch, row * pitch]}
+        for row in range(int(asked["rows"]))
+        for number in range(int(asked["columns"]))
+    ]
+    return {"neighbours": law, "block": blocks}
+
+
+def _columns(asked: Asked) -> Limits:
+    most = MOST_CASKS // int(asked["rows"])
+    return (1.0, float(most)), f"a whole number from 1 to {most}"
+
+
+def _mass_of_cask(asked: Asked) -> float:
+    """Return the mass of a solid cask, kg; three digits."""
+    return float(f"{asked['density'] * 0.25 * math.pi * asked['diameter'] ** 2 * asked['height']:.3g}")
 
 
 def _rises(asked: Asked) -> Limits:
@@ -144,6 +179,25 @@ BUILT = {
         lambda asked: asked["height"],
         lambda asked: min(asked["width"], asked["depth"]),
     ),
+    "casks": Built(
+        "equal round casks in a row or a grid, that may slide and hit each other",
+        {
+            "rows": Question("number of rows", 1, ((1.0, 26.0), "a whole number from 1 to 26")),
+            "columns": Question("number of casks in a row", 4, _columns),
+            "diameter": Question("diameter of a cask (m)", 2.4),
+            "height": Question("height of a cask (m)", 5.0),
+            "mass": Question("mass of a cask (kg)", _mass_of_cask, ((1.0, 1e7), "a mass in kg, from 1 to 1e7")),
+            "gap": Question("clear gap between two casks (m)", 0.5),
+            "friction": Question(
+                "coefficient of friction, on the ground and between casks",
+                0.4,
+                ((0.01, 2.0), "a coefficient of friction, from 0.01 to 2"),
+            ),
+        },
+        _casks,
+        lambda asked: asked["height"],
+        lambda asked: asked["diameter"],
+    ),
 }
 
 
@@ -181,6 +235,10 @@ def structure_text(name: str, built: Built, asked: Asked, law: AskedLaw) -> str:
     ]
     lines += law.lines
     for table, parts in built.parts(asked).items():
+        if isinstance(parts, Mapping):
+            lines += ["", f"[{table}]  # line_stiffness (N/m2) and restitution are choices: docs/neighbours.md"]
+            lines += [f"{key} = {_value(value)}" for key, value in parts.items()]
+            continue
         for part in parts:
             lines += ["", f"[[{table}]]", *(f"{key} = {_value(value)}" for key, value in part.items())]
     return "\n".join(lines) + "\n"

@@ -103,6 +103,23 @@ def test_empty_answers_make_a_structure_that_stands(
     assert rest_of(structure).row[6 * structure.n :][: len(structure.joints)].min() > 0.0  # all joints are pressed
 
 
+def test_casks_stand_apart_and_may_hit_each_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a.toml"
+    sizes = ("2", "3", "2", "4", "3e4", "0.25", "0.35")
+    assert ask(monkeypatch, path, "casks", "concrete", *sizes, "whole", "2e-3") == 0
+    found = Structure.from_toml(path)
+    assert found.names == ("A1", "A2", "A3", "B1", "B2", "B3")
+    assert [block.mass for block in found.blocks] == pytest.approx([3e4] * 6)
+    assert found.blocks[5].centroid.tolist() == pytest.approx([4.5, 2.25, 2.0])
+    gaps = {name: pair.gap for name, pair in zip(found.contact_names, found.neighbours, strict=True)}
+    beside = ["A1-A2", "A2-A3", "B1-B2", "B2-B3", "A1-B1", "A2-B2", "A3-B3"]
+    across = ["A1-B2", "A2-B1", "A2-B3", "A3-B2"]
+    apart = dict.fromkeys(beside, 0.25) | dict.fromkeys(across, 2.25 * math.sqrt(2.0) - 2.0)
+    assert gaps == pytest.approx(apart)
+    assert {joint.bed.friction for joint in found.joints} == {pair.friction for pair in found.neighbours} == {0.35}
+    assert ask(monkeypatch, tmp_path / "b.toml", "casks", "concrete", "10", "21") == 2  # more than 200
+
+
 STATUE = ("statue", "granite", *[""] * 9)  # up to the depth of its pedestal
 
 
@@ -240,8 +257,8 @@ def test_survey(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     [
         (
             ("drum",),
-            "what stands there = drum: must be one of drums, statue, tapered, survey, colonnade, arch, stacks; did you "
-            "mean drums?",
+            "what stands there = drum: must be one of drums, statue, tapered, survey, colonnade, arch, stacks, "
+            "casks; did you mean drums?",
         ),
         (("drums", "", "2.5", "", "", ""), "2.5: must be a whole number from 1 to 1000"),
         (("drums", "", "2", "tall"), "height of all drums together (m) = tall: must be a positive length in m"),
