@@ -103,11 +103,11 @@ def falls_sentence(word: str, names: Sequence[str], runs: Sequence[Any]) -> str:
     runs : sequence
         Responses of the model as given, one per motion.
     """
-    fell = [
-        f"at {run.overturn_time:.4g} s under {name} ({run.what_fell})"
-        for name, run in zip(names, runs, strict=True)
-        if run.overturned
-    ]
+    fell = []
+    for name, run in zip(names, runs, strict=True):
+        if run.overturned:
+            hits = f"; before it {run.hits_before_fall} hit each other" if run.hits_before_fall else ""
+            fell.append(f"at {run.overturn_time:.4g} s under {name} ({run.what_fell}{hits})")
     if not fell:
         return ""
     more = f", and under {len(fell) - MOST_NAMED} more" if len(fell) > MOST_NAMED else ""

@@ -22,7 +22,8 @@ def verdict_line(response: Result) -> str:
     if not response.overturned:
         return f"standing: not overturned, {response.reason}"
     late = ", after the end of the run" if response.overturn_time > response.time[-1] else ""
-    return f"overturned at {response.overturn_time:.4g} s: {response.what_fell}{late}"
+    hits = f"; before it these hit each other: {response.hits_before_fall}" if response.hits_before_fall else ""
+    return f"overturned at {response.overturn_time:.4g} s: {response.what_fell}{late}{hits}"
 
 
 def ensemble_lines(ensemble: Ensemble, names: Sequence[object], moved: str, most: int | None = None) -> list[str]:

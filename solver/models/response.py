@@ -88,6 +88,11 @@ class Result(Histories, Framed, NotebookRepr):
         return self.peaks[self.model.kind.largest]
 
     @property
+    def hits_before_fall(self) -> str:
+        """The first hits of neighbours before the fall, in words; "" without any."""
+        return ""
+
+    @property
     def remarks(self) -> tuple[str, ...]:
         """The sentences of which `simulate` warns."""
         return ()

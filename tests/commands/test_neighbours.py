@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from multiblock import Motion, Structure, simulate
+from solver.checks.answer import falls_sentence
+from solver.commands.outcome import verdict_line
 from solver.commands.structure import summary
 from solver.models.structure.response import SpatialResponse
 
@@ -52,3 +54,17 @@ def test_without_neighbours_there_is_no_table() -> None:
     response = simulate(alone, Motion.harmonic(1.0, 1.0, 0.5), settle=0.0, check=False)
     assert response.impacts == ()
     assert "neighbours" not in summary(response)
+
+
+def test_a_fall_names_the_hits_before_it() -> None:
+    blocks = [{**CASK, "name": name, "at": [at, 0.0]} for name, at in PLACES.items()]
+    law = {"stiffness": 1e9, "damping": 3e-3, "friction": 0.6}
+    meet = {"reach": 1.0, "line_stiffness": 1e8, "restitution": 0.4, "friction": 0.3}
+    made = Structure.from_dict({"name": "row", "joints": law, "neighbours": meet, "block": blocks})
+    response = simulate(made, Motion.harmonic(4.5, 0.7, 4.0), check=False)
+    assert response.overturned
+    before = [one for one in response.impacts if one.first <= response.overturn_time]
+    assert before
+    said = ", ".join(f"{one.between} at {one.first:.4g} s" for one in before)
+    assert verdict_line(response).endswith(f"{response.what_fell}; before it these hit each other: {said}")
+    assert f"({response.what_fell}; before it {said} hit each other)" in falls_sentence("structure", ["m"], [response])

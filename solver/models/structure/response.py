@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
     from .model import Structure
 
+MOST_HITS = 5  # named before a fall
+
 
 class Moved(NamedTuple):
     """The quantities of a run that its rows lack: velocities, m/s (rows, n, 3), and energies, J (rows,)."""
@@ -147,6 +149,13 @@ class SpatialResponse(StructureHistories, Result):
             first = float(np.fmin(one.first, other.first))
             found[name] = Impact(name, min(one.gap, other.gap), max(one.force, other.force), first)
         return tuple(sorted(found.values(), key=lambda one: (np.nan_to_num(one.first, nan=math.inf), one.gap)))
+
+    @property
+    def hits_before_fall(self) -> str:
+        """The first hits of neighbours before the fall, at most MOST_HITS, in words; "" without any."""
+        hits = [f"{one.between} at {one.first:.4g} s" for one in self.impacts if one.first <= self.overturn_time]
+        more = f" and {len(hits) - MOST_HITS} more pairs" if len(hits) > MOST_HITS else ""
+        return f"{', '.join(hits[:MOST_HITS])}{more}"
 
     @cached_property
     def overlap(self) -> Overlap:
