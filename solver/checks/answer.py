@@ -115,15 +115,7 @@ def falls_sentence(word: str, names: Sequence[str], runs: Sequence[Any]) -> str:
 
 
 def impacts_sentence(names: Sequence[str], runs: Sequence[Any]) -> str:
-    """Return the sentence on the neighbours that hit each other as given, the hardest hit first.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Names of the motions.
-    runs : sequence
-        Responses of a structure with neighbours as given, one per motion.
-    """
+    """Return the sentence on the neighbours that hit each other as given; arguments as of `falls_sentence`."""
     hits: dict[str, list[tuple[float, str]]] = {}
     for name, run in zip(names, runs, strict=True):
         for one in run.impacts:

@@ -100,10 +100,7 @@ def _stacks(asked: Asked) -> dict[str, Any]:
 
 
 def _casks(asked: Asked) -> dict[str, Any]:
-    """Return equal casks in a grid on the ground, named by row and number: A1, A2, ..., B1.
-
-    Each may hit those beside it, also across the corner.
-    """
+    """Return casks in a grid, named A1, A2, ..., B1, of which each may hit those beside it and across corners."""
     pitch = asked["diameter"] + asked["gap"]
     cask = {"shape": "drum", "on": "base", **{key: asked[key] for key in ("diameter", "height", "mass")}}
     law = {

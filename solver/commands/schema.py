@@ -8,7 +8,6 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import fields
 from typing import Any
 
-from ..common.errors import POSITIVE
 from ..common.ranges import LENGTH, MAX_BLOCKS, NUMBERS
 from ..kernels.column.sections.faces import SECTIONS
 from ..models import ports
@@ -29,7 +28,6 @@ Schema = dict[str, Any]
 Ranges = Mapping[str, tuple[tuple[float, float], str]]
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
-ENDLESS = 1e300  # limits beyond it are left out
 NUMBER: Schema = {"type": "number"}
 TEXT: Schema = {"type": "string"}
 FLAG: Schema = {"type": "boolean"}
@@ -37,8 +35,7 @@ FLAG: Schema = {"type": "boolean"}
 
 def number(limits: tuple[float, float], meaning: str) -> Schema:
     """Return the schema of a number in a closed range."""
-    bounds = dict(zip(("minimum", "maximum"), limits, strict=True))
-    return {**NUMBER, **{key: value for key, value in bounds.items() if abs(value) < ENDLESS}, "description": meaning}
+    return {**NUMBER, "minimum": limits[0], "maximum": limits[1], "description": meaning}
 
 
 def whole(least: int, most: int | None = None) -> Schema:
@@ -161,13 +158,12 @@ def _block_in_space(law: Schema) -> Schema:
     """Return the schema of a block of a structure; `law` is that of its joint."""
     names: Schema = {"type": ["string", "array"], "items": TEXT}
     forms: dict[str, Schema] = {
-        "name": TEXT,
+        **dict.fromkeys(("name", "file"), TEXT),
         "shape": {**one_of(structure_file.SHAPES), "default": "box"},
         "on": names,
         "joint": law,
         "at": vector(2),
-        "position": vector(3),
-        "rotation": vector(3),
+        **dict.fromkeys(("position", "rotation", "centroid"), vector(3)),
         "repeat": whole(1, MAX_BLOCKS),
         "outline": several(vector(2), 3),
         "points": several(vector(3), 4),
@@ -175,9 +171,7 @@ def _block_in_space(law: Schema) -> Schema:
         "foot": {"type": "array"},
         "feet": whole(1, hull_tables.MOST_FEET),
         "parts": {"type": ["integer", "array"]},
-        "centroid": vector(3),
         "inertia": vector(6),
-        "file": TEXT,
         "up": one_of(UP),
         "repair": FLAG,
         "bore": number((0.0, LENGTH[0][1]), "a length in m, zero or positive"),
@@ -271,7 +265,7 @@ def study_schema() -> Schema:
         "sampling": {**one_of(definition.SAMPLINGS), "default": definition.SAMPLINGS[0]},
         "seed": whole(0),
         "keep": several(one_of(dict.fromkeys((*COLUMNS.kept, *STRUCTURES.kept))), 1),
-        "duration": number(POSITIVE, "a positive time in s"),
+        "duration": {**NUMBER, "exclusiveMinimum": 0.0, "description": "a positive time in s"},
         "limits": axis,
     }
     return table(definition._KEYS, forms, ("name", "kind", "motion"))
