@@ -43,7 +43,7 @@ _OF_MODES = ("name", "mode")
 
 
 @dataclass(frozen=True)
-class Mode:
+class BuildingMode:
     """A mode of a building along one horizontal axis."""
 
     period: float  # s
@@ -56,8 +56,8 @@ class Building:
     """The modes of a building along x and along y, by `from_toml`, `from_dict` or `beam`."""
 
     name: str
-    along_x: tuple[Mode, ...]
-    along_y: tuple[Mode, ...]
+    along_x: tuple[BuildingMode, ...]
+    along_y: tuple[BuildingMode, ...]
     height: float | None = None  # m, of storeys of equal height
 
     @property
@@ -258,7 +258,7 @@ def _divided(time: FloatArray, rows: FloatArray, step: float) -> tuple[FloatArra
 
 def _by_modes(name: str, tables: Sequence[Mapping[str, Any]]) -> Building:
     """Return the building of tables [[building.mode]]."""
-    found: dict[str, list[Mode]] = {"x": [], "y": []}
+    found: dict[str, list[BuildingMode]] = {"x": [], "y": []}
     lists = [table[axis] for table in tables for axis in found if axis in table]
     storeys = len(lists[0]) if lists and isinstance(lists[0], list) else 1
     words = "a list of numbers, participation times shape at each floor from the first above the ground, equally "
@@ -273,20 +273,20 @@ def _by_modes(name: str, tables: Sequence[Mapping[str, Any]]) -> Building:
         for axis in [axis for axis in found if axis in table]:
             count = min(max(storeys, 1), MOST_STOREYS)
             factors = vector_of(f"{key}.{axis}", table[axis], count, FACTOR, words)
-            found[axis].append(Mode(period, damping, tuple(factors.tolist())))
+            found[axis].append(BuildingMode(period, damping, tuple(factors.tolist())))
     if not found["x"]:
         raise InputError("building.mode[1].x: missing, must be given for one mode at least")
     return Building(name, tuple(found["x"]), tuple(found["y"] or found["x"]))
 
 
-def _beam_modes(storeys: int, period: float, alpha: float, damping: float) -> tuple[Mode, ...]:
+def _beam_modes(storeys: int, period: float, alpha: float, damping: float) -> tuple[BuildingMode, ...]:
     """Return the modes of a beam at its floors, as many as storeys, at most `MOST_MODES`."""
     gammas = _roots(alpha, min(storeys, MOST_MODES))
     pace = gammas * np.hypot(gammas, alpha)  # the frequencies, in an arbitrary unit
     heights = np.arange(1, storeys + 1) / storeys
     periods = (period * (pace[0] / pace)).tolist()
     return tuple(
-        Mode(each, damping, tuple(_factors(alpha, gamma, heights).tolist()))
+        BuildingMode(each, damping, tuple(_factors(alpha, gamma, heights).tolist()))
         for each, gamma in zip(periods, gammas.tolist(), strict=True)
     )
 
