@@ -78,6 +78,7 @@ def test_columns_on_a_light_body(slope: str) -> None:
     assert growing > 1.0
 
 
+@pytest.mark.long  # builds FMUs
 @pytest.mark.parametrize("model", [DAMPED, TRILITH], ids=["column", "structure"])
 @pytest.mark.parametrize("kind", ["python", pytest.param("native", marks=pytest.mark.long)])
 def test_fmus_show_the_motion_of_the_base_and_say_which_step_is_too_long(
