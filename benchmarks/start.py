@@ -31,7 +31,7 @@ MEMORY = "import resource; print(resource.getrusage(resource.RUSAGE_SELF).ru_max
 _COLUMN = f"column = Column.from_toml({str(ROOT / COLUMN)!r})"
 PROGRAMS = {
     "import multiblock": "import multiblock",
-    "first result, column": f"{_BEGIN}; {_COLUMN}; simulate(column, motion).peak_top_ux",
+    "first result, column": f"{_BEGIN}; {_COLUMN}; simulate(column, motion).peaks",
     "first result, structure": f"{_BEGIN}; simulate(Structure.from_toml({str(ROOT / STRUCTURE)!r}), motion).peaks",
     "first result, lanes": f"{_BEGIN}; {_COLUMN}; simulate_many(column, [motion] * 16)",
 }
