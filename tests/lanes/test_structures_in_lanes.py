@@ -14,7 +14,8 @@ from support.structures import stack, with_law
 
 from solver import simulate
 from solver.ground.motion import Motion
-from solver.models.protocol import Run
+from solver.models.protocol import NoRestError, Run
+from solver.models.structure import kind, run
 from solver.models.structure.builders import arch, colonnade
 from solver.models.structure.lanes import follow_in_lanes
 from solver.models.structure.model import Structure
@@ -263,3 +264,20 @@ def test_an_ensemble_in_lanes_is_that_of_runs_alone(friction: float | None, monk
     assert ours.ux == pytest.approx(alone.ux, abs=1e-4 * float(np.nanmax(alone.ux)), nan_ok=True)
     stands = np.array([verdict != "overturned" for verdict in alone.verdicts])
     assert ours.displacements[stands] == pytest.approx(alone.displacements[stands], rel=1e-3)
+
+
+def test_an_ensemble_of_structures_without_a_rest_falls_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each of the varied structures, the one as given excepted, has no stable rest."""
+    structure, motion = trilith(), waves(1)[0]
+
+    def rest(model: Structure) -> Any:
+        if model is not structure:
+            raise NoRestError("no rest")
+        return rest_of(model)
+
+    for module in (kind, run):
+        monkeypatch.setattr(module, "rest_of", rest)
+    ensemble = simulate(structure, motion, ensemble=8, settle=0.0, output_step=0.01).ensemble
+    assert ensemble is not None
+    assert ensemble.overturned == 8
+    assert np.all(ensemble.overturn_time == motion.start)

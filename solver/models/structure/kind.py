@@ -135,6 +135,8 @@ class Structures(Kind):
         for k, (model, _) in enumerate(pairs):
             with suppress(NoRestError):
                 rests[k] = rest_of(model)
+        if not rests:
+            return made
         runs = [Run(*pairs[k], plan.duration) for k in rests]
         times = plan.times - plan.motion.start
         for k, found in zip(rests, follow_in_lanes(runs, list(rests.values()), plan.settle, times=times), strict=True):
