@@ -267,7 +267,7 @@ def test_an_ensemble_in_lanes_is_that_of_runs_alone(friction: float | None, monk
 
 
 def test_an_ensemble_of_structures_without_a_rest_falls_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each of the varied structures, the one as given excepted, has no stable rest."""
+    """Take the rest from all varied structures, not from the one as given."""
     structure, motion = trilith(), waves(1)[0]
 
     def rest(model: Structure) -> Any:
