@@ -47,7 +47,8 @@ def stills(browser: Browser, folder: Path, response: Any, scale: float | None, i
     """Pictures of a response at instants, s, and the length of the squares of its ground and the factor, in words."""
     response.view(folder / "scene.html", scale)
     browser.open(folder / "scene.html")
-    browser.evaluate(f"document.body.classList.add('still'); {shown}")
+    larger = "" if scale else "state.factor = SCENE.visible; "
+    browser.evaluate(f"document.body.classList.add('still'); {larger}{shown}")
     found = []
     for t in instants:
         browser.evaluate(f"seek({float(t)!r})")

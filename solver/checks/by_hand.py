@@ -71,8 +71,8 @@ def by_hand(
             float(action.psa(own_period)),
             BEHAVIOUR_FACTOR * found.a0,
             G,
-            note=f"Circolare C8.7.1.2.1.7: alpha0 {found.alpha0:.4g}, e* {found.mass_part:.3g}, FC "
-            f"{found.confidence_factor:g}, a0* {G.factor * found.a0:.4g} g, q {BEHAVIOUR_FACTOR:g}; spectrum at T1 "
+            note=f"Circolare C8.7.1.2.1.7: alpha0 {found.alpha0:.3g}, e* {found.mass_part:.3g}, FC "
+            f"{found.confidence_factor:g}, a0* {G.factor * found.a0:.3g} g, q {BEHAVIOUR_FACTOR:g}; spectrum at T1 "
             f"{own_period:.3g} s",
         ),
         Row(
@@ -80,7 +80,7 @@ def by_hand(
             found.demand(action, own_period, smooth),
             found.capacity(),
             MM,
-            note=f"Circolare C8.7.1.2.1.8: d0* {found.d0:.4g} m, {LIFE_SAFETY:g} d0* at SLV; spectrum of 8 % at TSLV "
+            note=f"Circolare C8.7.1.2.1.8: d0* {found.d0:.3g} m, {LIFE_SAFETY:g} d0* at SLV; spectrum of 8 % at TSLV "
             f"{found.period():.3g} s",
         ),
     ]
@@ -88,7 +88,7 @@ def by_hand(
     body = governing_body(column)
     angle = body.rotation(action, column.g) if body.restitution > 0.0 else math.nan
     note = (
-        f"ASCE 43, A.2: b / h {body.slenderness:.4g}, C_R {body.restitution:.3g}; rotation over that on the edge, "
+        f"ASCE 43, A.2: b / h {body.slenderness:.3g}, C_R {body.restitution:.3g}; rotation over that on the edge, "
         f"{body.edge_angle:.3g} rad"
         if body.restitution > 0.0
         else "ASCE 43, A.2: does not apply, too stocky to rock"

@@ -265,8 +265,8 @@ def _displacement(demands: Demands, table: Table, verdicts: Verdicts, limits: Li
     tops = subject.tops(table)[~falls(verdicts.varied)]
     band = tuple(np.percentile(tops, PERCENTILES).tolist()) if tops.size else ()
     values = demands.largest(subject.moved)
-    name, where, note = "displacement of the top", "top", f"{limits.displacement:g} of the {edge:.4g} m at which it "
-    note += "balances on its edge"
+    name, where = "displacement of the top", "top"
+    note = f"{limits.displacement:g} of the {three_digits(edge)} m at which it balances on its edge"
     if math.isnan(edge):
         name, where = "displacement", "any block"
         note = "at which it balances is not known in space: the margin says how far it is from falling"

@@ -26,7 +26,7 @@ from ..models.column.model import Column
 from ..models.structure.model import Structure
 from ..models.uncertainty import Spread
 from .check_report import action_lines, check_lines, variants_lines
-from .code_spectra import add_code_options, add_spectrum, target_of
+from .code_spectra import CODES, add_code_options, add_spectrum, target_of
 from .command_files import add_force, add_space, check_suffix, read_subject, write_outputs
 from .motion_options import (
     FORMATS,
@@ -125,7 +125,8 @@ def _check(options: argparse.Namespace) -> None:
         raise InputError("--note: is for the report, must be given with --report FILE.html")
     # models, each under a name of its own
     components = (*(options.vertical or ()), *(options.across or ()))
-    inputs = (options.column, *options.records, *components, *options.variant, options.building)
+    table = Path(options.spectrum) if options.spectrum not in (None, *CODES) else None
+    inputs = (options.column, *options.records, *components, *options.variant, options.building, table)
     check_outputs((options.output, options.report), inputs, options.force)
     models = [(path, _model(path, options)) for path in (options.column, *options.variant)]
     models = _told_apart(models)
@@ -157,7 +158,8 @@ def _check(options: argparse.Namespace) -> None:
         print(*(f"{one.name}: {one.answer}" for one in checks[:2]), sep="\n")
     if len(checks) > 1:
         print(*variants_lines(checks), sep="\n")
-    write_outputs([(options.output, checks[0].to_csv), (options.report, partial(_write_report, checks, options.note))])
+    report = partial(_write_report, checks, options.note, [path for path in inputs if path is not None])
+    write_outputs([(options.output, checks[0].to_csv), (options.report, report)])
 
 
 def _on_floor(action: Action, floor: tuple[Building, int] | None, across: bool = False) -> Action:
@@ -168,11 +170,11 @@ def _on_floor(action: Action, floor: tuple[Building, int] | None, across: bool =
     return action.on_floor(building.across() if across else building, number)
 
 
-def _write_report(checks: list[Check], notes: list[str], path: Path) -> None:
+def _write_report(checks: list[Check], notes: list[str], inputs: list[Path], path: Path) -> None:
     from ..checks.report.html import write_report
 
     command = shlex.join(["multiblock", *sys.argv[1:]])
-    write_report(checks, path, printable(command), [printable(note) for note in notes])
+    write_report(checks, path, printable(command), [printable(note) for note in notes], inputs)
 
 
 def _model(path: Path, options: argparse.Namespace) -> Any:

@@ -165,7 +165,7 @@ class Result(Histories, Framed, NotebookRepr):
     def view(self, path: str | os.PathLike[str], scale: float | None = None) -> None:
         """Write one HTML page that plays the motion in any browser and fetches nothing.
 
-        `scale` is the initial factor on the deformation; None means automatic. Raises InputError, OSError.
+        `scale` is the initial factor on the deformation; None means 1. Raises InputError, OSError.
         """
         scenes_of(self).write_view(self, path, scale)
 

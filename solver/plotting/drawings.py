@@ -18,7 +18,7 @@ from ..models.column.packing import FloatArray
 from ..models.column.response import Response
 from .largest import length
 from .style import GREY, INK, RED, STONE, Figure, header, nice, save
-from .words import setting_of
+from .words import drawn_larger, setting_of
 
 SHOWN = 0.15  # of the column's height: displacement of its top in a picture whose scale is not given
 MOST_NUMBERED = 15  # joints that get a number; of more, every second, third ...
@@ -123,8 +123,8 @@ def measure_column(axes: Axes, response: Shapes, k: int, scale: float) -> None:
     left, right, low = left - 0.22 * height, right + 0.2 * height, -0.17 * height
     number_joints(axes, corners)
     axes.set(xlim=(left, right), ylim=(low, max(1.04 * height, top + 0.03 * height)))
-    axes.text(left, 0.35 * low, rf"$\times$ {scale:g}", fontsize=22, color=RED, ha="left", va="top")
-    begin, bar = left + 0.42 * (right - left), nice(BAR * (right - left) / scale)
+    axes.text(left, 0.3 * low, drawn_larger(scale), fontsize=11, color=RED, ha="left", va="top")
+    begin, bar = left + 0.55 * (right - left), nice(BAR * (right - left) / scale)
     axes.plot([begin, begin + scale * bar], 2 * [0.52 * low], color=RED, linewidth=3.0, solid_capstyle="butt")
     axes.text(begin, 0.6 * low, f"{length(bar)} of motion", fontsize=9, color=RED, ha="left", va="top")
     rule_heights(axes, height, left)
@@ -135,7 +135,8 @@ def number_joints(axes: Axes, corners: Sequence[FloatArray]) -> None:
     n, every = len(corners), math.ceil(len(corners) / MOST_NUMBERED)
     for number, outline in enumerate(corners, start=1):
         if (n - number) % every == 0:
-            end = max(outline[0], outline[1], key=lambda corner: float(corner[0]))
+            beside = [*outline[:2], *(corners[number][2:] if number < n else ())]  # both faces of the joint
+            end = max(beside, key=lambda corner: float(corner[0]))
             text = f"joint {number}" if number <= every else f"{number}"
             above = 6.0 if number == n else 0.0  # the ground would strike it through
             axes.annotate(text, end, (5.0, above), textcoords="offset points", fontsize=9, va="center", color=INK)
@@ -144,7 +145,7 @@ def number_joints(axes: Axes, corners: Sequence[FloatArray]) -> None:
 def rule_heights(axes: Axes, height: float, place: float) -> None:
     """Draw a scale of heights, m, from the ground to the top of the column as built."""
     every = nice(height / 4.0)
-    marks = [every * k for k in range(math.ceil(height / every - 0.3))]
+    marks = [every * k for k in range(math.ceil(height / every - 0.5))]
     axes.plot([place, place], [0.0, height], color=GREY, linewidth=1.0)
     for mark in [*marks, height]:
         text = f"{mark:.4g} m" if mark == height else f"{mark:g}"

@@ -20,7 +20,7 @@ from PIL import Image
 from ..common.errors import POSITIVE, InputError, check_number
 from ..common.files import whole_file
 from .style import GRID, INK, RED, Figure, tidy
-from .words import setting_of, verdict_of, write_header
+from .words import drawn_larger, setting_of, verdict_of, write_header
 
 FILMS = (".gif", ".mp4")
 FRAMES_PER_SECOND = 20
@@ -45,7 +45,7 @@ class AnimatedFigure:
         self.response, self.scale = response, scale
         self.figure = Figure(dpi=FILM_DPI, **figure)
         self.canvas: Any = FigureCanvasAgg(self.figure)
-        self.factor = "to scale" if scale == 1.0 else rf"deformation $\times$ {scale:g}"
+        self.factor = drawn_larger(scale)
 
     def animate(
         self, blocks: Sequence[Artist], clock: Text, panels: Sequence[Axes], end: float, colours: Sequence[str]

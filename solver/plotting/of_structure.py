@@ -20,7 +20,7 @@ from .solids import EDGE, SHADED
 from .structure_statics import plot_modes, plot_push_over
 from .structures import GROUND, WALL, all_corners, draw_blocks, visible_scale
 from .style import RED, TINT, Figure, note_on_right, plain, save, tidy
-from .words import setting_of, verdict_of, write_header
+from .words import drawn_larger, setting_of, verdict_of, write_header
 
 __all__ = ["film", "plot_model", "plot_modes", "plot_plan", "plot_push_over", "plot_response"]
 
@@ -44,8 +44,7 @@ def plot_model(
     draw_blocks(axes, response.model, scale * u, scale * turn)
     if _mark_cracks(axes, response, k, scale * u, scale * turn):
         axes.text2D(0.0, 0.0, "red: joints that have broken, dashed: cracked", transform=axes.transAxes, color=RED)
-    factor = f", deformation x {scale:g}" if scale != 1.0 else ", to scale"
-    axes.set_title(f"at {response.time[k]:.3g} s{factor}", fontsize=10, color=RED, loc="left")
+    axes.set_title(f"at {response.time[k]:.3g} s, {drawn_larger(scale)}", fontsize=10, color=RED, loc="left")
     write_header(figure, setting_of(response.model, response.motion), verdict_of(response))
     return save(figure, path, DPI)
 

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.gridspec import SubplotSpec
 
-from ..common.digits import percent
+from ..common.digits import percent, three_digits
 from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..kernels.layout.spaces import COUNTS_FROM
@@ -34,6 +34,7 @@ OTHERS = ("uz", "slip")  # optional histories
 PEAK = "peak between rows"
 MISSED = 1.02  # times the largest row: a larger peak is marked
 FAR = 3.0  # times the largest row: larger peaks are marked there by an arrow outwards
+WHOLE = 1.0 - 1e-6  # contact of a joint that stays closed
 AFTER_FALL = 0.03  # of the time until a fall: drawn beyond it
 
 
@@ -89,7 +90,11 @@ class _Shown:
 
     @property
     def has_slip(self) -> bool:
-        return self.column.slides and "slip" in self.histories
+        return self.column.slides and "slip" in self.histories and bool(np.any(self.histories["slip"]))
+
+    def has(self, name: str) -> bool:
+        """Return True if a history is there, and is not a contact that stays whole."""
+        return name in self.histories and (name != "contact" or bool(np.min(self.histories[name]) < WHOLE))
 
 
 def plot_response(
@@ -282,8 +287,8 @@ def _chosen(n: int, histories: Mapping[str, FloatArray], rows: int) -> dict[int,
 
 def _layout(shown: _Shown) -> tuple[Figure, Axes, dict[Axes, _Panel]]:
     """Return the figure, the panel of the base motion, and the panels of the histories."""
-    wanted = [*_PANELS, *([_SLIP] if shown.has_slip else [])]
-    rows = math.ceil(len(wanted) / 2)
+    wanted = [panel for panel in (*_PANELS, *([_SLIP] if shown.has_slip else [])) if shown.has(panel.name)]
+    rows = math.ceil((len(wanted) + shown.has_slip) / 2)
     beside = shown.has_profiles + shown.has_last_moments
     figure = Figure(figsize=(10.0, 2.0 * (rows + 1 + 1.1 * beside)), layout="constrained")
     heights = (0.7, *(1.0,) * rows, *(1.15,) * beside)
@@ -342,10 +347,6 @@ def _draw_panel(axes: Axes, panel: _Panel, shown: _Shown, ensemble: FloatArray |
         least = _largest(shown)["contact"]
         note_on_right(axes, f"least {np.min(least):.2g}, joint {np.argmin(least) + 1}")
         return
-    if panel.name not in shown.histories:  # without gravity there is no weight to compare N with
-        axes.set_ylabel(panel.label)
-        axes.text(0.5, 0.5, "no gravity", transform=axes.transAxes, ha="center", va="center")
-        return
     # lines, over the band of an ensemble
     values = shown.histories[panel.name]
     if panel.name == "ux" and np.max(np.abs(values[: shown.gone])) >= 1.0:
@@ -382,7 +383,7 @@ def _mark_peak(axes: Axes, panel: _Panel, shown: _Shown) -> None:
     true = shown.peaks.get(panel.peak or panel.name, largest)
     top = int(np.argmax(true))
     of = "block" if panel.name in ("ux", "ry", "slip") else "joint"
-    value = f"{panel.factor * true[top]:.4g} {panel.unit}".rstrip()
+    value = f"{three_digits(panel.factor * true[top])} {panel.unit}".rstrip()
     note_on_right(
         axes, f"{'before the fall' if math.isfinite(shown.overturn_time) else 'peak'} {value}, {of} {top + 1}"
     )

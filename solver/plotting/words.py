@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..common.digits import three_digits
 from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..models.outputs import BLOCK
@@ -27,6 +28,11 @@ def setting_of(column: Any, motion: Motion | None) -> str:
         return f"{under} along x, {across:.3g} g along y" if across else under
     except InputError:  # a harmonic of more cycles than are searched for its peak
         return under
+
+
+def drawn_larger(factor: float) -> str:
+    """Return the factor on a deformation in words."""
+    return "drawn to scale" if factor == 1.0 else f"drawn {three_digits(factor)} times larger"
 
 
 def verdict_of(response: Any) -> tuple[str, str]:

@@ -174,7 +174,7 @@ def draw_ida(results: Results) -> Figure:
         PERCENTILES, curves.percentiles, (BLUE, "black", RED), ("--", "-", "--"), strict=True
     ):
         look: dict[str, Any] = {"linestyle": style, "color": colour, "linewidth": 2.0}
-        _draw_broken(axes, points, curves.levels, label=f"{percent} %", **look)
+        _draw_broken(axes, points, curves.levels, label=f"{percent} % of the runs move less", **look)
         last = last_before_falls(points)
         axes.plot(1e3 * points[last], curves.levels[last], ">", color=colour, markersize=8.0)
     axes.set_xscale("log")

@@ -26,7 +26,8 @@ from ..check import Check
 from ..limits import TOLERANCE
 from ..subject import JointProperties
 from ..variants import difference
-from .model import shown_of
+from .inputs import MATERIAL_SHEET, hashed, sources_of, with_meshes
+from .model import Sheet, merged, shown_of
 from .pictures import embedded, spectra_picture
 
 LIMITS_OF_THE_MODEL = (  # for all models
@@ -36,7 +37,11 @@ LIMITS_OF_THE_MODEL = (  # for all models
 
 
 def write_report(
-    checks: Sequence[Check], path: str | os.PathLike[str], command: str = "", notes: Sequence[str] = ()
+    checks: Sequence[Check],
+    path: str | os.PathLike[str],
+    command: str = "",
+    notes: Sequence[str] = (),
+    inputs: Sequence[Path] = (),
 ) -> None:
     """Write the report of a check, compared with the other checks as variants.
 
@@ -50,6 +55,8 @@ def write_report(
         The command that makes the report again, printed in it.
     notes : sequence of str
         Lines under the title, such as project, author and date.
+    inputs : sequence of Path
+        The input files, that of the model of the first check first.
 
     Raises
     ------
@@ -61,17 +68,19 @@ def write_report(
         (folder / "check.html").read_text(encoding="utf-8")
     )
     style = (folder / "check.css").read_text(encoding="utf-8")
-    text = page.render(style=style, command=command, notes=notes, **_content(checks))
+    text = page.render(style=style, command=command, notes=notes, **_content(checks, inputs))
     with whole_file(path) as partial:
         Path(partial).write_text(text, encoding="utf-8")
 
 
-def _content(checks: Sequence[Check]) -> dict[str, Any]:
+def _content(checks: Sequence[Check], inputs: Sequence[Path]) -> dict[str, Any]:
     """Return the values that the template names."""
     # tables and pictures of the governing run, then texts for the template
     check = checks[0]
     run = check.responses[check.governing]
     shown = shown_of(check.subject.model, check, run)
+    if inputs:
+        shown.sheets.append(Sheet(MATERIAL_SHEET, merged(sources_of(inputs[0])), len(MATERIAL_SHEET)))
     at = min(run.overturn_time, float(run.time[-1])) if run.overturned else None  # else at its largest displacement
     return {
         "check": check,
@@ -79,6 +88,7 @@ def _content(checks: Sequence[Check]) -> dict[str, Any]:
         "checks": checks,
         "passes": check.passes and all(one.passes for one in checks if one.both),
         "model": shown,
+        "inputs": hashed(with_meshes(inputs)),
         "motions": _motions(check),
         "limits": [
             (item.name, getattr(check.plan.limits, item.name), item.metadata["meaning"])
@@ -96,7 +106,7 @@ def _content(checks: Sequence[Check]) -> dict[str, Any]:
         "tolerance": TOLERANCE,
         "names": list(dict.fromkeys(row.name for one in checks for row in one.rows)),
         "pictures": {
-            "model": embedded(shown.picture, check.subject.model.kind.across),
+            "model": embedded(shown.picture, True),
             "spectra": embedded(spectra_picture(check)),
             "histories": embedded(shown.histories),
             "deformed": embedded(run.plot_model(at=at), check.subject.model.kind.across),
@@ -139,12 +149,12 @@ def _motions(check: Check) -> list[dict[str, str]]:
         found.append(
             {
                 "name": scaled.name,
-                "factor": f"{scaled.factor:.3g}",
+                "factor": three_digits(scaled.factor),
                 "vertical": f"{scaled.vertical_factor:.3g}" if vertical else "none",
                 "pga": f"{scaled.motion.pga / STANDARD_GRAVITY:.3g}{across}",
                 "pgv": f"{pgv(scaled.motion):.3g}",
                 "moved": "" if response.overturned else three_digits(1e3 * check.subject.moved(response)),
-                "verdict": f"{response.verdict}, {response.what_fell} at {response.overturn_time:.4g} s"
+                "verdict": f"{response.verdict}, {response.what_fell} at {three_digits(response.overturn_time)} s"
                 if response.overturned
                 else response.verdict,
             }

@@ -9,8 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
+from ...common.digits import three_digits
 from ...common.errors import InputError
 from ...models.column.block import Block
+from ...models.column.contact import Contact
 from ...models.column.model import Column
 from ...models.column.push import WITHOUT_BONDS
 from ...models.column.response import Response
@@ -79,9 +81,9 @@ def _column(model: Column, check: Check, run: Response) -> ModelSection:
 
 
 def _of_column(column: Column) -> list[Sheet]:
-    blocks, joints = ("section", "height (m)", "width (m)", "depth (m)", "mass (kg)"), ("contact (m)", *_LAW)
-    both = [_block(block) for block in column.blocks]
-    rows = _merged([(str(number), *one, *other) for number, (one, other) in enumerate(both, start=1)])
+    blocks = ("section", "height (m)", "width (m)", "depth (m)", "centroid (m)", "mass (kg)")
+    pairs = enumerate(zip(column.blocks, column.contacts, strict=True), start=1)
+    rows = merged([(str(number), *_block(block), *_contact(block, contact)) for number, (block, contact) in pairs])
     width = 1 + len(blocks)
     strengths = [
         (str(number), *_strengths(block.joint))
@@ -90,8 +92,8 @@ def _of_column(column: Column) -> list[Sheet]:
     ]
     return [
         Sheet(("block", *blocks), [row[:width] for row in rows]),
-        Sheet(("joint", *joints), [(row[0], *row[width:]) for row in rows]),
-        *([Sheet(_MORTAR, _merged(strengths), 1)] if strengths else []),
+        Sheet(("joint", *_CONTACT, *_LAW), [(row[0], *row[width:]) for row in rows]),
+        *([Sheet(_MORTAR, merged(strengths), 1)] if strengths else []),
     ]
 
 
@@ -100,34 +102,40 @@ _MORTAR = ("joint", "tensile strength (MPa)", "cohesion (MPa)")
 
 def _strengths(law: Any) -> tuple[str, str]:
     """Return the tensile strength and the cohesion of a mortar joint as texts (MPa)."""
-    return f"{1e-6 * law.tensile_strength:.4g}", f"{1e-6 * law.cohesion:.4g}"
+    return three_digits(1e-6 * law.tensile_strength), three_digits(1e-6 * law.cohesion)
 
 
+_CONTACT = ("contact", "width (m)", "depth (m)")
 _LAW = ("modulus (GN/m³)", "damping η (s)", "friction", "strength (MPa)")
 
 
 def _law(stiffness: float, damping: float, friction: float | None, strength: float | None) -> tuple[str, ...]:
-    return f"{1e-9 * stiffness:.4g}", f"{damping:.3g}", _or_none(friction), _or_none(strength, 1e-6)
+    return three_digits(1e-9 * stiffness), three_digits(damping), _or_none(friction), _or_none(strength, 1e-6)
 
 
 def _or_none(value: float | None, factor: float = 1.0) -> str:
-    return "none" if value is None else f"{factor * value:.4g}"
+    return "none" if value is None else three_digits(factor * value)
 
 
-def _block(block: Block) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the texts of a block and those of the joint under it."""
-    joint = block.joint
+def _block(block: Block) -> tuple[str, ...]:
+    """Return the texts of a block; its centroid is above its bottom face."""
 
     def size(bottom: float, top: float | None) -> str:
         return f"{bottom:.4g}" if top is None or top == bottom else f"{bottom:.4g}, top {top:.4g}"
 
     sizes = size(block.width, block.top_width), size(block.depth, block.top_depth)
-    law = _law(joint.stiffness, joint.damping, joint.friction, joint.strength)
-    own = (block.section, f"{block.height:.4g}", *sizes, f"{block.mass:.5g}")
-    return own, (f"{joint.section or block.section} {block.joint_width:.4g}", *law)
+    return block.section, f"{block.height:.4g}", *sizes, f"{block.resolved_centroid:.4g}", f"{block.mass:.4g}"
 
 
-def _merged(rows: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
+def _contact(block: Block, contact: Contact) -> tuple[str, ...]:
+    """Return the texts of the joint under a block."""
+    joint = block.joint
+    rim = f", rim {joint.rim:.4g} m" if joint.rim else ""
+    sizes = f"{joint.section or block.section}{rim}", f"{contact.width:.4g}", f"{contact.depth:.4g}"
+    return *sizes, *_law(joint.stiffness, joint.damping, joint.friction, joint.strength)
+
+
+def merged(rows: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
     """Merge neighbouring rows that are equal but for the name, which becomes "1 to 5" or "left to right"."""
     found: list[tuple[str, ...]] = []
     for row in rows:
@@ -142,20 +150,23 @@ def _merged(rows: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
 def _structure(structure: Structure, check: Check, run: SpatialResponse) -> ModelSection:
     # blocks and joints; then bearings, mortar and ties, if there are any
     sheets = [
-        Sheet(("block", "shape (m)", "mass (kg)"), _merged([_solid(block) for block in structure.blocks])),
         Sheet(
-            ("joint", "contact (m)", *_LAW),
-            _merged([_joint(*pair) for pair in zip(structure.joint_names, structure.joints, strict=True)]),
+            ("block", "shape (m)", "centroid z (m)", "mass (kg)"),
+            merged([_solid(block) for block in structure.blocks]),
+        ),
+        Sheet(
+            ("joint", *_CONTACT, *_LAW),
+            merged([_joint(*pair) for pair in zip(structure.joint_names, structure.joints, strict=True)]),
         ),
     ]
     if structure.bearings:
         known = ("bearing", "kind", "radius (m)", "rubber (MN/m)", "damping (kN s/m)", "lead (kN)", "allows (m)")
         pairs = zip(structure.bearing_names, structure.bearings, strict=True)
-        sheets.append(Sheet(known, _merged([_bearing(*pair) for pair in pairs])))
+        sheets.append(Sheet(known, merged([_bearing(*pair) for pair in pairs])))
     if structure.bonds:
         laws = [(name, structure.joints[j].bed) for name, j in zip(structure.bond_names, structure.bonds, strict=True)]
         rows = [(name, *_strengths(law)) for name, law in laws]
-        sheets.append(Sheet(_MORTAR, _merged(rows), 1))
+        sheets.append(Sheet(_MORTAR, merged(rows), 1))
     if run.impacts:
         headings = ("neighbours, governing case", "least gap (mm)", "largest force (kN)", "first contact (s)")
         sheets.append(Sheet(headings, [one.texts for one in run.impacts], 1))
@@ -177,24 +188,26 @@ def _solid(block: Solid) -> tuple[str, ...]:
     round_ = [2.0 * face.radius for face in block.faces if face.radius]
     size = " x ".join(f"{length:.4g}" for length in extents)
     shape = f"diameter {max(round_):.4g}, height {extents[2]:.4g}" if round_ else size
-    return block.name, shape, f"{block.mass:.5g}"
+    return block.name, shape, f"{block.centroid[2]:.4g}", f"{block.mass:.4g}"
 
 
 def _joint(name: str, joint: SpatialJoint) -> tuple[str, ...]:
     bed, face = joint.bed, joint.face
-    contact = f"diameter {2.0 * face.radius:.4g}" if face.radius else f"width {face.width:.4g}"
-    return name, contact, *_law(bed.stiffness, bed.damping, bed.friction, bed.strength)
+    rim = f", rim {bed.rim:.4g} m" if bed.rim else ""
+    sizes = 2 * (2.0 * face.radius,) if face.radius else np.sort(np.ptp(face.outline, axis=0)).tolist()
+    contact = f"{'round' if face.radius else 'plane'}{rim}", *(f"{size:.4g}" for size in sizes)
+    return name, *contact, *_law(bed.stiffness, bed.damping, bed.friction, bed.strength)
 
 
 def _bearing(name: str, joint: SpatialJoint) -> tuple[str, ...]:
     bearing = joint.bearing
     assert bearing is not None
-    radius = f"{1.0 / bearing.pendulum:.4g}" if bearing.pendulum else "none"
+    radius = three_digits(1.0 / bearing.pendulum) if bearing.pendulum else "none"
     given = bearing.spring, bearing.dashpot, joint.bed.dowel
     shown = (_or_none(value or None, factor) for value, factor in zip(given, (1e-6, 1e-3, 1e-3), strict=True))
-    return name, bearing.kind, radius, *shown, f"{bearing.capacity:.4g}"
+    return name, bearing.kind, radius, *shown, three_digits(bearing.capacity)
 
 
 def _tie(number: int, tie: Tie, names: Sequence[str]) -> tuple[str, ...]:
     between = f"{names[tie.one]}, {names[tie.other]}"
-    return str(number), between, f"{1e-6 * tie.stiffness:.4g}", _or_none(tie.yield_, 1e-3)
+    return str(number), between, three_digits(1e-6 * tie.stiffness), _or_none(tie.yield_, 1e-3)

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from ...ground.motion import STANDARD_GRAVITY
 from ...models.column.model import Column
 from ...plotting.drawings import DisplacementHistories, corners_of, draw_column, number_joints, rule_heights
-from ...plotting.style import block_colours, plain
+from ...plotting.style import BLUE, RED, plain
 from ..check import Check
 from ..scaling import MEAN_FROM, horizontal_psa
 
@@ -54,19 +54,25 @@ def spectra_picture(check: Check) -> Figure:
         axes.axvspan(*action.periods, color="0.95", label="range of the fit")
     # one line per motion, then mean and target
     found = [horizontal_psa(scaled.motion, PERIODS) / STANDARD_GRAVITY for scaled in action.motions]
-    for scaled, values, colour in zip(action.motions, found, block_colours(len(found)), strict=True):
-        axes.plot(PERIODS, values, color=colour, linewidth=0.9, label=plain(scaled.name))
-    if len(found) > 1:
+    if len(found) == 1:
+        axes.plot(PERIODS, found[0], color="black", linewidth=1.8, label=plain(action.motions[0].name))
+    else:
+        labels = [f"each of {len(found)} motions", *[None] * (len(found) - 1)]
+        for values, label in zip(found, labels, strict=True):
+            axes.plot(PERIODS, values, color="0.65", linewidth=0.8, label=label)
         which = "mean, which counts" if len(found) >= MEAN_FROM else "mean"
         axes.plot(PERIODS, np.mean(found, axis=0), color="black", linewidth=1.8, label=which)
     if action.ground:
         ground = [horizontal_psa(scaled.motion, PERIODS) / STANDARD_GRAVITY for scaled in action.ground]
-        axes.plot(PERIODS, np.mean(ground, axis=0), color="0.4", linestyle="-.", linewidth=1.4, label="ground, mean")
+        axes.plot(PERIODS, np.mean(ground, axis=0), color=BLUE, linestyle="-.", linewidth=1.4, label="ground, mean")
     if action.target is not None:
         target = action.target.psa(PERIODS) / STANDARD_GRAVITY
-        axes.plot(PERIODS, target, color="black", linestyle="--", linewidth=1.6, label="target")
-    axes.axvline(check.period, color="0.5", linestyle=":", linewidth=1.0)
-    axes.text(check.period, 0.99, " $T_1$", transform=axes.get_xaxis_transform(), va="top", fontsize=8, color="0.35")
+        axes.plot(PERIODS, target, color=RED, linestyle="--", linewidth=1.6, label="target")
+    if check.period >= PERIODS[0]:
+        axes.axvline(check.period, color="0.5", linestyle=":", linewidth=1.0)
+        axes.text(
+            check.period, 0.99, " $T_1$", transform=axes.get_xaxis_transform(), va="top", fontsize=8, color="0.35"
+        )
     axes.set(xscale="log", xlabel="period (s)", ylabel="pseudo-acceleration (g), 5 % damping", ylim=(0.0, None))
     axes.set_xlim(PERIODS[0], PERIODS[-1])
     axes.set_xticks(list(LABELS), labels=list(LABELS.values()))

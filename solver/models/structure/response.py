@@ -50,8 +50,8 @@ class Impact(NamedTuple):
     def texts(self) -> tuple[str, str, str, str]:
         """The names, the gap in mm, the force in kN and the time of the first contact in s as texts."""
         missed = "between two rows" if self.force else "none"
-        first = missed if math.isnan(self.first) else f"{self.first:.4g}"
-        return self.between, f"{1e3 * self.gap:.4g}", f"{1e-3 * self.force:.4g}", first
+        first = missed if math.isnan(self.first) else f"{self.first:.3g}"
+        return self.between, f"{1e3 * self.gap:.3g}", f"{1e-3 * self.force:.3g}", first
 
 
 @dataclass(eq=False, repr=False)

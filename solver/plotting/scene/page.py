@@ -26,7 +26,7 @@ FPS = 30.0  # rows per second, at most
 MOST_NUMBERS = 270_000  # displacements, rotations and joints: 1.4 MB of the page
 MOST_TRIANGLES = 16_000  # of meshes: 0.8 MB
 EMBEDDED_FPS, EMBEDDED_NUMBERS, EMBEDDED_TRIANGLES = 15.0, 60_000, 4_000  # of an embedded page
-VISIBLE = 0.08  # of the extent: largest displacement drawn at the initial factor
+VISIBLE = 0.08  # of the extent: largest displacement drawn at the factor that the page offers
 MOST_TIMES = 1e4  # factor on the deformation
 DIGITS = 5  # of lengths in m: of what is drawn
 WHOLE = 65535  # full scale of shares stored as 16-bit integers
@@ -87,7 +87,7 @@ def _page(response: Any, scale: float | None, fps: float, numbers: int, triangle
 
 def _contents(scene: Scene, response: Any, scale: float | None, triangles: int) -> dict[str, Any]:
     """Return the data that viewer.js draws."""
-    # extent, peak and fall; initial factor that makes the motion visible
+    # extent, peak and fall; factor that makes the motion visible
     corners = scene.corners
     low, high = corners.min(axis=0), corners.max(axis=0)
     extent = float(np.linalg.norm(high - low))
@@ -97,7 +97,7 @@ def _contents(scene: Scene, response: Any, scale: float | None, triangles: int) 
     rows = max(1, int(np.searchsorted(scene.time, fall))) if fell else len(scene.time)
     peak = scene.time[int(np.argmax(np.max(across[:rows], axis=1)))]
     wanted = VISIBLE * extent / max(float(np.max(across)), 1e-12)
-    factor = scale or (1.0 if fell else float(min(max(1.0, float(f"{wanted:.1g}")), MOST_TIMES)))
+    visible = 1.0 if fell else float(min(max(1.0, float(f"{wanted:.1g}")), MOST_TIMES))
     # geometry: surfaces of the blocks, decimated meshes, rims of the joints
     of_mesh = triangles // max(1, sum(body.meshed for body in scene.bodies))
     bodies = [
@@ -131,7 +131,8 @@ def _contents(scene: Scene, response: Any, scale: float | None, triangles: int) 
         "most": most,
         "marks": [["peak", float(peak)], *([["fall", float(fall)]] if fell else [])],
         "begin": float(peak),
-        "factor": factor,
+        "factor": scale or 1.0,
+        "visible": visible,
         "extent": extent,
         "band": float(np.median(sizes)) if sizes else 0.0,
         "middle": (0.5 * (low + high)).tolist(),

@@ -229,7 +229,8 @@ function now() {
   $("time").value = state.t; $("clock").textContent = `${state.t.toFixed(2)} s`;
   $("what").textContent = state.by === "contact" ? "part in contact" : "pressure"; $("most").textContent = state.by === "contact" ? "1" : pascals(SCENE.most);
   $("scale").style.background = `linear-gradient(90deg, ${SCALES[state.by].slice(1).join(", ")})`;
-  $("times").textContent = `deformation × ${Number(state.factor.toPrecision(2))}`;
+  $("times").textContent = state.factor === 1 ? "drawn to scale" : `drawn ${Number(state.factor.toPrecision(2))} times larger`;
+  $("true").textContent = state.factor === 1 ? `× ${SCENE.visible}` : "× 1";
 }
 function play(on) {
   state.playing = on; $("play").textContent = on ? "Pause" : "Play";
@@ -253,7 +254,7 @@ function listen() {
   $("by").onchange = (e) => { state.by = e.target.value; show(); };
   $("moving").onchange = (e) => { state.moving = e.target.checked; show(); };
   addEventListener("keydown", (e) => { if (e.key === " " && e.target === document.body) { e.preventDefault(); play(!state.playing); } });
-  $("true").onclick = () => { state.factor = 1; $("factor").value = 0; show(); };
+  $("true").onclick = () => { state.factor = state.factor === 1 ? SCENE.visible : 1; $("factor").value = Math.log10(state.factor); show(); };
   $("light").onclick = () => { const dark = getComputedStyle(document.body).colorScheme.includes("dark"); document.body.className = dark ? "light" : "dark"; show(); };
   $("close").onclick = () => { state.chosen = -1; show(); };
   const held = new Map();
@@ -289,7 +290,7 @@ function begin() {
   }
   $("moves").hidden = !BASE; $("cell").textContent = `squares of ${CELL} m`;
   if (!gl) { $("none").hidden = false; $("legend").hidden = $("axes").hidden = true; return; }
-  build(); listen(); show();
+  build(); $("true").hidden = SCENE.visible === 1 && state.factor === 1; listen(); show();
   if (location.hash === "#play") { state.again = true; state.t = time[0]; play(true); }
 }
 begin();
