@@ -30,7 +30,7 @@ from solver.checks.limits import Limits, Plan
 from solver.commands.progress import RunsLine
 from solver.ground import wavelets
 from solver.ground.building import Building, floor_motion
-from solver.ground.intensity import Intensity, Spectrum, intensity, pgv, spectrum
+from solver.ground.intensity import Intensity, Spectrum, intensity, pgv, rotd, spectrum
 from solver.ground.loads import Load
 from solver.models.column.modes import Modes, natural_modes
 from solver.models.structure.builders import arch, colonnade, wall
@@ -102,6 +102,7 @@ __all__ = [
     "push_over",
     "rest_of",
     "restitution",
+    "rotd",
     "run_study",
     "simulate",
     "simulate_many",

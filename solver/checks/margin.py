@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,14 @@ MOST, LEAST = 4.0, 0.05  # largest and least factor tried
 NARROW = 1.04  # ratio of the two bounds at which the bisection ends
 
 
+class Trial(NamedTuple):
+    """The runs of one factor: the indices of the motions, and the verdict of each of their models."""
+
+    factor: float
+    places: NDArray[np.int64]  # (motions,)
+    verdicts: NDArray[np.str_]  # (motions, models)
+
+
 @dataclass(frozen=True)
 class Margin:
     """The factors on all motions: no run falls at `stands`, some run falls at `falls`; 0 or inf where there is none."""
@@ -32,6 +41,7 @@ class Margin:
     falls: float
     place: int  # index of the motion under which a run falls first, -1 if none falls
     runs: int  # number of simulations that the search took
+    trials: tuple[Trial, ...] = ()  # without that at factor 1
 
     @property
     def is_open(self) -> bool:
@@ -71,14 +81,16 @@ def margin_of(
     InputError, SolverError
         As `simulate_many` does.
     """
-    made = 0
+    trials: list[Trial] = []
 
     def falling(places: NDArray[np.int64], factor: float) -> NDArray[np.int64]:
-        nonlocal made
         pairs = [(held, applied("", motion, factor).motion) for k in places for held, motion in ensembles[k]]
-        made += len(pairs)
-        fallen = falls(verdicts_of(run_all(subject, pairs, False, callback)))
-        return places[np.any(fallen.reshape(len(places), -1), axis=1)]
+        verdicts = verdicts_of(run_all(subject, pairs, False, callback)).reshape(len(places), -1)
+        trials.append(Trial(factor, places, verdicts))
+        return places[np.any(falls(verdicts), axis=1)]
+
+    def found(stands: float, fails: float, place: int) -> Margin:
+        return Margin(stands, fails, place, sum(trial.verdicts.size for trial in trials), tuple(trials))
 
     # bracket: step down while runs fall, or up until one falls
     everything = np.arange(len(ensembles))
@@ -88,13 +100,13 @@ def margin_of(
         while (still := falling(fell, low)).size:
             fell, low, high = still, low / STEP, low
             if low < LEAST:
-                return Margin(0.0, high, int(fell[0]), made)
+                return found(0.0, high, int(fell[0]))
     else:
         low, high = 1.0, STEP
         while not (fell := falling(everything, high)).size:
             low, high = high, high * STEP
             if high > MOST:
-                return Margin(low, math.inf, -1, made)
+                return found(low, math.inf, -1)
     # bisect in the logarithm of the factor
     while high > NARROW * low:
         middle = math.sqrt(low * high)
@@ -102,4 +114,4 @@ def margin_of(
             fell, high = still, middle
         else:
             low = middle
-    return Margin(low, high, int(fell[0]), made)
+    return found(low, high, int(fell[0]))

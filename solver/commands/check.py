@@ -15,6 +15,7 @@ from typing import Any
 from ..checks.action import ARTIFICIAL, Action, Level, action_on
 from ..checks.check import Check, checked
 from ..checks.limits import UNCERTAIN, Limits, Plan
+from ..checks.risk import risk_of
 from ..checks.scaling import LEAST_PART
 from ..checks.subject import Subject, subject_of
 from ..common.errors import InputError, needing, reading
@@ -25,6 +26,7 @@ from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..models.column.model import Column
 from ..models.structure.model import Structure
 from ..models.uncertainty import Spread
+from ..studies.risk import RISK_NOTE, Hazard, risk_text
 from .check_report import action_lines, check_lines, variants_lines
 from .code_spectra import CODES, add_code_options, add_spectrum, target_of
 from .command_files import add_force, add_space, check_suffix, read_subject, write_outputs
@@ -63,6 +65,8 @@ def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
     _add_plan(parser)
     words = "another file, checked beside; may be repeated"
     parser.add_argument("--variant", type=Path, action="append", default=[], metavar="FILE.toml", help=words)
+    words = "of the site, as `risk` reads it: adds how likely it overturns in 50 years, from the runs of the check"
+    parser.add_argument("--hazard", type=Path, metavar="FILE.csv", help=words)
     # output
     parser.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the table, with each motion")
     parser.add_argument("--report", type=Path, metavar="FILE.html", help="write a report with pictures, to be printed")
@@ -126,7 +130,7 @@ def _check(options: argparse.Namespace) -> None:
     # models, each under a name of its own
     components = (*(options.vertical or ()), *(options.across or ()))
     table = Path(options.spectrum) if options.spectrum not in (None, *CODES) else None
-    inputs = (options.column, *options.records, *components, *options.variant, options.building, table)
+    inputs = (options.column, *options.records, *components, *options.variant, options.building, table, options.hazard)
     check_outputs((options.output, options.report), inputs, options.force)
     models = [(path, _model(path, options)) for path in (options.column, *options.variant)]
     models = _told_apart(models)
@@ -134,6 +138,7 @@ def _check(options: argparse.Namespace) -> None:
         models.insert(1, (options.column, _across(*models[0])))
     # action on the model and its variants
     plan = _plan(options)
+    hazard = None if options.hazard is None else Hazard.from_csv(options.hazard)
     level = _level(options)
     motions, floor = _motions(options), floor_of(options)
     subjects = [(path, _subject(path, model, plan)) for path, model in models]
@@ -158,8 +163,23 @@ def _check(options: argparse.Namespace) -> None:
         print(*(f"{one.name}: {one.answer}" for one in checks[:2]), sep="\n")
     if len(checks) > 1:
         print(*variants_lines(checks), sep="\n")
-    report = partial(_write_report, checks, options.note, [path for path in inputs if path is not None])
+    risk, missing = _risk(checks[0], hazard)
+    print(*risk, sep="\n")
+    report = partial(_write_report, checks, options.note, [path for path in inputs if path is not None], risk)
     write_outputs([(options.output, checks[0].to_csv), (options.report, report)])
+    if missing is not None:
+        raise missing
+
+
+def _risk(check: Check, hazard: Hazard | None) -> tuple[list[str], InputError | None]:
+    """Return the lines on the risk, none without a hazard, and the error of a check that has no fragility."""
+    if hazard is None:
+        return [], None
+    try:
+        lines = risk_text(f"risk, hazard {hazard}", risk_of(check, hazard)).splitlines()
+    except InputError as error:
+        return [f"risk: {error}"], error
+    return [*lines, RISK_NOTE], None
 
 
 def _on_floor(action: Action, floor: tuple[Building, int] | None, across: bool = False) -> Action:
@@ -170,11 +190,11 @@ def _on_floor(action: Action, floor: tuple[Building, int] | None, across: bool =
     return action.on_floor(building.across() if across else building, number)
 
 
-def _write_report(checks: list[Check], notes: list[str], inputs: list[Path], path: Path) -> None:
+def _write_report(checks: list[Check], notes: list[str], inputs: list[Path], risk: list[str], path: Path) -> None:
     from ..checks.report.html import write_report
 
     command = shlex.join(["multiblock", *sys.argv[1:]])
-    write_report(checks, path, printable(command), [printable(note) for note in notes], inputs)
+    write_report(checks, path, printable(command), [printable(note) for note in notes], inputs, risk)
 
 
 def _model(path: Path, options: argparse.Namespace) -> Any:

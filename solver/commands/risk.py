@@ -7,12 +7,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..common.digits import percent
 from ..common.errors import InputError
 from ..common.files import check_outputs
+from ..studies.exports import SUFFIXES, write_fragilities
 from ..studies.journal import SUFFIX
+from ..studies.motions import MEASURES
 from ..studies.results import Results
-from ..studies.risk import YEARS, Hazard, Risk, risk, write_risks
+from ..studies.risk import RISK_NOTE, YEARS, Hazard, Risk, risk, risk_text, write_risks
 from ..studies.statistics import failures_of, fit_fragility, measure_in, undecided_text
 from .command_files import PICTURES, add_force, check_picture, check_suffix, write_outputs
 from .study import add_study_options, results_from
@@ -24,7 +25,8 @@ def add_risk_command(commands: argparse._SubParsersAction[Any]) -> None:
     parser.set_defaults(command=_risk)
     add_study_options(parser, f"a study that has been run, its results (NAME{SUFFIX}, NAME.csv), or their folder")
     hazard = parser.add_argument_group("hazard")
-    words = "table with the columns pga (g), pgv (m/s) or sa(PERIOD) (g), and rate (1/year) or return_period (years)"
+    words = "table with the columns pga (g), pgv (m/s) or sa(PERIOD), rotd50(PERIOD), rotd100(PERIOD) (g), and rate "
+    words += "(1/year) or return_period (years)"
     hazard.add_argument("--hazard", type=Path, metavar="FILE.csv", help=words)
     words = "in place of a table: the rate is a power law of the intensity with the exponent -K"
     hazard.add_argument("--slope", type=float, metavar="K", help=words)
@@ -34,14 +36,17 @@ def add_risk_command(commands: argparse._SubParsersAction[Any]) -> None:
     words = f"time of the probability (default: {YEARS:g})"
     parser.add_argument("--years", type=float, default=YEARS, metavar="N", help=words)
     parser.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write rates and shares")
+    words = "write the fragilities for pelicun (FILE.csv) or OpenQuake (FILE.xml, NRML 0.5)"
+    parser.add_argument("--export", type=Path, metavar="FILE", help=words)
     parser.add_argument("--plot", type=Path, metavar="FILE.png", help=f"draw them ({', '.join(PICTURES)})")
     add_force(parser)
 
 
 def _risk(options: argparse.Namespace) -> None:
     check_suffix(options.output, ".csv")
+    check_suffix(options.export, *SUFFIXES)
     check_picture(options.plot)
-    check_outputs((options.output, options.plot), (options.study, options.hazard), options.force)
+    check_outputs((options.output, options.export, options.plot), (options.study, options.hazard), options.force)
     hazard = _hazard(options)
     options.study = _journal(options.study)
     results = results_from(options)
@@ -49,12 +54,14 @@ def _risk(options: argparse.Namespace) -> None:
     # summary
     name, undecided = results.study["name"], int(results.undecided.sum())
     print(f"{name}: {len(results)} of {results.head['runs']} runs; hazard: {hazard}")
-    print(*unfit, *(_text(failure, one) for failure, one in risks.items()), sep="\n")
-    print("bounds: 95 % confidence of the fragility; the hazard is taken as given")
+    print(*unfit, *(risk_text(failure, one) for failure, one in risks.items()), sep="\n")
+    print(RISK_NOTE)
     if undecided:
         print(f"{undecided_text(undecided)}; the fragility takes them as standing")
     # files
     outputs: list[tuple[Path | None, Any]] = [(options.output, partial(write_risks, risks=risks))]
+    fragilities = {failure: one.fragility for failure, one in risks.items()}
+    outputs.append((options.export, partial(write_fragilities, name=name, fragilities=fragilities)))
     if options.plot is not None:
         from ..studies.pictures import draw_risks
 
@@ -89,7 +96,7 @@ def _risks(results: Results, hazard: Hazard, years: float) -> tuple[dict[str, Ri
 
     Raises InputError unless the results have the measure of the hazard and some fragility over it.
     """
-    measures = {name: measure_in(results, name) for name in ("pga", "pgv", "sa") if name in results}
+    measures = {name: measure_in(results, name) for name in MEASURES if name in results}
     name = hazard.measure.name
     if measures.get(name) != hazard.measure:
         known = ", ".join(measure.label for measure in measures.values() if measure is not None)
@@ -106,20 +113,3 @@ def _risks(results: Results, hazard: Hazard, years: float) -> tuple[dict[str, Ri
     if not risks:
         raise InputError("; ".join(unfit))
     return risks, unfit
-
-
-def _text(failure: str, found: Risk) -> str:
-    """Return a risk as lines of text."""
-    fragility, label, unit = found.fragility, found.hazard.measure.label, found.hazard.measure.unit
-    below, above = (percent(share, ".1f") for share in found.beyond)
-    low, high = found.hazard.intensity[[0, -1]]
-    ranges = [f"{first:g} to {last:g}" for first, last in zip(found.edges[:-1], found.edges[1:], strict=True)]
-    shares = ", ".join(f"{text}: {percent(share)}" for text, share in zip(ranges, found.shares, strict=True))
-    return (
-        f"{failure}: {found}\n"
-        f"  fragility: median {label} {fragility.median:.4g} {unit}, deviation of the logarithm "
-        f"{fragility.deviation:.3g}; {fragility.failed} of {fragility.runs} runs failed\n"
-        f"  shares of the rate by {label} ({unit}): {shares}\n"
-        f"  {below} of the rate is from below {low:g} {unit} and {above} from above {high:g} {unit}, where the hazard "
-        "is extrapolated"
-    )

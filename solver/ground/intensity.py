@@ -1,4 +1,4 @@
-"""Intensity measures of a base motion: peaks, Arias intensity, significant duration, response spectrum."""
+"""Intensity measures of a base motion: peaks, Arias intensity, significant duration, response spectrum, RotD."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ PER_PERIOD = 10  # least samples per period of an oscillator; cubic interpolatio
 PER_CYCLE = 400  # line segments per cycle of a harmonic
 MOST_LINES = 1_000_000  # ten minutes at 1 kHz, and more
 AT_ONCE = 4_000_000  # numbers in a history of all oscillators integrated at once
+ANGLES = np.deg2rad(np.arange(180.0))  # of the orientations of RotD: Boore (2010), Bull. Seism. Soc. Am. 100 (4)
 UNEVEN = 1e9  # ratio of the longest to the shortest segment beyond which the short ones are lost in rounding
 
 
@@ -122,7 +123,7 @@ def lines_of(motion: Motion, component: Component = "ax") -> Lines:
     else:
         time, before, after = motion.time, samples[:-1], samples[1:]
     amplitude = motion.amplitude_of(component)
-    if amplitude:
+    if amplitude or (component != "az" and (motion.amplitude or motion.amplitude_y)):
         if not is_measurable(motion):
             cycles, most = motion.frequency * motion.duration, MOST_LINES // PER_CYCLE
             raise InputError(f"frequency: {cycles:.4g} cycles, must be at most {most} to be measured")
@@ -229,14 +230,60 @@ def spectrum(
         If a period is not positive, the damping is out of range, or the samples are too far apart, or too uneven, for
         the shortest period.
     """
-    period = np.array(
-        [
-            check_number("period", float(t), POSITIVE, "a positive time in s")
-            for t in (PERIODS if periods is None else periods)
-        ]
-    )
+    period = np.array(PERIODS if periods is None else periods, dtype=np.float64)
+    sd = np.zeros(len(period))
+    for chosen, steps, ((u, v),) in _oscillations(motion, period, damping, (component,)):
+        free = oscillator.free_peak(u[-1], v[-1], 2.0 * np.pi / period[chosen], damping)
+        sd[chosen] = np.maximum(oscillator.peaks(steps, u, v[:-1], v[1:]), free)
+    return Spectrum(period, sd, damping)
+
+
+def rotd(
+    motion: Motion,
+    percentile: float,
+    periods: Sequence[float] | FloatArray | None = None,
+    damping: float = DAMPING,
+) -> Spectrum:
+    """Compute the spectrum RotD of two horizontal components: a percentile of the spectra over all orientations.
+
+    Parameters
+    ----------
+    motion : Motion
+        The motion of the base.
+    percentile : float
+        50 for RotD50, 100 for RotD100.
+    periods, damping
+        As of `spectrum`, whose errors are raised.
+    """
+    percentile = check_number("percentile", percentile, (0.0, 100.0), "a percentile, from 0 to 100")
+    period = np.array(PERIODS if periods is None else periods, dtype=np.float64)
+    sd = np.zeros(len(period))
+    for chosen, steps, both in _oscillations(motion, period, damping, ("ax", "ay")):
+        for column, k in enumerate(chosen):
+            (u, v), (across, v_across) = ((u[:, column], v[:, column]) for u, v in both)
+            largest = []
+            for angles in np.array_split(ANGLES, min(len(ANGLES), 1 + len(ANGLES) * len(u) // AT_ONCE)):
+                turned, speed = (
+                    np.outer(x, np.cos(angles)) + np.outer(y, np.sin(angles)) for x, y in ((u, across), (v, v_across))
+                )
+                free = oscillator.free_peak(turned[-1], speed[-1], 2.0 * np.pi / period[k], damping)
+                largest.append(np.maximum(oscillator.peaks(steps, turned, speed[:-1], speed[1:]), free))
+            sd[k] = np.percentile(np.concatenate(largest), percentile)
+    return Spectrum(period, sd, damping)
+
+
+def _oscillations(
+    motion: Motion, period: FloatArray, damping: float, components: Sequence[Component]
+) -> Iterator[tuple[NDArray[np.int64], FloatArray, list[tuple[FloatArray, FloatArray]]]]:
+    """Yield the indices of some oscillators, the intervals, and for each component u and v, (instants, oscillators).
+
+    Raises InputError as `spectrum`.
+    """
+    for t in period.tolist():
+        check_number("period", t, POSITIVE, "a positive time in s")
     damping = check_number("damping", damping, (0.0, 0.999), "a part of critical, at least 0 and less than 1")
-    lines = lines_of(motion, component)
+    every = [lines_of(motion, component) for component in components]
+    lines = every[0]
     longest, shortest = float(np.max(lines.steps)), float(np.min(lines.steps))
     # the number of parts of each segment, a power of 2, so that a period has at least PER_PERIOD instants
     wanted = np.maximum(1.0, 2.0 ** np.ceil(np.log2(PER_PERIOD * longest / period)))
@@ -246,18 +293,16 @@ def spectrum(
             f"{np.min(period):.4g} s on"
         )
     parts = wanted.astype(np.int64)
-    sd = np.zeros(len(period))
     for chosen in _together(parts, len(lines.steps)):
         count = int(parts[chosen[0]])
-        omega = 2.0 * np.pi / period[chosen]
-        rise = (lines.after - lines.before) / count
-        before = (lines.before[:, None] + rise[:, None] * np.arange(count)).ravel()
-        after = before + np.repeat(rise, count)
         steps = np.repeat(_without_rounding(lines.steps) / count, count)
-        u, v = oscillator.response(steps, before, after, omega, damping)
-        free = oscillator.free_peak(u[-1], v[-1], omega, damping)
-        sd[chosen] = np.maximum(oscillator.peaks(steps, u, v[:-1], v[1:]), free)
-    return Spectrum(period, sd, damping)
+        found = []
+        for one in every:
+            rise = (one.after - one.before) / count
+            before = (one.before[:, None] + rise[:, None] * np.arange(count)).ravel()
+            after = before + np.repeat(rise, count)
+            found.append(oscillator.response(steps, before, after, 2.0 * np.pi / period[chosen], damping))
+        yield chosen, steps, found
 
 
 def _together(parts: NDArray[np.int64], lines: int) -> Iterator[NDArray[np.int64]]:

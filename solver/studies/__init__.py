@@ -6,6 +6,7 @@ from ..models.pictures import drawing_of
 from .definition import Study
 from .distributions import Distribution, Random
 from .execution import StudyError, run_study
+from .exports import write_fragilities
 from .motions import Measure, Shaking
 from .results import Results
 from .risk import Hazard, Risk, risk
@@ -40,4 +41,5 @@ __all__ = [
     "run_study",
     "spectrum",
     "sweep",
+    "write_fragilities",
 ]

@@ -12,7 +12,7 @@ from ..common.ranges import check_choice
 from ..models.protocol import WORDS, Kept
 from .definition import KINDS, MOST_RUNS, SAMPLINGS
 from .distributions import Random
-from .motions import Measure
+from .motions import MEASURES, Measure
 from .subjects import always_kept, check_alike, kind_in, sizes_of, subject_from
 
 FAILED = "failed"  # the verdict of a run that the solver could not finish
@@ -53,7 +53,7 @@ def check_head(head: Mapping[str, Any]) -> None:
     _numbers("limits", _part(study, "limits", list), finite=True)
     _names("keep", _part(study, "keep", list), tuple(kind.kept), always_kept(kind))
     _names("varied", _part(head, "varied", list), None, ("column", "motion", *grid))
-    _names("measured", _part(head, "measured", list), ("pga", "pgv", "sa"), ("pga", "pgv"))
+    _names("measured", _part(head, "measured", list), MEASURES, ("pga", "pgv"))
 
 
 def check_row(head: Mapping[str, Any], row: Any) -> None:

@@ -29,7 +29,7 @@ from ..models.column.model import Column
 from ..models.protocol import FloatArray, Model, Run
 from ..models.structure.model import Structure
 from .distributions import Random
-from .motions import BESIDE, DIRECTION, IN_PLANE, LOAD_SCALE, OF_MOTION, OF_SPACE, Measure, Shaking, tilted
+from .motions import BESIDE, DIRECTION, IN_PLANE, LOAD_SCALE, OF_MOTION, OF_SPACE, SPECTRAL, Measure, Shaking, tilted
 from .subjects import always_kept, check_alike, sizes_of
 
 KINDS = ("sweep", "ida", "fragility", "spectrum", "montecarlo")
@@ -51,7 +51,7 @@ class Planned(NamedTuple):
 
     run: Run
     values: dict[str, float]  # varied numbers, by name
-    measures: dict[str, float]  # of the motion as run: pga (g), pgv (m/s), sa (g)
+    measures: dict[str, float]  # of the motion as run: pga (g), pgv (m/s), sa or RotD (g)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -220,7 +220,8 @@ class Study(NotebookRepr):
     @property
     def measured(self) -> tuple[str, ...]:
         """The names of the measures of a motion that are kept."""
-        return ("pga", "pgv") if self.measure is None or self.measure.name != "sa" else ("pga", "pgv", "sa")
+        own = () if self.measure is None or self.measure.name not in SPECTRAL else (self.measure.name,)
+        return ("pga", "pgv", *own)
 
     def run(self, number: int) -> Planned:
         """Return the run of a number, from 0. Raises InputError if a value does not suit the column or the motion."""

@@ -17,7 +17,7 @@ from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_nu
 from ..common.ranges import check_choice, check_keys
 from ..ground import wavelets
 from ..ground.building import Building, floor_motion
-from ..ground.intensity import pgv, spectrum
+from ..ground.intensity import pgv, rotd, spectrum
 from ..ground.loads import loads_by_port, loads_from
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from . import near_fault
@@ -79,9 +79,12 @@ LOAD_SCALE, DIRECTION = "load_scale", "direction"
 BESIDE = ("scale", "tilt", DIRECTION, LOAD_SCALE)
 OF_SPACE = (ACROSS, DIRECTION)  # numbers of a motion that leaves the plane of a column
 IN_PLANE = "a column moves in its plane; structure = FILE, in place of column, solves it in space"
-MEASURES = ("pga", "pgv", "sa")
+SPECTRAL = {"sa": "Sa", "rotd50": "RotD50", "rotd100": "RotD100"}  # of a period and damping, and their labels
+MEASURES = ("pga", "pgv", *SPECTRAL)
 # a measure as text, such as PGA (g) or sa(0.5): the name, period and damping of sa, and the unit if it is given
-MEASURE_TEXT = re.compile(r"(pga|pgv|sa\s*\(\s*([\d.]+)(?:\s*s)?(?:\s*,\s*([\d.]+))?\s*\))(?:\s*[(\[](.*)[)\]])?")
+MEASURE_TEXT = re.compile(
+    r"(pga|pgv|(?:sa|rotd50|rotd100)\s*\(\s*([\d.]+)(?:\s*s)?(?:\s*,\s*([\d.]+))?\s*\))(?:\s*[(\[](.*)[)\]])?"
+)
 
 
 @dataclass(frozen=True)
@@ -93,12 +96,14 @@ class Measure:
     damping: float = 0.05
 
     def of(self, motion: Motion) -> float:
-        """Return its value for the horizontal component ax of a motion."""
+        """Return its value for the horizontal component ax of a motion; RotD is that of both components."""
         if self.name == "pga":
             return motion.pga / STANDARD_GRAVITY
         if self.name == "pgv":
             return pgv(motion)
-        return float(spectrum(motion, [self.period], self.damping).psa[0]) / STANDARD_GRAVITY
+        of = (self.period,), self.damping
+        found = spectrum(motion, *of) if self.name == "sa" else rotd(motion, float(self.name[4:]), *of)
+        return float(found.psa[0]) / STANDARD_GRAVITY
 
     @property
     def unit(self) -> str:
@@ -108,15 +113,17 @@ class Measure:
     @property
     def label(self) -> str:
         """The name as text, with period and damping."""
-        return f"Sa({self.period:g} s, {percent(self.damping)})" if self.name == "sa" else self.name.upper()
+        if self.name not in SPECTRAL:
+            return self.name.upper()
+        return f"{SPECTRAL[self.name]}({self.period:g} s, {percent(self.damping)})"
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Measure:
         """Read a table such as {measure = "sa", period = 0.5, damping = 0.05}. Raises InputError."""
         name = check_choice("intensity.measure", table.get("measure"), MEASURES)
-        known = ("measure", "period", "damping") if name == "sa" else ("measure",)
+        known = ("measure", "period", "damping") if name in SPECTRAL else ("measure",)
         check_keys("intensity.", table, known, f" of {name}")
-        if name != "sa":
+        if name not in SPECTRAL:
             return cls(name)
         period = check_number("intensity.period", table.get("period"), POSITIVE, "a positive time in s")
         damping = check_number("intensity.damping", table.get("damping", 0.05), (0.0, 0.999), "a part of critical")
@@ -127,21 +134,21 @@ class Measure:
         """Read pga, pgv, sa(PERIOD) or sa(PERIOD, DAMPING), with or without its unit. Raises InputError."""
         found = MEASURE_TEXT.fullmatch(text.strip().lower())
         if found is None:
-            raise InputError(f"{key} = {text!r}: must be pga, pgv or sa(PERIOD)")
+            raise InputError(f"{key} = {text!r}: must be pga, pgv, sa(PERIOD), rotd50(PERIOD) or rotd100(PERIOD)")
         name, period, damping, unit = found.groups()
         numbers = {"period": period, "damping": damping}
         try:
             given = {number: float(value) for number, value in numbers.items() if value}
         except ValueError:
             raise InputError(f"{key} = {text!r}: must have a period in s, as sa(0.5)") from None
-        measure = cls.from_table({"measure": "sa" if given else name, **given})
+        measure = cls.from_table({"measure": name.partition("(")[0].strip(), **given})
         if unit not in (None, measure.unit):
             raise InputError(f"{key} = {text!r}: must be in {measure.unit}")
         return measure
 
     def to_table(self) -> dict[str, Any]:
         """Return the table from which `from_table` builds this measure."""
-        beside = {"period": self.period, "damping": self.damping} if self.name == "sa" else {}
+        beside = {"period": self.period, "damping": self.damping} if self.name in SPECTRAL else {}
         return {"measure": self.name, **beside}
 
 

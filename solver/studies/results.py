@@ -22,13 +22,16 @@ from ..models.protocol import WORDS
 from ..runs.table import Columns, counts
 from .contents import FAILED, check_head, check_row, kept_in, length_of
 from .journal import read_journal
+from .motions import SPECTRAL
 from .subjects import ALL_KEPT, kind_in
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # units by the name of a column of the table; varied numbers have those of the column file and the study file
-UNITS = {"pga": "g", "pgv": "m/s", "sa": "g"} | {name: one.unit for name, one in ALL_KEPT.items() if one.unit}
+UNITS = {"pga": "g", "pgv": "m/s", **dict.fromkeys(SPECTRAL, "g")} | {
+    name: one.unit for name, one in ALL_KEPT.items() if one.unit
+}
 ROWS_AT_ONCE = 4096
 NAMED = "motion_name"
 

@@ -29,6 +29,7 @@ YEARS = 50.0
 # intensities between which shares of the rate are given: those with more than LEAST_SHARE on either side
 EDGES = tuple(float(f"{part}e{power}") for power in range(-4, 4) for part in (1, 1.5, 2, 3, 4, 5, 7))
 LEAST_SHARE = 0.01
+RISK_NOTE = "bounds: 95 % confidence of the fragility; the hazard is taken as given"
 COLUMNS = ("failure", "from", "to", "share", "rate", "rate_low", "rate_high", "years", "probability", "low", "high")
 
 
@@ -286,6 +287,23 @@ def rates_between(hazard: Hazard, edges: FloatArray, curves: FloatArray) -> Floa
         found = np.fmax(np.fmin(found, step * P[:, 1:]), step * P[:, :-1])
     found = np.where(np.isnan(found), math.inf, found)  # H is infinite at s > 0
     return np.asarray(np.add.reduceat(found, np.searchsorted(s, edges[:-1]), axis=1))
+
+
+def risk_text(failure: str, found: Risk) -> str:
+    """Return a risk as lines of text."""
+    fragility, label, unit = found.fragility, found.hazard.measure.label, found.hazard.measure.unit
+    below, above = (percent(share, ".1f") for share in found.beyond)
+    low, high = found.hazard.intensity[[0, -1]]
+    ranges = [f"{first:g} to {last:g}" for first, last in zip(found.edges[:-1], found.edges[1:], strict=True)]
+    shares = ", ".join(f"{text}: {percent(share)}" for text, share in zip(ranges, found.shares, strict=True))
+    return (
+        f"{failure}: {found}\n"
+        f"  fragility: median {label} {fragility.median:.4g} {unit}, deviation of the logarithm "
+        f"{fragility.deviation:.3g}; {fragility.failed} of {fragility.runs} runs failed\n"
+        f"  shares of the rate by {label} ({unit}): {shares}\n"
+        f"  {below} of the rate is from below {low:g} {unit} and {above} from above {high:g} {unit}, where the hazard "
+        "is extrapolated"
+    )
 
 
 def write_risks(path: str | os.PathLike[str], risks: Mapping[str, Risk]) -> None:

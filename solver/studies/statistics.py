@@ -263,8 +263,8 @@ def fit_fragility(
     im, failed = results[name][valid], failed_of(results, limit)[valid]
     undecided = results.undecided[valid] & ~failed
     clusters = np.unique(_clusters(results)[valid], return_inverse=True)[1]
-    if not 0 < np.sum(failed) < len(failed):
-        raise InputError(f"{name}: {np.sum(failed)} of {len(failed)} runs failed: a fragility needs some of both")
+    _refuse_one_sided(name, failed)
+    levels = None
     if method == "failures":
         _refuse_separated(name, im, failed)
         fit, levels = _of_failures(im, failed)
@@ -278,9 +278,49 @@ def fit_fragility(
         how = f"moved by more than {limit:g} m, by the demand of those that stand"
     else:
         raise InputError(f"method = {method!r}: must be failures or demand")
+    seed, measure = results.study["seed"], measure_in(results, name)
+    return _with_bounds(name, im, failed, undecided, clusters, fit, levels, seed, resampled, bins, how, measure)
+
+
+def fragility_of_runs(
+    measure: Measure,
+    intensity: FloatArray,
+    failed: NDArray[np.bool_],
+    groups: NDArray[np.int64],
+    how: str,
+    undecided: NDArray[np.bool_],
+) -> Fragility:
+    """Fit a lognormal fragility to runs that are no results of a study, as `fit_fragility` by failures.
+
+    For each run, (runs,): the intensity in the unit of the measure, failure, group that is resampled with it (from 0),
+    and whether it is undecided, which counts as standing. `how` is the failure in words. Raises InputError.
+    """
+    _refuse_one_sided(measure.label, failed)
+    _refuse_separated(measure.label, intensity, failed)
+    fit, levels = _of_failures(intensity, failed)
+    return _with_bounds(
+        measure.name, intensity, failed, undecided, groups, fit, levels, 0, RESAMPLED, BINS, how, measure
+    )
+
+
+def _with_bounds(
+    name: str,
+    im: FloatArray,
+    failed: NDArray[np.bool_],
+    undecided: NDArray[np.bool_],
+    clusters: NDArray[np.int64],
+    fit: Fit,
+    levels: tuple[FloatArray, FloatArray, FloatArray] | None,
+    seed: int,
+    resampled: int,
+    bins: int,
+    how: str,
+    measure: Measure | None,
+) -> Fragility:
+    """Return the best fit with its bounds; `levels` are those of the failures, if these were fitted."""
     # best fit, and fits to resampled groups
     best = fit(np.ones(len(im)), None)
-    rng = np.random.default_rng(results.study["seed"])
+    rng = np.random.default_rng(seed)
     count = int(clusters.max()) + 1
 
     def again() -> tuple[float, float]:
@@ -291,7 +331,7 @@ def fit_fragility(
     bounds = np.percentile(curves, percentages_of_bounds(), axis=0)
     # the wider of the bounds by bootstrap and likelihood
     ends = np.empty((0, 2))
-    if method == "failures":
+    if levels is not None:
         ends = likelihood_ends(*levels, best, (LEAST_DEVIATION, MOST_DEVIATION))
         bounds = np.array(
             [by(np.vstack([bound, ends]), axis=0) for by, bound in zip((np.min, np.max), bounds, strict=True)]
@@ -309,8 +349,14 @@ def fit_fragility(
         failed=int(np.sum(failed)),
         undecided=int(np.sum(undecided)),
         how=how,
-        measure=measure_in(results, name),
+        measure=measure,
     )
+
+
+def _refuse_one_sided(name: str, failed: NDArray[np.bool_]) -> None:
+    """Raise InputError if none or all of the runs failed."""
+    if not 0 < np.sum(failed) < len(failed):
+        raise InputError(f"{name}: {np.sum(failed)} of {len(failed)} runs failed: a fragility needs some of both")
 
 
 def _refuse_separated(name: str, intensity: FloatArray, failed: NDArray[np.bool_]) -> None:

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from solver import InputError, Motion
 from solver.commands.reports import motion_report
 from solver.ground import oscillator
-from solver.ground.intensity import components, histories, intensity, pgv, spectrum
+from solver.ground.intensity import components, histories, intensity, pgv, rotd, spectrum
 from solver.ground.motion import STANDARD_GRAVITY as G
 from solver.plotting.record_plots import plot_records
 
@@ -199,3 +199,41 @@ def test_a_spectrum_in_parts_is_the_same(monkeypatch: pytest.MonkeyPatch) -> Non
     whole = spectrum(motion).sd
     monkeypatch.setattr("solver.ground.intensity.AT_ONCE", 1000)
     np.testing.assert_allclose(spectrum(motion).sd, whole, rtol=1e-13)
+
+
+def test_rotd_of_equal_components_in_phase() -> None:
+    """Check that along 45 degrees they are sqrt(2) as large, at the median angle as large as each."""
+    time = np.arange(0.0, 4.0, 0.01)
+    pulse = np.sin(3.0 * time) * np.exp(-time)
+    both = Motion(time, pulse, np.zeros_like(time), 3.99, ay=pulse)
+    period = [0.2, 0.7, 3.0]
+    one = spectrum(Motion(time, pulse, np.zeros_like(time), 3.99), period).sd
+    for percentile, factor in ((100, np.sqrt(2.0)), (50, 1.0), (0, 0.0)):
+        found = rotd(both, percentile, period).sd  # measured: 1e-13; 0 to 1e-16 m
+        np.testing.assert_allclose(found, factor * one, rtol=1e-12, atol=1e-14)
+
+
+def test_rotd_of_circular_motion() -> None:
+    """Check that all orientations have the steady amplitude, after a motion that grows slowly."""
+    time = np.arange(0.0, 60.0, 0.01)
+    omega, zeta = 2.0 * np.pi, 0.05
+    grows = 0.5 * (1.0 - np.cos(np.pi * np.minimum(time / 40.0, 1.0)))
+    # it fades as slowly as it grows: the free vibration at the end is smaller than the steady one
+    grows = grows * np.clip((60.0 - time) / 10.0, 0.0, 1.0)
+    ax, ay = grows * np.cos(omega * time), grows * np.sin(omega * time)
+    circle = Motion(time, ax, np.zeros_like(time), float(time[-1]), ay=ay)
+    period = np.array([0.4, 1.0, 2.5])
+    ratio = period / 1.0
+    steady = (period / (2.0 * np.pi)) ** 2 / np.hypot(1.0 - ratio**2, 2.0 * zeta * ratio)
+    least, most = (rotd(circle, percentile, period).sd for percentile in (50, 100))
+    np.testing.assert_allclose(most / steady, 1.0, atol=0.01)  # measured: 0.002; the ratio 0.005
+    np.testing.assert_allclose(least / most, 1.0, atol=0.01)
+
+
+def test_rotd_of_one_component_and_of_turned_motions() -> None:
+    harmonic = Motion.harmonic(2.0, 1.0, 3.0)
+    assert rotd(harmonic, 100, [0.7]).sd == pytest.approx(spectrum(harmonic, [0.7]).sd, rel=1e-12)
+    turned = Motion.harmonic(2.0, 1.0, 3.0, direction=np.deg2rad(40.0))
+    assert rotd(turned, 100, [0.7]).sd == pytest.approx(rotd(harmonic, 100, [0.7]).sd, rel=1e-12)
+    with pytest.raises(InputError, match="percentile = 101: must be a percentile"):
+        rotd(harmonic, 101)

@@ -159,7 +159,7 @@ def test_tables_are_read(tmp_path: Path) -> None:
         ("1" * 200_000, "field larger than field limit"),
         ("pga,rate\n0.1\n", "must have two columns"),
         ("pga,poe\n0.1,0.1\n0.2,0.05\n", "column 2 = 'poe': must be rate"),
-        ("acceleration,rate\n0.1,0.1\n0.2,0.05\n", "column 1 = 'acceleration': must be pga, pgv or sa"),
+        ("acceleration,rate\n0.1,0.1\n0.2,0.05\n", "column 1 = 'acceleration': must be pga, pgv, sa"),
         ("sa,rate\n0.1,0.1\n0.2,0.05\n", "column 1 = 'sa': must be pga"),
         ("sa(1.2.3),rate\n0.1,0.1\n0.2,0.05\n", "must have a period in s"),
         ("pga (m/s2),rate\n0.1,0.1\n0.2,0.05\n", "must be in g"),

@@ -42,6 +42,7 @@ def write_report(
     command: str = "",
     notes: Sequence[str] = (),
     inputs: Sequence[Path] = (),
+    risk: Sequence[str] = (),
 ) -> None:
     """Write the report of a check, compared with the other checks as variants.
 
@@ -57,6 +58,8 @@ def write_report(
         Lines under the title, such as project, author and date.
     inputs : sequence of Path
         The input files, that of the model of the first check first.
+    risk : sequence of str
+        Lines on the risk, for a site whose hazard is known.
 
     Raises
     ------
@@ -68,7 +71,7 @@ def write_report(
         (folder / "check.html").read_text(encoding="utf-8")
     )
     style = (folder / "check.css").read_text(encoding="utf-8")
-    text = page.render(style=style, command=command, notes=notes, **_content(checks, inputs))
+    text = page.render(style=style, command=command, notes=notes, risk=risk, **_content(checks, inputs))
     with whole_file(path) as partial:
         Path(partial).write_text(text, encoding="utf-8")
 
