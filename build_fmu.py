@@ -233,6 +233,7 @@ def build_native_fmu(
     motion = None if record is None else Motion.from_file(record)
     body.samples(motion)  # raises InputError for an unsuitable motion
     record_name = record.name if record else ""
+    print(f"building the libraries of {', '.join(dict.fromkeys(platforms))}", file=sys.stderr, flush=True)
     files, needs = native_files(body, list(dict.fromkeys(platforms)), motion, record_name, form)
     print(needs_report(needs), file=sys.stderr)
     if reference:

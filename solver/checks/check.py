@@ -17,7 +17,7 @@ from ..common.files import write_table
 from ..ground.building import Building
 from ..models.protocol import Model
 from ..models.uncertainty import PERCENTILES
-from ..runs.many import Callback
+from ..runs.many import Callback, begin_phase
 from ..runs.table import Table
 from ..statics.rocking import restitution_sentence
 from . import of_column, of_structure  # noqa: F401  # subjects that they register
@@ -284,7 +284,7 @@ def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | N
     if plan.joints:
 
         def outcome_and_note(changed: Subject) -> tuple[str, str]:
-            found, _, table, fell = _made(changed, action, plan, callback)
+            found, _, table, fell = _made(changed, action, plan, callback, "runs with other joints")
             note = f"{fell.fallen} of {len(fell.varied)} varied ones fall"
             return outcome_of(rows_of(changed, found, table, plan.limits, None, fell)), note
 
@@ -295,12 +295,13 @@ def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | N
 
 
 def _made(
-    subject: Subject, action: Action, plan: Plan, callback: Callback | None
+    subject: Subject, action: Action, plan: Plan, callback: Callback | None, phase: str = "varied runs"
 ) -> tuple[tuple[Any, ...], list[list[Pair]], Table, Verdicts]:
     """Simulate the subject and its varied models.
 
     Returns the responses as given, the varied pairs of each motion, their table, and the verdicts of both.
     """
+    begin_phase(callback, phase)
     responses = own_runs(subject, [scaled.motion for scaled in action.motions])
     ensembles = [
         varied(subject, run, scaled, plan, place)

@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..runs.many import Callback
+from ..common.digits import three_digits
+from ..runs.many import Callback, begin_phase
 from .runs import run_all
 from .scaling import applied
 from .subject import Pair, Subject
@@ -85,6 +86,7 @@ def margin_of(
 
     def falling(places: NDArray[np.int64], factor: float) -> NDArray[np.int64]:
         pairs = [(held, applied("", motion, factor).motion) for k in places for held, motion in ensembles[k]]
+        begin_phase(callback, f"margin, {three_digits(factor)} times the motions")
         verdicts = verdicts_of(run_all(subject, pairs, False, callback)).reshape(len(places), -1)
         trials.append(Trial(factor, places, verdicts))
         return places[np.any(falls(verdicts), axis=1)]

@@ -251,7 +251,12 @@ def _subject(path: Path, model: Column | Structure, plan: Plan) -> Subject:
 
 def _checked(path: Path, subject: Subject, action: Action, plan: Plan) -> Check:
     with reading(path), RunsLine() if sys.stderr.isatty() else PlainLine() as line:
-        return checked(subject, action, plan, line)
+        try:
+            return checked(subject, action, plan, line)
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(
+                "no run of this check is kept; --ensemble, --no-margin, --no-joints shorten it"
+            ) from None
 
 
 def _plan(options: argparse.Namespace) -> Plan:

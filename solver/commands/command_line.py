@@ -109,8 +109,8 @@ def run_command(parser: argparse.ArgumentParser, arguments: Sequence[str] | None
             return CLOSED_PIPE
         print(f"{parser.prog}: {printable(str(error))}", file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
-        print(f"{parser.prog}: interrupted", file=sys.stderr)
+    except KeyboardInterrupt as stop:
+        print(f"{parser.prog}: interrupted", *(f"; {words}" for words in stop.args), sep="", file=sys.stderr)
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(INTERRUPTED)  # at once: finalization of Python takes half a second, and waits for threads

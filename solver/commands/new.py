@@ -40,6 +40,10 @@ SURVEYS = (("height", "width", "depth"), ("height", "diameter"))
 
 
 DAMPINGS: Limits = ((0.0, 1.0), "a time in s, from 0 to 1")
+# the least of EN 1996-1-1 (docs/mortar.md); old lime mortar has less
+STRESSES: Limits = ((0.001, 10.0), "a stress in MPa, from 0.001 to 10")
+TENSION = Question("tensile strength of the mortar (MPa)", 0.05, STRESSES, 1e6)
+COHESION = Question("cohesion of the mortar (MPa)", 0.1, STRESSES, 1e6)
 MASSES = 0.05, 3.0  # limits, of the mass of the box over its base; above 1 if the statue is wider above
 
 
@@ -183,12 +187,20 @@ def _new(options: argparse.Namespace) -> None:
     trial = AskedLaw(material, DAMPING, touching)
     built = structure_text(name, BUILT[shape], asked, trial) if shape in BUILT else ""
     damping = _asked_damping(blocks, trial, built)
-    friction, dowel = asked.get("friction", 0.0), 0.0
-    if not friction and choice("joints may slide", {"yes": "by friction", "no": "they never slide"}, "no") == "yes":
+    friction, dowel, mortar = asked.get("friction", 0.0), 0.0, (0.0, 0.0)
+    slides = {"yes": "by friction", "no": "they never slide"}
+    is_round = any("diameter" in block for block in blocks) or 'shape = "drum"' in built
+    if touching.everywhere and not is_round:  # a round section has no law of mortar
+        slides["mortar"] = "once their mortar has broken, which bears tension and cohesion until then"
+    sliding = "" if friction else choice("joints may slide", slides, "no")
+    if sliding == "mortar":
+        friction = MATERIALS[material].friction
+        mortar = number(TENSION), number(COHESION)
+    elif sliding == "yes":
         friction = MATERIALS[material].friction
         force = ((0.0, 1e9), "a force in kN, zero or positive")
         dowel = number(Question("shear that dowels bear in each joint (kN), 0 without", 0.0, force, 1e3))
-    law = AskedLaw(material, damping, touching, friction, dowel)
+    law = AskedLaw(material, damping, touching, friction, dowel, *mortar)
     # text of the file, validated before it is written
     if shape in BUILT:
         text = structure_text(name, BUILT[shape], asked, law)

@@ -1,4 +1,4 @@
-"""The structures that `new` asks about: architraves, an arch, stacks, casks; and their files."""
+"""The structures that `new` asks about: architraves, an arch, stacks, a statue on bearings, casks; and their files."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..ground.motion import STANDARD_GRAVITY
 from ..models.column.materials import MATERIALS, Material
 from ..models.structure.builders import arch
 from ..models.structure.model import Structure
@@ -19,10 +20,13 @@ from .questions import Limits, Question
 Asked = Mapping[str, float]
 
 COUNTS: Limits = ((1.0, 100.0), "a whole number from 1 to 100")
+FRICTIONS: Limits = ((0.01, 2.0), "a coefficient of friction, from 0.01 to 2")
 SEVERAL: Limits = ((2.0, 100.0), "a whole number from 2 to 100")
 MOST_CASKS = 200  # those of a square grid have fewer than 1000 pairs
 LINE_STIFFNESS = 1e9  # N/m2, along the line in which two casks touch: a choice (docs/neighbours.md)
 RESTITUTION = 0.5  # of two casks, a choice
+# of pendulums, choices: displacement at which they slide (m), stiffness over weight (1/m) for 20 Hz on four of them
+SLIDES_AT, VERTICAL = 1e-3, 0.25 * (2.0 * math.pi * 20.0) ** 2 / STANDARD_GRAVITY
 
 
 class AskedLaw(NamedTuple):
@@ -33,6 +37,8 @@ class AskedLaw(NamedTuple):
     touching: Touching = EVERYWHERE  # the part of the faces in contact
     friction: float = 0.0  # coefficient; 0: joints never slide
     dowel: float = 0.0  # N, shear that each joint bears beside friction
+    tension: float = 0.0  # Pa, tensile strength of mortar until it breaks
+    cohesion: float = 0.0  # Pa, of mortar until the joint slides
 
     @property
     def found(self) -> Material:
@@ -51,6 +57,9 @@ class AskedLaw(NamedTuple):
             lines.append(f"friction = {self.friction!r}         # coefficient; without it the joints never slide")
         if self.dowel:
             lines.append(f"dowel = {self.dowel!r}            # N, shear borne beside friction")
+        if self.tension:
+            lines.append(f"tensile_strength = {self.tension!r}  # Pa, of the mortar until it breaks, for good")
+            lines.append(f"cohesion = {self.cohesion!r}         # Pa, of the mortar until the joint slides")
         return lines
 
 
@@ -117,6 +126,27 @@ def _casks(asked: Asked) -> dict[str, Any]:
     return {"neighbours": law, "block": blocks}
 
 
+def _isolated(asked: Asked) -> dict[str, Any]:
+    """Return a statue and its pedestal on a slab on four pendulum bearings."""
+    density, width = asked["density"], asked["slab"]
+    gap, corner = 0.1, 0.4 * width
+    slab: dict[str, Any] = {"name": "slab", "position": [0.0, 0.0, gap], "width": width, "depth": width, "height": 0.2}
+    blocks: list[dict[str, Any]] = [slab | {"density": density}]
+    for name, on in (("pedestal", "slab"), ("statue", "pedestal")):
+        sizes = {key: asked[f"{name}_{key}"] for key in ("width", "depth", "height")}
+        blocks.append({"name": name, "on": on, **sizes, "density": density})
+    weight = density * sum(block["width"] * block["depth"] * block["height"] for block in blocks) * STANDARD_GRAVITY
+    bearing = {
+        **{"kind": "pendulum", "between": ["slab", "base"], "diameter": 0.1, "capacity": asked["capacity"]},
+        "at": [[x * corner, y * corner, gap] for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))],
+        "radius": STANDARD_GRAVITY * (asked["period"] / (2.0 * math.pi)) ** 2,
+        "friction": asked["bearing_friction"],
+        "initial_stiffness": float(f"{asked['bearing_friction'] * weight / 4.0 / SLIDES_AT:.2g}"),
+        **{"vertical_stiffness": float(f"{weight * VERTICAL:.2g}"), "vertical_damping": 1e-3},
+    }
+    return {"block": blocks, "bearing": [bearing]}
+
+
 def _columns(asked: Asked) -> Limits:
     most = MOST_CASKS // int(asked["rows"])
     return (1.0, float(most)), f"a whole number from 1 to {most}"
@@ -176,6 +206,23 @@ BUILT = {
         lambda asked: asked["height"],
         lambda asked: min(asked["width"], asked["depth"]),
     ),
+    "isolated": Built(
+        "a statue and its pedestal on a slab on four pendulum bearings",
+        {
+            **{
+                f"{name}_{key}": Question(f"{key} of the {name} (m)", usual)
+                for name, sizes in (("statue", (0.5, 0.45, 1.9)), ("pedestal", (0.9, 0.8, 0.8)))
+                for key, usual in zip(("width", "depth", "height"), sizes, strict=True)
+            },
+            "slab": Question("width of the square slab (m)", 1.6),
+            "period": Question("period of the bearings (s)", 2.0, ((0.5, 10.0), "a period in s, from 0.5 to 10")),
+            "bearing_friction": Question("their coefficient of friction", 0.06, FRICTIONS),
+            "capacity": Question("displacement that they allow (m)", 0.25),
+        },
+        _isolated,
+        lambda asked: asked["statue_height"],
+        lambda asked: min(asked["statue_width"], asked["statue_depth"]),
+    ),
     "casks": Built(
         "equal round casks in a row or a grid, that may slide and hit each other",
         {
@@ -188,7 +235,7 @@ BUILT = {
             "friction": Question(
                 "coefficient of friction, on the ground and between casks",
                 0.4,
-                ((0.01, 2.0), "a coefficient of friction, from 0.01 to 2"),
+                FRICTIONS,
             ),
         },
         _casks,

@@ -33,6 +33,12 @@ class Line:
             self._bar.n = reached
             self._bar.refresh()
 
+    def begin(self, phase: str) -> None:
+        """Start again for the runs of a phase, whose name the line then shows."""
+        self.__exit__(None, None, None)
+        self._bar, self._begin = None, clock.monotonic()
+        self._form["desc"] = phase
+
     def __enter__(self) -> Self:
         return self
 
@@ -81,6 +87,11 @@ class PlainLine(Line):
         self._next = FIRST_LINE
         self._before: int | None = None  # runs made before the first call
 
+    def begin(self, phase: str) -> None:
+        """Start again for the runs of a phase, whose name the lines then begin with."""
+        super().begin(phase)
+        self._next, self._before = FIRST_LINE, None
+
     def __call__(self, done: int, total: int | None) -> None:
         """Print the number of runs made, and the estimated time left."""
         took = clock.monotonic() - self._begin
@@ -91,8 +102,9 @@ class PlainLine(Line):
         self._next = took * LONGER
         pace = (done - self._before) / took
         left = f", {(total - done) / pace:.0f} s left" if pace > 0.0 else ""
+        phase = f"{self._form['desc']}: " if "desc" in self._form else ""
         print(
-            f"{done} of {total} runs, {percent(done / total, '.0f')}, after {took:.0f} s{left}",
+            f"{phase}{done} of {total} runs, {percent(done / total, '.0f')}, after {took:.0f} s{left}",
             file=sys.stderr,
             flush=True,
         )

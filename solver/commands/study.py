@@ -23,7 +23,7 @@ from ..runs.pace import CHUNK_SECONDS
 from ..studies.definition import Study
 from ..studies.execution import run_study
 from ..studies.journal import SUFFIX
-from ..studies.results import Results, results_of
+from ..studies.results import UNITS, Results, results_of
 from ..studies.statistics import failures_of, fit_fragility, ida_curves, influences, undecided_text
 from .command_files import add_force, check_picture, write_outputs
 from .progress import PlainLine, RunsLine
@@ -83,9 +83,13 @@ def _run(options: argparse.Namespace) -> None:
     with reading(folder):
         folder.mkdir(parents=True, exist_ok=True)
     with _executor(options) as executor, RunsLine() if sys.stderr.isatty() else PlainLine() as line:
-        results = run_study(
-            study, folder, executor=executor, threads=options.threads, callback=line, chunk_seconds=options.chunk
-        )
+        try:
+            results = run_study(
+                study, folder, executor=executor, threads=options.threads, callback=line, chunk_seconds=options.chunk
+            )
+        except KeyboardInterrupt:
+            path = folder / f"{study.name}{SUFFIX}"
+            raise KeyboardInterrupt(f"finished runs are kept in {path}, the same command makes the others") from None
     print(summary(results))
     for suffix in (SUFFIX, ".csv", *([".nc"] if Results.can_write_netcdf() else [])):
         print(folder / f"{study.name}{suffix}")
@@ -96,7 +100,8 @@ def _show(options: argparse.Namespace) -> None:
     print(summary(results))
     names = [name for name in results if name not in ("column", "motion", "failure") and results[name].ndim == 1]
     names.append("largest")
-    rows = [names] + [[_cell(results, name, k) for name in names] for k in range(min(options.rows, len(results)))]
+    heads = [f"{name} ({_unit(name)[0]})" if _unit(name)[0] else name for name in names]
+    rows = [heads] + [[_cell(results, name, k) for name in names] for k in range(min(options.rows, len(results)))]
     widths = [max(len(row[k]) for row in rows) for k in range(len(names))]
     for row in rows:
         print("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)))
@@ -104,7 +109,13 @@ def _show(options: argparse.Namespace) -> None:
 
 def _cell(results: Results, name: str, row: int) -> str:
     value = results.largest[row] if name == "largest" else results[name][row]
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    return f"{_unit(name)[1] * value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _unit(name: str) -> tuple[str, float]:
+    """Return the unit in which a column is shown, and the factor to it: lengths in mm, as in the curves."""
+    unit = "m" if name == "largest" else UNITS.get(name, "")
+    return ("mm", 1e3) if unit == "m" else (unit, 1.0)
 
 
 def _plot(options: argparse.Namespace) -> None:

@@ -30,6 +30,13 @@ _ENDED = object()
 Callback = Callable[[int, int | None], object]
 
 
+def begin_phase(callback: Callback | None, phase: str) -> None:
+    """Tell a callback that has a method `begin` which runs come next, in a few words."""
+    begin = getattr(callback, "begin", None)
+    if begin is not None:
+        begin(phase)
+
+
 class ExecutorError(SolverError):
     """A failure of an executor; `finished` has tables of the runs that were made, of consecutive runs each."""
 

@@ -258,7 +258,7 @@ def test_survey(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.
         (
             ("drum",),
             "what stands there = drum: must be one of drums, statue, tapered, survey, colonnade, arch, stacks, "
-            "casks; did you mean drums?",
+            "isolated, casks; did you mean drums?",
         ),
         (("drums", "", "2.5", "", "", ""), "2.5: must be a whole number from 1 to 1000"),
         (("drums", "", "2", "tall"), "height of all drums together (m) = tall: must be a positive length in m"),
@@ -356,3 +356,31 @@ def test_wrong_meshes(
     assert main(["new", *options]) == 2
     assert line in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("shape", ["tapered", "stacks"])
+def test_mortar_is_asked_where_whole_faces_touch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shape: str) -> None:
+    questions = {"tapered": 4, "stacks": 6}[shape]
+    answers = (shape, "soft-stone", *[""] * questions, "whole", "", "mortar", "0.08", "0.2", "")
+    assert ask(monkeypatch, tmp_path / "a.toml", *answers) == 0
+    column = shape == "tapered"
+    laws = (Column if column else Structure).from_toml(tmp_path / "a.toml").laws
+    assert {(law.tensile_strength, law.cohesion, law.friction) for law in laws} == {(8e4, 2e5, 0.577)}
+    assert ask(monkeypatch, tmp_path / "b.toml", shape, "marble", *[""] * questions, "rim", "", "", "mortar") == 2
+    assert ask(monkeypatch, tmp_path / "c.toml", "drums", "marble", *[""] * 4, "whole", "", "mortar") == 2  # round
+
+
+def test_a_statue_on_bearings_has_their_period(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    sizes = ("0.6", "0.5", "2", "1", "0.9", "0.7", "1.8")
+    answers = ("isolated", "marble", *sizes, "3", "0.05", "0.3", "", "", "", "")
+    assert ask(monkeypatch, tmp_path / "a.toml", *answers) == 0
+    found = Structure.from_toml(tmp_path / "a.toml")
+    volume = 0.6 * 0.5 * 2.0 + 1.0 * 0.9 * 0.7 + 1.8 * 1.8 * 0.2
+    assert sum(block.mass for block in found.blocks) == pytest.approx(2700.0 * volume, rel=1e-9)
+    bearings = [joint.bearing for joint in found.bearings]
+    assert len(bearings) == 4
+    for joint, bearing in zip(found.bearings, bearings, strict=True):
+        assert bearing is not None
+        assert 2.0 * math.pi / math.sqrt(9.80665 * bearing.pendulum) == pytest.approx(3.0, rel=1e-9)
+        assert (bearing.capacity, joint.bed.friction) == (0.3, 0.05)
+    rest_of(found)  # it stands

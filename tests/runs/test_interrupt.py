@@ -22,6 +22,7 @@ from solver.commands import progress
 from solver.kernels.machine.groups import GROUPS
 from solver.models.column.run import Glance
 from solver.models.column.stepper import Stepper
+from solver.runs.many import begin_phase
 
 if sys.platform == "win32":
     pytest.skip("signals of POSIX", allow_module_level=True)
@@ -230,3 +231,27 @@ def test_in_a_pipe_a_long_study_says_how_far_it_is(monkeypatch: pytest.MonkeyPat
     lines = shown.getvalue().splitlines()
     assert lines[0] == "10 of 100 runs, 10 %, after 10 s, 90 s left"
     assert [int(text.split()[0]) for text in lines] == [10, 15, 23, 35, 53, 80]
+
+
+def test_a_phase_begins_anew_and_has_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [0.0]
+    monkeypatch.setattr("solver.commands.progress.clock.monotonic", lambda: now[0])
+    with patience(2.0) as shown, progress.PlainLine() as line:
+        for phase, start in (("varied runs", 0.0), ("margin, 1.4 times the motions", 100.0)):
+            now[0] = start
+            begin_phase(line, phase)
+            for done in range(13):
+                now[0] = start + done
+                line(done, 40)
+    begin_phase(None, "nothing is told")
+    assert shown.getvalue().splitlines() == [
+        "varied runs: 10 of 40 runs, 25 %, after 10 s, 30 s left",
+        "margin, 1.4 times the motions: 10 of 40 runs, 25 %, after 10 s, 30 s left",
+    ]
+    with patience(0.0) as shown, progress.RunsLine() as bar:
+        for phase, total in (("varied runs", 8), ("margin", 3)):
+            bar.begin(phase)
+            now[0] += 1.0
+            bar(1, total)
+    assert "varied runs" in shown.getvalue()
+    assert "1/3" in shown.getvalue()  # each phase has its own number of runs

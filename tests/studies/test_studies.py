@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import random
+import re
 import time
 import tomllib
 from collections.abc import Iterator
@@ -37,6 +38,7 @@ from solver.studies import (
 from solver.studies.definition import axis
 from solver.studies.journal import read_journal
 from solver.studies.motions import tilted
+from solver.studies.results import results_of
 
 DAMPED = ROOT / "examples" / "columns" / "phocas-damped.toml"
 
@@ -508,9 +510,12 @@ def test_the_command(folder: Path) -> None:
     code, out, errors = ended("show", "study.toml", "--rows", 3)
     assert (code, errors) == (0, "")
     assert "24 of 24 runs, seed 3" in out
-    assert len(out.splitlines()[-1].split()) == len(out.splitlines()[-4].split())
-    header, row = (out.splitlines()[k].split() for k in (-4, -1))
-    assert dict(zip(header, row, strict=True))["motion_name"] == "ricker"
+    header, row = (re.split(" {2,}", out.splitlines()[k].strip()) for k in (-4, -1))
+    shown = dict(zip(header, row, strict=True))
+    assert shown["motion_name"] == "ricker"
+    first = results_of(folder / "small.journal")
+    assert float(shown["largest (mm)"]) == pytest.approx(1e3 * first.largest[2], rel=1e-5)
+    assert float(shown["pgv (m/s)"]) == pytest.approx(first["pgv"][2], rel=1e-5)
     code, out, errors = ended("plot", folder / "small.journal")
     assert (code, errors, out.strip()) == (0, "", str(folder / "small.png"))
     code, out, errors = ended("run", "study.toml", "--samples", 13)
