@@ -221,13 +221,7 @@ class Check:
         """The SHA-256 of the column or structure, the motions as applied, and the plan."""
         digest = hashlib.sha256(self.subject.digest())
         digest.update(json.dumps(asdict(self.plan), sort_keys=True).encode())
-        for scaled in self.action.motions:
-            digest.update(scaled.name.encode())
-            motion = scaled.motion
-            for values in (motion.time, motion.ax, motion.ay, motion.az):
-                digest.update(values.tobytes())
-            harmonic = (motion.amplitude, motion.amplitude_y, motion.frequency)
-            digest.update(repr((motion.hold, motion.duration, *harmonic)).encode())
+        digest.update(motion_digest(self.action))
         return digest.hexdigest()
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
@@ -243,6 +237,18 @@ class Check:
         ]
         head = ["check", "where", "demand", "capacity", "ratio", "passes", "note", *BANDS]
         write_table(path, [*head, *names], rows)
+
+
+def motion_digest(action: Action) -> bytes:
+    """Return the bytes of the motions as applied, with their names."""
+    parts = []
+    for scaled in action.motions:
+        motion = scaled.motion
+        parts.append(scaled.name.encode())
+        parts += [values.tobytes() for values in (motion.time, motion.ax, motion.ay, motion.az)]
+        harmonic = (motion.amplitude, motion.amplitude_y, motion.frequency)
+        parts.append(repr((motion.hold, motion.duration, *harmonic)).encode())
+    return b"".join(parts)
 
 
 def _passes(row: Row) -> str:

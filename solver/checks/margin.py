@@ -55,6 +55,7 @@ def margin_of(
     ensembles: Sequence[Sequence[Pair]],
     at_one: NDArray[np.bool_],
     callback: Callback | None = None,
+    threads: int | None = None,
 ) -> Margin:
     """Compute the margin by simulating the same models at every factor on their motions.
 
@@ -71,6 +72,8 @@ def margin_of(
         Whether some run falls at factor 1.
     callback : Callback, optional
         As in `simulate_many`, for each set of runs.
+    threads : int, optional
+        Likewise.
 
     Returns
     -------
@@ -87,7 +90,7 @@ def margin_of(
     def falling(places: NDArray[np.int64], factor: float) -> NDArray[np.int64]:
         pairs = [(held, applied("", motion, factor).motion) for k in places for held, motion in ensembles[k]]
         begin_phase(callback, f"margin, {three_digits(factor)} times the motions")
-        verdicts = verdicts_of(run_all(subject, pairs, False, callback)).reshape(len(places), -1)
+        verdicts = verdicts_of(run_all(subject, pairs, False, callback, threads)).reshape(len(places), -1)
         trials.append(Trial(factor, places, verdicts))
         return places[np.any(falls(verdicts), axis=1)]
 

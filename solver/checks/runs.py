@@ -72,7 +72,9 @@ def varied(subject: Subject, run: Any, scaled: ScaledMotion, plan: Plan, place: 
     return made
 
 
-def run_all(subject: Subject, pairs: Sequence[Pair], peaks: bool, callback: Callback | None) -> Table:
+def run_all(
+    subject: Subject, pairs: Sequence[Pair], peaks: bool, callback: Callback | None, threads: int | None = None
+) -> Table:
     """Simulate pairs of models and motions, and return the table of the runs, one row for each.
 
     Parameters
@@ -82,21 +84,24 @@ def run_all(subject: Subject, pairs: Sequence[Pair], peaks: bool, callback: Call
     pairs : sequence of Pair
         The models and their motions.
     peaks : bool
-        Whether to keep the largest displacements, also those of bearings, the overturning times and the least gaps. The
+        Whether to keep the largest displacements, also those of bearings, what falls and when, and the least gaps. The
         verdicts are always kept.
     callback : Callback or None
         As in `simulate_many`.
+    threads : int, optional
+        Likewise.
     """
     keep = ("verdict",)
     if peaks:
         gaps = ("least_gap",) if subject.neighbours else ()
         moved = (OF_BEARINGS,) if subject.bearings[0] else ()
-        keep = (subject.model.kind.displacements, "verdict", "overturn_time", *gaps, *moved)
+        keep = (subject.model.kind.displacements, "verdict", "overturn_time", "fallen", *gaps, *moved)
     return simulate_many(
         [model for model, _ in pairs],
         [motion for _, motion in pairs],
         tolerance=TOLERANCE,
         keep=keep,
         settle=SETTLE,
+        threads=threads,
         callback=callback,
     )

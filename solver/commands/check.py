@@ -47,10 +47,7 @@ def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
     parser = commands.add_parser("check", help="does it stand, by how much: demand beside capacity, margin, report")
     parser.set_defaults(command=_check, many="records")
     parser.add_argument("column", type=Path, metavar="FILE.toml", help="a column, or a structure in space")
-    parser.add_argument("records", type=Path, nargs="*", metavar="RECORD", help=FORMATS)
-    parser.add_argument("--vertical", type=Path, nargs="+", metavar="FILE", help="vertical components, in that order")
-    words = "the other horizontal ones, of a structure in space"
-    parser.add_argument("--across", type=Path, nargs="+", metavar="FILE", help=words)
+    add_action(parser)
     # in space, in the plane, or in both directions
     way = parser.add_mutually_exclusive_group()
     add_space(way)
@@ -59,9 +56,6 @@ def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
     words = "check twice: a column in its plane along its width, then along its depth, under one component each; a "
     words += "structure under the motions, then turned by a quarter"
     way.add_argument("--both", action="store_true", help=words)
-    add_file_options(parser)
-    _add_action(parser)
-    add_building_options(parser)
     _add_plan(parser)
     words = "another file, checked beside; may be repeated"
     parser.add_argument("--variant", type=Path, action="append", default=[], metavar="FILE.toml", help=words)
@@ -75,7 +69,14 @@ def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
     add_force(parser)
 
 
-def _add_action(parser: argparse.ArgumentParser) -> None:
+def add_action(parser: argparse.ArgumentParser) -> None:
+    """Add the records, their components, and the options that scale or replace them, for `motions_of`, `level_of`."""
+    parser.add_argument("records", type=Path, nargs="*", metavar="RECORD", help=FORMATS)
+    parser.add_argument("--vertical", type=Path, nargs="+", metavar="FILE", help="vertical components, in that order")
+    words = "the other horizontal ones, of a structure in space"
+    parser.add_argument("--across", type=Path, nargs="+", metavar="FILE", help=words)
+    add_file_options(parser)
+    add_building_options(parser)
     action = parser.add_argument_group("the action; without any the records are taken as they are")
     one = action.add_mutually_exclusive_group()
     one.add_argument("--pga", type=float, metavar="G", help="largest horizontal acceleration of each record, g")
@@ -102,19 +103,24 @@ def _add_plan(parser: argparse.ArgumentParser) -> None:
     words = f"a limit; may be repeated (defaults: {keys})"
     plan.add_argument("--limit", action="append", default=[], metavar="KEY=VALUE", help=words)
     words = f"a motion (default: {usual.ensemble}); of structures of forty blocks 2, with --no-margin, take minutes"
-    plan.add_argument("--ensemble", type=int, default=usual.ensemble, metavar="RUNS", help=words)
-    spread = UNCERTAIN.stiffness, UNCERTAIN.damping, UNCERTAIN.motion
-    words = "of the varied data (default: {:g} {:g} {:g})".format(*spread)
-    names = ("STIFFNESS", "DAMPING", "MOTION")
-    plan.add_argument("--spread", type=float, nargs=3, default=spread, metavar=names, help=words)
-    plan.add_argument("--spread-seed", type=int, default=UNCERTAIN.seed, metavar="N", help="(default: 0)")
+    add_ensemble(plan, usual.ensemble, words)
     # parts of the check that may be skipped
-    plan.add_argument("--no-margin", action="store_true", help="do not look for the factor at which it begins to fall")
     words = "do not repeat the runs with other moduli and dampings of the joints"
     plan.add_argument("--no-joints", action="store_true", help=words)
     factor = usual.confidence_factor
     words = f"of the Circolare (default: {factor:g})"
     plan.add_argument("--confidence-factor", type=float, default=factor, metavar="FC", help=words)
+
+
+def add_ensemble(plan: argparse._ActionsContainer, size: int, words: str) -> None:
+    """Add the options of the varied runs and of the margin, for `spread_of`."""
+    plan.add_argument("--ensemble", type=int, default=size, metavar="RUNS", help=words)
+    spread = UNCERTAIN.stiffness, UNCERTAIN.damping, UNCERTAIN.motion
+    words = "of the varied data (default: {:g} {:g} {:g})".format(*spread)
+    names = ("STIFFNESS", "DAMPING", "MOTION")
+    plan.add_argument("--spread", type=float, nargs=3, default=spread, metavar=names, help=words)
+    plan.add_argument("--spread-seed", type=int, default=UNCERTAIN.seed, metavar="N", help="(default: 0)")
+    plan.add_argument("--no-margin", action="store_true", help="do not look for the factor at which it begins to fall")
 
 
 def _check(options: argparse.Namespace) -> None:
@@ -139,8 +145,8 @@ def _check(options: argparse.Namespace) -> None:
     # action on the model and its variants
     plan = _plan(options)
     hazard = None if options.hazard is None else Hazard.from_csv(options.hazard)
-    level = _level(options)
-    motions, floor = _motions(options), floor_of(options)
+    level = level_of(options)
+    motions, floor = motions_of(options), floor_of(options)
     subjects = [(path, _subject(path, model, plan)) for path, model in models]
     with reading(options.column):
         variants = [subject for _, subject in subjects[1:]]
@@ -271,19 +277,24 @@ def _plan(options: argparse.Namespace) -> Plan:
             limits[key] = float(value)
         except ValueError:
             raise InputError(f"--limit {text}: must be {key}= and a number") from None
-    stiffness, damping, motion = options.spread
-    spread = Spread(stiffness, damping, motion, options.spread_seed)
     return Plan(
         Limits(**limits),
         options.ensemble,
-        spread,
+        spread_of(options),
         not options.no_margin,
         options.confidence_factor,
         not options.no_joints,
     )
 
 
-def _level(options: argparse.Namespace) -> Level:
+def spread_of(options: argparse.Namespace) -> Spread:
+    """Return the spread of the varied runs."""
+    stiffness, damping, motion = options.spread
+    return Spread(stiffness, damping, motion, options.spread_seed)
+
+
+def level_of(options: argparse.Namespace) -> Level:
+    """Return the level to which motions are scaled. Raises InputError."""
     return Level(
         target=target_of(options),
         pga=_in_g(options.pga),
@@ -298,7 +309,7 @@ def _level(options: argparse.Namespace) -> Level:
     )
 
 
-def _motions(options: argparse.Namespace) -> Mapping[str, Motion]:
+def motions_of(options: argparse.Namespace) -> Mapping[str, Motion]:
     """Read the records, each with its other components, and return them by file name."""
     beside = {key: getattr(options, key) or [] for key in ("across", "vertical")}
     for key, files in beside.items():

@@ -39,6 +39,7 @@ from .command_files import (
     write_outputs,
 )
 from .export import add_export_command
+from .gallery import add_gallery_command
 from .motion_options import (
     FORMATS,
     add_file_options,
@@ -181,6 +182,7 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     add_force(convert)
     add_export_command(commands)
     add_check_command(commands)
+    add_gallery_command(commands)
     add_new_command(commands)
     add_schema_command(commands)
     add_static_commands(commands)

@@ -1,0 +1,1 @@
+"""A gallery: many objects, each under several mounts, against one seismic action."""
