@@ -34,6 +34,7 @@ from fmu_src.host import ARCHIVE, CODE_FOLDER, content_hash
 from fmu_src.native import guard
 from fmu_src.native.library import has_tools
 from fmu_src.native.platforms import PLATFORMS, USUAL_FORM, Form
+from fmu_src.record import usual_experiment
 from fmu_src.reference_run import FOLDER as RUN_FOLDER
 from fmu_src.reference_run import reference_files, replay
 from fmu_src.variables import with_real_outputs
@@ -367,7 +368,8 @@ def build_fmu(
         needs = needs if has_tools() else f"{needs} {guard.WITHOUT}"
         table = body.table(record_name)
         table = with_real_outputs(table) if real_outputs else table
-        pages = documentation.pages(body, table, needs) | legal_files(needs, "pythonfmu")
+        step = usual_experiment(body.tolerance, motion).step
+        pages = documentation.pages(body, table, needs, step) | legal_files(needs, "pythonfmu")
         extra = {"model.png": pages["documentation/model.png"]} | pages
         extra["resources/requirements.txt"] = REQUIRED.encode()
         if reference:

@@ -47,7 +47,8 @@ code {{ white-space: nowrap }}</style></head>
 <h2>Signs</h2>
 {signs}
 <h2>Inputs within a communication step</h2>
-<p>{within}</p>
+<p>The preferred communication step is {step} s, that of the default experiment; take the sampling interval of the
+motion if that is shorter. {within}</p>
 {exchange}<h2>Variables</h2>
 {tables}
 </body>
@@ -95,11 +96,14 @@ DRIVEN = "Bodies at the base move it; the section on the exchange says how, and 
 HEADINGS = {"input": "Inputs", "output": "Outputs", "parameter": "Parameters"}
 
 
-def pages(body: Body, table: list[Variable], needs: str) -> dict[str, bytes]:
-    """Return the files of the documentation by path; `needs`: a line on the needs of the machine that runs the FMU."""
+def pages(body: Body, table: list[Variable], needs: str, step: float) -> dict[str, bytes]:
+    """Return the files of the documentation by path.
+
+    `needs` is a line on the needs of the machine that runs the FMU, `step` the preferred communication step (s).
+    """
     picture, words = _shown(body.model)
     others = {"documentation/signs.png": sign_conventions()} if "signs.png" in words["signs"] else {}
-    page = _page(body, table, {**words, "needs": escape(needs)})
+    page = _page(body, table, {**words, "needs": escape(needs), "step": f"{step:g}"})
     pictures = dict.fromkeys(("documentation/model.png", "documentation/diagram.png"), picture)  # the latter for FMI 3
     return {"documentation/index.html": page.encode()} | pictures | others | _scene(body.model)
 

@@ -33,9 +33,30 @@ MANIFEST = """\
 <fmiReferences xmlns:fmi-ls="http://fmi-standard.org/fmi-ls-manifest"
     fmi-ls:fmi-ls-name="org.fmi-standard.fmi-ls-ref" fmi-ls:fmi-ls-version="1.0.0-alpha.1"
     fmi-ls:fmi-ls-description="Layered Standard providing information on related files included in an FMU.">
+    <Related type="application/x-ma-hs-experiments" source={experiment} role="experiment/smoke-test"
+        description="The run below"/>
     <Related type="text/csv" source={inputs} role="other" description="Inputs, each held over a step of {step} s"/>
     <Related type="text/csv" source={outputs} role="result" description="What the outputs are under these inputs"/>
+    <Related type="text/plain" source="../../documentation/fmi-ls-ref.txt" role="document"
+        description="What the run is, and which differences are to be expected"/>
 </fmiReferences>
+"""
+# by the schema of MA-HS-Experiments (draft of July 2026)
+EXPERIMENT = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<Experiments name={name} description="To see that a host runs the FMU as its builder did">
+    <Experiment name="reference run" description={about}>
+        <TransientSimulation startTime="0.0" stopTime="{stop}" stepSize="{step}"/>
+        <Stimuli source={inputs}/>
+        <References source={outputs}/>
+    </Experiment>
+</Experiments>
+"""
+ABOUT = "base acceleration of 0.2 g at 2 Hz along x, each input held over a step"
+EXPECTED = """\
+Reference run in extra/org.fmi-standard.fmi-ls-ref: {stop} s, {about} of {step} s. Hosts that add up time in other ways
+differ by up to 4e-7 of the largest value of a unit; a difference beyond {alike:g} is a fault. The run is repeated by
+`multiblock replay FILE.fmu`.
 """
 
 
@@ -74,10 +95,13 @@ def reference_files(body: Body, motion: Motion | None = None, arrays: bool = Fal
     seen = ["time", *outputs], rows
     given = ["time", *(variable.name for variable in body.inputs)], [[k * STEP, *row] for k, row in enumerate(inputs)]
     name = identifier_of(body.name)
+    words: dict[str, Any] = {"stop": STEPS * STEP, "step": STEP, "alike": ALIKE}
+    sources = {"inputs": f"{name}_in.csv", "outputs": f"{name}_out.csv", "experiment": f"{name}.exp", "name": body.name}
+    quoted = words | {key: quoteattr(text) for key, text in sources.items()} | {"about": quoteattr(ABOUT)}
     return {
-        f"{FOLDER}/fmi-ls-manifest.xml": MANIFEST.format(
-            inputs=quoteattr(f"{name}_in.csv"), outputs=quoteattr(f"{name}_out.csv"), step=STEP
-        ).encode(),
+        f"{FOLDER}/fmi-ls-manifest.xml": MANIFEST.format(**quoted).encode(),
+        f"{FOLDER}/{name}.exp": EXPERIMENT.format(**quoted).encode(),
+        "documentation/fmi-ls-ref.txt": EXPECTED.format(**words, about=ABOUT).encode(),
         f"{FOLDER}/{name}_in.csv": _csv(*given, arrays),
         f"{FOLDER}/{name}_out.csv": _csv(*seen, arrays),
     }
@@ -102,7 +126,7 @@ def _csv(names: list[str], rows: list[list[float]], arrays: bool) -> bytes:
     kept = [k for k, name in enumerate(names) if not arrays or "[" not in name]
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([names[k] for k in kept])
+    csv.writer(text, lineterminator="\n", quoting=csv.QUOTE_ALL).writerow([names[k] for k in kept])
     writer.writerows([[f"{row[k]:.12g}" for k in kept] for row in rows])
     return text.getvalue().encode()
 

@@ -46,6 +46,7 @@ NOT_POSITIVE = "the step must be a positive time"
 LAST_ENDED = "the last step ended at t = %s s"
 BEYOND = "the experiment stops at t = %s s"
 NOT_FINITE = "%s = %s: must be a finite number in %s"
+PREFERRED = "preferred communication step = %.6g s"
 COARSE = (
     "communication step = %s s, the record's is %.6g s: the motion is followed sample by sample, but the outputs show "
     "it at the communication points only"

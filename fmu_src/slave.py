@@ -43,6 +43,7 @@ from .variables import (
     RECORD,
     RECORD_PGA,
     RECORD_SCALE,
+    STEP_SIZE,
     TOLERANCE,
     VERDICT,
     VERDICT_NOW,
@@ -189,6 +190,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         for variable, value in zip(self._inputs, self._values, strict=False):
             if value != variable.start:
                 self._warn_of_idle(variable.name, False)
+        self.log(rules.PREFERRED % (self._record.dt if self._record else STEP_SIZE))
 
     def terminate(self) -> None:
         """End the run; only reset, or a state saved earlier, makes another one possible."""

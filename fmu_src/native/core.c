@@ -464,6 +464,7 @@ Status core_exit_initialization(Instance *instance) {
     instance->now.mode = STEPPING;
     for (int k = 0; k < BASE_INPUTS; k++)
         if (instance->now.reals[k] != real_starts[k]) warn_of_idle(instance, k, 0);
+    core_say(instance, ST_OK, SAY_PREFERRED, USUAL_STEP);
     return ST_OK;
 }
 

@@ -120,7 +120,7 @@ def native_files(
     else:
         description = model_description(about, table)
     # documentation, terminals, sources, libraries
-    pages = documentation.pages(body, table, NEEDS) | legal_files(NEEDS)
+    pages = documentation.pages(body, table, NEEDS, experiment.step) | legal_files(NEEDS)
     pages["terminalsAndIcons/icon.png" if fmi == 3 else "model.png"] = pages["documentation/model.png"]
     if fmi == 3 or form.terminals:
         pages["terminalsAndIcons/terminalsAndIcons.xml"] = XML + tostring(

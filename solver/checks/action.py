@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -41,6 +42,7 @@ class Action:
     periods: tuple[float, float] | None = None  # s, range in which the spectra of the ground follow the target
     ground: tuple[ScaledMotion, ...] = ()  # the motions of the ground, if those as applied are of a floor
     where: str = ""  # the floor and its building, in words
+    shortfall: str = ""  # the sentence on a target of a floor that is below the ground's where a block rocks
 
     @cached_property
     def spectrum(self) -> Spectral:
@@ -79,7 +81,7 @@ class Action:
         longest : float
             Longest period (s) at which the methods by hand read the target.
         """
-        lines = scaling.factor_lines(self.motions)
+        lines = [*scaling.factor_lines(self.motions), *filter(None, [self.shortfall])]
         if self.ground:
             lines.append(f"It stands on {self.where}. {OF_FLOORS}")
         if self.target is None or self.periods is None:
@@ -117,12 +119,15 @@ class Level:
     vertical: bool  # whether the artificial motions have vertical components
     seed: int
     force_scale: bool = False  # whether factors beyond 0.01 to 100 are allowed
+    below: TargetSpectrum | None = None  # the spectrum of the ground, if the target is that of a floor
 
     def __post_init__(self) -> None:
         if sum(value is not None for value in (self.target, self.pga, self.sa)) > 1:
             raise InputError("target, pga, sa: must be one of them, motions cannot be scaled to several")
         if self.vertical_pga is not None and self.pga is None:
             raise InputError("vertical_pga: must be left out without pga")
+        if self.below is not None and self.target is None:
+            raise InputError("below: must be left out without a target spectrum, that of the floor")
         if self.periods is not None and self.target is None:
             raise InputError("periods: must be left out without a target spectrum")
 
@@ -168,7 +173,10 @@ def action_on(
         firsts = [own, *(first for first in (building.periods if building else ()) if first >= RIGID)]
         bearings = [one.isolated for one in (subject, *variants)]
         longest = max(subject.longest, *bearings, LONGEST_PART * max(firsts))
-        return _following(level.target, given, level, subject, SHORTEST_PART * min(firsts), longest)
+        found = _following(level.target, given, level, subject, SHORTEST_PART * min(firsts), longest)
+        if level.below is not None:
+            found = replace(found, shortfall=shortfall(level.target, level.below, subject.longest))
+        return found
     if not given:
         raise InputError("motions: none given, must be records, or a target spectrum that artificial ones follow")
     # else one peak or spectral acceleration, or the motions as given
@@ -183,6 +191,19 @@ def action_on(
     if scaled:
         scaling.check_factors(scaled, level.force_scale)
     return Action(tuple(scaled), how)
+
+
+def shortfall(floor: TargetSpectrum, ground: TargetSpectrum, period: float) -> str:
+    """Return the sentence on a spectrum of a floor with less than the ground's at the rocking period (s); "" if not."""
+    if not math.isfinite(period) or period > min(floor.longest, ground.longest):
+        return ""
+    here, below = (float(one.psa(period)) / STANDARD_GRAVITY for one in (floor, ground))
+    if here >= below:
+        return ""
+    return (
+        f"{floor.name} has {here:.3g} g at the rocking period, {period:.3g} s, less than the {below:.3g} g of the "
+        "ground: a floor follows the ground at long periods; raise the table, or give the building (--building)."
+    )
 
 
 def _following(

@@ -334,6 +334,7 @@ def check(
     seed: int = 0,
     force_scale: bool = False,
     plan: Plan | None = None,
+    below: TargetSpectrum | None = None,
     building: Building | None = None,
     floor: int = 0,
     callback: Callback | None = None,
@@ -374,6 +375,8 @@ def check(
         Whether factors on records beyond 0.01 to 100 are applied too.
     plan : Plan, optional
         Limits, ensembles and margin (limits.py).
+    below : TargetSpectrum, optional
+        The spectrum of the ground, if `target` is that of a floor: a remark says where the floor has less.
     building : Building, optional
         The building on whose `floor` it stands. Motions, their scaling and `target` are then those of the ground.
     floor : int
@@ -394,7 +397,7 @@ def check(
         If the column does not stand at rest or a run cannot be finished.
     """
     span = None if periods is None else (float(periods[0]), float(periods[1]))
-    level = Level(target, pga, vertical_pga, sa, span, least, artificial, vertical, seed, force_scale)
+    level = Level(target, pga, vertical_pga, sa, span, least, artificial, vertical, seed, force_scale, below)
     plan = Plan() if plan is None else plan
     subject = subject_of(column, plan.confidence_factor)
     if building is None and floor:

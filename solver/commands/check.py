@@ -28,7 +28,7 @@ from ..models.structure.model import Structure
 from ..models.uncertainty import Spread
 from ..studies.risk import RISK_NOTE, Hazard, risk_text
 from .check_report import action_lines, check_lines, variants_lines
-from .code_spectra import CODES, add_code_options, add_spectrum, target_of
+from .code_spectra import CODES, add_code_options, add_spectrum, below_of, target_of
 from .command_files import add_force, add_space, check_suffix, read_subject, write_outputs
 from .motion_options import (
     FORMATS,
@@ -83,6 +83,8 @@ def add_action(parser: argparse.ArgumentParser) -> None:
     one.add_argument("--sa", type=float, metavar="G", help="spectral acceleration of each at the first period, g")
     add_spectrum(one)
     # options of the target and of made motions
+    words = "spectrum of the ground, where --spectrum is the table of a floor: as --spectrum; warns where that has less"
+    action.add_argument("--below", metavar="NAME", help=words)
     action.add_argument("--vertical-pga", type=float, metavar="G", help="with --pga: of the vertical components, g")
     add_code_options(action)
     words = "range in which spectra follow the target"
@@ -135,8 +137,9 @@ def _check(options: argparse.Namespace) -> None:
         raise InputError("--note: is for the report, must be given with --report FILE.html")
     # models, each under a name of its own
     components = (*(options.vertical or ()), *(options.across or ()))
-    table = Path(options.spectrum) if options.spectrum not in (None, *CODES) else None
-    inputs = (options.column, *options.records, *components, *options.variant, options.building, table, options.hazard)
+    tables = [Path(name) for name in (options.spectrum, options.below) if name not in (None, *CODES)]
+    beside = (options.building, *tables, options.hazard)
+    inputs = (options.column, *options.records, *components, *options.variant, *beside)
     check_outputs((options.output, options.report), inputs, options.force)
     models = [(path, _model(path, options)) for path in (options.column, *options.variant)]
     models = _told_apart(models)
@@ -297,6 +300,7 @@ def level_of(options: argparse.Namespace) -> Level:
     """Return the level to which motions are scaled. Raises InputError."""
     return Level(
         target=target_of(options),
+        below=below_of(options),
         pga=_in_g(options.pga),
         vertical_pga=_in_g(options.vertical_pga),
         sa=_in_g(options.sa),

@@ -73,22 +73,37 @@ def _options() -> dict[Option, list[str]]:
     return found
 
 
+def below_of(options: argparse.Namespace) -> TargetSpectrum | None:
+    """Return the spectrum of --below, None without. Raises InputError."""
+    if options.below is None:
+        return None
+    if options.spectrum in (None, *CODES):
+        raise InputError("--below: is for a table of a floor, must be given with --spectrum FILE.csv")
+    return _spectrum(options, options.below, "--below")
+
+
 def target_of(options: argparse.Namespace) -> TargetSpectrum | None:
     """Return the spectrum of --spectrum, from the options of its code or a table; None without. Raises InputError."""
-    name = options.spectrum
-    code = CODES.get(name)
+    return _spectrum(options, options.spectrum, "--spectrum", options.below in CODES)
+
+
+def _spectrum(
+    options: argparse.Namespace, name: str | None, option_of: str, is_below: bool = False
+) -> TargetSpectrum | None:
+    """Return the spectrum that an option names; `is_below`: the options of codes are those of --below."""
+    code = CODES.get(name or "")
     if name is not None and not code and not name.lower().endswith(".csv"):
-        raise InputError(f"--spectrum {name}: must be {', '.join(CODES)} or a table FILE.csv{suggestion(CODES, name)}")
+        raise InputError(f"{option_of} {name}: must be {', '.join(CODES)} or a table FILE.csv{suggestion(CODES, name)}")
     given = {}
     for option, codes in _options().items():
         value = getattr(options, option.name)
         if value is None and code and option in code.needed:
-            raise InputError(f"--{option.name}: must be given with --spectrum {name}")
-        if value is not None and name not in codes:
+            raise InputError(f"--{option.name}: must be given with {option_of} {name}")
+        if value is not None and name not in codes and not is_below:
             raise InputError(f"--{option.name} {value}: is for --spectrum {' or '.join(codes)}")
         if value is not None and option.limits is not None:
             check_number(f"--{option.name}", value, *option.limits)
-        if value is not None:
+        if value is not None and not is_below:
             given[option.argument or option.name] = value * option.factor if option.factor != 1.0 else value
     if code:
         return code.spectrum(**given)

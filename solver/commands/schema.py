@@ -9,6 +9,7 @@ from dataclasses import fields
 from typing import Any
 
 from ..common.ranges import LENGTH, MAX_BLOCKS, NUMBERS
+from ..ground import building
 from ..kernels.column.sections.faces import SECTIONS
 from ..models import ports
 from ..models.column import file as column_file
@@ -271,7 +272,25 @@ def study_schema() -> Schema:
     return table(definition._KEYS, forms, ("name", "kind", "motion"))
 
 
-SCHEMAS = {"column": column_schema, "structure": structure_schema, "study": study_schema}
+def building_schema() -> Schema:
+    """Return the schema of a building file: by a beam, or by modes."""
+    storeys, factors = whole(1, building.MOST_STOREYS), several(number(*building.FACTOR), 1, building.MOST_STOREYS)
+    damping = number(*building.DAMPING) | {"default": building.USUAL_DAMPING}
+    ranges = {"period": building.PERIOD, "period_y": building.PERIOD, "height": LENGTH}
+    ranges |= {"alpha": building.ALPHA, "alpha_y": building.ALPHA}
+    mode = table(building.OF_MODE, {"damping": damping, "x": factors, "y": factors}, ("period",), ranges)
+    mode |= {"anyOf": [{"required": ["x"]}, {"required": ["y"]}]}
+    beam = table(building.OF_BEAM, {"name": TEXT, "storeys": storeys, "damping": damping}, building.BEAM_NEEDS, ranges)
+    modes = table(building.OF_MODES, {"name": TEXT, "mode": several(mode, 1)}, ("mode",))
+    return table(("building",), {"building": {"type": "object", "oneOf": [beam, modes]}}, ("building",))
+
+
+SCHEMAS = {
+    "column": column_schema,
+    "structure": structure_schema,
+    "study": study_schema,
+    "building": building_schema,
+}
 
 
 def schema_of(kind: str) -> Schema:

@@ -38,8 +38,9 @@ PER_PERIOD = 20  # samples of a floor per period of its shortest mode; straight 
 FADED, LONGEST_TAIL = 0.01, 60.0  # the motion goes on until all modes have decayed to that part, at most that long (s)
 DROP = 1e-3  # of an interval: the time in which the ground stops at its end
 USUAL_DAMPING = 0.05
-_OF_BEAM = ("name", "height", "storeys", "period", "period_y", "damping", "alpha", "alpha_y")
-_OF_MODES = ("name", "mode")
+OF_BEAM = ("name", "height", "storeys", "period", "period_y", "damping", "alpha", "alpha_y")
+BEAM_NEEDS = ("storeys", "period", "alpha")
+OF_MODES, OF_MODE = ("name", "mode"), ("period", "damping", "x", "y")
 
 
 @dataclass(frozen=True)
@@ -109,10 +110,10 @@ class Building:
         if not isinstance(name, str) or not name.isprintable() or not name:
             raise InputError(f"building.name = {shown(name)}: must be a text")
         if "mode" in table:
-            check_keys("building.", table, _OF_MODES, " of a building by modes")
+            check_keys("building.", table, OF_MODES, " of a building by modes")
             return _by_modes(name, tables_in("building.mode", table))
-        check_keys("building.", table, _OF_BEAM)
-        for key in ("storeys", "period", "alpha"):
+        check_keys("building.", table, OF_BEAM)
+        for key in BEAM_NEEDS:
             if key not in table:
                 raise InputError(f"building.{key}: missing, must be given, or a table [[building.mode]] for each mode")
         return cls.beam(**{**table, "name": name})
@@ -265,7 +266,7 @@ def _by_modes(name: str, tables: Sequence[Mapping[str, Any]]) -> Building:
     words += f"long in all modes, of 1 to {MOST_STOREYS}"
     for k, table in enumerate(tables, start=1):
         key = f"building.mode[{k}]"
-        check_keys(f"{key}.", table, ("period", "damping", "x", "y"))
+        check_keys(f"{key}.", table, OF_MODE)
         period = check_number(f"{key}.period", table.get("period"), *PERIOD)
         damping = check_number(f"{key}.damping", table.get("damping", USUAL_DAMPING), *DAMPING)
         if not {"x", "y"} & table.keys():

@@ -330,3 +330,30 @@ def test_a_target_is_that_of_the_ground() -> None:
     assert action.spectrum.psa(0.4) > 2.0 * target.psa(0.4)  # that of the floor, not the target
     with pytest.raises(InputError, match="floor = 2: must be given with a building"):
         check(column, target=target, floor=2)
+
+
+def test_a_floor_table_below_the_ground_is_said(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Compare a table that has 0.8 or 1.2 times the ordinates of the ground at long periods."""
+    period = subject_of(Column.from_toml("block.toml")).longest
+    ground = spectra.eurocode8(0.25 * G, "B")
+    here = float(ground.psa(period)) / G
+    periods = np.linspace(0.02, 4.0, 400)
+    for size, is_said in ((0.8, True), (1.2, False)):
+        values = np.where(periods < 1.0, 2.0, size * ground.psa(periods) / G)
+        rows = "".join(f"{t},{value}\n" for t, value in zip(periods, values, strict=True))
+        Path("floor.csv").write_text(f"period,g\n{rows}", encoding="utf-8")
+        words = ["check", "block.toml", "slow.csv", "--spectrum", "floor.csv", "--plane", "--force-scale", *QUICK]
+        assert main([*words, "--below", "ec8", "--ag", "0.25", "--soil", "B"]) == 0
+        said = capsys.readouterr().out
+        expected = f"floor.csv has {0.8 * here:.3g} g at the rocking period, {period:.3g} s, less than the {here:.3g} g"
+        assert (expected in said) == is_said
+    assert main([*words, "--below", "floor.csv"]) == 0  # itself
+    assert "rocking period" not in capsys.readouterr().out
+    for mistake, message in (
+        (["--pga", "0.1", "--below", "ec8"], "--below: is for a table of a floor, must be given with --spectrum"),
+        (["--spectrum", "floor.csv", "--below", "ec9"], "--below ec9: must be ec8, ntc2018 or a table FILE.csv"),
+        (["--spectrum", "floor.csv", "--below", "ec8"], "--ag: must be given with --below ec8"),
+        (["--spectrum", "floor.csv", "--ag", "0.2"], "--ag 0.2: is for --spectrum ec8 or ntc2018"),
+    ):
+        assert main(["check", "block.toml", "slow.csv", "--plane", *QUICK, *mistake]) == 2
+        assert message in capsys.readouterr().err

@@ -10,7 +10,7 @@ import jsonschema
 import pytest
 from support.fmus import ROOT
 
-from multiblock import Column, InputError, Structure, Study
+from multiblock import Building, Column, InputError, Structure, Study
 from solver.commands.command_line import main
 from solver.commands.schema import SCHEMAS, schema_of
 from solver.common.ranges import NUMBERS
@@ -80,7 +80,7 @@ def test_every_key_has_a_type(kind: str) -> None:
     found = schema_of(kind)
     jsonschema.Draft202012Validator.check_schema(found)
     keys = list(properties(found))
-    assert len(keys) > 30
+    assert len(keys) > (10 if kind == "building" else 30)
     assert [key for key, value in keys if not {"type", "enum", "const"} & value.keys()] == []
 
 
@@ -111,3 +111,32 @@ def test_a_motion_of_a_floor_is_valid() -> None:
     data = tomllib.loads((ROOT / "examples" / "studies" / "ida.toml").read_text(encoding="utf-8"))
     data["motion"] = [motion | {"building": "hall.toml", "floor": 2} for motion in data["motion"]]
     assert faults("study", data) == []
+
+
+BEAM = {"storeys": 4, "period": 0.5, "alpha": 3.0, "height": 16.0, "damping": 0.03, "alpha_y": 5.0}
+MODE = {"period": 0.5, "x": [0.3, 1.2], "y": [0.4, 1.1]}
+
+
+@pytest.mark.parametrize(
+    ("building", "is_valid"),
+    [
+        (BEAM, True),
+        ({"mode": [MODE, {"period": 0.1, "y": [0.1, -0.2]}], "name": "hall"}, True),
+        ({**BEAM, "storey": 4}, False),
+        ({**BEAM, "storeys": 2.5}, False),
+        ({**BEAM, "period": -0.5}, False),
+        ({"period": 0.5, "alpha": 3.0}, False),
+        ({"mode": [{"period": 0.5}]}, False),
+        ({"mode": [{**MODE, "z": [1.0, 1.0]}]}, False),
+        ({"mode": [MODE], "storeys": 4}, False),
+        ({"mode": [{**MODE, "x": "top"}]}, False),
+    ],
+)
+def test_buildings_are_valid_where_the_program_reads_them(building: dict[str, Any], is_valid: bool) -> None:
+    data = {"building": building}
+    assert (faults("building", data) == []) == is_valid
+    if is_valid:
+        Building.from_dict(data)
+    else:
+        with pytest.raises(InputError, match="building"):
+            Building.from_dict(data)

@@ -37,7 +37,7 @@ def ground(t: np.ndarray) -> np.ndarray:
 
 def text_of(body: ColumnBody) -> str:
     """Return the page inside the FMU of a body, without its tags."""
-    page = pages(body, body.table(), "")["documentation/index.html"].decode()
+    page = pages(body, body.table(), "", 1e-3)["documentation/index.html"].decode()
     return unescape(re.sub(r"<[^>]*>", " ", page))
 
 
