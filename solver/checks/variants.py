@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -23,6 +23,12 @@ POINTS = Unit("percentage points", PERCENT.factor)
 MOST_NAMED = 4  # largest number of changes that are listed
 SAME = "cannot be distinguished"
 STRIPS = 10_000  # of the sum over a quarter turn: Student's quantile to 1e-6
+
+
+def differences(checks: Sequence[Check]) -> list[str]:
+    """Return the sentences that compare all checks with the first, each with the falls and hits as given."""
+    said = ((difference(checks[0], one), one.falls_sentence, one.impacts_sentence) for one in checks[1:])
+    return [" ".join(filter(None, sentences)) for sentences in said]
 
 
 def difference(first: Check, other: Check) -> str:

@@ -14,6 +14,7 @@ from typing import Any
 
 from ..checks.action import ARTIFICIAL, Action, Level, action_on
 from ..checks.check import Check, checked
+from ..checks.friction import Envelope, friction_values, with_friction
 from ..checks.limits import UNCERTAIN, Limits, Plan
 from ..checks.risk import risk_of
 from ..checks.scaling import LEAST_PART
@@ -27,7 +28,7 @@ from ..models.column.model import Column
 from ..models.structure.model import Structure
 from ..models.uncertainty import Spread
 from ..studies.risk import RISK_NOTE, Hazard, risk_text
-from .check_report import action_lines, check_lines, variants_lines
+from .check_report import action_lines, check_lines, friction_lines, variants_lines
 from .code_spectra import CODES, add_code_options, add_spectrum, below_of, target_of
 from .command_files import add_force, add_space, check_suffix, read_subject, write_outputs
 from .motion_options import (
@@ -61,6 +62,8 @@ def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument("--variant", type=Path, action="append", default=[], metavar="FILE.toml", help=words)
     words = "of the site, as `risk` reads it: adds how likely it overturns in 50 years, from the runs of the check"
     parser.add_argument("--hazard", type=Path, metavar="FILE.csv", help=words)
+    words = "check at each of these values of the friction of all joints, as 0.2:0.8:0.1; both bounds decide"
+    parser.add_argument("--friction", metavar="FROM:TO:STEP", help=words)
     # output
     parser.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the table, with each motion")
     parser.add_argument("--report", type=Path, metavar="FILE.html", help="write a report with pictures, to be printed")
@@ -135,6 +138,9 @@ def _check(options: argparse.Namespace) -> None:
             import matplotlib  # noqa: F401
     elif options.note:
         raise InputError("--note: is for the report, must be given with --report FILE.html")
+    frictions = [] if options.friction is None else friction_values(options.friction)
+    if frictions and (options.both or options.variant):
+        raise InputError(f"--friction {options.friction}: must be left out with --both and --variant")
     # models, each under a name of its own
     components = (*(options.vertical or ()), *(options.across or ()))
     tables = [Path(name) for name in (options.spectrum, options.below) if name not in (None, *CODES)]
@@ -145,6 +151,9 @@ def _check(options: argparse.Namespace) -> None:
     models = _told_apart(models)
     if options.both:
         models.insert(1, (options.column, _across(*models[0])))
+    if frictions:
+        with reading(options.column):
+            models = [(options.column, with_friction(models[0][1], value)) for value in frictions]
     # action on the model and its variants
     plan = _plan(options)
     hazard = None if options.hazard is None else Hazard.from_csv(options.hazard)
@@ -166,15 +175,19 @@ def _check(options: argparse.Namespace) -> None:
         else:
             acting = action
         checks.append(replace(_checked(path, subject, acting, plan), both=both))
-        if both or len(checks) == 1:
+        if both or (len(checks) == 1 and not frictions):
             print(*check_lines(checks[-1]), sep="\n", flush=True)
     if options.both:
         print(*(f"{one.name}: {one.answer}" for one in checks[:2]), sep="\n")
-    if len(checks) > 1:
+    envelope = Envelope(frictions, tuple(checks)) if frictions else None
+    if envelope:  # the governing value is reported in full
+        checks.insert(0, checks.pop(envelope.worst))
+        print(*check_lines(checks[0]), *friction_lines(envelope), sep="\n")
+    elif len(checks) > 1:
         print(*variants_lines(checks), sep="\n")
     risk, missing = _risk(checks[0], hazard)
     print(*risk, sep="\n")
-    report = partial(_write_report, checks, options.note, [path for path in inputs if path is not None], risk)
+    report = partial(_write_report, checks, options.note, [path for path in inputs if path is not None], risk, envelope)
     write_outputs([(options.output, checks[0].to_csv), (options.report, report)])
     if missing is not None:
         raise missing
@@ -199,11 +212,13 @@ def _on_floor(action: Action, floor: tuple[Building, int] | None, across: bool =
     return action.on_floor(building.across() if across else building, number)
 
 
-def _write_report(checks: list[Check], notes: list[str], inputs: list[Path], risk: list[str], path: Path) -> None:
+def _write_report(
+    checks: list[Check], notes: list[str], inputs: list[Path], risk: list[str], envelope: Envelope | None, path: Path
+) -> None:
     from ..checks.report.html import write_report
 
     command = shlex.join(["multiblock", *sys.argv[1:]])
-    write_report(checks, path, printable(command), [printable(note) for note in notes], inputs, risk)
+    write_report(checks, path, printable(command), [printable(note) for note in notes], inputs, risk, envelope)
 
 
 def _model(path: Path, options: argparse.Namespace) -> Any:

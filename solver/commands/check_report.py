@@ -9,8 +9,9 @@ import numpy as np
 from ..checks.action import Action
 from ..checks.by_hand import NOT_IN_SPACE
 from ..checks.check import Check
+from ..checks.friction import OF_PAIRS, OF_VALUES, Envelope
 from ..checks.table import Row
-from ..checks.variants import difference
+from ..checks.variants import differences
 from ..ground.intensity import peak, pgv
 from ..ground.motion import STANDARD_GRAVITY
 
@@ -62,7 +63,20 @@ def variants_lines(checks: Sequence[Check]) -> list[str]:
             row = next((row for row in check.rows if row.name == name), None)
             cells.append("" if row is None else row.brief)
         lines.append(f"{name:26s}" + "".join(f"  {cell:>{width}s}" for cell in cells))
-    return [*lines, *(difference(checks[0], check) for check in checks[1:])]
+    return [*lines, *differences(checks)]
+
+
+def friction_lines(envelope: Envelope) -> list[str]:
+    """Return the tables of a check over a range of friction, by value and by pair of neighbours, and its answer."""
+    tables = ((OF_VALUES, envelope.rows), (OF_PAIRS, envelope.pairs))
+    lines = [line for head, rows in tables if rows for line in text_columns([head, *rows])]
+    return [*lines, envelope.answer, *envelope.remarks]
+
+
+def text_columns(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return rows of cells as lines, aligned on the left."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
 
 
 def _table(rows: Sequence[Row]) -> list[str]:

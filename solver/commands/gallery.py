@@ -21,7 +21,7 @@ from ..gallery.mounts import mounted, read_mounts
 from ..gallery.objects import read_objects
 from ..gallery.survey import Gallery, Outcome, common_action, survey
 from .check import add_action, add_ensemble, level_of, motions_of, spread_of
-from .check_report import action_lines
+from .check_report import action_lines, text_columns
 from .command_files import write_outputs
 from .motion_options import floor_of
 from .progress import PlainLine, RunsLine
@@ -94,9 +94,7 @@ def _lines(gallery: Gallery) -> Iterator[str]:
     rows = [["object", "first that holds", *(mount.name for mount in gallery.mounts)]]
     for k, (exhibit, outcomes) in enumerate(zip(gallery.exhibits, gallery.outcomes, strict=True)):
         rows.append([exhibit.name, gallery.first_mount(k), *(one.text for one in outcomes)])
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+    yield from text_columns(rows)
     for exhibit, outcomes in zip(gallery.exhibits, gallery.outcomes, strict=True):
         pairs = zip(gallery.mounts, outcomes, strict=True)
         if said := "; ".join(f"{mount.name}: {one.first}" for mount, one in pairs if one.first):

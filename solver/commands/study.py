@@ -30,6 +30,7 @@ from .progress import PlainLine, RunsLine
 
 # s, after Ctrl-C: the pool would wait for ever for a worker that ended within a result
 LEAVES_AFTER = 2.0
+MOST_PAIRS = 5  # pairs of neighbours that a summary lists
 
 
 def add_command(commands: Any) -> None:
@@ -178,6 +179,13 @@ def summary(results: Results) -> str:
     ]
     if undecided:
         lines.append(f"{undecided_text(undecided)}; shares and curves take them as standing")
+    if fell and "overturn_time" in results:
+        k = int(np.nanargmin(results["overturn_time"]))
+        lines.append(f"first fall: at {results['overturn_time'][k]:.4g} s in run {results['run'][k]}")
+    if "least_gap" in results:
+        pairs = np.sum(results["least_gap"].reshape(len(results), -1) < 0.0, axis=0)
+        hits = [f"pair {k + 1} in {pairs[k]} runs" for k in np.argsort(-pairs, kind="stable")[:MOST_PAIRS] if pairs[k]]
+        lines.append(f"neighbours that hit: {', '.join(hits) or 'none'}")
     if failed:
         k = int(np.flatnonzero(results["failure"] != "")[0])
         lines.append(f"run {results['run'][k]}: {results['failure'][k]}")

@@ -23,9 +23,11 @@ from ...ground.motion import STANDARD_GRAVITY
 from ...plotting.scene.page import frame_of
 from ..by_hand import NOT_IN_SPACE
 from ..check import Check
+from ..friction import OF_PAIRS, OF_VALUES, Envelope
 from ..limits import TOLERANCE
 from ..subject import JointProperties
-from ..variants import difference
+from ..variants import differences
+from .friction import friction_picture
 from .inputs import MATERIAL_SHEET, hashed, sources_of, with_meshes
 from .model import Sheet, merged, shown_of
 from .pictures import embedded, spectra_picture
@@ -43,6 +45,7 @@ def write_report(
     notes: Sequence[str] = (),
     inputs: Sequence[Path] = (),
     risk: Sequence[str] = (),
+    envelope: Envelope | None = None,
 ) -> None:
     """Write the report of a check, compared with the other checks as variants.
 
@@ -60,6 +63,8 @@ def write_report(
         The input files, that of the model of the first check first.
     risk : sequence of str
         Lines on the risk, for a site whose hazard is known.
+    envelope : Envelope, optional
+        The checks over a range of friction, of which the governing one is the first of `checks`.
 
     Raises
     ------
@@ -71,9 +76,17 @@ def write_report(
         (folder / "check.html").read_text(encoding="utf-8")
     )
     style = (folder / "check.css").read_text(encoding="utf-8")
-    text = page.render(style=style, command=command, notes=notes, risk=risk, **_content(checks, inputs))
+    text = page.render(
+        style=style, command=command, notes=notes, risk=risk, **_content(checks, inputs), **_friction(envelope)
+    )
     with whole_file(path) as partial:
         Path(partial).write_text(text, encoding="utf-8")
+
+
+def _friction(envelope: Envelope | None) -> dict[str, Any]:
+    """Return the values of the section on friction."""
+    drawn = embedded(friction_picture(envelope)) if envelope else ""
+    return {"envelope": envelope, "friction_picture": drawn, "of_values": OF_VALUES, "of_pairs": OF_PAIRS}
 
 
 def _content(checks: Sequence[Check], inputs: Sequence[Path]) -> dict[str, Any]:
@@ -98,7 +111,7 @@ def _content(checks: Sequence[Check], inputs: Sequence[Path]) -> dict[str, Any]:
             for item in fields(check.plan.limits)
             if item.name not in (("displacement",) if math.isnan(check.subject.edge) else ("overlap", "hits"))
         ],
-        "differences": [difference(check, one) for one in checks[1:]],
+        "differences": differences(checks),
         "left_out": (
             *check.subject.of_model,
             _of_joints(check),
