@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from matplotlib.patheffects import withStroke
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from mpl_toolkits.mplot3d.proj3d import proj_transform
 
@@ -114,7 +115,8 @@ def _measure(axes: Any, corner: FloatArray, length: float) -> None:
         axes.plot(*zip(corner, end, strict=True), color=GREY, linewidth=1.6, zorder=0.8, solid_capstyle="round")
         text = f"{name}, {length:g} m" if k == 0 else name
         place = ("left", "top") if k == 0 else ("center", "bottom")
-        axes.text(*end, text, color=GREY, fontsize=8, ha=place[0], va=place[1], zorder=3.0)
+        halo = [withStroke(linewidth=2.5, foreground="white")]  # the edge of the ground would strike it through
+        axes.text(*end, text, color=GREY, fontsize=8, ha=place[0], va=place[1], zorder=3.0, path_effects=halo)
 
 
 def all_corners(structure: Structure) -> FloatArray:

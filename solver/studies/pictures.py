@@ -20,7 +20,19 @@ from ..models.protocol import FloatArray
 from ..models.structure.blocks.parts import OF_COLUMN
 from ..models.structure.numbers import unit_in_space
 from ..models.uncertainty import PERCENTILES
-from ..plotting.style import BLUE, FEW_COLOURS, GREEN, RED, Figure, block_colours, header, save, show_blocks, tidy
+from ..plotting.style import (
+    BLUE,
+    FEW_COLOURS,
+    GREEN,
+    RED,
+    Figure,
+    block_colours,
+    header,
+    plain,
+    save,
+    show_blocks,
+    tidy,
+)
 from .motions import Measure
 from .results import Results
 from .risk import Risk
@@ -48,6 +60,7 @@ WIDTH = 138  # characters of a line of the caption
 LONG = 45  # most characters of names in a title
 MOST_CURVES = 300  # largest number of single curves that are drawn
 MOST_INFLUENCES = 12
+MOST_NAMED = 8  # curves that have names
 _LIMIT_COLOURS = (BLUE, GREEN, RED, *FEW_COLOURS[3:])
 
 
@@ -170,6 +183,10 @@ def draw_ida(results: Results) -> Figure:
     step = max(1, len(curves.each) // MOST_CURVES)
     for curve in curves.each[::step]:
         _draw_broken(axes, curve, curves.levels, color="0.6", linewidth=0.4, alpha=0.5, zorder=1)
+    motions = results.study["motions"]
+    if len(curves.each) == len(motions) <= MOST_NAMED:  # a curve of each motion
+        for motion, curve in zip(motions, curves.each, strict=True):
+            _name_end(axes, curve, curves.levels, str(motion["name"]))
     for percent, points, colour, style in zip(
         PERCENTILES, curves.percentiles, (BLUE, "black", RED), ("--", "-", "--"), strict=True
     ):
@@ -184,13 +201,20 @@ def draw_ida(results: Results) -> Figure:
     # shares that overturned or are undecided
     fallen.plot(curves.overturned, curves.levels, "o-", color="black", markersize=3.0, label="overturned")
     either = curves.overturned + curves.undecided
-    label = "undecided: neither fell nor came to rest"
-    fallen.fill_betweenx(curves.levels, curves.overturned, either, color="0.7", linewidth=0.0, label=label)
-    fallen.legend(frameon=False, loc="upper left")
+    fallen.fill_betweenx(curves.levels, curves.overturned, either, color="0.7", linewidth=0.0, label="undecided")
+    fallen.legend(frameon=False, loc="lower right")
     fallen.set(title="how they ended", xlabel="share of the runs", xlim=(-0.02, 1.02))
     for panel in (axes, fallen):
         tidy(panel)
     return _captioned(figure, results)
+
+
+def _name_end(axes: Axes, moved: FloatArray, levels: FloatArray, name: str) -> None:
+    """Write a name beside the last finite displacement (m) of a curve."""
+    (finite,) = np.nonzero(np.isfinite(moved))
+    if finite.size:
+        end = 1e3 * moved[finite[-1]], levels[finite[-1]]
+        axes.annotate(plain(name), end, (-4.0, 5.0), textcoords="offset points", fontsize=8, color="0.35", ha="right")
 
 
 def _draw_broken(axes: Axes, moved: FloatArray, levels: FloatArray, **look: Any) -> None:

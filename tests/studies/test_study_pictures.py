@@ -83,3 +83,18 @@ def test_curves_have_gaps_where_they_fall_and_dots_between_two_falls() -> None:
     assert levels[last_before_falls(moved)].tolist() == [1.0, 3.0, 6.0]
     _draw_broken(axes, np.array([0.1, 0.2, np.inf]), levels[:3])
     assert axes.lines[1].get_markevery() == []
+
+
+def test_a_curve_of_each_motion_has_its_name() -> None:
+    motions = [Shaking(name, "ricker", {"frequency": frequency}) for name, frequency in (("slow", 0.7), ("fast", 1.4))]
+    results = ida(column(), motions, [0.1, 0.2, 0.3], tolerance=1e-3)
+    curves, ended = draw(results).axes
+    places = {text.get_text(): text.xy for text in curves.texts}  # type: ignore[attr-defined]
+    assert set(places) == {"slow", "fast"}
+    for k, name in enumerate(("slow", "fast")):
+        moved = results.largest[results["motion"] == k]
+        last = int(np.flatnonzero(np.isfinite(moved))[-1])
+        assert places[name] == pytest.approx((1e3 * moved[last], [0.1, 0.2, 0.3][last]))
+    legend = ended.get_legend()
+    assert legend is not None
+    assert [text.get_text() for text in legend.get_texts()] == ["overturned", "undecided"]
