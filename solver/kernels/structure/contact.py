@@ -1,38 +1,39 @@
 """Contact of neighbouring blocks that no joint connects (theory.md section 17).
 
-The normal forces are those of drum_contact.py and face_contact.py. They act on both blocks at one point, so that
-momentum is conserved. Friction is a slider in series with a spring and a dashpot, perpendicular to the resultant of the
-contact. A pair touches or not during a whole step: a step ends where a gap closes (meeting.py), so that the damping of
-an impact, which starts abruptly, leaves steps smooth. Pairs that are apart are not evaluated.
+The normal forces are those of convex bodies (bodies.py), and for drums those of their sides (drum_contact.py), beside
+which the body of a drum is a prism within it. They act on both blocks at one point, so that momentum is conserved.
+Friction is a slider in series with a spring and a dashpot, perpendicular to the resultant of the contact. A pair touches
+or not during a whole step: a step ends where a gap closes (meeting.py), so that the damping of an impact, which starts
+abruptly, leaves steps smooth. Pairs that are apart are not evaluated.
 """
 
 import math
 
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import greater, magnitude, zero_like
+from .bodies import gap_of_bodies, load_bodies, may_press, opposite_energy
 from .drum_contact import gap_before_face, gap_of_drums, load_drum_before_face, load_drums
-from .face_contact import gap_of_faces, load_faces
-from .kinematics import dot, minus, plus
-from .layout import DRUMS, MEMORY, PLANE, STRETCH
-from .sides import arms_to, place_of, push_both, scaled, sides_of, velocity_of
+from .kinematics import dot, minus, plus, push
+from .layout import CONVEX, DRUMS, MEMORY, STRETCH
+from .sides import NO_TOUCH, NOTHING, Touch, place_of, scaled, sides_of, velocity_of
 
 _stretch, _PER_JOINT = STRETCH.over, MEMORY.per_n
 
 
 @leaf
-def _add_friction(scene, phase, extras, p, sides, touch):
+def _add_friction(scene, phase, extras, p, touch):
     """Add the friction of pair p to the forces; store the rates of its stretch in the scene.
 
     Friction acts perpendicular to the resultant of the contact, the normal of the side on which the other one's edge
     slides. touch: the contact without friction (`Touch`).
     """
     pairs, stretch, giving = extras.pairs, extras.stretches, extras.giving_stretches
+    a, b = int(pairs.one[p]), int(pairs.other[p])
     # direction of the resultant
     pressed = math.sqrt(dot(touch.resultant, touch.resultant))
-    n = scaled(touch.resultant, 1.0 / pressed) if pressed > 0.0 else sides.v
+    n = scaled(touch.resultant, 1.0 / pressed) if pressed > 0.0 else NOTHING
     # relative velocity and elastic stretch, tangential components
-    on_a, on_b = arms_to(sides, touch.place)
-    v = minus(velocity_of(scene, phase, sides.a, on_a), velocity_of(scene, phase, sides.b, on_b))
+    v = minus(velocity_of(scene, phase, a, touch.on_a), velocity_of(scene, phase, b, touch.on_b))
     v = plus(v, n, -dot(v, n))
     z = stretch.z1[p], stretch.z2[p], stretch.z3[p]
     z = plus(z, n, -dot(z, n))
@@ -47,7 +48,31 @@ def _add_friction(scene, phase, extras, p, sides, touch):
         force = scaled(force, part)
         extras.hits.slides[p] = 1.0
     giving.z1[p], giving.z2[p], giving.z3[p] = v
-    push_both(scene, sides, touch.place, force)
+    push(scene.poses, a, touch.on_a, force, NOTHING, 1.0)
+    push(scene.poses, b, touch.on_b, force, NOTHING, -1.0)
+
+
+@leaf
+def _together(one, other):
+    """Return the contact of a pair from those of its sides and of its bodies, centred by their forces."""
+    total = one.force + other.force
+    part = one.force / total if total > 0.0 else 1.0
+    return Touch(
+        total,
+        one.energy + other.energy,
+        plus(one.resultant, other.resultant, 1.0),
+        plus(scaled(one.on_a, part), other.on_a, 1.0 - part),
+        plus(scaled(one.on_b, part), other.on_b, 1.0 - part),
+    )
+
+
+@kernel
+def _load_sides(scene, phase, pairs, p):
+    """Add the normal forces of the side of a drum; return their contact."""
+    sides = sides_of(scene, phase, pairs, p)
+    if pairs.kind[p] == DRUMS:
+        return load_drums(scene, phase, pairs, p, sides)
+    return load_drum_before_face(scene, phase, pairs, p, sides)
 
 
 @kernel
@@ -64,18 +89,16 @@ def load_pair(scene, phase, extras, p):
     hits.bears[p] = extras.stretches.touches[p]
     if hits.bears[p] == 0.0:
         return
-    # normal forces, by kind
-    sides = sides_of(scene, phase, pairs, p)
-    if pairs.kind[p] == DRUMS:
-        touch = load_drums(scene, phase, pairs, p, sides)
-    elif pairs.kind[p] == PLANE:
-        touch = load_drum_before_face(scene, phase, pairs, p, sides)
-    else:
-        touch = load_faces(scene, phase, pairs, p, sides)
+    # normal forces: of the sides of drums, then of both bodies
+    touch = NO_TOUCH
+    if pairs.kind[p] != CONVEX:
+        touch = _load_sides(scene, phase, pairs, p)
+    if pairs.body_stiffness[p] > 0.0 and (pairs.kind[p] == CONVEX or may_press(scene, phase, pairs, p)):
+        touch = _together(touch, load_bodies(scene, phase, pairs, p))
     hits.force[p], hits.energy[p] = touch.force, touch.energy
     # friction
     if pairs.friction[p] > 0.0:
-        _add_friction(scene, phase, extras, p, sides, touch)
+        _add_friction(scene, phase, extras, p, touch)
 
 
 @kernel
@@ -103,26 +126,34 @@ def error_of_pairs(scene, errors):
 
 
 @kernel
-def pairs_energy(scene):
-    """Return the elastic energy of all pairs at the last evaluation, J."""
-    z, pairs, total = scene.extras.stretches, scene.extras.pairs, 0.0
+def pairs_energy(scene, phase):
+    """Return the elastic energy of all pairs at the last evaluation, of this phase, J."""
+    z, pairs, hits, total = scene.extras.stretches, scene.extras.pairs, scene.extras.hits, 0.0
     for p in range(scene.extras.met):
         # normal contact and elastic stretch
         square = z.z1[p] * z.z1[p] + z.z2[p] * z.z2[p] + z.z3[p] * z.z3[p]
-        total += scene.extras.hits.energy[p] + 0.5 * pairs.shear[p] * square
+        total += hits.energy[p] + 0.5 * pairs.shear[p] * square
+        if hits.bears[p] != 0.0 and pairs.body_stiffness[p] > 0.0:
+            total += opposite_energy(scene, phase, pairs, p)
     return total
 
 
 @kernel
-def gap_of(scene, phase, pairs, p):
-    """Return the distance of both sides of pair p, m: negative by the deepest overlap, beyond the ends that to them."""
+def _gap_of_sides(scene, phase, pairs, p):
+    """Return the distance of the sides of pair p, m; NaN of convex bodies and where no sides face each other."""
+    if pairs.kind[p] == CONVEX:
+        return math.nan
     sides = sides_of(scene, phase, pairs, p)
-    # by kind
     if pairs.kind[p] == DRUMS:
         return gap_of_drums(pairs, p, sides)
-    if pairs.kind[p] == PLANE:
-        return gap_before_face(scene, pairs, p, sides)
-    return gap_of_faces(scene, pairs, p, sides)
+    return gap_before_face(scene, pairs, p, sides)
+
+
+@kernel
+def gap_of(scene, phase, pairs, p):
+    """Return the distance of pair p, m, negative where it overlaps: of sides that face each other, or of the bodies."""
+    gap = _gap_of_sides(scene, phase, pairs, p)
+    return gap if gap == gap else gap_of_bodies(scene, phase, pairs, p)
 
 
 @leaf

@@ -36,6 +36,7 @@ class Alone(NamedTuple):
     corners: object
     poses: object
     room: object  # shared by all lanes
+    cells: object  # shared too
     states: object
     extras: object
 
@@ -55,6 +56,7 @@ def alone(scene, k):
         one_lane(scene.corners, k),
         _poses(one_lane(scene.poses.row, k), n + 1),
         numbers_of(scene.room),
+        numbers_of(scene.cells),
         one_lane(scene.states, k),
         Met(
             met,

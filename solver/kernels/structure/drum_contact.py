@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from ..numba_ext.jit import leaf
 from .kinematics import cross, dot, minus, plus, push, standing
-from .sides import NOTHING, SLACK, Touch, apart, arms_to, edge_of, push_both, rate_along, scaled, spin_of, velocity_of
+from .sides import NOTHING, SLACK, Touch, arms_to, edge_of, push_both, rate_along, scaled, spin_of, velocity_of
 
 PARALLEL = 1e-24  # squared sine of the angle below which axes are parallel
 ALONG = 1e-9  # least cosine between the axis and the normal of an edge that ends a contact
@@ -158,21 +158,20 @@ def load_drums(scene, phase, pairs, p, sides):
         s = first / total
         normal, rho = _outwards(axes, s)
         place = plus(scaled(sides.u, s), normal, 0.5 * (reach - rho) - pairs.radius_a[p])
-    return Touch(total, energy, resultant if total > 0.0 else NOTHING, place)
+    return Touch(total, energy, resultant if total > 0.0 else NOTHING, *arms_to(sides, place))
 
 
 @leaf
 def gap_of_drums(pairs, p, sides):
-    """Return the distance of two drums, m: negative by the deepest overlap, beyond the ends that to them."""
-    half, axes = pairs.half_a[p], _axes(sides)
-    part = _beside_drum(sides, half, pairs.half_b[p])
-    # the nearest interval between the ends
-    low, high = max(min(part.low, half), -half), min(max(part.high, -half), half)
-    beside = max(low - high, 0.0) * abs(dot(sides.u, sides.v))
+    """Return the distance of the sides of two drums, m, negative by the deepest overlap; NaN if none is beside the other."""
+    axes, part = _axes(sides), _beside_drum(sides, pairs.half_a[p], pairs.half_b[p])
+    low, high = part.low, part.high
+    if low >= high:
+        return math.nan
     # the point of the first axis nearest to the other one
     s = -axes.product / axes.square if axes.square > PARALLEL else 0.0
-    s = min(max(s, min(low, high)), max(low, high))
-    return apart(_outwards(axes, s)[1] - pairs.radius_a[p] - pairs.radius_b[p], beside)
+    s = min(max(s, low), high)
+    return _outwards(axes, s)[1] - pairs.radius_a[p] - pairs.radius_b[p]
 
 
 # --- a drum before a face
@@ -244,15 +243,14 @@ def load_drum_before_face(scene, phase, pairs, p, sides):
                 place = plus(line.off, sides.u, first / total)
                 push_both(scene, sides, place, scaled(n, total))
                 resultant = plus(resultant, n, total)
-    return Touch(total, energy, resultant if total > 0.0 else NOTHING, place)
+    return Touch(total, energy, resultant if total > 0.0 else NOTHING, *arms_to(sides, place))
 
 
 @leaf
 def gap_before_face(scene, pairs, p, sides):
-    """Return the distance of a drum from a face, m: negative by the deepest overlap, beyond an edge that to it."""
+    """Return the distance of the side of a drum from a face, m, negative if they overlap; NaN if not before it."""
     half, line = pairs.half_a[p], _lowest(sides, pairs.radius_a[p])
     part = _before_face(scene, pairs, p, sides, Interval(-half, half, NOTHING, NOTHING))
-    # the nearest interval within the edges
-    low, high = max(min(part.low, half), -half), min(max(part.high, -half), half)
-    gap = -max(line.at + line.along * low, line.at + line.along * high)
-    return apart(gap, max(part.low - part.high, 0.0))
+    if part.low >= part.high or line.at >= pairs.radius_a[p]:
+        return math.nan
+    return -max(line.at + line.along * part.low, line.at + line.along * part.high)

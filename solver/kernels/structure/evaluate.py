@@ -95,7 +95,7 @@ def energy(scene, phase):
         total += joint_energy(scene, phase, j)
     for e in range(scene.k):
         total += tie_energy(scene, e)
-    return total + pairs_energy(scene)
+    return total + pairs_energy(scene, phase)
 
 
 @leaf

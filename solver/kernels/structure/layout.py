@@ -26,6 +26,7 @@ class Sizes(NamedTuple):
     ports: int
     pairs: int  # of neighbours
     bonds: int  # joints that bear tension or cohesion until they break
+    cells: int  # numbers that the contact of bodies needs, 0 without pairs
     modal: int  # numbers of the modal data (modal_layout.py), 0 without modes
     modal_room: int  # numbers that steps by modes need
     state: int  # numbers of a state: the phase, what joints and ties remember, and what is left of bonds
@@ -111,21 +112,28 @@ PORTS = FieldTable(
     "body",  # number of the block
     *("x", "y", "z"),  # m, the point from the centroid, as built
 )
-DRUMS, PLANE, FACES = 0.0, 1.0, 2.0  # kinds of pairs: two drums, a drum and a plane face, two plane faces
+# a convex body among the corners of all sections: numbers of its planes and corners, half length, radius and axis of a
+# drum whose core it is; the corners, m from the centroid; for each plane its normal, its distance, the first axis of
+# its face, the place of the outline in this row and the number of its corners; the outlines, anticlockwise
+SOLID = Record("planes", "corners", "half", "radius", "ux", "uy", "uz")
+SOLID_CORNERS, SOLID_PLANE, SOLID_PLANES = SOLID.beside, 9, 128  # place, numbers of a plane, most planes
+CELL_CORNERS, PER_ROOF = 2 * (2 * MOST_CORNERS + 8), 6  # numbers of a polygon, and of a plane above it
+CELLS = 4 * SOLID_PLANES + CELL_CORNERS + PER_ROOF * 2 * SOLID_PLANES  # room for a contact of two bodies (cells.py)
+DRUMS, PLANE, CONVEX = 0.0, 1.0, 2.0  # kinds of pairs: sides of two drums, a drum and a plane face, neither
 PAIRS = FieldTable(
     *("one", "other"),  # numbers of the bodies
-    "kind",  # DRUMS, PLANE or FACES
-    *("ax", "ay", "az"),  # m, middle of the axis of the first drum, or of the first face, from its centroid, as built
+    "kind",  # DRUMS, PLANE or CONVEX
+    *("ax", "ay", "az"),  # m, middle of the axis of the first drum from its centroid, as built
     *("bx", "by", "bz"),  # m, that of the other drum, or the centre of the face
-    *("ux", "uy", "uz"),  # axis of the first drum as built, or the normal of the first face
+    *("ux", "uy", "uz"),  # axis of the first drum as built
     *("vx", "vy", "vz"),  # that of the other one, or the normal of the face
-    *("e1x", "e1y", "e1z"),  # first axis of the other face
-    *("f1x", "f1y", "f1z"),  # that of the first face
-    *("radius_a", "radius_b"),  # m, 0 of faces; less what the sides are taken to be farther apart by
+    *("e1x", "e1y", "e1z"),  # first axis of the face
+    *("radius_a", "radius_b"),  # m; less what the sides are taken to be farther apart by
     *("half_a", "half_b"),  # m, half of the lengths of the drums
-    *("first", "corners"),  # place and number of the corners of the other face
-    *("first_a", "corners_a"),  # of the first face
-    *("stiffness", "damping"),  # N/m2, of faces N/m3; s
+    *("first", "corners"),  # place and number of the corners of the face
+    *("body_a", "body_b"),  # places of both bodies among the corners (SOLID)
+    "farther",  # m, added to the distance of the bodies
+    *("stiffness", "body_stiffness", "damping"),  # N/m2 of sides; N/m3 of each body, 0 where only sides press; s
     *("friction", "shear", "shear_damping"),  # coefficient, N/m, s
     "decay",  # s, in which its damping stops the lighter of two blocks
     "reach",  # m, of the spheres about both blocks together
@@ -304,6 +312,7 @@ WORK = Space(
     memory=REMEMBERED,
     giving=REMEMBERED,
     room=Numbers(beside=ROOM + 1),
+    cells=(EACH, "cells"),
     shared=(Numbers(PER_CORNER), "corners"),
     modal_room=(EACH, "modal_room"),
 )
@@ -343,7 +352,7 @@ def sizes_of(
     row += len(OF_BEARING) * b + len(OF_BOND) * bonds + len(OF_PAIR) * pairs + len(OF_PORT) * ports
     # whole packs
     stride = (state + PACK - 1) // PACK * PACK
-    return Sizes(n, m, k, b, corners, ports, pairs, bonds, modal, modal_room, state, stride, row)
+    return Sizes(n, m, k, b, corners, ports, pairs, bonds, CELLS if pairs else 0, modal, modal_room, state, stride, row)
 
 
 _PER_BODY, _BONDED = PHASE.per_n, OF_POLYGON.size(1)
@@ -412,6 +421,7 @@ class KernelScene(NamedTuple):
     giving_slips: object
     giving_plastic: object
     room: object  # of polygons
+    cells: object  # of the contact of bodies (cells.py)
     shared: object  # by faces of joints that have slid
     states: object  # and rates of a step
     outputs: object  # output rows of a step
@@ -439,7 +449,7 @@ def sizes_in(model):
     """Return the sizes at the head of a model."""
     head = _head(model, 0)
     shape = int(head.n), int(head.m), int(head.k), int(head.b), int(head.corners)
-    beside = int(head.ports), int(head.pairs), int(head.bonds), int(head.modal), int(head.modal_room)
+    beside = int(head.ports), int(head.pairs), int(head.bonds), int(head.cells), int(head.modal), int(head.modal_room)
     return Sizes(*shape, *beside, int(head.state), int(head.stride), int(head.visible))
 
 
@@ -501,6 +511,7 @@ def scene_over(sizes, model, control, counts, peaks, bonded, base, inputs, sampl
         work.giving.slips,
         work.giving.plastic,
         work.room,
+        work.cells,
         work.shared,
         work.states,
         work.outputs,

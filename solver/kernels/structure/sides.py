@@ -1,6 +1,5 @@
 """Two sides that face each other: their positions, their approach, and forces on both (theory.md section 17)."""
 
-import math
 from typing import NamedTuple
 
 from ..numba_ext.jit import leaf
@@ -28,7 +27,11 @@ class Touch(NamedTuple):
     force: float  # N, of the pressure
     energy: float  # J
     resultant: object  # N, on the first body: sum of pressure, edges and ends
-    place: object  # m, centre of the pressure, from the middle of the first side
+    on_a: object  # m, centre of the pressure from the centroids of both bodies
+    on_b: object
+
+
+NO_TOUCH = Touch(0.0, 0.0, NOTHING, NOTHING, NOTHING)
 
 
 @leaf
@@ -104,9 +107,3 @@ def edge_of(scene, pairs, p, k):
 def scaled(a, factor):
     """Return a vector times a number."""
     return a[0] * factor, a[1] * factor, a[2] * factor
-
-
-@leaf
-def apart(gap, beside):
-    """Return the distance, m, of two sides with a normal gap whose projections are `beside` m apart."""
-    return gap if beside == 0.0 else math.sqrt(beside * beside + max(gap, 0.0) ** 2)

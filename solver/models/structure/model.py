@@ -31,7 +31,6 @@ from .blocks.parts import (
     Bearing,
     JointLaw,
     Pair,
-    Side,
     Solid,
     SpatialJoint,
     Tie,
@@ -331,12 +330,10 @@ def _is_mirrored_joint(joint: SpatialJoint) -> bool:
 
 
 def _is_mirrored_pair(pair: Pair) -> bool:
-    """Return True if both sides of a pair are symmetric about the plane x, z."""
-    for side in (pair.side, pair.beside):
-        if not isinstance(side, Side):
-            if not _is_mirrored(side):
-                return False
-        elif abs(side.middle[1]) > 1e-9 * side.radius or 1e-9 < abs(side.axis[1]) < 1.0 - 1e-9:
+    """Return True if both bodies of a pair are symmetric about the plane x, z."""
+    for body in pair.bodies:
+        corners = np.round(body.corners / (1e-9 * float(np.max(np.abs(body.corners)))))
+        if {*map(tuple, corners + 0.0)} != {*map(tuple, corners * (1.0, -1.0, 1.0) + 0.0)}:
             return False
     return True
 

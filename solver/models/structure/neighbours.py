@@ -1,11 +1,12 @@
-"""Neighbours: pairs of blocks that no joint connects and whose sides face each other (theory.md section 17)."""
+"""Neighbours: pairs of convex bodies of blocks that no joint connects (theory.md section 17)."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from itertools import product
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,18 +14,17 @@ from numpy.typing import NDArray
 from ...common.errors import InputError, check_number, shown
 from ...common.ranges import LENGTH, NUMBERS, check_keys
 from ...common.tables import check_table, tables_in, vector_of
-from ...kernels.structure.layout import MOST_CORNERS
-from .blocks.contacts import facing
 from .blocks.faces import Face, clipped, polygon_moments
 from .blocks.parts import Pair, Side, Solid, SpatialJoint
+from .blocks.polyhedra import Polyhedron, polyhedron_of, slab_behind
 from .blocks.shapes import rectangle
-from .convex import TOUCH, built_overlaps, touching
+from .convex import TOUCH, ConvexPart, built_overlaps, distance, hulls_of, touching
 
-_REACH = (0.0, 1e6), "a length in m, zero or positive: sides that face each other within it may meet"
+_REACH = (0.0, 1e6), "a length in m, zero or positive: blocks within it may meet"
 _FRICTION = (0.0, 1e3), "a coefficient of friction, 0 without friction"
 _RANGES = {
     "reach": _REACH,
-    "stiffness": ((1e-6, 1e15), "a positive stiffness in N/m3, of plane faces that meet"),
+    "stiffness": ((1e-6, 1e15), "a positive stiffness in N/m3, of bodies that meet"),
     "line_stiffness": ((1e-6, 1e15), "a positive stiffness in N/m2, along the line in which drums meet"),
     "damping": NUMBERS["damping"],
     "restitution": ((1e-3, 1.0), "a coefficient of restitution, from 1e-3 to 1"),
@@ -46,7 +46,6 @@ _GAP = (0.0, 1e6), "a length in m, zero or positive"
 SHEAR_RATIO = 0.4
 PARALLEL = 0.5  # cosine of the angle between the axis of a drum and a face beyond which the drum's end faces it
 OPPOSITE = -0.9  # largest cosine of the angle between the normals of faces that face each other
-LEVEL = 0.9  # vertical part of a normal above which a face is no side
 LEAST = 1e-6  # of half the length of a drum: sides that face each other over less do not meet
 NEAR = 1e-6  # m
 
@@ -72,11 +71,10 @@ def neighbours_from(
         declared[_between(key, part, blocks)] = key, _numbers(key, part, _OF_PAIR[1:])
     tables = tables_in("neighbours.wall", table, 0)
     walls = [_wall(f"neighbours.wall[{number}]", part) for number, part in enumerate(tables, start=1)]
-    if "reach" not in given and not declared:
-        raise InputError(f"neighbours.reach: missing, must be {_REACH[1]}, or give tables [[neighbours.pair]]")
     # pairs of blocks within the reach, or declared
     joined = {frozenset((joint.upper, joint.lower)) for joint in joints}
-    reach, found = given.get("reach", -1.0), []
+    reach = given.get("reach", -1.0 if declared else math.inf)
+    bodies, found = [_bodies_of(block) for block in blocks], []
     _refuse_overlaps(blocks, joints, {pair for pair, (_, own) in declared.items() if "gap" in own})
     near = _near(blocks, reach)
     for one in range(len(blocks)):
@@ -88,23 +86,17 @@ def neighbours_from(
                 if key:
                     raise InputError(f"{key}.between: must be two blocks without a joint between them")
                 continue
-            pairs = _facing(blocks, one, other, math.inf if key else reach, _deepest(blocks, one, other, own))
-            if key and not pairs:
-                raise InputError(f"{key}.between: must be two blocks whose sides face each other: drums, plane faces")
+            within = math.inf if key else reach
+            deepest = _deepest(blocks, one, other, own)
+            pairs = _pairs_between(blocks, bodies, one, other, within, deepest)
             found += [_with_law(key or "neighbours", pair, {**_law(given, own), **own}, blocks) for pair in pairs]
     # blocks and walls
     for one, block in enumerate(blocks):
         for number, wall in enumerate(walls, start=1):
-            for pair in _before_faces(block, one, (wall,), len(blocks), reach):
+            for pair in _pairs_before(block, bodies[one], one, wall, len(blocks), reach):
                 found.append(_with_law("neighbours", replace(pair, wall=number), given, blocks))
-    # limits of the kernels
-    for pair in found:
-        corners = sum(len(side.outline) for side in (pair.side, pair.beside) if isinstance(side, Face))
-        if corners > 2 * MOST_CORNERS:
-            limit = f"must be {2 * MOST_CORNERS} at most"
-            raise InputError(f"neighbours: {_names(pair, blocks)} may meet with faces of {corners} corners, {limit}")
     if len(found) > MOST:
-        raise InputError(f"neighbours.reach: {len(found)} pairs of sides lie within it, must be at most {MOST}")
+        raise InputError(f"neighbours.reach: {len(found)} pairs of bodies lie within it, must be at most {MOST}")
     return tuple(found)
 
 
@@ -185,52 +177,99 @@ def side_of_drum(solid: Solid) -> Side | None:
     return Side(0.5 * (ends[0].centre + ends[1].centre), along / length, 0.5 * length, ends[0].radius)
 
 
-def _facing(blocks: tuple[Solid, ...], one: int, other: int, reach: float, deepest: float) -> list[Pair]:
-    """Return the pairs of sides of two blocks that face each other within a reach (m), without their laws.
+class _Body(NamedTuple):
+    """A convex part of a block in two forms."""
 
-    deepest: largest overlap as built at which plane faces still face each other, m.
+    part: ConvexPart
+    polyhedron: Polyhedron
+
+
+def _bodies_of(block: Solid) -> list[_Body]:
+    """Return the convex parts of a block. Raises InputError for one of too many faces."""
+    key = f"block[{block.name}]"
+    return [_Body(part, polyhedron_of(part.faces, block.centroid, key)) for part in hulls_of(block)]
+
+
+def _pairs_between(
+    blocks: tuple[Solid, ...], bodies: list[list[_Body]], one: int, other: int, reach: float, deepest: float
+) -> list[Pair]:
+    """Return the pairs of convex bodies of two blocks that lie within a reach (m) as built, without their laws.
+
+    A drum comes first, and meets another drum and each face before it by its side too. deepest: largest overlap as
+    built at which plane faces still face each other, m.
     """
     drums = side_of_drum(blocks[one]), side_of_drum(blocks[other])
-    if drums[0] and drums[1]:
-        gap, length = _gap_of_drums(drums[0], drums[1])
-        return [Pair(one, other, drums[0], drums[1], gap, length)] if gap <= reach else []
-    if drums[1]:
-        one, other = other, one
-    return _before_faces(blocks[one], one, blocks[other].faces, other, reach, deepest)
-
-
-def _before_faces(
-    block: Solid, one: int, faces: Sequence[Face], other: int, reach: float, deepest: float = TOUCH
-) -> list[Pair]:
-    """Return the pairs of the sides of block `one` with faces of another body that they face within a reach (m)."""
-    drum, found = side_of_drum(block), []
-    before = [(face, drum) for face in faces] if drum else facing(faces, block.faces, OPPOSITE + NEAR)
-    for face, side in before:
-        gap = _gap_before_face(side, face) if isinstance(side, Side) else _gap_of_faces(side, face, deepest)
-        if gap and gap[0] <= reach:
-            found.append(Pair(one, other, side, face, *gap))
+    if drums[1] and not drums[0]:
+        one, other, drums = other, one, drums[::-1]
+    still, between = np.zeros((1, 3)), (blocks[other].centroid - blocks[one].centroid)[None]
+    found: list[Pair] = []
+    for a, b in product(bodies[one], bodies[other]):
+        both = a.polyhedron, b.polyhedron
+        away = float(distance(a.part, b.part, still, still, between)[0])
+        if drums[0] and drums[1]:
+            gap, length = _gap_of_drums(drums[0], drums[1])
+            length = length or 2.0 * min(drums[0].half, drums[1].half)
+            pairs = [Pair(one, other, both, min(gap, away) if math.isinf(gap) else gap, length, drums[0], drums[1])]
+        elif drums[0]:
+            pairs = _before_faces(one, other, both, drums[0], b.part.faces)
+        else:
+            pairs = []
+        if not pairs:
+            area = _facing_area(a.part.faces, b.part.faces, deepest) or min(body.mean_area for body in both)
+            pairs = [Pair(one, other, both, away, area)]
+        found += [pair for pair in pairs if pair.gap <= reach]
     return found
 
 
-def _gap_of_faces(one: Face, other: Face, deepest: float) -> tuple[float, float] | None:
-    """Return the distance of two faces that face each other (m) and the area over which they do (m2).
+def _before_faces(
+    one: int, other: int, both: tuple[Polyhedron, Polyhedron], drum: Side, faces: Sequence[Face]
+) -> list[Pair]:
+    """Return the pairs of a drum with the faces of another body that its side faces; its body presses in the first."""
+    gaps = [(face, gap) for face in faces if (gap := _gap_before_face(drum, face))]
+    return [Pair(one, other, both, *gap, drum, face, presses=k == 0) for k, (face, gap) in enumerate(gaps)]
 
-    None if they do not, or if they overlap by more than `deepest`, m.
+
+def _pairs_before(block: Solid, bodies: list[_Body], one: int, wall: Face, base: int, reach: float) -> list[Pair]:
+    """Return the pairs of the convex bodies of a block with a wall before which they stand within a reach (m)."""
+    drum, slab, found = side_of_drum(block), slab_behind(wall), []
+    for body in bodies:
+        both = body.polyhedron, slab
+        pairs = _before_faces(one, base, both, drum, (wall,)) if drum else []
+        if not pairs:
+            # the box about the body along the axes of the wall
+            places = (block.centroid + body.polyhedron.corners - wall.centre) @ wall.axes
+            low, high, half = np.min(places, axis=0), np.max(places, axis=0), np.ptp(wall.outline, axis=0) / 2.0
+            beside = np.maximum(np.maximum(low[:2] - half, -half - high[:2]), 0.0)
+            gap = float(np.hypot(low[2], np.hypot(*beside))) if np.any(beside) else float(low[2])
+            if low[2] < -touching(block):
+                continue
+            area = _facing_area(body.part.faces, (wall,), TOUCH) or both[0].mean_area
+            pairs = [Pair(one, base, both, gap, area)]
+        found += [pair for pair in pairs if pair.gap <= reach]
+    return found
+
+
+def _facing_area(own: Sequence[Face], others: Sequence[Face], deepest: float) -> float:
+    """Return the largest area over which two faces face each other (m2), 0 without any.
+
+    Faces that overlap by more than `deepest` (m) do not face each other.
     """
+    return max((_area_of_faces(one, other, deepest) for one, other in product(own, others)), default=0.0)
+
+
+def _area_of_faces(one: Face, other: Face, deepest: float) -> float:
     cosine = float(one.normal @ other.normal)
-    if one.radius or other.radius or cosine > OPPOSITE or max(abs(one.normal[2]), abs(other.normal[2])) > LEVEL:
-        return None
+    if one.radius or other.radius or cosine > OPPOSITE:
+        return 0.0
     if math.hypot(*((one.centre - other.centre) @ other.axes[:, :2])) > one.size + other.size:
-        return None
+        return 0.0
     common = clipped(one.seen_from(other), other.outline)
     if not len(common):
-        return None
-    area = float(polygon_moments(common)[0])
-    if area < LEAST * float(polygon_moments(other.outline)[0]):
-        return None
+        return 0.0
     places = other.centre + common @ other.axes[:, :2].T
     gap = float(np.min((one.centre - places) @ one.normal / cosine))
-    return (gap, area) if gap >= -deepest else None
+    area = float(polygon_moments(common)[0])
+    return area if gap >= -deepest and area > LEAST * float(polygon_moments(other.outline)[0]) else 0.0
 
 
 def _gap_of_drums(a: Side, b: Side) -> tuple[float, float]:
@@ -284,7 +323,7 @@ def _names(pair: Pair, blocks: tuple[Solid, ...]) -> str:
 def _with_law(key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Solid, ...]) -> Pair:
     """Return a pair with its law and gap. Raises InputError."""
     names = _names(pair, blocks)
-    of_kind = "line_stiffness" if isinstance(pair.side, Side) else "stiffness"
+    of_kind = "line_stiffness" if pair.side else "stiffness"
     if of_kind not in law:
         raise InputError(f"{key}.{of_kind}: missing, must be {_RANGES[of_kind][1]}: {names} may meet")
     if "friction" not in law:
@@ -302,11 +341,14 @@ def _with_law(key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Soli
         mass = 1.0 / sum(1.0 / blocks[i].mass for i in (pair.one, pair.other) if i < len(blocks))
         damping = damping_of(law["restitution"], mass, stiffness)
     gap = law.get("gap", max(pair.gap, 0.0))
+    # of the body of a drum, if no other is given: its line spread over the radius
+    own = law.get("stiffness", law[of_kind] / pair.side.radius if pair.side else 0.0)
     return replace(
         pair,
         gap=gap,
         farther=gap - pair.gap,
         stiffness=law[of_kind],
+        body_stiffness=own if pair.presses else 0.0,
         damping=damping,
         friction=law["friction"],
         shear=law.get("shear_ratio", SHEAR_RATIO) * stiffness,

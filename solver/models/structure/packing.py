@@ -106,13 +106,15 @@ def model_of(parts: Parts, g: float, tolerance: float) -> PackedModel:
 def _model_of(parts: Parts, g: float) -> PackedModel:
     """Return the model of a structure, without tolerances."""
     solids, joints, ties, ports, pairs = parts
-    # corners: sections of the joints, their faces, insides of rims, faces of pairs
+    # corners: sections of the joints, their faces, insides of rims, faces and bodies of pairs
     outlines = [joint.face.outline.ravel() for joint in joints]
     faces = [_faces_of(joint, joint.above, joint.below) for joint in joints]
     insides = [_inside_of(joint) for joint in joints]
     corners = np.concatenate([np.zeros(0), *outlines, *(part for parts in (*faces, *insides) for part in parts)])
-    sides = [np.concatenate(_outlines_of(pair)).ravel() for pair in pairs]
-    corners = np.concatenate([corners, *sides])
+    sides = [pair.beside.outline.ravel() if isinstance(pair.beside, Face) else np.zeros(0) for pair in pairs]
+    rows = {id(body): body.row() for pair in pairs for body in pair.bodies}
+    bodies = dict(zip(rows, corners.size + np.cumsum([0, *map(len, rows.values())]), strict=False))
+    corners = np.concatenate([corners, *rows.values(), *sides])
     # sizes
     bearings = sum(joint.bearing is not None for joint in joints)
     bonds = [j for j, joint in enumerate(joints) if joint.bed.is_bonded]
@@ -154,6 +156,7 @@ def _model_of(parts: Parts, g: float) -> PackedModel:
     place = corners.size - sum(side.size for side in sides)
     for p, pair in enumerate(pairs):
         _fill_pair(names.pairs, p, pair, solids, place)
+        names.pairs.body_a[p], names.pairs.body_b[p] = (bodies[id(body)] for body in pair.bodies)
         place += sides[p].size
     # settings; elastic slip at which friction yields, least damping along sliding joints
     _fill_settings(settings, table, solids, joints, g)
@@ -284,41 +287,39 @@ def _fill_tie(table: Any, e: int, tie: Tie, solids: tuple[Solid, ...]) -> None:
     table.yields_at[e] = math.inf if tie.yield_ is None else tie.yield_
 
 
-def _outlines_of(pair: Pair) -> tuple[FloatArray, FloatArray]:
-    """Return the corners of both faces of a pair, (corners, 2) m; empty for the side of a drum."""
-    side, beside = (part.outline if isinstance(part, Face) else np.zeros((0, 2)) for part in (pair.side, pair.beside))
-    return side, beside
-
-
 def _fill_pair(table: Any, p: int, pair: Pair, solids: tuple[Solid, ...], place: int) -> None:
-    table.one[p], table.other[p] = pair.one, pair.other
-    kind = at.DRUMS if isinstance(pair.beside, Side) else at.PLANE if isinstance(pair.side, Side) else at.FACES
-    table.kind[p] = kind
-    table.radius_a[p] = -pair.farther
-    for body, side, arm, along, axis in (
-        (pair.one, pair.side, "a", "u", "f1"),
-        (pair.other, pair.beside, "b", "v", "e1"),
-    ):
-        is_drum = isinstance(side, Side)
-        middle, direction = (side.middle, side.axis) if is_drum else (side.centre, side.normal)  # type: ignore
-        first = np.zeros(3) if is_drum else side.axes[:, 0]  # type: ignore
-        for prefix, vector in ((arm, middle - centroid_of(solids, body)), (along, direction), (axis, first)):
-            for name, part in zip("xyz", vector, strict=True):
-                getattr(table, prefix + name)[p] = part
-        if isinstance(side, Side):
-            getattr(table, f"radius_{arm}")[p] += side.radius
-            getattr(table, f"half_{arm}")[p] = side.half
-    own, other = _outlines_of(pair)
-    table.first_a[p], table.corners_a[p] = place, len(own)
-    table.first[p], table.corners[p] = place + own.size, len(other)
+    table.one[p], table.other[p], table.kind[p] = pair.one, pair.other, at.CONVEX
+    table.farther[p] = pair.farther
+    if pair.side is not None:
+        table.kind[p] = at.DRUMS if isinstance(pair.beside, Side) else at.PLANE
+        _fill_side(table, p, pair, solids, place)
+    # the law
     blocks = [solids[i] for i in (pair.one, pair.other) if i < len(solids)]
     frequency = math.sqrt(2.0 * pair.stiffness * pair.size / min(solid.mass for solid in blocks))
     table.stiffness[p], table.damping[p] = pair.stiffness, pair.damping
+    table.body_stiffness[p] = 2.0 * pair.body_stiffness  # of each of both, as springs in series
     table.friction[p], table.shear[p] = pair.friction, pair.shear
     table.shear_damping[p] = RELAXATION / frequency
     table.decay[p] = 1.0 / (pair.damping * frequency**2) if pair.damping else math.inf
     reach = sum(solid.reach for solid in blocks) + max(0.0, -pair.farther)
     table.reach[p] = math.inf if pair.wall else reach
+
+
+def _fill_side(table: Any, p: int, pair: Pair, solids: tuple[Solid, ...], place: int) -> None:
+    """Fill the side of the first drum of pair p, and the other drum or face that it is before."""
+    table.radius_a[p] = -pair.farther
+    for body, side, arm, along in ((pair.one, pair.side, "a", "u"), (pair.other, pair.beside, "b", "v")):
+        if isinstance(side, Face):
+            table.first[p], table.corners[p] = place, len(side.outline)
+            table.e1x[p], table.e1y[p], table.e1z[p] = side.axes[:, 0]
+            middle, direction = side.centre, side.normal
+        elif side is not None:
+            getattr(table, f"radius_{arm}")[p] += side.radius
+            getattr(table, f"half_{arm}")[p] = side.half
+            middle, direction = side.middle, side.axis
+        for prefix, vector in ((arm, middle - centroid_of(solids, body)), (along, direction)):
+            for name, part in zip("xyz", vector, strict=True):
+                getattr(table, prefix + name)[p] = part
 
 
 def _fill_settings(

@@ -122,11 +122,11 @@ def clipped(corners: FloatArray, by: FloatArray) -> FloatArray:
     """Clip a convex polygon to another one, both anticlockwise; empty if they do not overlap."""
     left = corners.tolist()
     for (x0, y0), (x1, y1) in zip(by.tolist(), np.roll(by, -1, axis=0).tolist(), strict=True):
-        left = _half(left, [(x1 - x0) * (y - y0) - (y1 - y0) * (x - x0) for x, y in left])
+        left = half_of(left, [(x1 - x0) * (y - y0) - (y1 - y0) * (x - x0) for x, y in left])
     return np.array(left) if len(left) > 2 else np.empty((0, 2))
 
 
-def _half(corners: Sequence[Sequence[float]], depth: Sequence[float]) -> list[Sequence[float]]:
+def half_of(corners: Sequence[Sequence[float]], depth: Sequence[float]) -> list[Sequence[float]]:
     """Clip a convex polygon to the half-plane in which a linear function is positive.
 
     depth: values of the function at the corners.
@@ -150,7 +150,7 @@ def inset(face: Face, rim: float) -> Face | None:
     left = face.outline.tolist()
     for (x0, y0), (x1, y1) in zip(face.outline.tolist(), np.roll(face.outline, -1, axis=0).tolist(), strict=True):
         length = math.hypot(x1 - x0, y1 - y0)
-        left = _half(left, [((x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)) / length - rim for x, y in left])
+        left = half_of(left, [((x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)) / length - rim for x, y in left])
     return replace(face, outline=without_doubles(np.array(left))) if len(left) > 2 else None
 
 
@@ -165,8 +165,8 @@ def outside_parts(corners: FloatArray, outside: FloatArray) -> list[FloatArray]:
     found, left = [], corners.tolist()
     for at, along_x, along_y in outside[np.any(values > 0.0, axis=1)].tolist():
         value = [at + along_x * x + along_y * y for x, y in left]
-        found.append(_half(left, value))
-        left = _half(left, [-part for part in value])
+        found.append(half_of(left, value))
+        left = half_of(left, [-part for part in value])
         if len(left) < 3:
             return [corners]
     return [np.array(part) for part in found if len(part) > 2]

@@ -10,6 +10,7 @@ import numpy as np
 
 from ....common.errors import InputError
 from .faces import Face, FloatArray
+from .polyhedra import Polyhedron
 
 TOLERANCE = 1e-5  # default
 BASE = "base"  # name of the body that everything stands on
@@ -137,16 +138,19 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """Two sides of blocks without a joint, and the law of their contact (theory.md section 17)."""
+    """Two convex bodies without a joint, and the law of their contact (theory.md section 17)."""
 
     one: int  # number of the block, from 0
     other: int  # of another one, or of the base
-    side: Side | Face  # of the first block; a face only before another face
-    beside: Side | Face  # of the other one
+    bodies: tuple[Polyhedron, Polyhedron]
     gap: float  # m, between both as built
-    size: float  # m, or m2 of two faces, over which they face each other as built
+    size: float  # m of sides, or m2, over which they face each other as built, or the mean area of the smaller one
+    side: Side | None = None  # of the first block, a drum
+    beside: Side | Face | None = None  # what that side is before
+    presses: bool = True  # False: only the side does, the bodies press on each other in another pair
     farther: float = 0.0  # m, added to the distance of the blocks
-    stiffness: float = 0.0  # N/m2, or N/m3 of two faces
+    stiffness: float = 0.0  # N/m2 of sides, else N/m3
+    body_stiffness: float = 0.0  # N/m3
     damping: float = 0.0  # s
     friction: float = 0.0
     shear: float = 0.0  # N/m, stiffness along the contact

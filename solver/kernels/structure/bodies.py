@@ -1,0 +1,160 @@
+"""Contact of the convex bodies of a pair: their places, forces, energy and distance."""
+
+import math
+from typing import NamedTuple
+
+from ..numba_ext.jit import kernel, leaf
+from .cells import Placed, facet_of, press
+from .distance import depth_by_planes, distance
+from .kinematics import dot, minus, out_of, plus, push, seen_from, standing
+from .layout import SOLID
+from .sides import NOTHING, Touch, place_of, scaled, spin_of, velocity_of
+
+_solid = SOLID.over
+PARALLEL = 1e-12  # squared sine of the angle below which axes are parallel
+
+
+class Bodies(NamedTuple):
+    """Both bodies of a pair; the first one has no more planes than the other, so that its cells are the fewer."""
+
+    own: int  # bodies
+    opposite: int
+    solid: object  # rows of both (layout.py, SOLID)
+    other: object
+    sign: float  # 1 if `own` is the first body of the pair, else -1
+
+
+@leaf
+def bodies_of(scene, pairs, p):
+    """Return the bodies of pair p."""
+    a, b = int(pairs.one[p]), int(pairs.other[p])
+    solid, other = scene.corners[int(pairs.body_a[p]) :], scene.corners[int(pairs.body_b[p]) :]
+    if solid[0] <= other[0]:
+        return Bodies(a, b, solid, other, 1.0)
+    return Bodies(b, a, other, solid, -1.0)
+
+
+@leaf
+def _axis_between(scene, own, opposite, x, y, z):
+    """Return an axis of the opposite body along the axes of the own one."""
+    return seen_from(scene.poses, own, standing(scene.poses, opposite, x, y, z))
+
+
+@leaf
+def placed_of(scene, phase, own, opposite):
+    """Return a body as another one sees it."""
+    poses, between = scene.poses, minus(place_of(scene, phase, opposite), place_of(scene, phase, own))
+    # relative velocity, at the centroid of the own body
+    back = -between[0], -between[1], -between[2]
+    moves = minus(velocity_of(scene, phase, opposite, back), velocity_of(scene, phase, own, NOTHING))
+    return Placed(
+        _axis_between(scene, own, opposite, 1.0, 0.0, 0.0),
+        _axis_between(scene, own, opposite, 0.0, 1.0, 0.0),
+        _axis_between(scene, own, opposite, 0.0, 0.0, 1.0),
+        seen_from(poses, own, between),
+        seen_from(poses, own, moves),
+        seen_from(poses, own, minus(spin_of(scene, opposite), spin_of(scene, own))),
+    )
+
+
+@kernel
+def load_bodies(scene, phase, pairs, p):
+    """Add the normal forces of the bodies of pair p; return their contact (`Touch`)."""
+    both = bodies_of(scene, pairs, p)
+    placed = placed_of(scene, phase, both.own, both.opposite)
+    law = pairs.farther[p], pairs.body_stiffness[p], pairs.damping[p]
+    found = press(scene, both.solid, both.other, placed, *law)
+    if found.total == 0.0:
+        return Touch(0.0, found.energy, NOTHING, NOTHING, NOTHING)
+    # along the axes of the base: equal forces on both bodies at the same place
+    poses, own, opposite = scene.poses, both.own, both.opposite
+    force = standing(poses, own, *found.force)
+    moment = standing(poses, own, *found.moment)
+    between = minus(place_of(scene, phase, own), place_of(scene, phase, opposite))
+    push(poses, own, NOTHING, force, moment, 1.0)
+    push(poses, opposite, between, force, (-moment[0], -moment[1], -moment[2]), -1.0)
+    # centre of the pressure
+    per = 1.0 / found.total
+    arm = standing(poses, own, per * found.centre[0], per * found.centre[1], per * found.centre[2])
+    beyond = plus(arm, between, 1.0)
+    size = math.sqrt(dot(force, force))
+    if both.sign > 0.0:
+        return Touch(size, found.energy, force, arm, beyond)
+    return Touch(size, found.energy, (-force[0], -force[1], -force[2]), beyond, arm)
+
+
+@kernel
+def opposite_energy(scene, phase, pairs, p):
+    """Return the energy of the cells at the planes of the body that `load_bodies` leaves out, J."""
+    both = bodies_of(scene, pairs, p)
+    placed = placed_of(scene, phase, both.opposite, both.own)
+    return press(scene, both.other, both.solid, placed, pairs.farther[p], pairs.body_stiffness[p], 0.0).energy
+
+
+@kernel
+def gap_of_bodies(scene, phase, pairs, p):
+    """Return the distance of the bodies of pair p, m; if they overlap, less twice the height of their highest cell."""
+    both, farther = bodies_of(scene, pairs, p), pairs.farther[p]
+    placed = placed_of(scene, phase, both.own, both.opposite)
+    away = distance(both.solid, both.other, placed)
+    if away > 0.0:
+        return farther + away
+    highest = press(scene, both.solid, both.other, placed, farther, 1.0, 0.0).highest
+    if highest > 0.0 or farther <= 0.0:
+        return -2.0 * highest
+    # bodies that count as farther apart
+    back = placed_of(scene, phase, both.opposite, both.own)
+    depth = min(depth_by_planes(both.solid, both.other, placed), depth_by_planes(both.other, both.solid, back))
+    return max(farther - depth, 0.0)
+
+
+@leaf
+def _reach_of_drum(solid, n):
+    """Return how far a drum reaches along a unit vector from its centroid, m."""
+    record = _solid(solid, 0)
+    along = n[0] * record.ux + n[1] * record.uy + n[2] * record.uz
+    return record.half * abs(along) + record.radius * math.sqrt(max(0.0, 1.0 - along * along))
+
+
+@leaf
+def _square_of_segments(u, half_a, v, half_b, at):
+    """Return the squared distance, m2, of two segments about the origin and `at`; u, v: their directions."""
+    c, a, b = dot(u, v), dot(u, at), dot(v, at)
+    sine = 1.0 - c * c
+    # the point of the first one nearest to the line of the other, then the nearest points of both
+    s = min(max((a - c * b) / sine, -half_a), half_a) if sine > PARALLEL else 0.0
+    t = min(max(c * s - b, -half_b), half_b)
+    s = min(max(a + c * t, -half_a), half_a)
+    between = minus(plus(at, v, t), scaled(u, s))
+    return dot(between, between)
+
+
+@kernel
+def _is_before_plane(solid, drum, placed, farther):
+    """Return True if a plane of a body separates it from a drum."""
+    for i in range(int(solid[0])):
+        facet = facet_of(solid, i)
+        own = dot(placed.x, facet.n), dot(placed.y, facet.n), dot(placed.z, facet.n)
+        if dot(facet.n, placed.at) - _reach_of_drum(drum, own) > facet.c - farther:
+            return True
+    return False
+
+
+@kernel
+def may_press(scene, phase, pairs, p):
+    """Return False if a quick test separates the bodies of pair p, of which one at least is a drum.
+
+    Their axes, or a plane of the one that is no drum, are far enough apart.
+    """
+    both, farther = bodies_of(scene, pairs, p), pairs.farther[p]
+    one, other = _solid(both.solid, 0), _solid(both.other, 0)
+    placed = placed_of(scene, phase, both.own, both.opposite)
+    if one.radius > 0.0 and other.radius > 0.0:
+        axis = out_of(placed.x, placed.y, placed.z, (other.ux, other.uy, other.uz))
+        square = _square_of_segments((one.ux, one.uy, one.uz), one.half, axis, other.half, placed.at)
+        reach = one.radius + other.radius - farther
+        return square < reach * abs(reach)
+    if other.radius > 0.0:
+        return not _is_before_plane(both.solid, both.other, placed, farther)
+    back = placed_of(scene, phase, both.opposite, both.own)
+    return not _is_before_plane(both.other, both.solid, back, farther)

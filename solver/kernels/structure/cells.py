@@ -1,0 +1,299 @@
+"""Contact of two convex bodies at any orientation (theory.md section 17).
+
+The energy is the integral, over the common volume of both bodies, of stiffness times the distance from the nearest of
+their planes. The points nearest to plane i are a cell over the part of that plane within both bodies. Over a point of
+it the cell is as high as the least of d_j / g_j over all other planes j: d_j is the depth of the point below plane j,
+and g_j half of the squared difference of both normals. So the pressure on plane i of the first body is stiffness times
+this height, and no polyhedron is clipped, only polygons. The same pressure acts on the other body.
+"""
+
+import math
+from typing import NamedTuple
+
+from ..numba_ext.jit import kernel, leaf
+from .bed import Plane, value
+from .clipping import cut
+from .kinematics import cross, dot, minus, out_of, plus
+from .layout import CELL_CORNERS, PER_ROOF, SOLID_CORNERS, SOLID_PLANE, SOLID_PLANES
+
+COPLANAR = 1e-24  # squared difference of normals below which two planes never bound the same cell
+
+
+class Facet(NamedTuple):
+    """A plane of a body and its face, along the axes of the body."""
+
+    n: object  # outward normal
+    c: object  # m, distance from the centroid
+    e1: object  # axes of the outline
+    e2: object
+    first: int  # place of the outline
+    corners: int  # their number
+
+
+class Placed(NamedTuple):
+    """The other body as the first one sees it, along the axes of the first one."""
+
+    x: object  # axes of the other body
+    y: object
+    z: object
+    at: object  # m, its centroid from that of the first one
+    moves: object  # m/s, its velocity at the centroid of the first one
+    spins: object  # rad/s, its relative angular velocity
+
+
+class Pressed(NamedTuple):
+    """What presses on the first body, along its own axes."""
+
+    force: object  # N
+    moment: object  # N m, about its centroid
+    centre: object  # m, sum of the pressures times their places, over `total`
+    total: float  # N, sum of the sizes of the pressures
+    energy: float  # J, of the cells of its planes
+    highest: float  # m, of a cell
+
+
+@leaf
+def facet_of(solid, i):
+    """Return plane i of a body."""
+    k = SOLID_CORNERS + 3 * int(solid[1]) + SOLID_PLANE * i
+    n, e1 = (solid[k], solid[k + 1], solid[k + 2]), (solid[k + 4], solid[k + 5], solid[k + 6])
+    return Facet(n, solid[k + 3], e1, cross(n, e1), int(solid[k + 7]), int(solid[k + 8]))
+
+
+@kernel
+def _place_planes(cells, other, placed, farther):
+    """Fill the cells with the planes of the other body along the axes of the first one; return their number."""
+    count = int(other[0])
+    for j in range(count):
+        k = SOLID_CORNERS + 3 * int(other[1]) + SOLID_PLANE * j
+        n = out_of(*_axes_of(placed), (other[k], other[k + 1], other[k + 2]))
+        cells[4 * j], cells[4 * j + 1], cells[4 * j + 2] = n
+        cells[4 * j + 3] = other[k + 3] + dot(n, placed.at) - farther
+    return count
+
+
+@leaf
+def _axes_of(placed):
+    # columns of the rotation matrix, as rows for `out_of`
+    return placed.x, placed.y, placed.z
+
+
+@leaf
+def _over(facet, n, c, factor):
+    """Return the depth below a plane (n, c) times a factor, as a linear function over a facet."""
+    foot = c - facet.c * dot(n, facet.n)
+    return Plane(factor * foot, -factor * dot(n, facet.e1), -factor * dot(n, facet.e2))
+
+
+@leaf
+def _plane_of(cells, solid, planes, j):
+    """Return normal and distance (m) of plane j: first those of the other body, then those of the first one."""
+    if j < planes:
+        return (cells[4 * j], cells[4 * j + 1], cells[4 * j + 2]), cells[4 * j + 3]
+    k = SOLID_CORNERS + 3 * int(solid[1]) + SOLID_PLANE * (j - planes)
+    return (solid[k], solid[k + 1], solid[k + 2]), solid[k + 3]
+
+
+@kernel
+def _common_face(room, cells, solid, planes, facet):
+    """Fill the room with the part of a face of the first body within the other one; return its number of corners."""
+    count = facet.corners
+    for k in range(2 * count):
+        room[k] = solid[facet.first + k]
+    # clipped by each plane of the other body
+    for j in range(planes):
+        n = cells[4 * j], cells[4 * j + 1], cells[4 * j + 2]
+        count = cut(room, count, _over(facet, n, cells[4 * j + 3], 1.0))
+        if count < 3:
+            return 0
+    return count
+
+
+@kernel
+def _find_roofs(room, cells, solid, planes, i, count):
+    """Store the planes that may bound the cell over the face in the room, each as the height below it, m.
+
+    Return their number, and the height that the cell does not exceed.
+    """
+    facet, found, bound, first = facet_of(solid, i), 0, math.inf, CELL_CORNERS + 4 * SOLID_PLANES
+    for j in range(planes + int(solid[0])):
+        n, c = _plane_of(cells, solid, planes, j)
+        away = minus(n, facet.n)
+        square = dot(away, away)
+        if j == planes + i or square < COPLANAR:
+            continue
+        # heights at the corners: nowhere the least, or a bound for all others
+        roof = _over(facet, n, c, 2.0 / square)
+        least, most = math.inf, -math.inf
+        for k in range(count):
+            height = value(roof, room[2 * k], room[2 * k + 1])
+            least, most = min(least, height), max(most, height)
+        if least < bound:
+            k = first + PER_ROOF * found
+            cells[k], cells[k + 1], cells[k + 2] = roof.at, roof.along_x, roof.along_y
+            cells[k + 3], cells[k + 4], cells[k + 5] = least, float(j), 2.0 / square
+            bound = min(bound, most)
+            found += 1
+    return found, bound
+
+
+@leaf
+def _roof(cells, r):
+    """Return stored height r as a linear function."""
+    k = CELL_CORNERS + 4 * SOLID_PLANES + PER_ROOF * r
+    return Plane(cells[k], cells[k + 1], cells[k + 2])
+
+
+@kernel
+def _lowest_part(room, cells, count, found, bound, r):
+    """Fill the room with the part of the kept face over which roof r is the lowest; return its number of corners."""
+    first, roof = CELL_CORNERS + 4 * SOLID_PLANES, _roof(cells, r)
+    if cells[first + PER_ROOF * r + 3] > bound:
+        return 0
+    for k in range(2 * count):
+        room[k] = cells[4 * SOLID_PLANES + k]
+    for s in range(found):
+        if s == r or cells[first + PER_ROOF * s + 3] > bound:
+            continue
+        other = _roof(cells, s)
+        higher = Plane(other.at - roof.at, other.along_x - roof.along_x, other.along_y - roof.along_y)
+        # equal roofs: the first one counts
+        if higher.at == 0.0 and higher.along_x == 0.0 and higher.along_y == 0.0:
+            if s < r:
+                return 0
+            continue
+        count = cut(room, count, higher)
+        if count < 3:
+            return 0
+    return count
+
+
+@leaf
+def _rate_over(cells, r, facet, placed, roof):
+    """Return the rate at which a roof of the other body rises over a facet, m/s, as a linear function."""
+    k = CELL_CORNERS + 4 * SOLID_PLANES + PER_ROOF * r
+    j, factor = int(cells[k + 4]), cells[k + 5]
+    n = cells[4 * j], cells[4 * j + 1], cells[4 * j + 2]
+    # n . (moves + spins x place), with the place on the roof
+    m = cross(n, placed.spins)
+    below = dot(m, facet.n)
+    return Plane(
+        factor * (dot(n, placed.moves) + facet.c * below - below * roof.at),
+        factor * (dot(m, facet.e1) - below * roof.along_x),
+        factor * (dot(m, facet.e2) - below * roof.along_y),
+    )
+
+
+@leaf
+def _three(plane, x, y):
+    """Return the values of a linear function at the three corners of a triangle."""
+    return value(plane, x[0], y[0]), value(plane, x[1], y[1]), value(plane, x[2], y[2])
+
+
+@leaf
+def _product(a, b):
+    """Return twelve times the mean over a triangle of the product of two linear functions, from their corner values."""
+    return (a[0] + a[1] + a[2]) * (b[0] + b[1] + b[2]) + a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+class _Sums(NamedTuple):
+    """The integrals over a polygon of a linear function f, and of its products with x, y and another one."""
+
+    f: float
+    x: float
+    y: float
+    product: float
+
+
+@kernel
+def _integrals(room, count, f, other):
+    """Integrate f, f x, f y and f times another linear function over the polygon in the room."""
+    total, first_x, first_y, product = 0.0, 0.0, 0.0, 0.0
+    # a fan of triangles
+    for k in range(2, count):
+        x = room[0], room[2 * k - 2], room[2 * k]
+        y = room[1], room[2 * k - 1], room[2 * k + 1]
+        twelfth = ((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])) / 24.0
+        q = _three(f, x, y)
+        total += 4.0 * twelfth * (q[0] + q[1] + q[2])
+        first_x += twelfth * _product(q, x)
+        first_y += twelfth * _product(q, y)
+        product += twelfth * _product(q, _three(other, x, y))
+    return _Sums(total, first_x, first_y, product)
+
+
+@leaf
+def _highest(room, count, roof, highest):
+    for k in range(count):
+        highest = max(highest, value(roof, room[2 * k], room[2 * k + 1]))
+    return highest
+
+
+@kernel
+def press(scene, solid, other, placed, farther, stiffness, damping):
+    """Integrate the pressure on the planes of a body that another one presses on.
+
+    Parameters
+    ----------
+    scene : KernelScene
+        Its rooms are used.
+    solid, other : row
+        Both bodies (layout.py, SOLID).
+    placed : Placed
+        The other body along the axes of the first one.
+    farther : float
+        Distance added to that of the bodies, m.
+    stiffness, damping : float
+        N/m3; s, by which the rate of a height counts beside the height.
+
+    Returns
+    -------
+    Pressed
+        Zero for bodies without a common volume.
+    """
+    room, cells = scene.room, scene.cells
+    force, moment, centre, total, energy, highest = _NONE, _NONE, _NONE, 0.0, 0.0, 0.0
+    planes = _place_planes(cells, other, placed, farther)
+    for i in range(int(solid[0])):
+        # the face within the other body, kept beside the room
+        facet = facet_of(solid, i)
+        count = _common_face(room, cells, solid, planes, facet)
+        if count == 0:
+            continue
+        for k in range(2 * count):
+            cells[4 * SOLID_PLANES + k] = room[k]
+        found, bound = _find_roofs(room, cells, solid, planes, i, count)
+        # the part below each roof
+        push, x, y = 0.0, 0.0, 0.0
+        for r in range(found):
+            kept = _lowest_part(room, cells, count, found, bound, r)
+            if kept < 3:
+                continue
+            roof = _roof(cells, r)
+            highest = _highest(room, kept, roof, highest)
+            q = roof
+            # roofs of the other body move
+            if damping != 0.0 and cells[CELL_CORNERS + 4 * SOLID_PLANES + PER_ROOF * r + 4] < planes:
+                energy += 0.5 * stiffness * _integrals(room, kept, roof, roof).product
+                rate = _rate_over(cells, r, facet, placed, roof)
+                q = Plane(
+                    roof.at + damping * rate.at,
+                    roof.along_x + damping * rate.along_x,
+                    roof.along_y + damping * rate.along_y,
+                )
+                kept = cut(room, kept, q)
+                sums = _integrals(room, kept, q, roof)
+            else:
+                sums = _integrals(room, kept, q, roof)
+                energy += 0.5 * stiffness * sums.product
+            push, x, y = push + sums.f, x + sums.x, y + sums.y
+        # resultant, moment and centre
+        push, x, y = stiffness * push, stiffness * x, stiffness * y
+        force = plus(force, facet.n, -push)
+        moment = plus(plus(moment, facet.e2, x), facet.e1, -y)
+        centre = plus(plus(plus(centre, facet.n, facet.c * push), facet.e1, x), facet.e2, y)
+        total += push
+    return Pressed(force, moment, centre, total, energy, highest)
+
+
+_NONE = (0.0, 0.0, 0.0)
