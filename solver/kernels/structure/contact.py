@@ -2,9 +2,9 @@
 
 The normal forces are those of convex bodies (bodies.py), and for drums those of their sides (drum_contact.py), beside
 which the body of a drum is a prism within it. They act on both blocks at one point, so that momentum is conserved.
-Friction is a slider in series with a spring and a dashpot, perpendicular to the resultant of the contact. A pair touches
-or not during a whole step: a step ends where a gap closes (meeting.py), so that the damping of an impact, which starts
-abruptly, leaves steps smooth. Pairs that are apart are not evaluated.
+Friction is a slider in series with a spring and a dashpot, perpendicular to the resultant of the contact. A pair
+touches or not during a whole step: a step ends where a gap closes (meeting.py), so that the damping of an impact, which
+starts abruptly, leaves steps smooth. Pairs that are apart are not evaluated.
 """
 
 import math

@@ -163,7 +163,7 @@ def load_drums(scene, phase, pairs, p, sides):
 
 @leaf
 def gap_of_drums(pairs, p, sides):
-    """Return the distance of the sides of two drums, m, negative by the deepest overlap; NaN if none is beside the other."""
+    """Return the distance of the sides of two drums, m, negative if they overlap; NaN if not beside each other."""
     axes, part = _axes(sides), _beside_drum(sides, pairs.half_a[p], pairs.half_b[p])
     low, high = part.low, part.high
     if low >= high:

@@ -88,7 +88,7 @@ def _plane_through(points: FloatArray, inside: FloatArray) -> Plane:
 
 
 def polyhedron_of(faces: tuple[Face, ...], centroid: FloatArray, key: str) -> Polyhedron:
-    """Return the polyhedron of a convex block or part by its faces. Raises InputError for `key` with too many planes."""
+    """Return the polyhedron of a convex block or part by its faces. Raises InputError for too many planes."""
     rims = [face for face in faces if face.radius]
     if rims:
         return _prism_in(rims, centroid)
