@@ -14,10 +14,12 @@ from ..numba_ext.lanes import greater, magnitude, zero_like
 from .bodies import gap_of_bodies, load_bodies, may_press, opposite_energy
 from .drum_contact import gap_before_face, gap_of_drums, load_drum_before_face, load_drums
 from .kinematics import dot, minus, plus, push
-from .layout import CONVEX, DRUMS, MEMORY, STRETCH
+from .layout import APART, BY_BODIES, BY_SIDES, CONVEX, DRUMS, MEMORY, STRETCH
 from .sides import NO_TOUCH, NOTHING, Touch, place_of, scaled, sides_of, velocity_of
 
 _stretch, _PER_JOINT = STRETCH.over, MEMORY.per_n
+LEAST_COSINE, MOST_SINE = 0.9, 0.5  # of the axes of drums, and of an axis and the normal of a face, that are parallel
+DEEP = 0.1  # of the radii: sides deeper within each other do not begin a contact
 
 
 @leaf
@@ -91,7 +93,7 @@ def load_pair(scene, phase, extras, p):
         return
     # normal forces: of the sides of drums, then of both bodies
     touch = NO_TOUCH
-    if pairs.kind[p] != CONVEX:
+    if hits.bears[p] == BY_SIDES:
         touch = _load_sides(scene, phase, pairs, p)
     if pairs.body_stiffness[p] > 0.0 and (pairs.kind[p] == CONVEX or may_press(scene, phase, pairs, p)):
         touch = _together(touch, load_bodies(scene, phase, pairs, p))
@@ -139,20 +141,40 @@ def pairs_energy(scene, phase):
 
 
 @kernel
-def _gap_of_sides(scene, phase, pairs, p):
-    """Return the distance of the sides of pair p, m; NaN of convex bodies and where no sides face each other."""
-    if pairs.kind[p] == CONVEX:
-        return math.nan
+def _gap_of_sides(scene, phase, pairs, p, touches):
+    """Return the distance of the sides of pair p, m; NaN where no side is before the other.
+
+    A contact may begin by the sides only where they are nearly parallel and not deep within each other.
+    """
     sides = sides_of(scene, phase, pairs, p)
+    along, radius = abs(dot(sides.u, sides.v)), pairs.radius_a[p]
     if pairs.kind[p] == DRUMS:
-        return gap_of_drums(pairs, p, sides)
-    return gap_before_face(scene, pairs, p, sides)
+        gap, parallel, radius = gap_of_drums(pairs, p, sides), along >= LEAST_COSINE, radius + pairs.radius_b[p]
+    else:
+        gap, parallel = gap_before_face(scene, pairs, p, sides), along <= MOST_SINE
+    if touches == BY_SIDES or (parallel and gap > -DEEP * radius):
+        return gap
+    return math.nan
 
 
 @kernel
-def gap_of(scene, phase, pairs, p):
-    """Return the distance of pair p, m, negative where it overlaps: of sides that face each other, or of the bodies."""
-    gap = _gap_of_sides(scene, phase, pairs, p)
+def begins_by(scene, phase, pairs, p):
+    """Return how the contact of pair p begins: BY_SIDES or BY_BODIES."""
+    if pairs.kind[p] == CONVEX:
+        return BY_BODIES
+    gap = _gap_of_sides(scene, phase, pairs, p, APART)
+    return BY_SIDES if gap == gap else BY_BODIES
+
+
+@kernel
+def gap_of(scene, phase, pairs, p, touches):
+    """Return the distance of pair p, m, negative where it overlaps: of sides that face each other, or of the bodies.
+
+    touches: APART, BY_SIDES or BY_BODIES.
+    """
+    gap = math.nan
+    if pairs.kind[p] != CONVEX and touches != BY_BODIES:
+        gap = _gap_of_sides(scene, phase, pairs, p, touches)
     return gap if gap == gap else gap_of_bodies(scene, phase, pairs, p)
 
 

@@ -86,7 +86,8 @@ def show_extras(scene, phase, shown):
     # gaps and contact forces of pairs, then the motion of ports
     of_pairs = of_bonds[len(OF_BOND) * scene.extras.glued :]
     for p in range(met):
-        of_pairs[p], of_pairs[met + p] = gap_of(scene, phase, scene.extras.pairs, p), scene.extras.hits.force[p]
+        of_pairs[p] = gap_of(scene, phase, scene.extras.pairs, p, scene.extras.stretches.touches[p])
+        of_pairs[met + p] = scene.extras.hits.force[p]
     copy(of_pairs[len(OF_PAIR) * met :], scene.extras.spots.row, len(OF_PORT) * scene.extras.spotted)
 
 

@@ -152,8 +152,9 @@ PHASE = FieldTable(
 # a state is a phase and a memory: slips and twist of the sliders of joints, m, m, rad; then the plastic stretch of
 # each tie, m; then the stretches of pairs
 MEMORY = FieldTable("p1", "p2", "p3")
-# of each pair: elastic stretch of its friction, m, along the axes of the base; 1 while it touches
+# of each pair: elastic stretch of its friction, m, along the axes of the base; how it touches
 STRETCH = FieldTable("z1", "z2", "z3", "touches")
+APART, BY_SIDES, BY_BODIES = 0.0, 1.0, 2.0  # how a pair touches: by the sides of drums too, or by the bodies alone
 # the polygon of a bond, convex, followed by its corners. It shrinks between steps, and has no rate
 BONDED = Record("corners")
 MOST_BONDED = 128  # most corners of the polygon of a bond
@@ -225,7 +226,7 @@ SOUND = FieldTable(  # of bonds
     "held",  # 1 while it is as it was at the start of a step
     *("begins", "ends"),  # how far it is from breaking at both ends of a step (cracking.py)
 )
-# of pairs: force, N; energy, J; 1 while friction slides; 1 while the pair has forces
+# of pairs: force, N; energy, J; 1 while friction slides; how the pair touches while it has forces
 HITS = FieldTable("force", "energy", "slides", "bears")
 PULLS = FieldTable("force", "stretch", "elastic")  # of k ties: N, m; the elastic part of the stretch
 STAGES = 13  # of a step of order 8, with its start and its end

@@ -5,10 +5,10 @@ import math
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import lesser, where, zero_like
 from .attempt import attempt
-from .contact import gap_of, is_near, stretches_in
+from .contact import begins_by, gap_of, is_near, stretches_in
 from .cracking import crack, until_broken
 from .kinematics import pose_two
-from .layout import PHASE
+from .layout import APART, PHASE
 from .sides import SLACK
 from .watch import END, START, gaps_in_row, pose_between, row
 
@@ -29,7 +29,7 @@ def gap_in(scene, k, p):
     # place both bodies
     phase = _phase(row(scene, k), scene.n)
     pose_two(scene, phase, int(scene.extras.pairs.one[p]), int(scene.extras.pairs.other[p]))
-    return gap_of(scene, phase, scene.extras.pairs, p)
+    return gap_of(scene, phase, scene.extras.pairs, p, kept_in(scene, START).touches[p])
 
 
 @kernel
@@ -41,8 +41,8 @@ def meet(scene):
 
 @leaf
 def changes(touches, gap):
-    """Return True if a pair separates or starts to touch at a gap, m; touches: 1 while it touches, else 0."""
-    return gap > SLACK if touches != 0.0 else gap <= 0.5 * SLACK
+    """Return True if a pair separates or starts to touch at a gap, m; touches: how it touches."""
+    return gap > SLACK if touches != APART else gap <= 0.5 * SLACK
 
 
 @kernel
@@ -52,10 +52,11 @@ def meet_pairs(scene):
     for p in range(scene.extras.met):
         touches = kept.touches[p]
         # pairs far apart need no distance
-        near = touches != 0.0 or is_near(scene, phase, scene.extras.pairs, p)
+        near = touches != APART or is_near(scene, phase, scene.extras.pairs, p)
         if near and changes(touches, gap_in(scene, START, p)):
             # contact changes, and starts without stretch
-            kept.touches[p], kept.z1[p], kept.z2[p], kept.z3[p] = 1.0 - touches, 0.0, 0.0, 0.0
+            begins = begins_by(scene, phase, scene.extras.pairs, p) if touches == APART else APART
+            kept.touches[p], kept.z1[p], kept.z2[p], kept.z3[p] = begins, 0.0, 0.0, 0.0
             changed = True
     return changed
 
@@ -69,7 +70,7 @@ def until_closed(scene, segment, t, h):
     kept, phase, part = kept_in(scene, START), _phase(row(scene, END), scene.n), 1.0
     # the first gap to close
     for p in range(scene.extras.met):
-        if kept.touches[p] == 0.0 and is_near(scene, phase, scene.extras.pairs, p):
+        if kept.touches[p] == APART and is_near(scene, phase, scene.extras.pairs, p):
             part = min(part, closing(scene, h, p, gap_in(scene, END, p)))
     # the first bond to break
     part = min(part, until_broken(scene, h, True))
@@ -83,8 +84,8 @@ def until_closed(scene, segment, t, h):
 @kernel
 def gap_at(scene, h, s, p):
     """Return the gap of pair p, m, at fraction s of a step of h s."""
-    pairs = scene.extras.pairs
-    return gap_of(scene, pose_between(scene, h, s, int(pairs.one[p]), int(pairs.other[p])), pairs, p)
+    pairs, touches = scene.extras.pairs, kept_in(scene, START).touches[p]
+    return gap_of(scene, pose_between(scene, h, s, int(pairs.one[p]), int(pairs.other[p])), pairs, p, touches)
 
 
 @kernel
