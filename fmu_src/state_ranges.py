@@ -93,7 +93,7 @@ STRUCTURE_STATE: Described = {
     **_all(space.MEMORY.fields, ANY, "remembered.slips."),
     "remembered.plastic": ANY,
     **_all(("z1", "z2", "z3"), ANY, "remembered.stretches."),
-    "remembered.stretches.touches": FLAG,
+    "remembered.stretches.touches": Range(-1.0, 2.0, True),
     "bonded": ANY,
     "peaks": FINITE,
 }

@@ -68,6 +68,7 @@ def simulate(
     callback: SpatialCallback | None = None,
     loads: Loads | None = None,
     release: Mapping[str, Mapping[str, float]] | None = None,
+    after_fall: float | None = None,
     plane: None = None,
 ) -> SpatialResponse: ...
 @overload
@@ -87,6 +88,7 @@ def simulate(
     callback: SpatialCallback | Callback | None = None,
     loads: Loads | None = None,
     release: Mapping[str, Mapping[str, float]] | None = None,
+    after_fall: float | None = None,
     plane: str,
 ) -> Response | SpatialResponse: ...
 @overload
@@ -110,6 +112,7 @@ def simulate(
     plane: str | None = None,
     loads: Loads | None = None,
     release: Mapping[str, Mapping[str, float]] | None = None,
+    after_fall: float | None = None,
 ) -> Any:
     """Compute the response of a column, or of a structure in space, to a base motion or a record in a file.
 
@@ -131,6 +134,9 @@ def simulate(
 
     Verdict. settle: after `duration` the model is followed further, on a base that no longer accelerates, until it has
     fallen or cannot fall, for at most this time, s; the histories and the peaks end at `duration`.
+
+    After a fall. after_fall: s, for which the run of a structure goes on after the first fall; joints end where they
+    have come apart, and any two blocks meet, by the law of its table `neighbours`. The verdict stays.
 
     Trust. check: repeat the run with a tenth of the tolerance (half of a fixed step): `estimated_error` and `horizon`
     of the response, and a verdict that is "undecided" where the two differ. ensemble: number of further runs, varied by
@@ -182,6 +188,10 @@ def simulate(
         if not column.kind.takes_loads:
             raise InputError(f"release: must be left out, a {column.kind.word} has no ports")
         initial = Released(static_loads("release", release, _ports_of(column)))
+    if after_fall is not None:
+        if not isinstance(column, Structure):
+            raise InputError(f"after_fall = {shown(after_fall)}: must be left out, only a structure goes on")
+        column = column.going_on(after_fall)
     _check_ports(motion, column)
     plan, spread = RunPlan(motion, duration, times, initial, settle, callback), Spread() if spread is None else spread
     if plane is not None:

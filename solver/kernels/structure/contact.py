@@ -14,7 +14,7 @@ from ..numba_ext.lanes import greater, magnitude, zero_like
 from .bodies import gap_of_bodies, load_bodies, may_press, opposite_energy
 from .drum_contact import gap_before_face, gap_of_drums, load_drum_before_face, load_drums
 from .kinematics import dot, minus, plus, push
-from .layout import APART, BY_BODIES, BY_SIDES, CONVEX, DRUMS, MEMORY, STRETCH
+from .layout import APART, BY_BODIES, BY_SIDES, CONVEX, DRUMS, JOINED, MEMORY, STRETCH
 from .sides import NO_TOUCH, NOTHING, Touch, place_of, scaled, sides_of, velocity_of
 
 _stretch, _PER_JOINT = STRETCH.over, MEMORY.per_n
@@ -88,8 +88,8 @@ def load_pair(scene, phase, extras, p):
     # pairs that are apart exert nothing
     hits.force[p], hits.energy[p], hits.slides[p] = 0.0, 0.0, 0.0
     giving.z1[p], giving.z2[p], giving.z3[p] = 0.0, 0.0, 0.0
-    hits.bears[p] = extras.stretches.touches[p]
-    if hits.bears[p] == 0.0:
+    hits.bears[p] = max(extras.stretches.touches[p], APART)
+    if hits.bears[p] == APART:
         return
     # normal forces: of the sides of drums, then of both bodies
     touch = NO_TOUCH
@@ -108,7 +108,7 @@ def load_pairs(scene, phase):
     """Add the forces of all pairs that touch to those on their blocks."""
     touches, bears = scene.extras.stretches.touches, scene.extras.hits.bears
     for p in range(scene.extras.met):
-        if touches[p] != 0.0 or bears[p] != 0.0:
+        if touches[p] > APART or bears[p] != APART:
             load_pair(scene, phase, scene.extras, p)
 
 
@@ -170,8 +170,10 @@ def begins_by(scene, phase, pairs, p):
 def gap_of(scene, phase, pairs, p, touches):
     """Return the distance of pair p, m, negative where it overlaps: of sides that face each other, or of the bodies.
 
-    touches: APART, BY_SIDES or BY_BODIES.
+    touches: JOINED, for which it is infinite, APART, BY_SIDES or BY_BODIES.
     """
+    if touches == JOINED:
+        return math.inf
     gap = math.nan
     if pairs.kind[p] != CONVEX and touches != BY_BODIES:
         gap = _gap_of_sides(scene, phase, pairs, p, touches)

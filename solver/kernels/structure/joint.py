@@ -20,7 +20,7 @@ from .bed import Plane, chosen, nothing, subtract, whole
 from .bond import limits_with_bond, with_bond
 from .disc import round_bed
 from .kinematics import cross, dot, out_of, plus, push, relative_motion
-from .layout import POINT
+from .layout import JOINED, POINT
 from .overlap import bed_after_slip, goes_by_faces
 from .polygon import polygon_bed
 from .pressure_shear import bound_of_pressure_shear, pressure_shear
@@ -231,9 +231,34 @@ def _along_joint(scene, j, motion, p, q, normal, g1, g2, largest):
     return t1, t2, g3
 
 
-@kernel
+@leaf
+def is_held(scene, j):
+    """Return True unless joint j has ended after a fall."""
+    pair = index_of(scene.joints.pair[j])
+    return pair == 0 or any_of(scene.extras.stretches.touches[pair - 1] == JOINED)
+
+
+@leaf
 def load_joint(scene, phase, j):
-    """Add the forces of joint j to those on its two bodies, and store its resultants in the scene."""
+    """Add the forces of joint j to those on its two bodies, and store its resultants in the scene; none once ended."""
+    if is_held(scene, j):
+        _load_held(scene, phase, j)
+    else:
+        _release(scene, j)
+
+
+@kernel
+def _release(scene, j):
+    """Clear the resultants of a joint that has ended, and the rates of its slider."""
+    found, giving = scene.resultants, scene.giving_slips
+    zero = zero_like(found.normal[j])
+    found.normal[j], found.area[j], found.pressure[j] = zero, zero, zero
+    found.g1[j], found.g2[j], found.g3[j], found.t1[j], found.t2[j] = zero, zero, zero, zero, zero
+    giving.p1[j], giving.p2[j], giving.p3[j] = zero, zero, zero
+
+
+@kernel
+def _load_held(scene, phase, j):
     joints, found = scene.joints, scene.resultants
     # pressure and its resultants
     motion = relative_motion(scene, phase, j)
@@ -269,6 +294,8 @@ def joint_energy(scene, phase, j):
     Along a pressed joint it is that of the whole elastic slip, also where the dashpot bears what exceeds friction.
     """
     joints, found = scene.joints, scene.resultants
+    if not is_held(scene, j):
+        return zero_like(found.normal[j])
     # bed without damping
     p = penetration(scene, j, relative_motion(scene, phase, j))
     bed = bed_of_joint(scene, j, p, p)

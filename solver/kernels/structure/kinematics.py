@@ -223,13 +223,19 @@ def _vector_between(a, b):
 @leaf
 def is_tipped(scene, phase, j):
     """Return True if the faces of joint j are tilted by more than 90 degrees, whatever their twist."""
+    return tilt_square(scene, phase, j) > 0.5
+
+
+@leaf
+def tilt_square(scene, phase, j):
+    """Return the squared sine of half the tilt between the faces of joint j, whatever their twist."""
     joints = scene.joints
     a = quaternion(scene, phase, index_of(joints.upper[j]))
     vector = _vector_between(a, quaternion(scene, phase, index_of(joints.lower[j])))
     # components across the normal: the sum of their squares is sin^2 of half the tilt, whatever the twist
     x = dot((joints.e1x[j], joints.e1y[j], joints.e1z[j]), vector)
     y = dot((joints.e2x[j], joints.e2y[j], joints.e2z[j]), vector)
-    return x * x + y * y > 0.5
+    return x * x + y * y
 
 
 @leaf

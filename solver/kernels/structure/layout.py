@@ -52,6 +52,7 @@ SETTINGS = Record(
     "relaxation",  # s: least damping along a joint that may slide; what a tie yields by follows its stretch so fast
     *("drive", "slope", "bodies"),  # as of a column (layout/spaces.py)
     "turns",  # 1: inputs and bodies may turn the base too
+    "after_fall",  # s: the run goes on so long after the first fall, and joints that have come apart end
 )
 BODIES = FieldTable(
     *("mass", "per_mass"),  # kg, 1/kg
@@ -85,6 +86,7 @@ JOINTS = FieldTable(
     "holds",  # 1: it bears tension too
     "bond",  # number of its bond from 1, 0 without
     "inside",  # place among the corners of what a rim leaves open (INSIDE), 0 where the whole section bears
+    "pair",  # number from 1 of the pair that takes its place where it has ended, 0 without
 )
 # a face among the corners of all sections, followed by its own corners: their number, 0 if round; its centre from
 # that of the joint, m; its radius, infinite if unbounded, and that of its bore, m
@@ -133,6 +135,7 @@ PAIRS = FieldTable(
     *("first", "corners"),  # place and number of the corners of the face
     *("body_a", "body_b"),  # places of both bodies among the corners (SOLID)
     "farther",  # m, added to the distance of the bodies
+    "joined",  # 1: the bodies have joints, and are a pair only after these have ended
     *("stiffness", "body_stiffness", "damping"),  # N/m2 of sides; N/m3 of each body, 0 where only sides press; s
     *("friction", "shear", "shear_damping"),  # coefficient, N/m, s
     "decay",  # s, in which its damping stops the lighter of two blocks
@@ -154,7 +157,8 @@ PHASE = FieldTable(
 MEMORY = FieldTable("p1", "p2", "p3")
 # of each pair: elastic stretch of its friction, m, along the axes of the base; how it touches
 STRETCH = FieldTable("z1", "z2", "z3", "touches")
-APART, BY_SIDES, BY_BODIES = 0.0, 1.0, 2.0  # how a pair touches: by the sides of drums too, or by the bodies alone
+# how a pair touches: not while joints join it; by the sides of drums too; by the bodies alone
+JOINED, APART, BY_SIDES, BY_BODIES = -1.0, 0.0, 1.0, 2.0
 # the polygon of a bond, convex, followed by its corners. It shrinks between steps, and has no rate
 BONDED = Record("corners")
 MOST_BONDED = 128  # most corners of the polygon of a bond
@@ -167,6 +171,7 @@ CONTROL = Record(
     *("largest_normal", "largest_shear"),  # N, across and along joints, so far
     "decay",  # 1/s, at which the most damped motion of the joints dies out; 0 before the first explicit step
     "fall_time",  # s
+    "released",  # J, change of the energy where joints have ended
     "reached",  # s
     "elastic_step",  # s, proposed for steps by modes
     "stabilized_step",  # s, proposed for stabilized steps (stabilized.py); 0 while steps of order 5 are made

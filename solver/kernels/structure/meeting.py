@@ -7,14 +7,16 @@ from ..numba_ext.lanes import lesser, where, zero_like
 from .attempt import attempt
 from .contact import begins_by, gap_of, is_near, stretches_in
 from .cracking import crack, until_broken
-from .kinematics import pose_two
-from .layout import APART, PHASE
+from .kinematics import dot, pose_two, relative_motion, tilt_square
+from .layout import APART, JOINED, PHASE
 from .sides import SLACK
 from .watch import END, START, gaps_in_row, pose_between, row
 
 _phase, _PER_BODY = PHASE.over, PHASE.per_n
 CLOSED = 0.25 * SLACK  # m: the gap at which a step ends
 MOST = 60  # most iterations
+# after a fall a joint ends at a squared sine of half its tilt, 45 degrees, or a displacement over the size of its block
+MOST_TILT, LEAST_ARM = 0.1464, 0.1
 
 
 @leaf
@@ -39,6 +41,34 @@ def meet(scene):
     return meet_pairs(scene) or broke
 
 
+@kernel
+def release_pairs(scene, ends):
+    """Return True if the joints of a pair have come apart; `ends`: let them end, and the pair meet."""
+    kept, phase, found = kept_in(scene, START), _phase(row(scene, START), scene.n), False
+    for p in range(scene.extras.met):
+        if kept.touches[p] == JOINED and _is_apart(scene, phase, p):
+            found = True
+            if ends:
+                kept.touches[p] = APART
+    return found
+
+
+@kernel
+def _is_apart(scene, phase, p):
+    """Return True if all joints between the bodies of pair p have come apart."""
+    one, other = scene.extras.pairs.one[p], scene.extras.pairs.other[p]
+    pose_two(scene, phase, int(one), int(other))
+    joints, apart = scene.joints, True
+    for j in range(scene.m):
+        a, b = joints.upper[j], joints.lower[j]
+        if (a == one and b == other) or (a == other and b == one):
+            # tilted far, or displaced by more than the arm of the section
+            gap = relative_motion(scene, phase, j).gap
+            far = dot(gap, gap) > max(joints.arm[j], LEAST_ARM * scene.bodies.size[int(a)]) ** 2
+            apart = apart and (far or tilt_square(scene, phase, j) > MOST_TILT)
+    return apart
+
+
 @leaf
 def changes(touches, gap):
     """Return True if a pair separates or starts to touch at a gap, m; touches: how it touches."""
@@ -52,7 +82,7 @@ def meet_pairs(scene):
     for p in range(scene.extras.met):
         touches = kept.touches[p]
         # pairs far apart need no distance
-        near = touches != APART or is_near(scene, phase, scene.extras.pairs, p)
+        near = touches > APART or (touches == APART and is_near(scene, phase, scene.extras.pairs, p))
         if near and changes(touches, gap_in(scene, START, p)):
             # contact changes, and starts without stretch
             begins = begins_by(scene, phase, scene.extras.pairs, p) if touches == APART else APART
@@ -128,7 +158,7 @@ def longest_by(scene, slides):
     pairs, longest, kept = scene.extras.pairs, math.inf + zero_like(scene.settings.tolerance), kept_in(scene, START)
     for p in range(scene.extras.met):
         # damping across the contact, and of friction that slides
-        touches = kept.touches[p] != 0.0
+        touches = kept.touches[p] > APART
         longest = where(touches, lesser(longest, pairs.decay[p]), longest)
         longest = where(touches & (slides[p] != 0.0), lesser(longest, pairs.shear_damping[p]), longest)
     return longest

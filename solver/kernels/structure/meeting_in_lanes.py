@@ -14,7 +14,7 @@ from .attempt import attempt_5
 from .contact import gap_of
 from .contact_in_lanes import alone
 from .cracking import until_broken
-from .layout import PHASE
+from .layout import APART, PHASE
 from .meeting import changes, closing, gap_at, gap_in, kept_in, longest_by, meet_pairs
 from .watch import END, START, gaps_in_row, row, seen
 
@@ -62,7 +62,7 @@ def _closing_of_lane(scene, k, h):
         )  # poses are those of the last evaluation, at the end
     # the first to close
     for p in range(one.extras.met):
-        if kept.touches[p] == 0.0:
+        if kept.touches[p] == APART:
             part = min(part, closing(one, h, p, gaps[p]))
     return part
 

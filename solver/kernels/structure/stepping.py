@@ -31,11 +31,11 @@ from .base import is_quiet
 from .bearing import come_off
 from .bond import copy_bonds
 from .cracking import crack_within
-from .evaluate import evaluate_state, moving, recall, show
+from .evaluate import energy, evaluate_state, moving, recall, show
 from .extras import is_loaded, let_go
 from .kinematics import is_tipped
 from .layout import MEMORY, OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL
-from .meeting import clear_gaps, longest_touching, meet, until_closed
+from .meeting import clear_gaps, longest_touching, meet, release_pairs, until_closed
 from .modal_layout import data_of
 from .watch import BETWEEN, END, STAGE, START, look, raise_peaks, row, seen, track_peaks
 
@@ -181,7 +181,7 @@ def _finish(scene, watch, segment, t, h, by_modes):
     _serve_rows(scene, watch, segment, t, h)
     if crack_within(scene, h, True):
         evaluate_at(scene, segment, row(scene, END), rate(scene, STAGES - 1), t + h)
-    if block > 0:
+    if block > 0 and scene.counts.fallen == 0:
         scene.counts.fallen, scene.control.fall_time = block, t + h
     # the end becomes the start of the next step
     copy(row(scene, START), row(scene, END), moving(scene))
@@ -367,6 +367,30 @@ def _makes(scene, segment, t, h, method, fastest):
 
 
 @kernel
+def _meet_anew(scene, segment, t):
+    """Update contacts, bonds and, after a fall, joints at the start of a step; return True if forces have changed."""
+    released = scene.counts.fallen != 0 and release_pairs(scene, False)
+    if released:
+        # the energy that the end of joints takes
+        begin = row(scene, START)
+        evaluate_at(scene, segment, begin, rate(scene, 0), t)
+        scene.control.released -= energy(scene, _phase(begin, scene.n))
+        release_pairs(scene, True)
+        evaluate_at(scene, segment, begin, rate(scene, 0), t)
+        scene.control.released += energy(scene, _phase(begin, scene.n))
+    return meet(scene) or released
+
+
+@leaf
+def _limit(scene):
+    """Return the time, s, at which a run ends that has fallen."""
+    if scene.counts.fallen == 0:
+        return math.inf
+    after = scene.settings.after_fall
+    return scene.control.fall_time + after if after > 0.0 else -math.inf
+
+
+@kernel
 def advance(scene, watch, state, t, stop, most):
     """Advance the structure from t to `stop`, s, in at most `most` steps, to `control.reached`; return a code.
 
@@ -398,7 +422,7 @@ def advance(scene, watch, state, t, stop, most):
     segment = segment_from(scene.samples, t)
     _begin(scene, segment, t, _phase(begin, scene.n))
     code, made = OK, 0
-    while t < stop and counts.fallen == 0:
+    while t < stop and t < _limit(scene):
         if made == most:
             code = PAUSED
             break
@@ -410,8 +434,8 @@ def advance(scene, watch, state, t, stop, most):
             t = stop
             break
         # a step, at most to the next sample
-        end = stop
-        if segment + 1 < scene.samples.size and scene.samples.times[segment + 1] < stop:
+        end = min(stop, _limit(scene))
+        if segment + 1 < scene.samples.size and scene.samples.times[segment + 1] < end:
             end = scene.samples.times[segment + 1]
         h, method, fastest = _plan(scene, segment, end - t, quiet)
         if not _makes(scene, segment, t, h, method, fastest):
@@ -425,7 +449,7 @@ def advance(scene, watch, state, t, stop, most):
         _finish(scene, watch, segment, t, h, method == BY_MODES)
         t = end if h == end - t else t + h
         # evaluate again where forces or the segment change
-        begins_anew = meet(scene)
+        begins_anew = _meet_anew(scene, segment, t)
         if t == end and end < stop:
             segment, begins_anew = segment_from(scene.samples, t), True
         if begins_anew:

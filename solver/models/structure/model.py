@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...common import ranges
-from ...common.errors import InputError, reading, shown
+from ...common.errors import InputError, check_number, reading, shown
 from ...common.files import check_file_name, toml_of
 from ...common.notebook import NotebookRepr, counted, outlines
 from ...kernels.structure.layout import MOST_CORNERS, MOST_CUT
@@ -41,6 +41,7 @@ from .neighbours import neighbours_from
 from .packing import PackedModel, Parts, centroid_of, model_of
 from .stack import in_three, stacked
 
+AFTER_FALL = (0.0, 1e3), "a time in s from 0, for which a run goes on after the first fall"
 LEAST_LENGTH = 1e-6  # m, of a tie
 # what can be left out: peaks other than those of displacements, steps by modes, stabilized steps
 SKIPS = ("peaks", "elastic", "stabilized")
@@ -64,6 +65,7 @@ class Structure(NotebookRepr):
     described: Mapping[str, Any] | None = None  # the file, with one table for each block; None: made otherwise
     ports: tuple[Port, ...] = ()
     neighbours: tuple[Pair, ...] = ()
+    after_fall: float = 0.0  # s: a run goes on so long after the first fall; `going_on`
 
     def __post_init__(self) -> None:
         check_file_name("name", self.name)
@@ -199,7 +201,7 @@ class Structure(NotebookRepr):
     def contact_names(self) -> tuple[str, ...]:
         """The names of the pairs of neighbours."""
         return tuple(
-            f"{self.names[pair.one]}-{self.names[pair.other] if not pair.wall else f'wall {pair.wall}'}"
+            f"{self.names[pair.one]}-{f'wall {pair.wall}' if pair.wall else (*self.names, BASE)[pair.other]}"
             for pair in self.neighbours
         )
 
@@ -253,6 +255,21 @@ class Structure(NotebookRepr):
         without = self.without if without is None else names_from("solver.without", without)
         described = self.described and _with_solver(self.described, {"tolerance": tolerance, "without": [*without]})
         return replace(self, tolerance=tolerance, without=without, described=described)
+
+    def going_on(self, after_fall: float) -> Structure:
+        """Return a copy whose runs go on for `after_fall` seconds after the first fall.
+
+        Joints end where they have come apart, then any two blocks meet, and the ground, by the law of the table
+        `neighbours` (theory.md section 17). Raises InputError if the file has no such table.
+        """
+        check_number("after_fall", after_fall, *AFTER_FALL)
+        if not after_fall or after_fall == self.after_fall:
+            return replace(self, after_fall=after_fall)
+        data = self.described or {}
+        if "neighbours" not in data:
+            raise InputError(f"after_fall = {after_fall}: needs a table [neighbours], the law by which blocks meet")
+        found = neighbours_from(data, self.blocks, self.joints, after_fall=True)
+        return replace(self, neighbours=found, after_fall=after_fall)
 
     def with_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Structure:
         """Return a copy whose joints have these moduli (N/m3) and dampings (s).

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import product
+from itertools import combinations, product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from ...common.errors import InputError, check_number, shown
 from ...common.ranges import LENGTH, NUMBERS, check_keys
 from ...common.tables import check_table, tables_in, vector_of
+from .blocks.contacts import GROUND
 from .blocks.faces import Face, clipped, polygon_moments
-from .blocks.parts import Pair, Side, Solid, SpatialJoint
+from .blocks.parts import BASE, Pair, Side, Solid, SpatialJoint
 from .blocks.polyhedra import Polyhedron, polyhedron_of, slab_behind
 from .blocks.shapes import rectangle
 from .convex import TOUCH, ConvexPart, built_overlaps, distance, hulls_of, touching
@@ -51,12 +52,12 @@ NEAR = 1e-6  # m
 
 
 def neighbours_from(
-    data: Mapping[str, Any], blocks: tuple[Solid, ...], joints: Sequence[SpatialJoint]
+    data: Mapping[str, Any], blocks: tuple[Solid, ...], joints: Sequence[SpatialJoint], after_fall: bool = False
 ) -> tuple[Pair, ...]:
     """Return the pairs that the table `neighbours` of a structure's file describes; empty without one.
 
-    Blocks with a joint between them are no neighbours. Raises InputError if a key or a value is wrong, or if blocks
-    overlap as built.
+    Blocks with a joint between them are no neighbours. After a fall all pairs are, at any distance, and each block with
+    the ground. Raises InputError if a key or a value is wrong, or if blocks overlap as built.
     """
     if "neighbours" not in data:
         return ()
@@ -74,6 +75,7 @@ def neighbours_from(
     # pairs of blocks within the reach, or declared
     joined = {frozenset((joint.upper, joint.lower)) for joint in joints}
     reach = given.get("reach", -1.0 if declared else math.inf)
+    reach = math.inf if after_fall else reach
     bodies, found = [_bodies_of(block) for block in blocks], []
     _refuse_overlaps(blocks, joints, {pair for pair, (_, own) in declared.items() if "gap" in own})
     near = _near(blocks, reach)
@@ -90,6 +92,8 @@ def neighbours_from(
             deepest = _deepest(blocks, one, other, own)
             pairs = _pairs_between(blocks, bodies, one, other, within, deepest)
             found += [_with_law(key or "neighbours", pair, {**_law(given, own), **own}, blocks) for pair in pairs]
+    if after_fall:
+        found += _pairs_after_fall(blocks, bodies, joined, given)
     # blocks and walls
     for one, block in enumerate(blocks):
         for number, wall in enumerate(walls, start=1):
@@ -249,6 +253,31 @@ def _pairs_before(block: Solid, bodies: list[_Body], one: int, wall: Face, base:
     return found
 
 
+def _pairs_after_fall(
+    blocks: tuple[Solid, ...], bodies: list[list[_Body]], joined: set[frozenset[int]], law: Mapping[str, float]
+) -> list[Pair]:
+    """Return the pairs that meet only once their joints have ended, and those of all blocks with the ground."""
+    base, found = len(blocks), []
+    for one, other in combinations(range(base), 2):
+        if frozenset((one, other)) in joined:
+            found += _pairs_between(blocks, bodies, one, other, math.inf, math.inf)
+    for one, block in enumerate(blocks):
+        found += _pairs_on_ground(block, bodies[one], one, base)
+    # with the clearance as built
+    made = [_with_law("neighbours", pair, {**law, "gap": 0.0}, blocks) for pair in found]
+    return [replace(pair, farther=0.0, joined=frozenset((pair.one, pair.other)) in joined) for pair in made]
+
+
+def _pairs_on_ground(block: Solid, bodies: list[_Body], one: int, base: int) -> list[Pair]:
+    """Return the pairs of the convex bodies of a block with the ground, on which a drum may roll."""
+    drum, ground, found = side_of_drum(block), slab_behind(GROUND), []
+    for body in bodies:
+        both, area = (body.polyhedron, ground), body.polyhedron.mean_area
+        low = float(np.min((block.centroid + body.polyhedron.corners)[:, 2]))
+        found.append(Pair(one, base, both, low, 2.0 * drum.half if drum else area, drum, GROUND if drum else None))
+    return found
+
+
 def _facing_area(own: Sequence[Face], others: Sequence[Face], deepest: float) -> float:
     """Return the largest area over which two faces face each other (m2), 0 without any.
 
@@ -317,7 +346,8 @@ def _gap_before_face(drum: Side, face: Face) -> tuple[float, float] | None:
 
 
 def _names(pair: Pair, blocks: tuple[Solid, ...]) -> str:
-    return f"{blocks[pair.one].name} and {f'wall {pair.wall}' if pair.wall else blocks[pair.other].name}"
+    names = (*(block.name for block in blocks), BASE)
+    return f"{names[pair.one]} and {f'wall {pair.wall}' if pair.wall else names[pair.other]}"
 
 
 def _with_law(key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Solid, ...]) -> Pair:

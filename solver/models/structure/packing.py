@@ -40,7 +40,9 @@ class PackedModel(NamedTuple):
 def arrays_of(model: PackedModel) -> Arrays:
     """Return the arrays of a structure, zero except for its model and its unbroken bonds."""
     state = np.zeros(at.STATE.size(model.sizes))
-    _put_bonds(at.STATE.see(state, model.sizes).bonded, model.names)
+    names = at.STATE.see(state, model.sizes)
+    _put_bonds(names.bonded, model.names)
+    names.remembered.stretches.touches[:] = np.where(model.names.pairs.joined == 1.0, at.JOINED, at.APART)
     return Arrays(
         model.numbers.copy(),
         state,
@@ -158,6 +160,10 @@ def _model_of(parts: Parts, g: float) -> PackedModel:
         _fill_pair(names.pairs, p, pair, solids, place)
         names.pairs.body_a[p], names.pairs.body_b[p] = (bodies[id(body)] for body in pair.bodies)
         place += sides[p].size
+        if pair.joined:
+            for j, joint in enumerate(joints):
+                if {joint.upper, joint.lower} == {pair.one, pair.other} and not table.pair[j]:
+                    table.pair[j] = p + 1.0
     # settings; elastic slip at which friction yields, least damping along sliding joints
     _fill_settings(settings, table, solids, joints, g)
     slides = any(joint.bed.friction is not None for joint in joints)
@@ -289,7 +295,7 @@ def _fill_tie(table: Any, e: int, tie: Tie, solids: tuple[Solid, ...]) -> None:
 
 def _fill_pair(table: Any, p: int, pair: Pair, solids: tuple[Solid, ...], place: int) -> None:
     table.one[p], table.other[p], table.kind[p] = pair.one, pair.other, at.CONVEX
-    table.farther[p] = pair.farther
+    table.farther[p], table.joined[p] = pair.farther, float(pair.joined)
     if pair.side is not None:
         table.kind[p] = at.DRUMS if isinstance(pair.beside, Side) else at.PLANE
         _fill_side(table, p, pair, solids, place)

@@ -148,6 +148,7 @@ class SpatialResponse(StructureHistories, Result):
             other = found.get(name, one)  # two bodies may meet with several sides
             first = float(np.fmin(one.first, other.first))
             found[name] = Impact(name, min(one.gap, other.gap), max(one.force, other.force), first)
+        found = {name: one for name, one in found.items() if math.isfinite(one.gap)}
         return tuple(sorted(found.values(), key=lambda one: (np.nan_to_num(one.first, nan=math.inf), one.gap)))
 
     @property

@@ -139,6 +139,7 @@ def begun(
         flat = flat and is_flat(initial)
     stepper.model.settings.in_plane = float(flat)
     settings = stepper.model.settings
+    settings.after_fall = structure.after_fall
     settings.watches = float("peaks" not in structure.without)
     if "stabilized" in structure.without:
         settings.stabilizes = 0.0
