@@ -19,7 +19,8 @@ from .sides import NO_TOUCH, NOTHING, Touch, place_of, scaled, sides_of, velocit
 
 _stretch, _PER_JOINT = STRETCH.over, MEMORY.per_n
 LEAST_COSINE, MOST_SINE = 0.9, 0.5  # of the axes of drums, and of an axis and the normal of a face, that are parallel
-DEEP = 0.1  # of the radii: sides deeper within each other do not begin a contact
+# of the radii: sides deeper within each other are none that face each other, or do not begin a contact
+DEEP, SHALLOW = 0.1, 1e-6
 
 
 @leaf
@@ -144,7 +145,7 @@ def pairs_energy(scene, phase):
 def _gap_of_sides(scene, phase, pairs, p, touches):
     """Return the distance of the sides of pair p, m; NaN where no side is before the other.
 
-    A contact may begin by the sides only where they are nearly parallel and not deep within each other.
+    Unless they press already, sides face each other only where they are nearly parallel and not deep within each other.
     """
     sides = sides_of(scene, phase, pairs, p)
     along, radius = abs(dot(sides.u, sides.v)), pairs.radius_a[p]
@@ -159,11 +160,10 @@ def _gap_of_sides(scene, phase, pairs, p, touches):
 
 @kernel
 def begins_by(scene, phase, pairs, p):
-    """Return how the contact of pair p begins: BY_SIDES or BY_BODIES."""
+    """Return how the contact of pair p begins: by sides that meet just now, else by the bodies."""
     if pairs.kind[p] == CONVEX:
         return BY_BODIES
-    gap = _gap_of_sides(scene, phase, pairs, p, APART)
-    return BY_SIDES if gap == gap else BY_BODIES
+    return BY_SIDES if _gap_of_sides(scene, phase, pairs, p, APART) > -SHALLOW * pairs.radius_a[p] else BY_BODIES
 
 
 @kernel
@@ -174,10 +174,13 @@ def gap_of(scene, phase, pairs, p, touches):
     """
     if touches == JOINED:
         return math.inf
-    gap = math.nan
-    if pairs.kind[p] != CONVEX and touches != BY_BODIES:
-        gap = _gap_of_sides(scene, phase, pairs, p, touches)
-    return gap if gap == gap else gap_of_bodies(scene, phase, pairs, p)
+    if pairs.kind[p] == CONVEX:
+        return gap_of_bodies(scene, phase, pairs, p)
+    gap = _gap_of_sides(scene, phase, pairs, p, touches)
+    # a contact by the bodies ends only where the sides are apart too
+    if gap != gap or (touches == BY_BODIES and gap > 0.0):
+        return gap_of_bodies(scene, phase, pairs, p)
+    return min(gap, gap_of_bodies(scene, phase, pairs, p)) if touches == BY_BODIES else gap
 
 
 @leaf

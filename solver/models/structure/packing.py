@@ -308,7 +308,7 @@ def _fill_pair(table: Any, p: int, pair: Pair, solids: tuple[Solid, ...], place:
     table.shear_damping[p] = RELAXATION / frequency
     table.decay[p] = 1.0 / (pair.damping * frequency**2) if pair.damping else math.inf
     reach = sum(solid.reach for solid in blocks) + max(0.0, -pair.farther)
-    table.reach[p] = math.inf if pair.wall else reach
+    table.reach[p] = math.inf if pair.other == len(solids) else reach
 
 
 def _fill_side(table: Any, p: int, pair: Pair, solids: tuple[Solid, ...], place: int) -> None:
