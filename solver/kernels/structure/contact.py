@@ -177,10 +177,10 @@ def gap_of(scene, phase, pairs, p, touches):
     if pairs.kind[p] == CONVEX:
         return gap_of_bodies(scene, phase, pairs, p)
     gap = _gap_of_sides(scene, phase, pairs, p, touches)
-    # a contact by the bodies ends only where the sides are apart too
-    if gap != gap or (touches == BY_BODIES and gap > 0.0):
+    if gap != gap:
         return gap_of_bodies(scene, phase, pairs, p)
-    return min(gap, gap_of_bodies(scene, phase, pairs, p)) if touches == BY_BODIES else gap
+    # ends and edges may be nearer than sides
+    return min(gap, gap_of_bodies(scene, phase, pairs, p)) if may_press(scene, phase, pairs, p) else gap
 
 
 @leaf
