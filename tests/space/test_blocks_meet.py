@@ -214,15 +214,20 @@ def test_overlaps_as_built_are_refused_or_said() -> None:
         two(0.6)
 
 
-def test_a_block_that_enters_its_neighbour_where_no_sides_are_paired_is_said() -> None:
-    """Check that it turns by a quarter before it hits: its sides were paired as built."""
+def test_a_block_that_turns_by_a_quarter_before_it_hits_does_not_enter_its_neighbour() -> None:
+    """Compare with blocks beyond the reach of neighbours, which pass into each other and are named."""
     structure = two(1.1, meet=MEET)
     state = SpatialState(*(np.zeros((2, 3)) for _ in range(4)))
     state.velocity[0, 0], state.spin[0, 2], state.displacement[:, 2] = 0.7, 2.2, -2.4e-5
     response = simulate(structure, Motion.from_samples(0.1, np.zeros(16)), initial=state, settle=0.0)
-    assert response.overlap.cause == "paired"
-    assert response.overlap.depth > 0.05
-    assert "a and b pass into each other" in response.remarks[0]
+    assert response.overlap == Overlap()
+    assert response.peaks["hit"][0] > 1e3
+    assert -0.005 < response.peaks["gap"][0] < 0.0
+    apart = two(1.1, meet={**MEET, "reach": 0.1})
+    with pytest.warns(InputWarning, match="a and b pass into each other"):
+        lost = simulate(apart, Motion.from_samples(0.1, np.zeros(16)), initial=state, settle=0.0)
+    assert lost.overlap.cause == "unjoined"
+    assert lost.overlap.depth > 0.05
     state.spin[:] = 0.0
     hits = simulate(structure, Motion.from_samples(0.1, np.zeros(16)), initial=state, settle=0.0)
     assert hits.peaks["hit"][0] > 1e3

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.throws import momenta
 
 from solver import simulate
 from solver.ground.motion import Motion
-from solver.models.structure.blocks.faces import FloatArray
 from solver.models.structure.model import Structure
 from solver.models.structure.neighbours import damping_of, restitution_of
 from solver.models.structure.run import SpatialState, begun
@@ -49,22 +49,6 @@ def thrown(made: Structure, velocity: Any, rotation: Any = None, spin: Any = Non
 def follow(stepper: SpatialStepper, stop: float) -> None:
     """Advance from time 0."""
     stepper.run(STILL, 0.0, stop, np.zeros(0))
-
-
-def momenta(stepper: SpatialStepper) -> tuple[FloatArray, FloatArray]:
-    """Return the momentum, N s, and angular momentum about the origin, N m s."""
-    made, see = stepper.structure, stepper.see
-    linear, angular = np.zeros(3), np.zeros(3)
-    for i, block in enumerate(made.blocks):
-        v = np.array([see.vx[i], see.vy[i], see.vz[i]])
-        q0, q = see.q0[i], np.array([see.q1[i], see.q2[i], see.q3[i]])
-        own = block.inertia @ np.array([see.wx[i], see.wy[i], see.wz[i]])
-        across = np.cross(q, own)
-        own = own + 2.0 * (q0 * across + np.cross(q, across))
-        place = block.centroid + np.array([see.ux[i], see.uy[i], see.uz[i]])
-        linear += block.mass * v
-        angular += block.mass * np.cross(place, v) + own
-    return linear, angular
 
 
 def _random(shapes: tuple[dict[str, Any], ...], seed: int, **more: float) -> tuple[SpatialStepper, float]:

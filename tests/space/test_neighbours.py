@@ -70,7 +70,6 @@ def test_walls() -> None:
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"reach": None}, r"neighbours.reach: missing, must be a length in m"),
         ({"reach": -1.0}, r"neighbours.reach = -1.0: must be a length in m"),
         ({"line_stiffness": None}, r"neighbours.line_stiffness: missing, must be .* N/m2.*: b0 and b1 may meet"),
         ({"stiffness": None}, r"neighbours.stiffness: missing, must be .* N/m3.*: b2 and b3 may meet"),
@@ -105,7 +104,11 @@ def test_pairs_with_a_joint_and_overlaps_are_refused() -> None:
     data = described(coin, coin)
     data["block"] = [{"name": f"b{k}", **coin, "position": [0.0, 0.3 * k, 0.0]} for k in range(2)]
     data["tie"] = [{**held, "between": [f"b{k}", "base"]} for k in range(2)]
-    with pytest.raises(InputError, match=r"neighbours: b0 and b1 may meet with faces of 200 corners, must be 128"):
+    assert Structure.from_dict(data).contact_names == ("b0-b1",)
+    finer = 2.0 * math.pi * np.arange(127) / 127
+    outline = np.column_stack([0.5 * np.cos(finer), 0.5 + 0.5 * np.sin(finer)]).tolist()
+    data["block"][0]["outline"] = outline
+    with pytest.raises(InputError, match=r"block\[b0\]: 129 faces, must be 128 at most beside neighbours"):
         Structure.from_dict(data)
     with pytest.raises(InputError, match=r"neighbours = 3: must be a table"):
         Structure.from_dict({**described(DRUM, DRUM), "neighbours": 3})

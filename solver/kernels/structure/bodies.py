@@ -58,11 +58,11 @@ def placed_of(scene, phase, own, opposite):
 
 
 @kernel
-def load_bodies(scene, phase, pairs, p):
-    """Add the normal forces of the bodies of pair p; return their contact (`Touch`)."""
+def load_bodies(scene, phase, pairs, p, farther):
+    """Add the normal forces of the bodies of pair p, `farther` m apart; return their contact (`Touch`)."""
     both = bodies_of(scene, pairs, p)
     placed = placed_of(scene, phase, both.own, both.opposite)
-    law = pairs.farther[p], pairs.body_stiffness[p], pairs.damping[p]
+    law = farther, pairs.body_stiffness[p], pairs.damping[p]
     found = press(scene, both.solid, both.other, placed, *law)
     if found.total == 0.0:
         return Touch(0.0, found.energy, NOTHING, NOTHING, NOTHING)
@@ -84,17 +84,21 @@ def load_bodies(scene, phase, pairs, p):
 
 
 @kernel
-def opposite_energy(scene, phase, pairs, p):
+def opposite_energy(scene, phase, pairs, p, farther):
     """Return the energy of the cells at the planes of the body that `load_bodies` leaves out, J."""
     both = bodies_of(scene, pairs, p)
     placed = placed_of(scene, phase, both.opposite, both.own)
-    return press(scene, both.other, both.solid, placed, pairs.farther[p], pairs.body_stiffness[p], 0.0).energy
+    law = farther, pairs.body_stiffness[p], 0.0
+    return press(scene, both.other, both.solid, placed, *law).energy
 
 
 @kernel
-def gap_of_bodies(scene, phase, pairs, p):
-    """Return the distance of the bodies of pair p, m; if they overlap, less twice the height of their highest cell."""
-    both, farther = bodies_of(scene, pairs, p), pairs.farther[p]
+def gap_of_bodies(scene, phase, pairs, p, farther):
+    """Return the distance of the bodies of pair p, m; if they overlap, less twice the height of their highest cell.
+
+    farther: added to the distance, m.
+    """
+    both = bodies_of(scene, pairs, p)
     placed = placed_of(scene, phase, both.own, both.opposite)
     away = distance(both.solid, both.other, placed)
     if away > 0.0:
@@ -141,12 +145,12 @@ def _is_before_plane(solid, drum, placed, farther):
 
 
 @kernel
-def may_press(scene, phase, pairs, p):
+def may_press(scene, phase, pairs, p, farther):
     """Return False if a quick test separates the bodies of pair p, of which one at least is a drum.
 
-    Their axes, or a plane of the one that is no drum, are far enough apart.
+    Their axes, or a plane of the one that is no drum, are far enough apart. farther: added to the distance, m.
     """
-    both, farther = bodies_of(scene, pairs, p), pairs.farther[p]
+    both = bodies_of(scene, pairs, p)
     one, other = _solid(both.solid, 0), _solid(both.other, 0)
     placed = placed_of(scene, phase, both.own, both.opposite)
     if one.radius > 0.0 and other.radius > 0.0:

@@ -21,6 +21,7 @@ _stretch, _PER_JOINT = STRETCH.over, MEMORY.per_n
 LEAST_COSINE, MOST_SINE = 0.9, 0.5  # of the axes of drums, and of an axis and the normal of a face, that are parallel
 # of the radii: sides deeper within each other are none that face each other, or do not begin a contact
 DEEP, SHALLOW = 0.1, 1e-6
+LATER = 0.04  # of the radius: overlap of sides beyond which the bodies may press too
 
 
 @leaf
@@ -53,6 +54,12 @@ def _add_friction(scene, phase, extras, p, touch):
     giving.z1[p], giving.z2[p], giving.z3[p] = v
     push(scene.poses, a, touch.on_a, force, NOTHING, 1.0)
     push(scene.poses, b, touch.on_b, force, NOTHING, -1.0)
+
+
+@leaf
+def _farther(pairs, p, touches):
+    """Return what is added to the distance of the bodies of pair p, m: more while its sides press."""
+    return pairs.farther[p] + (LATER * pairs.radius_a[p] if touches == BY_SIDES else 0.0)
 
 
 @leaf
@@ -96,8 +103,9 @@ def load_pair(scene, phase, extras, p):
     touch = NO_TOUCH
     if hits.bears[p] == BY_SIDES:
         touch = _load_sides(scene, phase, pairs, p)
-    if pairs.body_stiffness[p] > 0.0 and (pairs.kind[p] == CONVEX or may_press(scene, phase, pairs, p)):
-        touch = _together(touch, load_bodies(scene, phase, pairs, p))
+    farther = _farther(pairs, p, hits.bears[p])
+    if pairs.body_stiffness[p] > 0.0 and (pairs.kind[p] == CONVEX or may_press(scene, phase, pairs, p, farther)):
+        touch = _together(touch, load_bodies(scene, phase, pairs, p, farther))
     hits.force[p], hits.energy[p] = touch.force, touch.energy
     # friction
     if pairs.friction[p] > 0.0:
@@ -137,7 +145,7 @@ def pairs_energy(scene, phase):
         square = z.z1[p] * z.z1[p] + z.z2[p] * z.z2[p] + z.z3[p] * z.z3[p]
         total += hits.energy[p] + 0.5 * pairs.shear[p] * square
         if hits.bears[p] != 0.0 and pairs.body_stiffness[p] > 0.0:
-            total += opposite_energy(scene, phase, pairs, p)
+            total += opposite_energy(scene, phase, pairs, p, _farther(pairs, p, hits.bears[p]))
     return total
 
 
@@ -159,14 +167,6 @@ def _gap_of_sides(scene, phase, pairs, p, touches):
 
 
 @kernel
-def begins_by(scene, phase, pairs, p):
-    """Return how the contact of pair p begins: by sides that meet just now, else by the bodies."""
-    if pairs.kind[p] == CONVEX:
-        return BY_BODIES
-    return BY_SIDES if _gap_of_sides(scene, phase, pairs, p, APART) > -SHALLOW * pairs.radius_a[p] else BY_BODIES
-
-
-@kernel
 def gap_of(scene, phase, pairs, p, touches):
     """Return the distance of pair p, m, negative where it overlaps: of sides that face each other, or of the bodies.
 
@@ -175,12 +175,24 @@ def gap_of(scene, phase, pairs, p, touches):
     if touches == JOINED:
         return math.inf
     if pairs.kind[p] == CONVEX:
-        return gap_of_bodies(scene, phase, pairs, p)
-    gap = _gap_of_sides(scene, phase, pairs, p, touches)
+        return gap_of_bodies(scene, phase, pairs, p, pairs.farther[p])
+    gap, farther = _gap_of_sides(scene, phase, pairs, p, touches), _farther(pairs, p, touches)
     if gap != gap:
-        return gap_of_bodies(scene, phase, pairs, p)
+        return gap_of_bodies(scene, phase, pairs, p, farther)
     # ends and edges may be nearer than sides
-    return min(gap, gap_of_bodies(scene, phase, pairs, p)) if may_press(scene, phase, pairs, p) else gap
+    if may_press(scene, phase, pairs, p, farther):
+        gap = min(gap, gap_of_bodies(scene, phase, pairs, p, farther))
+    return gap
+
+
+@kernel
+def begins_by(scene, phase, pairs, p):
+    """Return how the contact of pair p begins: by sides that meet just now, else by the bodies."""
+    if pairs.kind[p] == CONVEX:
+        return BY_BODIES
+    gap = _gap_of_sides(scene, phase, pairs, p, APART)
+    # NaN where no sides face each other
+    return BY_SIDES if -SHALLOW * pairs.radius_a[p] < gap <= gap_of(scene, phase, pairs, p, APART) else BY_BODIES
 
 
 @leaf

@@ -221,8 +221,8 @@ def _pairs_between(
         if not pairs:
             area = _facing_area(a.part.faces, b.part.faces, deepest) or min(body.mean_area for body in both)
             pairs = [Pair(one, other, both, away, area)]
-        found += [pair for pair in pairs if pair.gap <= reach]
-    return found
+        found += pairs
+    return found if min(pair.gap for pair in found) <= reach else []
 
 
 def _before_faces(

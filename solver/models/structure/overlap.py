@@ -1,9 +1,8 @@
 """Overlaps of blocks in a run that the contacts of the model do not describe.
 
-Neighbours touch by the sides that were paired as built: a block that turns, or passes round a corner, may enter its
-neighbour where no sides are paired. So the convex bodies of every two blocks without a joint are compared. Two bodies
-with joints are compared while one of their joints has ended, that is, its faces no longer share an area: a joint on a
-narrow strip ends once it has slid by the width of the strip.
+The convex bodies of every two blocks are compared that neither a joint connects nor the table of neighbours lets meet.
+Two bodies with joints are compared while one of their joints has ended, that is, its faces no longer share an area: a
+joint on a narrow strip ends once it has slid by the width of the strip.
 """
 
 from __future__ import annotations
@@ -25,15 +24,11 @@ from .outputs import StructureHistories
 ROWS = 1000  # instants at once, which limits the memory
 BEYOND = 0.05  # of the depth of a contact: an overlap deeper by up to this is still ascribed to it
 UPRIGHT = 1e-6  # of the vertical part of a normal: the base below such a face is a half-space
-UNJOINED, PAIRED, ENDED = "unjoined", "paired", "ended"
+UNJOINED, ENDED = "unjoined", "ended"
 WHY = {  # why two bodies do not meet: for a sentence, and for a row of a check
     UNJOINED: (
-        "no joint connects them and no [neighbours] lets them meet; move them apart, or",
+        "no joint connects them, and no [neighbours] lets them meet within its reach; move them apart, or",
         "no joint, no neighbours",
-    ),
-    PAIRED: (
-        "sides of neighbours are paired as built, and none of theirs meets there;",
-        "their sides, paired as built, do not meet there",
     ),
     ENDED: (
         "a joint between them has slid until its faces share no area, and bears nothing; join whole faces (with a rim, "
@@ -72,7 +67,7 @@ def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHisto
     u = np.stack([rows.ux, rows.uy, rows.uz], axis=-1)
     rotation = rows.rotation
     there = np.isfinite(u).all(axis=(1, 2)) & np.isfinite(rotation).all(axis=(1, 2))
-    bears = _depth_of_contacts(structure, rows)
+    meet = {frozenset((pair.one, pair.other)) for pair in structure.neighbours}
     time, u, rotation = time[there], u[there], rotation[there]
     if not len(time):
         return Overlap()
@@ -87,7 +82,8 @@ def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHisto
     for i, j in np.argwhere(near_as_built(structure.blocks, structure.joints, most[:, None] + most[None])):
         between, moved = structure.blocks[j].centroid - structure.blocks[i].centroid, u[:, j] - u[:, i]
         far = np.linalg.norm(moved, axis=1) + turning[:, i] + turning[:, j]
-        known = bears.get((int(i), int(j)))
+        if frozenset((int(i), int(j))) in meet:
+            continue
         for one, other in product(hulls[i], hulls[j]):
             still = np.zeros((1, 3))
             built = float(distance(one, other, still, still, between[None])[0])
@@ -95,12 +91,10 @@ def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHisto
             for first in range(0, len(near), ROWS):
                 at = near[first : first + ROWS]
                 depth = min(built, 0.0) - distance(one, other, rotation[at, i], rotation[at, j], between + moved[at])
-                if known is not None:
-                    depth -= (1.0 + BEYOND) * known[there][at]
                 k = int(np.argmax(depth))
                 if depth[k] > max(found.depth, TOUCH):
                     names = structure.names[i], structure.names[j]
-                    found = Overlap(float(depth[k]), names, float(time[at[k]]), UNJOINED if known is None else PAIRED)
+                    found = Overlap(float(depth[k]), names, float(time[at[k]]))
     return found
 
 
@@ -113,7 +107,7 @@ def _deepest_at_ended_joints(
         joints.setdefault((joint.upper, joint.lower), []).append(joint)
     names, found = (*structure.names, BASE), Overlap()
     for (i, j), between in joints.items():
-        if any(joint.bearing is not None for joint in between):
+        if any(joint.bearing is not None for joint in between) or structure.after_fall:
             continue
         sides = [_Sides.of(structure, joint, u, rotation) for joint in between]
         ended = np.zeros(len(time), dtype=np.bool_)
@@ -216,19 +210,3 @@ def _are_apart(moved: FloatArray, still: FloatArray) -> NDArray[np.bool_]:
 def _across(side: FloatArray) -> FloatArray:
     """Return the normal to each side."""
     return np.stack([side[..., 1], -side[..., 0]], axis=-1)
-
-
-def _depth_of_contacts(structure: Structure, rows: StructureHistories) -> dict[tuple[int, int], FloatArray]:
-    """Return the depth of the contact of each pair of neighbours, m (rows,), by the indices of its blocks.
-
-    The depth is limited to the largest one at which the contact bears a force: a gap is also negative behind a face
-    that is not touched.
-    """
-    found: dict[tuple[int, int], FloatArray] = {}
-    for k, pair in enumerate(structure.neighbours):
-        if not pair.wall:
-            key = min(pair.one, pair.other), max(pair.one, pair.other)
-            depth = np.nan_to_num(np.maximum(pair.farther - rows.gap[:, k], 0.0))
-            depth = np.minimum(depth, np.max(depth, where=rows.hit[:, k] > 0.0, initial=0.0))
-            found[key] = np.maximum(depth, found[key]) if key in found else depth
-    return found
