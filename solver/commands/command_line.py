@@ -219,6 +219,8 @@ def _add_run_options(run: argparse.ArgumentParser) -> None:
     words = f"s after the end in which to find out whether it falls (default: {SETTLE:g}; 0: none)"
     verdict = run.add_argument_group("verdict")
     verdict.add_argument("--settle", type=float, default=SETTLE, metavar="S", help=words)
+    words = "s for which the run goes on after the first fall, in space (default: it ends there)"
+    verdict.add_argument("--after-fall", type=float, metavar="S", help=words)
     trust = run.add_argument_group("trust")
     trust.add_argument("--no-check", action="store_true", help="do not repeat the run to estimate its error")
     trust.add_argument("--ensemble", type=int, default=0, metavar="RUNS", help="number of runs varied by the spread")
@@ -233,7 +235,7 @@ def _simulate(options: argparse.Namespace) -> None:
     # obstacles to an output are reported before the run, not after it
     outputs = outputs_of_run(options)
     check_digits("--digits", options.digits)
-    subject: Any = read_subject(options.column, options.space)
+    subject: Any = read_subject(options.column, options.space or options.after_fall is not None)
     if subject.kind.across:
         structure.prepare(options)
     # motion, model and report
@@ -244,7 +246,7 @@ def _simulate(options: argparse.Namespace) -> None:
     report_of, summary_of = (structure.report, structure.summary) if in_space else (column_report, _summary)
     print(*lines, report_of(subject, motion), sep="\n", flush=True)
     # options of the run
-    names = ("formulation", "integrator", "step", "tolerance", "output_step", "settle", "ensemble")
+    names = ("formulation", "integrator", "step", "tolerance", "output_step", "settle", "ensemble", "after_fall")
     given = {name: getattr(options, name) for name in names}
     if options.load or options.release:
         given |= {"loads": loads_of(options.load), "release": loads_of(options.release)}

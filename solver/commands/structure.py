@@ -86,8 +86,8 @@ def _envelope(response: SpatialResponse) -> str:
 def _neighbours(response: SpatialResponse) -> list[str]:
     """Return a table of the neighbours in the order of their first contacts; no line without neighbours."""
     found = [one.texts for one in response.impacts]
-    lines = ["neighbours               least gap (mm)  largest force (kN)  first contact (s)"]
-    lines += [f"{names[:24]:24s} {gap:>14s} {force:>19s} {first:>18s}" for names, gap, force, first in found]
+    lines = ["neighbours               least gap (mm)  largest force (kN)  first contact (s)  its energy (J)"]
+    lines += [f"{one[0][:24]:24s} {one[1]:>14s} {one[2]:>19s} {one[3]:>18s} {one[4]:>15s}" for one in found]
     if len(found) > MOST_LINES:
         lines[1 + MOST_LINES :] = [f"... {len(found) - MOST_LINES} more pairs"]
     return lines if found else []

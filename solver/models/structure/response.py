@@ -45,13 +45,15 @@ class Impact(NamedTuple):
     gap: float  # m, the least; below 0 they press on each other
     force: float  # N, the largest across
     first: float  # s, of the first row with a force; NaN without one
+    energy: float = math.nan  # J, kinetic, of the first contact as a central impact; NaN without one
 
     @property
-    def texts(self) -> tuple[str, str, str, str]:
-        """The names, the gap in mm, the force in kN and the time of the first contact in s as texts."""
+    def texts(self) -> tuple[str, str, str, str, str]:
+        """The names, the gap in mm, the force in kN, the time in s and energy in J of the first contact as texts."""
         missed = "between two rows" if self.force else "none"
         first = missed if math.isnan(self.first) else f"{self.first:.3g}"
-        return self.between, f"{1e3 * self.gap:.3g}", f"{1e-3 * self.force:.3g}", first
+        energy = "" if math.isnan(self.energy) else f"{self.energy:.3g}"
+        return self.between, f"{1e3 * self.gap:.3g}", f"{1e-3 * self.force:.3g}", first, energy
 
 
 @dataclass(eq=False, repr=False)
@@ -144,12 +146,21 @@ class SpatialResponse(StructureHistories, Result):
         peaks = zip(self.model.contact_names, self.peaks["gap"].tolist(), self.peaks["hit"].tolist(), strict=True)
         for k, (name, gap, force) in enumerate(peaks):
             pressed = self.time[self.hit[:, k] > 0.0]
-            one = Impact(name, gap, force, float(pressed[0]) if len(pressed) else math.nan)
+            one = Impact(name, gap, force, float(pressed[0]) if len(pressed) else math.nan, self._energy_of_hit(k))
             other = found.get(name, one)  # two bodies may meet with several sides
-            first = float(np.fmin(one.first, other.first))
-            found[name] = Impact(name, min(one.gap, other.gap), max(one.force, other.force), first)
+            early = min(other, one, key=lambda each: np.nan_to_num(each.first, nan=math.inf))
+            found[name] = early._replace(gap=min(one.gap, other.gap), force=max(one.force, other.force))
         found = {name: one for name, one in found.items() if math.isfinite(one.gap)}
         return tuple(sorted(found.values(), key=lambda one: (np.nan_to_num(one.first, nan=math.inf), one.gap)))
+
+    def _energy_of_hit(self, k: int) -> float:
+        """Return the kinetic energy of the first contact of pair k, J, by the last rows in which its gap closes."""
+        (pressed,), pair = np.nonzero(self.hit[:, k] > 0.0), self.model.neighbours[k]
+        if not len(pressed) or pressed[0] < 2:
+            return math.nan
+        rate = np.diff(self.gap[:, k])[pressed[0] - 2] / (self.time[1] - self.time[0])
+        masses = [self.model.blocks[i].mass for i in (pair.one, pair.other) if i < self.model.n]
+        return float(0.5 * rate * rate / sum(1.0 / mass for mass in masses)) if math.isfinite(rate) else math.nan
 
     @property
     def hits_before_fall(self) -> str:
