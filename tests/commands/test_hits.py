@@ -33,14 +33,14 @@ def test_impacts_are_in_the_order_of_first_contact(run: SpatialResponse) -> None
     assert hit.first == run.time[np.argmax(run.hit[:, 0] > 0.0)]
     assert missed.gap > 0.0 == missed.force
     assert math.isnan(missed.first)
-    assert missed.texts[2:] == ("0", "none")
+    assert missed.texts[2:] == ("0", "none", "")
 
 
 def test_the_summary_has_gaps_forces_and_the_envelope(run: SpatialResponse) -> None:
     lines = summary(run).splitlines()
     heading = next(k for k, line in enumerate(lines) if line.startswith("neighbours "))
     for line, one in zip(lines[heading + 1 : heading + 3], run.impacts, strict=True):
-        assert tuple(line.split()) == one.texts
+        assert tuple(line.split()) == tuple(text for text in one.texts if text)
     envelope = next(line for line in lines if line.startswith("envelope of the centroids: "))
     assert f"x {1e3 * run.ux.min():.4g} to {1e3 * run.ux.max():.4g} mm" in envelope
     block = int(np.argmax(run.peaks["u"]))

@@ -168,14 +168,8 @@ def _structure(structure: Structure, check: Check, run: SpatialResponse) -> Mode
         rows = [(name, *_strengths(law)) for name, law in laws]
         sheets.append(Sheet(_MORTAR, merged(rows), 1))
     if run.impacts:
-        headings = (
-            "neighbours, governing case",
-            "least gap (mm)",
-            "largest force (kN)",
-            "first contact (s)",
-            "its energy (J)",
-        )
-        sheets.append(Sheet(headings, [one.texts for one in run.impacts], 1))
+        meets = "least gap (mm)", "largest force (kN)", "first contact (s)", "its energy (J)"
+        sheets.append(Sheet(("neighbours, governing case", *meets), [one.texts for one in run.impacts], 1))
     if structure.ties:
         headings = ("tie", "between", "stiffness (MN/m)", "yield (kN)")
         names = (*structure.names, "base")
