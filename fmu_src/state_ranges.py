@@ -88,6 +88,7 @@ STRUCTURE_STATE: Described = {
     **_all(("next_step", "elastic_step", "stabilized_step"), DURATION, "control."),
     **_all(("previous_error", "largest", "largest_rate", "largest_normal", "largest_shear", "decay"), SIZE, "control."),
     **_all(("fall_time", "reached"), TIME, "control."),
+    "control.released": ANY,
     **_all(space.PHASE.fields, ANY, "phase."),
     **_all(("q0", "q1", "q2", "q3"), UNIT, "phase."),
     **_all(space.MEMORY.fields, ANY, "remembered.slips."),

@@ -12,6 +12,8 @@ from support.fmus import ROOT
 from solver import Column, Motion, simulate
 from solver.common.errors import InputError
 from solver.models.structure.blocks.parts import Side
+from solver.models.structure.blocks.polyhedra import polyhedron_of
+from solver.models.structure.blocks.shapes import prism
 from solver.models.structure.file import in_space
 from solver.models.structure.model import Structure
 from solver.models.structure.modes import frequencies_apart, modes_in_space
@@ -105,13 +107,15 @@ def test_pairs_with_a_joint_and_overlaps_are_refused() -> None:
     data["block"] = [{"name": f"b{k}", **coin, "position": [0.0, 0.3 * k, 0.0]} for k in range(2)]
     data["tie"] = [{**held, "between": [f"b{k}", "base"]} for k in range(2)]
     assert Structure.from_dict(data).contact_names == ("b0-b1",)
-    finer = 2.0 * math.pi * np.arange(127) / 127
-    outline = np.column_stack([0.5 * np.cos(finer), 0.5 + 0.5 * np.sin(finer)]).tolist()
-    data["block"][0]["outline"] = outline
-    with pytest.raises(InputError, match=r"block\[b0\]: 129 faces, must be 128 at most beside neighbours"):
-        Structure.from_dict(data)
     with pytest.raises(InputError, match=r"neighbours = 3: must be a table"):
         Structure.from_dict({**described(DRUM, DRUM), "neighbours": 3})
+
+
+def test_a_block_of_too_many_faces_is_refused() -> None:
+    angle = 2.0 * math.pi * np.arange(127) / 127
+    solid = prism("fine", np.column_stack([np.cos(angle), np.sin(angle)]), 1.0, 2000.0)
+    with pytest.raises(InputError, match=r"block\[fine\]: 129 faces, must be 128 at most beside neighbours"):
+        polyhedron_of(solid.faces, solid.centroid, "block[fine]")
 
 
 def test_declared_gaps_move_the_contact() -> None:
