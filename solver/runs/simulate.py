@@ -189,7 +189,7 @@ def simulate(
             raise InputError(f"release: must be left out, a {column.kind.word} has no ports")
         initial = Released(static_loads("release", release, _ports_of(column)))
     if after_fall is not None:
-        if not isinstance(column, Structure):
+        if not column.kind.across:
             raise InputError(f"after_fall = {shown(after_fall)}: must be left out, only a structure goes on")
         column = column.going_on(after_fall)
     _check_ports(motion, column)
