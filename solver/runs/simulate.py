@@ -133,10 +133,9 @@ def simulate(
     that it raises ends `simulate`.
 
     Verdict. settle: after `duration` the model is followed further, on a base that no longer accelerates, until it has
-    fallen or cannot fall, for at most this time, s; the histories and the peaks end at `duration`.
-
-    After a fall. after_fall: s, for which the run of a structure goes on after the first fall; joints end where they
-    have come apart, and any two blocks meet, by the law of its table `neighbours`. The verdict stays.
+    fallen or cannot fall, for at most this time, s; the histories and the peaks end at `duration`. after_fall: s, for
+    which the run of a structure goes on after its first fall, to which the verdict belongs: joints end where they have
+    come apart, and any two blocks meet by the law of its table `neighbours`.
 
     Trust. check: repeat the run with a tenth of the tolerance (half of a fixed step): `estimated_error` and `horizon`
     of the response, and a verdict that is "undecided" where the two differ. ensemble: number of further runs, varied by
