@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from multiblock import Motion, Structure
+from solver.kernels.structure.layout import BY_BODIES, BY_SIDES, CONVEX
 from solver.models.structure.rest import rest_of, start_from
 from solver.models.structure.stepper import SpatialStepper
 
@@ -71,7 +72,8 @@ def _evaluation(structure: Structure, pressed: float | None = None) -> float:
     if pressed is not None:
         gap = structure.neighbours[0].gap
         stepper.see.ux[:] -= (gap + pressed) * np.arange(structure.n)
-        stepper.state.remembered.stretches.touches[:] = 1.0
+        pairs = structure.model.names.pairs
+        stepper.state.remembered.stretches.touches[:] = np.where(pairs.kind == CONVEX, BY_BODIES, BY_SIDES)
     delta = np.full(6 * structure.n, 1e-7)
     for _ in range(RUNS):
         begin = time.process_time()
