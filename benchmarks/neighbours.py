@@ -65,13 +65,17 @@ def shaking(duration: float = LONG, largest: float = SHAKEN) -> Motion:
     return Motion.from_samples(step, ax, ay=ay, az=az)
 
 
-def _evaluation(structure: Structure, pressed: float | None = None) -> float:
-    """Return the processor time, s, of an evaluation at rest, or with all pairs pressed into each other, m."""
+def _evaluation(structure: Structure, pressed: float | None = None, turn: float = 0.0) -> float:
+    """Return the processor time, s, of an evaluation at rest, or with all pairs pressed into each other, m.
+
+    turn: rad, by which every second block is turned about the vertical as it is pressed.
+    """
     stepper, least = SpatialStepper(structure), math.inf
     start_from(stepper, rest_of(structure))
     if pressed is not None:
         gap = structure.neighbours[0].gap
         stepper.see.ux[:] -= (gap + pressed) * np.arange(structure.n)
+        stepper.see.q0[::2], stepper.see.q3[::2] = math.cos(0.5 * turn), math.sin(0.5 * turn)
         pairs = structure.model.names.pairs
         stepper.state.remembered.stretches.touches[:] = np.where(pairs.kind == CONVEX, BY_BODIES, BY_SIDES)
     delta = np.full(6 * structure.n, 1e-7)
@@ -89,11 +93,20 @@ def costs() -> Table:
     far = (_evaluation(many) - _evaluation(alone)) / len(many.neighbours)
     rows.append(["far", f"{1e9 * far:.1f}", "3"])
     box: dict[str, Any] = {"width": 2.0, "depth": 2.0, "height": 5.0, "density": 2500.0}
-    kinds = {"drum beside drum": (CASK,) * 8, "drum before a face": (CASK, box) * 4, "faces": (box,) * 8}
-    for name, blocks in kinds.items():
-        made, alone = (row_of(*blocks, apart=2.2, met=met) for met in (True, False))
-        spent = (_evaluation(made, 1e-4) - _evaluation(alone)) / len(made.neighbours)
-        rows.append([name, f"{1e9 * spent:.0f}", "250" if name == "drum beside drum" else ""])
+    low = {**box, "width": 1.6, "depth": 1.4, "height": 4.0}
+    # blocks, distance, turn of every second one, which moves its nearest corner by `nearer`, and what is asked
+    kinds: dict[str, tuple[tuple[dict[str, Any], ...], float, str]] = {
+        "drum beside drum": ((CASK,) * 8, 0.0, "331"),
+        "drum before a face": ((CASK, box) * 4, 0.0, ""),
+        "two boxes face to face": ((box, low) * 4, 0.0, "2500"),
+        "two equal boxes face to face": ((box,) * 8, 0.0, "2500"),
+        "edge of a box on a face": ((box,) * 2, 0.25 * math.pi, "6000"),
+    }
+    for name, (blocks, turn, asked) in kinds.items():
+        made, alone = (row_of(*blocks, apart=3.0 if turn else 2.2, met=met, reach=1.2) for met in (True, False))
+        nearer = math.sqrt(2.0) - 1.0 if turn else 0.0  # m, of the corner of a square of 2 m
+        spent = (_evaluation(made, 1e-4 - nearer, turn) - _evaluation(alone)) / len(made.neighbours)
+        rows.append([name, f"{1e9 * spent:.0f}", asked])
     return Table("Neighbours: cost of a pair in an evaluation", ["pair", "ns", "asked"], rows)
 
 

@@ -8,7 +8,7 @@ from .cells import Placed, facet_of, press
 from .distance import depth_by_planes, distance
 from .kinematics import dot, minus, out_of, plus, push, seen_from, standing
 from .layout import SOLID
-from .sides import NOTHING, Touch, place_of, scaled, spin_of, velocity_of
+from .sides import NO_TOUCH, NOTHING, Touch, place_of, scaled, spin_of, velocity_of
 
 _solid = SOLID.over
 PARALLEL = 1e-12  # squared sine of the angle below which axes are parallel
@@ -29,7 +29,9 @@ def bodies_of(scene, pairs, p):
     """Return the bodies of pair p."""
     a, b = int(pairs.one[p]), int(pairs.other[p])
     solid, other = scene.corners[int(pairs.body_a[p]) :], scene.corners[int(pairs.body_b[p]) :]
-    if solid[0] <= other[0]:
+    # of equal numbers of planes that of the larger one, whose faces are met by the edges of the other
+    one, two = _solid(solid, 0), _solid(other, 0)
+    if one.planes < two.planes or (one.planes == two.planes and one.size >= two.size):
         return Bodies(a, b, solid, other, 1.0)
     return Bodies(b, a, other, solid, -1.0)
 
@@ -65,7 +67,7 @@ def load_bodies(scene, phase, pairs, p, farther):
     law = farther, pairs.body_stiffness[p], pairs.damping[p]
     found = press(scene, both.solid, both.other, placed, *law)
     if found.total == 0.0:
-        return Touch(0.0, found.energy, NOTHING, NOTHING, NOTHING)
+        return NO_TOUCH
     # along the axes of the base: equal forces on both bodies at the same place
     poses, own, opposite = scene.poses, both.own, both.opposite
     force = standing(poses, own, *found.force)
@@ -79,17 +81,17 @@ def load_bodies(scene, phase, pairs, p, farther):
     beyond = plus(arm, between, 1.0)
     size = math.sqrt(dot(force, force))
     if both.sign > 0.0:
-        return Touch(size, found.energy, force, arm, beyond)
-    return Touch(size, found.energy, (-force[0], -force[1], -force[2]), beyond, arm)
+        return Touch(size, 0.0, force, arm, beyond)
+    return Touch(size, 0.0, (-force[0], -force[1], -force[2]), beyond, arm)
 
 
 @kernel
-def opposite_energy(scene, phase, pairs, p, farther):
-    """Return the energy of the cells at the planes of the body that `load_bodies` leaves out, J."""
-    both = bodies_of(scene, pairs, p)
-    placed = placed_of(scene, phase, both.opposite, both.own)
-    law = farther, pairs.body_stiffness[p], 0.0
-    return press(scene, both.other, both.solid, placed, *law).energy
+def energy_of_bodies(scene, phase, pairs, p, farther):
+    """Return the elastic energy of the bodies of pair p, `farther` m apart, J: that of the cells of both."""
+    both, law = bodies_of(scene, pairs, p), (farther, pairs.body_stiffness[p], 0.0)
+    own = press(scene, both.solid, both.other, placed_of(scene, phase, both.own, both.opposite), *law)
+    opposite = press(scene, both.other, both.solid, placed_of(scene, phase, both.opposite, both.own), *law)
+    return own.energy + opposite.energy
 
 
 @kernel

@@ -16,6 +16,7 @@ from .clipping import cut
 from .kinematics import cross, dot, minus, out_of, plus
 from .layout import CELL_CORNERS, PER_ROOF, SOLID_CORNERS, SOLID_PLANE, SOLID_PLANES
 
+SAME = 1e-12  # difference of two heights, m, and of their slopes, below which they are one
 COPLANAR = 1e-24  # squared difference of normals below which two planes never bound the same cell
 
 
@@ -48,7 +49,7 @@ class Pressed(NamedTuple):
     moment: object  # N m, about its centroid
     centre: object  # m, sum of the pressures times their places, over `total`
     total: float  # N, sum of the sizes of the pressures
-    energy: float  # J, of the cells of its planes
+    energy: float  # J, of the cells of its planes, without damping
     highest: float  # m, of a cell
 
 
@@ -128,13 +129,34 @@ def _find_roofs(room, cells, solid, planes, i, count):
         for k in range(count):
             height = value(roof, room[2 * k], room[2 * k + 1])
             least, most = min(least, height), max(most, height)
-        if least < bound:
+        if least < bound and not _is_stored(cells, found, roof):
             k = first + PER_ROOF * found
             cells[k], cells[k + 1], cells[k + 2] = roof.at, roof.along_x, roof.along_y
             cells[k + 3], cells[k + 4], cells[k + 5] = least, float(j), 2.0 / square
-            bound = min(bound, most)
+            # the lowest one first, which cuts most from the others
+            if most < bound:
+                bound = most
+                _swap(cells, first, k)
             found += 1
     return found, bound
+
+
+@leaf
+def _is_stored(cells, found, roof):
+    """Return True if a height is stored already, as where sides of both bodies are flush."""
+    for r in range(found):
+        other = _roof(cells, r)
+        away = abs(other.at - roof.at) + abs(other.along_x - roof.along_x) + abs(other.along_y - roof.along_y)
+        if away < SAME:
+            return True
+    return False
+
+
+@leaf
+def _swap(cells, first, other):
+    """Exchange two stored heights."""
+    for k in range(PER_ROOF):
+        cells[first + k], cells[other + k] = cells[other + k], cells[first + k]
 
 
 @leaf
@@ -274,7 +296,6 @@ def press(scene, solid, other, placed, farther, stiffness, damping):
             q = roof
             # roofs of the other body move
             if damping != 0.0 and cells[CELL_CORNERS + 4 * SOLID_PLANES + PER_ROOF * r + 4] < planes:
-                energy += 0.5 * stiffness * _integrals(room, kept, roof, roof).product
                 rate = _rate_over(cells, r, facet, placed, roof)
                 q = Plane(
                     roof.at + damping * rate.at,
@@ -282,10 +303,8 @@ def press(scene, solid, other, placed, farther, stiffness, damping):
                     roof.along_y + damping * rate.along_y,
                 )
                 kept = cut(room, kept, q)
-                sums = _integrals(room, kept, q, roof)
-            else:
-                sums = _integrals(room, kept, q, roof)
-                energy += 0.5 * stiffness * sums.product
+            sums = _integrals(room, kept, q, roof)
+            energy += 0.5 * stiffness * sums.product
             push, x, y = push + sums.f, x + sums.x, y + sums.y
         # resultant, moment and centre
         push, x, y = stiffness * push, stiffness * x, stiffness * y

@@ -11,7 +11,7 @@ import math
 
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import greater, magnitude, zero_like
-from .bodies import gap_of_bodies, load_bodies, may_press, opposite_energy
+from .bodies import energy_of_bodies, gap_of_bodies, load_bodies, may_press
 from .drum_contact import gap_before_face, gap_of_drums, load_drum_before_face, load_drums
 from .kinematics import dot, minus, plus, push
 from .layout import APART, BY_BODIES, BY_SIDES, CONVEX, DRUMS, JOINED, MEMORY, STRETCH
@@ -145,7 +145,7 @@ def pairs_energy(scene, phase):
         square = z.z1[p] * z.z1[p] + z.z2[p] * z.z2[p] + z.z3[p] * z.z3[p]
         total += hits.energy[p] + 0.5 * pairs.shear[p] * square
         if hits.bears[p] != 0.0 and pairs.body_stiffness[p] > 0.0:
-            total += opposite_energy(scene, phase, pairs, p, _farther(pairs, p, hits.bears[p]))
+            total += energy_of_bodies(scene, phase, pairs, p, _farther(pairs, p, hits.bears[p]))
     return total
 
 

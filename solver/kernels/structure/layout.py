@@ -115,9 +115,10 @@ PORTS = FieldTable(
     *("x", "y", "z"),  # m, the point from the centroid, as built
 )
 # a convex body among the corners of all sections: numbers of its planes and corners, half length, radius and axis of a
-# drum whose core it is; the corners, m from the centroid; for each plane its normal, its distance, the first axis of
-# its face, the place of the outline in this row and the number of its corners; the outlines, anticlockwise
-SOLID = Record("planes", "corners", "half", "radius", "ux", "uy", "uz")
+# drum whose core it is, its mean area, m2; the corners, m from the centroid; for each plane its normal, its distance,
+# the first axis of its face, the place of the outline in this row and the number of its corners; the outlines,
+# anticlockwise
+SOLID = Record("planes", "corners", "half", "radius", "ux", "uy", "uz", "size")
 SOLID_CORNERS, SOLID_PLANE, SOLID_PLANES = SOLID.beside, 9, 128  # place, numbers of a plane, most planes
 CELL_CORNERS, PER_ROOF = 2 * (2 * MOST_CORNERS + 8), 6  # numbers of a polygon, and of a plane above it
 CELLS = 4 * SOLID_PLANES + CELL_CORNERS + PER_ROOF * 2 * SOLID_PLANES  # room for a contact of two bodies (cells.py)

@@ -25,7 +25,7 @@ class Touch(NamedTuple):
     """The normal contact of a pair."""
 
     force: float  # N, of the pressure
-    energy: float  # J
+    energy: float  # J, of the sides of drums
     resultant: object  # N, on the first body: sum of pressure, edges and ends
     on_a: object  # m, centre of the pressure from the centroids of both bodies
     on_b: object

@@ -55,6 +55,7 @@ class Polyhedron:
         head = np.zeros(at.SOLID.beside)
         record = at.SOLID.see(head)
         record.planes, record.corners, record.half, record.radius = len(self.planes), len(corners), half, self.radius
+        record.size = self.mean_area
         if half:
             record.ux, record.uy, record.uz = self.axis / half
         place, planes = at.SOLID_CORNERS + corners.size + at.SOLID_PLANE * len(self.planes), []
