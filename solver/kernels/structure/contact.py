@@ -196,6 +196,26 @@ def begins_by(scene, phase, pairs, p):
 
 
 @leaf
+def _ways(scene, p):
+    """Return the sum of the ways of the bodies of pair p since the start, m."""
+    return scene.poses.way[int(scene.extras.pairs.one[p])] + scene.poses.way[int(scene.extras.pairs.other[p])]
+
+
+@kernel
+def keep_gaps(scene, gaps):
+    """Store known gaps, m, with the ways of the bodies: from then on a gap is larger than the difference of both."""
+    for p in range(scene.extras.met):
+        if gaps[p] < math.inf:
+            scene.extras.hits.clear[p] = gaps[p] + _ways(scene, p)
+
+
+@leaf
+def may_be_least(scene, p, least):
+    """Return True if the gap of pair p may be less than `least`, m."""
+    return not scene.extras.hits.clear[p] - _ways(scene, p) > least
+
+
+@leaf
 def is_near(scene, phase, pairs, p):
     """Return True if the bounding spheres of both blocks of pair p overlap."""
     # distance of the centroids against both radii

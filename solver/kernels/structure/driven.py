@@ -147,7 +147,7 @@ def _see(scene, phase, t, visible):
     # without acceleration of the base
     turn_base(scene, scene.base, t, 0.0, 0.0, 0.0)
     evaluate(scene, phase, _phase(row(scene, RATES), scene.n), 0.0, 0.0, 0.0)
-    show(scene, phase, visible)
+    show(scene, phase, visible, True)
     stop_turning(scene)
 
 
@@ -160,7 +160,7 @@ def _see_pushed(scene, phase, t, visible):
     pushed = taken_at(scene, segment_from(scene.samples, t), t)
     recall(scene, phase.buffer)
     evaluate(scene, phase, _phase(row(scene, RATES), scene.n), pushed[0], pushed[1], pushed[2])
-    show(scene, phase, visible)
+    show(scene, phase, visible, True)
     let_go(scene)
 
 
@@ -329,7 +329,7 @@ def rates(model, state, counts, base, work, t, samples, visible, driven):
             between[i] = here[i] + past * pace[i]
         pushed = taken_at(scene, segment, t + past)
         evaluate_state(scene, between, row(scene, RATES + 1), pushed[0], pushed[1], pushed[2])
-        show(scene, _phase(between, scene.n), seen(scene, 0))
+        show(scene, _phase(between, scene.n), seen(scene, 0), True)
         # half of the difference quotient
         for i in range(size):
             visible[i] += 0.5 / past * seen(scene, 0)[i]
@@ -377,7 +377,7 @@ def feedthrough(model, state, counts, base, work, seeds, elapsed, t, visible, dr
     let_go(scene)
     turn_base(scene, motion, t, 0.0, 0.0, 0.0)
     evaluate(scene, phase, pace, 0.0, 0.0, 0.0)
-    show(scene, phase, seen(scene, 0))
+    show(scene, phase, seen(scene, 0), True)
     # outputs with the seeds as loads and base acceleration
     count = _LOAD * scene.extras.spotted
     for i in range(count):
@@ -387,7 +387,7 @@ def feedthrough(model, state, counts, base, work, seeds, elapsed, t, visible, dr
         ax, ay, az = inputs.ax + elapsed * inputs.jx, inputs.ay + elapsed * inputs.jy, inputs.az + elapsed * inputs.jz
     turn_base(scene, motion, t, ax, ay, az)
     evaluate(scene, phase, pace, ax, ay, az)
-    show(scene, phase, visible)
+    show(scene, phase, visible, True)
     let_go(scene)
     # the difference is the derivative, since outputs are linear in inputs
     for i in range(sizes.visible):

@@ -139,7 +139,7 @@ def observe_structure(
         settle_memory(scene, phase)
         if settle_bonds(scene, phase):
             evaluate(scene, seen, _phase(rates, scene.n), ax, ay, az)
-    show(scene, seen, row)
+    show(scene, seen, row, True)
     return energy(scene, seen)
 
 

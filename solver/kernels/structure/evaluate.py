@@ -124,8 +124,11 @@ def show_joint(scene, j, row):
 
 
 @kernel
-def show(scene, phase, row):
-    """Fill an output row from a phase that has just been evaluated: by field, then by block or joint."""
+def show(scene, phase, row, every_gap):
+    """Fill an output row from a phase that has just been evaluated: by field, then by block or joint.
+
+    every_gap: fill all gaps of pairs; else a gap is infinite that cannot be the least so far.
+    """
     n, m, k = scene.n, scene.m, scene.k
     # blocks, joints, ties and extras
     for i in range(n):
@@ -135,7 +138,7 @@ def show(scene, phase, row):
     of_ties = row[_BLOCKS * n + _JOINTS * m :]
     for e in range(k):
         of_ties[e] = scene.pulls.force[e]
-    show_extras(scene, phase, of_ties[k:])
+    show_extras(scene, phase, of_ties[k:], every_gap)
     # force and moment on the base
     base, poses = row[scene.visible - _BASE :], scene.poses
     base[0], base[1], base[2] = poses.fx[n], poses.fy[n], poses.fz[n]

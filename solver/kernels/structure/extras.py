@@ -6,13 +6,13 @@ first version of each varied function is that of lanes, and does less.
 
 import math
 
-from ..numba_ext.jit import kernel, varied
+from ..numba_ext.jit import kernel, leaf, varied
 from ..numba_ext.views import copy
 from .base import acceleration
 from .bond import let_bonds_go, show_bonds
-from .contact import gap_of, load_pairs
+from .contact import gap_of, load_pairs, may_be_least
 from .contact_in_lanes import load_pairs_in_lanes
-from .layout import OF_BEARING, OF_BOND, OF_PAIR, OF_PORT, acts_alone
+from .layout import OF_BASE, OF_BEARING, OF_BOND, OF_PAIR, OF_PORT, acts_alone
 from .port import is_pushed, let_ports_go, load_ports, push_ports, see_ports
 from .turning import is_turned, load_turned, show_turned, stop_turning, turn_base
 
@@ -72,9 +72,19 @@ def _see(scene, phase, rates):
     see_ports(scene, phase, rates)
 
 
+@leaf
+def first_gap(scene):
+    """Return the index of the first gap of pairs in an output row."""
+    behind = len(OF_BASE) + len(OF_PORT) * scene.extras.spotted + len(OF_PAIR) * scene.extras.met
+    return scene.visible - behind
+
+
 @kernel
-def show_extras(scene, phase, shown):
-    """Fill `shown`, the part of an output row between ties and base, with bearings, bonds, pairs and ports."""
+def show_extras(scene, phase, shown, every_gap):
+    """Fill `shown`, the part of an output row between ties and base, with bearings, bonds, pairs and ports.
+
+    every_gap: as of `show`.
+    """
     m, b = scene.m, scene.extras.b
     # displacements of bearings
     for i in range(b):
@@ -85,8 +95,11 @@ def show_extras(scene, phase, shown):
     show_bonds(scene, of_bonds)
     # gaps and contact forces of pairs, then the motion of ports
     of_pairs = of_bonds[len(OF_BOND) * scene.extras.glued :]
+    place = first_gap(scene)
     for p in range(met):
-        of_pairs[p] = gap_of(scene, phase, scene.extras.pairs, p, scene.extras.stretches.touches[p])
+        of_pairs[p] = math.inf
+        if every_gap or may_be_least(scene, p, 1.0 - scene.peaks[place + p]):
+            of_pairs[p] = gap_of(scene, phase, scene.extras.pairs, p, scene.extras.stretches.touches[p])
         of_pairs[met + p] = scene.extras.hits.force[p]
     copy(of_pairs[len(OF_PAIR) * met :], scene.extras.spots.row, len(OF_PORT) * scene.extras.spotted)
 

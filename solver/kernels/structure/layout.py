@@ -61,6 +61,7 @@ BODIES = FieldTable(
     *("x", "y", "z"),  # m, centroid as built
     "size",  # m, by which rotations become displacements
     "drop",  # m: a block this far below its place as built has fallen
+    "reach",  # m, of the farthest corner from the centroid
 )
 POLYGON, ROUND, POINT = 0.0, 1.0, 2.0  # kinds of sections; a bearing is a point
 JOINTS = FieldTable(
@@ -218,6 +219,7 @@ POSES = FieldTable(  # of n + 1 bodies
     *("r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"),  # rotation less the identity
     *("wx", "wy", "wz"),  # rad/s, along the axes of the base
     *("fx", "fy", "fz", "mx", "my", "mz"),  # N, N m about the centroid, along the axes of the base
+    "way",  # m, more than any point has moved, if there are pairs
 )
 RESULTANTS = FieldTable(  # of m joints, along the axes of the joint
     *("normal", "g1", "g2", "g3"),  # N, N m: derivatives of the energy by the relative rotation
@@ -232,8 +234,9 @@ SOUND = FieldTable(  # of bonds
     "held",  # 1 while it is as it was at the start of a step
     *("begins", "ends"),  # how far it is from breaking at both ends of a step (cracking.py)
 )
-# of pairs: force, N; energy, J; 1 while friction slides; how the pair touches while it has forces
-HITS = FieldTable("force", "energy", "slides", "bears")
+# of pairs: force, N; energy, J; 1 while friction slides; how the pair touches while it has forces; the
+# last gap and the ways of both bodies until then, m
+HITS = FieldTable("force", "energy", "slides", "bears", "clear")
 PULLS = FieldTable("force", "stretch", "elastic")  # of k ties: N, m; the elastic part of the stretch
 STAGES = 13  # of a step of order 8, with its start and its end
 

@@ -349,7 +349,7 @@ def _reach(body, modal, half, t, h, sine):
     _multiply(body, body.data.shapes, to.row, body.x.row, 2)
     _place(body, y, f, 2)
     evaluate_at(scene, body.segment, y, f, t)
-    show(scene, _phase(y, scene.n), seen(scene, 1 + half))
+    show(scene, _phase(y, scene.n), seen(scene, 1 + half), True)
     ax, ay, az = acceleration(scene, body.segment, t)
     # regime
     if not _is_as_at_rest(body, 1 + half, f) or (half == 1 and _leaves(body)):

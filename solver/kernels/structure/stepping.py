@@ -140,7 +140,7 @@ def _serve_rows(scene, watch, segment, t, h):
         # the row at its fraction of the step, and the state behind it
         part = 1.0 if h == 0.0 else min(1.0, max(0.0, (watch.times[counts.next_row] - t) / h))
         into = watch.rows[counts.next_row * watch.wide :]
-        look(scene, segment, t, h, part, into)
+        look(scene, segment, t, h, part, into, True)
         if watch.wide > scene.visible:
             copy(into[scene.visible :], row(scene, BETWEEN), moving(scene))
             copy_bonds(scene, into[scene.visible + _PER_BODY * scene.n + scene.remembered :])
@@ -164,7 +164,7 @@ def _begin(scene, segment, t, phase):
         control.largest_rate = max(control.largest_rate, settings.rate_floor)
         _take_stock(scene, phase)
     # output row and peaks at the start
-    show(scene, phase, seen(scene, 0))
+    show(scene, phase, seen(scene, 0), True)
     raise_peaks(scene, seen(scene, 0))
 
 
@@ -455,7 +455,7 @@ def advance(scene, watch, state, t, stop, most):
         if begins_anew:
             modal.forget(scene)
             evaluate_at(scene, segment, begin, rate(scene, 0), t)
-            show(scene, _phase(begin, scene.n), seen(scene, 0))
+            show(scene, _phase(begin, scene.n), seen(scene, 0), True)
             raise_peaks(scene, seen(scene, 0))
     # the state reached
     let_go(scene)

@@ -17,11 +17,12 @@ from ..engine.peaks import (
 )
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, index_of, square_root
+from .contact import keep_gaps
 from .evaluate import evaluate_state, moving, show, show_block, show_joint
-from .extras import taken_at
+from .extras import first_gap, taken_at
 from .joint import load_joint
 from .kinematics import pose_body, spin_of
-from .layout import MEMORY, OF_BASE, OF_BEARING, OF_BLOCK, OF_JOINT, OF_PAIR, OF_PORT, PHASE, STAGES
+from .layout import MEMORY, OF_BASE, OF_BEARING, OF_BLOCK, OF_JOINT, OF_PAIR, PHASE, STAGES
 
 _phase = PHASE.over
 _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
@@ -129,22 +130,21 @@ def _interpolate(scene, h, s):
 
 
 @kernel
-def look(scene, segment, t, h, s, into):
-    """Fill the output row `into` at fraction s of the step from t to t + h."""
+def look(scene, segment, t, h, s, into, every_gap):
+    """Fill the output row `into` at fraction s of the step from t to t + h; every_gap: as of `show`."""
     scene.counts.looks += 1
     # evaluate the interpolated state under the base motion of that instant
     _interpolate(scene, h, s)
     ax, ay, az = taken_at(scene, segment, t + s * h)
     evaluate_state(scene, row(scene, BETWEEN), row(scene, BETWEEN_RATES), ax, ay, az)
-    show(scene, _phase(row(scene, BETWEEN), scene.n), into)
+    show(scene, _phase(row(scene, BETWEEN), scene.n), into, every_gap)
 
 
 @leaf
 def gaps_in_row(scene):
     """Return the indices of the first gap of neighbours in an output row, and of the number after the last."""
-    met = scene.extras.met
-    first = scene.visible - len(OF_BASE) - len(OF_PORT) * scene.extras.spotted - len(OF_PAIR) * met
-    return first, first + met
+    first = first_gap(scene)
+    return first, first + scene.extras.met
 
 
 @leaf
@@ -241,19 +241,36 @@ def _allow_extras(scene, allowed, first):
 
 
 @kernel
+def travel(scene, h):
+    """Add to the ways of all bodies more than any of their points moves in a step of h s, m, if there are pairs."""
+    if scene.extras.met == 0:
+        return
+    begin, end = _phase(row(scene, START), scene.n), _phase(row(scene, END), scene.n)
+    for i in range(scene.n):
+        reach, ways = scene.bodies.reach[i], scene.poses.way
+        # twice the mean of both ends
+        for phase in (begin, end):
+            v = phase.vx[i] * phase.vx[i] + phase.vy[i] * phase.vy[i] + phase.vz[i] * phase.vz[i]
+            w = phase.wx[i] * phase.wx[i] + phase.wy[i] * phase.wy[i] + phase.wz[i] * phase.wz[i]
+            ways[i] += h * (square_root(v) + reach * square_root(w))
+
+
+@kernel
 def track_peaks(scene, segment, t, h, by_modes):
     """Raise the peaks by the step just made, whose end has been evaluated last; by modes its middle is known."""
     count = scene.visible
     begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
     # outputs at the end of the step
-    show(scene, _phase(row(scene, END), scene.n), end)
+    travel(scene, h)
+    show(scene, _phase(row(scene, END), scene.n), end, False)
+    keep_gaps(scene, end[first_gap(scene) :])
     if by_modes and _rises(scene, end):  # outputs were those of the prediction
-        look(scene, segment, t, h, 1.0, end)
+        look(scene, segment, t, h, 1.0, end, False)
     raise_peaks(scene, end)
     # the middle, and tops between
     if scene.settings.watches != 0.0:
         if not by_modes or _rises(scene, middle):
-            look(scene, segment, t, h, 0.5, middle)
+            look(scene, segment, t, h, 0.5, middle, False)
         raise_peaks(scene, middle)
         _find_tops(scene, segment, t, h)
     # the end becomes the start of the next step
@@ -310,7 +327,7 @@ def _sample_quantity(scene, segment, t, h, s, q):
             _raise_peak(scene, place, trial[place])
     else:
         # anything else
-        look(scene, segment, t, h, s, trial)
+        look(scene, segment, t, h, s, trial, False)
         raise_peaks(scene, trial)
     return trial[q]
 

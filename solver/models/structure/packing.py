@@ -189,7 +189,7 @@ def _fill_bodies(table: Any, solids: tuple[Solid, ...]) -> None:
             for row, column in combinations_with_replacement(range(3), 2):
                 getattr(table, prefix + "xyz"[row] + "xyz"[column])[i] = tensor[row, column]
         table.x[i], table.y[i], table.z[i] = solid.centroid
-        table.size[i], table.drop[i] = solid.size, solid.drop
+        table.size[i], table.drop[i], table.reach[i] = solid.size, solid.drop, solid.reach
 
 
 def _inverse(tensor: FloatArray) -> FloatArray:
