@@ -13,7 +13,7 @@ from ....common.errors import InputError
 from ....kernels.structure import layout as at
 from .faces import Face, FloatArray, half_of, polygon_moments
 
-SIDES = 32  # of the prism within a drum
+SIDES = 24  # of the prism within a drum
 WITHIN = math.cos(math.pi / SIDES)  # radius of the edges of that prism over that of the drum; of its sides the square
 BEYOND = 1e-2  # by which an outline is enlarged before all planes cut it
 SAME = 1e-9  # of the size: corners closer than this are one
