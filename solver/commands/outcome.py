@@ -49,6 +49,14 @@ def ensemble_lines(ensemble: Ensemble, names: Sequence[object], moved: str, most
     ]
     rows = zip(names, ensemble.peaks.T, strict=True)
     lines += [f"{name!s:>5s}  " + "  ".join(f"{1e3 * peak:14.5g}" for peak in peaks) for name, peaks in rows][:most]
+    if ensemble.debris:
+        low, high = ensemble.envelope
+        (x0, y0, _), (x1, y1, _) = np.min(low, axis=0), np.max(high, axis=0)
+        lines.append(
+            f"{len(ensemble.debris)} fallen runs: centroids lie at x {x0:.3g} to {x1:.3g} m, y {y0:.3g} to {y1:.3g} m"
+        )
+        hits = sorted(ensemble.hit_shares.items(), key=lambda hit: -hit[1])
+        lines.append(", ".join(f"{name} hit in {percent(share)}" for name, share in hits[:MOST_NAMED]))
     if np.isfinite(ensemble.amplification):
         lines.append(f"the largest peak spreads by {ensemble.amplification:.3g} times what was varied")
     return lines

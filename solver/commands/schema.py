@@ -112,7 +112,7 @@ def by_word(key: str, cases: Mapping[str, tuple[Collection[str], Collection[str]
 
 def _of_pairs() -> Schema:
     """Return the schema of the table of neighbours."""
-    ranges = {**neighbours._RANGES, "gap": neighbours._GAP}
+    ranges = {**neighbours._RANGES, "gap": neighbours._GAP, "after_fall": neighbours.AFTER_FALL}
     pair = table(neighbours._OF_PAIR, {"between": several(TEXT, 2, 2)}, ("between",), ranges)
     sizes = {"width": LENGTH, "height": LENGTH}
     wall = table(neighbours._OF_WALL, {"at": vector(3), "normal": vector(2)}, neighbours._OF_WALL, sizes)

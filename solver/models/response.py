@@ -19,7 +19,7 @@ from ..ground.motion import Motion
 from .outputs import DIGITS, JOINT, FloatArray, Histories, units_of
 from .pictures import draw, scenes_of
 from .protocol import SCALAR, UNDECIDED
-from .uncertainty import Ensemble, ErrorEstimate
+from .uncertainty import Debris, Ensemble, ErrorEstimate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -91,6 +91,11 @@ class Result(Histories, Framed, NotebookRepr):
     def hits_before_fall(self) -> str:
         """The first hits of neighbours before the fall, in words; "" without any."""
         return ""
+
+    @property
+    def debris(self) -> Debris | None:
+        """What a run leaves that has gone on after its fall; None of others."""
+        return None
 
     @property
     def remarks(self) -> tuple[str, ...]:

@@ -93,6 +93,8 @@ class Ensemble:
         size of the spread; NaN if all fall.
     in_lanes : bool
         Whether eight runs were made at once.
+    debris : tuple of Debris
+        What each run leaves that has fallen and gone on (`after_fall`).
     """
 
     spread: Spread
@@ -103,6 +105,7 @@ class Ensemble:
     ux: FloatArray
     amplification: float
     in_lanes: bool  # whether eight ran at once
+    debris: tuple[Debris, ...] = ()  # of the runs that have fallen and gone on
     peak_ux = Alias("displacements")
 
     @property
@@ -119,6 +122,18 @@ class Ensemble:
     def undecided(self) -> int:
         """The number of runs without a verdict."""
         return self.verdicts.count("undecided")
+
+    @property
+    def envelope(self) -> FloatArray:
+        """The least and the largest coordinates of the centroids at the end of the fallen runs, m (2, n, 3)."""
+        places = np.array([one.places for one in self.debris])
+        return np.array([np.min(places, axis=0), np.max(places, axis=0)])
+
+    @property
+    def hit_shares(self) -> dict[str, float]:
+        """The fraction of the fallen runs in which two neighbours hit each other, by their names."""
+        every = sorted({name for one in self.debris for name in one.hits})
+        return {name: sum(name in one.hits for one in self.debris) / len(self.debris) for name in every}
 
     @property
     def share(self) -> float:
@@ -154,6 +169,13 @@ def vary(model: Any, motion: Motion, spread: Spread, rng: np.random.Generator) -
     return model.with_joints(stiffness, damping), motion.scaled(factors(spread.motion, 1)[0])
 
 
+class Debris(NamedTuple):
+    """What one run leaves: the places of the centroids at its end, m (n, 3), and the neighbours that have hit."""
+
+    places: FloatArray
+    hits: tuple[str, ...]
+
+
 class Varied(NamedTuple):
     """The result of one run of an ensemble: its verdict, time of overturning (s), peaks (n,) and history (nt, n), m."""
 
@@ -161,6 +183,7 @@ class Varied(NamedTuple):
     overturn_time: float
     peaks: FloatArray
     ux: FloatArray
+    debris: Debris | None = None  # of a run that goes on after a fall
 
 
 def ensemble_from(runs: Sequence[Varied], spread: Spread, time: FloatArray, in_lanes: bool) -> Ensemble:
@@ -183,6 +206,7 @@ def ensemble_from(runs: Sequence[Varied], spread: Spread, time: FloatArray, in_l
         ux=percentiles_of(ux),
         amplification=float(relative / max(spread.size, math.ulp(1.0))),
         in_lanes=in_lanes,
+        debris=tuple(run.debris for run in runs if run.debris is not None),
     )
 
 

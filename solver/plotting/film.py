@@ -98,7 +98,9 @@ def film(
     speed: float,
     callback: Progress | None,
 ) -> None:
-    """Write a film of a response, which ends 1 s after a fall; the arguments but the first are those of `Result.film`.
+    """Write a film of a response, which ends 1 s after a fall, or with the run.
+
+    The arguments but the first are those of `Result.film`.
 
     A GIF shows each frame for a whole number of hundredths of a second. Raises InputError if an argument is out of
     range, the film has more than `MOST_FRAMES` frames, or its format cannot be written; OSError.
@@ -108,7 +110,8 @@ def film(
     speed = check_number("speed", speed, POSITIVE, "seconds of motion in a second of film, positive")
     time = response.time
     # instants of the frames, up to shortly after a fall
-    end = min(float(time[-1]), np.nan_to_num(response.overturn_time + AFTER_FALL, nan=np.inf))
+    after = max(AFTER_FALL, getattr(response.model, "after_fall", 0.0))
+    end = min(float(time[-1]), np.nan_to_num(response.overturn_time + after, nan=np.inf))
     instants = np.arange(time[0], end + 1e-9, speed / fps)
     if len(instants) > MOST_FRAMES:
         raise InputError(

@@ -43,7 +43,8 @@ def _alone(model: Any, plan: RunPlan) -> Varied:
         falls = isinstance(failure, NoRestError)  # at once
         begin = float(plan.times[0]) if falls else math.nan
         return Varied(OVERTURNED if falls else UNDECIDED, begin, nothing[0], nothing)
-    return Varied(response.verdict, response.overturn_time, *model.kind.largest_of(response, places))
+    peaks, moved = model.kind.largest_of(response, places)
+    return Varied(response.verdict, response.overturn_time, peaks, moved, response.debris)
 
 
 def interruptible(work: Callable[[], Any]) -> Any:

@@ -70,6 +70,7 @@ def packed(structure: Structure) -> FloatArray:
     rest = rest_of(structure)
     model = with_modes(structure.model, modal_data_of(structure.with_settings(without=())).numbers)
     model.names.head.is_plane = float(structure.is_plane)
+    model.names.settings.after_fall = structure.after_fall
     phase = rest.phase.copy()
     if structure.is_plane:  # set to zero what is zero by symmetry
         seen = at.PHASE.see(phase, structure.n)

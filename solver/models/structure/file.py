@@ -25,7 +25,7 @@ from .blocks.placement import check_joints, check_places
 from .blocks.shapes import box, drum, placed, prism, rectangle, rotation_matrix
 from .convex import built_overlaps
 from .hull_tables import OF_HULL, OF_MESH, solid_from_hull
-from .neighbours import neighbours_from
+from .neighbours import after_fall_of, neighbours_from
 
 SHAPES = ("box", "drum", "prism", "hull", "mesh")
 _OF_SECTION = {
@@ -103,6 +103,7 @@ def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> d
     check_table("solver.", solver, ("tolerance", "without"))
     tolerance = check("solver.tolerance", solver.get("tolerance", TOLERANCE))
     gravity = check("g", data.get("g", 9.80665))
+    after_fall = after_fall_of(data)
     if "neighbours" not in data:
         _warn_of_overlaps(blocks, joints)
     found = {
@@ -111,7 +112,8 @@ def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> d
         "joints": tuple(joints),
         "ties": ties,
         "ports": ports,
-        "neighbours": neighbours_from(data, blocks, joints),
+        "neighbours": neighbours_from(data, blocks, joints, after_fall > 0.0),
+        "after_fall": after_fall,
         "g": gravity,
     }
     return found | {"tolerance": tolerance, "without": names_from("solver.without", solver.get("without", ()))}

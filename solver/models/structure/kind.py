@@ -172,6 +172,8 @@ def _reason_against_lanes(structure: Structure, keep: Collection[str]) -> str:
     """Return the reason why runs of a structure at rest cannot use lanes, or ""."""
     if not FROM_LANES.issuperset(keep):
         return "peaks of more than displacements and gaps"
+    if structure.after_fall:
+        return "the run goes on after a fall"
     return "" if structure.model.names.settings.order == 5.0 else "steps of order 8"
 
 

@@ -37,11 +37,10 @@ from .blocks.parts import (
 )
 from .file import in_space, names_from, parts_from, ports_of, written_out
 from .hull_tables import in_folder, with_hulls
-from .neighbours import neighbours_from
+from .neighbours import AFTER_FALL, after_fall_of, neighbours_from
 from .packing import PackedModel, Parts, centroid_of, model_of
 from .stack import in_three, stacked
 
-AFTER_FALL = (0.0, 1e3), "a time in s from 0, for which a run goes on after the first fall"
 LEAST_LENGTH = 1e-6  # m, of a tie
 # what can be left out: peaks other than those of displacements, steps by modes, stabilized steps
 SKIPS = ("peaks", "elastic", "stabilized")
@@ -263,13 +262,12 @@ class Structure(NotebookRepr):
         `neighbours` (theory.md section 17). Raises InputError if the file has no such table.
         """
         check_number("after_fall", after_fall, *AFTER_FALL)
-        if not after_fall or after_fall == self.after_fall:
-            return replace(self, after_fall=after_fall)
         data = self.described or {}
         if "neighbours" not in data:
             raise InputError(f"after_fall = {after_fall}: needs a table [neighbours], the law by which blocks meet")
-        found = neighbours_from(data, self.blocks, self.joints, after_fall=True)
-        return replace(self, neighbours=found, after_fall=after_fall)
+        data = {**data, "neighbours": {**data["neighbours"], "after_fall": after_fall}}
+        found = neighbours_from(data, self.blocks, self.joints, after_fall > 0.0)
+        return replace(self, neighbours=found, after_fall=after_fall, described=data)
 
     def with_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Structure:
         """Return a copy whose joints have these moduli (N/m3) and dampings (s).
@@ -308,10 +306,12 @@ class Structure(NotebookRepr):
             beside = {key: data[key] for key in BESIDE_COLUMN if key in data}
             if not beside:
                 return made
+            after_fall = after_fall_of(data)
             return replace(
                 made,
                 ports=ports_of(in_three(data), made.blocks) if "port" in data else made.ports,
-                neighbours=neighbours_from(data, made.blocks, made.joints),
+                neighbours=neighbours_from(data, made.blocks, made.joints, after_fall > 0.0),
+                after_fall=after_fall,
                 described={**(made.described or {}), **beside},
             )
         data, surfaces = with_hulls(data)

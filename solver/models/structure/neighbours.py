@@ -34,7 +34,8 @@ _RANGES = {
 }
 _OF_WALL = ("at", "normal", "width", "height")
 _OF_PAIR = ("between", "gap", *(name for name in _RANGES if name != "reach"))
-KEYS = (*_RANGES, "pair", "wall")
+AFTER_FALL = (0.0, 1e3), "a time in s from 0, for which a run goes on after the first fall"
+KEYS = (*_RANGES, "after_fall", "pair", "wall")
 _DIRECTION = (-1e6, 1e6), "a number, at most 1e6 either way"
 _MEANT = {
     "at": "the middle [x, y, z] of its lower edge, three lengths in m",
@@ -49,6 +50,13 @@ PARALLEL = 0.5  # cosine of the angle between the axis of a drum and a face beyo
 OPPOSITE = -0.9  # largest cosine of the angle between the normals of faces that face each other
 LEAST = 1e-6  # of half the length of a drum: sides that face each other over less do not meet
 NEAR = 1e-6  # m
+
+
+def after_fall_of(data: Mapping[str, Any]) -> float:
+    """Return for how long a run goes on after the first fall, s, by a structure's file. Raises InputError."""
+    table = data.get("neighbours", {})
+    given = table.get("after_fall", 0.0) if isinstance(table, Mapping) else 0.0
+    return check_number("neighbours.after_fall", given, *AFTER_FALL)
 
 
 def neighbours_from(

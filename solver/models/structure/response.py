@@ -19,6 +19,7 @@ from ...common.notebook import history, rows_of
 from ..outputs import BASE, CONTACT, TIE, peaks_by_name
 from ..pictures import draw
 from ..response import Result
+from ..uncertainty import Debris
 from .blocks.faces import FloatArray
 from .outputs import OUTPUTS, StructureHistories
 from .overlap import Overlap, deepest_overlap
@@ -168,6 +169,15 @@ class SpatialResponse(StructureHistories, Result):
         hits = [f"{one.between} at {one.first:.4g} s" for one in self.impacts if one.first <= self.overturn_time]
         more = f" and {len(hits) - MOST_HITS} more pairs" if len(hits) > MOST_HITS else ""
         return f"{', '.join(hits[:MOST_HITS])}{more}"
+
+    @property
+    def debris(self) -> Debris | None:
+        """The places at the end and the neighbours that have hit, of a run that has gone on after its fall."""
+        if not self.model.after_fall or not self.overturned:
+            return None
+        moved = np.column_stack([self.ux[-1], self.uy[-1], self.uz[-1]])
+        places = np.array([block.centroid for block in self.model.blocks]) + moved
+        return Debris(places, tuple(one.between for one in self.impacts if one.force > 0.0))
 
     @cached_property
     def overlap(self) -> Overlap:
