@@ -159,9 +159,12 @@ class SpatialResponse(StructureHistories, Result):
         (pressed,), pair = np.nonzero(self.hit[:, k] > 0.0), self.model.neighbours[k]
         if not len(pressed) or pressed[0] < 2:
             return math.nan
-        rate = np.diff(self.gap[:, k])[pressed[0] - 2] / (self.time[1] - self.time[0])
+        before, closer = self.gap[pressed[0] - 2 : pressed[0], k].tolist()
+        if not math.isfinite(before):  # joined until then
+            return math.nan
+        rate = (closer - before) / float(self.time[1] - self.time[0])
         masses = [self.model.blocks[i].mass for i in (pair.one, pair.other) if i < self.model.n]
-        return float(0.5 * rate * rate / sum(1.0 / mass for mass in masses)) if math.isfinite(rate) else math.nan
+        return 0.5 * rate * rate / sum(1.0 / mass for mass in masses)
 
     @property
     def hits_before_fall(self) -> str:
