@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from solver.common.ranges import LENGTH, NUMBERS
-from solver.kernels.column.api import engine
+from solver.kernels.column.api import driven_entries, engine
 from solver.kernels.column.model import description
 from solver.kernels.layout import spaces as at
 from solver.models.column.block import (
@@ -92,7 +92,7 @@ def column_subject(column: Column, drive: Drive = USUAL) -> NativeSubject:
         segment=at.BASE.fields.index("segment"),
         ranges=state_ranges.of_column(n, spots, len(of_ports), drive.is_chosen),
         base=at.BASE.fields,
-        group=column.kind.entries.run.group,
+        group=driven_entries.follow.group,
     )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from solver.common.ranges import NUMBERS
 from solver.ground.motion import LARGEST, Motion
-from solver.kernels.column.api import entries as of_columns
+from solver.kernels.column.api import driven_entries as of_columns
 from solver.kernels.column.model.description import DETAILS
 from solver.kernels.layout.spaces import DRIVES
 from solver.kernels.machine.entry import ENTRIES, Entry
@@ -91,7 +91,7 @@ class NativeSubject:
     segment: int = -1  # index in `base` of the number of a sample, -1 without one
     ranges: Ranges | None = None  # of the numbers of its state; None: all are finite
     base: tuple[str, ...] = ()  # fields of `base`; accelerations by the names of their inputs
-    group: str = of_columns.run.group  # of its kernels (solver/kernels/machine/groups.py)
+    group: str = of_columns.follow.group  # of its kernels (solver/kernels/machine/groups.py)
 
     @property
     def lines(self) -> dict[str, str]:
@@ -208,7 +208,7 @@ def arguments(entry: Entry) -> dict[str, str]:
 
 def given_to(name: str) -> dict[str, str]:
     """Return the arguments that the core gives to the kernel of a name: those of columns, and ay of a record."""
-    known = arguments(ENTRIES[of_columns.run.group, name])
+    known = arguments(ENTRIES[of_columns.follow.group, name])
     return known | ({"ay": "const double *ay"} if "ax" in known else {})
 
 

@@ -259,6 +259,9 @@ class Kind:
         """Return the simplest model that moves alike from rest under this motion: the model itself by default."""
         return model
 
+    def load_for_single_runs(self) -> None:
+        """Load the kernels of single runs into this process; those that must be made are made at the same time."""
+
     def single_run(self, model: Any, plan: RunPlan) -> tuple[Any, FloatArray]:
         """Run a model.
 

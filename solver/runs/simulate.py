@@ -205,6 +205,7 @@ def simulate(
         if value is not None and name not in kind.settings:
             raise InputError(f"{name} = {shown(value)}: must be left out, a {kind.word} has none")
     column = column.with_settings(**{name: value for name, value in given.items() if name in kind.settings})
+    kind.load_for_single_runs()
     kind.check(column, from_rest=initial is None)
     warn_of(kind.warnings(column, at_rest=initial is None))
     # run, repetition with smaller errors, ensemble

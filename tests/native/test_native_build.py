@@ -174,7 +174,7 @@ def test_a_kernel_that_takes_another_argument_does_not_compile(tmp_path: Path) -
     assert "upright" in compile_core(folder)
 
 
-@pytest.mark.parametrize("group", ["column", "structure_driven"])
+@pytest.mark.parametrize("group", ["column_driven", "structure_driven"])
 def test_arguments_lie_as_the_entry_reads_them(tmp_path: Path, group: str) -> None:
     subject = replace(contents_of(read_body(DAMPED)).subject, group=group)
     (tmp_path / "contract.h").write_text(table.contract(subject), encoding="utf-8")

@@ -70,7 +70,7 @@ def test_a_column_needs_no_group_but_its_own(module: ModuleType) -> None:
     assert used - {"statics"} == {module.run.group, *(group for group in used if "lanes" in group)}
 
 
-@pytest.mark.parametrize("group", ["column", "structure_driven"])
+@pytest.mark.parametrize("group", ["column_driven", "structure_driven"])
 def test_a_native_fmu_names_all_slots_of_a_call(group: str) -> None:
     for name in table.CALLED:
         entry = ENTRIES[group, name]
@@ -211,6 +211,25 @@ def made_now(monkeypatch: pytest.MonkeyPatch) -> bytes:
     return making.made(["statics"])[0]
 
 
+@pytest.mark.parametrize(("cores", "processes"), [(1, [["column", "statics"]]), (2, [["column"], ["statics"]])])
+def test_groups_needed_together_are_made_at_the_same_time(
+    monkeypatch: pytest.MonkeyPatch, cores: int, processes: list[list[str]]
+) -> None:
+    made: list[list[str]] = []
+
+    def quick(groups: list[str]) -> list[bytes]:
+        made.append(groups)
+        return [name.encode() for name in groups]
+
+    monkeypatch.setattr(making, "kept_code", {"lanes": b"kept"}.get)
+    monkeypatch.setattr(making, "made", quick)
+    monkeypatch.setattr(os, "cpu_count", lambda: cores)
+    assert making.code_with("column", ["statics", "lanes"]) == {"column": b"column", "statics": b"statics"}
+    assert sorted(made) == processes
+    assert making.code_with("lanes", ["statics"]) == {"lanes": b"kept"}
+    assert sorted(made) == processes
+
+
 @pytest.mark.skipif(os.name == "nt", reason="folders of a user on Windows are his own")
 @pytest.mark.parametrize("harm", [opened, given_away])
 @pytest.mark.parametrize("inside", ["", "code"])
@@ -283,7 +302,7 @@ def test_a_lower_level_can_be_chosen_and_no_other(monkeypatch: pytest.MonkeyPatc
 
 def test_what_cannot_be_made_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(making, "_python", lambda: sys.executable)
-    with pytest.raises(MachineCodeError, match=r"^the kernels of joints cannot be compiled: LLVM ERROR: .*"):
+    with pytest.raises(MachineCodeError, match=r"^the kernels of columns at rest cannot be compiled: LLVM ERROR: .*"):
         making.run_make({"statics": {"no such": Path("/nonexistent/x.o")}})
 
 
@@ -301,7 +320,10 @@ class Terminal(io.StringIO):
 
 
 def test_a_terminal_says_what_is_compiled_and_a_pipe_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    for shown, said in ((Terminal(), "compiling the kernels of joints, once: about 6 s\n"), (io.StringIO(), "")):
+    for shown, said in (
+        (Terminal(), "compiling the kernels of columns at rest, once: about 8 s\n"),
+        (io.StringIO(), ""),
+    ):
         monkeypatch.setattr(sys, "stderr", shown)
         monkeypatch.setattr(making, "keep", lambda *_: None)
         made_now(monkeypatch)
@@ -314,7 +336,7 @@ def test_a_command_says_it_in_a_pipe_too_and_nothing_stays(
     monkeypatch.setattr(making, "keep", lambda *_: None)
     with announcing(print):
         made_now(monkeypatch)
-    assert capsys.readouterr().out == "compiling the kernels of joints, once: about 6 s\n"
+    assert capsys.readouterr().out == "compiling the kernels of columns at rest, once: about 8 s\n"
     made_now(monkeypatch)
     assert capsys.readouterr() == ("", "")
 

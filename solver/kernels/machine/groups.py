@@ -12,6 +12,8 @@ class Group(NamedTuple):
     purpose: str
     seconds: int  # that it takes to make, measured on one core
     beside: str = ""  # what identifies the sources of a module that is elsewhere
+    along: tuple[str, ...] = ()  # groups needed with it, which a first need makes at the same time
+    is_packaged: bool = True  # False: native FMUs alone have it
 
     @property
     def whole_module(self) -> str:
@@ -20,17 +22,18 @@ class Group(NamedTuple):
 
 
 GROUPS = {
-    "column": Group("column.api.entries", "columns", 45),
-    "statics": Group("column.api.entries", "joints", 6),
+    "column": Group("column.api.entries", "columns", 30, along=("statics",)),
+    "column_driven": Group("column.api.entries", "columns without Python", 40, is_packaged=False),
+    "statics": Group("column.api.entries", "columns at rest", 8),
     "paper": Group("paper.entries", "the paper's columns", 15),
     "paper_lanes": Group("paper.entries", "the paper's columns in lanes", 8),
-    "lanes": Group("column.batch.entries", "columns in lanes", 12),
-    "lanes_round": Group("column.batch.entries", "round columns in lanes", 12),
-    "lanes_slipping": Group("column.batch.entries", "sliding columns in lanes", 14),
-    "lanes_round_slipping": Group("column.batch.entries", "round sliding columns in lanes", 15),
-    "lanes_strips": Group("column.batch.entries", "columns on strips in lanes", 18),
-    "lanes_rims": Group("column.batch.entries", "columns with rims in lanes", 20),
-    "structure": Group("structure.entries", "structures", 45),
+    "lanes": Group("column.batch.entries", "columns in lanes", 12, along=("statics",)),
+    "lanes_round": Group("column.batch.entries", "round columns in lanes", 12, along=("statics",)),
+    "lanes_slipping": Group("column.batch.entries", "sliding columns in lanes", 14, along=("statics",)),
+    "lanes_round_slipping": Group("column.batch.entries", "round sliding columns in lanes", 15, along=("statics",)),
+    "lanes_strips": Group("column.batch.entries", "columns on strips in lanes", 18, along=("statics",)),
+    "lanes_rims": Group("column.batch.entries", "columns with rims in lanes", 20, along=("statics",)),
+    "structure": Group("structure.entries", "structures", 35),
     "structure_driven": Group("structure.entries", "structures that FMUs drive", 40),
     "structure_lanes": Group("structure.entries", "structures in lanes", 30),
 }

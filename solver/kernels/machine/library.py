@@ -74,14 +74,15 @@ def _address_of(group: str) -> Callable[[str], int]:
         if file is not None and file.suffix != ".o":
             _opened[group] = _linked(file)
         else:
-            _opened[group] = _from_object(file.read_bytes() if file is not None else _kept_or_made(group), group)
+            codes = {group: file.read_bytes()} if file is not None else _kept_or_made(group)
+            _opened.update({name: _from_object(code, name) for name, code in codes.items()})
     return _opened[group]
 
 
-def _kept_or_made(group: str) -> bytes:
-    from .making import kept_code, made  # what is in the package needs no compiler
+def _kept_or_made(group: str) -> dict[str, bytes]:
+    from .making import code_with  # what is in the package needs no compiler
 
-    return kept_code(group) or made([group])[0]
+    return code_with(group, [other for other in GROUPS[group].along if other not in _opened and not _packaged(other)])
 
 
 def _checked(name: str, group: str, address: int) -> int:

@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import PackageNotFoundError, version
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import TypeVar
 
@@ -31,6 +31,17 @@ Found = TypeVar("Found")
 def kept_code(group: str) -> bytes | None:
     """Return the object code of a group that is stored for this processor; None if there is none."""
     return kept(KEPT, _key(group))
+
+
+def code_with(group: str, others: Iterable[str]) -> dict[str, bytes]:
+    """Return the object code of a group, stored or made now; if made, with that of others for which none is stored."""
+    if (code := kept_code(group)) is not None:
+        return {group: code}
+    missing = [other for other in others if kept_code(other) is None]
+    # two processes, since the group that takes longest decides; one on a single core, which types shared kernels once
+    parts = [[group], missing] if missing and (os.cpu_count() or 1) > 1 else [[group, *missing]]
+    with ThreadPoolExecutor(len(parts)) as threads:
+        return dict(zip([group, *missing], chain(*threads.map(made, parts)), strict=True))
 
 
 def make(groups: Iterable[str]) -> None:

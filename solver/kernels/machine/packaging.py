@@ -23,6 +23,7 @@ from .messages import MachineCodeError
 from .sources import SOURCES
 from .zig import LINUX, LINUX_ARM, MACOS, MACOS_ARM, WINDOWS, Target, has_linker, link
 
+PACKAGED = [name for name, group in GROUPS.items() if group.is_packaged]
 KEPT = "libraries"  # folder of the user
 PREFIX = "kernel_"  # of the entries in the code of native FMUs
 # operating system, by its name in platform tags of wheels -> level -> target; the suffix of its libraries
@@ -59,7 +60,7 @@ class _TargetCode(NamedTuple):
     file: str
 
 
-def libraries(groups: Iterable[str] = GROUPS, platforms: Iterable[str] = PLATFORMS) -> dict[str, bytes]:
+def libraries(groups: Iterable[str] = PACKAGED, platforms: Iterable[str] = PLATFORMS) -> dict[str, bytes]:
     """Return the files of groups for platforms, name -> content; they are made on all cores, and stored.
 
     Without zig they are object code for the levels of this machine's processor, which needs llvmlite to run.

@@ -44,17 +44,15 @@ def native(*signature: Any) -> Callable[..., Any]:
 
 
 def as_written(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[Any, str]:
-    """Return the LLVM module of a kernel for these types, with all its callees, and its name in the module.
+    """Return the library of a kernel for these types, to be linked (linking.py), and its name in the module.
 
     The function returns 0 and writes its result to the address in its first argument, as numba's functions do.
     """
     typed: Any = kernel(function)
     typed.compile(arguments)
-    # the only signature; all callees linked in
+    # the only signature
     (found,) = typed.overloads.values()
-    name, module = found.fndesc.mangled_name, found.library.with_called()
-    module.get_function(name).linkage = "external"
-    return module, name
+    return found.library, found.fndesc.mangled_name
 
 
 def by_width(chooses: Callable[..., Any], leaf: bool = True) -> Callable[..., Any]:

@@ -11,22 +11,27 @@ All private parts of numba that this uses are listed in numba_parts.py, which re
 import gc
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from functools import lru_cache
 from typing import Any
 
 from llvmlite import binding as llvm
+from numba.core.base import BaseContext
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, DefaultPassBuilder
 from numba.core.compiler_machinery import LoweringPass, register_pass
 from numba.core.typed_passes import NativeLowering
+from numba.core.types import ArrayCompatible
+from numba.core.typing.npydecl import NumpyRulesArrayOperator
 
 # What numba looks for and kernels do not have: closures, `with`, `raise` of what is only known as it runs,
-# `literally`, `literal_unroll`, functions that it inlines as Python, expressions of arrays, loops in parallel. Each of
-# these passes goes through the whole function, most more than once.
+# `literally`, `literal_unroll`, functions that it inlines as Python, expressions of arrays, loops in parallel, objects
+# to release (IRLegalization marks where). Each of these passes goes through the whole function, most more than once.
 _NEEDLESS = {
     "DumpParforDiagnostics",
     "FindLiterallyCalls",
     "IRProcessing",
     "InlineClosureLikes",
+    "IRLegalization",
     "InlineInlinables",
     "InlineOverloads",
     "LiteralPropagationSubPipelinePass",
@@ -38,6 +43,21 @@ _NEEDLESS = {
     "WithLifting",
 }
 
+# It also searches numpy's functions of arrays for every operator, and asks LLVM for the size of every variable, in a
+# fifth of the time.
+_of_arrays = NumpyRulesArrayOperator.generic
+
+
+def _if_arrays(rules: Any, arguments: Any, named: Any) -> Any:
+    """Return the signature of an operator for arrays; None without an array, as numba does after the search."""
+    found = any(isinstance(argument, ArrayCompatible) for argument in arguments)
+    return _of_arrays(rules, arguments, named) if found else None
+
+
+NumpyRulesArrayOperator.generic = _if_arrays  # type: ignore[method-assign]
+BaseContext.get_abi_sizeof = lru_cache(maxsize=None)(BaseContext.get_abi_sizeof)  # type: ignore[method-assign]
+
+_PORTION = 24  # of kernels that are linked at once
 _EXTERNAL, _SHARED, _OWN = llvm.Linkage.external, llvm.Linkage.linkonce_odr, llvm.Linkage.internal
 
 
@@ -87,6 +107,23 @@ class WaitingLibrary(JITCodeLibrary):  # type: ignore[misc]
         if self._shared_module is None:
             self._shared_module = self.with_called()
         return self._shared_module
+
+
+def linked(libraries: Iterable[Any]) -> llvm.ModuleRef:
+    """Return the module of kernels and all their callees, each linked once."""
+    whole, below = llvm.parse_assembly(""), list(_below(libraries, {}))
+    waiting = [library._final_module for library in below if isinstance(library, WaitingLibrary)]
+    # in portions: the linker scans the module that it adds to at every call
+    for first in range(0, len(waiting), _PORTION):
+        portion = llvm.parse_assembly("")
+        for module in waiting[first : first + _PORTION]:
+            portion.link_in(module, preserve=True)
+        whole.link_in(portion)
+    # of numba's own functions, which callers share, the linker takes those that are called by now
+    for library in below:
+        if not isinstance(library, WaitingLibrary):
+            whole.link_in(library._get_module_for_linking(), preserve=True)
+    return whole
 
 
 def _module_of(library: Any) -> llvm.ModuleRef:

@@ -21,7 +21,7 @@ from ..machine.entry import Entry, entries_of
 from ..machine.kinds import Int, Ints, Real, Reals, SizedReals
 from ..machine.level import ARM, X86, is_arm
 from .jit import as_written
-from .linking import collecting_seldom
+from .linking import collecting_seldom, linked
 from .rows import RowType, SizedType
 
 _I32, _I64, _DOUBLE = ir.IntType(32), ir.IntType(64), ir.DoubleType()
@@ -54,14 +54,16 @@ def module_of(group: str) -> llvm.ModuleRef:
     # the module registers its entries
     module, _, name = group.partition(":")
     importlib.import_module(module)
-    whole, offered = llvm.parse_assembly(""), set()
+    entries, libraries, bridges = entries_of(name), [], []
     # each entry, with its bridge
-    for entry in entries_of(name):
-        part, inside = as_written(entry.function, tuple(NUMBAS[kind] for kind in entry.kinds.values()))
-        whole.link_in(part)
-        whole.link_in(llvm.parse_assembly(str(bridge(entry, inside))))
-        offered.add(entry.__name__)
+    for entry in entries:
+        library, inside = as_written(entry.function, tuple(NUMBAS[kind] for kind in entry.kinds.values()))
+        libraries.append(library)
+        bridges.append(str(bridge(entry, inside)))
         tell(f"kernels typed: {entry.__name__}")
+    whole, offered = linked(libraries), {entry.__name__ for entry in entries}
+    for text in bridges:
+        whole.link_in(llvm.parse_assembly(text))
     # only the entries are exported
     for item in [*whole.functions, *whole.global_variables]:
         if not item.is_declaration:

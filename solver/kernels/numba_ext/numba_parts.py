@@ -57,6 +57,7 @@ _LINKING: tuple[tuple[str, str, str], ...] = (
         "_get_module_for_linking _raise_if_finalized _finalized _final_module _shared_module _linking_libraries "
         "_codegen",
     ),
+    ("numba.core.base", "BaseContext", "get_abi_sizeof"),
     ("numba.core.codegen", "CPUCodegen", "_data_layout"),
     ("numba.core.compiler", "Compiler", "compile_extra define_pipelines state"),
     ("numba.core.compiler", "DefaultPassBuilder", "define_nopython_pipeline"),
@@ -65,6 +66,8 @@ _LINKING: tuple[tuple[str, str, str], ...] = (
     ("numba.core.compiler_machinery", "register_pass", ""),
     ("numba.core.cpu", "CPUContext", "codegen insert_user_function"),
     ("numba.core.typed_passes", "NativeLowering", ""),
+    ("numba.core.types", "ArrayCompatible", ""),
+    ("numba.core.typing.npydecl", "NumpyRulesArrayOperator", "generic"),
     ("llvmlite.binding", "Linkage", "external internal linkonce_odr"),
     ("llvmlite.binding", "ModuleRef", "clone functions global_variables link_in verify"),
 )

@@ -19,6 +19,7 @@ from ...kernels.column.formulations.coupled_base import BODY
 from ...kernels.engine.control import most_work
 from ...kernels.layout import spaces as at
 from ...kernels.machine.entry import Call, offset
+from ...kernels.machine.library import load
 from ..outputs import BOND, peaks_by_name, visible_peaks
 from ..samples import NO_SAMPLES, Samples, plain, samples_of
 from .model import Column
@@ -68,6 +69,7 @@ class Stepper:
         self.column = column
         self.n = column.n
         self._entries = column.kind.entries
+        load(self._entries.run.group)  # before `assemble`, so that both groups are made at the same time
         self.arrays: Arrays = arrays_of(column)
         if initial is not None:
             set_initial(column, self.arrays.state, initial)

@@ -14,7 +14,7 @@ from ..output.watch import Watch
 from . import engine, slopes
 
 _row, _split = ROW.over, SPLIT.over
-_of_columns = entry("column", f"{__package__}.entries")  # the module of the group, which imports this one
+of_columns = entry("column_driven", f"{__package__}.entries")  # the module of the group, which imports this one
 
 
 @leaf
@@ -24,7 +24,7 @@ def _driven(n, model, state, counts, base, work, times, ax, az, scale):
     return engine.column_over(n, model, state, counts, base, samples, work)
 
 
-@_of_columns
+@of_columns
 def follow(
     n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, inputs: Reals, start: Real, h: Real,
     times: SizedReals, ax: Reals, az: Reals, scale: Real, row: Reals, split: Reals,
@@ -34,7 +34,7 @@ def follow(
     return engine.follow(column, inputs, start, h, Watch(0, work, work, 1), _row(row, n), _split(split, 0))
 
 
-@_of_columns
+@of_columns
 def look(
     n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, inputs: Reals, new_inputs: Int,
     upright: Int, elapsed: Real, t: Real, times: SizedReals, ax: Reals, az: Reals, scale: Real, row: Reals,
@@ -45,7 +45,7 @@ def look(
     return engine.look(column, inputs, new_inputs, upright, elapsed, t, _row(row, n), _split(split, 0))
 
 
-@_of_columns
+@of_columns
 def rates(
     n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, t: Real, times: SizedReals,
     ax: Reals, az: Reals, scale: Real, row: Reals, split: Reals, other: Reals, other_split: Reals,
@@ -56,7 +56,7 @@ def rates(
     return slopes.rates(column, t, here, _split(split, 0), there, _split(other_split, 0))
 
 
-@_of_columns
+@of_columns
 def feedthrough(
     n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, inputs: Reals, seeds: Reals,
     elapsed: Real, t: Real, times: SizedReals, ax: Reals, az: Reals, scale: Real, row: Reals, split: Reals,

@@ -21,7 +21,7 @@ from ..output.watch import Watch
 from ..sections.faces import FaceShape
 from ..sections.section import contact_of, lay_out, part_stiffness
 from ..stepping.advance import advance
-from . import driven_entries, engine  # noqa: F401  the first has entries of the group
+from . import driven_entries, engine
 from .engine import BASE_INPUTS
 from .observing import base_of, observe_all, see
 
@@ -29,7 +29,7 @@ _model = MODEL.over
 _row, _split, _base, _base_inputs, _INPUTS = ROW.over, SPLIT.over, BASE.over, BASE_INPUTS.over, BASE_INPUTS.beside
 
 
-def entries_of(group, module, column_over=engine.column_over, assembled=engine.assemble):
+def entries_of(group, module, column_over=engine.column_over, assembled=engine.assemble, at_rest=None):
     """Return `assemble`, `run`, `observe_state`, `observe_snapshots`, and three of a base that bodies drive.
 
     Parameters
@@ -40,6 +40,8 @@ def entries_of(group, module, column_over=engine.column_over, assembled=engine.a
         A leaf that returns the column over its rows (engine.py, `column_in`).
     assembled : callable
         A kernel with the arguments of `engine.assemble`.
+    at_rest : str, optional
+        Group of `assemble` and of the base; None: the same.
     """
 
     def assemble(
@@ -99,12 +101,16 @@ def entries_of(group, module, column_over=engine.column_over, assembled=engine.a
         """Run `allowed_step.examine_step`."""
         examine_step(_model(model, n), _base(base, 0), h)
 
-    # entries of the group
-    every = assemble, run, observe_state, observe_snapshots, arrive_base, couple_base, examine_base
-    return [entry(group, module)(made) for made in every]
+    # entries of both groups
+    of_rest, of_motion = entry(at_rest or group, module), entry(group, module)
+    moving = [of_motion(made) for made in (run, observe_state, observe_snapshots)]
+    return [of_rest(assemble), *moving, *(of_rest(made) for made in (arrive_base, couple_base, examine_base))]
 
 
-assemble, run, observe_state, observe_snapshots, arrive_base, couple_base, examine_base = entries_of("column", __name__)
+assemble, run, observe_state, observe_snapshots, arrive_base, couple_base, examine_base = entries_of(
+    "column", __name__, at_rest="statics"
+)
+driven_entries.of_columns(assemble.function)
 
 
 # --- joints, for Python code without a closed form of its own
