@@ -21,18 +21,19 @@ class Group(NamedTuple):
         return self.module if self.beside else f"{KERNELS}.{self.module}"
 
 
+_ALONE = "column", "statics"  # that follow a run before and after its lane
 GROUPS = {
     "column": Group("column.api.entries", "columns", 30, along=("statics",)),
     "column_driven": Group("column.api.entries", "columns without Python", 40, is_packaged=False),
     "statics": Group("column.api.entries", "columns at rest", 8),
     "paper": Group("paper.entries", "the paper's columns", 15),
     "paper_lanes": Group("paper.entries", "the paper's columns in lanes", 8),
-    "lanes": Group("column.batch.entries", "columns in lanes", 12, along=("statics",)),
-    "lanes_round": Group("column.batch.entries", "round columns in lanes", 12, along=("statics",)),
-    "lanes_slipping": Group("column.batch.entries", "sliding columns in lanes", 14, along=("statics",)),
-    "lanes_round_slipping": Group("column.batch.entries", "round sliding columns in lanes", 15, along=("statics",)),
-    "lanes_strips": Group("column.batch.entries", "columns on strips in lanes", 18, along=("statics",)),
-    "lanes_rims": Group("column.batch.entries", "columns with rims in lanes", 20, along=("statics",)),
+    "lanes": Group("column.batch.entries", "columns in lanes", 12, along=_ALONE),
+    "lanes_round": Group("column.batch.entries", "round columns in lanes", 12, along=_ALONE),
+    "lanes_slipping": Group("column.batch.entries", "sliding columns in lanes", 14, along=_ALONE),
+    "lanes_round_slipping": Group("column.batch.entries", "round sliding columns in lanes", 15, along=_ALONE),
+    "lanes_strips": Group("column.batch.entries", "columns on strips in lanes", 18, along=_ALONE),
+    "lanes_rims": Group("column.batch.entries", "columns with rims in lanes", 20, along=_ALONE),
     "structure": Group("structure.entries", "structures", 35),
     "structure_driven": Group("structure.entries", "structures that FMUs drive", 40),
     "structure_lanes": Group("structure.entries", "structures in lanes", 30),

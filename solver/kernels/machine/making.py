@@ -37,11 +37,13 @@ def code_with(group: str, others: Iterable[str]) -> dict[str, bytes]:
     """Return the object code of a group, stored or made now; if made, with that of others for which none is stored."""
     if (code := kept_code(group)) is not None:
         return {group: code}
-    missing = [other for other in others if kept_code(other) is None]
-    # two processes, since the group that takes longest decides; one on a single core, which types shared kernels once
-    parts = [[group], missing] if missing and (os.cpu_count() or 1) > 1 else [[group, *missing]]
+    missing = [group, *(other for other in others if kept_code(other) is None)]
+    missing.sort(key=lambda name: -GROUPS[name].seconds)
+    # the group that takes longest in a process of its own; one process on a single core types shared kernels once
+    alone = 1 if len(missing) > 1 and (os.cpu_count() or 1) > 1 else len(missing)
+    parts = list(filter(None, (missing[:alone], missing[alone:])))
     with ThreadPoolExecutor(len(parts)) as threads:
-        return dict(zip([group, *missing], chain(*threads.map(made, parts)), strict=True))
+        return dict(zip(missing, chain(*threads.map(made, parts)), strict=True))
 
 
 def make(groups: Iterable[str]) -> None:
