@@ -10,6 +10,7 @@ from solver import Column, Motion, simulate
 from solver.common.errors import InputError
 from solver.ground import wavelets
 from solver.models.structure.blocks.shapes import turned
+from solver.models.structure.convex import distance, hulls_of
 from solver.models.structure.model import Structure
 from solver.models.structure.overlap import Overlap
 from solver.models.structure.response import SpatialResponse
@@ -97,3 +98,56 @@ def test_what_cannot_go_on_is_refused() -> None:
     column = Column.from_toml(ROOT / "examples" / "columns" / "phocas.toml")
     with pytest.raises(InputError, match=r"after_fall = 2\.0: must be left out, only a structure goes on"):
         simulate(column, still, after_fall=2.0)
+
+
+def _scene(seed: int) -> tuple[Structure, Motion]:
+    """Return three to five blocks of random shapes near each other, and a motion that throws them about."""
+    rng = np.random.default_rng(seed)
+    blocks, x = [], 0.0
+    for k in range(int(rng.integers(3, 6))):
+        width, depth, height = rng.uniform(0.3, 0.8, 3) * [1.0, 1.0, 3.0]
+        shape = [
+            {"width": width, "depth": depth, "height": height},
+            {"shape": "drum", "diameter": width, "height": height},
+            {"width": width, "depth": depth, "height": height, "top_width": 0.6 * width, "top_depth": 0.8 * depth},
+        ][int(rng.integers(3))]
+        at = [x + 0.5 * width, float(rng.uniform(-0.2, 0.2))]
+        turn = {"rotation": [0.0, 0.0, float(rng.uniform(-0.2, 0.2))]} if "shape" not in shape else {}
+        blocks.append({"name": f"b{k}", "on": "base", "at": at, "density": 2500.0, **turn, **shape})
+        x += width + float(rng.uniform(0.15, 0.4))
+    law = {"stiffness": 1e9, "damping": 2e-3, "friction": float(rng.uniform(0.2, 0.8))}
+    meet = {"stiffness": 1e9, "line_stiffness": 1e9, "restitution": float(rng.uniform(0.1, 0.7)), "friction": 0.3}
+    made = Structure.from_dict({"name": "row", "joints": law, "neighbours": meet, "block": blocks})
+    motion = Motion.harmonic(float(rng.uniform(0.5, 0.9)) * G, float(rng.uniform(0.7, 1.3)), 2.0, direction=0.7)
+    return made.with_settings(tolerance=1e-3), motion
+
+
+def _check_depths(seed: int) -> int:
+    """Compare the overlap of all blocks with what their contacts say, by separating axes; return the pairs that hit."""
+    made, motion = _scene(seed)
+    found = simulate(made, motion, duration=3.0, after_fall=3.0, settle=0.0, check=False)
+    rows = slice(None, None, 10)
+    u = np.stack([found.ux, found.uy, found.uz], axis=-1)[rows]
+    turn, gaps, hits = found.rotation[rows], found.gap[rows], 0
+    for k, pair in enumerate(found.model.neighbours):
+        if pair.other == made.n:
+            continue
+        one, other = made.blocks[pair.one], made.blocks[pair.other]
+        between = other.centroid - one.centroid + u[:, pair.other] - u[:, pair.one]
+        away = distance(hulls_of(one)[0], hulls_of(other)[0], turn[:, pair.one], turn[:, pair.other], between)
+        # an edge or a corner lies deeper than twice the height of its cells; a drum is a prism 1.7 % within
+        within = 0.035 * max((face.radius for block in (one, other) for face in block.faces), default=0.0)
+        assert np.max(-away - 3.0 * np.maximum(-gaps[:, k], 0.0)) <= within + 1e-4, (seed, found.model.contact_names[k])
+        hits += int(np.any(gaps[:, k] < 0.0))
+    return hits
+
+
+def test_no_blocks_overlap_deeper_than_their_contact_says() -> None:
+    assert sum(_check_depths(seed) for seed in range(8)) > 8
+
+
+@pytest.mark.campaign
+@pytest.mark.long
+@pytest.mark.parametrize("first", range(0, 430, 43))
+def test_no_blocks_of_430_scenes_overlap_deeper_than_their_contact_says(first: int) -> None:
+    assert sum(_check_depths(seed) for seed in range(first, first + 43)) > 43
