@@ -21,6 +21,7 @@ from . import (
     engines,
     evaluation,
     executors,
+    falls,
     in_space,
     machine,
     neighbours,
@@ -227,6 +228,11 @@ def measure_neighbours(wanted: Scenes, quick: bool, results: Results) -> Iterato
     return _measured("neighbours", neighbours.measure(quick), results)
 
 
+def measure_falls(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
+    """Measure convex bodies that are thrown at each other, and a colonnade that falls."""
+    return _measured("falls", falls.measure(quick), results)
+
+
 def measure_engines(wanted: Scenes, quick: bool, results: Results) -> Iterator[None]:
     """Compare structures in space with physics engines."""
     return _measured("engines", [engines.against_engines(quick)], results)
@@ -259,6 +265,7 @@ PARTS: dict[str, Callable[[Scenes, bool, Results], Iterator[None]]] = {
     "space": measure_space,
     "engines": measure_engines,
     "neighbours": measure_neighbours,
+    "falls": measure_falls,
     "peers": measure_peers,
 }
 

@@ -357,7 +357,7 @@ def trust_tables(results: Results) -> str:
 
 def space_tables(results: Results) -> str:
     """Tabulate structures in space."""
-    tables = [table for part in ("space", "engines", "neighbours", "peers") for table in results.get(part, [])]
+    tables = [table for part in ("space", "engines", "neighbours", "falls", "peers") for table in results.get(part, [])]
     return "\n\n".join(f"## {of['title']}\n\n{table(of['head'], of['rows'])}" for of in tables)
 
 

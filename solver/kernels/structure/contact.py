@@ -21,7 +21,7 @@ _stretch, _PER_JOINT = STRETCH.over, MEMORY.per_n
 LEAST_COSINE, MOST_SINE = 0.9, 0.5  # of the axes of drums, and of an axis and the normal of a face, that are parallel
 # of the radii: sides deeper within each other are none that face each other, or do not begin a contact
 DEEP, SHALLOW = 0.1, 1e-6
-LATER = 0.04  # of the radius: overlap of sides beyond which the bodies may press too
+LATER = 0.02  # of the radius: overlap of sides beyond which the bodies may press too
 
 
 @leaf
