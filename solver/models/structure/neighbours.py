@@ -256,7 +256,7 @@ def _pairs_before(block: Solid, bodies: list[_Body], one: int, wall: Face, base:
             if low[2] < -touching(block):
                 continue
             area = _facing_area(body.part.faces, (wall,), TOUCH) or both[0].mean_area
-            pairs = [Pair(one, base, both, gap, area)]
+            pairs = [Pair(one, base, both, gap, area, beside=wall)]
         found += [pair for pair in pairs if pair.gap <= reach]
     return found
 
