@@ -111,6 +111,18 @@ def test_pairs_with_a_joint_and_overlaps_are_refused() -> None:
         Structure.from_dict({**described(DRUM, DRUM), "neighbours": 3})
 
 
+def test_one_stiffness_is_enough_where_no_sides_face_each_other() -> None:
+    """Check a drum on a plinth beside a drum lower than it: the line over the radius, and the inverse."""
+    plinth = {"width": 0.2, "depth": 0.2, "height": 2.2, "density": 2000.0}
+    high = {**DRUM, "on": "b1", "at": [1.2, 0.0]}
+    made = Structure.from_dict(described(DRUM, plinth, high, stiffness=None))
+    pairs = dict(zip(made.contact_names, made.neighbours, strict=True))
+    assert pairs["b0-b2"].body_stiffness == pytest.approx(1e8 / 0.5)
+    assert pairs["b0-b2"].stiffness == 1e8
+    boxes = Structure.from_dict(described(BOX, plinth, {**BOX, "on": "b1", "at": [1.2, 0.0]}, line_stiffness=None))
+    assert {pair.stiffness for pair in boxes.neighbours} == {1e9}
+
+
 def test_a_block_of_too_many_faces_is_refused() -> None:
     angle = 2.0 * math.pi * np.arange(127) / 127
     solid = prism("fine", np.column_stack([np.cos(angle), np.sin(angle)]), 1.0, 2000.0)

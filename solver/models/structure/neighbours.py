@@ -221,14 +221,16 @@ def _pairs_between(
         if drums[0] and drums[1]:
             gap, length = _gap_of_drums(drums[0], drums[1])
             length = length or 2.0 * min(drums[0].half, drums[1].half)
-            pairs = [Pair(one, other, both, min(gap, away) if math.isinf(gap) else gap, length, drums[0], drums[1])]
+            faces = not math.isinf(gap)
+            pairs = [Pair(one, other, both, gap if faces else away, length, drums[0], drums[1], faces=faces)]
         elif drums[0]:
             pairs = _before_faces(one, other, both, drums[0], b.part.faces)
         else:
             pairs = []
         if not pairs:
-            area = _facing_area(a.part.faces, b.part.faces, deepest) or min(body.mean_area for body in both)
-            pairs = [Pair(one, other, both, away, area)]
+            area = _facing_area(a.part.faces, b.part.faces, deepest)
+            size = area or min(body.mean_area for body in both)
+            pairs = [Pair(one, other, both, away, size, faces=area > 0.0)]
         found += pairs
     return found if min(pair.gap for pair in found) <= reach else []
 
@@ -255,8 +257,9 @@ def _pairs_before(block: Solid, bodies: list[_Body], one: int, wall: Face, base:
             gap = float(np.hypot(low[2], np.hypot(*beside))) if np.any(beside) else float(low[2])
             if low[2] < -touching(block):
                 continue
-            area = _facing_area(body.part.faces, (wall,), TOUCH) or both[0].mean_area
-            pairs = [Pair(one, base, both, gap, area, beside=wall)]
+            area = _facing_area(body.part.faces, (wall,), TOUCH)
+            size = area or both[0].mean_area
+            pairs = [Pair(one, base, both, gap, size, beside=wall, faces=area > 0.0)]
         found += [pair for pair in pairs if pair.gap <= reach]
     return found
 
@@ -272,7 +275,7 @@ def _pairs_after_fall(
     for one, block in enumerate(blocks):
         found += _pairs_on_ground(block, bodies[one], one, base)
     # with the clearance as built
-    made = [_with_law("neighbours", pair, {**law, "gap": 0.0}, blocks) for pair in found]
+    made = [_with_law("neighbours", replace(pair, faces=False), {**law, "gap": 0.0}, blocks) for pair in found]
     return [replace(pair, farther=0.0, joined=frozenset((pair.one, pair.other)) in joined) for pair in made]
 
 
@@ -282,7 +285,9 @@ def _pairs_on_ground(block: Solid, bodies: list[_Body], one: int, base: int) -> 
     for body in bodies:
         both, area = (body.polyhedron, ground), body.polyhedron.mean_area
         low = float(np.min((block.centroid + body.polyhedron.corners)[:, 2]))
-        found.append(Pair(one, base, both, low, 2.0 * drum.half if drum else area, drum, GROUND if drum else None))
+        found.append(
+            Pair(one, base, both, low, 2.0 * drum.half if drum else area, drum, GROUND if drum else None, faces=False)
+        )
     return found
 
 
@@ -362,6 +367,11 @@ def _with_law(key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Soli
     """Return a pair with its law and gap. Raises InputError."""
     names = _names(pair, blocks)
     of_kind = "line_stiffness" if pair.side else "stiffness"
+    radius = pair.side.radius if pair.side else math.sqrt(min(body.mean_area for body in pair.bodies) / math.pi)
+    # where no sides face each other as built, either stiffness is enough
+    if not pair.faces and {"stiffness", "line_stiffness"} & law.keys():
+        either = {"stiffness": law.get("line_stiffness", 0.0) / radius}
+        law = either | {"line_stiffness": law.get("stiffness", 0.0) * radius} | dict(law)
     if of_kind not in law:
         raise InputError(f"{key}.{of_kind}: missing, must be {_RANGES[of_kind][1]}: {names} may meet")
     if "friction" not in law:
@@ -380,7 +390,7 @@ def _with_law(key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Soli
         damping = damping_of(law["restitution"], mass, stiffness)
     gap = law.get("gap", max(pair.gap, 0.0))
     # of the body of a drum, if no other is given: its line spread over the radius
-    own = law.get("stiffness", law[of_kind] / pair.side.radius if pair.side else 0.0)
+    own = law.get("stiffness", law[of_kind] / radius)
     return replace(
         pair,
         gap=gap,

@@ -147,6 +147,7 @@ class Pair:
     size: float  # m of sides, or m2, over which they face each other as built, or the mean area of the smaller one
     side: Side | None = None  # of the first block, a drum
     beside: Side | Face | None = None  # what that side is before; the face of a wall
+    faces: bool = True  # sides of both face each other as built
     presses: bool = True  # False: only the side does, the bodies press on each other in another pair
     farther: float = 0.0  # m, added to the distance of the blocks
     stiffness: float = 0.0  # N/m2 of sides, else N/m3
