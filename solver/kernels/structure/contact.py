@@ -209,6 +209,13 @@ def keep_gaps(scene, gaps):
             scene.extras.hits.clear[p] = gaps[p] + _ways(scene, p)
 
 
+@kernel
+def forget_known_gaps(scene):
+    """Clear what is known of gaps: a state may have been set since the last call."""
+    for p in range(scene.extras.met):
+        scene.extras.hits.clear[p] = -math.inf
+
+
 @leaf
 def may_be_least(scene, p, least):
     """Return True if the gap of pair p may be less than `least`, m."""

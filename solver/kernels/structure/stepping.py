@@ -30,6 +30,7 @@ from .attempt import attempt, evaluate_at, rate, size_of, square_of
 from .base import is_quiet
 from .bearing import come_off
 from .bond import copy_bonds
+from .contact import forget_known_gaps
 from .cracking import crack_within
 from .evaluate import energy, evaluate_state, moving, recall, show
 from .extras import is_loaded, let_go
@@ -416,6 +417,7 @@ def advance(scene, watch, state, t, stop, most):
     begin = row(scene, START)
     # the state at t
     recall(scene, state)
+    forget_known_gaps(scene)
     modal.prepare(scene)
     modal.forget(scene)
     copy(begin, state, moving(scene))
