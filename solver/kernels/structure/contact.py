@@ -211,9 +211,11 @@ def keep_gaps(scene, gaps):
 
 @kernel
 def forget_known_gaps(scene):
-    """Clear what is known of gaps: a state may have been set since the last call."""
+    """Clear what is known of gaps, and the ways of the bodies: a state may have been set since the last call."""
     for p in range(scene.extras.met):
         scene.extras.hits.clear[p] = -math.inf
+    for i in range(scene.n):
+        scene.poses.way[i] = 0.0
 
 
 @leaf
