@@ -6,7 +6,7 @@ from typing import NamedTuple
 from ..numba_ext.jit import kernel, leaf
 from .cells import Placed, facet_of, press
 from .distance import depth_by_planes, distance
-from .kinematics import dot, minus, out_of, plus, push, seen_from, standing
+from .kinematics import along, dot, minus, out_of, plus, push, seen_from, standing
 from .layout import SOLID
 from .sides import NO_TOUCH, NOTHING, Touch, place_of, scaled, spin_of, velocity_of
 
@@ -118,8 +118,8 @@ def gap_of_bodies(scene, phase, pairs, p, farther):
 def _reach_of_drum(solid, n):
     """Return how far a drum reaches along a unit vector from its centroid, m."""
     record = _solid(solid, 0)
-    along = n[0] * record.ux + n[1] * record.uy + n[2] * record.uz
-    return record.half * abs(along) + record.radius * math.sqrt(max(0.0, 1.0 - along * along))
+    cosine = dot(n, (record.ux, record.uy, record.uz))
+    return record.half * abs(cosine) + record.radius * math.sqrt(max(0.0, 1.0 - cosine * cosine))
 
 
 @leaf
@@ -140,7 +140,7 @@ def _is_before_plane(solid, drum, placed, farther):
     """Return True if a plane of a body separates it from a drum."""
     for i in range(int(solid[0])):
         facet = facet_of(solid, i)
-        own = dot(placed.x, facet.n), dot(placed.y, facet.n), dot(placed.z, facet.n)
+        own = along(placed.x, placed.y, placed.z, facet.n)
         if dot(facet.n, placed.at) - _reach_of_drum(drum, own) > facet.c - farther:
             return True
     return False

@@ -11,12 +11,15 @@ import math
 from typing import NamedTuple
 
 from ..numba_ext.jit import kernel, leaf
-from .bed import Plane, value
+from .bed import Plane, triangle, value
 from .clipping import cut
 from .kinematics import cross, dot, minus, out_of, plus
 from .layout import CELL_CORNERS, PER_ROOF, SOLID_CORNERS, SOLID_PLANE, SOLID_PLANES
+from .sides import NOTHING
 
 SAME = 1e-12  # difference of two heights, m, and of their slopes, below which they are one
+_FACE = 4 * SOLID_PLANES  # in `cells`, behind the planes of the other body: the face, then the heights above it
+_ROOFS = _FACE + CELL_CORNERS
 COPLANAR = 1e-24  # squared difference of normals below which two planes never bound the same cell
 
 
@@ -43,7 +46,7 @@ class Placed(NamedTuple):
 
 
 class Pressed(NamedTuple):
-    """What presses on the first body, along its own axes."""
+    """The pressure on the first body, along its own axes."""
 
     force: object  # N
     moment: object  # N m, about its centroid
@@ -54,9 +57,15 @@ class Pressed(NamedTuple):
 
 
 @leaf
+def _place_of(solid, i):
+    """Return the place of plane i in the row of a body."""
+    return SOLID_CORNERS + 3 * int(solid[1]) + SOLID_PLANE * i
+
+
+@leaf
 def facet_of(solid, i):
     """Return plane i of a body."""
-    k = SOLID_CORNERS + 3 * int(solid[1]) + SOLID_PLANE * i
+    k = _place_of(solid, i)
     n, e1 = (solid[k], solid[k + 1], solid[k + 2]), (solid[k + 4], solid[k + 5], solid[k + 6])
     return Facet(n, solid[k + 3], e1, cross(n, e1), int(solid[k + 7]), int(solid[k + 8]))
 
@@ -66,17 +75,11 @@ def _place_planes(cells, other, placed, farther):
     """Fill the cells with the planes of the other body along the axes of the first one; return their number."""
     count = int(other[0])
     for j in range(count):
-        k = SOLID_CORNERS + 3 * int(other[1]) + SOLID_PLANE * j
-        n = out_of(*_axes_of(placed), (other[k], other[k + 1], other[k + 2]))
+        k = _place_of(other, j)
+        n = out_of(placed.x, placed.y, placed.z, (other[k], other[k + 1], other[k + 2]))
         cells[4 * j], cells[4 * j + 1], cells[4 * j + 2] = n
         cells[4 * j + 3] = other[k + 3] + dot(n, placed.at) - farther
     return count
-
-
-@leaf
-def _axes_of(placed):
-    # columns of the rotation matrix, as rows for `out_of`
-    return placed.x, placed.y, placed.z
 
 
 @leaf
@@ -91,7 +94,7 @@ def _plane_of(cells, solid, planes, j):
     """Return normal and distance (m) of plane j: first those of the other body, then those of the first one."""
     if j < planes:
         return (cells[4 * j], cells[4 * j + 1], cells[4 * j + 2]), cells[4 * j + 3]
-    k = SOLID_CORNERS + 3 * int(solid[1]) + SOLID_PLANE * (j - planes)
+    k = _place_of(solid, j - planes)
     return (solid[k], solid[k + 1], solid[k + 2]), solid[k + 3]
 
 
@@ -116,7 +119,7 @@ def _find_roofs(room, cells, solid, planes, i, count):
 
     Return their number, and the height that the cell does not exceed.
     """
-    facet, found, bound, first = facet_of(solid, i), 0, math.inf, CELL_CORNERS + 4 * SOLID_PLANES
+    facet, found, bound = facet_of(solid, i), 0, math.inf
     for j in range(planes + int(solid[0])):
         n, c = _plane_of(cells, solid, planes, j)
         away = minus(n, facet.n)
@@ -130,13 +133,13 @@ def _find_roofs(room, cells, solid, planes, i, count):
             height = value(roof, room[2 * k], room[2 * k + 1])
             least, most = min(least, height), max(most, height)
         if least < bound and not _is_stored(cells, found, roof):
-            k = first + PER_ROOF * found
+            k = _ROOFS + PER_ROOF * found
             cells[k], cells[k + 1], cells[k + 2] = roof.at, roof.along_x, roof.along_y
             cells[k + 3], cells[k + 4], cells[k + 5] = least, float(j), 2.0 / square
             # the lowest one first, which cuts most from the others
             if most < bound:
                 bound = most
-                _swap(cells, first, k)
+                _swap(cells, _ROOFS, k)
             found += 1
     return found, bound
 
@@ -162,28 +165,23 @@ def _swap(cells, first, other):
 @leaf
 def _roof(cells, r):
     """Return stored height r as a linear function."""
-    k = CELL_CORNERS + 4 * SOLID_PLANES + PER_ROOF * r
+    k = _ROOFS + PER_ROOF * r
     return Plane(cells[k], cells[k + 1], cells[k + 2])
 
 
 @kernel
 def _lowest_part(room, cells, count, found, bound, r):
     """Fill the room with the part of the kept face over which roof r is the lowest; return its number of corners."""
-    first, roof = CELL_CORNERS + 4 * SOLID_PLANES, _roof(cells, r)
-    if cells[first + PER_ROOF * r + 3] > bound:
+    roof = _roof(cells, r)
+    if cells[_ROOFS + PER_ROOF * r + 3] > bound:
         return 0
     for k in range(2 * count):
-        room[k] = cells[4 * SOLID_PLANES + k]
+        room[k] = cells[_FACE + k]
     for s in range(found):
-        if s == r or cells[first + PER_ROOF * s + 3] > bound:
+        if s == r or cells[_ROOFS + PER_ROOF * s + 3] > bound:
             continue
         other = _roof(cells, s)
         higher = Plane(other.at - roof.at, other.along_x - roof.along_x, other.along_y - roof.along_y)
-        # equal roofs: the first one counts
-        if higher.at == 0.0 and higher.along_x == 0.0 and higher.along_y == 0.0:
-            if s < r:
-                return 0
-            continue
         count = cut(room, count, higher)
         if count < 3:
             return 0
@@ -193,7 +191,7 @@ def _lowest_part(room, cells, count, found, bound, r):
 @leaf
 def _rate_over(cells, r, facet, placed, roof):
     """Return the rate at which a roof of the other body rises over a facet, m/s, as a linear function."""
-    k = CELL_CORNERS + 4 * SOLID_PLANES + PER_ROOF * r
+    k = _ROOFS + PER_ROOF * r
     j, factor = int(cells[k + 4]), cells[k + 5]
     n = cells[4 * j], cells[4 * j + 1], cells[4 * j + 2]
     # n . (moves + spins x place), with the place on the roof
@@ -206,42 +204,18 @@ def _rate_over(cells, r, facet, placed, roof):
     )
 
 
-@leaf
-def _three(plane, x, y):
-    """Return the values of a linear function at the three corners of a triangle."""
-    return value(plane, x[0], y[0]), value(plane, x[1], y[1]), value(plane, x[2], y[2])
-
-
-@leaf
-def _product(a, b):
-    """Return twelve times the mean over a triangle of the product of two linear functions, from their corner values."""
-    return (a[0] + a[1] + a[2]) * (b[0] + b[1] + b[2]) + a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-class _Sums(NamedTuple):
-    """The integrals over a polygon of a linear function f, and of its products with x, y and another one."""
-
-    f: float
-    x: float
-    y: float
-    product: float
-
-
 @kernel
-def _integrals(room, count, f, other):
-    """Integrate f, f x, f y and f times another linear function over the polygon in the room."""
-    total, first_x, first_y, product = 0.0, 0.0, 0.0, 0.0
+def _integrals(room, count, f):
+    """Integrate a linear function f, f x and f y over the polygon in the room."""
+    total, first_x, first_y = 0.0, 0.0, 0.0
     # a fan of triangles
     for k in range(2, count):
         x = room[0], room[2 * k - 2], room[2 * k]
         y = room[1], room[2 * k - 1], room[2 * k + 1]
-        twelfth = ((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])) / 24.0
-        q = _three(f, x, y)
-        total += 4.0 * twelfth * (q[0] + q[1] + q[2])
-        first_x += twelfth * _product(q, x)
-        first_y += twelfth * _product(q, y)
-        product += twelfth * _product(q, _three(other, x, y))
-    return _Sums(total, first_x, first_y, product)
+        q = value(f, x[0], y[0]), value(f, x[1], y[1]), value(f, x[2], y[2])
+        _, force, along_x, along_y = triangle(x, y, q)
+        total, first_x, first_y = total + force, first_x + along_x, first_y + along_y
+    return total, first_x, first_y
 
 
 @leaf
@@ -274,7 +248,7 @@ def press(scene, solid, other, placed, farther, stiffness, damping):
         Zero for bodies without a common volume.
     """
     room, cells = scene.room, scene.cells
-    force, moment, centre, total, energy, highest = _NONE, _NONE, _NONE, 0.0, 0.0, 0.0
+    force, moment, centre, total, energy, highest = NOTHING, NOTHING, NOTHING, 0.0, 0.0, 0.0
     planes = _place_planes(cells, other, placed, farther)
     for i in range(int(solid[0])):
         # the face within the other body, kept beside the room
@@ -283,7 +257,7 @@ def press(scene, solid, other, placed, farther, stiffness, damping):
         if count == 0:
             continue
         for k in range(2 * count):
-            cells[4 * SOLID_PLANES + k] = room[k]
+            cells[_FACE + k] = room[k]
         found, bound = _find_roofs(room, cells, solid, planes, i, count)
         # the part below each roof
         push, x, y = 0.0, 0.0, 0.0
@@ -295,7 +269,7 @@ def press(scene, solid, other, placed, farther, stiffness, damping):
             highest = _highest(room, kept, roof, highest)
             q = roof
             # roofs of the other body move
-            if damping != 0.0 and cells[CELL_CORNERS + 4 * SOLID_PLANES + PER_ROOF * r + 4] < planes:
+            if damping != 0.0 and cells[_ROOFS + PER_ROOF * r + 4] < planes:
                 rate = _rate_over(cells, r, facet, placed, roof)
                 q = Plane(
                     roof.at + damping * rate.at,
@@ -303,9 +277,9 @@ def press(scene, solid, other, placed, farther, stiffness, damping):
                     roof.along_y + damping * rate.along_y,
                 )
                 kept = cut(room, kept, q)
-            sums = _integrals(room, kept, q, roof)
-            energy += 0.5 * stiffness * sums.product
-            push, x, y = push + sums.f, x + sums.x, y + sums.y
+            force_of, x_of, y_of = _integrals(room, kept, q)
+            energy += 0.5 * stiffness * (roof.at * force_of + roof.along_x * x_of + roof.along_y * y_of)
+            push, x, y = push + force_of, x + x_of, y + y_of
         # resultant, moment and centre
         push, x, y = stiffness * push, stiffness * x, stiffness * y
         force = plus(force, facet.n, -push)
@@ -313,6 +287,3 @@ def press(scene, solid, other, placed, farther, stiffness, damping):
         centre = plus(plus(plus(centre, facet.n, facet.c * push), facet.e1, x), facet.e2, y)
         total += push
     return Pressed(force, moment, centre, total, energy, highest)
-
-
-_NONE = (0.0, 0.0, 0.0)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from ..numba_ext.jit import kernel, leaf
 from .cells import facet_of
-from .kinematics import cross, dot, minus, out_of, plus
+from .kinematics import along, cross, dot, minus, out_of, plus
 from .layout import SOLID_CORNERS
 
 MOST_SUPPORTS = 100
@@ -41,7 +41,7 @@ def _corner_along(solid, direction):
 @kernel
 def _support(solid, other, placed, direction):
     """Return the point of the difference, other body less the first one, that is farthest along a direction."""
-    own = dot(placed.x, direction), dot(placed.y, direction), dot(placed.z, direction)
+    own = along(placed.x, placed.y, placed.z, direction)
     reached = plus(placed.at, out_of(placed.x, placed.y, placed.z, _corner_along(other, own)), 1.0)
     return minus(reached, _corner_along(solid, (-direction[0], -direction[1], -direction[2])))
 
@@ -49,13 +49,13 @@ def _support(solid, other, placed, direction):
 @leaf
 def _on_segment(a, b):
     """Return the simplex of two points, less what the nearest point does not need."""
-    along = minus(b, a)
-    square, part = dot(along, along), -dot(a, along)
+    way = minus(b, a)
+    square, part = dot(way, way), -dot(a, way)
     if part <= 0.0:
         return _Simplex(1, a, a, a, a)
     if part >= square:
         return _Simplex(1, b, b, b, b)
-    return _Simplex(2, a, b, b, plus(a, along, part / square))
+    return _Simplex(2, a, b, b, plus(a, way, part / square))
 
 
 @kernel
@@ -151,7 +151,7 @@ def depth_by_planes(solid, other, placed):
     for i in range(int(solid[0])):
         facet = facet_of(solid, i)
         n = facet.n
-        own = dot(placed.x, n), dot(placed.y, n), dot(placed.z, n)
+        own = along(placed.x, placed.y, placed.z, n)
         nearest = _corner_along(other, (-own[0], -own[1], -own[2]))
         reached = plus(placed.at, out_of(placed.x, placed.y, placed.z, nearest), 1.0)
         least = min(least, facet.c - dot(n, reached))

@@ -285,9 +285,7 @@ def _pairs_on_ground(block: Solid, bodies: list[_Body], one: int, base: int) -> 
     for body in bodies:
         both, area = (body.polyhedron, ground), body.polyhedron.mean_area
         low = float(np.min((block.centroid + body.polyhedron.corners)[:, 2]))
-        found.append(
-            Pair(one, base, both, low, 2.0 * drum.half if drum else area, drum, GROUND if drum else None, faces=False)
-        )
+        found.append(Pair(one, base, both, low, 2.0 * drum.half if drum else area, drum, GROUND if drum else None))
     return found
 
 
