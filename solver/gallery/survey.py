@@ -53,7 +53,7 @@ class Outcome:
 
     @property
     def text(self) -> str:
-        """Whether it holds, and the margin, in a few words."""
+        """The outcome and the margin, in a few words."""
         word = f"{self.fallen} fall" if self.fallen else f"{self.undecided} undecided" if self.undecided else "holds"
         return word if math.isnan(self.stands) else f"{word}, {self.margin}"
 

@@ -94,7 +94,7 @@ class Result(Histories, Framed, NotebookRepr):
 
     @property
     def debris(self) -> Debris | None:
-        """What a run leaves that has gone on after its fall; None of others."""
+        """The debris of a run that has gone on after its fall; None of others."""
         return None
 
     @property

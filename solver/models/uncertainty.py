@@ -94,7 +94,7 @@ class Ensemble:
     in_lanes : bool
         Whether eight runs were made at once.
     debris : tuple of Debris
-        What each run leaves that has fallen and gone on (`after_fall`).
+        The debris of each run that has fallen and gone on (`after_fall`).
     """
 
     spread: Spread
@@ -170,7 +170,7 @@ def vary(model: Any, motion: Motion, spread: Spread, rng: np.random.Generator) -
 
 
 class Debris(NamedTuple):
-    """What one run leaves: the places of the centroids at its end, m (n, 3), and the neighbours that have hit."""
+    """The debris of one run: places of the centroids at its end, m (n, 3), and the neighbours that have hit."""
 
     places: FloatArray
     hits: tuple[str, ...]

@@ -1,6 +1,7 @@
 """Checks over a range of friction: against checks of files with that friction, and the lines made of them."""
 
 import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,6 @@ from solver.commands.check_report import friction_lines
 from solver.commands.command_line import main
 
 PLAN = Plan(ensemble=2, margin=False, joints=False)
-CASK = {"on": "base", "shape": "drum", "diameter": 1.0, "density": 2000.0}
 FRICTIONS = (0.2, 0.7)
 FILE = """name = "pair"
 [joints]
@@ -45,13 +45,9 @@ density = 2000.0
 
 def pair(friction: float) -> Structure:
     """Return two casks 50 mm apart, of which the taller one rocks against the other."""
-    blocks = [
-        {**CASK, "name": "first", "at": [0.0, 0.0], "height": 3.0},
-        {**CASK, "name": "second", "at": [1.05, 0.0], "height": 2.0},
-    ]
-    law = {"stiffness": 1e9, "damping": 3e-3, "friction": friction}
-    meet = {"reach": 1.0, "line_stiffness": 1e8, "restitution": 0.4, "friction": 0.3}
-    return Structure.from_dict({"name": "pair", "joints": law, "neighbours": meet, "block": blocks})
+    data = tomllib.loads(FILE)
+    data["joints"]["friction"] = friction
+    return Structure.from_dict(data)
 
 
 @pytest.fixture(scope="module")
