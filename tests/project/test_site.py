@@ -88,13 +88,16 @@ def test_check_page(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
         shutil.copy(folder / "statue.toml", folder / f"{name}.toml")
     for name in ("FIRST", "SECOND", "THIRD", "A", "B", "C"):
         shutil.copy(folder / "RECORD.AT2", folder / f"{name}.AT2")
+    shutil.copy(ROOT / "examples" / "structures" / "cask-row.toml", folder / "casks.toml")
     monkeypatch.setattr(sys, "stdin", io.StringIO("drums\n" + 20 * "\n"))
     for command in pages.commands(CHECK):
         if command.startswith("python examples/"):  # checks of three statues, which take minutes
             assert (ROOT / command.split()[1]).is_file()
             continue
-        checks = command.startswith("multiblock check")
-        pages.call(command, *(["--no-margin", "--ensemble", "1", "--artificial", "1"] if checks else []))
+        checks = command.startswith(("multiblock check", "multiblock gallery"))
+        quickly = ["--no-margin", "--ensemble", "1", "--artificial", "1"] if checks else []
+        monkeypatch.chdir(folder / "examples" / "gallery" if command.startswith("multiblock gallery") else folder)
+        pages.call(command, *quickly, *(["--friction", "0.3:0.6:0.3"] if "--friction" in command else []))
     assert (folder / "report.html").stat().st_size > 5_000
     assert Column.from_toml("my-statue.toml").n > 1
     quick = functools.partial(multiblock.check, plan=Plan(ensemble=1, margin=False, joints=False), artificial=1)

@@ -24,7 +24,7 @@ def blocks(page: Path, language: str) -> list[str]:
 
 def commands(page: Path) -> list[str]:
     """Return the lines of the shell blocks, without those that install."""
-    lines = [line for text in blocks(page, "sh") for line in text.strip().splitlines()]
+    lines = [line for text in blocks(page, "sh") for line in text.strip().replace("\\\n", " ").splitlines()]
     return [line for line in lines if not line.startswith("pip install")]
 
 

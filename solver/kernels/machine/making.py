@@ -26,6 +26,7 @@ KEPT = "code"  # folder, in that of the user
 MAKE = f"{__package__.rpartition('.')[0]}.numba_ext.make"  # the program that compiles
 COMPILERS = ("numba", "llvmlite")
 Found = TypeVar("Found")
+_COMPILING: set[subprocess.Popen[str]] = set()  # processes that run
 
 
 def kept_code(group: str) -> bytes | None:
@@ -42,8 +43,7 @@ def code_with(group: str, others: Iterable[str]) -> dict[str, bytes]:
     # the group that takes longest in a process of its own; one process on a single core types shared kernels once
     alone = 1 if len(missing) > 1 and (os.cpu_count() or 1) > 1 else len(missing)
     parts = list(filter(None, (missing[:alone], missing[alone:])))
-    with ThreadPoolExecutor(len(parts)) as threads:
-        return dict(zip(missing, chain(*threads.map(made, parts)), strict=True))
+    return dict(zip(missing, chain(*_in_parallel(made, parts)), strict=True))
 
 
 def make(groups: Iterable[str]) -> None:
@@ -58,8 +58,18 @@ def on_all_cores(make: Callable[[list[str]], Found], groups: Iterable[str]) -> l
     for group in groups:
         in_space = GROUPS[group].module.startswith("structure.")
         families.setdefault("space" if in_space else "plane", []).append(group)
+    return _in_parallel(make, families.values())
+
+
+def _in_parallel(make: Callable[[list[str]], Found], parts: Iterable[list[str]]) -> list[Found]:
+    """Call `make` with each part in a thread of its own; an error or an interrupt ends all processes that compile."""
     with ThreadPoolExecutor(os.cpu_count() or 1) as threads:
-        return list(threads.map(make, families.values()))
+        try:
+            return list(threads.map(make, parts))
+        except BaseException:
+            for process in tuple(_COMPILING):
+                process.kill()
+            raise
 
 
 def sources_of(group: str) -> str:
@@ -116,17 +126,34 @@ def run_make(wanted: Mapping[str, Mapping[str, Path]]) -> None:
             words += ["--", name, str(bitcode), *(f"{word}={file}" for word, file in files.items())]
         # compile, and store the optimized modules
         command = [_python(), "-P", "-m", MAKE, *words[1:]]
-        done = subprocess.run(command, env=environment(), stdin=subprocess.DEVNULL, capture_output=True, text=True)
+        status, errors = _run(command)
         for key, bitcode in optimized_now.items():
             if bitcode.is_file():
                 keep(KEPT, key, bitcode.read_bytes())
         # report the reason of an error
         for group, files in wanted.items():
-            if done.returncode or not all(file.is_file() for file in files.values()):
-                why = reason_in(done.stderr)
+            if status or not all(file.is_file() for file in files.values()):
+                why = reason_in(errors)
                 if "No module named 'numba'" in why or "No module named 'llvmlite'" in why:
                     why = "numba is not installed: pip install 'numba>=0.61,<1'"
                 raise MachineCodeError(f"the kernels of {GROUPS[group].purpose} cannot be compiled: {why}")
+
+
+def _run(command: list[str]) -> tuple[int, str]:
+    """Run a command that compiles; return its exit code and what it wrote to stderr."""
+    unread = subprocess.DEVNULL
+    with subprocess.Popen(
+        command, env=environment(), stdin=unread, stdout=unread, stderr=subprocess.PIPE, text=True
+    ) as process:
+        _COMPILING.add(process)
+        try:
+            _, errors = process.communicate()
+        except BaseException:
+            process.kill()
+            raise
+        finally:
+            _COMPILING.remove(process)
+    return process.returncode, errors
 
 
 def reason_in(output: str) -> str:

@@ -65,7 +65,7 @@ def load_bodies(scene, phase, pairs, p, farther):
     both = bodies_of(scene, pairs, p)
     placed = placed_of(scene, phase, both.own, both.opposite)
     law = farther, pairs.body_stiffness[p], pairs.damping[p]
-    found = press(scene, both.solid, both.other, placed, *law)
+    found = press(scene, both.solid, both.other, placed, *law, False)
     if found.total == 0.0:
         return NO_TOUCH
     # along the axes of the base: equal forces on both bodies at the same place
@@ -89,8 +89,8 @@ def load_bodies(scene, phase, pairs, p, farther):
 def energy_of_bodies(scene, phase, pairs, p, farther):
     """Return the elastic energy of the bodies of pair p, `farther` m apart, J: that of the cells of both."""
     both, law = bodies_of(scene, pairs, p), (farther, pairs.body_stiffness[p], 0.0)
-    own = press(scene, both.solid, both.other, placed_of(scene, phase, both.own, both.opposite), *law)
-    opposite = press(scene, both.other, both.solid, placed_of(scene, phase, both.opposite, both.own), *law)
+    own = press(scene, both.solid, both.other, placed_of(scene, phase, both.own, both.opposite), *law, False)
+    opposite = press(scene, both.other, both.solid, placed_of(scene, phase, both.opposite, both.own), *law, True)
     return own.energy + opposite.energy
 
 
@@ -105,7 +105,7 @@ def gap_of_bodies(scene, phase, pairs, p, farther):
     away = distance(both.solid, both.other, placed)
     if away > 0.0:
         return farther + away
-    highest = press(scene, both.solid, both.other, placed, farther, 1.0, 0.0).highest
+    highest = press(scene, both.solid, both.other, placed, farther, 1.0, 0.0, False).highest
     if highest > 0.0 or farther <= 0.0:
         return -2.0 * highest
     # bodies that count as farther apart

@@ -99,7 +99,7 @@ def _plane_of(cells, solid, planes, j):
 
 
 @kernel
-def _common_face(room, cells, solid, planes, facet):
+def _common_face(room, cells, solid, planes, facet, owns_flush):
     """Fill the room with the part of a face of the first body within the other one; return its number of corners."""
     count = facet.corners
     for k in range(2 * count):
@@ -107,7 +107,13 @@ def _common_face(room, cells, solid, planes, facet):
     # clipped by each plane of the other body
     for j in range(planes):
         n = cells[4 * j], cells[4 * j + 1], cells[4 * j + 2]
-        count = cut(room, count, _over(facet, n, cells[4 * j + 3], 1.0))
+        depth = _over(facet, n, cells[4 * j + 3], 1.0)
+        # a face of the other body in the same plane: not left to rounding
+        if abs(depth.at) + abs(depth.along_x) + abs(depth.along_y) < SAME and dot(n, facet.n) > 0.0:
+            if owns_flush:
+                continue
+            return 0
+        count = cut(room, count, depth)
         if count < 3:
             return 0
     return count
@@ -226,7 +232,7 @@ def _highest(room, count, roof, highest):
 
 
 @kernel
-def press(scene, solid, other, placed, farther, stiffness, damping):
+def press(scene, solid, other, placed, farther, stiffness, damping, owns_flush):
     """Integrate the pressure on the planes of a body that another one presses on.
 
     Parameters
@@ -241,6 +247,9 @@ def press(scene, solid, other, placed, farther, stiffness, damping):
         Distance added to that of the bodies, m.
     stiffness, damping : float
         N/m3; s, by which the rate of a height counts beside the height.
+    owns_flush : bool
+        Whether the cell below two faces in one plane is that of the first body. Forces leave it to the other body, so
+        that bodies whose tops are level do not push each other up or down.
 
     Returns
     -------
@@ -253,7 +262,7 @@ def press(scene, solid, other, placed, farther, stiffness, damping):
     for i in range(int(solid[0])):
         # the face within the other body, kept beside the room
         facet = facet_of(solid, i)
-        count = _common_face(room, cells, solid, planes, facet)
+        count = _common_face(room, cells, solid, planes, facet, owns_flush)
         if count == 0:
             continue
         for k in range(2 * count):
