@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from ..numba_ext.jit import kernel, leaf
 from .cells import Placed, facet_of, press
-from .distance import depth_by_planes, distance
+from .distance import corner_along, depth_by_planes, distance
 from .kinematics import along, dot, minus, out_of, plus, push, seen_from, standing
 from .layout import SOLID
 from .sides import NO_TOUCH, NOTHING, Touch, place_of, scaled, spin_of, velocity_of
@@ -102,8 +102,10 @@ def gap_of_bodies(scene, phase, pairs, p, farther):
     """
     both = bodies_of(scene, pairs, p)
     placed = placed_of(scene, phase, both.own, both.opposite)
-    away = distance(both.solid, both.other, placed)
+    away, n = distance(both.solid, both.other, placed)
     if away > 0.0:
+        hits = scene.extras.hits
+        hits.nx[p], hits.ny[p], hits.nz[p] = scaled(n, 1.0 / away)
         return farther + away
     highest = press(scene, both.solid, both.other, placed, farther, 1.0, 0.0, False).highest
     if highest > 0.0 or farther <= 0.0:
@@ -120,6 +122,28 @@ def _reach_of_drum(solid, n):
     record = _solid(solid, 0)
     cosine = dot(n, (record.ux, record.uy, record.uz))
     return record.half * abs(cosine) + record.radius * math.sqrt(max(0.0, 1.0 - cosine * cosine))
+
+
+@kernel
+def _reach(solid, n):
+    """Return how far a body, or the drum about a prism, reaches along a unit vector from its centroid, m."""
+    return _reach_of_drum(solid, n) if _solid(solid, 0).radius > 0.0 else dot(n, corner_along(solid, n))
+
+
+@kernel
+def least_gap_of_bodies(scene, phase, pairs, p, farther):
+    """Return a lower bound of the distance of the bodies of pair p, m, along the direction of their last distance.
+
+    It is -inf before there has been one. farther: as of `gap_of_bodies`.
+    """
+    both, hits, poses = bodies_of(scene, pairs, p), scene.extras.hits, scene.poses
+    n = hits.nx[p], hits.ny[p], hits.nz[p]
+    if n[0] == 0.0 and n[1] == 0.0 and n[2] == 0.0:
+        return -math.inf
+    across = standing(poses, both.own, *n)
+    between = minus(place_of(scene, phase, both.opposite), place_of(scene, phase, both.own))
+    back = scaled(seen_from(poses, both.opposite, across), -1.0)
+    return farther + dot(across, between) - _reach(both.solid, n) - _reach(both.other, back)
 
 
 @leaf

@@ -83,6 +83,12 @@ def _place_planes(cells, other, placed, farther):
 
 
 @leaf
+def _normal(cells, j):
+    """Return the normal of plane j of the other body."""
+    return cells[4 * j], cells[4 * j + 1], cells[4 * j + 2]
+
+
+@leaf
 def _over(facet, n, c, factor):
     """Return the depth below a plane (n, c) times a factor, as a linear function over a facet."""
     foot = c - facet.c * dot(n, facet.n)
@@ -93,30 +99,46 @@ def _over(facet, n, c, factor):
 def _plane_of(cells, solid, planes, j):
     """Return normal and distance (m) of plane j: first those of the other body, then those of the first one."""
     if j < planes:
-        return (cells[4 * j], cells[4 * j + 1], cells[4 * j + 2]), cells[4 * j + 3]
+        return _normal(cells, j), cells[4 * j + 3]
     k = _place_of(solid, j - planes)
     return (solid[k], solid[k + 1], solid[k + 2]), solid[k + 3]
 
 
+@leaf
+def _is_beyond(solid, facet, depth):
+    """Return True if all corners of a face are above a plane; depth: that below it, over the face."""
+    for k in range(facet.first, facet.first + 2 * facet.corners, 2):
+        if value(depth, solid[k], solid[k + 1]) > -SAME:
+            return False
+    return True
+
+
 @kernel
-def _common_face(room, cells, solid, planes, facet, owns_flush):
-    """Fill the room with the part of a face of the first body within the other one; return its number of corners."""
+def _common_face(room, cells, solid, planes, facet, hint, owns_flush):
+    """Fill the room with the part of a face of the first body within the other one.
+
+    Return its number of corners, and the plane of the other body that leaves nothing of the face, for the next one: it
+    is tried first. hint: that of the face before.
+    """
+    # most faces lie beyond the same plane
+    if _is_beyond(solid, facet, _over(facet, _normal(cells, hint), cells[4 * hint + 3], 1.0)):
+        return 0, hint
     count = facet.corners
     for k in range(2 * count):
         room[k] = solid[facet.first + k]
     # clipped by each plane of the other body
     for j in range(planes):
-        n = cells[4 * j], cells[4 * j + 1], cells[4 * j + 2]
+        n = _normal(cells, j)
         depth = _over(facet, n, cells[4 * j + 3], 1.0)
         # a face of the other body in the same plane: not left to rounding
         if abs(depth.at) + abs(depth.along_x) + abs(depth.along_y) < SAME and dot(n, facet.n) > 0.0:
             if owns_flush:
                 continue
-            return 0
+            return 0, hint
         count = cut(room, count, depth)
         if count < 3:
-            return 0
-    return count
+            return 0, j
+    return count, hint
 
 
 @kernel
@@ -199,7 +221,7 @@ def _rate_over(cells, r, facet, placed, roof):
     """Return the rate at which a roof of the other body rises over a facet, m/s, as a linear function."""
     k = _ROOFS + PER_ROOF * r
     j, factor = int(cells[k + 4]), cells[k + 5]
-    n = cells[4 * j], cells[4 * j + 1], cells[4 * j + 2]
+    n = _normal(cells, j)
     # n . (moves + spins x place), with the place on the roof
     m = cross(n, placed.spins)
     below = dot(m, facet.n)
@@ -258,11 +280,11 @@ def press(scene, solid, other, placed, farther, stiffness, damping, owns_flush):
     """
     room, cells = scene.room, scene.cells
     force, moment, centre, total, energy, highest = NOTHING, NOTHING, NOTHING, 0.0, 0.0, 0.0
-    planes = _place_planes(cells, other, placed, farther)
+    planes, hint = _place_planes(cells, other, placed, farther), 0
     for i in range(int(solid[0])):
         # the face within the other body, kept beside the room
         facet = facet_of(solid, i)
-        count = _common_face(room, cells, solid, planes, facet, owns_flush)
+        count, hint = _common_face(room, cells, solid, planes, facet, hint, owns_flush)
         if count == 0:
             continue
         for k in range(2 * count):

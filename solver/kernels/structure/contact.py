@@ -11,11 +11,11 @@ import math
 
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import greater, magnitude, zero_like
-from .bodies import energy_of_bodies, gap_of_bodies, load_bodies, may_press
+from .bodies import energy_of_bodies, gap_of_bodies, least_gap_of_bodies, load_bodies, may_press
 from .drum_contact import gap_before_face, gap_of_drums, load_drum_before_face, load_drums
 from .kinematics import dot, minus, plus, push
-from .layout import APART, BY_BODIES, BY_SIDES, CONVEX, DRUMS, JOINED, MEMORY, STRETCH
-from .sides import NO_TOUCH, NOTHING, Touch, place_of, scaled, sides_of, velocity_of
+from .layout import APART, BY_BODIES, BY_SIDES, CONVEX, DRUMS, JOINED, JOINED_GAP, MEMORY, STRETCH
+from .sides import NO_TOUCH, NOTHING, SLACK, Touch, place_of, scaled, sides_of, velocity_of
 
 _stretch, _PER_JOINT = STRETCH.over, MEMORY.per_n
 LEAST_COSINE, MOST_SINE = 0.9, 0.5  # of the axes of drums, and of an axis and the normal of a face, that are parallel
@@ -170,10 +170,10 @@ def _gap_of_sides(scene, phase, pairs, p, touches):
 def gap_of(scene, phase, pairs, p, touches):
     """Return the distance of pair p, m, negative where it overlaps: of sides that face each other, or of the bodies.
 
-    touches: JOINED, for which it is infinite, APART, BY_SIDES or BY_BODIES.
+    touches: JOINED, for which it is JOINED_GAP, APART, BY_SIDES or BY_BODIES.
     """
     if touches == JOINED:
-        return math.inf
+        return JOINED_GAP
     if pairs.kind[p] == CONVEX:
         return gap_of_bodies(scene, phase, pairs, p, pairs.farther[p])
     gap, farther = _gap_of_sides(scene, phase, pairs, p, touches), _farther(pairs, p, touches)
@@ -201,12 +201,36 @@ def _ways(scene, p):
     return scene.poses.way[int(scene.extras.pairs.one[p])] + scene.poses.way[int(scene.extras.pairs.other[p])]
 
 
+@leaf
+def _within(pairs, p):
+    """Return more than the depth, m, at which the prisms of drums lie within their sides."""
+    return 0.0 if pairs.kind[p] == CONVEX else LATER * (abs(pairs.radius_a[p]) + abs(pairs.radius_b[p]))
+
+
+@kernel
+def gap_or_bound(scene, phase, p, touches, least):
+    """Return the distance of pair p, m, or a lower bound of it if that is more than `least` and both are apart."""
+    pairs = scene.extras.pairs
+    # the bound costs a tenth
+    if touches == APART:
+        bound = least_gap_of_bodies(scene, phase, pairs, p, pairs.farther[p])
+        if bound > max(least, 0.0) + SLACK:
+            return bound
+    return gap_of(scene, phase, pairs, p, touches)
+
+
+@leaf
+def keep_gap(scene, p, gap):
+    """Store a gap of pair p, m, which is apart, and the ways of its bodies, by which the gap may become less."""
+    scene.extras.hits.clear[p] = gap - _within(scene.extras.pairs, p) + _ways(scene, p)
+
+
 @kernel
 def keep_gaps(scene, gaps):
-    """Store known gaps, m, with the ways of the bodies: from then on a gap is larger than the difference of both."""
+    """Store those of some gaps, m, that are known and of pairs that are apart."""
     for p in range(scene.extras.met):
-        if gaps[p] < math.inf:
-            scene.extras.hits.clear[p] = gaps[p] + _ways(scene, p)
+        if gaps[p] < math.inf and scene.extras.stretches.touches[p] == APART:
+            keep_gap(scene, p, gaps[p])
 
 
 @kernel

@@ -27,7 +27,7 @@ class _Simplex(NamedTuple):
 
 
 @kernel
-def _corner_along(solid, direction):
+def corner_along(solid, direction):
     """Return the corner of a body that is farthest along a direction."""
     best, found = -math.inf, SOLID_CORNERS
     for q in range(int(solid[1])):
@@ -42,8 +42,8 @@ def _corner_along(solid, direction):
 def _support(solid, other, placed, direction):
     """Return the point of the difference, other body less the first one, that is farthest along a direction."""
     own = along(placed.x, placed.y, placed.z, direction)
-    reached = plus(placed.at, out_of(placed.x, placed.y, placed.z, _corner_along(other, own)), 1.0)
-    return minus(reached, _corner_along(solid, (-direction[0], -direction[1], -direction[2])))
+    reached = plus(placed.at, out_of(placed.x, placed.y, placed.z, corner_along(other, own)), 1.0)
+    return minus(reached, corner_along(solid, (-direction[0], -direction[1], -direction[2])))
 
 
 @leaf
@@ -109,7 +109,7 @@ def _on_tetrahedron(a, b, c, d):
 
 @kernel
 def distance(solid, other, placed):
-    """Return the distance of two bodies, m; 0 if they have a point in common.
+    """Return the distance of two bodies, m, and the vector from the first to the other one; 0 if they overlap.
 
     Parameters
     ----------
@@ -125,11 +125,11 @@ def distance(solid, other, placed):
         v = found.nearest
         square = dot(v, v)
         if square <= 1e-30 * extent:
-            return 0.0
+            return 0.0, v
         w = _support(solid, other, placed, (-v[0], -v[1], -v[2]))
         # no point is nearer
         if square - dot(v, w) <= CLOSE * square:
-            return math.sqrt(square)
+            return math.sqrt(square), v
         if found.size == 1:
             found = _on_segment(found.a, w)
         elif found.size == 2:
@@ -137,11 +137,11 @@ def distance(solid, other, placed):
         else:
             found = _on_tetrahedron(found.a, found.b, found.c, w)
         if found.size == 4:
-            return 0.0
+            return 0.0, found.nearest
         # rounding: no progress
         if dot(found.nearest, found.nearest) >= square:
-            return math.sqrt(square)
-    return math.sqrt(dot(found.nearest, found.nearest))
+            return math.sqrt(square), v
+    return math.sqrt(dot(found.nearest, found.nearest)), found.nearest
 
 
 @kernel
@@ -152,7 +152,7 @@ def depth_by_planes(solid, other, placed):
         facet = facet_of(solid, i)
         n = facet.n
         own = along(placed.x, placed.y, placed.z, n)
-        nearest = _corner_along(other, (-own[0], -own[1], -own[2]))
+        nearest = corner_along(other, (-own[0], -own[1], -own[2]))
         reached = plus(placed.at, out_of(placed.x, placed.y, placed.z, nearest), 1.0)
         least = min(least, facet.c - dot(n, reached))
     return least

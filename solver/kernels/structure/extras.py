@@ -10,9 +10,9 @@ from ..numba_ext.jit import kernel, leaf, varied
 from ..numba_ext.views import copy
 from .base import acceleration
 from .bond import let_bonds_go, show_bonds
-from .contact import gap_of, load_pairs, may_be_least
+from .contact import gap_of, gap_or_bound, load_pairs, may_be_least
 from .contact_in_lanes import load_pairs_in_lanes
-from .layout import OF_BASE, OF_BEARING, OF_BOND, OF_PAIR, OF_PORT, acts_alone
+from .layout import OF_BASE, OF_BEARING, OF_BOND, OF_PAIR, OF_PORT, PROMISE, acts_alone
 from .port import is_pushed, let_ports_go, load_ports, push_ports, see_ports
 from .turning import is_turned, load_turned, show_turned, stop_turning, turn_base
 
@@ -97,9 +97,12 @@ def show_extras(scene, phase, shown, every_gap):
     of_pairs = of_bonds[len(OF_BOND) * scene.extras.glued :]
     place = first_gap(scene)
     for p in range(met):
-        of_pairs[p] = math.inf
-        if every_gap or may_be_least(scene, p, 1.0 - scene.peaks[place + p]):
-            of_pairs[p] = gap_of(scene, phase, scene.extras.pairs, p, scene.extras.stretches.touches[p])
+        of_pairs[p], touches, least = math.inf, scene.extras.stretches.touches[p], 1.0 - scene.peaks[place + p]
+        least -= PROMISE * scene.settings.tolerance * max(least, 0.0)
+        if every_gap:
+            of_pairs[p] = gap_of(scene, phase, scene.extras.pairs, p, touches)
+        elif may_be_least(scene, p, least):
+            of_pairs[p] = gap_or_bound(scene, phase, p, touches, least)
         of_pairs[met + p] = scene.extras.hits.force[p]
     copy(of_pairs[len(OF_PAIR) * met :], scene.extras.spots.row, len(OF_PORT) * scene.extras.spotted)
 

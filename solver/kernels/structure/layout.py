@@ -161,6 +161,7 @@ MEMORY = FieldTable("p1", "p2", "p3")
 STRETCH = FieldTable("z1", "z2", "z3", "touches")
 # how a pair touches: not while joints join it; by the sides of drums too; by the bodies alone
 JOINED, APART, BY_SIDES, BY_BODIES = -1.0, 0.0, 1.0, 2.0
+JOINED_GAP = 1e6  # m, output while joints connect a pair
 # the polygon of a bond, convex, followed by its corners. It shrinks between steps, and has no rate
 BONDED = Record("corners")
 MOST_BONDED = 128  # most corners of the polygon of a bond
@@ -235,8 +236,8 @@ SOUND = FieldTable(  # of bonds
     *("begins", "ends"),  # how far it is from breaking at both ends of a step (cracking.py)
 )
 # of pairs: force, N; energy, J; 1 while friction slides; how the pair touches while it has forces; the
-# last gap and the ways of both bodies until then, m
-HITS = FieldTable("force", "energy", "slides", "bears", "clear")
+# last gap and the ways of both bodies until then, m; the direction of the last distance of the bodies
+HITS = FieldTable("force", "energy", "slides", "bears", "clear", "nx", "ny", "nz")
 PULLS = FieldTable("force", "stretch", "elastic")  # of k ties: N, m; the elastic part of the stretch
 STAGES = 13  # of a step of order 8, with its start and its end
 
@@ -268,6 +269,7 @@ def step_tolerance(order: float, tolerance: float) -> float:
     return max(LEAST_TOLERANCE, RINGING_PART * tolerance) if order == RINGING_ORDER else tolerance
 
 
+PROMISE = 0.1  # of the tolerance: a smaller predicted rise of a peak, of its size, is not looked for
 LEAST_STABILIZED = 2e-5  # least tolerance of stabilized steps: below it accuracy bounds steps of order 2
 
 

@@ -5,7 +5,7 @@ import math
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import lesser, where, zero_like
 from .attempt import attempt
-from .contact import begins_by, gap_of, is_near, stretches_in
+from .contact import begins_by, forget_known_gaps, gap_of, gap_or_bound, is_near, keep_gap, may_be_least, stretches_in
 from .cracking import crack, until_broken
 from .kinematics import dot, pose_two, relative_motion, tilt_square
 from .layout import APART, JOINED, PHASE
@@ -25,13 +25,24 @@ def kept_in(scene, k):
     return stretches_in(scene, row(scene, k)[_PER_BODY * scene.n :])
 
 
+@leaf
+def _place(scene, k, p):
+    """Place both bodies of pair p by row k of a step; return the phase."""
+    phase = _phase(row(scene, k), scene.n)
+    pose_two(scene, phase, int(scene.extras.pairs.one[p]), int(scene.extras.pairs.other[p]))
+    return phase
+
+
 @kernel
 def gap_in(scene, k, p):
     """Return the gap of pair p, m, in row k of a step."""
-    # place both bodies
-    phase = _phase(row(scene, k), scene.n)
-    pose_two(scene, phase, int(scene.extras.pairs.one[p]), int(scene.extras.pairs.other[p]))
-    return gap_of(scene, phase, scene.extras.pairs, p, kept_in(scene, START).touches[p])
+    return gap_of(scene, _place(scene, k, p), scene.extras.pairs, p, kept_in(scene, START).touches[p])
+
+
+@kernel
+def _gap_or_bound(scene, k, p):
+    """Return the gap of pair p, m, in row k of a step, or a lower bound by which it is open."""
+    return gap_or_bound(scene, _place(scene, k, p), p, kept_in(scene, START).touches[p], SLACK)
 
 
 @kernel
@@ -75,6 +86,12 @@ def changes(touches, gap):
     return gap > SLACK if touches != APART else gap <= 0.5 * SLACK
 
 
+@leaf
+def _may_meet(scene, phase, p, touches):
+    """Return True if pair p is apart and its gap may be closed."""
+    return touches == APART and may_be_least(scene, p, SLACK) and is_near(scene, phase, scene.extras.pairs, p)
+
+
 @kernel
 def meet_pairs(scene):
     """Update the contacts of pairs by row START, of one structure or of one lane; return True if any changed."""
@@ -82,8 +99,8 @@ def meet_pairs(scene):
     for p in range(scene.extras.met):
         touches = kept.touches[p]
         # pairs far apart need no distance
-        near = touches > APART or (touches == APART and is_near(scene, phase, scene.extras.pairs, p))
-        if near and changes(touches, gap_in(scene, START, p)):
+        near = touches > APART or _may_meet(scene, phase, p, touches)
+        if near and changes(touches, _gap_or_bound(scene, START, p)):
             # contact changes, and starts without stretch
             begins = begins_by(scene, phase, scene.extras.pairs, p) if touches == APART else APART
             kept.touches[p], kept.z1[p], kept.z2[p], kept.z3[p] = begins, 0.0, 0.0, 0.0
@@ -100,13 +117,16 @@ def until_closed(scene, segment, t, h):
     kept, phase, part = kept_in(scene, START), _phase(row(scene, END), scene.n), 1.0
     # the first gap to close
     for p in range(scene.extras.met):
-        if kept.touches[p] == APART and is_near(scene, phase, scene.extras.pairs, p):
-            part = min(part, closing(scene, h, p, gap_in(scene, END, p)))
+        if _may_meet(scene, phase, p, kept.touches[p]):
+            gap = _gap_or_bound(scene, END, p)
+            keep_gap(scene, p, gap)
+            part = min(part, closing(scene, h, p, gap))
     # the first bond to break
     part = min(part, until_broken(scene, h, True))
     # repeat the step up to that instant
     if part < 1.0:
         h = part * h
+        forget_known_gaps(scene)
         attempt(scene, segment, t, h)
     return h
 

@@ -38,7 +38,7 @@ from .kinematics import is_tipped
 from .layout import MEMORY, OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL
 from .meeting import clear_gaps, longest_touching, meet, release_pairs, until_closed
 from .modal_layout import data_of
-from .watch import BETWEEN, END, STAGE, START, look, raise_peaks, row, seen, track_peaks
+from .watch import BETWEEN, END, STAGE, START, look, raise_peaks, row, seen, track_peaks, travel
 
 _phase, _memory = PHASE.over, MEMORY.over
 _PER_BODY, _PER_JOINT, _RATES = PHASE.per_n, MEMORY.per_n, PHASE.fields.index("vx")
@@ -446,6 +446,7 @@ def advance(scene, watch, state, t, stop, most):
                 break
             continue
         # complete the step
+        travel(scene, h)
         if method != BY_MODES:  # steps by modes keep all contacts
             h = until_closed(scene, segment, t, h)
         _finish(scene, watch, segment, t, h, method == BY_MODES)

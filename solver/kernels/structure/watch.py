@@ -22,13 +22,12 @@ from .evaluate import evaluate_state, moving, show, show_block, show_joint
 from .extras import first_gap, taken_at
 from .joint import load_joint
 from .kinematics import pose_body, spin_of
-from .layout import MEMORY, OF_BASE, OF_BEARING, OF_BLOCK, OF_JOINT, OF_PAIR, PHASE, STAGES
+from .layout import MEMORY, OF_BASE, OF_BEARING, OF_BLOCK, OF_JOINT, OF_PAIR, PHASE, PROMISE, STAGES
 
 _phase = PHASE.over
 _PER_BODY, _PER_JOINT = PHASE.per_n, MEMORY.per_n
 _BLOCKS = len(OF_BLOCK)
 _CONTACT = OF_JOINT.index("contact")
-PROMISE = 0.1  # of the tolerance: a smaller predicted rise ends the search for a peak
 EDGE = 0.1  # of a step: least distance of the first trial from its ends
 KINKED = 0.5  # of the bend: largest deviation of a joint force, which may have a kink, above the parabola
 BEYOND = 0.1  # of the change to the middle: how far such a force may still rise from the start of a step
@@ -261,7 +260,6 @@ def track_peaks(scene, segment, t, h, by_modes):
     count = scene.visible
     begin, middle, end = seen(scene, 0), seen(scene, 1), seen(scene, 2)
     # outputs at the end of the step
-    travel(scene, h)
     show(scene, _phase(row(scene, END), scene.n), end, False)
     keep_gaps(scene, end[first_gap(scene) :])
     if by_modes and _rises(scene, end):  # outputs were those of the prediction

@@ -2,8 +2,8 @@
 
 Two convex blocks are apart if some axis separates them. For boxes and prisms it is sufficient to test the normals of
 faces and the cross products of edges. For drums the axes are those along which two drums, or a drum and a corner, face
-each other; where these do not separate drums or hulls of many edges, the nearest point of the Minkowski difference
-decides (E. Gilbert, SIAM J. Control 4, 1966, p. 61). The extent of a block along an axis is that of its corners and
+each other; where these do not separate drums or hulls of many edges, tangents of rims are edges too, and the nearest point of the
+Minkowski difference decides (E. Gilbert, SIAM J. Control 4, 1966, p. 61). The extent of a block along an axis is that of its corners and
 rims.
 """
 
@@ -25,6 +25,7 @@ from .blocks.shapes import turned
 PARALLEL = 1e-6  # sine of the angle between two edges; of the size of a block: corners closer than this are one
 PAIRS = 2000  # of edges; with more, their cross products are not tested: overlaps may seem deeper, never less deep
 TOUCH, TOUCH_PART = 1e-4, 1e-4  # m, and of the size of a block: blocks that overlap by less as built touch
+TANGENTS = 12  # to a rim, in half a turn
 NEAREST = 200  # iterations for the nearest point
 
 
@@ -64,6 +65,15 @@ class ConvexPart:
         outlines = [face.points() for face in self.faces]
         found = [np.roll(outline, -1, axis=0) - outline for outline in outlines]
         return _directions(np.concatenate([*found, self._sides]))
+
+    @cached_property
+    def edges_and_tangents(self) -> FloatArray:
+        """The directions of the edges; of a drum with those of tangents of its rims."""
+        if not self.rims:
+            return self.edges
+        angles = np.pi / TANGENTS * np.arange(TANGENTS)[:, None]
+        x, y, _ = next(face for face in self.faces if face.radius).axes.T
+        return np.concatenate([self.edges, np.cos(angles) * x + np.sin(angles) * y])
 
     @cached_property
     def normals(self) -> FloatArray:
@@ -147,14 +157,20 @@ def _directions(vectors: FloatArray) -> FloatArray:
     return np.array(kept)
 
 
-def along_axes(one: ConvexPart, other: ConvexPart, r1: FloatArray, r2: FloatArray, between: FloatArray) -> FloatArray:
-    """Return the distance of two convex blocks along the axes that may separate them; arguments as in `distance`."""
+def along_axes(
+    one: ConvexPart, other: ConvexPart, r1: FloatArray, r2: FloatArray, between: FloatArray, tangents: bool = False
+) -> FloatArray:
+    """Return the distance of two convex blocks along the axes that may separate them; arguments as in `distance`.
+
+    tangents: whether those of rims count as edges.
+    """
     mine, yours = ((hull, rotation[:, None]) for hull, rotation in ((one, r1), (other, r2)))
     # candidate axes: normals, cross products of edges, axes of drums, line of centroids
     normals = [hull.normals + turned(rotation, hull.normals[None]) for hull, rotation in (mine, yours)]
     across = np.empty((len(between), 0, 3))
-    if len(one.edges) * len(other.edges) <= PAIRS:
-        edges = [hull.edges + turned(rotation, hull.edges[None]) for hull, rotation in (mine, yours)]
+    own, opposite = (hull.edges_and_tangents if tangents else hull.edges for hull in (one, other))
+    if len(own) * len(opposite) <= PAIRS:
+        edges = own + turned(r1[:, None], own[None]), opposite + turned(r2[:, None], opposite[None])
         across = np.cross(edges[0][:, :, None], edges[1][:, None]).reshape(len(between), -1, 3)
     facing = one.facing(r1, other, r2, between), other.facing(r2, one, r1, -between)
     axes = np.concatenate([*normals, across, *facing, between[:, None]], axis=1)
@@ -201,7 +217,9 @@ def distance(one: ConvexPart, other: ConvexPart, r1: FloatArray, r2: FloatArray,
     unclear = np.flatnonzero(found < 0.0)
     complete = not (one.rims or other.rims) and len(one.edges) * len(other.edges) <= PAIRS
     if len(unclear) and not complete:
-        found[unclear] = np.maximum(found[unclear], _nearest(one, other, r1[unclear], r2[unclear], between[unclear]))
+        rows = r1[unclear], r2[unclear], between[unclear]
+        nearest, by_tangents = _nearest(one, other, *rows), along_axes(one, other, *rows, tangents=True)
+        found[unclear] = np.maximum(nearest, by_tangents)
     return found
 
 

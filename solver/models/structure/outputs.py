@@ -53,7 +53,12 @@ class StructureHistories(Histories):
         by_least=True,
         name="share",
     )
-    gap = Output(CONTACT, "m", "Distance of {it}, below 0 while they press on each other", by_least=True)
+    gap = Output(
+        CONTACT,
+        "m",
+        "Distance of {it}, below 0 while they press on each other, 1e6 while a joint connects them",
+        by_least=True,
+    )
     hit = Output(CONTACT, "N", "Force across of {it}, compression", 0.0, name="force")
     port_x = Output(
         PORT, "m", "{it} along x, relative to the base, from the structure as built and without weight", name="x"

@@ -114,7 +114,8 @@ def _model_of(parts: Parts, g: float) -> PackedModel:
     insides = [_inside_of(joint) for joint in joints]
     corners = np.concatenate([np.zeros(0), *outlines, *(part for parts in (*faces, *insides) for part in parts)])
     sides = [pair.beside.outline.ravel() if isinstance(pair.beside, Face) else np.zeros(0) for pair in pairs]
-    rows = {id(body): body.row() for pair in pairs for body in pair.bodies}
+    met = {id(body): body for pair in pairs for body in pair.bodies}
+    rows = {number: body.row() for number, body in met.items()}
     bodies = dict(zip(rows, corners.size + np.cumsum([0, *map(len, rows.values())]), strict=False))
     corners = np.concatenate([corners, *rows.values(), *sides])
     # sizes

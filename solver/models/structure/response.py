@@ -16,6 +16,7 @@ from ...common.aliases import Alias
 from ...common.errors import needing
 from ...common.frames import EXTRA
 from ...common.notebook import history, rows_of
+from ...kernels.structure.layout import JOINED_GAP
 from ..outputs import BASE, CONTACT, TIE, peaks_by_name
 from ..pictures import draw
 from ..response import Result
@@ -151,7 +152,7 @@ class SpatialResponse(StructureHistories, Result):
             other = found.get(name, one)  # two bodies may meet with several sides
             early = min(other, one, key=lambda each: np.nan_to_num(each.first, nan=math.inf))
             found[name] = early._replace(gap=min(one.gap, other.gap), force=max(one.force, other.force))
-        found = {name: one for name, one in found.items() if math.isfinite(one.gap)}
+        found = {name: one for name, one in found.items() if one.gap < JOINED_GAP}
         return tuple(sorted(found.values(), key=lambda one: (np.nan_to_num(one.first, nan=math.inf), one.gap)))
 
     def _energy_of_hit(self, k: int) -> float:
@@ -160,7 +161,7 @@ class SpatialResponse(StructureHistories, Result):
         if not len(pressed) or pressed[0] < 2:
             return math.nan
         before, closer = self.gap[pressed[0] - 2 : pressed[0], k].tolist()
-        if not math.isfinite(before):  # joined until then
+        if before >= JOINED_GAP:  # until then
             return math.nan
         rate = (closer - before) / float(self.time[1] - self.time[0])
         masses = [self.model.blocks[i].mass for i in (pair.one, pair.other) if i < self.model.n]

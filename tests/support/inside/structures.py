@@ -111,3 +111,16 @@ def rates(fmu: str) -> tuple[list[float], list[float]]:
     kinds = {name: (item.causality, item.variability) for name, item in body.variables.items()}
     names = [name for name, kind in kinds.items() if kind == ("output", "continuous")]
     return rates_of(body, names, t, h)
+
+
+def thrown(body: Instance, first: int, last: int) -> list[Any]:
+    """Return all outputs after steps of 20 ms, under a push of 0.6 s that throws a slender block over."""
+    for k in range(first, last):
+        body.set({"base.ax": 4.0 if k < 30 else 0.0})
+        body.step(0.02 * k, 0.02)
+    return body.get()
+
+
+def life_of_a_fall(fmu: str) -> dict[str, bool]:
+    """Return outputs over the life of a state, taken while a block falls, and of another damping."""
+    return states.life(fmu, thrown, 60, {"joints.damping_scale": 3.0})

@@ -44,7 +44,7 @@ class Polyhedron:
         _, first = np.unique(np.round(every / size), axis=0, return_index=True)
         return every[np.sort(first)]
 
-    @property
+    @cached_property
     def mean_area(self) -> float:
         """The area of its shadow, averaged over all directions, m2: a quarter of its surface (Cauchy)."""
         return 0.25 * sum(float(polygon_moments(plane.outline)[0]) for plane in self.planes)

@@ -1,0 +1,65 @@
+"""FMUs of structures that go on after a fall, against `simulate`, and their states amid it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.child import call
+from support.fmus import LINUX, ROOT, Fmus, built_once
+from support.inside import structures as inside
+
+from solver import Motion, simulate
+from solver.models.structure.model import Structure
+
+SHOWCASE = (ROOT / "examples" / "structures" / "showcase.toml").read_text(encoding="utf-8")
+GOES_ON = SHOWCASE.replace("[neighbours]", "[neighbours]\nafter_fall = 1.5")
+H, DURATION = 0.02, 4.0  # s
+STATUE = 1
+
+
+@pytest.fixture(scope="module")
+def showcase(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the FMU of a statue that may fall on a showcase."""
+    file = tmp_path_factory.mktemp("showcase") / "showcase.toml"
+    file.write_text(GOES_ON, encoding="utf-8")
+    return built_once(tmp_path_factory, "showcase.fmu", lambda path: Fmus.build(file, path))
+
+
+def test_an_fmu_follows_a_run_after_the_fall(showcase: Path, tmp_path: Path) -> None:
+    t = H * np.arange(round(DURATION / H) + 1)
+    samples = np.where(t < 0.6, 4.0, 0.0)
+    output = tmp_path / "seen.npy"
+    given = np.column_stack([samples, 0.0 * t, 0.0 * t])
+    call(inside.follow, showcase, given.tolist(), H, {"solver.tolerance": 1e-6}, output)
+    seen = np.load(output)
+    (tmp_path / "showcase.toml").write_text(GOES_ON, encoding="utf-8")
+    structure = Structure.from_toml(tmp_path / "showcase.toml")
+    response = simulate(structure, Motion.from_samples(H, samples), DURATION, tolerance=1e-6, output_step=H, settle=0.0)
+    rows = response.rows[1:]
+    print(response.verdict, response.overturn_time, [i for i in response.impacts])
+    away = np.max(np.abs(seen[:, : rows.shape[1]] - rows), axis=1)
+    for k in range(0, len(rows), 5):
+        print(response.time[k + 1], away[k], response.uz[k + 1, STATUE], seen[k, 5:20])
+    assert 0
+
+
+def test_states_amid_a_fall(showcase: Path) -> None:
+    found = call(inside.life_of_a_fall, showcase)
+    assert all(found.values()), found
+
+
+@pytest.mark.long  # builds a native FMU
+def test_the_native_fmu_has_the_same_bits_after_the_fall(showcase: Path, tmp_path: Path) -> None:
+    pytest.importorskip("ziglang", reason="needs the extra native")
+    file = tmp_path / "showcase.toml"
+    file.write_text(GOES_ON, encoding="utf-8")
+    native = Fmus.build(file, tmp_path / "native.fmu", *LINUX)
+    samples = [[4.0 if H * k < 0.6 else 0.0, 0.0, 0.0] for k in range(round(DURATION / H) + 1)]
+    found = []
+    for fmu in (showcase, native):
+        call(inside.follow, fmu, samples, H, {}, tmp_path / "seen.npy")
+        found.append(np.load(tmp_path / "seen.npy"))
+    assert np.array_equal(*found)
+    assert all(call(inside.life_of_a_fall, native).values())
