@@ -66,6 +66,7 @@ def load_bodies(scene, phase, pairs, p, farther):
     placed = placed_of(scene, phase, both.own, both.opposite)
     law = farther, pairs.body_stiffness[p], pairs.damping[p]
     found = press(scene, both.solid, both.other, placed, *law, False)
+    scene.extras.hits.highest[p] = found.highest
     if found.total == 0.0:
         return NO_TOUCH
     # along the axes of the base: equal forces on both bodies at the same place
@@ -95,11 +96,13 @@ def energy_of_bodies(scene, phase, pairs, p, farther):
 
 
 @kernel
-def gap_of_bodies(scene, phase, pairs, p, farther):
+def gap_of_bodies(scene, phase, pairs, p, farther, highest):
     """Return the distance of the bodies of pair p, m; if they overlap, less twice the height of their highest cell.
 
-    farther: added to the distance, m.
+    farther: added to the distance, m; highest: that height, m, 0 if it is not known.
     """
+    if highest > 0.0:
+        return -2.0 * highest
     both = bodies_of(scene, pairs, p)
     placed = placed_of(scene, phase, both.own, both.opposite)
     away, n = distance(both.solid, both.other, placed)

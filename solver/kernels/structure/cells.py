@@ -117,11 +117,11 @@ def _is_beyond(solid, facet, depth):
 def _common_face(room, cells, solid, planes, facet, hint, owns_flush):
     """Fill the room with the part of a face of the first body within the other one.
 
-    Return its number of corners, and the plane of the other body that leaves nothing of the face, for the next one: it
-    is tried first. hint: that of the face before.
+    Return its number of corners, and the plane of the other body that leaves nothing of the face, else -1: it is tried
+    first for the next face. hint: that of the face before.
     """
-    # most faces lie beyond the same plane
-    if _is_beyond(solid, facet, _over(facet, _normal(cells, hint), cells[4 * hint + 3], 1.0)):
+    # faces next to each other lie beyond the same plane
+    if hint >= 0 and _is_beyond(solid, facet, _over(facet, _normal(cells, hint), cells[4 * hint + 3], 1.0)):
         return 0, hint
     count = facet.corners
     for k in range(2 * count):
@@ -134,11 +134,11 @@ def _common_face(room, cells, solid, planes, facet, hint, owns_flush):
         if abs(depth.at) + abs(depth.along_x) + abs(depth.along_y) < SAME and dot(n, facet.n) > 0.0:
             if owns_flush:
                 continue
-            return 0, hint
+            return 0, -1
         count = cut(room, count, depth)
         if count < 3:
             return 0, j
-    return count, hint
+    return count, -1
 
 
 @kernel
@@ -280,7 +280,7 @@ def press(scene, solid, other, placed, farther, stiffness, damping, owns_flush):
     """
     room, cells = scene.room, scene.cells
     force, moment, centre, total, energy, highest = NOTHING, NOTHING, NOTHING, 0.0, 0.0, 0.0
-    planes, hint = _place_planes(cells, other, placed, farther), 0
+    planes, hint = _place_planes(cells, other, placed, farther), -1
     for i in range(int(solid[0])):
         # the face within the other body, kept beside the room
         facet = facet_of(solid, i)

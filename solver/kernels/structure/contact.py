@@ -94,7 +94,7 @@ def load_pair(scene, phase, extras, p):
     """
     hits, giving, pairs = extras.hits, extras.giving_stretches, extras.pairs
     # pairs that are apart exert nothing
-    hits.force[p], hits.energy[p], hits.slides[p] = 0.0, 0.0, 0.0
+    hits.force[p], hits.energy[p], hits.slides[p], hits.highest[p] = 0.0, 0.0, 0.0, 0.0
     giving.z1[p], giving.z2[p], giving.z3[p] = 0.0, 0.0, 0.0
     hits.bears[p] = max(extras.stretches.touches[p], APART)
     if hits.bears[p] == APART:
@@ -167,21 +167,22 @@ def _gap_of_sides(scene, phase, pairs, p, touches):
 
 
 @kernel
-def gap_of(scene, phase, pairs, p, touches):
+def gap_of(scene, phase, pairs, p, touches, highest):
     """Return the distance of pair p, m, negative where it overlaps: of sides that face each other, or of the bodies.
 
-    touches: JOINED, for which it is JOINED_GAP, APART, BY_SIDES or BY_BODIES.
+    touches: JOINED, for which it is JOINED_GAP, APART, BY_SIDES or BY_BODIES. highest: of the last evaluation if
+    that was of this phase, else 0.
     """
     if touches == JOINED:
         return JOINED_GAP
     if pairs.kind[p] == CONVEX:
-        return gap_of_bodies(scene, phase, pairs, p, pairs.farther[p])
+        return gap_of_bodies(scene, phase, pairs, p, pairs.farther[p], highest)
     gap, farther = _gap_of_sides(scene, phase, pairs, p, touches), _farther(pairs, p, touches)
     if gap != gap:
-        return gap_of_bodies(scene, phase, pairs, p, farther)
+        return gap_of_bodies(scene, phase, pairs, p, farther, highest)
     # ends and edges may be nearer than sides
     if may_press(scene, phase, pairs, p, farther):
-        gap = min(gap, gap_of_bodies(scene, phase, pairs, p, farther))
+        gap = min(gap, gap_of_bodies(scene, phase, pairs, p, farther, highest))
     return gap
 
 
@@ -192,7 +193,7 @@ def begins_by(scene, phase, pairs, p):
         return BY_BODIES
     gap = _gap_of_sides(scene, phase, pairs, p, APART)
     # NaN where no sides face each other
-    return BY_SIDES if -SHALLOW * pairs.radius_a[p] < gap <= gap_of(scene, phase, pairs, p, APART) else BY_BODIES
+    return BY_SIDES if -SHALLOW * pairs.radius_a[p] < gap <= gap_of(scene, phase, pairs, p, APART, 0.0) else BY_BODIES
 
 
 @leaf
@@ -208,15 +209,18 @@ def _within(pairs, p):
 
 
 @kernel
-def gap_or_bound(scene, phase, p, touches, least):
-    """Return the distance of pair p, m, or a lower bound of it if that is more than `least` and both are apart."""
+def gap_or_bound(scene, phase, p, touches, least, highest):
+    """Return the distance of pair p, m, or a lower bound of it if that is more than `least` and both are apart.
+
+    highest: as of `gap_of`.
+    """
     pairs = scene.extras.pairs
     # the bound costs a tenth
     if touches == APART:
-        bound = least_gap_of_bodies(scene, phase, pairs, p, pairs.farther[p])
+        bound = least_gap_of_bodies(scene, phase, pairs, p, pairs.farther[p]) - _within(pairs, p)
         if bound > max(least, 0.0) + SLACK:
             return bound
-    return gap_of(scene, phase, pairs, p, touches)
+    return gap_of(scene, phase, pairs, p, touches, highest)
 
 
 @leaf

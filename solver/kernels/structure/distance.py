@@ -14,6 +14,8 @@ from .layout import SOLID_CORNERS
 
 MOST_SUPPORTS = 100
 CLOSE = 1e-13  # of the squared distance, by which a support point must be nearer
+ROUNDING = 1e-15  # of products
+FLAT = 1e-11  # sine of the angle between an edge and a plane below which its end counts as in the plane
 
 
 class _Simplex(NamedTuple):
@@ -88,9 +90,10 @@ def _on_triangle(a, b, c):
 
 @leaf
 def _is_beyond(a, b, c, d):
-    """Return True if the origin lies on the other side of the plane (a, b, c) than d."""
-    n = cross(minus(b, a), minus(c, a))
-    return dot(n, a) * dot(n, minus(d, a)) > 0.0
+    """Return True if the origin lies on the other side of the plane (a, b, c) than d, or if d lies in that plane."""
+    n, edge = cross(minus(b, a), minus(c, a)), minus(d, a)
+    height = dot(n, edge)
+    return dot(n, a) * height > 0.0 or height * height <= FLAT * FLAT * dot(n, n) * dot(edge, edge)
 
 
 @kernel
@@ -128,7 +131,7 @@ def distance(solid, other, placed):
             return 0.0, v
         w = _support(solid, other, placed, (-v[0], -v[1], -v[2]))
         # no point is nearer
-        if square - dot(v, w) <= CLOSE * square:
+        if square - dot(v, w) <= max(CLOSE * square, ROUNDING * math.sqrt(square * dot(w, w))):
             return math.sqrt(square), v
         if found.size == 1:
             found = _on_segment(found.a, w)

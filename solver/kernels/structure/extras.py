@@ -98,11 +98,12 @@ def show_extras(scene, phase, shown, every_gap):
     place = first_gap(scene)
     for p in range(met):
         of_pairs[p], touches, least = math.inf, scene.extras.stretches.touches[p], 1.0 - scene.peaks[place + p]
+        highest = scene.extras.hits.highest[p]
         least -= PROMISE * scene.settings.tolerance * max(least, 0.0)
         if every_gap:
-            of_pairs[p] = gap_of(scene, phase, scene.extras.pairs, p, touches)
+            of_pairs[p] = gap_of(scene, phase, scene.extras.pairs, p, touches, highest)
         elif may_be_least(scene, p, least):
-            of_pairs[p] = gap_or_bound(scene, phase, p, touches, least)
+            of_pairs[p] = gap_or_bound(scene, phase, p, touches, least, highest)
         of_pairs[met + p] = scene.extras.hits.force[p]
     copy(of_pairs[len(OF_PAIR) * met :], scene.extras.spots.row, len(OF_PORT) * scene.extras.spotted)
 

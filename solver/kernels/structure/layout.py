@@ -235,9 +235,10 @@ SOUND = FieldTable(  # of bonds
     "held",  # 1 while it is as it was at the start of a step
     *("begins", "ends"),  # how far it is from breaking at both ends of a step (cracking.py)
 )
-# of pairs: force, N; energy, J; 1 while friction slides; how the pair touches while it has forces; the
-# last gap and the ways of both bodies until then, m; the direction of the last distance of the bodies
-HITS = FieldTable("force", "energy", "slides", "bears", "clear", "nx", "ny", "nz")
+# of pairs: force, N; energy, J; 1 while friction slides; how the pair touches while it has forces; height of the
+# highest cell between the bodies, m; the last gap and the ways of both bodies until then, m; the direction of their
+# last distance
+HITS = FieldTable("force", "energy", "slides", "bears", "highest", "clear", "nx", "ny", "nz")
 PULLS = FieldTable("force", "stretch", "elastic")  # of k ties: N, m; the elastic part of the stretch
 STAGES = 13  # of a step of order 8, with its start and its end
 

@@ -36,13 +36,13 @@ def _place(scene, k, p):
 @kernel
 def gap_in(scene, k, p):
     """Return the gap of pair p, m, in row k of a step."""
-    return gap_of(scene, _place(scene, k, p), scene.extras.pairs, p, kept_in(scene, START).touches[p])
+    return gap_of(scene, _place(scene, k, p), scene.extras.pairs, p, kept_in(scene, START).touches[p], 0.0)
 
 
 @kernel
 def _gap_or_bound(scene, k, p):
     """Return the gap of pair p, m, in row k of a step, or a lower bound by which it is open."""
-    return gap_or_bound(scene, _place(scene, k, p), p, kept_in(scene, START).touches[p], SLACK)
+    return gap_or_bound(scene, _place(scene, k, p), p, kept_in(scene, START).touches[p], SLACK, 0.0)
 
 
 @kernel
@@ -135,7 +135,7 @@ def until_closed(scene, segment, t, h):
 def gap_at(scene, h, s, p):
     """Return the gap of pair p, m, at fraction s of a step of h s."""
     pairs, touches = scene.extras.pairs, kept_in(scene, START).touches[p]
-    return gap_of(scene, pose_between(scene, h, s, int(pairs.one[p]), int(pairs.other[p])), pairs, p, touches)
+    return gap_of(scene, pose_between(scene, h, s, int(pairs.one[p]), int(pairs.other[p])), pairs, p, touches, 0.0)
 
 
 @kernel

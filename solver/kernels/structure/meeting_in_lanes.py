@@ -57,9 +57,8 @@ def _closing_of_lane(scene, k, h):
     one, gaps, part = alone(scene, k), _gaps(scene, k), 1.0
     kept, phase = kept_in(one, START), _phase(row(one, END), one.n)
     for p in range(one.extras.met):
-        gaps[p] = gap_of(
-            one, phase, one.extras.pairs, p, kept.touches[p]
-        )  # poses are those of the last evaluation, at the end
+        # poses are those of the last evaluation, at the end
+        gaps[p] = gap_of(one, phase, one.extras.pairs, p, kept.touches[p], 0.0)
     # the first to close
     for p in range(one.extras.met):
         if kept.touches[p] == APART:
