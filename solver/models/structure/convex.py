@@ -2,9 +2,9 @@
 
 Two convex blocks are apart if some axis separates them. For boxes and prisms it is sufficient to test the normals of
 faces and the cross products of edges. For drums the axes are those along which two drums, or a drum and a corner, face
-each other; where these do not separate drums or hulls of many edges, tangents of rims are edges too, and the nearest point of the
-Minkowski difference decides (E. Gilbert, SIAM J. Control 4, 1966, p. 61). The extent of a block along an axis is that of its corners and
-rims.
+each other; where these do not separate drums or hulls of many edges, tangents of rims are edges too, and the nearest
+point of the Minkowski difference decides (E. Gilbert, SIAM J. Control 4, 1966, p. 61). The extent of a block along an
+axis is that of its corners and rims.
 """
 
 from __future__ import annotations
