@@ -207,8 +207,9 @@ def summary(results: Results) -> str:
                 lines.append(f"{failure.name}: {error}")
                 continue
             how = failure.name if failure.limit == "hit" else found.how
+            unit = f" {found.measure.unit}" if found.measure else ""
             lines.append(
-                f"{how}: median {found.name} {found.median:.4g} ({found.median_bounds[0]:.4g} to "
+                f"{how}: median {found.name} {found.median:.4g}{unit} ({found.median_bounds[0]:.4g} to "
                 f"{found.median_bounds[1]:.4g}), deviation of the logarithm {found.deviation:.3g} "
                 f"({found.deviation_bounds[0]:.3g} to {found.deviation_bounds[1]:.3g}), at 95 % confidence; "
                 f"{found.failed} of {found.runs} runs failed, {found.undecided} undecided"

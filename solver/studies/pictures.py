@@ -353,7 +353,7 @@ def draw_risks(
     measure = hazard.measure
     panels[1].set(ylabel="probability of failure", ylim=(-0.02, 1.02))
     panels[1].set_title("fragility with its 95 % band", loc="left")
-    panels[1].legend(frameon=False, loc="best")
+    panels[2].legend(frameon=False, loc="best")  # steep curves leave no room beside the fragilities
     panels[2].set(xlabel=f"{measure.label} ({measure.unit})", ylabel=f"1/year per unit of ln {measure.label}")
     panels[2].set_title("the rate of failure by intensity; the area is the rate", loc="left")
     panels[2].set_ylim(bottom=0.0)
@@ -473,6 +473,9 @@ def caption(results: Results) -> list[str]:
     runs += f"; {undecided_text(undecided)}" if undecided else ""
     runs += f", {failed} could not be made" if failed else ""
     said = [f"{study['name']}: {columns}; base motion: {_some(study['motions'], 6)}; {runs}."]
+    floors = [f"{one['floor']} of {one['building']['name']}" for one in study["motions"] if one.get("building")]
+    if floors:
+        said.append(f"On floor {', '.join(dict.fromkeys(floors))}; intensities are those of the ground.")
     if random:
         said.append(f"Random: {random}; {study['samples']} samples, {study['sampling']}.")
     return [*said, limits_of_model(results)]

@@ -28,6 +28,7 @@ LEAST_GAP = "least_gap"  # least gap of neighbours (m), if a study keeps it: bel
 RESAMPLED = 200  # number of samples of the bootstrap
 GROUPS = 1000  # largest number of levels; beyond it neighbouring intensities are replaced by their means
 BINS = 12
+SAME = 1e-9  # relative difference up to which intensities are one level: scaling rounds
 LEAST_DEVIATION, MOST_DEVIATION = 0.01, 5.0
 SEEDS = tuple(f"{OF_MOTION}{key}" for key in WHOLE)  # names that label motions
 TAIL = 0.16  # part of the runs at either end of a parameter
@@ -417,6 +418,7 @@ def binned(
     """
     # edges: between the levels, or quantiles
     levels = np.unique(intensity)
+    levels = levels[np.append(True, np.diff(levels) > SAME * levels[1:])]
     if len(levels) <= 2 * bins:
         between = 0.5 * (levels[1:] + levels[:-1])
         edges = np.concatenate([levels[:1], between, levels[-1:]])
