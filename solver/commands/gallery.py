@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from ..checks.action import OF_FLOORS
 from ..checks.answer import components_sentence
 from ..checks.limits import Plan
 from ..checks.subject import subject_of
@@ -80,7 +81,8 @@ def _gallery(options: argparse.Namespace) -> None:
     # runs, pair by pair
     with RunsLine() if sys.stderr.isatty() else PlainLine() as line:
         gallery = survey(exhibits, mounts, subjects, actions, plan, journal, line)
-    remarks = [components_sentence(ground, True), *ground.cautions(), BESIDE]
+    floors_of = [f"Floors are those of {printable(floor[0].name)}. {OF_FLOORS}"] if floor else []
+    remarks = [components_sentence(ground, True), *ground.cautions(), *floors_of, BESIDE]
     print(*_lines(gallery), *remarks, sep="\n")
     command, notes = printable(shlex.join(["multiblock", *sys.argv[1:]])), list(map(printable, options.note))
     page = partial(

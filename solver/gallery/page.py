@@ -21,14 +21,19 @@ TALL, ROW = 1.6, 0.4  # in, height of the picture without its rows, and of a row
 SPREAD = 0.8  # of a row, covered by its marks
 
 
+def has_margin(gallery: Gallery) -> bool:
+    """Return True if the margins were computed."""
+    return not math.isnan(gallery.outcomes[0][0].stands)
+
+
 def picture(gallery: Gallery) -> Figure:
     """Draw the margin of each object on each mount, or the share of the runs that stand."""
     count, mounts = len(gallery.exhibits), gallery.mounts
     figure = Figure(figsize=(8.0, TALL + ROW * count), layout="constrained")
     axes = figure.subplots()
-    has_margin = not math.isnan(gallery.outcomes[0][0].stands)
+    margins = has_margin(gallery)
     for k, mount in enumerate(mounts):
-        shown = [row[k].stands if has_margin else 1.0 - row[k].fallen / row[k].runs for row in gallery.outcomes]
+        shown = [row[k].stands if margins else 1.0 - row[k].fallen / row[k].runs for row in gallery.outcomes]
         level = np.arange(count) + SPREAD * ((k + 0.5) / len(mounts) - 0.5)  # apart, to see each
         style: dict[str, Any] = {
             "color": FEW_COLOURS[k % len(FEW_COLOURS)],
@@ -38,8 +43,8 @@ def picture(gallery: Gallery) -> Figure:
         axes.plot(shown, level, linestyle="", label=plain(mount.name), **style)
     axes.set_yticks(range(count), [plain(one.name) for one in gallery.exhibits])
     axes.invert_yaxis()
-    axes.axvline(1.0, color=RED if has_margin else GREY, linewidth=1.0)
-    axes.set_xlabel("margin: factor on the motions up to which no run falls" if has_margin else "share that stands")
+    axes.axvline(1.0, color=RED if margins else GREY, linewidth=1.0)
+    axes.set_xlabel("margin: factor on the motions up to which no run falls" if margins else "share that stands")
     tidy(axes)
     figure.legend(loc="outside upper center", ncols=min(len(mounts), 6), frameon=False)
     return figure
@@ -52,5 +57,6 @@ def page_text(gallery: Gallery, **values: Any) -> str:
     )
     style = (files(report) / "check.css").read_text(encoding="utf-8")
     firsts = [gallery.first_mount(number) for number in range(len(gallery.exhibits))]
-    tools = {"percent": percent, "three_digits": three_digits, "picture": embedded(picture(gallery))}
+    tools: dict[str, Any] = {"percent": percent, "three_digits": three_digits, "picture": embedded(picture(gallery))}
+    tools["has_margin"] = has_margin(gallery)
     return page.render(gallery=gallery, firsts=firsts, style=style, **tools, **values)

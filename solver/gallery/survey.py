@@ -41,8 +41,8 @@ class Outcome:
     high: float
     stands: float  # margin: factors on the motions at which none and at which some run falls; NaN if not computed
     falls: float
-    moved: float  # m, largest displacement of the runs that stand
-    bearing: float  # the same of the bearings; NaN without
+    moved: float  # m, largest displacement of the runs that stand; NaN if all fall
+    bearing: float  # the same of the bearings; NaN without bearings too
     capacity: float  # m, of the bearings
     first: str  # the first fall: what, when, under which motion; "" without
 
@@ -164,9 +164,10 @@ def outcome_of(subject: Subject, action: Action, plan: Plan) -> Outcome:
         what = subject.model.names[int(table["fallen"][k]) - 1] if table["fallen"][k] else "bearing"
         first = f"{what} at {time[k]:.4g} s under {motions[k // (1 + plan.ensemble)].name}"
     # displacements of the runs that stand
-    moved, bearing, capacity = float(np.max(subject.tops(table), where=~fell, initial=0.0)), math.nan, math.nan
+    none = math.nan if np.all(fell) else 0.0
+    moved, bearing, capacity = float(np.max(subject.tops(table), where=~fell, initial=none)), math.nan, math.nan
     if subject.bearings[0]:
-        bearing = float(np.max(np.max(table[OF_BEARINGS], axis=1), where=~fell, initial=0.0))
+        bearing = float(np.max(np.max(table[OF_BEARINGS], axis=1), where=~fell, initial=none))
         capacity = float(np.min(subject.bearings[1]))
     counts, bounds = (int(np.sum(fell)), int(np.sum(left)), fell.size), bounds_of(fell, fell | left, len(motions))
     return Outcome(*counts, *bounds, stands, fails, moved, bearing, capacity, first)

@@ -60,6 +60,13 @@ def test_an_outcome_is_that_of_runs_made_one_by_one() -> None:
     assert found.holds
 
 
+def test_displacements_are_unknown_if_every_run_falls() -> None:
+    strong = replace(action(), motions=action().motions[:1])
+    found = outcome_of(subject_of(mounted(THIN, MOUNTS[0])), strong, PLAN)
+    assert (found.fallen, found.runs) == (4, 4)
+    assert math.isnan(found.moved)
+
+
 def test_an_interrupted_gallery_goes_on_to_the_same_outcomes(tmp_path: Path) -> None:
     subjects = [subject_of(mounted(THIN, mount)) for mount in MOUNTS]
     given = [THIN], MOUNTS, subjects, {0: action()}, PLAN
@@ -107,6 +114,8 @@ def test_the_example_is_written_as_table_and_page(
     page = Path("results/objects.html").read_text(encoding="utf-8")
     assert page.count("<img") == 1
     assert "Hall &lt;3&gt;" in page
+    assert "Floors are those of" in page
+    assert "none falls" not in page  # of the margins
     for name in ("Kore", "Athlete", "Bust of a poet", "Head", "Stele", "Mesh statue"):
         assert f"<h2>{name}</h2>" in page
     # the same again makes no run, and another command refuses the journal
