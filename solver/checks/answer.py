@@ -24,18 +24,19 @@ def outcome_of(rows: Sequence[Row]) -> str:
     return UNDECIDED if any(row.undecided for row in rows) else PASSES
 
 
-def answer(rows: Sequence[Row]) -> str:
-    """Return the sentence that says whether the check passes, and which rows fail.
+def failed_names(rows: Sequence[Row]) -> list[str]:
+    """Return the names of the rows that fail; those of unknown demand because of a fall only if no other row fails."""
+    failed = [row for row in rows if row.passes is False]
+    return [row.name for row in failed if not row.of_fall] or [row.name for row in failed]
 
-    Rows whose demand is unknown because of a fall are named only if no other row fails.
-    """
+
+def answer(rows: Sequence[Row]) -> str:
+    """Return the sentence that says whether the check passes, and which rows fail."""
     outcome = outcome_of(rows)
     if outcome == PASSES:
         return f"{PASSES}: no row of the table fails."
     if outcome == FAILS:
-        failed = [row for row in rows if row.passes is False]
-        named = [row.name for row in failed if not row.of_fall] or [row.name for row in failed]
-        return f"{FAILS} by: {'; '.join(named)}."
+        return f"{FAILS} by: {'; '.join(failed_names(rows))}."
     return f"{UNDECIDED}: no row of the table fails, but some runs neither fell nor came to rest."
 
 
@@ -62,10 +63,10 @@ def cracked_sentence(names: Sequence[str], runs: Sequence[Any]) -> str:
     return f" Its mortar breaks through as given: {', '.join(said)}; it is not compared, the joint is dry from then on."
 
 
-def components_sentence(action: Action, across: bool) -> str:
+def components_sentence(action: Action, across: bool, has_space: bool = True) -> str:
     """Return the sentence on the number of components of motion that act.
 
-    `across` is True if the model can move along both horizontal directions.
+    `across` is True if the model can move along both horizontal directions, `has_space` if it can be solved in space.
     """
     two = sum(scaled.motion.has_ay for scaled in action.motions)
     upright = any(np.any(scaled.motion.az) for scaled in action.motions)
@@ -76,6 +77,8 @@ def components_sentence(action: Action, across: bool) -> str:
         return f"Two horizontal components{other} act together under {two} of {len(action.motions)} motions, else one."
     there = "give the second ones (--across)" if across else "without --plane a code spectrum brings both, and --across"
     there += "" if across else " gives a record its second one"
+    if not has_space:
+        there = "a column like this cannot be solved in space"
     return f"One horizontal component{other} acts; codes ask for two together, which overturn more: {there}."
 
 

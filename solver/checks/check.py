@@ -23,10 +23,12 @@ from ..statics.rocking import restitution_sentence
 from . import of_column, of_structure  # noqa: F401  # subjects that they register
 from .action import ARTIFICIAL, Action, Level, Motions, action_on
 from .answer import (
+    FAILS,
     PASSES,
     answer,
     components_sentence,
     cracked_sentence,
+    failed_names,
     falls_sentence,
     impacts_sentence,
     margin_sentence,
@@ -182,8 +184,17 @@ class Check:
     def remarks(self) -> tuple[str, ...]:
         """The sentences on the components that act, cautions about the action, and points left to another check."""
         longest = self.by_hand.mechanism.period() if self.by_hand else 0.0
-        components = components_sentence(self.action, self.subject.model.kind.across)
+        components = components_sentence(self.action, self.subject.model.kind.across, self._has_space)
         return (components, *self.action.cautions(longest), *self.subject.deferred_points(self.both))
+
+    @cached_property
+    def _has_space(self) -> bool:
+        """True if the model can be solved in space."""
+        model = self.subject.model
+        try:
+            return bool(model.kind.across or model.in_space())
+        except InputError:
+            return False
 
     @cached_property
     def of_joints(self) -> tuple[str, ...]:
@@ -291,8 +302,11 @@ def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | N
 
         def outcome_and_note(changed: Subject) -> tuple[str, str]:
             found, _, table, fell = _made(changed, action, plan, callback, "runs with other joints")
+            changed_rows = rows_of(changed, found, table, plan.limits, None, fell)
             note = f"{fell.fallen} of {len(fell.varied)} varied ones fall"
-            return outcome_of(rows_of(changed, found, table, plan.limits, None, fell)), note
+            if not fell.fallen and outcome_of(changed_rows) == FAILS:
+                note += f"; by {'; '.join(failed_names(changed_rows))}"
+            return outcome_of(changed_rows), note
 
         others = other_joints(subject.model, plan.confidence_factor, outcome_and_note)
     # methods by hand

@@ -348,7 +348,8 @@ def _overlap(demands: Demands, limits: Limits) -> list[Row]:
     note = f"the deepest under any motion; these blocks do not meet in the model: {deepest.why}"
     values = tuple(found.depth for found in overlaps)
     where = ", ".join(deepest.between)
-    return [Row("overlap of blocks", deepest.depth, limits.overlap, MM, where, note if where else "", values)]
+    note = note if where else "blocks that do not meet in the model do not overlap"
+    return [Row("overlap of blocks", deepest.depth, limits.overlap, MM, where, note, values)]
 
 
 def _hits(demands: Demands, table: Table, verdicts: Verdicts, limits: Limits) -> list[Row]:

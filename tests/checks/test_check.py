@@ -144,6 +144,12 @@ def test_the_other_direction_is_named_unless_it_is_the_same(found: Check) -> Non
     assert "in space they roll on their rims" in said(depth=width, section="circle")[0]
 
 
+def test_a_column_that_has_no_space_is_not_told_to_go_there(found: Check) -> None:
+    leaning = subject_of(replace(BLOCK, blocks=tuple(replace(block, tilt=1e-3) for block in BLOCK.blocks)))
+    assert "without --plane" in found.remarks[0]
+    assert "cannot be solved in space" in replace(found, subject=leaning).remarks[0]
+
+
 def test_a_column_that_falls_fails() -> None:
     strong = check(BLOCK, PULSES, pga=1.5 * G, plan=replace(SHORT, margin=False))
     assert not strong.passes

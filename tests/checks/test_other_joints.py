@@ -7,6 +7,7 @@ from itertools import pairwise
 import pytest
 
 from multiblock import Block, Column, InputError, Joint, Motion, Plan, check, housner_restitution, restitution, wavelets
+from solver.checks.limits import Limits
 from solver.checks.other_joints import OtherJoints, joints_sentence
 from solver.checks.table import PLAIN, Row
 from solver.statics.calibrate import damping_from_ratio, damping_from_restitution, with_joints
@@ -37,6 +38,15 @@ def test_runs_with_other_joints_are_those_of_checks_of_their_own() -> None:
         assert one.note == f"{apart.fallen[0]} of 2 varied ones fall"
         assert apart.others == ()
     assert "was not tried" in replace(found, others=()).of_joints[0]
+
+
+def test_a_failure_without_a_fall_is_named() -> None:
+    plan = replace(PLAN, limits=Limits(displacement=1e-3))
+    found = check(BLOCK, [wavelets.one_sine(0.26 * G, 1.5)], plan=plan)
+    assert found.fallen[0] == 0
+    assert {(one.outcome, one.note) for one in found.others} == {
+        ("FAILS", "0 of 2 varied ones fall; by displacement of the top")
+    }
 
 
 def test_sentence_says_what_the_answer_hangs_on() -> None:

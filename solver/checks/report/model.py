@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...common.digits import three_digits
+from ...common.digits import four_digits, three_digits
 from ...common.errors import InputError
 from ...models.column.block import Block
 from ...models.column.contact import Contact
@@ -124,14 +124,17 @@ def _block(block: Block) -> tuple[str, ...]:
         return f"{bottom:.4g}" if top is None or top == bottom else f"{bottom:.4g}, top {top:.4g}"
 
     sizes = size(block.width, block.top_width), size(block.depth, block.top_depth)
-    return block.section, f"{block.height:.4g}", *sizes, f"{block.resolved_centroid:.4g}", f"{block.mass:.4g}"
+    return block.section, f"{block.height:.4g}", *sizes, f"{block.resolved_centroid:.4g}", four_digits(block.mass)
 
 
 def _contact(block: Block, contact: Contact) -> tuple[str, ...]:
     """Return the texts of the joint under a block."""
     joint = block.joint
     rim = f", rim {joint.rim:.4g} m" if joint.rim else ""
-    sizes = f"{joint.section or block.section}{rim}", f"{contact.width:.4g}", f"{contact.depth:.4g}"
+    section = joint.section or block.section
+    if joint.strips:
+        section = f"{len(joint.strips)} {section}, depth {min(joint.strips):.4g} to {max(joint.strips):.4g} m"
+    sizes = f"{section}{rim}", f"{contact.width:.4g}", f"{contact.depth:.4g}"
     return *sizes, *_law(joint.stiffness, joint.damping, joint.friction, joint.strength)
 
 
@@ -188,13 +191,15 @@ def _solid(block: Solid) -> tuple[str, ...]:
     round_ = [2.0 * face.radius for face in block.faces if face.radius]
     size = " x ".join(f"{length:.4g}" for length in extents)
     shape = f"diameter {max(round_):.4g}, height {extents[2]:.4g}" if round_ else size
-    return block.name, shape, f"{block.centroid[2]:.4g}", f"{block.mass:.4g}"
+    return block.name, shape, f"{block.centroid[2]:.4g}", four_digits(block.mass)
 
 
 def _joint(name: str, joint: SpatialJoint) -> tuple[str, ...]:
     bed, face = joint.bed, joint.face
     rim = f", rim {bed.rim:.4g} m" if bed.rim else ""
-    sizes = 2 * (2.0 * face.radius,) if face.radius else np.sort(np.ptp(face.outline, axis=0)).tolist()
+    sizes = 2 * (2.0 * face.radius,) if face.radius else np.ptp(face.outline, axis=0).tolist()
+    if abs(face.axes[1, 0]) > abs(face.axes[1, 1]):  # the depth is that along y
+        sizes = sizes[::-1]
     contact = f"{'round' if face.radius else 'plane'}{rim}", *(f"{size:.4g}" for size in sizes)
     return name, *contact, *_law(bed.stiffness, bed.damping, bed.friction, bed.strength)
 
