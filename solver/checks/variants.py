@@ -191,6 +191,8 @@ def _bounded(shown: str, trials: FloatArray, unit: Unit, of: str) -> tuple[str, 
         return f"{shown}, of one pair alone", SAME
     low, high = mean_bounds(trials)
     bounds = f"{unit.factor * low:+.3g} to {unit.factor * high:+.3g} {unit.name} at {100.0 * CONFIDENCE:g} % confidence"
+    if low == high != 0.0:  # no spread, from which no bounds follow
+        bounds = "no bounds, all differ by the same"
     word = "better" if high < 0.0 else "worse" if low > 0.0 else SAME
     return f"{shown} ({bounds}, {len(trials)} {of})", word
 

@@ -78,6 +78,7 @@ class _StructureFigure(films.AnimatedFigure):
         self._solids = draw_blocks(axes, response.model, zero, zero, _reached(response, scale, end))
         self._solids.set_antialiased(False)  # edges of mixed colours would double the size of a GIF
         draw_ground(ground, response.motion)
+        ground.set_xlabel("time (s)")
         axes.text2D(0.0, 1.02, self.factor, transform=axes.transAxes, color=RED)
         clock = axes.text2D(1.0, 1.02, "", transform=axes.transAxes, ha="right", fontsize=12)
         self.animate((self._solids,), clock, (ground,), end, (*SHADED, EDGE, GROUND, WALL))

@@ -10,7 +10,7 @@ from scipy import stats
 from multiblock import Block, Column, Joint, check, wavelets
 from solver.checks.check import Check
 from solver.checks.limits import Plan
-from solver.checks.variants import described, difference, mean_bounds, pairs_of, student
+from solver.checks.variants import POINTS, _bounded, described, difference, mean_bounds, pairs_of, student
 
 G = 9.80665
 MOTIONS = {f"{frequency} Hz": wavelets.ricker(0.35 * G, frequency) for frequency in (0.8, 1.0, 1.2, 1.5)}
@@ -45,6 +45,15 @@ def test_pairs_that_say_nothing_are_left_out() -> None:
     one, other = np.array([[3.0, np.nan], [np.nan, np.nan], [4.0, 6.0]]), np.ones((3, 2))
     np.testing.assert_array_equal(pairs_of(one, other), [2.0, 4.0])
     np.testing.assert_array_equal(pairs_of(one[:1], other[:1]), [2.0])  # of one motion each pair is a trial
+
+
+def test_equal_differences_have_no_bounds() -> None:
+    """Check that trials without spread, from which Student's bounds would have no width, give none."""
+    assert _bounded("fewer", np.array([-1.0, -1.0]), POINTS, "motions") == (
+        "fewer (no bounds, all differ by the same, 2 motions)",
+        "better",
+    )
+    assert "percentage points at 95 % confidence" in _bounded("fewer", np.array([-1.0, -0.5]), POINTS, "motions")[0]
 
 
 def test_a_column_against_itself_cannot_be_distinguished(given: Check) -> None:

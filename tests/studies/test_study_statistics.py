@@ -191,7 +191,8 @@ def test_bins_hold_all_runs(known: Results) -> None:
     assert levels.middle == pytest.approx([0.1, 0.2, 0.4])
     assert (levels.runs.tolist(), levels.failed.tolist()) == ([5, 5, 5], [2, 2, 2])
     # intensities that differ by rounding are one level, also the largest
-    rounded = binned(np.repeat([0.2, 0.5, 0.9], 4) * np.tile([1.0, 1.0 + 2e-16, 1.0 - 2e-16, 1.0], 3), np.arange(12) > 6)
+    scaled = np.repeat([0.2, 0.5, 0.9], 4) * np.tile([1.0, 1.0 + 2e-16, 1.0 - 2e-16, 1.0], 3)
+    rounded = binned(scaled, np.arange(12) > 6)
     assert (rounded.runs.tolist(), rounded.failed.tolist()) == ([4, 4, 4], [0, 1, 4])
 
 
