@@ -65,6 +65,8 @@ def summary(response: SpatialResponse) -> str:
     lines += _neighbours(response)
     lines += cracks(structure.bond_names, peaks["bond"])
     lines.append(verdict_line(response))
+    if stats.get("released"):
+        lines.append(f"joints that ended in the fall have changed the energy by {stats['released']:.3g} J")
     if response.estimated_error is not None and response.horizon is not None:
         error = response.estimated_error
         lines.append(f"estimated error: {error.ux:.1e} of the peak; predictable until {response.horizon:.4g} s")

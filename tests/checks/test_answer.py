@@ -47,6 +47,7 @@ def random_rows(rng: np.random.Generator, found: Verdicts) -> list[Row]:
     ]
 
 
+@pytest.mark.long  # takes 10 s and more
 def test_no_sentence_is_false_of_a_row() -> None:
     for seed in range(CASES):
         check_sentences(np.random.default_rng(seed))

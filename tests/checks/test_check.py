@@ -278,6 +278,7 @@ def test_contradictions_are_refused(words: dict[str, Any], message: str) -> None
         check(BLOCK, (), **words)
 
 
+@pytest.mark.long  # takes seconds
 def test_artificial_motions_where_none_are_given() -> None:
     made = check(
         BLOCK, target=spectra.eurocode8(0.05 * G, "A"), artificial=3, plan=Plan(ensemble=1, margin=False, joints=False)
@@ -290,6 +291,7 @@ def test_artificial_motions_where_none_are_given() -> None:
     assert made.passes
 
 
+@pytest.mark.long  # takes seconds
 def test_artificial_motions_have_vertical_components_where_wanted() -> None:
     target = spectra.eurocode8(0.05 * G, "A")
     assert target.vertical is not None
@@ -310,6 +312,7 @@ def test_table_is_written_with_each_motion(found: Check, tmp_path: Path) -> None
     assert len(lines) == 1 + len(found.all_rows)
 
 
+@pytest.mark.long  # takes seconds
 def test_report_has_everything_inside(found: Check, tmp_path: Path) -> None:
     from solver.checks.report.html import write_report
 

@@ -40,6 +40,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.long  # takes seconds
 def test_check_prints_tables_variants_and_writes(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["check", "block.toml", "--pga", "0.1", *QUICK, "--variant", "wider.toml"]
     report = ["--report", "report.html", "--note", "Museum <North>, hall 3", "--note", "checked 1 May"]
@@ -133,6 +134,7 @@ def test_a_row_is_enough_for_another_code(
     assert "of flat: of the spectrum, g" in capsys.readouterr().out
 
 
+@pytest.mark.long  # takes seconds
 def test_odd_names_reach_neither_terminal_nor_legend_as_they_are(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -165,6 +167,7 @@ def test_a_record_in_other_units_and_a_factor_out_of_range(folder: Path, capsys:
             assert "must be a confidence factor from 1 to 3" in capsys.readouterr().err
 
 
+@pytest.mark.long  # takes seconds
 def test_both_directions_in_one_command(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Check that the second is the column with width and depth exchanged; the report has both answers."""
     deep = COLUMN.replace("depth = 0.5", "depth = 1.0")
@@ -185,6 +188,7 @@ def test_both_directions_in_one_command(folder: Path, capsys: pytest.CaptureFixt
     assert "--both: must be left out, block.toml is the same in both directions" in capsys.readouterr().err
 
 
+@pytest.mark.long  # takes 10 s and more
 def test_mortar_is_said_wherever_it_is_left_out(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Check statics, checks that compare with the dry edge, and the report; and which joint broke through."""
     mortar = COLUMN.replace("strength = 2e6 }", "friction = 0.6, tensile_strength = 2e5, cohesion = 3e5 }")
@@ -211,6 +215,7 @@ def test_mortar_is_said_wherever_it_is_left_out(folder: Path, capsys: pytest.Cap
         assert "The joints bear pressure only" not in page
 
 
+@pytest.mark.long  # takes 10 s and more
 def test_two_components_act_unless_the_plane_is_asked_for(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Check a code spectrum, and records with --across; one record alone, --plane and --both keep the plane."""
     code = ["--spectrum", "ec8", "--ag", "0.02", "--soil", "A", "--artificial", "1"]
@@ -285,6 +290,7 @@ def test_variants_of_one_name_are_named_by_their_files(folder: Path, capsys: pyt
     assert "block 2 (block[1].joint.damping 0.002 to 0.003) against block 1: " in capsys.readouterr().out
 
 
+@pytest.mark.long  # takes seconds
 def test_a_check_on_a_floor(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     Path("hall.toml").write_text(HALL, encoding="utf-8")
     words = ["check", "block.toml", "slow.csv", "--pga", "0.1", *QUICK, "--building", "hall.toml"]

@@ -81,6 +81,7 @@ def test_rows_have_the_worse_of_both_ways(found: Check) -> None:
     assert "of 2 varied structures" in found.verdict
 
 
+@pytest.mark.long  # takes seconds
 def test_a_block_has_the_margin_that_it_has_in_its_plane() -> None:
     """Check that the same factors are drawn for both; in space its joint gives along itself."""
     plan = Plan(ensemble=4, joints=False)
@@ -269,6 +270,7 @@ def test_a_structure_without_weight_is_refused() -> None:
         check(3, [ALONG], pga=1.0)  # type: ignore[arg-type]
 
 
+@pytest.mark.long  # takes 10 s and more
 def test_command_and_report(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

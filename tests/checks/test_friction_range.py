@@ -103,6 +103,7 @@ def test_both_bounds_are_values() -> None:
     assert friction_values("0.5:0.5:0.1") == [0.5]
 
 
+@pytest.mark.long  # takes seconds
 def test_the_command_prints_and_reports_the_range(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

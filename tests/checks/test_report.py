@@ -57,6 +57,7 @@ def found() -> Check:
     return check(PEDESTAL, motions, plan=STILL)
 
 
+@pytest.mark.long  # takes seconds
 def test_the_report_has_sizes_strengths_files_and_fields(found: Check, tmp_path: Path) -> None:
     file, record = tmp_path / "pillar.toml", tmp_path / "record.csv"
     file.write_text(FILE, encoding="utf-8")

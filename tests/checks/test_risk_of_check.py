@@ -70,6 +70,7 @@ def test_too_few_falls_are_refused() -> None:
         risk_of(checked(), Hazard.power_law("pga", 2.0, 10.0, 5e8))
 
 
+@pytest.mark.long  # takes seconds
 def test_the_command_says_risk_or_one_error(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

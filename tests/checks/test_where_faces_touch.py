@@ -52,6 +52,7 @@ def test_the_statue_in_space_is_that_of_the_plane(program: dict[str, Any], name:
     assert min(abs(space / flat - 1.0)) < 0.05
 
 
+@pytest.mark.long  # takes seconds
 def test_program_prints_a_table(
     program: dict[str, Any], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -73,6 +73,7 @@ def test_histories_have_nine_digits_by_default(tmp_path: Path) -> None:
         response.to_csv(tmp_path / "none.csv", digits=18)
 
 
+@pytest.mark.long  # takes seconds
 def test_simulate_writes_what_the_solver_computes(tmp_path: Path, motion: Motion) -> None:
     words = ("--digits", "17", "-o", "results.csv", "--plot", "response.png")
     run = finish_in(tmp_path, sys.executable, "-m", "solver", "simulate", PHOCAS, "motion.csv", *words)

@@ -296,6 +296,7 @@ def test_a_survey_may_begin_with_a_byte_order_mark(tmp_path: Path, monkeypatch: 
     assert Column.from_toml(tmp_path / "a.toml").n == 2
 
 
+@pytest.mark.long  # takes seconds
 def test_a_mesh(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("trimesh")
     pytest.importorskip("matplotlib")

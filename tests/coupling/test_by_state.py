@@ -299,6 +299,7 @@ def test_partners_of_every_kind(name: str) -> None:
     assert found[2] < found[0] / 4.0
 
 
+@pytest.mark.long  # takes 10 s and more
 def test_two_columns_on_one_slab() -> None:
     """Check that each is given the other's R0 and m as one more body."""
     truth = as_one([COLUMN, OTHER], slab(1.0))

@@ -130,6 +130,7 @@ def coupled(h: float, line: bool = False) -> Array:
     return np.array(rows) - rows[0]
 
 
+@pytest.mark.long  # takes seconds
 def test_errors_fall_as_the_rule_of_the_slope_says() -> None:
     """Check ground that begins smoothly: the line is of order 2, the parabola of order 3."""
     whole = as_one()

@@ -18,6 +18,7 @@ from solver.models.structure.driven import packed
 from solver.models.structure.model import Structure
 
 
+@pytest.mark.long  # takes seconds
 def test_the_line_is_of_the_second_order(monkeypatch: pytest.MonkeyPatch) -> None:
     """Check that errors fall by four with half the step, and under a slab of a tenth of the mass 4 ms are too long."""
     monkeypatch.setattr(in_space, "DURATION", 1.0)
@@ -36,6 +37,7 @@ def test_the_line_is_of_the_second_order(monkeypatch: pytest.MonkeyPatch) -> Non
     assert np.max(np.abs(too_long - fine)) > np.max(np.abs(fine))
 
 
+@pytest.mark.long  # takes seconds
 @pytest.mark.parametrize("name", ["linear", "pendulum"])
 def test_the_coupling_is_one_system(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Compare slab and beam with all in one set of equations, over four steps."""

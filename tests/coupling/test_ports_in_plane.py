@@ -91,6 +91,7 @@ def test_variables_of_ports_and_what_they_depend_on(tmp_path: Path) -> None:
     assert direct["joint[1].N"] == set()
 
 
+@pytest.mark.long  # takes seconds
 def test_an_fmu_has_the_bits_of_the_solver(tmp_path: Path) -> None:
     file, given = shaft(tmp_path), samples()
     inputs = {f"port[1].{name}": given[name].tolist() for name in IN_PLANE} | {"base.ax": given["ax"].tolist()}

@@ -46,6 +46,7 @@ def test_accelerations_are_those_of_lagranges_equations(seed: int, n: int, large
     assert found == pytest.approx(expected, abs=5e-12 * np.max(np.abs(expected)))  # measured 4e-13
 
 
+@pytest.mark.long  # takes seconds
 @pytest.mark.parametrize("largest", [1e-4, 1e-2, 0.5])
 @pytest.mark.parametrize("n", [1, 3, 10, 50])
 def test_accelerations_and_forces_are_those_of_the_articulated_body(n: int, largest: float) -> None:

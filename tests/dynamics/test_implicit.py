@@ -70,6 +70,7 @@ def joint_matrices(column: Column, tangent: Array, part: float) -> tuple[Array, 
     return weighted, plain
 
 
+@pytest.mark.long  # takes seconds
 @settings(deadline=None, max_examples=40)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 6), part=st.floats(1e-5, 1e-1))
 @pytest.mark.parametrize("make", [random_column, off_axis_column])

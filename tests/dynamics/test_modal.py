@@ -229,6 +229,7 @@ CASES: dict[str, tuple[Column, Motion]] = {
 }
 
 
+@pytest.mark.long  # takes seconds
 @pytest.mark.parametrize("name", CASES)
 def test_errors_are_within_the_tolerance(name: str) -> None:
     column, motion = CASES[name]

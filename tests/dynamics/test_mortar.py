@@ -101,6 +101,7 @@ class Fibres(Reference):
         self.whole[self.stiffness[0] * self.stretch(q) > self.strength] = False  # type: ignore[attr-defined]
 
 
+@pytest.mark.long  # takes seconds
 @pytest.mark.parametrize("damping", [0.0, 2e-4])
 def test_a_block_moves_as_on_fibres_that_break_one_by_one(damping: float) -> None:
     strength, speed, step = 1e5, 0.5, 2.5e-5

@@ -92,6 +92,7 @@ def test_papers_peaks_by_the_papers_integrator_reach_the_printed_digits(scene: S
     assert peaks == pytest.approx(np.array(scene.peaks), abs=0.5 * scene.digit)  # measured 0.71 of it
 
 
+@pytest.mark.long  # takes 10 s and more
 @pytest.mark.parametrize(
     ("scene", "last", "slack"),
     [

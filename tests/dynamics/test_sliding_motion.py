@@ -90,6 +90,7 @@ def test_energy_falls_by_the_work_of_friction(largest: float) -> None:
     assert stepper.counts.events >= 5
 
 
+@pytest.mark.long  # takes seconds
 def test_two_blocks_that_rock_and_slide_against_another_integrator() -> None:
     """Compare with DOP853 of scipy on Lagrange's equations, stopped where a joint sticks or slides."""
     column = two_blocks(1e-3, 1e-10)

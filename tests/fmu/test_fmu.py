@@ -76,6 +76,7 @@ def test_declares_units_and_causality(fmus: Fmus) -> None:
     assert float(by_name["joint[1].stiffness"].start) == 533 * 9.80665e6
 
 
+@pytest.mark.long  # takes seconds
 def test_agrees_with_python_on_the_same_held_samples(fmus: Fmus, tmp_path: Path) -> None:
     result = fmpy_run(tmp_path, fmus.damped, 20.0, 1e-3, 0.05, 2.0, {"solver.tolerance": 1e-8})
     column = Column.from_toml(DAMPED)

@@ -43,6 +43,7 @@ def test_a_fresh_account_compiles_nothing_and_keeps_nothing(fmus: Fmus, tmp_path
     assert [*home.rglob("*")] == []
 
 
+@pytest.mark.long  # takes seconds
 def test_without_a_home_it_starts_all_the_same(fmus: Fmus, tmp_path: Path) -> None:
     ux = displacement(start(fmus.damped, Path("/nonexistent")))
     assert ux == displacement(start(fmus.damped, tmp_path))

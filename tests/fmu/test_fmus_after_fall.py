@@ -46,6 +46,7 @@ def test_an_fmu_follows_a_run_after_the_fall(showcase: Path, tmp_path: Path) -> 
     assert -1.5 < moved[-1] < -1.4
 
 
+@pytest.mark.long  # takes seconds
 def test_states_amid_a_fall(showcase: Path) -> None:
     found = call(inside.life_of_a_fall, showcase)
     assert all(found.values()), found

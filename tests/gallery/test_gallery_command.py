@@ -93,6 +93,7 @@ def test_words_of_an_outcome() -> None:
     assert replace(holds, fallen=1, stands=0.7, falls=0.72).text == "1 fall, 0.7"
 
 
+@pytest.mark.long  # takes 10 s and more
 def test_the_example_is_written_as_table_and_page(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -258,6 +258,7 @@ def test_fibres_that_break_one_by_one_bear_the_same() -> None:
     assert joint.right - joint.left < 0.6 * WIDTH
 
 
+@pytest.mark.long  # takes seconds
 def test_what_a_crack_takes_is_that_of_its_fibres() -> None:
     """Compare the work of moment and force, less the elastic energy, with strength^2 / (2 stiffness) times the broken
     area.

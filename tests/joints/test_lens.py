@@ -84,6 +84,7 @@ def faces(draw: st.DrawFn) -> Faces:
 PLACES = st.one_of(st.sampled_from([0.0, 1.0]), st.floats(0.01, 0.99))
 
 
+@pytest.mark.long  # takes seconds
 @given(found=faces(), low=PLACES, high=PLACES)
 @examples
 def test_parts_are_those_of_quadrature(found: Faces, low: float, high: float) -> None:
@@ -96,6 +97,7 @@ def test_parts_are_those_of_quadrature(found: Faces, low: float, high: float) ->
     assert np.max(np.abs(np.array([area, first, second]) - expected) / sizes) < 1e-12  # measured 3e-14
 
 
+@pytest.mark.long  # takes seconds
 @given(found=faces())
 @examples
 def test_beyond_the_ends_nothing_touches(found: Faces) -> None:

@@ -265,6 +265,7 @@ def found_in_lanes(kind: str, n: int, models: Array, phases: Array, motions: Arr
     return named(seen.work.start, seen.work.joints, space not in (SPACE, ROUND_SPACE))
 
 
+@pytest.mark.long  # takes seconds
 @each_kind
 @pytest.mark.parametrize("n", [1, 3, 5])
 def test_accelerations_in_lanes_are_those_of_each_column(kind: str, n: int) -> None:

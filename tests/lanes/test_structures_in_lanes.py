@@ -245,6 +245,7 @@ def test_the_trilith_of_the_examples() -> None:
         np.testing.assert_allclose(found[f"peak_{axis}"], alone.peaks[axis], rtol=1e-4, atol=1e-7)
 
 
+@pytest.mark.long  # takes seconds
 @pytest.mark.parametrize("friction", [None, 0.4])
 def test_an_ensemble_in_lanes_is_that_of_runs_alone(friction: float | None, monkeypatch: pytest.MonkeyPatch) -> None:
     """Check that displacements over time within a tenth of the tolerance (measured: 0.01); some of the eight fall."""

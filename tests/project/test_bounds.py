@@ -54,6 +54,7 @@ def in_checked_process(function: object, *arguments: object) -> object:
     return returned(done.stdout)
 
 
+@pytest.mark.long  # takes seconds
 def test_every_access_beyond_a_row_is_said_and_ends_the_process() -> None:
     ends = in_checked_process(planted.ends, [*(call for call, _ in BEYOND), *WITHIN], WITHIN)
     assert isinstance(ends, list)
@@ -65,6 +66,7 @@ def test_every_access_beyond_a_row_is_said_and_ends_the_process() -> None:
     assert ends[len(BEYOND) :] == [[0, ""]] * len(WITHIN)
 
 
+@pytest.mark.long  # takes seconds
 def test_checked_code_gives_the_same_bits() -> None:
     assert in_checked_process(planted.results, WITHIN) == planted.results(WITHIN)
 

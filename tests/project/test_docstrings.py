@@ -51,6 +51,7 @@ def faults(source: str) -> Iterator[tuple[int, str]]:
             yield node.lineno, text.splitlines()[0]
 
 
+@pytest.mark.long  # takes seconds
 @pytest.mark.parametrize("folder", FOLDERS)
 def test_functions_do_and_properties_are(folder: str) -> None:
     files = [ROOT / folder] if folder.endswith(".py") else sorted((ROOT / folder).rglob("*.py"))

@@ -50,6 +50,7 @@ def test_a_part_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> Non
     ]
 
 
+@pytest.mark.long  # takes seconds
 def test_private_parts_are_imported_in_one_place() -> None:
     public = {"numba.cfunc", "numba.njit"}
     for folder in ("solver", "fmu_src", "multiblock"):

@@ -120,6 +120,7 @@ def test_a_seed_is_an_ensemble() -> None:
     assert not np.any(one.displacements == other.displacements)
 
 
+@pytest.mark.long  # takes seconds
 def test_shares_near_the_edge_contain_that_of_many_runs() -> None:
     """Check a pulse about the least that overturns: the share of 400 runs is within the bounds that 8 and 64 give."""
     time = np.linspace(0.0, 1.0, 101)

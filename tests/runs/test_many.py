@@ -138,6 +138,7 @@ def test_motions_that_end_before_the_run_does() -> None:
         assert table["residual_top_ux"][k, : column.n] == pytest.approx(single.ux[-1], abs=2e-4 * largest)
 
 
+@pytest.mark.long  # takes seconds
 def test_single_ones_stand_for_all_and_what_is_iterated_is_taken_as_needed() -> None:
     one, motion = phocas(1e-3), Motion.harmonic(0.05 * G, 2.0, 0.5)
     assert len(simulate_many(one, motion)) == 1

@@ -7,6 +7,7 @@ import pytest
 from support.fmus import ROOT
 
 from solver import Column, Motion, simulate
+from solver.commands.structure import summary
 from solver.common.errors import InputError
 from solver.ground import wavelets
 from solver.models.structure.blocks.shapes import turned
@@ -60,6 +61,9 @@ def test_energy_only_falls_after_the_fall(fall: SpatialResponse) -> None:
     # measured 2e-6 where joints of later casks end
     assert np.max(np.diff(energy)) <= 1e-4 * scale
     assert energy[-1] < energy[0]
+    # pressed beds end with their energy: measured 1.0 % of the largest
+    assert -0.02 * scale < fall.stats["released"] < 0.0
+    assert f"changed the energy by {fall.stats['released']:.3g} J" in summary(fall)
 
 
 def test_a_statue_comes_to_lie_on_a_showcase_whatever_is_varied() -> None:
@@ -143,6 +147,7 @@ def _check_depths(seed: int) -> int:
     return hits
 
 
+@pytest.mark.long  # takes 10 s and more
 def test_no_blocks_overlap_deeper_than_their_contact_says() -> None:
     assert sum(_check_depths(seed) for seed in range(8)) > 8
 

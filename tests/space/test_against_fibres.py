@@ -80,6 +80,7 @@ def differences(seeds: range) -> tuple[int, int, int]:
     return space, plane, both
 
 
+@pytest.mark.long  # takes seconds
 def test_blocks_that_stand_move_as_on_fibres() -> None:
     """Compare the medians of twelve scenes: single blocks rock past each other, which the smallest difference
     decides.

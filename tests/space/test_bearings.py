@@ -457,6 +457,7 @@ def test_studies_vary_the_numbers_of_a_bearing() -> None:
     assert double.bearings[0].bearing.pendulum == pytest.approx(1.0 / (2.4 + 2.0 - 0.4))
 
 
+@pytest.mark.long  # takes seconds
 def test_a_check_says_what_is_asked_of_bearings_and_whether_they_help() -> None:
     folder, motions = ROOT / "examples" / "structures", {f"noise {k}": _motion(k, 4.0, 3.0) for k in range(3)}
     fixed, isolated = (

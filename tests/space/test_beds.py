@@ -79,6 +79,7 @@ def exact_bed(outline: FloatArray, p: FloatArray, q: FloatArray) -> tuple[FloatA
     return np.array([float(part) for part in (*parts, largest)]), float(parts[0])
 
 
+@pytest.mark.long  # takes 10 s and more
 @pytest.mark.parametrize("seed", range(40))
 def test_polygon_against_rational_numbers(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -136,6 +136,7 @@ def beside(gap: float) -> Structure:
     return Structure.from_dict({"name": "pair", "joints": law, "block": [slender, stout]})
 
 
+@pytest.mark.long  # takes seconds
 def test_stones_that_pass_through_each_other_are_named_and_fail_a_check() -> None:
     motion = wavelets.one_sine(0.2 * G, 1.5)
     with pytest.warns(InputWarning, match=r"slender and stout pass into each other by [\d.]+ mm at"):
@@ -163,6 +164,7 @@ def polygons(solid: Solid, sides: int = 48) -> np.ndarray:
     return np.concatenate(ends) - solid.centroid
 
 
+@pytest.mark.long  # takes 10 s and more
 def test_random_drums_overlap_where_a_linear_program_says_so() -> None:
     """Check that the program has polygons about their rims, which lie up to 0.2 % of the radius outside."""
     rng, apart, still = np.random.default_rng(8), 0, np.zeros((1, 3))

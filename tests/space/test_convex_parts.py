@@ -162,6 +162,7 @@ def test_what_overlaps_a_hull_may_be_beside_the_stone(tmp_path: Path) -> None:
     assert depth(made, -0.95) == pytest.approx(0.05, abs=1e-6)  # it stands 0.9 m from the shaft
 
 
+@pytest.mark.long  # takes 10 s and more
 def test_a_statue_lies_within_its_parts_and_is_the_same_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """Check 8 parts: 1.069 of its volume, where its hull has 1.91."""
     statue = str(ROOT / "examples" / "structures" / "statue.obj")

@@ -112,6 +112,7 @@ def test_a_tilted_block_is_let_go_above_its_base(tilt: float, height: float) -> 
             assert error <= 10.0 * tolerance * float(np.max(np.abs(known))), (name, tolerance)
 
 
+@pytest.mark.long  # takes seconds
 def test_peaks_with_a_kink_are_found() -> None:
     """Compare forces of an arch that rocks with rows of the same steps every 20 us."""
     rng, t = np.random.default_rng(501), np.arange(0.0, 2.0, 0.01)

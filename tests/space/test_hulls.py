@@ -320,6 +320,7 @@ def test_studies_vary_mass_and_scale() -> None:
             kind.with_numbers(structure, {name: (1.0, False)})
 
 
+@pytest.mark.long  # takes 10 s and more
 def test_two_stones_of_many_corners_are_compared_in_little_time() -> None:
     """Compare two round stones that no joint connects, one moved into the other."""
     points = (sphere(2000) * [0.5, 0.4, 0.6]).tolist()

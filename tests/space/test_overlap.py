@@ -91,6 +91,7 @@ def drawn(rng: np.random.Generator, kind: int) -> tuple[FloatArray, FloatArray]:
     return p, (p, p * (1.0 + 0.1 * rng.normal(size=3)), q, q)[kind % 4]
 
 
+@pytest.mark.long  # takes seconds
 @pytest.mark.parametrize("seed", range(30))
 def test_polygons_against_rational_numbers(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -186,6 +187,7 @@ def check_lanes(structure: Structure) -> None:
         assert np.array_equal(beds(structure, slips, p, q), alone)
 
 
+@pytest.mark.long  # takes 10 s and more
 @pytest.mark.parametrize("name", SHAPES)
 def test_beds_in_lanes_are_those_of_each_to_the_last_bit(name: str) -> None:
     check_lanes(two(*SHAPES[name]))

@@ -193,6 +193,7 @@ def statics(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, s
     return code, out, err
 
 
+@pytest.mark.long  # takes seconds
 def test_commands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     table, picture = tmp_path / "curve.csv", tmp_path / "curve.png"
     code, out, _ = statics(capsys, "statics", str(TRILITH), "-o", str(table), "--plot", str(picture))

@@ -34,6 +34,7 @@ def narrowed(shape: dict[str, Any], rim: float) -> dict[str, Any]:
     return found
 
 
+@pytest.mark.long  # takes seconds
 @pytest.mark.parametrize("seed", range(30))
 def test_polygons_against_rational_numbers(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -70,6 +71,7 @@ def test_round_faces_against_quadrature(name: str, seed: int) -> None:
     assert np.max(np.abs(found - expected)) <= 1e-12  # measured 2e-14; the scale of the numbers is 1
 
 
+@pytest.mark.long  # takes seconds
 @pytest.mark.parametrize("name", SHAPES)
 def test_beds_in_lanes_are_those_of_each_to_the_last_bit(name: str) -> None:
     check_lanes(with_rim(*SHAPES[name], RIM))

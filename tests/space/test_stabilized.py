@@ -73,6 +73,7 @@ def one_step(arrays, h, stages, found):
     return error
 
 
+@pytest.mark.long  # takes 10 s and more
 def test_one_step_is_the_polynomial_of_the_method_times_the_state() -> None:
     """Move a block, pressed all over, up and down: m z'' = -k A (z + eta z'), which is linear."""
     structure = boxes(1, 1e9, None, 1e-3)

@@ -105,6 +105,7 @@ def test_a_stiff_joint_between_others_rests(moduli: list[float], section: str, f
     assert stepper.row[places_of(OUTPUTS, pile.sizes)["N"]] == pytest.approx(borne, rel=1e-3)
 
 
+@pytest.mark.long  # takes seconds
 @pytest.mark.parametrize("name", ["arch", "trilith"])
 def test_a_rest_hardly_changes_once_a_joint_is_stiff(name: str) -> None:
     """Check that it changes by its modulus to the power -1: each joint alone of a structure that is statically

@@ -159,6 +159,7 @@ def three_moduli() -> Array:
     return sway_frequencies(with_joints(phocas(), PHOCAS_STIFFNESS * np.array(THREE)))
 
 
+@pytest.mark.long  # takes seconds
 @pytest.mark.parametrize("factors", [THREE, (0.4, 1.9, 1.4), (3.0, 1.0, 0.3), (1.0, 1.0, 1.0)])
 def test_as_many_frequencies_as_joints_give_each_its_modulus(factors: tuple[float, ...]) -> None:
     moduli = PHOCAS_STIFFNESS * np.array(factors)
@@ -187,6 +188,7 @@ def test_frequencies_that_the_fit_misses_are_warned_of(capsys: pytest.CaptureFix
     assert abs(float(row.split()[3].rstrip("%"))) > 5.0
 
 
+@pytest.mark.long  # takes seconds
 def test_a_modulus_that_frequencies_do_not_determine_is_said() -> None:
     with pytest.warns(InputWarning) as caught:  # two that are as close as no column has them
         fit = fit_moduli(phocas(), [3.0, 30.0, 31.0])
@@ -196,6 +198,7 @@ def test_a_modulus_that_frequencies_do_not_determine_is_said() -> None:
     assert any(line.startswith("frequency 2: 30 Hz measured") and "no moduli near" in line for line in said)
 
 
+@pytest.mark.long  # takes 10 s and more
 def test_command_gives_each_joint_its_modulus(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = [f"{frequency:.12g}" for frequency in three_moduli()]
     column = str(COLUMNS / "phocas-damped.toml")
@@ -231,6 +234,7 @@ def test_a_block_that_touches_at_its_edges_loses_what_housners_block_loses() -> 
     assert restitution(face) > 1.05 * housner_restitution(face)
 
 
+@pytest.mark.long  # takes seconds
 def test_restitution_that_is_not_monotone_is_said(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.warns(InputWarning, match=r"damping from .* has it as well, the least is taken; it is not monotone: "):
         damping = damping_from_restitution(phocas(), 0.945)

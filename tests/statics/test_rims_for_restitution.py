@@ -124,6 +124,7 @@ def test_critically_damped_faces_lie_between_the_third_and_the_edge(stiffness: f
         assert rigid(1.0) < edge < found[-1]
 
 
+@pytest.mark.long  # takes seconds
 @pytest.mark.parametrize("wanted", [None, 0.93])
 @pytest.mark.parametrize("stiffness", [1e9, 1e11])
 def test_a_block_rocks_with_the_restitution_that_was_asked_for(wanted: float | None, stiffness: float) -> None:
@@ -195,6 +196,7 @@ def values(text: str) -> dict[str, float]:
     return {key.strip(): float(value) for key, value in lines}
 
 
+@pytest.mark.long  # takes seconds
 def test_command_finds_a_rim_where_damping_alone_does_not_do(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -213,6 +215,7 @@ def test_command_finds_a_rim_where_damping_alone_does_not_do(
     assert again["restitution"] == pytest.approx(again["housner_restitution"], abs=1e-6)
 
 
+@pytest.mark.long  # takes seconds
 def test_command_looks_for_a_rim_only_where_damping_fails_or_it_is_asked_to(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -200,6 +200,7 @@ def test_other_measures_are_refused(tmp_path: Path) -> None:
         Hazard.from_csv(path, "pgv")
 
 
+@pytest.mark.long  # takes seconds
 def test_command_tells_draws_and_writes(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

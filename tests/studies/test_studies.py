@@ -464,6 +464,7 @@ def test_a_name_is_a_file_name(study: Study, name: str) -> None:
         Study(**{**vars(study), "name": name})
 
 
+@pytest.mark.long  # takes seconds
 def test_a_name_with_dots_is_written_and_printed_in_full(study: Study, folder: Path) -> None:
     (folder / "study.toml").write_text(TEXT.format(samples=1).replace('"small"', '"v1.2 b"'), encoding="utf-8")
     process = start(folder, "run", "study.toml")

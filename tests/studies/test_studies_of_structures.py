@@ -90,6 +90,7 @@ def replace_all(structure: Any, values: dict[str, float]) -> Structure:
     return replace(made, joints=joints)
 
 
+@pytest.mark.long  # takes seconds
 def test_a_journal_goes_on_and_processes_make_the_same_bits(study: Study, tmp_path: Path) -> None:
     whole = run_study(study)
     run_study(study, tmp_path, threads=1)
@@ -167,6 +168,7 @@ def test_what_goes_together(study: Study, tmp_path: Path) -> None:
         Study.from_dict({**STUDY, "column": "trilith.toml"}, tmp_path)
 
 
+@pytest.mark.long  # takes seconds
 def test_casks_hit_where_casks_far_apart_come_nearer_than_their_distance(tmp_path: Path) -> None:
     """Check that until a pair meets, no motion depends on the distance: casks that never meet tell who hits at any
     distance.

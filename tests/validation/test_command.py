@@ -67,6 +67,7 @@ def test_every_case_says_what_is_fitted(capsys: pytest.CaptureFixture[str]) -> N
     assert all(case.source and case.model for case in CASES)
 
 
+@pytest.mark.long  # takes seconds
 def test_the_command_starts_in_a_process_of_its_own() -> None:
     run = [sys.executable, "-m", "validation", "--list"]
     said = subprocess.run(run, cwd=ROOT, capture_output=True, text=True, check=False)

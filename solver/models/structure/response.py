@@ -89,7 +89,8 @@ class SpatialResponse(StructureHistories, Result):
     fallen, what_fell
         Number of the fallen block, 0 if none; the block in words, and the bearing it has come off.
     stats
-        Counts and times of the run: steps, rejected, evaluations, looks, wall_time (s), settled_for (s).
+        Counts and times of the run: steps, rejected, evaluations, looks, wall_time (s), settled_for (s); of one that
+        goes on after a fall also `released`, by which the ends of joints have changed the energy (J).
     estimated_error, horizon, ensemble
         As in the Response of a column.
     """

@@ -83,6 +83,8 @@ def single_run(structure: Structure, plan: RunPlan) -> SpatialResponse:
     stats["why_no_modes"] = why_no_modes or coupled
     stats["wall_time"] = clock.perf_counter() - begin
     stats["without_room"] = stepper.without_room
+    if structure.after_fall:
+        stats["released"] = float(stepper.state.control.released)
     if stepper.without_room:
         warnings.warn(
             f"{structure.name}: {stepper.without_room} times the corners of a contact had no room, and it bore "
