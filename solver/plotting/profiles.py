@@ -75,7 +75,7 @@ def draw_offsets(axes: Axes, offsets: FloatArray) -> None:
     axes.axvline(0.0, color=INK, linewidth=0.8)
     if n <= MOST_LABELLED:
         reach = max(float(np.max(np.abs(offsets))), 1e-9)
-        axes.set_xlim(-1.3 * reach, 1.3 * reach)
+        axes.set_xlim(-1.5 * reach, 1.5 * reach)  # room for eight letters
         for joint, offset in zip(joints, offsets, strict=True):
             side = 1.0 if offset >= 0.0 else -1.0
             text: dict[str, Any] = {"ha": "left" if side > 0.0 else "right", "va": "center", "fontsize": 8}

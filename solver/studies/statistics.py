@@ -267,7 +267,7 @@ def fit_fragility(
     _refuse_one_sided(name, failed)
     levels = None
     if method == "failures":
-        _refuse_separated(name, im, failed)
+        _refuse_separated(name, im, failed, measure_in(results, name))
         fit, levels = _of_failures(im, failed)
         how = failure_text(limit)
     elif method == "demand":
@@ -297,7 +297,7 @@ def fragility_of_runs(
     and whether it is undecided, which counts as standing. `how` is the failure in words. Raises InputError.
     """
     _refuse_one_sided(measure.label, failed)
-    _refuse_separated(measure.label, intensity, failed)
+    _refuse_separated(measure.label, intensity, failed, measure)
     fit, levels = _of_failures(intensity, failed)
     return _with_bounds(
         measure.name, intensity, failed, undecided, groups, fit, levels, 0, RESAMPLED, BINS, how, measure
@@ -360,13 +360,16 @@ def _refuse_one_sided(name: str, failed: NDArray[np.bool_]) -> None:
         raise InputError(f"{name}: {np.sum(failed)} of {len(failed)} runs failed: a fragility needs some of both")
 
 
-def _refuse_separated(name: str, intensity: FloatArray, failed: NDArray[np.bool_]) -> None:
+def _refuse_separated(
+    name: str, intensity: FloatArray, failed: NDArray[np.bool_], measure: Measure | None = None
+) -> None:
     """Raise InputError, with bounds of the median, if all runs stand below one intensity and all fail above it."""
     low, high = float(np.max(intensity[~failed])), float(np.min(intensity[failed]))
     if low < high:
+        unit = f" {measure.unit}" if measure else ""
         raise InputError(
-            f"{name}: all runs up to {low:.4g} stand and all from {high:.4g} on fail: the median lies between "
-            f"{low:.4g} and {high:.4g}, its bounds and the deviation need more levels there"
+            f"{name}: all runs up to {low:.4g}{unit} stand and all from {high:.4g}{unit} on fail: the median lies "
+            f"between {low:.4g} and {high:.4g}{unit}, its bounds and the deviation need more levels there"
         )
 
 

@@ -232,7 +232,7 @@ def test_command_tells_draws_and_writes(
         (["--slope", "2"], "exactly one must be given"),
         ([*words, *law], "exactly one must be given"),
         (law, "--measure: missing"),
-        ([*law, "--measure", "pgv"], "overturned: pgv: all runs up to 0.8432 stand"),
+        ([*law, "--measure", "pgv"], "overturned: pgv: all runs up to 0.8432 m/s stand"),
         ([*law, "--measure", "sa(1)"], "is over Sa(1 s, 5 %), must be over a measure of the results: PGA, PGV"),
     ):
         assert main(["risk", ".", *mistake]) == 2
