@@ -107,7 +107,7 @@ def _add_plan(parser: argparse.ArgumentParser) -> None:
     keys = ", ".join(f"{item.name} {item.default if item.default is not None else 'none'}" for item in fields(Limits))
     words = f"a limit; may be repeated (defaults: {keys})"
     plan.add_argument("--limit", action="append", default=[], metavar="KEY=VALUE", help=words)
-    words = f"a motion (default: {usual.ensemble}); of structures of forty blocks 2, with --no-margin, take minutes"
+    words = f"varied runs per motion (default: {usual.ensemble}); 2 of forty blocks take minutes with --no-margin"
     add_ensemble(plan, usual.ensemble, words)
     # parts of the check that may be skipped
     words = "do not repeat the runs with other moduli and dampings of the joints"
@@ -124,7 +124,9 @@ def add_ensemble(plan: argparse._ActionsContainer, size: int, words: str) -> Non
     words = "of the varied data (default: {:g} {:g} {:g})".format(*spread)
     names = ("STIFFNESS", "DAMPING", "MOTION")
     plan.add_argument("--spread", type=float, nargs=3, default=spread, metavar=names, help=words)
-    plan.add_argument("--spread-seed", type=int, default=UNCERTAIN.seed, metavar="N", help="(default: 0)")
+    plan.add_argument(
+        "--spread-seed", type=int, default=UNCERTAIN.seed, metavar="N", help="of the varied data (default: 0)"
+    )
     plan.add_argument("--no-margin", action="store_true", help="do not look for the factor at which it begins to fall")
 
 

@@ -20,7 +20,7 @@ HEADINGS = ("check", "where", "demand", "capacity", "ratio", "")
 
 def action_lines(action: Action) -> list[str]:
     """Return the lines on the target and on each motion with its factors."""
-    lines = [f"action: {action.target.name}" if action.target else "action: the motions themselves"]
+    lines = [f"action: {action.target.name}" if action.target else "action: no target spectrum"]
     lines.append(f"motions: {action.how}; counted: {action.statistic}")
     if action.fit is not None and action.periods is not None:
         (least, most), (low, high) = action.fit, action.periods

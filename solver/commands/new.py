@@ -154,11 +154,16 @@ def add_new_command(commands: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument("-o", "--output", type=Path, metavar="FILE.toml", help="the same, beside --mesh")
     parser.add_argument("--mesh", type=Path, metavar="FILE", help="a closed mesh (OBJ, STL, glTF) as a block in space")
     parser.add_argument("--material", default="marble", help=f"of the mesh: {', '.join(MATERIALS)}")
-    parser.add_argument("--unit", type=float, default=1.0, help="m of a unit of the mesh, 1e-3 where it is in mm")
-    parser.add_argument("--repair", action="store_true", help="turn triangles of the mesh that look the wrong way")
-    parser.add_argument("--feet", type=int, default=1, metavar="N", help="of the mesh, apart from each other")
-    parser.add_argument("--parts", type=int, metavar="N", help="convex ones of the mesh, at most; else its hull")
-    parser.add_argument("--up", choices=UP, help="axis of the mesh that points up; else y of glTF, z of others")
+    parser.add_argument(
+        "--unit", type=float, default=1.0, help="m per unit of the mesh, 1e-3 if it is in mm (default: 1)"
+    )
+    parser.add_argument("--repair", action="store_true", help="flip triangles of the mesh that face inwards")
+    parser.add_argument(
+        "--feet", type=int, default=1, metavar="N", help="number of separate feet of the mesh (default: 1)"
+    )
+    words = "largest number of convex parts of the mesh (default: its hull)"
+    parser.add_argument("--parts", type=int, metavar="N", help=words)
+    parser.add_argument("--up", choices=UP, help="axis of the mesh that points up (default: y of glTF, else z)")
     add_force(parser)
 
 

@@ -76,6 +76,7 @@ def draw_offsets(axes: Axes, offsets: FloatArray) -> None:
     if n <= MOST_LABELLED:
         reach = max(float(np.max(np.abs(offsets))), 1e-9)
         axes.set_xlim(-1.5 * reach, 1.5 * reach)  # room for eight letters
+        axes.locator_params(axis="x", nbins=4)
         for joint, offset in zip(joints, offsets, strict=True):
             side = 1.0 if offset >= 0.0 else -1.0
             text: dict[str, Any] = {"ha": "left" if side > 0.0 else "right", "va": "center", "fontsize": 8}
