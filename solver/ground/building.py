@@ -220,7 +220,8 @@ def floor_motion(motion: Motion, building: Building, floor: int) -> Motion:
     ax, ay, az = ground
     duration = float(time[-1] - time[0])
     made = replace(motion, amplitude=0.0, amplitude_y=0.0, frequency=0.0)
-    return replace(made, time=time, ax=ax, ay=ay, az=az, duration=duration)
+    name = f"{motion.name or 'the motion'} on floor {floor} of {building.name}"
+    return replace(made, time=time, ax=ax, ay=ay, az=az, duration=duration, name=name)
 
 
 def _sampled(motion: Motion) -> tuple[FloatArray, FloatArray]:

@@ -132,6 +132,14 @@ def test_a_rigid_building_and_the_ground_floor_give_the_ground() -> None:
     assert floor_motion(ground, BEAM, 0) is ground
 
 
+def test_a_floor_is_in_the_name_of_its_motion() -> None:
+    """Check the words that titles of pictures show beside the largest acceleration of the floor."""
+    hall, pulse = Building.beam(storeys=4, period=0.5, alpha=3.0, name="Hall"), wavelets.ricker(2.0, 1.0)
+    assert floor_motion(pulse.named("RECORD"), hall, 2).name == "RECORD on floor 2 of Hall"
+    assert floor_motion(pulse.named(""), hall, 2).name == "the motion on floor 2 of Hall"
+    assert floor_motion(pulse.named("RECORD"), hall, 0).name == "RECORD"
+
+
 def test_a_slow_pulse_passes_unchanged() -> None:
     t = np.linspace(0.0, 200.0, 20001)
     ground = Motion.from_samples(0.01, 1.0 - np.cos(2.0 * np.pi * t / 200.0))
@@ -151,7 +159,7 @@ def test_components() -> None:
     np.testing.assert_allclose(moved.ay, across.ax, atol=1e-12)
     np.testing.assert_allclose(np.interp(time, moved.time, moved.az), motion.az, atol=1e-12)
     assert not np.any(moved.az[moved.time > motion.end + 1e-3])
-    assert moved.name == "three"
+    assert moved.name == "three on floor 3 of the building"
     alike = floor_motion(motion, Building.beam(4, 0.5, 3.0), 3)
     np.testing.assert_allclose(alike.ay, 2.0 * alike.ax, atol=1e-12)
 
