@@ -189,10 +189,10 @@ class Check:
 
     @cached_property
     def _has_space(self) -> bool:
-        """True if the model can be solved in space."""
-        model = self.subject.model
+        """False of a column that cannot be solved in space."""
+        column = self.subject.planar
         try:
-            return bool(model.kind.across or model.in_space())
+            return column is None or bool(column.in_space())
         except InputError:
             return False
 

@@ -88,6 +88,7 @@ def test_a_check_has_the_rows_that_it_can_have() -> None:
     assert made.rows[3].values[0] == 0.0
     assert made.rows[3].values[1] == pytest.approx(largest, rel=1e-9)  # measured: equal
     assert made.rows[3].ratio == pytest.approx(largest / (0.4 * BLOCK.height * BLOCK.alpha), rel=1e-9)
+    assert made.remarks[0].startswith("One horizontal component acts")
     with pytest.raises(InputError, match=r"report: a block has none, shown_of.register"):
         write_report([made], "report.html")
 
