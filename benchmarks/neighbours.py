@@ -86,6 +86,16 @@ def _evaluation(structure: Structure, pressed: float | None = None, turn: float 
     return least / (12 * structure.n)
 
 
+def _in_a_run(structure: Structure) -> float:
+    """Return the processor time, s, of an evaluation in a run, with all that is done beside evaluations."""
+    made, motion, least = structure.with_settings(without=("elastic",)), shaking(6.0, 0.3), math.inf
+    for _ in range(RUNS // 5):
+        begin = time.process_time()
+        found = run(made, motion, tolerance=1e-4, check=False)
+        least = min(least, (time.process_time() - begin) / int(found.stats["evaluations"]))
+    return least
+
+
 def costs() -> Table:
     """Measure the costs of a pair in an evaluation: far, and of each kind while it is pressed."""
     rows = []
@@ -107,6 +117,9 @@ def costs() -> Table:
         nearer = math.sqrt(2.0) - 1.0 if turn else 0.0  # m, of the corner of a square of 2 m
         spent = (_evaluation(made, 1e-4 - nearer, turn) - _evaluation(alone)) / len(made.neighbours)
         rows.append([name, f"{1e9 * spent:.0f}", asked])
+    near, alone = (row_of(*(box,) * 8, apart=2.6, met=met, reach=0.8) for met in (True, False))
+    within = (_in_a_run(near) - _in_a_run(alone)) / len(near.neighbours)
+    rows.append(["boxes apart, whose spheres overlap, in a run", f"{1e9 * within:.0f}", "60"])
     return Table("Neighbours: cost of a pair in an evaluation", ["pair", "ns", "asked"], rows)
 
 
