@@ -256,6 +256,7 @@ def errors(seen: Array, truth: Array) -> Array:
     return found
 
 
+@pytest.mark.campaign  # takes 10 s and more, and changes seldom
 @pytest.mark.long
 @pytest.mark.parametrize("ratio", [0.01, 1.0])
 def test_a_column_on_a_slab_is_of_order_3(ratio: float) -> None:
@@ -276,6 +277,7 @@ def test_a_column_on_the_roof_of_a_building() -> None:
     assert np.all(errors(coupled([COLUMN], building(), 5e-4), truth) < 1e-6)  # measured 4e-7
 
 
+@pytest.mark.campaign  # takes 10 s and more, and changes seldom
 @pytest.mark.long
 def test_a_base_that_rocks_is_of_order_3() -> None:
     """Check that the spring under the base says couple and inertia, and turns the base: top, and x, z and rotation of
@@ -288,6 +290,7 @@ def test_a_base_that_rocks_is_of_order_3() -> None:
     assert np.all(found[2] < np.array([1e-6, 1e-5, 1e-5, 1e-5]))  # measured 2e-7, 2e-6, 2e-6, 2e-6
 
 
+@pytest.mark.campaign  # takes 10 s and more, and changes seldom
 @pytest.mark.long
 @pytest.mark.parametrize("name", TRIAL)
 def test_partners_of_every_kind(name: str) -> None:

@@ -45,6 +45,7 @@ def test_initialization_has_no_algebraic_loop(coupled: Path, partner: str) -> No
         TopologicalSorter(follows).prepare()  # raises CycleError
 
 
+@pytest.mark.campaign  # takes 10 s and more, and changes seldom
 @pytest.mark.parametrize("damping", [1e-3, 0.0])
 def test_the_split_reaction_couples_what_the_plain_one_blows_up(coupled: Path, damping: float) -> None:
     ways = [(1e-3, "plain"), (2e-3, "line"), (1e-3, "line"), (5e-4, "line"), (1e-3, "iterated"), (1e-3, "parabola")]
@@ -63,12 +64,14 @@ def test_the_split_reaction_couples_what_the_plain_one_blows_up(coupled: Path, d
     assert iterated[2] == pytest.approx(iterated[3], rel=1e-4)
 
 
+@pytest.mark.campaign  # takes 10 s and more, and changes seldom
 def test_a_heavy_slab_bears_the_plain_reaction(coupled: Path) -> None:
     _, _, (plain, split) = example(inside.on_linear_isolators, coupled, 1e-3, 100.0, [(1e-3, "plain"), (1e-3, "")])
     assert plain[0] < 1.0  # stable
     assert split[0] < 2e-3
 
 
+@pytest.mark.campaign  # takes 10 s and more, and changes seldom
 def test_every_partner_agrees_with_the_system_solved_as_one(coupled: Path) -> None:
     ways = [(1e-3, ""), (5e-4, ""), (1e-3, "iterated")]
     for name, seen in example(inside.on_every_partner, coupled, ways).items():

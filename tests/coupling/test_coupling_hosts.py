@@ -91,6 +91,7 @@ def test_what_a_partner_cannot_be_is_refused(native_coupled: Path, coupled: Path
     assert example(inside.refused, native_coupled / f"{name}.fmu", {}) == ""
 
 
+@pytest.mark.campaign  # takes 10 s and more, and changes seldom
 def test_on_partners_without_python_the_system_is_as_if_solved_as_one(native_coupled: Path) -> None:
     for name, seen in example(inside.on_every_partner, native_coupled, [(1e-3, "")]).items():
         ((top, other, given, taken),) = seen

@@ -48,6 +48,7 @@ def heard(fmu: Path, drive: str, before: dict[str, Any], *steps: dict[str, Any])
     return lines, returned(done.stdout)
 
 
+@pytest.mark.campaign  # takes 10 s and more, and changes seldom
 @pytest.mark.long
 def test_an_input_that_does_nothing_is_said_once(fmu: tuple[str, Path]) -> None:
     model, file = fmu

@@ -123,6 +123,7 @@ def look_inside(
     interpolate_phase(column.work, h, s)
 
 
+@pytest.mark.campaign  # takes 10 s and more, and changes seldom
 @pytest.mark.long  # compiles the interpolation, as the next a step
 def test_interpolation_with_the_bump_is_of_a_higher_order() -> None:
     """Compare a free vibration in full contact with a run that lands on the middle of the step."""
@@ -157,6 +158,7 @@ def _repeat(n, model, state, counts, base, work, t, step):
     return repeat_step(column, ORDER_8, t, step)
 
 
+@pytest.mark.campaign  # takes 10 s and more, and changes seldom
 @pytest.mark.long
 def test_a_step_made_again_up_to_a_change_is_judged_again() -> None:
     """Check that a step beyond the limit of stability throws small stiff blocks away at 1e9 rad/s."""

@@ -116,6 +116,7 @@ def test_joints_of_mortar(tmp_path: Path) -> None:
             assert reason in done.stdout + done.stderr, (name, fmu)
 
 
+@pytest.mark.campaign  # takes 10 s and more, and changes seldom
 def test_round_hollow_and_chipped_joints(tmp_path: Path) -> None:
     column = tmp_path / "drums.toml"
     column.write_text(
@@ -314,6 +315,7 @@ def test_a_state_goes_on_here_and_in_another_process_with_the_same_bits(native: 
 # --- record
 
 
+@pytest.mark.campaign  # takes 10 s and more, and changes seldom
 def test_a_record_inside_gives_the_numbers_of_the_pythonfmu(tmp_path: Path) -> None:
     time = 0.01 * np.arange(161)
     record = tmp_path / "pulse.csv"

@@ -39,6 +39,7 @@ def loaded_kernel_says(project: Path) -> float:
     return float(done.stdout)
 
 
+@pytest.mark.campaign  # takes 10 s and more, and changes seldom
 @pytest.mark.long  # compiles a group of kernels twice
 def test_a_change_in_any_kernel_file_is_compiled_again(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "solver", tmp_path / "solver", ignore=shutil.ignore_patterns("__pycache__"))

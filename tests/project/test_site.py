@@ -188,6 +188,7 @@ def test_gallery_of_studies(folder: Path) -> None:
         pages.call(command, *quick)
 
 
+@pytest.mark.campaign  # takes 10 s and more, and changes seldom
 @pytest.mark.long
 def test_programs_of_the_gallery_and_campaigns(folder: Path) -> None:
     found = [*pages.commands(GALLERY), *pages.commands(DOCS / "accuracy.md")]

@@ -314,6 +314,7 @@ def test_two_directions_are_those_of_a_reference_written_apart(name: str) -> Non
     assert math.log(errors[0] / errors[-1]) > 2.0 * math.log(steps[-1] / steps[0])
 
 
+@pytest.mark.campaign  # takes 10 s and more, and changes seldom
 @pytest.mark.long
 @pytest.mark.parametrize("name", ["double", "rolling"])
 def test_a_rim_under_a_motion_that_lifts_is_that_of_the_reference(name: str) -> None:

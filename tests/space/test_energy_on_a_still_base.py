@@ -128,6 +128,7 @@ def test_energy_never_grows_on_rims(first: int) -> None:
     assert max(slip for _, slip in found) > 0.1  # m
 
 
+@pytest.mark.campaign  # takes 10 s and more, and changes seldom
 @pytest.mark.long
 @pytest.mark.parametrize("rim", [False, True])
 def test_energy_never_grows_in_many_scenes(rim: bool) -> None:
