@@ -239,11 +239,19 @@ def keep_gaps(scene, gaps):
 
 @kernel
 def forget_known_gaps(scene):
-    """Clear what is known of gaps, and the ways of the bodies: a state may have been set since the last call."""
+    """Clear what is known of gaps, and the ways of the bodies, where the state has been set or a step is made again."""
     for p in range(scene.extras.met):
         scene.extras.hits.clear[p] = -math.inf
     for i in range(scene.n):
         scene.poses.way[i] = 0.0
+
+
+@kernel
+def forget_directions(scene):
+    """Clear the directions of the last distances, at the start of a call: what follows depends on the state alone."""
+    hits = scene.extras.hits
+    for p in range(scene.extras.met):
+        hits.nx[p], hits.ny[p], hits.nz[p] = 0.0, 0.0, 0.0
 
 
 @leaf

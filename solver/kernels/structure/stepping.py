@@ -30,7 +30,7 @@ from .attempt import attempt, evaluate_at, rate, size_of, square_of
 from .base import is_quiet
 from .bearing import come_off
 from .bond import copy_bonds
-from .contact import forget_known_gaps
+from .contact import forget_directions, forget_known_gaps
 from .cracking import crack_within
 from .evaluate import energy, evaluate_state, moving, recall, show
 from .extras import is_loaded, let_go
@@ -418,6 +418,7 @@ def advance(scene, watch, state, t, stop, most):
     # the state at t
     recall(scene, state)
     forget_known_gaps(scene)
+    forget_directions(scene)
     modal.prepare(scene)
     modal.forget(scene)
     copy(begin, state, moving(scene))
