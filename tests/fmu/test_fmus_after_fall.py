@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.child import call
-from support.fmus import LINUX, ROOT, Fmus, built_once
+from support.fmus import ROOT, Fmus, built_once
+from support.followed import native_of, outputs
 from support.inside import structures as inside
 
 from solver import Motion, simulate
@@ -17,6 +18,8 @@ SHOWCASE = (ROOT / "examples" / "structures" / "showcase.toml").read_text(encodi
 GOES_ON = SHOWCASE.replace("[neighbours]", "[neighbours]\nafter_fall = 1.5")
 H, DURATION = 0.02, 4.0  # s
 STATUE = 1
+SAMPLES = np.zeros((round(DURATION / H) + 1, 3))  # m/s2, a push of 0.6 s along x
+SAMPLES[: round(0.6 / H), 0] = 4.0
 
 
 @pytest.fixture(scope="module")
@@ -28,20 +31,17 @@ def showcase(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_an_fmu_follows_a_run_after_the_fall(showcase: Path, tmp_path: Path) -> None:
-    t = H * np.arange(round(DURATION / H) + 1)
-    samples = np.where(t < 0.6, 4.0, 0.0)
-    output = tmp_path / "seen.npy"
-    given = np.column_stack([samples, 0.0 * t, 0.0 * t])
-    call(inside.follow, showcase, given.tolist(), H, {"solver.tolerance": 1e-6}, output)
-    seen = np.load(output)
+    seen = outputs(showcase, SAMPLES, H, tmp_path, {"solver.tolerance": 1e-6})
     (tmp_path / "showcase.toml").write_text(GOES_ON, encoding="utf-8")
     structure = Structure.from_toml(tmp_path / "showcase.toml")
-    response = simulate(structure, Motion.from_samples(H, samples), DURATION, tolerance=1e-6, output_step=H, settle=0.0)
+    response = simulate(
+        structure, Motion.from_samples(H, SAMPLES[:, 0]), DURATION, tolerance=1e-6, output_step=H, settle=0.0
+    )
     moved = seen[:, 2 * structure.n + STATUE]  # behind ux and uy of all blocks
     away = np.abs(moved - response.uz[1:, STATUE])
     assert response.overturn_time < 1.0
     # through the hit of the showcase, then as it comes to lie on the ground
-    assert np.max(away[response.time[1:] < 1.9]) <= 1e-4  # m: measured 1.4e-5, at 1e-6 of the tolerance
+    assert np.max(away[response.time[1:] < 1.9]) <= 1e-4  # m: measured 1.4e-5, at a tolerance of 1e-6
     assert np.max(away) <= 1e-3  # measured 4.3e-5
     assert -1.5 < moved[-1] < -1.4
 
@@ -54,14 +54,6 @@ def test_states_amid_a_fall(showcase: Path) -> None:
 
 @pytest.mark.long  # builds a native FMU
 def test_the_native_fmu_has_the_same_bits_after_the_fall(showcase: Path, tmp_path: Path) -> None:
-    pytest.importorskip("ziglang", reason="needs the extra native")
-    file = tmp_path / "showcase.toml"
-    file.write_text(GOES_ON, encoding="utf-8")
-    native = Fmus.build(file, tmp_path / "native.fmu", *LINUX)
-    samples = [[4.0 if H * k < 0.6 else 0.0, 0.0, 0.0] for k in range(round(DURATION / H) + 1)]
-    found = []
-    for fmu in (showcase, native):
-        call(inside.follow, fmu, samples, H, {}, tmp_path / "seen.npy")
-        found.append(np.load(tmp_path / "seen.npy"))
-    assert np.array_equal(*found)
+    native = native_of(GOES_ON, tmp_path)
+    assert np.array_equal(outputs(showcase, SAMPLES, H, tmp_path), outputs(native, SAMPLES, H, tmp_path))
     assert all(call(inside.life_of_a_fall, native).values())

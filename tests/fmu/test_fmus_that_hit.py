@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.child import call
-from support.fmus import LINUX, ROOT, Fmus, built_once
+from support.fmus import ROOT, Fmus, built_once
+from support.followed import native_of, outputs
 from support.inside import structures as inside
 
 from solver import Motion, simulate
@@ -29,6 +30,8 @@ joint = {tensile_strength = 1e4, cohesion = 1e5}
 # they hit as they sway, and the parapet cracks far from them
 CLOSE = CASKS.replace('[[block]]\nname = "pallet1"', f'{PAIRS}[[block]]\nname = "pallet1"') + PARAPET
 H, DURATION = 0.01, 1.0  # s
+T = H * np.arange(round(DURATION / H) + 1)
+SAMPLES = np.column_stack([2.0 * np.sin(8.8 * T), 0.9 * np.sin(7.1 * T), 0.3 * np.sin(26.0 * T)])  # m/s2
 
 
 @pytest.fixture(scope="module")
@@ -40,13 +43,9 @@ def casks(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_an_fmu_follows_a_run_through_hits_and_cracks(casks: Path, tmp_path: Path) -> None:
-    t = H * np.arange(round(DURATION / H) + 1)
-    samples = np.column_stack([2.0 * np.sin(8.8 * t), 0.9 * np.sin(7.1 * t), 0.3 * np.sin(26.0 * t)])
-    output = tmp_path / "seen.npy"
-    call(inside.follow, casks, samples.tolist(), H, {"solver.tolerance": 1e-8}, output)
-    seen = np.load(output)
+    seen = outputs(casks, SAMPLES, H, tmp_path, {"solver.tolerance": 1e-8})
     (tmp_path / "casks.toml").write_text(CLOSE, encoding="utf-8")
-    motion = Motion.from_samples(H, samples[:, 0], ay=samples[:, 1], az=samples[:, 2])
+    motion = Motion.from_samples(H, SAMPLES[:, 0], ay=SAMPLES[:, 1], az=SAMPLES[:, 2])
     structure = Structure.from_toml(tmp_path / "casks.toml")
     response = simulate(structure, motion, DURATION, tolerance=1e-8, output_step=H, settle=0.0)
     assert np.sum(response.peaks["hit"] > 0.0) == 4  # the casks, not their pallets
@@ -64,15 +63,6 @@ def test_states_amid_contacts_and_cracks(casks: Path) -> None:
 
 @pytest.mark.long  # builds a native FMU
 def test_the_native_fmu_has_the_same_bits_through_hits_and_cracks(casks: Path, tmp_path: Path) -> None:
-    pytest.importorskip("ziglang", reason="needs the extra native")
-    file = tmp_path / "casks.toml"
-    file.write_text(CLOSE, encoding="utf-8")
-    native = Fmus.build(file, tmp_path / "native.fmu", *LINUX)
-    t = H * np.arange(round(DURATION / H) + 1)
-    samples = np.column_stack([2.0 * np.sin(8.8 * t), 0.9 * np.sin(7.1 * t), 0.3 * np.sin(26.0 * t)]).tolist()
-    found = []
-    for fmu in (casks, native):
-        call(inside.follow, fmu, samples, H, {}, tmp_path / "seen.npy")
-        found.append(np.load(tmp_path / "seen.npy"))
-    assert np.array_equal(*found)
+    native = native_of(CLOSE, tmp_path)
+    assert np.array_equal(outputs(casks, SAMPLES, H, tmp_path), outputs(native, SAMPLES, H, tmp_path))
     assert all(call(inside.life, native).values())
