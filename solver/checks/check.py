@@ -19,7 +19,6 @@ from ..models.protocol import Model
 from ..models.uncertainty import PERCENTILES
 from ..runs.many import Callback, begin_phase
 from ..runs.table import Table
-from ..statics.rocking import restitution_sentence
 from . import of_column, of_structure  # noqa: F401  # subjects that they register
 from .action import ARTIFICIAL, Action, Level, Motions, action_on
 from .answer import (
@@ -37,9 +36,9 @@ from .answer import (
 )
 from .by_hand import ByHand
 from .limits import Plan
-from .margin import Margin, margin_of
-from .other_joints import OtherJoints, joints_sentence, other_joints
-from .runs import as_given, own_runs, run_all, varied
+from .margin import MOST_TRIALS, Margin, margin_of
+from .other_joints import CHANGES, OtherJoints, joints_sentence, other_joints
+from .runs import Sets, as_given, own_runs, run_all, varied
 from .scaling import LEAST_PART
 from .spectra import TargetSpectrum
 from .subject import Pair, Subject, subject_of
@@ -199,9 +198,8 @@ class Check:
     @cached_property
     def of_joints(self) -> tuple[str, ...]:
         """The sentences on the sensitivity to modulus and damping, and on the restitution of the model."""
-        column = self.subject.planar
         said = (joints_sentence(self.rows, self.others),) if self.subject.joints.names else ()
-        return (*said, restitution_sentence(column)) if column is not None else said
+        return (*said, *filter(None, [self.subject.restitution]))
 
     @property
     def agreement(self) -> tuple[str, ...]:
@@ -290,6 +288,8 @@ def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | N
     InputError, SolverError
         As `check` does.
     """
+    if callback is not None:
+        callback = Sets(callback, 1 + plan.margin * MOST_TRIALS + plan.joints * len(CHANGES))
     responses, ensembles, runs, verdicts = _made(subject, action, plan, callback)
     # margin: the runs at factor 1 are known, the others are made by bisection
     margin = None

@@ -24,6 +24,8 @@ from .verdicts import falls, verdicts_of
 STEP = 1.4  # factor between two steps
 MOST, LEAST = 4.0, 0.05  # largest and least factor tried
 NARROW = 1.04  # ratio of the two bounds at which the bisection ends
+# largest number of factors tried: down to the least one, or of the bisection of the last step
+MOST_TRIALS = math.ceil(-math.log(LEAST, STEP)) + math.ceil(math.log2(math.log(STEP, NARROW)))
 
 
 class Trial(NamedTuple):

@@ -16,6 +16,8 @@ from ..models.structure.modes import frequencies_apart, sliding_frequencies
 from ..models.structure.overlap import Overlap
 from ..models.structure.response import SpatialResponse
 from ..models.structure.rest import rest_of
+from ..models.structure.stack import highest_alone
+from ..statics.rocking import restitution_sentence, rocking_part
 from .kinematic import rocking_period
 from .spectra import FloatArray
 from .subject import JointProperties, Subject, subject_of
@@ -86,6 +88,15 @@ class InSpace(Subject):
             return 0.0
         slowest = float(sliding_frequencies(self.model)[0])
         return 1.0 / slowest if slowest > 0.0 else math.inf
+
+    @property
+    def restitution(self) -> str:
+        """The sentence on the restitution of the column, or of the most slender block that carries nothing."""
+        alone = [] if self.planar else highest_alone(self.model)
+        if not alone:
+            return super().restitution
+        slender = min(alone, key=lambda column: rocking_part(column).slenderness)
+        return f"{slender.name}, alone on its joint: {restitution_sentence(slender)}"
 
     def shear_ratio(self, run: SpatialResponse) -> FloatArray:
         carried = np.maximum(run.N[0], CARRIES * self.model.weight)

@@ -14,7 +14,7 @@ from ..common.executors import cores
 from ..ground.motion import Motion
 from ..models.protocol import OVERTURNED, SETTLE, STANDING, UNDECIDED
 from ..models.uncertainty import vary
-from ..runs.many import Callback, simulate_many
+from ..runs.many import Callback, begin_phase, simulate_many
 from ..runs.simulate import simulate
 from ..runs.table import Table
 from .limits import TOLERANCE, Plan
@@ -70,6 +70,22 @@ def varied(subject: Subject, run: Any, scaled: ScaledMotion, plan: Plan, place: 
     if subject.two_ways:
         made[1::2] = [(held, motion.mirrored()) for held, motion in made[1::2]]
     return made
+
+
+class Sets:
+    """A callback that numbers the sets of runs of a check, each as long as the first or shorter, for another one."""
+
+    def __init__(self, callback: Callback, most: int) -> None:
+        self._callback, self._most, self._number = callback, most, 0
+
+    def begin(self, phase: str) -> None:
+        """Begin the next set."""
+        self._number += 1
+        begin_phase(self._callback, f"set {self._number} of at most {self._most}, {phase}")
+
+    def __call__(self, done: int, total: int | None) -> None:
+        """Pass on the number of runs made."""
+        self._callback(done, total)
 
 
 def run_all(

@@ -16,6 +16,7 @@ from ..ground.motion import Motion
 from ..models.column.model import Column
 from ..models.structure.overlap import Overlap
 from ..runs.table import Table
+from ..statics.rocking import restitution_sentence
 from .kinematic import CONFIDENCE_FACTOR
 from .spectra import FloatArray
 
@@ -101,6 +102,11 @@ class Subject:
     def edge(self) -> float:
         """The displacement of the top at which it balances without a push (m); NaN if it is not defined."""
         return math.nan
+
+    @property
+    def restitution(self) -> str:
+        """The sentence on the restitution of the model; "" without one."""
+        return "" if self.planar is None else restitution_sentence(self.planar)
 
     @property
     def two_ways(self) -> bool:

@@ -144,10 +144,7 @@ def _check(options: argparse.Namespace) -> None:
     if frictions and (options.both or options.variant):
         raise InputError(f"--friction {options.friction}: must be left out with --both and --variant")
     # models, each under a name of its own
-    components = (*(options.vertical or ()), *(options.across or ()))
-    tables = [Path(name) for name in (options.spectrum, options.below) if name not in (None, *CODES)]
-    beside = (options.building, *tables, options.hazard)
-    inputs = (options.column, *options.records, *components, *options.variant, *beside)
+    inputs = [options.column, *options.variant, *files_of_action(options), *filter(None, [options.hazard])]
     check_outputs((options.output, options.report), inputs, options.force)
     models = [(path, _model(path, options)) for path in (options.column, *options.variant)]
     models = _told_apart(models)
@@ -189,7 +186,7 @@ def _check(options: argparse.Namespace) -> None:
         print(*variants_lines(checks), sep="\n")
     risk, missing = _risk(checks[0], hazard)
     print(*risk, sep="\n")
-    report = partial(_write_report, checks, options.note, [path for path in inputs if path is not None], risk, envelope)
+    report = partial(_write_report, checks, options.note, inputs, risk, envelope)
     write_outputs([(options.output, checks[0].to_csv), (options.report, report)])
     if missing is not None:
         raise missing
@@ -328,6 +325,13 @@ def level_of(options: argparse.Namespace) -> Level:
         seed=options.seed,
         force_scale=options.force_scale,
     )
+
+
+def files_of_action(options: argparse.Namespace) -> list[Path]:
+    """Return the files of records, components, building and spectra."""
+    components = (*(options.vertical or ()), *(options.across or ()))
+    tables = [Path(name) for name in (options.spectrum, options.below) if name not in (None, *CODES)]
+    return [*options.records, *components, *filter(None, [options.building]), *tables]
 
 
 def motions_of(options: argparse.Namespace) -> Mapping[str, Motion]:

@@ -32,19 +32,19 @@ def action_lines(action: Action) -> list[str]:
     lines.append(f"{'motion':{width}s}  factor  vertical  PGA (g){other}  vertical (g)  PGV (m/s)")
     for scaled in action.motions:
         vertical = float(np.max(np.abs(scaled.motion.az)))
-        upright = f"{scaled.vertical_factor:8.4g}" if vertical else " " * 8
+        upright = f"{scaled.vertical_factor:8.3g}" if vertical else " " * 8
         pga, rise = scaled.motion.pga / STANDARD_GRAVITY, vertical / STANDARD_GRAVITY
-        other = f"  {peak(scaled.motion, 'ay') / STANDARD_GRAVITY:10.4g}" if across else ""
+        other = f"  {peak(scaled.motion, 'ay') / STANDARD_GRAVITY:10.3g}" if across else ""
         lines.append(
-            f"{scaled.name:{width}s}  {scaled.factor:6.4g}  {upright}  {pga:7.4g}{other}  {rise:12.4g}  "
-            f"{pgv(scaled.motion):9.4g}"
+            f"{scaled.name:{width}s}  {scaled.factor:6.3g}  {upright}  {pga:7.3g}{other}  {rise:12.3g}  "
+            f"{pgv(scaled.motion):9.3g}"
         )
     return lines
 
 
 def check_lines(check: Check) -> list[str]:
     """Return the tables with their notes, the disagreement of methods, and the sentences of the answer."""
-    lines = [f"{check.name}, first period {check.period:.4g} s", *_table(check.rows)]
+    lines = [f"{check.name}, first period {check.period:.3g} s", *_table(check.rows)]
     lines += ["by hand:", *_table(check.by_hand.rows), *check.agreement] if check.by_hand else [NOT_IN_SPACE]
     events = (line for line in (check.falls_sentence, check.impacts_sentence) if line)
     said = (check.answer, check.verdict, *events, check.margin_sentence, *check.of_joints, *check.remarks)

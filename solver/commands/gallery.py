@@ -21,7 +21,7 @@ from ..common.files import printable, whole_file, write_table
 from ..gallery.mounts import mounted, read_mounts
 from ..gallery.objects import read_objects
 from ..gallery.survey import Gallery, Outcome, common_action, survey
-from .check import add_action, add_ensemble, level_of, motions_of, spread_of
+from .check import add_action, add_ensemble, files_of_action, level_of, motions_of, spread_of
 from .check_report import action_lines, text_columns
 from .command_files import write_outputs
 from .motion_options import floor_of
@@ -51,6 +51,7 @@ def add_gallery_command(commands: argparse._SubParsersAction[Any]) -> None:
 
 def _gallery(options: argparse.Namespace) -> None:
     with needing("report", "jinja2", "matplotlib"):
+        from ..checks.report.inputs import hashed, with_meshes
         from ..gallery.page import page_text
     if options.sa is not None:
         raise InputError("--sa: must be left out, first periods differ from object to object; --pga or --spectrum")
@@ -85,9 +86,10 @@ def _gallery(options: argparse.Namespace) -> None:
     remarks = [components_sentence(ground, True), *ground.cautions(), *floors_of, BESIDE]
     print(*_lines(gallery), *remarks, sep="\n")
     command, notes = printable(shlex.join(["multiblock", *sys.argv[1:]])), list(map(printable, options.note))
-    page = partial(
-        _write_page, lambda: page_text(gallery, action=ground, command=command, notes=notes, remarks=remarks)
-    )
+    meshes = [Path(exhibit.mesh) for exhibit in exhibits if exhibit.mesh]
+    inputs = hashed(with_meshes([options.objects, options.mounts, *meshes, *files_of_action(options)]))
+    values = {"action": ground, "command": command, "inputs": inputs, "notes": notes, "remarks": remarks}
+    page = partial(_write_page, lambda: page_text(gallery, **values))
     write_outputs([(journal.with_suffix(".csv"), partial(_write_csv, gallery)), (journal.with_suffix(".html"), page)])
 
 

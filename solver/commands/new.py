@@ -22,20 +22,25 @@ from ..statics.rocking import column_damping_on_edge, critical_damping, restitut
 from .command_files import add_force, check_suffix
 from .new_contacts import asked_contact, strips_of
 from .new_mesh import new_from_mesh
-from .new_structures import BUILT, AskedLaw, Built, bounce_damping, origin_of_stiffness, structure_text
+from .new_structures import (
+    BUILT,
+    LEAST_PART,
+    MASS_NOTE,
+    MOST_PART,
+    PART_OF_BOX,
+    AskedLaw,
+    Built,
+    bounce_damping,
+    mass_of_statue,
+    masses_of_statue,
+    origin_of_stiffness,
+    structure_text,
+)
 from .questions import HEIGHT, SIZE, Limits, Question, answer_to, choice, number, parsed
 
 T = TypeVar("T")
 
 DAMPING = 1e-3  # s, until blocks and joints are known
-# of height times width times depth of its base, that a statue fills. The body of a person: 0.3 of the box around it. A
-# draped Roman statue of 650 kg on a base of 0.72 by 0.43 m, centroid at 0.635 m (Monaco and others 2020, table 1): at
-# most 0.6, if of marble and not wider above
-PART_OF_BOX, LEAST_PART, MOST_PART = 0.4, 0.3, 0.6
-MASS_NOTE = (
-    "# mass in kg: pressures follow it, overturning hardly (docs/check.md). A statue fills 0.3 to 0.6 of height times",
-    "# width times depth of its base. Left out, it would be a full block of the material.",
-)
 SURVEYS = (("height", "width", "depth"), ("height", "diameter"))
 
 
@@ -44,7 +49,6 @@ DAMPINGS: Limits = ((0.0, 1.0), "a time in s, from 0 to 1")
 STRESSES: Limits = ((0.001, 10.0), "a stress in MPa, from 0.001 to 10")
 TENSION = Question("tensile strength of the mortar (MPa)", 0.05, STRESSES, 1e6)
 COHESION = Question("cohesion of the mortar (MPa)", 0.1, STRESSES, 1e6)
-MASSES = 0.05, 3.0  # limits, of the mass of the box over its base; above 1 if the statue is wider above
 
 
 class Shape(NamedTuple):
@@ -77,20 +81,6 @@ def _statue(asked: dict[str, float]) -> list[dict[str, float]]:
     return [statue, pedestal]
 
 
-def _mass_of_statue(asked: dict[str, float]) -> float:
-    """Estimate the mass of a statue, kg: its material fills a part of the box over its base; three digits."""
-    return float(f"{asked['part'] * _mass_of_box(asked):.3g}")
-
-
-def _mass_of_box(asked: dict[str, float]) -> float:
-    return asked["density"] * asked["height"] * asked["width"] * asked["depth"]
-
-
-def _masses_of_statue(asked: dict[str, float]) -> Limits:
-    least, most = (part * _mass_of_box(asked) for part in MASSES)
-    return (least, most), f"a mass in kg, from {least:.3g} to {most:.3g} in a box of that size"
-
-
 def _centroids(asked: dict[str, float]) -> Limits:
     return (1e-3, asked["height"]), f"a height in m, up to that of the statue, {asked['height']:g}"
 
@@ -118,9 +108,7 @@ SHAPES = {
                 PART_OF_BOX,
                 ((0.01, 1.0), "a part from 0.01 to 1"),
             ),
-            "mass": Question(
-                "mass of the statue (kg), if unknown that of this part", _mass_of_statue, _masses_of_statue
-            ),
+            "mass": Question("mass of the statue (kg), if unknown that of this part", mass_of_statue, masses_of_statue),
             "centroid": Question(
                 "height of its centre of mass over its base (m), half of its own if unknown",
                 lambda asked: 0.5 * asked["height"],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from string import ascii_uppercase
 from typing import Any, NamedTuple
 
@@ -27,6 +28,15 @@ LINE_STIFFNESS = 1e9  # N/m2, along the line in which two casks touch: a choice 
 RESTITUTION = 0.5  # of two casks, a choice
 # of pendulums, choices: displacement at which they slide (m), stiffness over weight (1/m) for 20 Hz on four of them
 SLIDES_AT, VERTICAL = 1e-3, 0.25 * (2.0 * math.pi * 20.0) ** 2 / STANDARD_GRAVITY
+# of height times width times depth of its base, that a statue fills. The body of a person: 0.3 of the box around it. A
+# draped Roman statue of 650 kg on a base of 0.72 by 0.43 m, centroid at 0.635 m (Monaco and others 2020, table 1): at
+# most 0.6, if of marble and not wider above
+PART_OF_BOX, LEAST_PART, MOST_PART = 0.4, 0.3, 0.6
+MASS_NOTE = (
+    "# mass in kg: pressures follow it, overturning hardly (docs/check.md). A statue fills 0.3 to 0.6 of height times",
+    "# width times depth of its base. Left out, it would be a full block of the material.",
+)
+MASSES = 0.05, 3.0  # limits, of the mass of the box over its base; above 1 if the statue is wider above
 
 
 class AskedLaw(NamedTuple):
@@ -126,6 +136,22 @@ def _casks(asked: Asked) -> dict[str, Any]:
     return {"neighbours": law, "block": blocks}
 
 
+def mass_of_statue(asked: Asked, prefix: str = "") -> float:
+    """Estimate the mass of a statue, kg: its material fills a part of the box over its base; three digits."""
+    return float(f"{asked.get('part', PART_OF_BOX) * _mass_of_box(asked, prefix):.3g}")
+
+
+def masses_of_statue(asked: Asked, prefix: str = "") -> Limits:
+    """Return the limits of the mass of a statue, kg, and their meaning; `prefix` begins the names of its sizes."""
+    least, most = (part * _mass_of_box(asked, prefix) for part in MASSES)
+    return (least, most), f"a mass in kg, from {least:.3g} to {most:.3g} in a box of that size"
+
+
+def _mass_of_box(asked: Asked, prefix: str) -> float:
+    height, width, depth = (asked[f"{prefix}{key}"] for key in ("height", "width", "depth"))
+    return asked["density"] * height * width * depth
+
+
 def _isolated(asked: Asked) -> dict[str, Any]:
     """Return a statue and its pedestal on a slab on four pendulum bearings."""
     density, width = asked["density"], asked["slab"]
@@ -134,8 +160,10 @@ def _isolated(asked: Asked) -> dict[str, Any]:
     blocks: list[dict[str, Any]] = [slab | {"density": density}]
     for name, on in (("pedestal", "slab"), ("statue", "pedestal")):
         sizes = {key: asked[f"{name}_{key}"] for key in ("width", "depth", "height")}
-        blocks.append({"name": name, "on": on, **sizes, "density": density})
-    weight = density * sum(block["width"] * block["depth"] * block["height"] for block in blocks) * STANDARD_GRAVITY
+        known = {"mass": asked["statue_mass"]} if name == "statue" else {"density": density}
+        blocks.append({"name": name, "on": on, **sizes, **known})
+    full = density * sum(block["width"] * block["depth"] * block["height"] for block in blocks[:-1])
+    weight = (full + asked["statue_mass"]) * STANDARD_GRAVITY
     bearing = {
         **{"kind": "pendulum", "between": ["slab", "base"], "diameter": 0.1, "capacity": asked["capacity"]},
         "at": [[x * corner, y * corner, gap] for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))],
@@ -214,6 +242,11 @@ BUILT = {
                 for name, sizes in (("statue", (0.5, 0.45, 1.9)), ("pedestal", (0.9, 0.8, 0.8)))
                 for key, usual in zip(("width", "depth", "height"), sizes, strict=True)
             },
+            "statue_mass": Question(
+                f"mass of the statue (kg), if unknown {PART_OF_BOX:g} of height x width x depth",
+                partial(mass_of_statue, prefix="statue_"),
+                partial(masses_of_statue, prefix="statue_"),
+            ),
             "slab": Question("width of the square slab (m)", 1.6),
             "period": Question("period of the bearings (s)", 2.0, ((0.5, 10.0), "a period in s, from 0.5 to 10")),
             "bearing_friction": Question("their coefficient of friction", 0.06, FRICTIONS),
@@ -284,7 +317,8 @@ def structure_text(name: str, built: Built, asked: Asked, law: AskedLaw) -> str:
             lines += [f"{key} = {_value(value)}" for key, value in parts.items()]
             continue
         for part in parts:
-            lines += ["", f"[[{table}]]", *(f"{key} = {_value(value)}" for key, value in part.items())]
+            note = MASS_NOTE if part.get("name") == "statue" else ()
+            lines += ["", f"[[{table}]]", *note, *(f"{key} = {_value(value)}" for key, value in part.items())]
     return "\n".join(lines) + "\n"
 
 

@@ -50,7 +50,7 @@ def _risk(options: argparse.Namespace) -> None:
     hazard = _hazard(options)
     options.study = _journal(options.study)
     results = results_from(options)
-    risks, unfit = _risks(results, hazard, options.years)
+    risks, unfit = _risks(results, hazard, str(options.hazard or "--measure"), options.years)
     # summary
     name, undecided = results.study["name"], int(results.undecided.sum())
     print(f"{name}: {len(results)} of {results.head['runs']} runs; hazard: {hazard}")
@@ -91,7 +91,7 @@ def _journal(path: Path) -> Path:
     return found[0]
 
 
-def _risks(results: Results, hazard: Hazard, years: float) -> tuple[dict[str, Risk], list[str]]:
+def _risks(results: Results, hazard: Hazard, source: str, years: float) -> tuple[dict[str, Risk], list[str]]:
     """Return the risks by the name of the failure, and a line for each failure without a fragility.
 
     Raises InputError unless the results have the measure of the hazard and some fragility over it.
@@ -100,7 +100,7 @@ def _risks(results: Results, hazard: Hazard, years: float) -> tuple[dict[str, Ri
     name = hazard.measure.name
     if measures.get(name) != hazard.measure:
         known = ", ".join(measure.label for measure in measures.values() if measure is not None)
-        raise InputError(f"hazard: is over {hazard.measure.label}, must be over a measure of the results: {known}")
+        raise InputError(f"{source}: is over {hazard.measure.label}, must be over a measure of the results: {known}")
     risks: dict[str, Risk] = {}
     unfit = []
     for failure in failures_of(results):

@@ -46,6 +46,14 @@ class Mount:
     slab: Mapping[str, float] = field(default_factory=dict)  # on the bearings, under the pedestal
     bearing: Mapping[str, Any] = field(default_factory=dict)
 
+    @property
+    def text(self) -> str:
+        """What it changes, as in its file, in SI units; "nothing" if it changes nothing."""
+        factors = [f"{word} x {factor:g}" for word in ("foot", "pedestal") if (factor := getattr(self, word)) != 1.0]
+        tables = [(word, getattr(self, word)) for word in ("joint", "tie", "slab", "bearing")]
+        laws = [f"{word} ({', '.join(f'{key} {value}' for key, value in law.items())})" for word, law in tables if law]
+        return "; ".join([*factors, *laws]) or "nothing"
+
 
 def read_mounts(path: str | os.PathLike[str]) -> tuple[Mount, ...]:
     """Read a list of mounts, one table `[[mount]]` for each. Raises InputError."""

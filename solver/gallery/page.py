@@ -11,6 +11,7 @@ from jinja2 import Environment, StrictUndefined
 from matplotlib.figure import Figure
 
 from ..checks import report
+from ..checks.report.inputs import software
 from ..checks.report.pictures import embedded
 from ..common.digits import percent, three_digits
 from ..plotting.style import FEW_COLOURS, GREY, RED, plain, tidy
@@ -51,12 +52,12 @@ def picture(gallery: Gallery) -> Figure:
 
 
 def page_text(gallery: Gallery, **values: Any) -> str:
-    """Return the HTML text; `values` are `action`, that of the ground, `command`, and lines `notes` and `remarks`."""
+    """Return the HTML text; `values` are `action` (of the ground), `command`, `inputs`, `notes` and `remarks`."""
     page = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True).from_string(
         (files(__package__) / "page.html").read_text(encoding="utf-8")
     )
     style = (files(report) / "check.css").read_text(encoding="utf-8")
     firsts = [gallery.first_mount(number) for number in range(len(gallery.exhibits))]
     tools: dict[str, Any] = {"percent": percent, "three_digits": three_digits, "picture": embedded(picture(gallery))}
-    tools["has_margin"] = has_margin(gallery)
+    tools |= {"has_margin": has_margin(gallery), "versions": software()}
     return page.render(gallery=gallery, firsts=firsts, style=style, **tools, **values)

@@ -72,6 +72,8 @@ class Gallery:
     exhibits: Sequence[Exhibit]
     mounts: Sequence[Mount]
     outcomes: Sequence[Sequence[Outcome]]
+    fingerprint: str  # SHA-256 of models, motions and plan
+    kept: int  # pairs that an earlier run had made
 
     def first_mount(self, number: int) -> str:
         """Return the name of the first mount that holds the object of this index; "none" if none does."""
@@ -123,11 +125,12 @@ def survey(
     floors = [exhibit.floor for exhibit in exhibits for _ in mounts]
     digest = hashlib.sha256(json.dumps([asdict(plan), floors], sort_keys=True).encode())
     digest.update(b"".join([*(one.digest() for one in subjects), *map(motion_digest, actions.values())]))
-    head = {"study": {"name": "gallery"}, "fingerprint": digest.hexdigest(), "versions": versions()}
+    fingerprint = digest.hexdigest()
+    head = {"study": {"name": "gallery"}, "fingerprint": fingerprint, "versions": versions()}
     each = (1 + plan.ensemble) * len(next(iter(actions.values())).motions)
     pool = ThreadPoolExecutor(cores(), thread_name_prefix="pairs")
     try:
-        with Journal(journal, head) as kept:
+        with Journal(journal, head, (".csv", ".html")) as kept:
             left = [number for number in range(len(subjects)) if number not in kept.finished]
             made = pool.map(lambda k: outcome_of(subjects[k], actions[floors[k]], plan), left)
             for done in range(len(subjects) - len(left), len(subjects) + 1):
@@ -140,7 +143,7 @@ def survey(
         pool.shutdown(cancel_futures=True)
     found = [Outcome(*values) for _, values in sorted(read_journal(journal)[1])]
     rows = [found[k : k + len(mounts)] for k in range(0, len(found), len(mounts))]
-    return Gallery(exhibits, mounts, rows)
+    return Gallery(exhibits, mounts, rows, fingerprint, len(subjects) - len(left))
 
 
 def outcome_of(subject: Subject, action: Action, plan: Plan) -> Outcome:

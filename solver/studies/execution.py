@@ -88,7 +88,7 @@ def run_study(
     with reading("folder: must be left out, a journal cannot be read without its models"):
         subject_from(study.columns[0].to_dict())  # all are of one kind
     # add each chunk to the journal; update the tables from time to time
-    with Journal(Path(folder) / f"{study.name}{SUFFIX}", head_of(study)) as journal:
+    with Journal(Path(folder) / f"{study.name}{SUFFIX}", head_of(study), (".csv", ".nc")) as journal:
         saved, took = clock.monotonic(), 0.0
         for rows in _made(study, journal.finished, executor, threads, callback, chunk_seconds):
             journal.add(rows)

@@ -13,7 +13,7 @@ import os
 import re
 import sys
 import zlib
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import IO, Any
@@ -32,15 +32,30 @@ class Journal(AbstractContextManager["Journal"]):
 
     It is created if it does not exist.
 
+    Parameters
+    ----------
+    path : str or path
+        The file.
+    head : mapping
+        The first line.
+    tables : sequence of str
+        Suffixes of the files that are written next to it.
+
     Raises
     ------
     InputError
         If the file is no journal, of another study or of other versions, if another process adds to it, or if it cannot
-        be written.
+        be written; or if it does not exist and a file next to it would be overwritten.
     """
 
-    def __init__(self, path: str | os.PathLike[str], head: Mapping[str, Any]) -> None:
+    def __init__(self, path: str | os.PathLike[str], head: Mapping[str, Any], tables: Sequence[str] = ()) -> None:
         self.path = Path(path)
+        beside = [other for suffix in tables if (other := self.path.with_suffix(suffix)).exists()]
+        if beside and not self.path.exists():
+            raise InputError(
+                f"{beside[0]}: is there already, without {self.path.name}: must be moved, or the results go to another "
+                "folder"
+            )
         self.finished: set[int] = set()  # numbers of the runs in it
         self.damaged = 0  # incomplete or corrupted lines
         with reading(self.path):

@@ -182,8 +182,8 @@ def failures_of(results: Results) -> Iterator[Failure]:
     Hits have one failure for each value of the number that the grid varies.
     """
     for limit in results.study["limits"]:
-        yield Failure(f"{limit:g} m", limit)
-    yield Failure("overturned", None)
+        yield Failure(failure_text(limit), limit)
+    yield Failure(failure_text(None), None)
     if LEAST_GAP in results:
         name = other_varied_name(results)
         if name is None:

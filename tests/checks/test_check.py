@@ -90,6 +90,23 @@ def test_margin_has_falls_beyond_it_and_none_within(found: Check) -> None:
     assert row(found, "overturning, margin").ratio == 1.0 / margin.stands
 
 
+@pytest.mark.parametrize("pga", [0.01, 0.15, 0.6, 30.0])
+def test_sets_of_runs_are_numbered_up_to_a_bound(pga: float) -> None:
+    phases: list[str] = []
+
+    def callback(done: int, total: int | None) -> None:
+        assert total is None or done <= total
+
+    callback.begin = phases.append  # type: ignore[attr-defined]
+    subject = subject_of(BLOCK)
+    motion = PULSES["2.0 Hz"].scaled_to(pga * G)
+    checked(subject, Action((ScaledMotion("sine", motion, 1.0, 1.0),), "as given"), Plan(ensemble=1), callback)
+    counts = [re.match(r"set (\d+) of at most (\d+), ", phase) for phase in phases]
+    assert [int(one[1]) for one in counts if one] == list(range(1, len(phases) + 1))
+    assert len(phases) <= 1 + 13 + 4  # as given, margin, other joints
+    assert {int(one[2]) for one in counts if one} == {1 + 13 + 4}
+
+
 def test_margin_of_a_stronger_motion_is_smaller(found: Check) -> None:
     """Check that twice the motion has half the margin, within both bisections, where the first falls are the same."""
     assert found.margin is not None

@@ -55,6 +55,7 @@ def test_check_prints_tables_variants_and_writes(folder: Path, capsys: pytest.Ca
     assert Path("table.csv").is_file()
     page = Path("report.html").read_text(encoding="utf-8")
     assert "SHA-256" in page
+    assert page.count("<h2>The column</h2>") == page.count("<h2>Variant: wider</h2>") == 1
     assert '<p class="note">Museum &lt;North&gt;, hall 3</p>' in page
     assert '<p class="note">checked 1 May</p>' in page
     assert main([*words, "slow.csv", "-o", "table.csv"]) == 2

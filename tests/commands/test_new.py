@@ -372,11 +372,11 @@ def test_mortar_is_asked_where_whole_faces_touch(tmp_path: Path, monkeypatch: py
 
 
 def test_a_statue_on_bearings_has_their_period(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    sizes = ("0.6", "0.5", "2", "1", "0.9", "0.7", "1.8")
+    sizes = ("0.6", "0.5", "2", "1", "0.9", "0.7", "", "1.8")
     answers = ("isolated", "marble", *sizes, "3", "0.05", "0.3", "", "", "", "")
     assert ask(monkeypatch, tmp_path / "a.toml", *answers) == 0
     found = Structure.from_toml(tmp_path / "a.toml")
-    volume = 0.6 * 0.5 * 2.0 + 1.0 * 0.9 * 0.7 + 1.8 * 1.8 * 0.2
+    volume = 0.4 * 0.6 * 0.5 * 2.0 + 1.0 * 0.9 * 0.7 + 1.8 * 1.8 * 0.2  # a statue fills 0.4 of its box
     assert sum(block.mass for block in found.blocks) == pytest.approx(2700.0 * volume, rel=1e-9)
     bearings = [joint.bearing for joint in found.bearings]
     assert len(bearings) == 4

@@ -1,6 +1,7 @@
 """The command `gallery`: its outcomes against runs made one by one, its files, and its end after an interruption."""
 
 import csv
+import hashlib
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -93,6 +94,21 @@ def test_words_of_an_outcome() -> None:
     assert replace(holds, fallen=1, stands=0.7, falls=0.72).text == "1 fall, 0.7"
 
 
+def test_objects_are_not_overwritten_by_results(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("objects.csv").write_text("name,material,width,depth,height,mass,centroid\nA,marble,1,1,1,2700,0.5\n")
+    Path("mounts.toml").write_text('[[mount]]\nname = "free"\n')
+    before = Path("objects.csv").read_text()
+    words = ["gallery", "objects.csv", "--mounts", "mounts.toml", "--pga", "0.1", "--no-margin", "--ensemble", "1"]
+    Motion.from_samples(0.01, np.sin(np.arange(0.0, 0.3, 0.01))).to_csv("pulse.csv")
+    assert main([*words, "pulse.csv"]) == 2
+    assert "objects.csv: is there already, without objects.journal: must be moved" in capsys.readouterr().err
+    assert Path("objects.csv").read_text() == before
+    assert not Path("objects.journal").exists()
+
+
 @pytest.mark.long  # takes 10 s and more
 def test_the_example_is_written_as_table_and_page(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -122,6 +138,12 @@ def test_the_example_is_written_as_table_and_page(
     # the same again makes no run, and another command refuses the journal
     assert main(words) == 0
     assert capsys.readouterr().out == printed
+    again = Path("results/objects.html").read_text(encoding="utf-8")
+    assert "had made 36 of the 36 pairs" in again
+    assert "had made" not in page
+    for path in (example / "objects.csv", example / "mounts.toml", example / "hall.toml", Path("pulse.csv")):
+        assert hashlib.sha256(path.read_bytes()).hexdigest() in page
+    assert "bearing (kind pendulum, period 2.5" in page  # of a mount
     assert main([*words, "--spread-seed", "1"]) == 2
     assert "holds another study" in capsys.readouterr().err
     assert main(["gallery", *files, "--sa", "0.2", "pulse.csv"]) == 2

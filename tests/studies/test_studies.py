@@ -458,6 +458,14 @@ def test_another_study_is_refused(study: Study, folder: Path) -> None:
         run_study(study.with_runs(13), folder)
 
 
+def test_a_table_without_its_journal_is_not_overwritten(study: Study, tmp_path: Path) -> None:
+    table = tmp_path / f"{study.name}.csv"
+    table.write_text("a record of the same name")
+    with pytest.raises(InputError, match=r"is there already, without .*journal: must be moved"):
+        run_study(study, tmp_path)
+    assert table.read_text() == "a record of the same name"
+
+
 @pytest.mark.parametrize("name", ["", " ", ".", "..", "a/b", "a\\b", "a.", " a", "a ", "a\n", "a\0", "a:b", "\udcff"])
 def test_a_name_is_a_file_name(study: Study, name: str) -> None:
     with pytest.raises(InputError, match=r"name = .*: must be a file name of letters, digits, "):

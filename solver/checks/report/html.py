@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import platform
 from collections.abc import Sequence
 from dataclasses import fields
 from importlib.resources import files
@@ -15,7 +14,6 @@ import numpy as np
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
-from ... import __version__
 from ...common.digits import three_digits
 from ...common.files import whole_file
 from ...ground.intensity import peak, pgv
@@ -28,8 +26,8 @@ from ..limits import TOLERANCE
 from ..subject import JointProperties
 from ..variants import differences
 from .friction import friction_picture
-from .inputs import MATERIAL_SHEET, hashed, sources_of, with_meshes
-from .model import Sheet, merged, shown_of
+from .inputs import MATERIAL_SHEET, hashed, software, sources_of, with_meshes
+from .model import ModelSection, Sheet, merged, shown_of
 from .pictures import embedded, spectra_picture
 
 LIMITS_OF_THE_MODEL = (  # for all models
@@ -60,7 +58,7 @@ def write_report(
     notes : sequence of str
         Lines under the title, such as project, author and date.
     inputs : sequence of Path
-        The input files, that of the model of the first check first.
+        The input files, those of the models of the check and its variants first.
     risk : sequence of str
         Lines on the risk, for a site whose hazard is known.
     envelope : Envelope, optional
@@ -76,9 +74,8 @@ def write_report(
         (folder / "check.html").read_text(encoding="utf-8")
     )
     style = (folder / "check.css").read_text(encoding="utf-8")
-    text = page.render(
-        style=style, command=command, notes=notes, risk=risk, **_content(checks, inputs), **_friction(envelope)
-    )
+    content = _content(checks, inputs, envelope is not None)
+    text = page.render(style=style, command=command, notes=notes, risk=risk, **content, **_friction(envelope))
     with whole_file(path) as partial:
         Path(partial).write_text(text, encoding="utf-8")
 
@@ -89,21 +86,20 @@ def _friction(envelope: Envelope | None) -> dict[str, Any]:
     return {"envelope": envelope, "friction_picture": drawn, "of_values": OF_VALUES, "of_pairs": OF_PAIRS}
 
 
-def _content(checks: Sequence[Check], inputs: Sequence[Path]) -> dict[str, Any]:
-    """Return the values that the template names."""
+def _content(checks: Sequence[Check], inputs: Sequence[Path], has_frictions: bool) -> dict[str, Any]:
+    """Return the values that the template names; `has_frictions`: all checks are of one model."""
     # tables and pictures of the governing run, then texts for the template
     check = checks[0]
     run = check.responses[check.governing]
-    shown = shown_of(check.subject.model, check, run)
-    if inputs:
-        shown.sheets.append(Sheet(MATERIAL_SHEET, merged(sources_of(inputs[0])), len(MATERIAL_SHEET)))
+    shown = _shown(check, inputs)
+    variants = [] if has_frictions else [one for one in checks[1:] if not one.both]
     at = min(run.overturn_time, float(run.time[-1])) if run.overturned else None  # else at its largest displacement
     return {
         "check": check,
         "word": check.subject.model.kind.word,
         "checks": checks,
         "passes": check.passes and all(one.passes for one in checks if one.both),
-        "model": shown,
+        "models": [(check, shown), *((one, _shown(one, inputs[k:])) for k, one in enumerate(variants, start=1))],
         "inputs": hashed(with_meshes(inputs)),
         "motions": _motions(check),
         "limits": [
@@ -121,20 +117,24 @@ def _content(checks: Sequence[Check], inputs: Sequence[Path]) -> dict[str, Any]:
         "not_by_hand": NOT_IN_SPACE,
         "tolerance": TOLERANCE,
         "names": list(dict.fromkeys(row.name for one in checks for row in one.rows)),
+        "embedded": embedded,
         "pictures": {
-            "model": embedded(shown.picture, True),
             "spectra": embedded(spectra_picture(check)),
             "histories": embedded(shown.histories),
             "deformed": embedded(run.plot_model(at=at), check.subject.model.kind.across),
         },
         "scene": Markup(frame_of(run)),
         "worst": check.action.motions[check.governing],
-        "versions": {
-            "multiblock-fmu": __version__,
-            "Python": platform.python_version(),
-            "numpy": np.__version__,
-        },
+        "versions": software(),
     }
+
+
+def _shown(check: Check, inputs: Sequence[Path]) -> ModelSection:
+    """Return the tables and pictures of a model, whose file, if there is one, is the first of `inputs`."""
+    shown = shown_of(check.subject.model, check, check.responses[check.governing])
+    if inputs:
+        shown.sheets.append(Sheet(MATERIAL_SHEET, merged(sources_of(inputs[0])), len(MATERIAL_SHEET)))
+    return shown
 
 
 def _of_joints(check: Check) -> str:
@@ -168,6 +168,7 @@ def _motions(check: Check) -> list[dict[str, str]]:
                 "factor": three_digits(scaled.factor),
                 "vertical": f"{scaled.vertical_factor:.3g}" if vertical else "none",
                 "pga": f"{scaled.motion.pga / STANDARD_GRAVITY:.3g}{across}",
+                "rise": f"{vertical / STANDARD_GRAVITY:.3g}" if vertical else "",
                 "pgv": f"{pgv(scaled.motion):.3g}",
                 "moved": "" if response.overturned else three_digits(1e3 * check.subject.moved(response)),
                 "verdict": f"{response.verdict}, {response.what_fell} at {three_digits(response.overturn_time)} s"

@@ -1,11 +1,15 @@
-"""The input files of a report: the SHA-256 of each, and the sources of the densities in a file of a model."""
+"""The origin of a report: SHA-256 of its input files, sources of the densities in a file of a model, versions."""
 
 from __future__ import annotations
 
 import hashlib
+import platform
 from collections.abc import Iterable
 from pathlib import Path
 
+import numpy as np
+
+from ... import __version__
 from ...common.digits import three_digits
 from ...common.files import printable, toml_of
 from ...models.column.materials import MATERIALS
@@ -27,6 +31,11 @@ def with_meshes(paths: Iterable[Path]) -> list[Path]:
 def hashed(paths: Iterable[Path]) -> list[tuple[str, str]]:
     """Return the name and the SHA-256 of each file. Raises OSError."""
     return [(printable(str(path)), hashlib.sha256(path.read_bytes()).hexdigest()) for path in paths]
+
+
+def software() -> dict[str, str]:
+    """Return the versions on which the numbers of a report depend."""
+    return {"multiblock-fmu": __version__, "Python": platform.python_version(), "numpy": np.__version__}
 
 
 def sources_of(path: Path) -> list[tuple[str, ...]]:

@@ -144,6 +144,27 @@ def column_of(structure: Structure) -> Column | None:
     return column if same else None
 
 
+def highest_alone(structure: Structure) -> list[Column]:
+    """Return each box or drum that carries nothing as a column of one block, along x, then along y; drums once.
+
+    Blocks on several joints, and those that are neither boxes nor drums, are left out.
+    """
+    lowers = {joint.lower for joint in structure.joints}
+    found = []
+    for joint in structure.joints:
+        solid = structure.blocks[joint.upper]
+        alone = sum(other.upper == joint.upper for other in structure.joints) == 1
+        if joint.upper in lowers or not alone or joint.bearing is not None or abs(joint.face.normal[2]) < 1.0 - CLOSE:
+            continue
+        try:
+            column = Column(solid.name, (_block(solid, joint),), Settings(), structure.g)
+            if _same(stacked(column)["blocks"][0].volume, solid.volume, solid.volume):  # else neither box nor drum
+                found += [column] if column.is_alike_across else [column, column.across()]
+        except (InputError, IndexError):
+            continue
+    return found
+
+
 def _block(solid: Solid, joint: SpatialJoint) -> planar.Block:
     """Return the column block of a box or a drum; its faces are bottom and top first (shapes.py)."""
     bottom, top = solid.faces[:2]
