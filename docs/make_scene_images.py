@@ -113,7 +113,7 @@ def draw_structures(browser: Browser, folder: Path) -> None:
         axes, plan = figure.add_subplot(cell[0]), figure.add_subplot(cell[1])
         axes.imshow(picture)
         axes.set_axis_off()
-        text = f"{name}, {at:.2f} s, deformation x {factor:g}, squares of {browser.evaluate('CELL'):g} m"
+        text = f"{name}, {at:.2f} s, drawn {factor:g} times larger, squares of {browser.evaluate('CELL'):g} m"
         axes.set_title(text, fontsize=10, loc="left", color=INK)
         top = int(np.argmax([block.centroid[2] for block in response.structure.blocks]))
         way = 1e3 * np.column_stack([response.ux[:, top], response.uy[:, top]])

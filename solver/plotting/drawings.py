@@ -123,10 +123,12 @@ def measure_column(axes: Axes, response: Shapes, k: int, scale: float) -> None:
     left, right, low = left - 0.22 * height, right + 0.2 * height, -0.17 * height
     number_joints(axes, corners)
     axes.set(xlim=(left, right), ylim=(low, max(1.04 * height, top + 0.03 * height)))
-    axes.text(left, 0.3 * low, drawn_larger(scale), fontsize=11, color=RED, ha="left", va="top")
-    begin, bar = left + 0.55 * (right - left), nice(BAR * (right - left) / scale)
-    axes.plot([begin, begin + scale * bar], 2 * [0.52 * low], color=RED, linewidth=3.0, solid_capstyle="butt")
-    axes.text(begin, 0.6 * low, f"{length(bar)} of motion", fontsize=9, color=RED, ha="left", va="top")
+    axes.text(left, 0.25 * low, drawn_larger(scale), fontsize=11, color=RED, ha="left", va="top")
+    # scale bar below that text, its length on its right
+    bar = nice(BAR * (right - left) / scale)
+    end = left + scale * bar
+    axes.plot([left, end], 2 * [0.82 * low], color=RED, linewidth=3.0, solid_capstyle="butt")
+    axes.text(end + 0.03 * (right - left), 0.82 * low, f"{length(bar)} of motion", fontsize=9, color=RED, va="center")
     rule_heights(axes, height, left)
 
 

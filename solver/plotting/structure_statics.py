@@ -10,6 +10,7 @@ import numpy as np
 
 from .structures import VISIBLE, draw_blocks, extent_of, visible_scale
 from .style import BLUE, GREY, INK, RED, Figure, header, plain, save, tidy
+from .words import drawn_larger
 
 if TYPE_CHECKING:
     from ..models.structure.modes import SpatialModes
@@ -63,7 +64,7 @@ def plot_push_over(found: PushOver, path: str | os.PathLike[str] | None) -> Figu
     for words, (at, marker, colour) in begins.items():
         if math.isfinite(at):
             k = int(np.searchsorted(found.acceleration, at))
-            curve.plot(moved[k], push[k], marker, color=colour, label=f"{words}, {push[k]:.4g} {unit}")
+            curve.plot(moved[k], push[k], marker, color=colour, label=f"{words}, {push[k]:.3g} {unit}")
     curve.legend(loc="lower right", frameon=False, fontsize=9)
     curve.set(xlabel=f"displacement of {plain(structure.names[found.moves_most])} (mm)", ylabel=f"push ({unit})")
     curve.set_xlim(left=0.0)
@@ -74,8 +75,8 @@ def plot_push_over(found: PushOver, path: str | os.PathLike[str] | None) -> Figu
     u = np.stack([found.ux[-1], found.uy[-1], found.uz[-1]], axis=-1)
     scale = visible_scale(structure, u)
     draw_blocks(drawn, structure, scale * u, scale * found.rotation[-1])
-    drawn.set_title(f"at the largest push, deformation x {scale:g}", fontsize=10)
+    drawn.set_title(f"at the largest push, {drawn_larger(scale)}", fontsize=10)
     towards = f"Towards {math.degrees(found.direction):.4g} degrees from x to y it" if found.pattern is None else "It"
-    words = f"{towards} balances at most {push[-1]:.4g} {unit}."
+    words = f"{towards} balances at most {push[-1]:.3g} {unit}."
     header(figure, f"{structure.name}: push-over", words)
     return save(figure, path)
