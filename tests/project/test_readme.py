@@ -53,7 +53,7 @@ def test_shell_commands(checkout: Path, monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.chdir(checkout)
     first, *others = [line for line in COMMANDS[2:] if not line.startswith("pip install") and not takes_long(line)]
     assert first.startswith("multiblock check ")
-    pages.paste(f"{first} --ensemble 1", checkout)  # with eight varied columns a motion it takes minutes
+    pages.paste(f"{first} --ensemble 1 --no-margin --no-joints", checkout)  # in full it takes minutes
     for command in others:
         if command.startswith("multiblock"):  # saves the time in which a process starts
             pages.call(command)

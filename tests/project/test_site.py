@@ -83,7 +83,7 @@ def test_results_page(folder: Path) -> None:
 
 
 def test_check_page(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """Run its commands and program, with one varied column a motion and no margin, which save minutes."""
+    """Run its commands and program, with one varied column a motion, no margin and no other joints: saves minutes."""
     for name in ("COLUMN", "column", "dowels", "wider"):
         shutil.copy(folder / "statue.toml", folder / f"{name}.toml")
     for name in ("FIRST", "SECOND", "THIRD", "A", "B", "C"):
@@ -96,6 +96,7 @@ def test_check_page(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
             continue
         checks = command.startswith(("multiblock check", "multiblock gallery"))
         quickly = ["--no-margin", "--ensemble", "1", "--artificial", "1"] if checks else []
+        quickly += ["--no-joints"] if command.startswith("multiblock check") else []
         monkeypatch.chdir(folder / "examples" / "gallery" if command.startswith("multiblock gallery") else folder)
         pages.call(command, *quickly, *(["--friction", "0.3:0.6:0.3"] if "--friction" in command else []))
     assert (folder / "report.html").stat().st_size > 5_000
