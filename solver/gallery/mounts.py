@@ -51,8 +51,12 @@ class Mount:
         """What it changes, as in its file, in SI units; "nothing" if it changes nothing."""
         factors = [f"{word} x {factor:g}" for word in ("foot", "pedestal") if (factor := getattr(self, word)) != 1.0]
         tables = [(word, getattr(self, word)) for word in ("joint", "tie", "slab", "bearing")]
-        laws = [f"{word} ({', '.join(f'{key} {value}' for key, value in law.items())})" for word, law in tables if law]
+        laws = [f"{word} ({', '.join(f'{key} {_in_words(law[key])}' for key in law)})" for word, law in tables if law]
         return "; ".join([*factors, *laws]) or "nothing"
+
+
+def _in_words(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value).lower()
 
 
 def read_mounts(path: str | os.PathLike[str]) -> tuple[Mount, ...]:
