@@ -38,6 +38,15 @@ def test_the_run_up_to_the_fall_and_the_verdict_stay(fall: SpatialResponse) -> N
     assert np.array_equal(ends.ux[~before][1:], np.broadcast_to(ends.ux[-1], ends.ux[~before][1:].shape))
 
 
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
+def test_the_time_of_a_fall_does_not_hang_on_the_steps(tolerance: float) -> None:
+    """Check against a fine run that it is found within the step, which takes 1 ms here."""
+    motion = wavelets.one_sine(0.6 * G, 0.7)
+    found, fine = (simulate(SHOWCASE, motion, tolerance=one, settle=0.0) for one in (tolerance, 1e-8))
+    assert found.what_fell == fine.what_fell == "block statue"
+    assert found.overturn_time == pytest.approx(fine.overturn_time, abs=1e-5)  # s, measured: 3.1e-7
+
+
 def test_all_dominoes_fall_and_none_sinks_into_the_ground_or_another(fall: SpatialResponse) -> None:
     model, tilts = fall.model, np.linalg.norm(fall.rotation[-1], axis=1)
     assert np.all(tilts > 0.5)  # rad: the last ones lean on each other

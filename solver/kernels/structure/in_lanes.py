@@ -35,7 +35,7 @@ from .layout import (
     scene_over,
 )
 from .meeting_in_lanes import forget_gaps, keep_slides, limited, meet, until_closed, watch_gaps
-from .stepping import STABLE, fallen, largest_motion, moves, relaxing
+from .stepping import STABLE, fallen, largest_motion, moves, part_before_fall, relaxing
 from .watch import BETWEEN, BETWEEN_RATES, END, START, interpolate_body, row, seen
 
 BETWEEN_LOOKS = 0.25  # s, between checks for rest on a still base
@@ -403,6 +403,9 @@ def step_on(batch):
     raise_displacements(scene, scene.peaks[_PEAK * scene.n :], good)
     _take_stock(batch, row(scene, END), good)
     block = where(good, fallen(scene, phase), 0.0)
+    fell_at = lanes.t + step
+    if any_of(block > 0.0):
+        fell_at = lanes.t + part_before_fall(scene, _phase(row(scene, START), scene.n), phase) * step
     if batch.queue.rows > 0:
         taken = bits(good)
         for k in range(WIDTH):
@@ -434,7 +437,7 @@ def step_on(batch):
         # lanes that end, stop or reach a sample
         one = single(batch, k)
         if lane(block, k) > 0.0:
-            finish(batch, k, FELL, one.lane.t, lane(block, k))
+            finish(batch, k, FELL, lane(fell_at, k), lane(block, k))
             ended |= 1 << k
         elif (bits(stuck) >> k) & 1:
             finish(batch, k, STEP_TOO_SMALL, one.lane.t, 0.0)

@@ -7,6 +7,8 @@ from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, index_of, square_root, where, zero_like
 from ..numba_ext.numbers import half_sine_cosine
 
+MOST_TILT = 0.5  # squared sine of half the tilt of two faces, 90 degrees, beyond which a joint has no meaning
+
 
 @kernel
 def pose_body(scene, phase, i):
@@ -223,7 +225,7 @@ def _vector_between(a, b):
 @leaf
 def is_tipped(scene, phase, j):
     """Return True if the faces of joint j are tilted by more than 90 degrees, whatever their twist."""
-    return tilt_square(scene, phase, j) > 0.5
+    return tilt_square(scene, phase, j) > MOST_TILT
 
 
 @leaf

@@ -34,7 +34,7 @@ from .contact import forget_directions, forget_known_gaps
 from .cracking import crack_within
 from .evaluate import energy, evaluate_state, moving, recall, show
 from .extras import is_loaded, let_go
-from .kinematics import is_tipped
+from .kinematics import MOST_TILT, is_tipped, tilt_square
 from .layout import MEMORY, OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL
 from .meeting import clear_gaps, longest_touching, meet, release_pairs, until_closed
 from .modal_layout import data_of
@@ -100,6 +100,27 @@ def fallen(scene, phase):
         upper, lower = index_of(scene.joints.upper[j]), index_of(scene.joints.lower[j])
         found = where(is_tipped(scene, phase, j), (upper if upper < scene.n else lower) + 1.0, found)
     return come_off(scene, found)
+
+
+@leaf
+def _crossed(before, after):
+    """Return the fraction of a step at which a linear margin becomes zero; 1 if it does not, or began below."""
+    return where((before > 0.0) & (after <= 0.0), before / (before - after), 1.0 + zero_like(before))
+
+
+@kernel
+def part_before_fall(scene, begin, end):
+    """Return the fraction of a step, between two phases, at which a block begins to have fallen; 1 off a bearing.
+
+    The criteria of `fallen` are taken as linear over the step, which errs by the square of its length.
+    """
+    part = 1.0 + zero_like(end.uz[0])
+    for i in range(scene.n):
+        drop = scene.bodies.drop[i]
+        part = lesser(part, _crossed(begin.uz[i] + drop, end.uz[i] + drop))
+    for j in range(scene.m):
+        part = lesser(part, _crossed(MOST_TILT - tilt_square(scene, begin, j), MOST_TILT - tilt_square(scene, end, j)))
+    return part
 
 
 @kernel
@@ -183,7 +204,8 @@ def _finish(scene, watch, segment, t, h, by_modes):
     if crack_within(scene, h, True):
         evaluate_at(scene, segment, row(scene, END), rate(scene, STAGES - 1), t + h)
     if block > 0 and scene.counts.fallen == 0:
-        scene.counts.fallen, scene.control.fall_time = block, t + h
+        part = part_before_fall(scene, _phase(row(scene, START), scene.n), phase)
+        scene.counts.fallen, scene.control.fall_time = block, t + part * h
     # the end becomes the start of the next step
     copy(row(scene, START), row(scene, END), moving(scene))
     copy(rate(scene, 0), rate(scene, STAGES - 1), moving(scene))
