@@ -1,6 +1,7 @@
 """A base motion is what its source says, or one line about what is wrong with the source."""
 
 import re
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -167,6 +168,15 @@ def test_csv_with_slopes_is_the_motion_wherever_a_step_begins(tmp_path: Path) ->
         for part in (0.0, 0.4, 1.0):
             exact = motion.acceleration(starts + 0.005 * part)[wanted]
             np.testing.assert_allclose(first + slope * 0.005 * part, exact, atol=1e-9)  # 1e-14 measured
+
+
+def test_csv_with_slopes_keeps_its_times(tmp_path: Path) -> None:  # extra rows are no steps that need more digits
+    time = 100.0 + 0.01 * np.arange(4.0)
+    motion = Motion(time, np.array([0.0, 1.0, -0.5, 0.25]), np.zeros(4), float(time[-1] - time[0]))
+    motion.to_csv(tmp_path / "slopes.csv", slopes=True)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert_same(Motion.from_csv(tmp_path / "slopes.csv"), motion)
 
 
 def test_csv_of_a_harmonic_is_sampled(tmp_path: Path) -> None:

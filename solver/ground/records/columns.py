@@ -59,11 +59,13 @@ def read_csv(lines: list[str]) -> Record:
     check_times(found.lines, table[:, 0].tolist())
     if len(table) < 2:
         raise InputError(f"{len(table)} rows of samples, must be at least 2")
-    table[:, 0], shifted = from_zero([row[0] for row in found.rows], table[:, 0])
+    kept = np.ones(len(table), dtype=bool)
     if slopes:
         between = np.diff(table[:, 0])
-        leads = between[1:] < 10.0 * LEAD * between[:-1]  # rows from the second on with another one right behind
-        table = table[np.concatenate([[True], ~leads, [True]])]
+        kept[1:-1] = between[1:] >= 10.0 * LEAD * between[:-1]  # not the rows with another one right behind
+    table = table[kept]
+    texts = [row[0] for row, is_kept in zip(found.rows, kept, strict=True) if is_kept]
+    table[:, 0], shifted = from_zero(texts, table[:, 0])
     columns = dict(zip(header, table.T, strict=True))
     zero = np.zeros(len(table))
     ax, ay, az = (columns.get(name, zero) for name in _SAMPLES)
