@@ -203,6 +203,8 @@ class Motion(Framed, NotebookRepr):
                 raise InputError(f"{name} motion: must be linear samples, neither held nor harmonic")
             if np.any(motion.az):
                 raise InputError(f"{name} motion: has az beside ax, must be one component")
+        if vertical.has_ay:
+            raise InputError("vertical motion: has ay beside ax, must be one component")
         both = np.union1d(self.time, vertical.time)
         same = SAME_INSTANT * min(np.min(np.diff(self.time)), np.min(np.diff(vertical.time)))
         time = both[np.concatenate([[True], np.diff(both) > same])]
@@ -212,6 +214,11 @@ class Motion(Framed, NotebookRepr):
 
     def with_across(self, across: Motion) -> Motion:
         """Return the motion with the ax of `across`, a record of one component, as its ay; see `with_vertical`."""
+        for motion, name in ((self, "first"), (across, "across")):
+            if motion.has_ay:
+                raise InputError(f"{name} motion: has ay already, must be without it")
+        if np.any(across.az):
+            raise InputError("across motion: has az beside ax, must be one component")
         level = replace(self, az=np.zeros_like(self.az)).with_vertical(across)
         upwards = np.interp(level.time, self.time, self.az, left=0.0, right=0.0)
         return replace(level, ay=level.az, az=upwards)

@@ -402,6 +402,22 @@ def motion_of(**changes: Any) -> Motion:
             "vertical motion: must be linear samples, neither held nor harmonic",
         ),
         (
+            lambda: motion_of().with_vertical(motion_of(ay=[0.0, 1.0, 0.0])),
+            "vertical motion: has ay beside ax, must be one component",
+        ),
+        (
+            lambda: motion_of(ay=[0.0, 1.0, 0.0]).with_across(motion_of()),
+            "first motion: has ay already, must be without it",
+        ),
+        (
+            lambda: motion_of().with_across(motion_of(ay=[0.0, 1.0, 0.0])),
+            "across motion: has ay already, must be without it",
+        ),
+        (
+            lambda: motion_of().with_across(motion_of(az=[0.0, 1.0, 0.0])),
+            "across motion: has az beside ax, must be one component",
+        ),
+        (
             lambda: motion_of().with_vertical(motion_of(az=[0.0, 1.0, 0.0])),
             "vertical motion: has az beside ax, must be one component",
         ),
