@@ -75,8 +75,13 @@ def outputs_of_run(options: argparse.Namespace) -> tuple[Path | None, ...]:
     check_suffix(options.view, ".html")
     outputs = (options.output, options.plot, options.plot_column, options.film, options.view)
     inputs = options.column, options.motion, options.vertical, options.across, options.building
-    check_outputs(outputs, inputs, options.force)
+    check_outputs(outputs, (*inputs, *_files_of_loads(options.load)), options.force)
     return outputs
+
+
+def _files_of_loads(texts: Iterable[str]) -> list[Path]:
+    """Return the paths of the loads PORT.COMPONENT=LOAD that are files."""
+    return [path for path in (Path(text.partition("=")[2]) for text in texts) if path.is_file()]
 
 
 def add_force(parser: argparse.ArgumentParser) -> None:

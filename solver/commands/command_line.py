@@ -293,7 +293,8 @@ def _record(options: argparse.Namespace) -> None:
 
 def _convert(options: argparse.Namespace) -> None:
     check_suffix(options.output, ".csv")
-    check_outputs((options.output,), (options.motion, options.vertical, options.building), options.force)
+    inputs = options.motion, options.vertical, options.across, options.building
+    check_outputs((options.output,), inputs, options.force)
     motion, lines = motion_of(options)
     motion.to_csv(options.output, slopes=True)
     print("\n".join(lines), end="\n" if lines else "")
