@@ -165,6 +165,8 @@ def action_on(
         As `check` does.
     """
     given, own = _named(motions), subject.period
+    if given and level.vertical:
+        raise InputError("vertical: is for artificial motions, must be left out where records are given")
     if not subject.model.kind.across:
         for motion in given.values():
             check_in_plane(motion)

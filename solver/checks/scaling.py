@@ -135,13 +135,18 @@ def scaled_to_pga(motions: Mapping[str, Motion], pga: float, vertical_pga: float
     """Scale each motion to the same largest horizontal acceleration `pga` (m/s2).
 
     `vertical_pga` is the largest vertical acceleration (m/s2); by default the vertical component gets the factor of the
-    horizontal ones. Raises InputError if a motion is zero, or `pga` is not positive.
+    horizontal ones. Raises InputError if a motion is zero or lacks the vertical component to be scaled, or a value is
+    not positive.
     """
     pga = check_number("pga", pga, POSITIVE, "an acceleration in m/s2")
+    if vertical_pga is not None:
+        check_number("vertical_pga", vertical_pga, POSITIVE, "an acceleration in m/s2")
     found = []
     for name, motion in motions.items():
         largest = float(np.max(np.abs(motion.az)))
-        vertical = vertical_pga / largest if vertical_pga is not None and largest else None
+        if vertical_pga is not None and not largest:
+            raise InputError(f"vertical_pga: must be left out, {name} has no vertical component")
+        vertical = None if vertical_pga is None else vertical_pga / largest
         found.append(applied(name, motion, pga / _nonzero(name, horizontal_pga(motion)), vertical))
     return found
 

@@ -295,6 +295,19 @@ def test_contradictions_are_refused(words: dict[str, Any], message: str) -> None
         check(BLOCK, (), **words)
 
 
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ({"pga": 1.0, "vertical_pga": 0.5}, "vertical_pga: must be left out, 2.0 Hz has no vertical component"),
+        ({"pga": 1.0, "vertical_pga": -0.5}, "vertical_pga = -0.5: must be an acceleration in m/s2"),
+        ({"pga": 1.0, "vertical": True}, "vertical: is for artificial motions, must be left out where records are"),
+    ],
+)
+def test_vertical_components_that_are_missing_are_refused(words: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        check(BLOCK, {"2.0 Hz": PULSES["2.0 Hz"]}, **words)
+
+
 @pytest.mark.long  # takes seconds
 def test_artificial_motions_where_none_are_given() -> None:
     made = check(
