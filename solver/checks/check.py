@@ -235,17 +235,28 @@ class Check:
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write one line for each row of the table and of the methods by hand, in SI units. Raises OSError."""
-        names = [scaled.name for scaled in self.action.motions]
-        rows = [
-            (
-                *(row.name, row.where, row.demand, row.capacity, row.ratio, row.passes, row.note),
-                *(row.band or ("",) * len(BANDS)),
-                *row.values,
-            )
-            for row in self.all_rows
-        ]
-        head = ["check", "where", "demand", "capacity", "ratio", "passes", "note", *BANDS]
-        write_table(path, [*head, *names], rows)
+        write_checks(path, (self,))
+
+
+def write_checks(path: str | os.PathLike[str], checks: Sequence[Check]) -> None:
+    """Write the tables of checks under the same motions, several with the name of the model before each row.
+
+    Raises OSError.
+    """
+    names = [scaled.name for scaled in checks[0].action.motions]
+    of_model = ["model"] if len(checks) > 1 else []
+    rows = [
+        (
+            *(check.name for _ in of_model),
+            *(row.name, row.where, row.demand, row.capacity, row.ratio, row.passes, row.note),
+            *(row.band or ("",) * len(BANDS)),
+            *row.values,
+        )
+        for check in checks
+        for row in check.all_rows
+    ]
+    head = [*of_model, "check", "where", "demand", "capacity", "ratio", "passes", "note", *BANDS]
+    write_table(path, [*head, *names], rows)
 
 
 def motion_digest(action: Action) -> bytes:

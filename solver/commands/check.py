@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ..checks.action import ARTIFICIAL, Action, Level, action_on
-from ..checks.check import Check, checked
+from ..checks.check import Check, checked, write_checks
 from ..checks.friction import Envelope, friction_values, with_friction
 from ..checks.limits import UNCERTAIN, Limits, Plan
 from ..checks.risk import risk_of
@@ -65,7 +65,7 @@ def add_check_command(commands: argparse._SubParsersAction[Any]) -> None:
     words = "check at each of these values of the friction of all joints, as 0.2:0.8:0.1; both bounds decide"
     parser.add_argument("--friction", metavar="FROM:TO:STEP", help=words)
     # output
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the table, with each motion")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the tables, with each motion")
     parser.add_argument("--report", type=Path, metavar="FILE.html", help="write a report with pictures, to be printed")
     words = "a line under the title of the report, for instance project, author and date; more by repeating it"
     parser.add_argument("--note", action="append", default=[], metavar="TEXT", help=words)
@@ -187,7 +187,7 @@ def _check(options: argparse.Namespace) -> None:
     risk, missing = _risk(checks[0], hazard)
     print(*risk, sep="\n")
     report = partial(_write_report, checks, options.note, inputs, risk, envelope)
-    write_outputs([(options.output, checks[0].to_csv), (options.report, report)])
+    write_outputs([(options.output, partial(write_checks, checks=checks)), (options.report, report)])
     if missing is not None:
         raise missing
 

@@ -28,7 +28,7 @@ from multiblock import (
 )
 from solver.checks.action import Action
 from solver.checks.answer import margin_sentence, verdict_sentence
-from solver.checks.check import checked
+from solver.checks.check import checked, write_checks
 from solver.checks.limits import TOLERANCE
 from solver.checks.margin import MOST, NARROW, STEP, Margin, margin_of
 from solver.checks.runs import as_given, varied
@@ -340,6 +340,16 @@ def test_table_is_written_with_each_motion(found: Check, tmp_path: Path) -> None
     lines = (tmp_path / "table.csv").read_text(encoding="utf-8").splitlines()
     assert lines[0] == "check,where,demand,capacity,ratio,passes,note,p16,p50,p84,0.8 Hz,1.2 Hz,2.0 Hz"
     assert len(lines) == 1 + len(found.all_rows)
+
+
+def test_tables_of_several_checks_have_the_names_of_their_models(found: Check, tmp_path: Path) -> None:
+    other = replace(found, subject=replace(found.subject, model=replace(found.subject.model, name="other")))
+    found.to_csv(tmp_path / "one.csv")
+    write_checks(tmp_path / "both.csv", (found, other))
+    head, *one = (tmp_path / "one.csv").read_text(encoding="utf-8").splitlines()
+    names = [name for name in (found.name, "other") for _ in one]
+    wanted = [f"model,{head}", *(f"{name},{line}" for name, line in zip(names, [*one, *one], strict=True))]
+    assert (tmp_path / "both.csv").read_text(encoding="utf-8").splitlines() == wanted
 
 
 @pytest.mark.long  # takes seconds
