@@ -145,6 +145,9 @@ def test_tables_are_read(tmp_path: Path) -> None:
     periods.write_text("\ufeffsa(0.5 s),return_period\n" + "".join(reversed(rows)), encoding="utf-8")
     unnamed.write_text("intensity,rate\n1,0.1\n2,0.01\n")
     one, other = Hazard.from_csv(rates), Hazard.from_csv(periods)
+    for unit in ("(1/yr)", "[year^-1]", "per year"):
+        rates.write_text(f"pga,rate {unit}\n0.1,0.01\n0.2,0.001\n")
+        assert Hazard.from_csv(rates).rate.tolist() == [0.01, 0.001]
     assert (one.measure, other.measure) == (Measure("pga"), Measure("sa", 0.5))
     assert Hazard.from_csv(unnamed, "sa(1, 0.02)").measure == Measure("sa", 1.0, 0.02)
     assert np.array_equal(one.intensity, TABLE[0])
@@ -159,6 +162,9 @@ def test_tables_are_read(tmp_path: Path) -> None:
         ("1" * 200_000, "field larger than field limit"),
         ("pga,rate\n0.1\n", "must have two columns"),
         ("pga,poe\n0.1,0.1\n0.2,0.05\n", "column 2 = 'poe': must be rate"),
+        ("pga,rate (%/year)\n0.1,10\n0.2,5\n", "column 2 = 'rate (%/year)': must be rate (1/year)"),
+        ("pga,rate in 50 years\n0.1,0.1\n0.2,0.05\n", "column 2 = 'rate in 50 years': must be rate"),
+        ("pga,return_period (days)\n0.1,100\n0.2,500\n", "column 2 = 'return_period (days)': must be rate"),
         ("acceleration,rate\n0.1,0.1\n0.2,0.05\n", "column 1 = 'acceleration': must be pga, pgv, sa"),
         ("sa,rate\n0.1,0.1\n0.2,0.05\n", "column 1 = 'sa': must be pga"),
         ("sa(1.2.3),rate\n0.1,0.1\n0.2,0.05\n", "must have a period in s"),
