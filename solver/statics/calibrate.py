@@ -27,6 +27,7 @@ from ..common.errors import (
     check_whole,
     needing,
     reading,
+    shown,
 )
 from ..common.files import MOST_TABLE
 from ..common.text import lines_of
@@ -122,7 +123,7 @@ def modulus_from_elasticity(
     Raises
     ------
     InputError
-        If a value is not positive, or `joint_young` is missing.
+        If a value is not positive, or one of `joint_thickness` and `joint_young` is missing.
     """
     young = check_number("young", young, POSITIVE, "a positive modulus of elasticity in Pa")
     thickness = check_number("joint_thickness", joint_thickness, NOT_NEGATIVE, "a thickness in m, zero or positive")
@@ -131,6 +132,8 @@ def modulus_from_elasticity(
         if joint_young is None:
             raise InputError(f"joint_young: missing, must be the modulus in Pa of what is {thickness:g} m thick")
         give += thickness / check_number("joint_young", joint_young, POSITIVE, "a positive modulus in Pa")
+    elif joint_young is not None:
+        raise InputError(f"joint_thickness: missing, must be the thickness in m of what has {shown(joint_young)} Pa")
     return np.asarray(1.0 / give)
 
 

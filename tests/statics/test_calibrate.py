@@ -126,6 +126,8 @@ def test_modulus_comes_of_elasticity() -> None:
     assert softer == pytest.approx(1.0 / (4.69 / 70e9 + 0.02 / 2e9))
     with pytest.raises(InputError, match="joint_young: missing"):
         modulus_from_elasticity(column, 70e9, 0.02)
+    with pytest.raises(InputError, match="joint_thickness: missing, must be the thickness in m of what has 2000000000"):
+        modulus_from_elasticity(column, 70e9, joint_young=2e9)
 
 
 @pytest.mark.parametrize("frequency", [0.3, 1.3, 10.0])
