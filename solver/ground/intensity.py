@@ -10,8 +10,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import POSITIVE, InputError, check_number
+from ..common.errors import POSITIVE, InputError, check_number, shown
 from ..common.frames import Frame, Framed
+from ..common.ranges import check_choice
 from . import oscillator
 from .motion import STANDARD_GRAVITY, Motion
 from .records.record import FloatArray
@@ -115,9 +116,9 @@ def is_measurable(motion: Motion) -> bool:
 def lines_of(motion: Motion, component: Component = "ax") -> Lines:
     """Convert a component to line segments: samples exactly, a harmonic by 400 per cycle.
 
-    Raises InputError if the harmonic has too many cycles.
+    Raises InputError if the harmonic has too many cycles, or the component is unknown.
     """
-    samples: FloatArray = getattr(motion, component)
+    samples: FloatArray = getattr(motion, check_choice("component", component, NAMES))
     if motion.hold:
         time, before, after = np.append(motion.time, motion.end), samples, samples
     else:
@@ -230,7 +231,7 @@ def spectrum(
         If a period is not positive, the damping is out of range, or the samples are too far apart, or too uneven, for
         the shortest period.
     """
-    period = np.array(PERIODS if periods is None else periods, dtype=np.float64)
+    period = _periods(periods)
     sd = np.zeros(len(period))
     for chosen, steps, ((u, v),) in _oscillations(motion, period, damping, (component,)):
         free = oscillator.free_peak(u[-1], v[-1], 2.0 * np.pi / period[chosen], damping)
@@ -256,7 +257,7 @@ def rotd(
         As of `spectrum`, whose errors are raised.
     """
     percentile = check_number("percentile", percentile, (0.0, 100.0), "a percentile, from 0 to 100")
-    period = np.array(PERIODS if periods is None else periods, dtype=np.float64)
+    period = _periods(periods)
     sd = np.zeros(len(period))
     for chosen, steps, both in _oscillations(motion, period, damping, ("ax", "ay")):
         for column, k in enumerate(chosen):
@@ -270,6 +271,17 @@ def rotd(
                 largest.append(np.maximum(oscillator.peaks(steps, turned, speed[:-1], speed[1:]), free))
             sd[k] = np.percentile(np.concatenate(largest), percentile)
     return Spectrum(period, sd, damping)
+
+
+def _periods(given: Sequence[float] | FloatArray | None) -> FloatArray:
+    """Return periods as an array, by default PERIODS. Raises InputError unless they are a list of numbers."""
+    try:
+        periods = np.array(PERIODS if given is None else given, dtype=np.float64)
+    except (TypeError, ValueError):
+        periods = np.zeros(0)
+    if periods.ndim != 1 or not periods.size:
+        raise InputError(f"periods = {shown(given)}: must be a list of positive times in s, at least one")
+    return periods
 
 
 def _oscillations(

@@ -225,9 +225,10 @@ class Motion(Framed, NotebookRepr):
 
     def turned(self, angle: float) -> Motion:
         """Return the motion rotated in plan by an angle (rad) from x to y."""
+        angle = check_number("angle", angle, FINITE, "an angle in rad")
         if angle == 0.0:
             return self
-        c, s = math.cos(angle), math.sin(check_number("angle", angle, FINITE, "an angle in rad"))
+        c, s = math.cos(angle), math.sin(angle)
         return replace(
             self,
             ax=c * self.ax - s * self.ay,
@@ -356,12 +357,12 @@ class Motion(Framed, NotebookRepr):
         frequency = check_number("frequency", frequency, POSITIVE, "a positive frequency in Hz")
         duration = check_number("duration", duration, POSITIVE, "a positive time in s")
         amplitude = check_number("amplitude", amplitude, *ACCELERATION)
+        direction = check_number("direction", direction, FINITE, "an angle in rad")
         time, zero = np.array([0.0, duration], dtype=np.float64), np.zeros(2)
         name = f"a harmonic of {frequency:g} Hz"
         if direction == 0.0:
             return cls(time, zero, zero, duration, amplitude=amplitude, frequency=frequency, name=name)
-        along, across = math.cos(direction), math.sin(check_number("direction", direction, FINITE, "an angle in rad"))
-        along, across = along * amplitude, across * amplitude
+        along, across = math.cos(direction) * amplitude, math.sin(direction) * amplitude
         return cls(time, zero, zero, duration, False, along, frequency, amplitude_y=across, name=name)
 
     @classmethod

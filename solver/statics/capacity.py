@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..common.aliases import Alias
-from ..common.errors import SolverError, needing
+from ..common.errors import InputError, SolverError, check_number, needing, shown
 from ..common.files import write_table
 from ..common.frames import Frame, Framed
 from ..ground.loads import pattern_of
@@ -168,10 +168,12 @@ def capacity_curve(column: Column, direction: int = 1, pattern: Mapping[str, flo
     Raises
     ------
     InputError
-        Without gravity.
+        Without gravity, or if the direction is another number.
     SolverError
         If the rest is not stable or the curve cannot be followed.
     """
+    if check_number("direction", direction, (-1.0, 1.0), "1 or -1") not in (1.0, -1.0):
+        raise InputError(f"direction = {shown(direction)}: must be 1 or -1")
     if not column.g == 0.0 and not is_stable(column):
         raise SolverError(instability(column))
     check_rest(column, from_rest=False)

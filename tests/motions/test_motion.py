@@ -376,6 +376,8 @@ def motion_of(**changes: Any) -> Motion:
         (lambda: Motion.harmonic(1.0, 0.0, 1.0), "frequency = 0.0: must be a positive frequency in Hz"),
         (lambda: Motion.harmonic(1.0, 1.0, -1.0), "duration = -1.0: must be a positive time in s"),
         (lambda: Motion.harmonic(1.0, 1.0, "1"), "duration = '1': must be a positive time in s"),  # type: ignore[arg-type]
+        (lambda: Motion.harmonic(1.0, 1.0, 1.0, np.inf), "direction = inf: must be an angle in rad"),
+        (lambda: motion_of().turned("1"), "angle = '1': must be an angle in rad"),  # type: ignore[arg-type]
         (lambda: Motion.from_samples(0.0, [1.0, 2.0]), "dt = 0.0: must be a positive time in s"),
         (lambda: Motion.from_samples(0.1, [1.0]), "time: 1 sample, must be at least 2 unless samples are held"),
         (lambda: Motion.from_samples(0.1, []), "ax: must be a one-dimensional array of numbers in m/s2, at least one"),

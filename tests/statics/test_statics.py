@@ -6,6 +6,7 @@ import csv
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -161,6 +162,12 @@ def test_joints_that_may_slide_are_taken_as_stuck() -> None:
     assert curve.friction > 0.05
     modes = natural_modes(replace(column, blocks=slippery))
     assert modes.damping_ratio == pytest.approx(natural_modes(column).damping_ratio, rel=1e-9)
+
+
+@pytest.mark.parametrize("direction", [0, 2, -1.5, True, "x"])
+def test_a_push_has_one_of_two_directions(direction: Any) -> None:  # others scaled the curve
+    with pytest.raises(InputError, match=r"direction = .*: must be 1 or -1"):
+        capacity_curve(phocas(), direction)
 
 
 def test_curve_of_the_other_direction_is_the_mirror_image() -> None:
