@@ -235,6 +235,10 @@ def _simulate(options: argparse.Namespace) -> None:
     # obstacles to an output are reported before the run, not after it
     outputs = outputs_of_run(options)
     check_digits("--digits", options.digits)
+    stiffness, damping, shaking = options.spread
+    spread = Spread(stiffness, damping, shaking, options.spread_seed)
+    if not options.ensemble and spread != Spread():
+        raise InputError("--spread, --spread-seed: must be left out, or --ensemble given")
     subject: Any = read_subject(options.column, options.space or options.after_fall is not None)
     if subject.kind.across:
         structure.prepare(options)
@@ -250,8 +254,7 @@ def _simulate(options: argparse.Namespace) -> None:
     given = {name: getattr(options, name) for name in names}
     if options.load or options.release:
         given |= {"loads": loads_of(options.load), "release": loads_of(options.release)}
-    stiffness, damping, shaking = options.spread
-    given |= {"check": not options.no_check, "spread": Spread(stiffness, damping, shaking, options.spread_seed)}
+    given |= {"check": not options.no_check, "spread": spread}
     # run, summary and files
     try:
         response = simulated(subject, motion, options.duration, **given)

@@ -234,6 +234,10 @@ def test_convert_writes_what_fmpy_reads(tmp_path: Path, solver: Solver) -> None:
         ("simulate {phocas} motion.csv --plot none/response.png", "none/response.png: No such folder: none"),
         ("simulate {phocas} motion.csv --step 0.5", "central differences are stable"),
         ("simulate {phocas} motion.csv --digits 0", "--digits = 0: must be a whole number from 1 to 17"),
+        (
+            "simulate {phocas} motion.csv --spread 0.1 0.1 0.1",
+            "--spread, --spread-seed: must be left out, or",
+        ),
         ("simulate {phocas} motion.csv --frob", "unrecognized arguments: --frob"),
         ("simulate {phocas} motion.csv -o motion.csv", "motion.csv: must be another file than motion.csv"),
         ("simulate {phocas} record.AT2 --vertical motion.csv -o ./motion.csv", "must be another file than motion.csv"),
