@@ -181,6 +181,8 @@ def loads_from(given: Mapping[str, Load | Given], start: float, duration: float)
 
     Raises InputError for unknown components, wrong samples, or components with different times.
     """
+    if not isinstance(given, Mapping):
+        raise InputError(f"loads = {shown(given)}: must be ports with loads, as {{'roof': {{'Fx': 1000.0}}}}")
     return {port: _load_from(f"loads[{port}]", load, start, duration) for port, load in given.items()}
 
 
@@ -249,6 +251,8 @@ def pattern_of(pattern: Mapping[str, float], ports: Sequence[str]) -> FloatArray
 
     Raises InputError if a port or component is unknown, or all loads are zero.
     """
+    if not isinstance(pattern, Mapping):
+        raise InputError(f"pattern = {shown(pattern)}: must be loads on ports, as {{'roof.Fx': 1000.0}}")
     given: dict[str, dict[str, float]] = {}
     for name, value in pattern.items():
         port, _, component = str(name).rpartition(".")

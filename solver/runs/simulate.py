@@ -171,6 +171,12 @@ def simulate(
     """
     if isinstance(motion, (str, os.PathLike)):
         motion = Motion.from_file(motion)
+    if not isinstance(motion, Motion):
+        raise InputError(f"motion = {shown(motion)}: must be a Motion or the path of a record")
+    if not hasattr(column, "kind"):
+        raise InputError(f"column = {shown(column)}: must be a Column or a Structure, as from_toml reads them")
+    if spread is not None and not isinstance(spread, Spread):
+        raise InputError(f"spread = {shown(spread)}: must be a Spread")
     # times of the run and of the rows
     check_strength(motion)
     duration = motion.duration if duration is None else _positive("duration", duration)
@@ -205,6 +211,8 @@ def simulate(
         if value is not None and name not in kind.settings:
             raise InputError(f"{name} = {shown(value)}: must be left out, a {kind.word} has none")
     column = column.with_settings(**{name: value for name, value in given.items() if name in kind.settings})
+    if step is not None and column.settings.formulation == "exact":
+        raise InputError(f"step = {step}: must be left out, the exact formulation adapts its steps to the tolerance")
     kind.load_for_single_runs()
     kind.check(column, from_rest=initial is None)
     warn_of(kind.warnings(column, at_rest=initial is None))

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
 from support.lagrange import Reference, from_base
 from support.probe import G, phocas, random_column, settled, with_gravity
 
-from solver import InitialState, Motion, Response, SolverError, simulate
+from solver import InitialState, InputError, Motion, Response, SolverError, simulate
 from solver.kernels.layout import spaces as at
 from solver.models.column.outputs import OUTPUTS
 from solver.models.column.stepper import Stepper
@@ -205,3 +206,20 @@ def test_input_that_is_not_a_number_is_reported_in_one_line(formulation: str) ->
         stepper.advance(0.01, 0.01)
     assert "\n" not in str(caught.value)
     assert np.all(np.isfinite(stepper.arrays.state))
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ({"column": "column.toml"}, "column = 'column.toml': must be a Column or a Structure, as from_toml reads them"),
+        ({"motion": [0.0, 1.0]}, "motion = .0.0, 1.0.: must be a Motion or the path of a record"),
+        ({"spread": 0.1}, "spread = 0.1: must be a Spread"),
+        ({"step": 1e-3}, "step = 0.001: must be left out, the exact formulation adapts its steps"),
+        ({"loads": [1.0]}, "loads = .1.0.: must be ports with loads"),
+        ({"column": phocas().in_space(), "initial": InitialState([0.0])}, "must be a SpatialState, as a structure"),
+    ],
+)
+def test_arguments_of_another_kind_are_refused(words: dict[str, Any], message: str) -> None:
+    given: dict[str, Any] = {"column": phocas(), "motion": Motion.harmonic(1.0, 1.0, 1.0), "settle": 0.0} | words
+    with pytest.raises(InputError, match=message):
+        simulate(**given)

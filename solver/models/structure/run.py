@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...common.errors import InputError, InputWarning
+from ...common.errors import InputError, InputWarning, shown
 from ...ground.loads import ACROSS, COMPONENTS
 from ...ground.motion import Motion
 from ...kernels.structure import layout as at
@@ -156,6 +156,8 @@ def is_flat(initial: SpatialState) -> bool:
 
 def set_initial(stepper: SpatialStepper, initial: SpatialState) -> None:
     """Set positions and velocities of the blocks of a stepper. Raises InputError."""
+    if not isinstance(initial, SpatialState):
+        raise InputError(f"initial = {shown(initial)}: must be a SpatialState, as a structure begins from it")
     see, n = stepper.see, stepper.structure.n
     for part in initial:
         if np.shape(part) != (n, 3) or not np.all(np.isfinite(part)):
