@@ -108,6 +108,7 @@ def test_a_third_plain_column_is_vertical(tmp_path: Path) -> None:
             {"dt": 0.01, "units": "g"},
             "line 1: 'a title': must be numbers; put # before",
         ),
+        ("1.,2.\n3., ,4.\n", {"dt": 0.01, "units": "g"}, "line 2: '3., ,4.': has no number between two separators"),
         ("1\n2.0.1\n", {"dt": 0.01, "units": "g"}, "line 2: '2.0.1': must be a finite number"),
         ("1\n", {"dt": 0.01, "units": "g"}, "1 samples, must be at least 2"),
         ("", {"dt": 0.01, "units": "g"}, "0 samples, must be at least 2"),

@@ -10,8 +10,8 @@ import numpy as np
 from ...common.errors import InputError
 from ...common.text import numbers
 from ...common.text_tables import (
+    BLANKS,
     COMMENTS,
-    SEPARATORS,
     TextTable,
     check_is_numbers,
     check_no_decimal_commas,
@@ -30,7 +30,6 @@ SLOPES = ("base.jx", "base.jz")  # inputs for communication steps of an FMU; a r
 # of a sampling interval: time from the extra row, which holds the slopes of the interval, to the next sample, as
 # masters interpolate between rows. Longer than what FMPy treats as the same instant, and than the rounding of times.
 LEAD = 1e-5
-_BLANKS = str.maketrans(dict.fromkeys(SEPARATORS, " "))
 
 
 def recognised(lines: list[str]) -> bool:
@@ -111,8 +110,8 @@ def read_plain(lines: list[str], dt: float | None, units: str | None, headers: S
         if line.strip() and not line.strip().startswith(COMMENTS)
     ]
     check_no_decimal_commas(texts)
-    at, plain = [line for line, _ in texts], [row.translate(_BLANKS) for _, row in texts]
-    rows = [_row(line, row) for line, row in zip(at, plain, strict=True)]
+    at, plain = [line for line, _ in texts], [row.translate(BLANKS) for _, row in texts]
+    rows = [_row(line, row) for line, row in texts]
     # samples at equal steps
     if dt is not None:
         if increases_as_times(rows):
@@ -140,7 +139,7 @@ def _names(table: TextTable) -> list[str]:
 
 def _row(line: int, row: str) -> list[float]:
     check_is_numbers(line, row)
-    return numbers(line, row)
+    return numbers(line, row.translate(BLANKS))
 
 
 def _kept(rows: list[list[float]]) -> str:
