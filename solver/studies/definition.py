@@ -173,6 +173,8 @@ class Study(NotebookRepr):
         for name, values in self.grid.items():
             if not values:
                 raise InputError(f"grid.{name}: is empty, must be a list of numbers")
+            if name == INTENSITY and min(values) < 0.0:
+                raise InputError(f"grid.{name} = {min(values):g}: must be zero or positive; motion.scale = -1 reverses")
         if not self.random and self.samples != 1:
             raise InputError(f"samples = {self.samples}: must be 1 where nothing is random")
         for name, parameter in self.random.items():

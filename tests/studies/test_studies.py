@@ -183,6 +183,7 @@ def test_axis() -> None:
         ("low = 0.5", "low = 2.5", "random.motion.frequency.high = 2.0: must be more than low = 2.5"),
         ("relative = true", 'relative = "yes"', "random.joint.stiffness.relative = 'yes': must be true or false"),
         ("intensity = [0.2, 0.6]", "intensity = []", "grid.intensity: is empty"),
+        ("intensity = [0.2, 0.6]", "intensity = [0.2, -0.6]", "grid.intensity = -0.6: must be zero or positive"),
         ('column = "block.toml"', 'column = "none.toml"', "none.toml: No such file"),
         ("tolerance = 1e-3", "tolerance = 1", "tolerance = 1"),
         ('"verdict", "overturn_time"', '"verdict", "overturned"', "keep = 'overturned': must be one of peak_ux"),
