@@ -12,7 +12,7 @@ from support.fmus import ROOT
 from support.probe import G, phocas
 from support.structures import MODULUS, run, stack, with_law
 
-from solver import simulate
+from solver import InputError, simulate
 from solver.ground.motion import Motion
 from solver.models.structure.blocks.faces import FloatArray
 from solver.models.structure.builders import arch, colonnade
@@ -44,6 +44,9 @@ def test_first_second_in_the_plane_tends_to_the_planar_column() -> None:
     planar = simulate(column, motion, tolerance=1e-7)
     found = run(with_law(Structure.stack(column), shear_ratio=40.0), motion)
     top = found.displacement(0, (0.0, 0.0, 0.5 * 4.69))[:, 0]
+    for point in ((0.0, 1.0), (0.0, 0.0, math.nan), "top"):
+        with pytest.raises(InputError, match=r"point = .*: must be three lengths in m"):
+            found.displacement(0, point)  # type: ignore[arg-type]
     # the shear of the joints, 1 / 40 of the modulus, moves the top by 1e-4 of the peak: measured 1.1e-4
     assert np.max(np.abs(top - planar.ux[:, 0])) <= 3e-4 * planar.peak_top_ux[0]
     assert np.max(np.abs(found.N[-1] - planar.N[-1])) <= 1e-3 * np.max(planar.N)

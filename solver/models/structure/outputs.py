@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...common.aliases import Alias
-from ...common.errors import InputError
+from ...common.errors import InputError, shown
 from ...kernels.structure import layout as at
 from ..outputs import BASE, BEARING, BLOCK, BOND, CONTACT, JOINT, PORT, TIE, Histories, Output, units_of
 from ..protocol import OF_RUN, Kept, kept_peaks
@@ -151,9 +151,10 @@ class StructureHistories(Histories):
             If there is no such block, or the point is not three lengths.
         """
         i = self.model.number(block)
-        arm = self.model.blocks[i].axes @ np.asarray(point, dtype=np.float64)
-        if arm.shape != (3,):
-            raise InputError(f"point = {list(point)}: must be three lengths in m")
+        place = np.asarray(point)
+        if place.shape != (3,) or place.dtype.kind not in "iuf" or not np.all(np.isfinite(place)):
+            raise InputError(f"point = {shown(point)}: must be three lengths in m")
+        arm = self.model.blocks[i].axes @ place
         moved = np.column_stack([self.ux[:, i], self.uy[:, i], self.uz[:, i]])
         return moved + turned(self.rotation[:, i], arm)
 
