@@ -145,17 +145,19 @@ class Histories:
         return [one.name_of(label) for output in seen for one in output.each for label in labels[output.owner]]
 
     def _write(self, path: str | os.PathLike[str], digits: int, before: Columns, behind: Columns | None = None) -> None:
-        """Write the rows as a CSV, between other columns (rows,) by name.
+        """Write the rows as a CSV, between other columns (rows,) by name; those before with at least `DIGITS` digits.
 
         Raises InputError for invalid `digits`, OSError.
         """
         check_digits("digits", digits)
         behind = behind or {}
         table = np.column_stack([*before.values(), self.rows, *behind.values()])
+        # with few digits times would be equal
+        formats = [f"%.{max(digits, DIGITS)}g"] * len(before) + [f"%.{digits}g"] * (table.shape[1] - len(before))
         names = (f'"{name}"' if "," in name else name for name in (*before, *self.row_names, *behind))
         with whole_file(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
             file.write(",".join(names) + self.line_end)
-            np.savetxt(file, table, fmt=f"%.{digits}g", delimiter=",", newline=self.line_end)
+            np.savetxt(file, table, fmt=formats, delimiter=",", newline=self.line_end)
 
 
 def check_digits(key: str, digits: int) -> int:

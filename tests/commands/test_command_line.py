@@ -69,6 +69,10 @@ def test_histories_have_nine_digits_by_default(tmp_path: Path) -> None:
     assert np.any(rows != full)
     numbers = (tmp_path / "nine.csv").read_text().partition("\n")[2].replace("\n", ",").split(",")
     assert max(map(len, numbers)) <= 16  # -1.23456789e-123
+    response.to_csv(tmp_path / "two.csv", digits=2)
+    few = read(tmp_path / "two.csv")[1]
+    np.testing.assert_array_equal(few[:, 0], rows[:, 0])  # times stay apart
+    np.testing.assert_allclose(few, full, rtol=0.051)
     with pytest.raises(InputError, match="digits = 18: must be a whole number from 1 to 17"):
         response.to_csv(tmp_path / "none.csv", digits=18)
 
