@@ -41,6 +41,8 @@ def loads_of(texts: Iterable[str]) -> dict[str, dict[str, Any]]:
         name, equals, value = text.partition("=")
         if not (equals and value):
             raise InputError(f"{text}: must be PORT.COMPONENT=LOAD, as roof.Fx=1000 or roof.Fx=push.csv")
+        if name in given:
+            raise InputError(f"{text}: {name} is given twice, must be given once")
         given[name] = value
         with suppress(ValueError):
             given[name] = float(value)

@@ -231,6 +231,14 @@ def test_the_command_takes_loads_and_a_pattern(tmp_path: Path, capsys: pytest.Ca
     assert "times the pattern" in capsys.readouterr().out
     assert main(["simulate", str(file), str(record), "--load", "top"]) == 2
     assert "must be PORT.COMPONENT=LOAD" in capsys.readouterr().err
+    assert main(["simulate", str(file), str(record), "--load", "top.Fx=1", "--load", "top.Fx=2"]) == 2
+    assert "top.Fx=2: top.Fx is given twice, must be given once" in capsys.readouterr().err
+    for heading in ("time (ms),Fx (N)", "time [s],Fx [kN]"):
+        load.write_text(f"{heading}\n0,0\n0.3,1000\n", encoding="utf-8")
+        with pytest.raises(InputError, match=r"push.csv: line 1: .*: must be times in s and loads in N or N m"):
+            load_from_file(load)
+    load.write_text("time (s),My (N m)\n0,0\n0.3,1000\n", encoding="utf-8")
+    assert load_from_file(load)[1].tolist() == [0.0, 1000.0]
 
 
 def test_a_study_varies_the_scale_of_loads(tmp_path: Path) -> None:
