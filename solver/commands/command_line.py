@@ -177,7 +177,10 @@ def add_commands(commands: argparse._SubParsersAction[OneLineParser]) -> None:
     convert.set_defaults(command=_convert, paths=("motion", "output"))
     add_motion_options(convert)
     convert.add_argument(
-        "output", type=Path, metavar="MOTION.csv", help="time, base.ax, base.az, slopes base.jx, base.jz"
+        "output",
+        type=Path,
+        metavar="MOTION.csv",
+        help="time, base.ax, base.az and base.ay, if there is one, and their slopes",
     )
     add_force(convert)
     add_export_command(commands)

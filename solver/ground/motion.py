@@ -22,7 +22,7 @@ from ..common.text import lines_of
 from .loads import Load
 from .records import STANDARD_GRAVITY as STANDARD_GRAVITY
 from .records import Record, peer, read_record
-from .records.columns import LEAD, SLOPES, read_csv
+from .records.columns import LEAD, read_csv
 from .records.record import FloatArray
 
 # g; no record has more: 2.7 horizontally (Tsukidate, 2011), 3.9 vertically (Ichinoseki-West, 2008)
@@ -144,15 +144,22 @@ class Motion(Framed, NotebookRepr):
 
     def acceleration(self, t: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return (ax, az) at the instants t (any shape, s), m/s2, each of the shape of t."""
+        return self._at(t, self.ax, self.amplitude), self._at(t, self.az)
+
+    def across(self, t: ArrayLike) -> FloatArray:
+        """Return ay at the instants t (any shape, s), m/s2, in the shape of t."""
+        return self._at(t, self.ay, self.amplitude_y)
+
+    def _at(self, t: ArrayLike, samples: FloatArray, amplitude: float | None = None) -> FloatArray:
+        """Return samples at instants, with a harmonic of this amplitude; zero outside the motion."""
         t = np.asarray(t, dtype=np.float64)
         if self.hold:
-            latest = np.maximum(np.searchsorted(self.time, t, side="right") - 1, 0)
-            ax, az = self.ax[latest], self.az[latest]
+            found = samples[np.maximum(np.searchsorted(self.time, t, side="right") - 1, 0)]
         else:
-            ax, az = np.interp(t, self.time, self.ax), np.interp(t, self.time, self.az)
-        ax = ax + self.amplitude * np.sin(2.0 * np.pi * self.frequency * (t - self.start))
-        inside = (self.start <= t) & (t <= self.end)
-        return np.where(inside, ax, 0.0), np.where(inside, az, 0.0)
+            found = np.interp(t, self.time, samples)
+        if amplitude is not None:
+            found = found + amplitude * np.sin(2.0 * np.pi * self.frequency * (t - self.start))
+        return np.where((self.start <= t) & (t <= self.end), found, 0.0)
 
     def scaled(self, factor: float) -> Motion:
         """Return the motion with its accelerations multiplied by `factor`, its loads unchanged.
@@ -245,6 +252,8 @@ class Motion(Framed, NotebookRepr):
     def to_csv(self, path: str | os.PathLike[str], step: float | None = None, slopes: bool = False) -> None:
         """Write `time,base.ax,base.az` (s, m/s2) for `fmpy simulate --input-file`, every float64 in full.
 
+        A motion with a second horizontal component has base.ay too, an input of structures.
+
         The file states neither `hold` nor that the base stops at the end (FMPy holds the last row).
 
         Parameters
@@ -255,10 +264,10 @@ class Motion(Framed, NotebookRepr):
             The sampling interval (s), which must divide the duration: the motion is sampled at start + k step. By
             default the samples are written as they are.
         slopes : bool
-            Whether to write base.jx and base.jz (m/s3) too, with which an FMU follows the straight lines between
-            samples within its communication steps. FMPy interpolates between rows, so that an extra row just before
-            each sample holds the slope of the interval before it; `from_csv` ignores both. The slopes of a held motion
-            are zero, so that it stays held.
+            Whether to write the slopes base.jx, base.jz and, with base.ay, base.jy (m/s3) too, with which an FMU
+            follows the straight lines between samples within its communication steps. FMPy interpolates between rows,
+            so that an extra row just before each sample holds the slope of the interval before it; `from_csv` ignores
+            both. The slopes of a held motion are zero, so that it stays held.
 
         Raises
         ------
@@ -267,17 +276,16 @@ class Motion(Framed, NotebookRepr):
         """
         if step is not None:
             time = self._grid(step)
-        elif self.amplitude:
+        elif self.amplitude or self.amplitude_y:
             raise InputError("step: missing, must be the time in s at which a harmonic is sampled")
         else:
             time = self.time
         names, table = ["time", "base.ax", "base.az"], np.column_stack([time, *self.acceleration(time)])
         if self.has_ay:
-            if slopes or self.amplitude_y:
-                raise InputError("ay: must be samples, and without slopes, to be written beside ax and az")
-            names, table = [*names, "base.ay"], np.column_stack([table, np.interp(time, self.time, self.ay)])
+            names, table = [*names, "base.ay"], np.column_stack([table, self.across(time)])
         if slopes:
-            names, table = [*names, *SLOPES], _with_slopes(table, self.hold)
+            table = _with_slopes(table, self.hold)
+            names += [name.replace(".a", ".j") for name in names[1:]]
         with reading(path), whole_file(path) as partial:
             np.savetxt(partial, table, fmt="%.17g", delimiter=",", header=",".join(names), comments="")
 

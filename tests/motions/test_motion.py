@@ -170,6 +170,34 @@ def test_csv_with_slopes_is_the_motion_wherever_a_step_begins(tmp_path: Path) ->
             np.testing.assert_allclose(first + slope * 0.005 * part, exact, atol=1e-9)  # 1e-14 measured
 
 
+@pytest.mark.parametrize("hold", [False, True])
+@pytest.mark.parametrize("slopes", [False, True])
+def test_csv_of_two_components_has_both_to_the_last_bit(tmp_path: Path, hold: bool, slopes: bool) -> None:
+    time, samples = (
+        0.02 * np.arange(4.0),
+        np.array([[0.1, 1.0, -0.5, 0.25], [0.3, -0.2, 0.7, 0.0], [0.0, 0.2, 0.4, 0.1]]),
+    )
+    ax, ay, az = samples
+    motion = Motion(time, ax, az, 0.06 + 0.02 * hold, hold=hold, ay=ay)
+    motion.to_csv(tmp_path / "two.csv", slopes=slopes)
+    found = Motion.from_csv(tmp_path / "two.csv", hold)
+    assert_same(found, motion)
+    assert np.array_equal(found.ay, ay)
+    table = np.genfromtxt(tmp_path / "two.csv", delimiter=",", names=True, deletechars="")
+    if slopes:  # of the interval in which a row begins
+        wanted = np.zeros(3) if hold else np.diff(ay) / 0.02
+        np.testing.assert_allclose(table["base.jy"][::2][:3], wanted, rtol=1e-12)
+
+
+def test_csv_of_a_held_component_or_harmonic_across_is_sampled(tmp_path: Path) -> None:
+    held = Motion(np.array([0.0, 0.2]), np.zeros(2), np.zeros(2), 0.4, hold=True, ay=np.array([1.0, 2.0]))
+    for motion, wanted in ((held, [1.0, 1.0, 2.0, 2.0]), (Motion.harmonic(1.0, 1.0, 0.4, direction=0.5 * np.pi), None)):
+        motion.to_csv(tmp_path / "sampled.csv", step=0.1)
+        sampled = Motion.from_csv(tmp_path / "sampled.csv", motion.hold)
+        found = np.sin(2.0 * np.pi * sampled.time) if wanted is None else wanted
+        np.testing.assert_allclose(sampled.ay, found, atol=1e-12)
+
+
 def test_csv_with_slopes_keeps_its_times(tmp_path: Path) -> None:  # extra rows are no steps that need more digits
     time = 100.0 + 0.01 * np.arange(4.0)
     motion = Motion(time, np.array([0.0, 1.0, -0.5, 0.25]), np.zeros(4), float(time[-1] - time[0]))

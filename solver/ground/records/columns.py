@@ -26,7 +26,11 @@ from .units import KNOWN, factor_of
 
 CSV, PLAIN = "CSV", "plain columns"
 _SAMPLES = ("base.ax", "base.ay", "base.az")
-SLOPES = ("base.jx", "base.jz")  # inputs for communication steps of an FMU; a record has them from its samples
+SLOPES = (
+    "base.jx",
+    "base.jy",
+    "base.jz",
+)  # inputs for communication steps of an FMU; a record has them from its samples
 # of a sampling interval: time from the extra row, which holds the slopes of the interval, to the next sample, as
 # masters interpolate between rows. Longer than what FMPy treats as the same instant, and than the rounding of times.
 LEAD = 1e-5
@@ -40,7 +44,7 @@ def recognised(lines: list[str]) -> bool:
 def read_csv(lines: list[str]) -> Record:
     """Read `time,base.ax,base.ay,base.az` in s and m/s2; absent columns are zeros.
 
-    `;` or tabs as separators, names in any case and blank lines at the end are accepted. Slopes base.jx and base.jz, as
+    `;` or tabs as separators, names in any case and blank lines at the end are accepted. Slopes base.jx to base.jz, as
     `convert` writes them, are ignored with their extra rows. Raises InputError if the table is invalid.
     """
     found = table_of(lines)
