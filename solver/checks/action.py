@@ -165,8 +165,12 @@ def action_on(
         As `check` does.
     """
     given, own = _named(motions), subject.period
-    if given and level.vertical:
-        raise InputError("vertical: is for artificial motions, must be left out where records are given")
+    of_artificial = {"artificial": level.artificial != ARTIFICIAL, "vertical": level.vertical, "seed": level.seed != 0}
+    if given and any(of_artificial.values()):
+        names = ", ".join(name for name, is_given in of_artificial.items() if is_given)
+        raise InputError(f"{names}: of artificial motions, must be left out where records are given")
+    if level.least != scaling.LEAST_PART and not (given and level.target is not None):
+        raise InputError("least: must be left out without records that are scaled to a target spectrum")
     if not subject.model.kind.across:
         for motion in given.values():
             check_in_plane(motion)
