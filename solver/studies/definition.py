@@ -295,6 +295,8 @@ class Study(NotebookRepr):
         given = {**shaking.numbers, **numbers}
         factor = given.get("scale", 1.0)
         if self.measure is not None and INTENSITY in values:
+            if values[INTENSITY] < 0.0:
+                raise InputError(f"{INTENSITY} = {values[INTENSITY]:g}: is drawn, must be zero or positive")
             present = measures[self.measure.name]
             if present == 0.0:
                 raise InputError(f"motion[{which + 1}]: {shaking.name} is still, it cannot be scaled to an {INTENSITY}")
