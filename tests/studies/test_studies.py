@@ -289,7 +289,9 @@ def test_a_draw_that_does_not_suit_is_noted_and_the_others_go_on(study: Study) -
 
 def test_a_negative_intensity_that_is_drawn_is_noted(study: Study) -> None:
     drawn = Distribution.from_table("key", {"distribution": "choice", "values": [0.2, -0.2]})
-    results = run_study(Study(**{**vars(study), "random": {"intensity": Random(drawn, relative=False)}, "grid": {}}))
+    pulse = (Shaking("ricker", "ricker", {"frequency": 1.0}),)
+    random = {"intensity": Random(drawn, relative=False)}
+    results = run_study(Study(**{**vars(study), "random": random, "grid": {}, "motions": pulse}))
     below = results["intensity"] < 0.0
     assert 0 < np.sum(below) < len(below)
     assert set(results["failure"][below]) == {"intensity = -0.2: is drawn, must be zero or positive"}
