@@ -143,7 +143,7 @@ def of_store(quick: bool) -> Table:
                 f"{found.stats['evaluations']}",
             ]
         )
-    head = ["three components, 30 s, 1e-3", "s (60 asked)", "pairs that hit", "largest, m", "verdict", "evaluations"]
+    head = ["three components, 30 s, 1e-3", "s (6 asked)", "pairs that hit", "largest, m", "verdict", "evaluations"]
     return Table("Neighbours: a store of casks", head, rows)
 
 

@@ -219,7 +219,7 @@ def distance(one: ConvexPart, other: ConvexPart, r1: FloatArray, r2: FloatArray,
     if len(unclear) and not complete:
         rows = r1[unclear], r2[unclear], between[unclear]
         nearest, by_tangents = _nearest(one, other, *rows), along_axes(one, other, *rows, tangents=True)
-        found[unclear] = np.maximum(nearest, by_tangents)
+        found[unclear] = np.maximum(found[unclear], np.maximum(nearest, by_tangents))
     return found
 
 

@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 from .blocks.faces import Face, FloatArray
 from .blocks.parts import BASE, SpatialJoint
 from .blocks.shapes import turned
-from .convex import TOUCH, ConvexPart, distance, hulls_of, near_as_built
+from .convex import TOUCH, ConvexPart, along_axes, distance, hulls_of, near_as_built
 from .model import Structure
 from .outputs import StructureHistories
 
 ROWS = 1000  # instants at once, which limits the memory
+FEW = 50  # instants whose overlap is worked out at once
 BEYOND = 0.05  # of the depth of a contact: an overlap deeper by up to this is still ascribed to it
 UPRIGHT = 1e-6  # of the vertical part of a normal: the base below such a face is a half-space
 UNJOINED, ENDED = "unjoined", "ended"
@@ -88,8 +89,16 @@ def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHisto
             still = np.zeros((1, 3))
             built = float(distance(one, other, still, still, between[None])[0])
             near = np.flatnonzero(far >= built)
-            for first in range(0, len(near), ROWS):
-                at = near[first : first + ROWS]
+            # the depth is at most that along a few axes: only rows where it may be the deepest are worked out
+            parts = [near[first : first + ROWS] for first in range(0, len(near), ROWS)]
+            bounds = [along_axes(one, other, rotation[at, i], rotation[at, j], between + moved[at]) for at in parts]
+            bound = min(built, 0.0) - np.concatenate([np.empty(0), *bounds])
+            order = np.argsort(-bound, kind="stable")
+            for first in range(0, len(order), FEW):
+                some = order[first : first + FEW]
+                at = near[some[bound[some] > max(found.depth, TOUCH)]]
+                if not len(at):
+                    break
                 depth = min(built, 0.0) - distance(one, other, rotation[at, i], rotation[at, j], between + moved[at])
                 k = int(np.argmax(depth))
                 if depth[k] > max(found.depth, TOUCH):
