@@ -362,7 +362,7 @@ def test_report_has_everything_inside(found: Check, tmp_path: Path) -> None:
     write_report([found, found], path, "multiblock check <block>")
     text = path.read_text(encoding="utf-8")
     addresses = re.findall(r"(?:src|href|url)\s*[=(]\s*(?:[\"']|&quot;)?([^\"')\s>]{1,30})", text)
-    assert sum(address.startswith("data:image/png;base64,") for address in addresses) == 4
+    assert sum(address.startswith("data:image/png;base64,") for address in addresses) == 5  # of the variant its model
     assert all(address.startswith("data:") for address in addresses)
     assert text.count("<iframe") == 1  # the scene of the governing run
     assert "http" not in text
