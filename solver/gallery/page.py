@@ -7,12 +7,10 @@ from importlib.resources import files
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, StrictUndefined
 from matplotlib.figure import Figure
 
-from ..checks import report
-from ..checks.report.inputs import software
 from ..checks.report.pictures import embedded
+from ..checks.report.rendering import rendered
 from ..common.digits import percent, three_digits
 from ..plotting.style import FEW_COLOURS, GREY, RED, plain, tidy
 from .survey import Gallery
@@ -53,11 +51,7 @@ def picture(gallery: Gallery) -> Figure:
 
 def page_text(gallery: Gallery, **values: Any) -> str:
     """Return the HTML text; `values` are `action` (of the ground), `command`, `inputs`, `notes` and `remarks`."""
-    page = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True).from_string(
-        (files(__package__) / "page.html").read_text(encoding="utf-8")
-    )
-    style = (files(report) / "check.css").read_text(encoding="utf-8")
     firsts = [gallery.first_mount(number) for number in range(len(gallery.exhibits))]
     tools: dict[str, Any] = {"percent": percent, "three_digits": three_digits, "picture": embedded(picture(gallery))}
-    tools |= {"has_margin": has_margin(gallery), "versions": software()}
-    return page.render(gallery=gallery, firsts=firsts, style=style, **tools, **values)
+    tools |= {"has_margin": has_margin(gallery), "fingerprint": gallery.fingerprint}
+    return rendered(files(__package__) / "page.html", gallery=gallery, firsts=firsts, **tools, **values)

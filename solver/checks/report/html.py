@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from ...common.digits import three_digits
@@ -26,9 +25,10 @@ from ..limits import TOLERANCE
 from ..subject import JointProperties
 from ..variants import differences
 from .friction import friction_picture
-from .inputs import MATERIAL_SHEET, hashed, software, sources_of, with_meshes
+from .inputs import MATERIAL_SHEET, hashed, sources_of, with_meshes
 from .model import ModelSection, Sheet, merged, shown_of
 from .pictures import embedded, spectra_picture
+from .rendering import rendered
 
 LIMITS_OF_THE_MODEL = (  # for all models
     "The blocks are rigid. Their elasticity is in the modulus of the joints.",
@@ -69,13 +69,8 @@ def write_report(
     OSError
         If the file cannot be written.
     """
-    folder = files(__package__)
-    page = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True).from_string(
-        (folder / "check.html").read_text(encoding="utf-8")
-    )
-    style = (folder / "check.css").read_text(encoding="utf-8")
-    content = _content(checks, inputs, envelope is not None)
-    text = page.render(style=style, command=command, notes=notes, risk=risk, **content, **_friction(envelope))
+    content = _content(checks, inputs, envelope is not None) | _friction(envelope)
+    text = rendered(files(__package__) / "check.html", command=command, notes=notes, risk=risk, **content)
     with whole_file(path) as partial:
         Path(partial).write_text(text, encoding="utf-8")
 
@@ -125,7 +120,7 @@ def _content(checks: Sequence[Check], inputs: Sequence[Path], has_frictions: boo
         },
         "scene": Markup(frame_of(run)),
         "worst": check.action.motions[check.governing],
-        "versions": software(),
+        "fingerprint": check.fingerprint,
     }
 
 
