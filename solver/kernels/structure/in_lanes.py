@@ -35,7 +35,7 @@ from .layout import (
     scene_over,
 )
 from .meeting_in_lanes import forget_gaps, keep_slides, limited, meet, until_closed, watch_gaps
-from .stepping import STABLE, fallen, largest_motion, moves, part_before_fall, relaxing
+from .stepping import STABLE, fallen, fraction_before_fall, largest_motion, moves, relaxing
 from .watch import BETWEEN, BETWEEN_RATES, END, START, interpolate_body, row, seen
 
 BETWEEN_LOOKS = 0.25  # s, between checks for rest on a still base
@@ -405,7 +405,7 @@ def step_on(batch):
     block = where(good, fallen(scene, phase), 0.0)
     fell_at = lanes.t + step
     if any_of(block > 0.0):
-        fell_at = lanes.t + part_before_fall(scene, _phase(row(scene, START), scene.n), phase) * step
+        fell_at = lanes.t + fraction_before_fall(scene, _phase(row(scene, START), scene.n), phase) * step
     if batch.queue.rows > 0:
         taken = bits(good)
         for k in range(WIDTH):

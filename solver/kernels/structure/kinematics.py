@@ -7,7 +7,7 @@ from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, index_of, square_root, where, zero_like
 from ..numba_ext.numbers import half_sine_cosine
 
-MOST_TILT = 0.5  # squared sine of half the tilt of two faces, 90 degrees, beyond which a joint has no meaning
+TIPPED = 0.5  # squared sine of half the tilt of two faces, 90 degrees, beyond which a joint has no meaning
 
 
 @kernel
@@ -223,9 +223,9 @@ def _vector_between(a, b):
 
 
 @leaf
-def is_tipped(scene, phase, j):
-    """Return True if the faces of joint j are tilted by more than 90 degrees, whatever their twist."""
-    return tilt_square(scene, phase, j) > MOST_TILT
+def tilt_left(scene, phase, j):
+    """Return `TIPPED` less the `tilt_square` of joint j: negative if its faces are tilted by more than 90 degrees."""
+    return TIPPED - tilt_square(scene, phase, j)
 
 
 @leaf

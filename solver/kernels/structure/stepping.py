@@ -34,7 +34,7 @@ from .contact import forget_directions, forget_known_gaps
 from .cracking import crack_within
 from .evaluate import energy, evaluate_state, moving, recall, show
 from .extras import is_loaded, let_go
-from .kinematics import MOST_TILT, is_tipped, tilt_square
+from .kinematics import tilt_left
 from .layout import MEMORY, OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL
 from .meeting import clear_gaps, longest_touching, meet, release_pairs, until_closed
 from .modal_layout import data_of
@@ -83,6 +83,12 @@ def _take_stock(scene, phase):
         control.largest_shear = max(control.largest_shear, size_of(found.t1[j], found.t2[j], 0.0))
 
 
+@leaf
+def _height_left(scene, phase, i):
+    """Return how much further block i may sink, m, until it counts as fallen."""
+    return phase.uz[i] + scene.bodies.drop[i]
+
+
 @kernel
 def fallen(scene, phase):
     """Return the number, from 1, of a block that has fallen; 0 if there is none.
@@ -94,11 +100,11 @@ def fallen(scene, phase):
     # far below its place
     for k in range(scene.n):
         i = scene.n - 1 - k
-        found = where(phase.uz[i] > -scene.bodies.drop[i], found, i + 1.0)
+        found = where(_height_left(scene, phase, i) > 0.0, found, i + 1.0)
     # tipped over its support
     for j in range(scene.m):
         upper, lower = index_of(scene.joints.upper[j]), index_of(scene.joints.lower[j])
-        found = where(is_tipped(scene, phase, j), (upper if upper < scene.n else lower) + 1.0, found)
+        found = where(tilt_left(scene, phase, j) < 0.0, (upper if upper < scene.n else lower) + 1.0, found)
     return come_off(scene, found)
 
 
@@ -109,18 +115,18 @@ def _crossed(before, after):
 
 
 @kernel
-def part_before_fall(scene, begin, end):
-    """Return the fraction of a step, between two phases, at which a block begins to have fallen; 1 off a bearing.
+def fraction_before_fall(scene, begin, end):
+    """Return the fraction of a step, between two phases, after which a block has fallen; 1 if it left a bearing.
 
-    The criteria of `fallen` are taken as linear over the step, which errs by the square of its length.
+    The margins of `fallen` are taken as linear over the step, which errs by the square of its length.
     """
-    part = 1.0 + zero_like(end.uz[0])
+    fraction = 1.0 + zero_like(end.uz[0])
+    # the first margin that becomes zero, of heights and of tilts
     for i in range(scene.n):
-        drop = scene.bodies.drop[i]
-        part = lesser(part, _crossed(begin.uz[i] + drop, end.uz[i] + drop))
+        fraction = lesser(fraction, _crossed(_height_left(scene, begin, i), _height_left(scene, end, i)))
     for j in range(scene.m):
-        part = lesser(part, _crossed(MOST_TILT - tilt_square(scene, begin, j), MOST_TILT - tilt_square(scene, end, j)))
-    return part
+        fraction = lesser(fraction, _crossed(tilt_left(scene, begin, j), tilt_left(scene, end, j)))
+    return fraction
 
 
 @kernel
@@ -204,8 +210,8 @@ def _finish(scene, watch, segment, t, h, by_modes):
     if crack_within(scene, h, True):
         evaluate_at(scene, segment, row(scene, END), rate(scene, STAGES - 1), t + h)
     if block > 0 and scene.counts.fallen == 0:
-        part = part_before_fall(scene, _phase(row(scene, START), scene.n), phase)
-        scene.counts.fallen, scene.control.fall_time = block, t + part * h
+        fraction = fraction_before_fall(scene, _phase(row(scene, START), scene.n), phase)
+        scene.counts.fallen, scene.control.fall_time = block, t + fraction * h
     # the end becomes the start of the next step
     copy(row(scene, START), row(scene, END), moving(scene))
     copy(rate(scene, 0), rate(scene, STAGES - 1), moving(scene))
