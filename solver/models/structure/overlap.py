@@ -89,22 +89,50 @@ def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHisto
             still = np.zeros((1, 3))
             built = float(distance(one, other, still, still, between[None])[0])
             near = np.flatnonzero(far >= built)
-            # the depth is at most that along a few axes: only rows where it may be the deepest are worked out
-            parts = [near[first : first + ROWS] for first in range(0, len(near), ROWS)]
-            bounds = [along_axes(one, other, rotation[at, i], rotation[at, j], between + moved[at]) for at in parts]
-            bound = min(built, 0.0) - np.concatenate([np.empty(0), *bounds])
-            order = np.argsort(-bound, kind="stable")
-            for first in range(0, len(order), FEW):
-                some = order[first : first + FEW]
-                at = near[some[bound[some] > max(found.depth, TOUCH)]]
-                if not len(at):
-                    break
-                depth = min(built, 0.0) - distance(one, other, rotation[at, i], rotation[at, j], between + moved[at])
-                k = int(np.argmax(depth))
-                if depth[k] > max(found.depth, TOUCH):
-                    names = structure.names[i], structure.names[j]
-                    found = Overlap(float(depth[k]), names, float(time[at[k]]))
+            least = max(found.depth, TOUCH)
+            places = rotation[near, i], rotation[near, j], between + moved[near]
+            depth, row = _deepest_row(one, other, places, min(built, 0.0), least)
+            if depth > least:
+                found = Overlap(depth, (structure.names[i], structure.names[j]), float(time[near[row]]))
     return found
+
+
+def _deepest_row(
+    one: ConvexPart, other: ConvexPart, places: tuple[FloatArray, FloatArray, FloatArray], built: float, least: float
+) -> tuple[float, int]:
+    """Return the largest depth of two parts, m, if it is more than `least`, and its row; else `least` and -1.
+
+    The depth is at most that along a few axes: only rows in which it may be the largest so far are worked out.
+
+    Parameters
+    ----------
+    one, other : ConvexPart
+        The parts.
+    places : tuple of arrays (rows, 3)
+        Rotations of both (rad), and what is between them (m), as of `distance`.
+    built : float
+        Distance from which the depth is measured, m.
+    least : float
+        Depth that is no news, m.
+    """
+    r1, r2, between = places
+    rows = len(between)
+    chunks = [slice(first, first + ROWS) for first in range(0, rows, ROWS)]
+    bounds = [along_axes(one, other, r1[chunk], r2[chunk], between[chunk]) for chunk in chunks]
+    bound = built - np.concatenate([np.empty(0), *bounds])
+    deepest, row = least, -1
+    # from the largest bound on, a few rows at once
+    order = np.argsort(-bound, kind="stable")
+    for first in range(0, rows, FEW):
+        some = order[first : first + FEW]
+        some = some[bound[some] > deepest]
+        if not len(some):
+            break
+        depth = built - distance(one, other, r1[some], r2[some], between[some])
+        k = int(np.argmax(depth))
+        if depth[k] > deepest:
+            deepest, row = float(depth[k]), int(some[k])
+    return deepest, row
 
 
 def _deepest_at_ended_joints(

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -149,20 +151,18 @@ def highest_alone(structure: Structure) -> list[Column]:
 
     Blocks on several joints, and those that are neither boxes nor drums, are left out.
     """
-    lowers = {joint.lower for joint in structure.joints}
-    found = []
+    joints_of = Counter(number for joint in structure.joints for number in (joint.upper, joint.lower))
+    columns: list[Column] = []
     for joint in structure.joints:
-        solid = structure.blocks[joint.upper]
-        alone = sum(other.upper == joint.upper for other in structure.joints) == 1
-        if joint.upper in lowers or not alone or joint.bearing is not None or abs(joint.face.normal[2]) < 1.0 - CLOSE:
+        solid, is_level = structure.blocks[joint.upper], abs(joint.face.normal[2]) >= 1.0 - CLOSE
+        if joints_of[joint.upper] > 1 or joint.bearing is not None or not is_level:
             continue
-        try:
-            column = Column(solid.name, (_block(solid, joint),), Settings(), structure.g)
-            if _same(stacked(column)["blocks"][0].volume, solid.volume, solid.volume):  # else neither box nor drum
-                found += [column] if column.is_alike_across else [column, column.across()]
-        except (InputError, IndexError):
-            continue
-    return found
+        with suppress(InputError, IndexError):  # of blocks without faces or sizes of a column
+            block = _block(solid, joint)
+            if _same(block.volume, solid.volume, solid.volume):  # else neither box nor drum
+                column = Column(solid.name, (block,), Settings(), structure.g)
+                columns += [column] if column.is_alike_across else [column, column.across()]
+    return columns
 
 
 def _block(solid: Solid, joint: SpatialJoint) -> planar.Block:
