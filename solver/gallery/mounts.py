@@ -48,7 +48,7 @@ class Mount:
 
     @property
     def text(self) -> str:
-        """What it changes, as in its file, in SI units; "nothing" if it changes nothing."""
+        """The changes that it makes, as in its file, in SI units; "nothing" without any."""
         factors = [f"{word} x {factor:g}" for word in ("foot", "pedestal") if (factor := getattr(self, word)) != 1.0]
         tables = [(word, getattr(self, word)) for word in ("joint", "tie", "slab", "bearing")]
         laws = [f"{word} ({', '.join(f'{key} {_in_words(law[key])}' for key in law)})" for word, law in tables if law]

@@ -22,7 +22,7 @@ from ..common.text import lines_of
 from .loads import Load
 from .records import STANDARD_GRAVITY as STANDARD_GRAVITY
 from .records import Record, peer, read_record
-from .records.columns import LEAD, read_csv
+from .records.columns import LEAD, SLOPES, read_csv
 from .records.record import FloatArray
 
 # g; no record has more: 2.7 horizontally (Tsukidate, 2011), 3.9 vertically (Ichinoseki-West, 2008)
@@ -285,7 +285,7 @@ class Motion(Framed, NotebookRepr):
             names, table = [*names, "base.ay"], np.column_stack([table, self.across(time)])
         if slopes:
             table = _with_slopes(table, self.hold)
-            names += [name.replace(".a", ".j") for name in names[1:]]
+            names += [SLOPES[name] for name in names[1:]]
         with reading(path), whole_file(path) as partial:
             np.savetxt(partial, table, fmt="%.17g", delimiter=",", header=",".join(names), comments="")
 

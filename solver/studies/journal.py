@@ -50,11 +50,11 @@ class Journal(AbstractContextManager["Journal"]):
 
     def __init__(self, path: str | os.PathLike[str], head: Mapping[str, Any], tables: Sequence[str] = ()) -> None:
         self.path = Path(path)
-        beside = [other for suffix in tables if (other := self.path.with_suffix(suffix)).exists()]
-        if beside and not self.path.exists():
+        existing = [table for suffix in tables if (table := self.path.with_suffix(suffix)).exists()]
+        if existing and not self.path.exists():
             raise InputError(
-                f"{beside[0]}: is there already, without {self.path.name}: must be moved, or the results go to another "
-                "folder"
+                f"{existing[0]}: is there already, without {self.path.name}: must be moved, or the results go to "
+                "another folder"
             )
         self.finished: set[int] = set()  # numbers of the runs in it
         self.damaged = 0  # incomplete or corrupted lines

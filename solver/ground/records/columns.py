@@ -10,8 +10,8 @@ import numpy as np
 from ...common.errors import InputError
 from ...common.text import numbers
 from ...common.text_tables import (
-    BLANKS,
     COMMENTS,
+    SEPARATORS,
     TextTable,
     check_is_numbers,
     check_no_decimal_commas,
@@ -26,14 +26,12 @@ from .units import KNOWN, factor_of
 
 CSV, PLAIN = "CSV", "plain columns"
 _SAMPLES = ("base.ax", "base.ay", "base.az")
-SLOPES = (
-    "base.jx",
-    "base.jy",
-    "base.jz",
-)  # inputs for communication steps of an FMU; a record has them from its samples
+# their slopes, inputs for communication steps of an FMU; a record has them from its samples
+SLOPES = {name: name.replace(".a", ".j") for name in _SAMPLES}
 # of a sampling interval: time from the extra row, which holds the slopes of the interval, to the next sample, as
 # masters interpolate between rows. Longer than what FMPy treats as the same instant, and than the rounding of times.
 LEAD = 1e-5
+_BLANKS = str.maketrans(dict.fromkeys(SEPARATORS, " "))
 
 
 def recognised(lines: list[str]) -> bool:
@@ -49,7 +47,7 @@ def read_csv(lines: list[str]) -> Record:
     """
     found = table_of(lines)
     header = _names(found)
-    given, slopes = [name for name in header[1:] if name not in SLOPES], [name for name in header if name in SLOPES]
+    given, slopes = [name for name in header[1:] if name not in SLOPES.values()], set(header) & set(SLOPES.values())
     known = bool(given) and set(given) <= set(_SAMPLES) and len(set(header)) == len(header)
     if header[:1] != ["time"] or not known:
         raise InputError(
@@ -114,8 +112,8 @@ def read_plain(lines: list[str], dt: float | None, units: str | None, headers: S
         if line.strip() and not line.strip().startswith(COMMENTS)
     ]
     check_no_decimal_commas(texts)
-    at, plain = [line for line, _ in texts], [row.translate(BLANKS) for _, row in texts]
-    rows = [_row(line, row) for line, row in texts]
+    at, plain = [line for line, _ in texts], [row.translate(_BLANKS) for _, row in texts]
+    rows = [_row(line, row, bare) for (line, row), bare in zip(texts, plain, strict=True)]
     # samples at equal steps
     if dt is not None:
         if increases_as_times(rows):
@@ -141,9 +139,10 @@ def _names(table: TextTable) -> list[str]:
     return [name.lower() for name in table.names]
 
 
-def _row(line: int, row: str) -> list[float]:
+def _row(line: int, row: str, bare: str) -> list[float]:
+    """Return the numbers of a row, given with and without separators. Raises InputError."""
     check_is_numbers(line, row)
-    return numbers(line, row.translate(BLANKS))
+    return numbers(line, bare)
 
 
 def _kept(rows: list[list[float]]) -> str:
