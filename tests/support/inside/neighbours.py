@@ -10,6 +10,7 @@ from math import sin
 from pathlib import Path
 from typing import Any
 
+from fmu_src.host import finalize_at_exit
 from support.instance import Instance, unpacked
 
 
@@ -59,13 +60,15 @@ def together(fmus: list[str]) -> dict[str, Any]:
 def beside(ours: str, theirs: str, ours_first: bool) -> tuple[list[Any], list[float]]:
     """Return our outputs beside an FMU of another tool, and its own.
 
-    The other instance is freed: PythonFMU's library frees its Python state twice at the end of a process otherwise, and
-    aborts it now and then. Ours drops that state itself (host.finalize_at_exit).
+    The other FMU is left as ours leaves itself (host.finalize_at_exit): PythonFMU's library frees its Python state
+    twice at the end of a process otherwise, also without an instance, and aborts it now and then.
     """
+    folder = unpacked(theirs)
+    finalize_at_exit(Path(folder, "resources"))
     if ours_first:
-        column, other = Instance(ours), Instance(theirs)
+        column, other = Instance(ours), Instance(theirs, folder=folder)
     else:
-        other, column = Instance(theirs), Instance(ours)
+        other, column = Instance(theirs, folder=folder), Instance(ours)
     outputs = steps(column)
     other.step(0.0, 1.0)
     other.step(1.0, 1.0)
