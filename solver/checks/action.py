@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..common.errors import InputError, shown
+from ..common.errors import InputError, check_type, shown
 from ..common.files import printable
 from ..ground.building import RIGID, Building, floor_motion
 from ..ground.motion import STANDARD_GRAVITY, Motion, check_in_plane
@@ -251,6 +251,7 @@ def _named(motions: Motions) -> dict[str, Motion]:
     if isinstance(motions, Mapping):
         found = dict(motions)
     else:
+        check_type("motions", motions, Iterable)
         found = {}
         for number, given in enumerate(motions, start=1):
             name = f"motion {number}" if isinstance(given, Motion) else printable(Path(given).stem)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import check_number, check_whole
+from ..common.errors import InputError, check_number, check_whole, shown
 from ..ground.motion import Motion
 from .spectra import DAMPING, FloatArray, Spectral
 
@@ -53,6 +53,8 @@ def artificial_motions(target: Spectral, count: int, seed: int = 0, length: floa
     InputError
         If an argument is out of range.
     """
+    if not callable(getattr(target, "psa", None)):
+        raise InputError(f"target = {shown(target)}: must be a spectrum of a code or a table (checks/spectra.py)")
     count = check_whole("artificial", count, 1, 1000, "a number of motions from 1 to 1000")
     seed = check_whole("seed", seed, 0, 2**32 - count, "a whole number, zero or positive, below 2**32")
     length = check_number("length", length, (10.0, 600.0), "a time in s, from 10 to 600")

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..common.errors import InputError, shown
+from ..common.errors import InputError, check_type, shown
 from ..common.files import write_table
 from ..ground.building import Building
 from ..models.protocol import Model
@@ -35,11 +35,11 @@ from .answer import (
     verdict_sentence,
 )
 from .by_hand import ByHand
-from .limits import Plan
+from .limits import Limits, Plan
 from .margin import MOST_TRIALS, Margin, margin_of
 from .other_joints import CHANGES, OtherJoints, joints_sentence, other_joints
 from .runs import Sets, as_given, own_runs, run_all, varied
-from .scaling import LEAST_PART
+from .scaling import LEAST_PART, check_periods
 from .spectra import TargetSpectrum
 from .subject import Pair, Subject, subject_of
 from .table import Row, rows_of
@@ -275,6 +275,12 @@ def _passes(row: Row) -> str:
     return "passes" if row.passes else "fails"
 
 
+def check_limits(limits: Limits, subjects: Sequence[Subject]) -> None:
+    """Raise InputError for a limit of hits where no model has neighbours: no row would have it."""
+    if limits.hits is not None and not any(subject.neighbours for subject in subjects):
+        raise InputError("limits.hits: must be left out, nothing has neighbours")
+
+
 def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | None = None) -> Check:
     """Check a subject under motions that are already scaled, as for variants.
 
@@ -421,10 +427,15 @@ def check(
     SolverError
         If the column does not stand at rest or a run cannot be finished.
     """
-    span = None if periods is None else (float(periods[0]), float(periods[1]))
+    optional = (("target", target, TargetSpectrum), ("below", below, TargetSpectrum), ("building", building, Building))
+    for key, value, kind in (*optional, ("plan", plan, Plan)):
+        if value is not None:
+            check_type(key, value, kind)
+    span = None if periods is None else check_periods(periods)
     level = Level(target, pga, vertical_pga, sa, span, least, artificial, vertical, seed, force_scale, below)
     plan = Plan() if plan is None else plan
     subject = subject_of(column, plan.confidence_factor)
+    check_limits(plan.limits, [subject])
     if building is None and floor:
         raise InputError(f"floor = {shown(floor)}: must be given with a building")
     action = action_on(subject, motions, level, building=building if floor else None)

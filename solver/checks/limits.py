@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import Any
 
-from ..common.errors import POSITIVE, check_number, check_whole
+from ..common.errors import POSITIVE, check_number, check_type, check_whole
 from ..models.structure.convex import TOUCH
 from ..models.uncertainty import Spread
 from .kinematic import CONFIDENCE_FACTOR, LIFE_SAFETY, check_confidence_factor
@@ -60,5 +60,7 @@ class Plan:
     joints: bool = True  # whether to repeat all runs with other moduli and dampings (other_joints.py)
 
     def __post_init__(self) -> None:
+        check_type("limits", self.limits, Limits)
+        check_type("spread", self.spread, Spread)
         check_confidence_factor(self.confidence_factor)
         check_whole("ensemble", self.ensemble, 1, MOST_RUNS, f"a number of runs from 1 to {MOST_RUNS}")

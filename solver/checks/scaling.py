@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common.errors import POSITIVE, InputError, check_number
+from ..common.tables import vector_of
 from ..ground.intensity import Component, components, peak, spectrum
 from ..ground.motion import Motion
 from .spectra import DAMPING, FloatArray, Spectral, TargetSpectrum
@@ -259,7 +260,8 @@ def _raise(fit: Fit, name: str, least: float) -> float:
 
 def check_periods(periods: Sequence[float]) -> tuple[float, float]:
     """Return a range of periods (s) as two floats. Raises InputError."""
-    shortest, longest = (check_number("periods", t, (1e-3, 100.0), "periods in s, up to 100") for t in periods)
+    limits, meaning = ((1e-3, 100.0), "a period in s, up to 100"), "two periods in s, the shorter first"
+    shortest, longest = vector_of("periods", periods, 2, limits, meaning).tolist()
     if not shortest < longest:
         raise InputError(f"periods = {shortest:g} {longest:g}: must be the shorter first")
     return shortest, longest

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ..checks.action import ARTIFICIAL, Action, Level, action_on
-from ..checks.check import Check, checked, write_checks
+from ..checks.check import Check, check_limits, checked, write_checks
 from ..checks.friction import Envelope, friction_values, with_friction
 from ..checks.limits import UNCERTAIN, Limits, Plan
 from ..checks.risk import risk_of
@@ -23,7 +23,7 @@ from ..common.errors import InputError, needing, reading
 from ..common.files import check_outputs, printable
 from ..common.ranges import listed
 from ..ground.building import Building
-from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..ground.motion import Motion
 from ..models.column.model import Column
 from ..models.structure.model import Structure
 from ..models.uncertainty import Spread
@@ -38,6 +38,7 @@ from .motion_options import (
     check_file_options,
     file_line,
     floor_of,
+    in_g,
     read_with_options,
 )
 from .progress import PlainLine, RunsLine
@@ -159,6 +160,7 @@ def _check(options: argparse.Namespace) -> None:
     level = level_of(options)
     motions, floor = motions_of(options), floor_of(options)
     subjects = [(path, _subject(path, model, plan)) for path, model in models]
+    check_limits(plan.limits, [subject for _, subject in subjects])
     with reading(options.column):
         variants = [subject for _, subject in subjects[1:]]
         ground = action_on(subjects[0][1], motions, level, variants, floor[0] if floor and floor[1] else None)
@@ -315,9 +317,7 @@ def level_of(options: argparse.Namespace) -> Level:
     return Level(
         target=target_of(options),
         below=below_of(options),
-        pga=_in_g(options.pga),
-        vertical_pga=_in_g(options.vertical_pga),
-        sa=_in_g(options.sa),
+        **{key: in_g(f"--{key.replace('_', '-')}", getattr(options, key)) for key in ("pga", "vertical_pga", "sa")},
         periods=None if options.periods is None else (options.periods[0], options.periods[1]),
         least=options.least,
         artificial=options.artificial,
@@ -359,7 +359,3 @@ def motions_of(options: argparse.Namespace) -> Mapping[str, Motion]:
         name = printable(path.stem)
         found[name if name not in found else printable(str(path))] = motion
     return found
-
-
-def _in_g(value: float | None) -> float | None:
-    return None if value is None else value * STANDARD_GRAVITY

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..common.errors import InputError, reading
+from ..common.errors import POSITIVE, InputError, check_number, reading
 from ..common.files import printable
 from ..ground.building import Building, floor_motion
 from ..ground.motion import STANDARD_GRAVITY, Motion
@@ -86,8 +86,8 @@ def motion_of(options: argparse.Namespace) -> tuple[Motion, list[str]]:
         if options.motion is not None:
             raise InputError(f"{options.motion}: must be left out, or --wavelet")
         motion, lines = _wavelet(options), []
-    if options.pga is not None:
-        motion = motion.scaled_to(options.pga * STANDARD_GRAVITY)
+    if (pga := in_g("--pga", options.pga)) is not None:
+        motion = motion.scaled_to(pga)
     elif options.scale is not None:
         motion = motion.scaled(options.scale)
     on = floor_of(options)
@@ -95,6 +95,11 @@ def motion_of(options: argparse.Namespace) -> tuple[Motion, list[str]]:
         return motion, lines
     ground = f"{motion.pga / STANDARD_GRAVITY:.4g} g"
     return floor_motion(motion, *on), [*lines, printable(f"{on[0].words(on[1])}; PGA of the ground {ground}")]
+
+
+def in_g(key: str, value: float | None) -> float | None:
+    """Convert an acceleration from g to m/s2; None stays None. Raises InputError unless it is positive."""
+    return None if value is None else STANDARD_GRAVITY * check_number(key, value, POSITIVE, "a positive number in g")
 
 
 def read_with_options(path: Path, options: argparse.Namespace, channel: int | None) -> tuple[Record, Motion]:

@@ -68,6 +68,18 @@ def check_number(key: str, value: object, limits: tuple[float, float], meaning: 
     return number
 
 
+def check_type(key: str, value: object, *types: type) -> None:
+    """Raise InputError unless `value` is an instance of one of `types`."""
+    if not isinstance(value, types):
+        raise InputError(f"{key} = {shown(value)}: must be of type {' or '.join(one.__name__ for one in types)}")
+
+
+def check_callback(callback: object) -> None:
+    """Raise InputError unless `callback` is callable, or None."""
+    if callback is not None and not callable(callback):
+        raise InputError(f"callback = {shown(callback)}: must be callable")
+
+
 def check_whole(key: str, value: object, least: int, most: float, meaning: str) -> int:
     """Return `value` as an int if it is an integer in a range.
 

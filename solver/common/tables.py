@@ -54,6 +54,17 @@ def tables_in(key: str, data: Mapping[str, Any], least: int = 1) -> list[Mapping
     return tables
 
 
+def numbers_of(key: str, value: object, ndim: int | None = None) -> NDArray[np.float64]:
+    """Convert a value to a new array of numbers. Raises InputError if it is none, or has another `ndim` than given."""
+    try:
+        found = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        found = None
+    if found is None or ndim not in (None, found.ndim):
+        raise InputError(f"{key} = {shown(value)}: must be {'numbers' if ndim is None else 'a list of numbers'}")
+    return found
+
+
 def vector_of(
     key: str, value: object, count: int, limits: tuple[tuple[float, float], str] = PLACE, meaning: str = ""
 ) -> NDArray[np.float64]:

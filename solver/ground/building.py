@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from ..common.errors import InputError, check_number, check_whole, reading, shown
+from ..common.errors import InputError, check_number, check_type, check_whole, reading, shown
 from ..common.files import toml_of
 from ..common.ranges import LENGTH, check_keys
 from ..common.tables import tables_in, vector_of
@@ -195,6 +195,8 @@ def floor_motion(motion: Motion, building: Building, floor: int) -> Motion:
     InputError
         If there is no such floor, the motion is held, or needs too many samples.
     """
+    check_type("motion", motion, Motion)
+    check_type("building", building, Building)
     floor = building.checked(floor)
     axes = {"ax": building.along_x} | ({"ay": building.along_y} if motion.has_ay else {})
     moving = {key: [mode for mode in modes if mode.period >= RIGID] for key, modes in axes.items()}

@@ -10,9 +10,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import POSITIVE, InputError, check_number, shown
+from ..common.errors import POSITIVE, InputError, check_number, check_type, shown
 from ..common.frames import Frame, Framed
 from ..common.ranges import check_choice
+from ..common.tables import numbers_of
 from . import oscillator
 from .motion import STANDARD_GRAVITY, Motion
 from .records.record import FloatArray
@@ -118,6 +119,7 @@ def lines_of(motion: Motion, component: Component = "ax") -> Lines:
 
     Raises InputError if the harmonic has too many cycles, or the component is unknown.
     """
+    check_type("motion", motion, Motion)
     samples: FloatArray = getattr(motion, check_choice("component", component, NAMES))
     if motion.hold:
         time, before, after = np.append(motion.time, motion.end), samples, samples
@@ -275,11 +277,8 @@ def rotd(
 
 def _periods(given: Sequence[float] | FloatArray | None) -> FloatArray:
     """Return periods as an array, by default PERIODS. Raises InputError unless they are a list of numbers."""
-    try:
-        periods = np.array(PERIODS if given is None else given, dtype=np.float64)
-    except (TypeError, ValueError):
-        periods = np.zeros(0)
-    if periods.ndim != 1 or not periods.size:
+    periods = numbers_of("periods", PERIODS if given is None else given, 1)
+    if not periods.size:
         raise InputError(f"periods = {shown(given)}: must be a list of positive times in s, at least one")
     return periods
 

@@ -36,6 +36,7 @@ from numpy.typing import ArrayLike
 
 from ..common.errors import POSITIVE, InputError, check_number, reading, shown
 from ..common.ranges import check_choice
+from ..common.tables import numbers_of
 from ..common.text import lines_of
 from ..common.text_tables import table_of
 from .records.record import FloatArray
@@ -377,10 +378,7 @@ def load_from_file(path: str | os.PathLike[str]) -> tuple[FloatArray, FloatArray
 
 
 def _numbers(key: str, given: ArrayLike) -> FloatArray:
-    try:
-        found = np.array(given, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError(f"{key}: must be numbers") from None
+    found = numbers_of(key, given)
     if not np.all(np.abs(found) <= LARGEST):
         raise InputError(f"{key}: must be finite numbers, at most {LARGEST:g}")
     found.setflags(write=False)

@@ -7,7 +7,7 @@ which results of their runs can be stored.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import singledispatch
 from typing import Any, ClassVar, NamedTuple, Protocol, Self
@@ -229,6 +229,8 @@ class Kind:
 
         Raises InputError for an unknown name.
         """
+        if isinstance(keep, str) or not isinstance(keep, Iterable):
+            raise InputError(f"keep = {shown(keep)}: must be a list of names")
         names = {key: name for name, key in self.keys.items()}
         for name in keep:
             if name not in self.keys and name not in self.kept:

@@ -14,7 +14,16 @@ from typing import Any
 
 import numpy as np
 
-from ..common.errors import POSITIVE, InputError, InputWarning, SolverError, check_number, check_whole, shown
+from ..common.errors import (
+    POSITIVE,
+    InputError,
+    InputWarning,
+    SolverError,
+    check_callback,
+    check_number,
+    check_whole,
+    shown,
+)
 from ..common.executors import TRIES, cores, error_text, sent_out, workers_of
 from ..ground.motion import Motion, check_strength
 from ..models.protocol import SETTLE, Kind, Model, Run, Work
@@ -158,12 +167,15 @@ def parts_of_many(
     ExecutorError
         If the executor fails.
     """
+    check_callback(callback)
     settle, whole = _checked(settle, threads, responses)
     first, columns = _first_of(columns)
     kind: Kind | None = getattr(first, "kind", None)
     keys = () if kind is None else kind.keys_of(kind.usually_kept if keep is None else keep)
     # chunks of about equal cost
     total, runs = _runs(columns, motions, duration, tolerance)
+    if total is not None and whole and max(whole) >= total:
+        raise InputError(f"responses: {max(whole)}: must be numbers of runs, of which there are {total}, from 0")
     summary = Summary() if summary is None else summary
     workers = (threads or cores()) if executor is None else workers_of(executor)
     pace = Pace(total, workers, FIRST_COST)

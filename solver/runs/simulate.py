@@ -7,7 +7,16 @@ import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any, overload
 
-from ..common.errors import POSITIVE, InputError, InputWarning, SolverError, check_number, check_whole, shown
+from ..common.errors import (
+    POSITIVE,
+    InputError,
+    InputWarning,
+    SolverError,
+    check_callback,
+    check_number,
+    check_whole,
+    shown,
+)
 from ..common.plausible import warn_of
 from ..common.ranges import check_choice
 from ..ground.loads import Load, loads_from, place_of, static_loads
@@ -198,6 +207,7 @@ def simulate(
             raise InputError(f"after_fall = {shown(after_fall)}: must be left out, only a structure goes on")
         column = column.going_on(after_fall)
     _check_ports(motion, column)
+    check_callback(callback)
     plan, spread = RunPlan(motion, duration, times, initial, settle, callback), Spread() if spread is None else spread
     if plane is not None:
         check_choice("plane", plane, ("auto",))

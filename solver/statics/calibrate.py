@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -24,12 +25,14 @@ from ..common.errors import (
     InputWarning,
     SolverError,
     check_number,
+    check_type,
     check_whole,
     needing,
     reading,
     shown,
 )
 from ..common.files import MOST_TABLE
+from ..common.tables import numbers_of
 from ..common.text import lines_of
 from ..common.text_tables import check_times, from_zero, table_of
 from ..models.column.model import Column
@@ -85,6 +88,7 @@ def with_joints(column: Column, stiffness: ArrayLike | None = None, damping: Arr
     InputError
         If the number of values is neither 1 nor n, or a value is not allowed.
     """
+    check_type("column", column, Column)
     moduli = _each("stiffness", column, stiffness, [block.joint.stiffness for block in column.blocks])
     etas = _each("damping", column, damping, [block.joint.damping for block in column.blocks])
     return column.with_joints(moduli, etas)
@@ -95,6 +99,7 @@ def with_rim(column: Column, rim: float | None) -> Column:
 
     `rim` None stands for contact over the whole face. Raises InputError if a joint can have no rim.
     """
+    check_type("column", column, Column)
     blocks = tuple(replace(block, joint=replace(block.joint, rim=rim)) for block in column.blocks)
     return replace(column, blocks=blocks)
 
@@ -125,6 +130,7 @@ def modulus_from_elasticity(
     InputError
         If a value is not positive, or one of `joint_thickness` and `joint_young` is missing.
     """
+    check_type("column", column, Column)
     young = check_number("young", young, POSITIVE, "a positive modulus of elasticity in Pa")
     thickness = check_number("joint_thickness", joint_thickness, NOT_NEGATIVE, "a thickness in m, zero or positive")
     give = np.array([block.height for block in column.blocks]) / young
@@ -213,7 +219,8 @@ def fit_moduli(column: Column, frequencies: Sequence[float]) -> ModulusFit:
 
 
 def _measured(column: Column, frequencies: Sequence[float]) -> FloatArray:
-    measured = np.asarray(frequencies, dtype=np.float64)
+    check_type("column", column, Column)
+    measured = numbers_of("frequencies", frequencies)
     known = np.isfinite(measured)
     if measured.ndim != 1 or not 1 <= measured.size <= column.n or not known.any() or np.any(measured[known] <= 0.0):
         raise InputError(
@@ -303,6 +310,7 @@ def _warn(line: str, level: int = 4) -> None:
 
 def sway_frequencies(column: Column) -> FloatArray:
     """Return the natural frequencies of the n sway modes (Hz), ascending. Raises as `natural_modes` does."""
+    check_type("column", column, Column)
     modes = modes_about_rest(column)
     found: FloatArray = modes.frequency[modes.sways]
     return found
@@ -332,6 +340,7 @@ def damping_from_ratio(column: Column, ratio: float, mode: int = 1) -> float:
     SolverError
         If the column does not stand.
     """
+    check_type("column", column, Column)
     ratio = check_number("ratio", ratio, NOT_NEGATIVE, "a ratio of critical damping, zero or positive")
     mode = check_whole("mode", mode, 1, column.n, f"the number of a mode that sways, 1 to {column.n}")
     modes = modes_about_rest(with_joints(column, damping=1.0))
@@ -531,7 +540,7 @@ def free_vibration(time: ArrayLike, values: ArrayLike) -> FreeVibration:
     InputError
         If the oscillation explains less than half of the variance of the record, or the record is not valid.
     """
-    t, y = np.asarray(time, dtype=np.float64), np.asarray(values, dtype=np.float64)
+    t, y = numbers_of("time", time), numbers_of("values", values)
     if t.ndim != 1 or t.shape != y.shape or t.size < LEAST_SAMPLES or not np.all(np.isfinite(t) & np.isfinite(y)):
         raise InputError(f"free vibration: must be at least {LEAST_SAMPLES} finite times and as many values")
     if np.any(np.diff(t) <= 0.0):
@@ -581,6 +590,8 @@ def read_history(path: str | os.PathLike[str], channel: str | None = None) -> tu
         names = list(table.names)
         if len(names) < 2:
             raise InputError("must be a CSV file of times and values, with a header")
+        if (unit := re.search(r"[(\[]([^)\]]*)[)\]]", names[0])) and unit[1].strip() != "s":
+            raise InputError(f"line 1: {shown(names[0])}: must be times in s")
         if channel is not None and channel not in names[1:]:
             raise InputError(f"channel = {channel}: must be one of {', '.join(names[1:10])}")
         k = 1 if channel is None else names.index(channel)
@@ -603,7 +614,7 @@ def _strongest_frequency(t: FloatArray, y: FloatArray) -> float:
 def _each(key: str, column: Column, given: ArrayLike | None, defaults: list[float]) -> list[float]:
     if given is None:
         return defaults
-    values = np.asarray(given, dtype=np.float64)
+    values = numbers_of(key, given)
     if values.ndim > 1 or values.size not in (1, column.n):
         raise InputError(f"{key}: {values.size} numbers, must be one or {column.n}, one for each joint")
     return [float(value) for value in np.broadcast_to(values.reshape(-1), (column.n,))]

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..common.aliases import Alias
-from ..common.errors import InputError, SolverError, check_number, needing, shown
+from ..common.errors import InputError, SolverError, check_number, check_type, needing, shown
 from ..common.files import write_table
 from ..common.frames import Frame, Framed
 from ..ground.loads import pattern_of
@@ -131,6 +131,7 @@ def rest_of(column: Column) -> Rest:
 
     Warns (InputWarning) as `simulate` does. Raises InputError without gravity.
     """
+    check_type("column", column, Column)
     check_rest(column, from_rest=False)
     still = StillColumn(undamped(column.with_settings(formulation="exact")))
     joints = still.row(still.rest).joints
@@ -172,6 +173,7 @@ def capacity_curve(column: Column, direction: int = 1, pattern: Mapping[str, flo
     SolverError
         If the rest is not stable or the curve cannot be followed.
     """
+    check_type("column", column, Column)
     if check_number("direction", direction, (-1.0, 1.0), "1 or -1") not in (1.0, -1.0):
         raise InputError(f"direction = {shown(direction)}: must be 1 or -1")
     if not column.g == 0.0 and not is_stable(column):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..common.errors import POSITIVE, InputError, SolverError, check_number
+from ..common.errors import POSITIVE, InputError, SolverError, check_number, check_type
 from ..kernels.column.sections.faces import is_round
 from ..models.column.block import Block
 from ..models.column.contact import Contact
@@ -62,6 +62,7 @@ def parts_above(column: Column) -> list[RigidPart]:
 
 def rocking_part(column: Column) -> RigidPart:
     """Return the part that the least push sets in motion; for a statue on a pedestal this is the statue."""
+    check_type("column", column, Column)
     return min(reversed(parts_above(column)), key=lambda part: part.slenderness)
 
 
@@ -123,6 +124,7 @@ def pulled_equilibrium(column: Column, release: float = RELEASE) -> tuple[Initia
 
     `release` and errors are those of `restitution`.
     """
+    check_type("column", column, Column)
     release = check_number("release", release, (0.02, 0.95), "a part of the displacement to the edge, 0.02 to 0.95")
     column = column.with_settings(formulation="exact")
     if column.g > 0.0 and not is_stable(column):

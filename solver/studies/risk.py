@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common.digits import percent
-from ..common.errors import POSITIVE, InputError, check_number, needing, reading
+from ..common.errors import POSITIVE, InputError, check_number, check_type, needing, reading
 from ..common.files import MOST_RECORD, content_of, write_table
 from ..common.notebook import NotebookRepr
+from ..common.tables import numbers_of
 from ..models.pictures import draw
 from ..models.protocol import FloatArray
 from .motions import Measure
@@ -81,7 +82,7 @@ class Hazard:
         InputError
             If there are fewer points, a number is not positive, or the rate does not fall as the intensity grows.
         """
-        s, h = (np.array(values, dtype=np.float64) for values in (intensity, rate))
+        s, h = (numbers_of(key, values) for key, values in (("intensity", intensity), ("rate", rate)))
         if (
             s.ndim != 1
             or s.shape != h.shape
@@ -220,6 +221,8 @@ def risk(fragility: Fragility, hazard: Hazard, years: float = YEARS) -> Risk:
 
     Raises InputError if hazard and fragility have different measures, or if the rate is zero or infinite.
     """
+    check_type("fragility", fragility, Fragility)
+    check_type("hazard", hazard, Hazard)
     check_number("years", years, POSITIVE, "a positive time in years")
     if fragility.measure != hazard.measure:
         label = fragility.name if fragility.measure is None else fragility.measure.label

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ..common.errors import POSITIVE, check_number, check_type
+from ..common.tables import numbers_of
 from ..ground.motion import Motion
 from ..models.protocol import Model
 from .definition import INTENSITY, Study
@@ -44,7 +46,9 @@ def sweep(
     InputError
         As both do.
     """
-    motion = Shaking("harmonic", "harmonic", {"duration": float(duration)})
+    motion = Shaking(
+        "harmonic", "harmonic", {"duration": check_number("duration", duration, POSITIVE, "a positive time in s")}
+    )
     grid = {INTENSITY: amplitudes, "motion.frequency": frequencies}
     return _run("sweep", column, motion, grid, Measure("pga"), options)
 
@@ -176,11 +180,14 @@ def _run(
     of_study = {"name": kind} | {key: options.pop(key) for key in _OF_STUDY if key in options}
     random: Randoms = options.pop("random", None) or {}
     folder: str | Path | None = options.pop("folder", None)
+    check_type("random", random, Mapping)
+    if measure is not None:
+        check_type("measure", measure, Measure)
     study = Study(
         kind=kind,
         columns=tuple(column) if isinstance(column, Sequence) else (column,),
         motions=_shakings(motions),
-        grid={key: tuple(float(value) for value in values) for key, values in grid.items()},
+        grid={key: tuple(numbers_of(key, values, 1).tolist()) for key, values in grid.items()},
         random={
             key: parameter if isinstance(parameter, Random) else Random.from_table(f"random.{key}", parameter)
             for key, parameter in random.items()
@@ -198,4 +205,5 @@ def _shakings(motions: Motions) -> tuple[Shaking, ...]:
         return (motions,)
     if isinstance(motions, Mapping):
         return tuple(Shaking(name, record=motion) for name, motion in motions.items())
+    check_type("motions", motions, Sequence)
     return tuple(motions)

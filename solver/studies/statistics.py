@@ -10,7 +10,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import InputError, needing
+from ..common.errors import InputError, check_type, needing
 from ..common.notebook import NotebookRepr, counted
 from ..models.protocol import FloatArray
 from ..models.structure.numbers import unit_in_space
@@ -256,6 +256,7 @@ def fit_fragility(
         If the runs do not determine the curve: none or all failed, or all stand below one intensity and all fail above
         it, so that any deviation fits.
     """
+    check_type("results", results, Results)
     name = intensity or intensity_name(results)
     valid = made(results) & (results[name] > 0.0)
     if chosen is not None:
@@ -566,6 +567,7 @@ class Curves(NotebookRepr):
 
 def ida_curves(results: Results) -> Curves:
     """Return the curves of an incremental dynamic analysis. Raises InputError unless the grid has intensities."""
+    check_type("results", results, Results)
     if "intensity" not in results.study["grid"]:
         raise InputError("grid.intensity: missing, the curves need levels of intensity")
     # one row of displacements for each column, motion, sample and other point of the grid
@@ -632,6 +634,7 @@ def influences(results: Results) -> list[Influence]:
 
     A seed has none, for it only labels motions. The list is empty if all runs end alike.
     """
+    check_type("results", results, Results)
     with needing("studies", "scipy"):
         from scipy.stats import rankdata
     valid = made(results)

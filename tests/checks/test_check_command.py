@@ -87,6 +87,7 @@ def test_components_and_a_table_of_a_spectrum(folder: Path, capsys: pytest.Captu
         (["--spectrum", "ec8", "--ag", "0", "--soil", "A"], "--ag = 0.0: must be an acceleration in g, from 0.001"),
         (["--pga", "0.2", "--soil", "A"], f"--soil A: is for --spectrum {' or '.join(CODES)}"),
         (["--limit", "slope=1"], "--limit slope=1: must be KEY=VALUE with one of displacement, friction"),
+        (["--limit", "hits=0.1"], "limits.hits: must be left out, nothing has neighbours"),
         (["--limit", "slip=wide"], "--limit slip=wide: must be slip= and a number"),
         (["--vertical", "fast.csv", "slow.csv"], "--vertical: 2 files, must be 1, one for each record"),
         (["slow.csv"], "slow.csv: is given twice, must be given once"),

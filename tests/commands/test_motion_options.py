@@ -133,7 +133,7 @@ def test_record_prints_the_measures(folder: Path, capsys: pytest.CaptureFixture[
         ("simulate column.toml motion.csv --vertical-channel 1", "--vertical-channel 1: is for --vertical"),
         ("simulate column.toml motion.csv --vertical none.AT2", "none.AT2: No such file"),
         ("simulate column.toml both.csv --vertical record.AT2", "horizontal motion: has az beside ax"),
-        ("simulate column.toml motion.csv --pga -1", "pga = -9.80665: must be a positive acceleration in m/s2"),
+        ("simulate column.toml motion.csv --pga -1", "--pga = -1.0: must be a positive number in g"),
         ("simulate column.toml motion.csv --pga 1 --scale 1", "argument --scale: not allowed with argument --pga"),
         ("simulate column.toml motion.csv --frequency 1", "--frequency 1.0: is for --wavelet"),
         ("simulate column.toml motion.csv --wavelet ricker", "motion.csv: must be left out, or --wavelet"),

@@ -279,3 +279,8 @@ def test_threads_have_their_turns_one_after_the_other_and_lose_none_by_a_mistake
         ended = [pool.submit(work, k) for k in range(20)]
     assert [k for k, future in enumerate(ended) if future.exception() is not None] == [3]
     assert most == [1]
+
+
+def test_a_response_of_no_run_is_refused() -> None:
+    with pytest.raises(InputError, match=r"responses: 5: must be numbers of runs, of which there are 1, from 0"):
+        simulate_many(phocas(), mixture()[1][0], responses=[5])

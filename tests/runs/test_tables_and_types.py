@@ -1,12 +1,16 @@
 """Pictures of tables, short texts of fragilities, and the types of responses, which mypy checks: it reads tests too."""
 
+import inspect
+from collections.abc import Callable
 from pathlib import Path
-from typing import assert_type
+from types import FunctionType
+from typing import Any, assert_type
 
 import numpy as np
 import pytest
 from support.fmus import ROOT
 
+import multiblock
 from multiblock import (
     Column,
     InputError,
@@ -14,6 +18,7 @@ from multiblock import (
     Response,
     SpatialResponse,
     Structure,
+    calibrate,
     simulate,
     simulate_many,
     studies,
@@ -53,3 +58,21 @@ def test_results_draw_the_picture_of_their_kind_and_fragilities_are_short() -> N
     assert found.curves.shape == (200, 2)
     assert repr(found).startswith(f"<Fragility over pga: median {found.median:.3g} (")
     assert max(len(repr(found)), len(repr(found.bins))) < 160
+
+
+def public_functions() -> list[Callable[..., Any]]:
+    """Return the functions of the public interface that take anything but the path of a file."""
+    found = {getattr(module, name) for module in (multiblock, studies) for name in module.__all__}
+    found |= {item for item in vars(calibrate).values() if getattr(item, "__module__", "") == calibrate.__name__}
+    of_files = {calibrate.read_history, studies.write_fragilities}
+    public = [one for one in found - of_files if isinstance(one, FunctionType) and not one.__name__.startswith("_")]
+    return sorted(public, key=lambda one: one.__qualname__)
+
+
+@pytest.mark.parametrize("function", public_functions(), ids=lambda one: one.__qualname__)
+def test_an_argument_of_another_type_is_refused_by_its_name(function: Callable[..., Any]) -> None:
+    parameters = inspect.signature(function).parameters.values()
+    needed = [one for one in parameters if one.default is one.empty and one.kind is not one.VAR_KEYWORD]
+    with pytest.raises(InputError, match=r"^[\w.]+ = <object.*: must be "):
+        for _ in function(*[object() for _ in needed]):  # of a generator: runs its body
+            pass

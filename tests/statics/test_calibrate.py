@@ -327,3 +327,9 @@ def test_command_says_what_is_wrong(
     error = capsys.readouterr().err
     assert message in error
     assert error.count("\n") == 1
+
+
+def test_times_in_another_unit_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "decay.csv").write_text("time (ms),top\n0,1\n1,2\n")
+    with pytest.raises(InputError, match=r"decay.csv: line 1: 'time \(ms\)': must be times in s"):
+        read_history(tmp_path / "decay.csv")

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.aliases import Alias
-from ...common.errors import InputError, SolverError
+from ...common.errors import InputError, SolverError, check_type
 from ..response import ModeTable
 from .linearization import StillColumn, stuck, undamped
 from .model import Column
@@ -52,6 +52,7 @@ def natural_frequencies(column: Column, formulation: str | None = None) -> Float
     `formulation` replaces that of the column. Raises InputError without gravity, as the joints are then open at rest;
     SolverError if the rest is unstable.
     """
+    check_type("column", column, Column)
     _check_bonds(column)
     still = StillColumn(undamped(column.with_settings(formulation=formulation)))
     return np.sort(_frequencies(np.linalg.eigvals(still.stiffness(still.rest, PART))))
@@ -63,6 +64,7 @@ def natural_modes(column: Column, formulation: str | None = None) -> Modes:
     `formulation` replaces that of the column. Warns (InputWarning) as `simulate` does. Raises as `natural_frequencies`
     does.
     """
+    check_type("column", column, Column)
     check_rest(column, from_rest=False)
     return modes_about_rest(column, formulation)
 

@@ -35,7 +35,7 @@ class Settings:
     def __post_init__(self) -> None:
         if isinstance(self.without, list):  # TOML and JSON have lists
             object.__setattr__(self, "without", tuple(self.without))
-        if self.integrator == "":
+        if self.integrator == "" and isinstance(self.formulation, str):
             object.__setattr__(self, "integrator", OWN_INTEGRATOR.get(self.formulation, ""))
 
 

@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ...common.aliases import Alias
-from ...common.errors import InputError
+from ...common.errors import InputError, check_type
 from ...kernels.structure.layout import OF_BLOCK
 from ..outputs import places_of
 from ..response import ModeTable
@@ -84,6 +84,7 @@ def modes_in_space(structure: Structure) -> SpatialModes:
 
     Raises InputError if the structure has no stable rest, or neighbours that touch there.
     """
+    check_type("structure", structure, Structure)
     n = structure.n
     rest = rest_of(structure)
     _check_gaps(structure, rest)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.errors import FINITE, InputError, check_number
+from ...common.errors import FINITE, InputError, check_number, check_type
 from ...common.notebook import NotebookRepr, counted, history, rows_of
 from ...ground.loads import pattern_of
 from ...ground.motion import STANDARD_GRAVITY
@@ -183,6 +183,7 @@ def push_over(
     InputError
         If a value is wrong, or if the structure has no weight or no stable rest.
     """
+    check_type("structure", structure, Structure)
     check_number("direction", direction, FINITE, "an angle in rad")
     check_number("vertical", vertical, FINITE, "a ratio, upwards positive")
     if not structure.weight > 0.0:
