@@ -6,6 +6,7 @@ Each function returns its argument unchanged if joint j is no bearing.
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, greater, index_of, square_root, where, zero_like
 from .bed import Bed, Plane
+from .kinematics import pose_two, relative_motion
 from .layout import POINT
 
 TINY = 1e-300  # m
@@ -97,6 +98,14 @@ def come_off(scene, found):
         x, y, capacity = scene.resultants.s1[j], scene.resultants.s2[j], scene.joints.capacity[j]
         found = where(x * x + y * y > capacity * capacity, index_of(scene.joints.upper[j]) + 1.0, found)
     return found
+
+
+@kernel
+def travel_left(scene, phase, j):
+    """Return how much further the faces of bearing j may be displaced, m, until what it bears has come off."""
+    pose_two(scene, phase, index_of(scene.joints.upper[j]), index_of(scene.joints.lower[j]))
+    x, y, _ = relative_motion(scene, phase, j).gap
+    return scene.joints.capacity[j] - square_root(x * x + y * y)
 
 
 @kernel

@@ -28,7 +28,7 @@ from ..numba_ext.views import copy
 from . import modal, stabilized
 from .attempt import attempt, evaluate_at, rate, size_of, square_of
 from .base import is_quiet
-from .bearing import come_off
+from .bearing import come_off, travel_left
 from .bond import copy_bonds
 from .contact import forget_directions, forget_known_gaps
 from .cracking import crack_within
@@ -116,16 +116,19 @@ def _crossed(before, after):
 
 @kernel
 def fraction_before_fall(scene, begin, end):
-    """Return the fraction of a step, between two phases, after which a block has fallen; 1 if it left a bearing.
+    """Return the fraction of a step, between two phases, after which a block has fallen.
 
     The margins of `fallen` are taken as linear over the step, which errs by the square of its length.
     """
     fraction = 1.0 + zero_like(end.uz[0])
-    # the first margin that becomes zero, of heights and of tilts
+    # the first margin that becomes zero, of heights, of tilts and of bearings
     for i in range(scene.n):
         fraction = lesser(fraction, _crossed(_height_left(scene, begin, i), _height_left(scene, end, i)))
     for j in range(scene.m):
         fraction = lesser(fraction, _crossed(tilt_left(scene, begin, j), tilt_left(scene, end, j)))
+    for j in range(scene.m - scene.extras.b, scene.m):
+        before = travel_left(scene, begin, j)
+        fraction = lesser(fraction, _crossed(before, travel_left(scene, end, j)))
     return fraction
 
 
