@@ -322,7 +322,7 @@ class Terminal(io.StringIO):
 
 def test_a_terminal_says_what_is_compiled_and_a_pipe_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
     for shown, said in (
-        (Terminal(), "compiling the kernels of columns at rest, once: about 8 s\n"),
+        (Terminal(), f"compiling the kernels of columns at rest, once: about {GROUPS['statics'].seconds} s\n"),
         (io.StringIO(), ""),
     ):
         monkeypatch.setattr(sys, "stderr", shown)
@@ -337,7 +337,10 @@ def test_a_command_says_it_in_a_pipe_too_and_nothing_stays(
     monkeypatch.setattr(making, "keep", lambda *_: None)
     with announcing(print):
         made_now(monkeypatch)
-    assert capsys.readouterr().out == "compiling the kernels of columns at rest, once: about 8 s\n"
+    assert (
+        capsys.readouterr().out
+        == f"compiling the kernels of columns at rest, once: about {GROUPS['statics'].seconds} s\n"
+    )
     made_now(monkeypatch)
     assert capsys.readouterr() == ("", "")
 
