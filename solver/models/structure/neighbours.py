@@ -50,6 +50,7 @@ PARALLEL = 0.5  # cosine of the angle between the axis of a drum and a face beyo
 OPPOSITE = -0.9  # largest cosine of the angle between the normals of faces that face each other
 LEAST = 1e-6  # of half the length of a drum: sides that face each other over less do not meet
 NEAR = 1e-6  # m
+DIFFERENCE, ROUNDED = 1e-6, 9  # m, of the distance; decimals of its direction, of which rounding leaves nothing
 
 
 def after_fall_of(data: Mapping[str, Any]) -> float:
@@ -99,6 +100,8 @@ def neighbours_from(
             within = math.inf if key else reach
             deepest = _deepest(blocks, one, other, own)
             pairs = _pairs_between(blocks, bodies, one, other, within, deepest)
+            if "gap" in own:
+                pairs = _moved_to(own["gap"], pairs, blocks, bodies)
             found += [_with_law(key or "neighbours", pair, {**_law(given, own), **own}, blocks) for pair in pairs]
     if after_fall:
         found += _pairs_after_fall(blocks, bodies, joined, given)
@@ -233,6 +236,34 @@ def _pairs_between(
             pairs = [Pair(one, other, both, away, size, faces=area > 0.0)]
         found += pairs
     return found if min(pair.gap for pair in found) <= reach else []
+
+
+def _moved_to(gap: float, pairs: list[Pair], blocks: tuple[Solid, ...], bodies: list[list[_Body]]) -> list[Pair]:
+    """Return the pairs of two blocks as if the first were moved along their distance until the least gap is `gap` (m).
+
+    A rigid shape moves, so that its contact derives from an energy at any gap. Sides of drums keep their places: their
+    radius counts instead (`farther`).
+    """
+    nearest = min(pairs, key=lambda pair: pair.gap)
+    by = nearest.gap - gap
+    if nearest.side or by == 0.0:
+        return pairs
+    # direction of the distance, by central differences of it
+    parts, still = {id(body.polyhedron): body.part for own in bodies for body in own}, np.zeros((3, 3))
+    between, steps = blocks[nearest.other].centroid - blocks[nearest.one].centroid, DIFFERENCE * np.eye(3)
+    one, other = (parts[id(body)] for body in nearest.bodies)
+    slope = distance(one, other, still, still, between + steps) - distance(one, other, still, still, between - steps)
+    direction = np.round(slope / (2.0 * DIFFERENCE), ROUNDED)
+    vector = by * direction / np.linalg.norm(direction)
+    # the bodies, and their distances then
+    moved = {id(pair.bodies[0]): pair.bodies[0].moved(vector) for pair in pairs}
+    made = []
+    for pair in pairs:
+        one, other = (parts[id(body)] for body in pair.bodies)
+        left = float(distance(one, other, still[:1], still[:1], (between - vector)[None])[0])
+        both = moved[id(pair.bodies[0])], pair.bodies[1]
+        made.append(replace(pair, bodies=both, gap=gap if pair is nearest else left, shift=abs(by)))
+    return made
 
 
 def _before_faces(
@@ -386,7 +417,7 @@ def _with_law(key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Soli
     else:
         mass = 1.0 / sum(1.0 / blocks[i].mass for i in (pair.one, pair.other) if i < len(blocks))
         damping = damping_of(law["restitution"], mass, stiffness)
-    gap = law.get("gap", max(pair.gap, 0.0))
+    gap = max(pair.gap, 0.0) if pair.shift else law.get("gap", max(pair.gap, 0.0))
     # of the body of a drum, if no other is given: its line spread over the radius
     own = law.get("stiffness", law[of_kind] / radius)
     return replace(

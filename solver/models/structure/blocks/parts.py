@@ -149,7 +149,8 @@ class Pair:
     beside: Side | Face | None = None  # what that side is before; the face of a wall
     faces: bool = True  # sides of both face each other as built
     presses: bool = True  # False: only the side does, the bodies press on each other in another pair
-    farther: float = 0.0  # m, added to the distance of the blocks
+    farther: float = 0.0  # m, added to the distance of a drum
+    shift: float = 0.0  # m, by which the first body is moved to its gap, if that is not the one as built
     stiffness: float = 0.0  # N/m2 of sides, else N/m3
     body_stiffness: float = 0.0  # N/m3
     damping: float = 0.0  # s

@@ -49,6 +49,17 @@ class Polyhedron:
         """The area of its shadow, averaged over all directions, m2: a quarter of its surface (Cauchy)."""
         return 0.25 * sum(float(polygon_moments(plane.outline)[0]) for plane in self.planes)
 
+    def moved(self, by: FloatArray) -> Polyhedron:
+        """Return the polyhedron moved by a vector, (3,) m, along the axes of its block; of a drum its prism alone."""
+        planes = []
+        for plane in self.planes:
+            second = np.cross(plane.normal, plane.axis)
+            along = np.array([by @ plane.axis, by @ second])
+            planes.append(
+                plane._replace(distance=plane.distance + float(by @ plane.normal), outline=plane.outline + along)
+            )
+        return Polyhedron(tuple(planes), np.zeros(3))
+
     def row(self) -> FloatArray:
         """Return the numbers for the kernels (layout.py, SOLID)."""
         corners, half = self.corners, float(np.linalg.norm(self.axis))
