@@ -174,13 +174,18 @@ def _build(options: argparse.Namespace) -> None:
     # native or in Python
     rest = options.space, drive, options.plain_names, options.reference
     if options.native:
-        platforms = options.platforms.split(",") if options.platforms else None
+        platforms = None if options.platforms is None else options.platforms.split(",")
         form = Form(options.fmi, options.source, options.terminals, options.scalars, options.real_outputs)
         path = build_native_fmu(options.column, options.output, options.record, platforms, form, *rest)
-    elif options.fmi != 2 or options.source or options.terminals:
-        option = "--source" if options.source else "--terminals" if options.terminals else f"--fmi {options.fmi}"
-        raise InputError(f"{option}: with --native only")
     else:
+        native_only = {
+            "--source": options.source,
+            "--terminals": options.terminals,
+            "--platforms": options.platforms is not None,
+            f"--fmi {options.fmi}": options.fmi != 2,
+        }
+        for option in (name for name, is_given in native_only.items() if is_given):
+            raise InputError(f"{option}: with --native only")
         path = build_fmu(options.column, options.output, options.record, *rest, options.real_outputs)
     print(path)
 

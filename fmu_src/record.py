@@ -21,6 +21,7 @@ class Record:
         self.pga = motion.pga  # m/s2
         moves = np.flatnonzero((motion.ax != 0.0) | (motion.ay != 0.0) | (motion.az != 0.0))
         self.begins = float(motion.time[max(0, moves[0] - 1)]) if len(moves) else math.inf  # s, start of motion
+        self.ends = float(motion.time[min(moves[-1] + 1, len(motion.time) - 1)]) if len(moves) else -math.inf
         parts = (motion.time, motion.ax, motion.az, *([motion.ay] if motion.has_ay else []))
         self.digest = hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()
 

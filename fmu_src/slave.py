@@ -262,7 +262,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._stepped = True
         self._inputs_stand = self._outdated = True
         if not self._shaken:
-            self._shaken = self._has_moved(given)
+            self._shaken = self._has_moved(start, given)
         if record is not None and not self._coarse_warned and step > record.dt * (1.0 + rules.STEP_SLACK):
             self._coarse_warned = True
             self._say(Fmi2Status.warning, rules.COARSE % (step, record.dt))
@@ -271,11 +271,11 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         if not self._unstable_warned:
             self._warn_of_instability(start)
 
-    def _has_moved(self, given: list[float]) -> bool:
-        """Return True if the base moved in the last step, or a port was loaded."""
+    def _has_moved(self, start: float, given: list[float]) -> bool:
+        """Return True if the base moved in the last step, begun at `start`, or a port was loaded."""
         record, base = self._record, self._stepper.arrays.base
         least = rules.STILL if self._is_driven else 0.0
-        follows = record is not None and self._time > record.begins
+        follows = record is not None and self._time > record.begins and start < record.ends
         return follows or any(abs(base[k]) > least for k in self._motion) or any(given[k] for k in self._loads)
 
     @property

@@ -384,9 +384,9 @@ static void watch_input(Instance *instance, int input, double value) {
 }
 
 /* Whether the base has moved in the last step, or a port was loaded. */
-static int has_moved(const Moment *now) {
+static int has_moved(const Moment *now, double start) {
     double least = drive_of(now, NULL) ? STILL : 0.0;
-    if (now->has_record && now->scale != 0.0 && now->time > RECORD_BEGINS) return 1;
+    if (now->has_record && now->scale != 0.0 && now->time > RECORD_BEGINS && start < RECORD_ENDS) return 1;
     for (int k = 0; k < MOTIONS; k++)
         if (fabs(now->base[motion_in_base[k]]) > least) return 1;
     for (int k = AT_LOADS; k < AT_LOADS + LOADS; k++)
@@ -668,7 +668,7 @@ static Status advance(Instance *instance, double start, double step, char *reaso
     now->time = start + step;
     instance->stepped = 1;
     now->inputs_stand = instance->outdated = 1;
-    if (FALLS && !now->shaken) now->shaken = has_moved(now);
+    if (FALLS && !now->shaken) now->shaken = has_moved(now, start);
     if (FALLS && now->has_record && !instance->coarse_warned && step > RECORD_DT * (1.0 + STEP_SLACK)) {
         char text[NUMBER];
         instance->coarse_warned = 1;

@@ -404,13 +404,14 @@ def _record(contents: Contents) -> list[str]:
     """Return the arrays of the samples; the kernels compute the slopes between them."""
     motion = contents.record
     count = 0 if motion is None else len(motion.time)
-    dt, begins = (0.0, math.inf) if motion is None else (Record(motion).dt, Record(motion).begins)
+    record = None if motion is None else Record(motion)
+    dt, begins, ends = (record.dt, record.begins, record.ends) if record else (0.0, math.inf, -math.inf)
     pga = 0.0 if motion is None else motion.pga
     largest = 0.0 if motion is None else max(np.abs(part).max() for part in (motion.ax, motion.ay, motion.az))
     lines = _enum({"SAMPLES": count})
     lines.append(f"#define USUAL_STEP {_number(dt or STEP_SIZE)}")
-    lines += [f"#define RECORD_DT {_number(dt)}", f"#define RECORD_BEGINS {_number(begins)}"]
-    lines += [f"#define RECORD_LARGEST {_number(pga)}"]
+    lines += [f"#define RECORD_DT {_number(dt)}", f"#define RECORD_LARGEST {_number(pga)}"]
+    lines += [f"#define RECORD_BEGINS {_number(begins)}", f"#define RECORD_ENDS {_number(ends)}"]
     lines.append(f"#define MOST_RECORD_SCALE {_number(LARGEST / largest if largest > 0.0 else LARGEST)}")
     lines.append(f"#define RECORD_NAME {_quoted(contents.record_name)}")
     for name in ("time", "ax", "ay", "az"):

@@ -117,6 +117,19 @@ def test_a_record_moves_the_base_from_its_first_sample_that_is_not_zero(
         assert any("acceleration was zero" in line for line in said(done.stdout)) != moves
 
 
+@pytest.mark.parametrize("options", [(), LINUX], ids=["python", "native"])
+def test_a_record_that_has_ended_before_the_run_does_not_move_the_base(
+    options: tuple[str, ...], tmp_path: Path
+) -> None:
+    if options:
+        pytest.importorskip("ziglang", reason="needs the extra native")
+    (tmp_path / "over.csv").write_text("time,base.ax\n-0.01,0\n-0.005,0.5\n0,0\n")
+    fmu = Fmus.build(stack_file(tmp_path, 1), tmp_path / "over.fmu", "--record", tmp_path / "over.csv", *options)
+    done = ended(driven.run, fmu, {}, [{}] * 3)
+    assert done.returncode == 0, done.stderr
+    assert any("acceleration was zero" in line for line in said(done.stdout))
+
+
 def test_inputs_that_do_nothing() -> None:
     assert idle("body", "base.ax") is Idle.EVER
     assert idle("body", "base.theta_x") is Idle.LATER

@@ -241,6 +241,7 @@ def test_an_fmu_is_overwritten_by_force_only(tmp_path: Path, capsys: pytest.Capt
         ("--fmi 3", "--fmi 3: with --native only"),
         ("--terminals", "--terminals: with --native only"),
         ("--source", "--source: with --native only"),
+        ("--platforms linux64", "--platforms: with --native only"),
         ("--native --platforms linux64,amiga", "amiga: must be of linux64, win64, darwin64, aarch64-linux"),
     ],
 )
