@@ -20,6 +20,7 @@ from solver.checks.check import check
 from solver.checks.limits import Plan
 from solver.checks.of_structure import InSpace
 from solver.checks.variants import difference
+from solver.commands.static_reports import push_over_report
 from solver.common.errors import InputError
 from solver.ground.motion import Motion
 from solver.models.column.model import Column
@@ -27,6 +28,7 @@ from solver.models.structure.blocks.faces import FloatArray
 from solver.models.structure.model import Structure
 from solver.models.structure.modes import modes_in_space, sliding_frequencies
 from solver.models.structure.numbers import structure_with
+from solver.models.structure.push import push_over
 from solver.models.structure.rest import rest_of, start_from
 from solver.models.structure.run import SpatialState
 from solver.models.structure.stepper import SpatialStepper
@@ -391,6 +393,13 @@ def test_a_slab_comes_off_beyond_the_displacement_that_its_bearing_allows() -> N
     assert lanes["path"][0] == "lanes"
     assert lanes["verdict"][0] == "overturned"
     assert lanes["overturn_time"][0] == pytest.approx(response.overturn_time, abs=1e-6)  # measured 2e-7
+
+
+def test_a_push_beyond_the_displacement_that_a_bearing_allows_is_said() -> None:
+    rest, mass = {"vertical_stiffness": 1e10}, 5000.0
+    said = push_over_report(push_over(slab(RUBBER, mass, capacity=0.1, **rest)))
+    assert f"mm that it allows at {4 * 2e4 * 0.1 / mass / G:.3g}" in said
+    assert "allows" not in push_over_report(push_over(slab(RUBBER, mass, capacity=10.0, **rest)))
 
 
 def test_the_displacement_of_a_bearing_is_an_output() -> None:
