@@ -105,7 +105,7 @@ def test_a_declared_gap_gives_the_hit_of_a_clearance_as_built(clearance: float) 
     assert built.peaks["hit"][0] > 5e3
     # the arm of the force differs a little: measured 3e-3 at 0.12 m
     assert declared.peaks["hit"] == pytest.approx(built.peaks["hit"], rel=5e-3)
-    assert declared.impacts[0].energy == pytest.approx(built.impacts[0].energy, rel=1e-6)
+    assert declared.impacts[0].energy == pytest.approx(built.impacts[0].energy, rel=5e-3)
     # on a still base the energy never grows
     after = declared.energy[declared.time > 0.765]
     assert np.all(np.diff(after) < 1e-6 * after[0])
