@@ -44,6 +44,8 @@ from solver.commands.command_line import program_parser, run_command
 from solver.common.errors import needing, shown
 from solver.common.files import check_outputs, identifier_of, whole_file
 from solver.ground.motion import Motion
+from solver.ground.records import format_of
+from solver.ground.records.columns import PLAIN
 from solver.kernels.layout.spaces import DRIVES, SLOPES
 from solver.kernels.machine.packaging import libraries
 from solver.kernels.machine.sources import SOURCES
@@ -184,8 +186,8 @@ def _build(options: argparse.Namespace) -> None:
             "--platforms": options.platforms is not None,
             f"--fmi {options.fmi}": options.fmi != 2,
         }
-        for option in (name for name, is_given in native_only.items() if is_given):
-            raise InputError(f"{option}: with --native only")
+        if given := [option for option, is_given in native_only.items() if is_given]:
+            raise InputError(f"{given[0]}: with --native only")
         path = build_fmu(options.column, options.output, options.record, *rest, options.real_outputs)
     print(path)
 
@@ -236,7 +238,7 @@ def build_native_fmu(
     if body.why_not_native:
         raise InputError(f"--native: {column_file} {body.why_not_native}")
     # record, libraries and the files beside them
-    motion = None if record is None else Motion.from_file(record)
+    motion = None if record is None else _motion_of(record)
     body.samples(motion)  # raises InputError for an unsuitable motion
     record_name = record.name if record else ""
     print(f"building the libraries of {', '.join(dict.fromkeys(platforms))}", file=sys.stderr, flush=True)
@@ -262,6 +264,16 @@ def _body_and_output(
     if record is not None:
         _check_record_name(record.name)
     return body, output
+
+
+def _motion_of(record: Path) -> Motion:
+    """Read the record of an FMU, which has no option for units. Raises InputError."""
+    try:
+        return Motion.from_file(record)
+    except InputError as why:
+        if record.is_file() and format_of(record) == PLAIN:
+            raise InputError(f"{why}; for an FMU, multiblock convert writes a file that needs none") from None
+        raise
 
 
 def _check_record_name(name: str) -> None:
@@ -321,7 +333,7 @@ def build_fmu(
     body, output = _body_and_output(column, output, record, space, drive)
     record_name, motion = "", None
     if record is not None:
-        motion = Motion.from_file(record)
+        motion = _motion_of(record)
         body.samples(motion)
         record_name = record.name
     with tempfile.TemporaryDirectory(prefix="build_fmu_") as folder:

@@ -427,10 +427,10 @@ def check(
     SolverError
         If the column does not stand at rest or a run cannot be finished.
     """
-    optional = (("target", target, TargetSpectrum), ("below", below, TargetSpectrum), ("building", building, Building))
-    for key, value, kind in (*optional, ("plan", plan, Plan)):
-        if value is not None:
-            check_type(key, value, kind)
+    for key, spectrum in (("target", target), ("below", below)):
+        check_type(key, spectrum, TargetSpectrum, None)
+    check_type("building", building, Building, None)
+    check_type("plan", plan, Plan, None)
     span = None if periods is None else check_periods(periods)
     level = Level(target, pga, vertical_pga, sa, span, least, artificial, vertical, seed, force_scale, below)
     plan = Plan() if plan is None else plan

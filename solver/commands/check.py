@@ -317,7 +317,9 @@ def level_of(options: argparse.Namespace) -> Level:
     return Level(
         target=target_of(options),
         below=below_of(options),
-        **{key: in_g(f"--{key.replace('_', '-')}", getattr(options, key)) for key in ("pga", "vertical_pga", "sa")},
+        pga=in_g("--pga", options.pga),
+        vertical_pga=in_g("--vertical-pga", options.vertical_pga),
+        sa=in_g("--sa", options.sa),
         periods=None if options.periods is None else (options.periods[0], options.periods[1]),
         least=options.least,
         artificial=options.artificial,

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from numbers import Integral, Real
 from pathlib import Path
+from typing import Any
 
 # Closed ranges of float64 for `check_number`.
 POSITIVE = (sys.float_info.min, sys.float_info.max)
@@ -68,16 +69,12 @@ def check_number(key: str, value: object, limits: tuple[float, float], meaning: 
     return number
 
 
-def check_type(key: str, value: object, *types: type) -> None:
-    """Raise InputError unless `value` is an instance of one of `types`."""
-    if not isinstance(value, types):
-        raise InputError(f"{key} = {shown(value)}: must be of type {' or '.join(one.__name__ for one in types)}")
-
-
-def check_callback(callback: object) -> None:
-    """Raise InputError unless `callback` is callable, or None."""
-    if callback is not None and not callable(callback):
-        raise InputError(f"callback = {shown(callback)}: must be callable")
+def check_type(key: str, value: object, *types: Any) -> None:
+    """Raise InputError unless `value` is an instance of one of `types`, classes or None."""
+    classes = tuple(type(None) if one is None else one for one in types)
+    if not isinstance(value, classes):
+        names = " or ".join("None" if one is None else one.__name__ for one in types)
+        raise InputError(f"{key} = {shown(value)}: must be of type {names}")
 
 
 def check_whole(key: str, value: object, least: int, most: float, meaning: str) -> int:

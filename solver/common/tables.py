@@ -54,14 +54,16 @@ def tables_in(key: str, data: Mapping[str, Any], least: int = 1) -> list[Mapping
     return tables
 
 
-def numbers_of(key: str, value: object, ndim: int | None = None) -> NDArray[np.float64]:
-    """Convert a value to a new array of numbers. Raises InputError if it is none, or has another `ndim` than given."""
+def numbers_of(
+    key: str, value: object, ndim: int | None = None, meaning: str = "a list of numbers"
+) -> NDArray[np.float64]:
+    """Convert a value to a new array of numbers, of `ndim` axes if that is given. Raises InputError."""
     try:
         found = np.array(value, dtype=np.float64)
     except (TypeError, ValueError):
         found = None
     if found is None or ndim not in (None, found.ndim):
-        raise InputError(f"{key} = {shown(value)}: must be {'numbers' if ndim is None else 'a list of numbers'}")
+        raise InputError(f"{key} = {shown(value)}: must be {'numbers' if ndim is None else meaning}")
     return found
 
 

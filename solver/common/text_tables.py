@@ -22,6 +22,7 @@ COMMENTS = ("#", "%", "!", "//")
 MOST_ROUNDED = 1e-9  # of the shortest step: times with a larger rounding error in float64 are shifted to begin at 0
 FEWEST_OF_MANY = 4  # least number of rows to tell columns with times from samples row by row
 _EMPTY = re.compile(r"[,;]\s*[,;]\s*[^\s,;]")  # marks at the end of a row separate nothing
+_UNIT = re.compile(r"[(\[]([^)\]]*)[)\]]")
 _WORD = re.compile(r"[\s,;]*([^\s,;]*)")
 _COMMAS = re.compile(r"[+-]?\d*,\d+(?:[EeDd][+-]?\d+)?(?:,[+-]?\d*,\d+(?:[EeDd][+-]?\d+)?)*", re.ASCII)
 
@@ -52,6 +53,12 @@ class TextTable:
         columns = range(len(self.names)) if columns is None else columns
         found = [[number(line, row[k]) for k in columns] for line, row in zip(self.lines, self.rows, strict=True)]
         return np.array(found, dtype=np.float64).reshape(len(found), len(columns))
+
+
+def unit_in(heading: str) -> str | None:
+    """Return the unit in the brackets of a heading, in lower case, or None without brackets."""
+    found = _UNIT.search(heading.lower())
+    return found and found[1].strip()
 
 
 def table_of(lines: Sequence[str], names: Sequence[str] = ()) -> TextTable:

@@ -277,9 +277,10 @@ def rotd(
 
 def _periods(given: Sequence[float] | FloatArray | None) -> FloatArray:
     """Return periods as an array, by default PERIODS. Raises InputError unless they are a list of numbers."""
-    periods = numbers_of("periods", PERIODS if given is None else given, 1)
+    meaning = "a list of positive times in s, at least one"
+    periods = numbers_of("periods", PERIODS if given is None else given, 1, meaning)
     if not periods.size:
-        raise InputError(f"periods = {shown(given)}: must be a list of positive times in s, at least one")
+        raise InputError(f"periods = {shown(given)}: must be {meaning}")
     return periods
 
 

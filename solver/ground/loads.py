@@ -25,7 +25,6 @@ from __future__ import annotations
 
 import math
 import os
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -38,7 +37,7 @@ from ..common.errors import POSITIVE, InputError, check_number, reading, shown
 from ..common.ranges import check_choice
 from ..common.tables import numbers_of
 from ..common.text import lines_of
-from ..common.text_tables import table_of
+from ..common.text_tables import table_of, unit_in
 from .records.record import FloatArray
 
 if TYPE_CHECKING:
@@ -51,7 +50,6 @@ LARGEST = 1e15
 FORCE = (-LARGEST, LARGEST), "a finite force in N, or couple in N m"
 SAME_INSTANT = 1e-6  # of the shortest interval: instants closer than this differ by rounding only
 MOST_SAMPLES = 10**7
-_UNIT = re.compile(r"[(\[]([^)\]]*)[)\]]")  # in a heading
 
 Given = Mapping[str, Any]  # by component, or a Load
 
@@ -370,8 +368,7 @@ def load_from_file(path: str | os.PathLike[str]) -> tuple[FloatArray, FloatArray
         if len(found.names) != 2 or len(found.rows) < 2:
             raise InputError("must have two columns, time (s) and load (N, N m), and two rows at least")
         for name, units in zip(found.names, (("s",), ("n", "n m", "nm")), strict=True):
-            named = _UNIT.search(name.lower())
-            if named and named[1] not in units:
+            if unit_in(name) not in (None, *units):
                 raise InputError(f"line 1: {shown(name)}: must be times in s and loads in N or N m")
         table = found.numbers()
         return table[:, 0], table[:, 1]

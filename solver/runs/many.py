@@ -19,8 +19,8 @@ from ..common.errors import (
     InputError,
     InputWarning,
     SolverError,
-    check_callback,
     check_number,
+    check_type,
     check_whole,
     shown,
 )
@@ -167,7 +167,7 @@ def parts_of_many(
     ExecutorError
         If the executor fails.
     """
-    check_callback(callback)
+    check_type("callback", callback, Callable, None)
     settle, whole = _checked(settle, threads, responses)
     first, columns = _first_of(columns)
     kind: Kind | None = getattr(first, "kind", None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, overload
 
 from ..common.errors import (
@@ -12,8 +12,8 @@ from ..common.errors import (
     InputError,
     InputWarning,
     SolverError,
-    check_callback,
     check_number,
+    check_type,
     check_whole,
     shown,
 )
@@ -207,7 +207,7 @@ def simulate(
             raise InputError(f"after_fall = {shown(after_fall)}: must be left out, only a structure goes on")
         column = column.going_on(after_fall)
     _check_ports(motion, column)
-    check_callback(callback)
+    check_type("callback", callback, Callable, None)
     plan, spread = RunPlan(motion, duration, times, initial, settle, callback), Spread() if spread is None else spread
     if plane is not None:
         check_choice("plane", plane, ("auto",))

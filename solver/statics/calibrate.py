@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 import os
-import re
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -34,7 +33,7 @@ from ..common.errors import (
 from ..common.files import MOST_TABLE
 from ..common.tables import numbers_of
 from ..common.text import lines_of
-from ..common.text_tables import check_times, from_zero, table_of
+from ..common.text_tables import check_times, from_zero, table_of, unit_in
 from ..models.column.model import Column
 from ..models.column.modes import modes_about_rest
 from ..models.column.packing import FloatArray
@@ -590,7 +589,7 @@ def read_history(path: str | os.PathLike[str], channel: str | None = None) -> tu
         names = list(table.names)
         if len(names) < 2:
             raise InputError("must be a CSV file of times and values, with a header")
-        if (unit := re.search(r"[(\[]([^)\]]*)[)\]]", names[0])) and unit[1].strip() != "s":
+        if unit_in(names[0]) not in (None, "s"):
             raise InputError(f"line 1: {shown(names[0])}: must be times in s")
         if channel is not None and channel not in names[1:]:
             raise InputError(f"channel = {channel}: must be one of {', '.join(names[1:10])}")

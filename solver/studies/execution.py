@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from ..common.errors import InputError, SolverError, check_callback, check_type, reading
+from ..common.errors import InputError, SolverError, check_type, reading
 from ..common.executors import TRIES, cores, error_text, sent_out, workers_of
 from ..common.plausible import warn_of_first
 from ..ground.motion import check_strength
@@ -77,7 +77,7 @@ def run_study(
         If the executor fails; call the function again to continue.
     """
     check_type("study", study, Study)
-    check_callback(callback)
+    check_type("callback", callback, Callable, None)
     # warn of unlikely columns and records
     warn_of_first(subject.kind.warnings(subject) for subject in study.columns)
     for shaking in study.motions:

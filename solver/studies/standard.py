@@ -181,8 +181,7 @@ def _run(
     random: Randoms = options.pop("random", None) or {}
     folder: str | Path | None = options.pop("folder", None)
     check_type("random", random, Mapping)
-    if measure is not None:
-        check_type("measure", measure, Measure)
+    check_type("measure", measure, Measure, None)
     study = Study(
         kind=kind,
         columns=tuple(column) if isinstance(column, Sequence) else (column,),

@@ -154,8 +154,8 @@ def test_the_picture_shows_what_is_measured() -> None:
         (lambda: spectrum(PULSE, [1.0], 1.0), "damping = 1.0: must be a part of critical"),
         (lambda: plot_records({}), "no record to draw"),
         (lambda: spectrum(PULSE, []), "periods = []: must be a list of positive times in s, at least one"),
-        (lambda: spectrum(PULSE, 1.0), "periods = 1.0: must be a list of numbers"),  # type: ignore[arg-type]
-        (lambda: spectrum(PULSE, ["a"]), "periods = ['a']: must be a list of numbers"),  # type: ignore[list-item]
+        (lambda: spectrum(PULSE, 1.0), "periods = 1.0: must be a list of positive times in s"),  # type: ignore[arg-type]
+        (lambda: spectrum(PULSE, ["a"]), "periods = ['a']: must be a list of positive times"),  # type: ignore[list-item]
         (lambda: intensity(PULSE, "x"), "component = 'x': must be one of ax, ay, az"),  # type: ignore[arg-type]
     ],
 )

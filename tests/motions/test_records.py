@@ -89,8 +89,8 @@ def test_a_third_plain_column_is_vertical(tmp_path: Path) -> None:
     ("text", "given", "said"),
     [
         # nothing is guessed
-        (plain(), {}, f"no known header ({', '.join(NAMES)}): units must be given (--units; "),
-        (plain(), {"dt": 0.01}, f"no known header ({', '.join(NAMES)}): units must be given (--units; "),
+        (plain(), {}, f"no known header ({', '.join(NAMES)}): units must be given (--units)"),
+        (plain(), {"dt": 0.01}, f"no known header ({', '.join(NAMES)}): units must be given (--units)"),
         (plain(), {"units": "g"}, "line 2: 1 values, must be time, ax and perhaps az, or dt must be given"),
         (plain(), {"dt": 0.01, "units": "mm/s2"}, "units = 'mm/s2': must be g, m/s2 or cm/s2"),
         (plain(), {"dt": 0.01, "units": "G-force"}, "units = 'G-force': must be g, m/s2 or cm/s2"),

@@ -315,6 +315,9 @@ def test_an_error_of_numba_is_shown_with_its_innermost_place() -> None:
     assert making.reason_in("") == "it was ended"
 
 
+COMPILING = f"compiling the kernels of columns at rest, once: about {GROUPS['statics'].seconds} s\n"
+
+
 class Terminal(io.StringIO):
     def isatty(self) -> bool:
         return True
@@ -322,7 +325,7 @@ class Terminal(io.StringIO):
 
 def test_a_terminal_says_what_is_compiled_and_a_pipe_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
     for shown, said in (
-        (Terminal(), f"compiling the kernels of columns at rest, once: about {GROUPS['statics'].seconds} s\n"),
+        (Terminal(), COMPILING),
         (io.StringIO(), ""),
     ):
         monkeypatch.setattr(sys, "stderr", shown)
@@ -337,10 +340,7 @@ def test_a_command_says_it_in_a_pipe_too_and_nothing_stays(
     monkeypatch.setattr(making, "keep", lambda *_: None)
     with announcing(print):
         made_now(monkeypatch)
-    assert (
-        capsys.readouterr().out
-        == f"compiling the kernels of columns at rest, once: about {GROUPS['statics'].seconds} s\n"
-    )
+    assert capsys.readouterr().out == COMPILING
     made_now(monkeypatch)
     assert capsys.readouterr() == ("", "")
 

@@ -102,8 +102,8 @@ def read_plain(lines: list[str], dt: float | None, units: str | None, headers: S
                 "this line and give the units (--units) of columns of time, ax and perhaps az"
             )
         raise InputError(
-            f"no known header ({', '.join(headers)}): units must be given (--units; convert it for build-fmu) to read "
-            f"it as plain columns, {KNOWN}"
+            f"no known header ({', '.join(headers)}): units must be given (--units) to read it as plain columns, "
+            f"{KNOWN}"
         )
     factor = factor_of(units)
     texts = [

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, product
 from typing import Any, NamedTuple
@@ -101,7 +101,7 @@ def neighbours_from(
             deepest = _deepest(blocks, one, other, own)
             pairs = _pairs_between(blocks, bodies, one, other, within, deepest)
             if "gap" in own:
-                pairs = _moved_to(own["gap"], pairs, blocks, bodies)
+                pairs = _moved_to(own["gap"], pairs, blocks, (*bodies[one], *bodies[other]))
             found += [_with_law(key or "neighbours", pair, {**_law(given, own), **own}, blocks) for pair in pairs]
     if after_fall:
         found += _pairs_after_fall(blocks, bodies, joined, given)
@@ -238,7 +238,7 @@ def _pairs_between(
     return found if min(pair.gap for pair in found) <= reach else []
 
 
-def _moved_to(gap: float, pairs: list[Pair], blocks: tuple[Solid, ...], bodies: list[list[_Body]]) -> list[Pair]:
+def _moved_to(gap: float, pairs: list[Pair], blocks: tuple[Solid, ...], bodies: Iterable[_Body]) -> list[Pair]:
     """Return the pairs of two blocks as if the first were moved along their distance until the least gap is `gap` (m).
 
     A rigid shape moves, so that its contact derives from an energy at any gap. Sides of drums keep their places: their
@@ -249,7 +249,7 @@ def _moved_to(gap: float, pairs: list[Pair], blocks: tuple[Solid, ...], bodies: 
     if nearest.side or by == 0.0:
         return pairs
     # direction of the distance, by central differences of it
-    parts, still = {id(body.polyhedron): body.part for own in bodies for body in own}, np.zeros((3, 3))
+    parts, still = {id(body.polyhedron): body.part for body in bodies}, np.zeros((3, 3))
     between, steps = blocks[nearest.other].centroid - blocks[nearest.one].centroid, DIFFERENCE * np.eye(3)
     one, other = (parts[id(body)] for body in nearest.bodies)
     slope = distance(one, other, still, still, between + steps) - distance(one, other, still, still, between - steps)
