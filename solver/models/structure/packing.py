@@ -160,8 +160,8 @@ def _model_of(parts: Parts, g: float) -> PackedModel:
     for p, pair in enumerate(pairs):
         _fill_pair(names.pairs, p, pair, solids, place)
         names.pairs.body_a[p], names.pairs.body_b[p] = (bodies[id(body)] for body in pair.bodies)
-        reach = solids[pair.one].reach + pair.shift
-        names.bodies.reach[pair.one] = max(names.bodies.reach[pair.one], reach)
+        for i in {pair.one, pair.other} - {len(solids)}:
+            names.bodies.reach[i] = max(names.bodies.reach[i], solids[i].reach + pair.beyond)
         place += sides[p].size
         if pair.joined:
             for j, joint in enumerate(joints):
@@ -310,7 +310,7 @@ def _fill_pair(table: Any, p: int, pair: Pair, solids: tuple[Solid, ...], place:
     table.friction[p], table.shear[p] = pair.friction, pair.shear
     table.shear_damping[p] = RELAXATION / frequency
     table.decay[p] = 1.0 / (pair.damping * frequency**2) if pair.damping else math.inf
-    reach = sum(solid.reach for solid in blocks) + pair.shift + max(0.0, -pair.farther)
+    reach = sum(solid.reach for solid in blocks) + pair.beyond
     table.reach[p] = math.inf if pair.other == len(solids) else reach
 
 

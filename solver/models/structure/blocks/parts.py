@@ -159,6 +159,11 @@ class Pair:
     wall: int = 0  # number of the wall, from 1, where the other one is the base
     joined: bool = False  # joints connect both; they meet only after a fall, once these have ended
 
+    @property
+    def beyond(self) -> float:
+        """The length by which its contact may reach beyond the blocks, m, where a gap is declared."""
+        return self.shift + max(0.0, -self.farther)
+
 
 @dataclass(frozen=True, eq=False)
 class Tie:
