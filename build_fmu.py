@@ -168,7 +168,8 @@ def _build(options: argparse.Namespace) -> None:
     # options that exclude one another
     drive = drive_of(options.drive, options.slope, options.bodies, options.turns)
     if not drive.is_chosen and drive != USUAL._replace(turns=drive.turns):
-        raise InputError("--slope, --bodies: must be left out without --drive body or horizontal")
+        given = "--slope" if drive.slope != USUAL.slope else "--bodies"
+        raise InputError(f"{given}: must be left out without --drive body or horizontal")
     if drive.drive != USUAL.drive and options.record is not None:
         raise InputError("--record: must be left out with --drive, the ground moves the bodies at the base")
     if options.plain_names and options.fmi == 3 and not options.scalars:
@@ -176,7 +177,7 @@ def _build(options: argparse.Namespace) -> None:
     # native or in Python
     rest = options.space, drive, options.plain_names, options.reference
     if options.native:
-        platforms = None if options.platforms is None else options.platforms.split(",")
+        platforms = None if options.platforms is None else re.split(r"[,\s]+", options.platforms.strip())
         form = Form(options.fmi, options.source, options.terminals, options.scalars, options.real_outputs)
         path = build_native_fmu(options.column, options.output, options.record, platforms, form, *rest)
     else:

@@ -19,7 +19,7 @@ from ..common.digits import percent
 from ..common.errors import InputError, reading
 from ..common.executors import end_with_parent
 from ..common.files import check_outputs
-from ..runs.pace import CHUNK_SECONDS
+from ..runs.pace import CHUNK_SECONDS, FILLED, LONGER
 from ..studies.definition import Study
 from ..studies.execution import run_study
 from ..studies.journal import SUFFIX
@@ -45,7 +45,7 @@ def add_command(commands: Any) -> None:
     where.add_argument("--processes", type=int, metavar="N", help="processes of this machine")
     where.add_argument("--dask", metavar="ADDRESS", help="scheduler, tcp://HOST:PORT; or local, to try")
     run.add_argument("--samples", type=int, metavar="N", help="of the random parameters, in place of the file's")
-    words = f"s of work at once ({CHUNK_SECONDS:g})"
+    words = f"s of work at once ({CHUNK_SECONDS:g}), of fewer than {FILLED} runs up to {LONGER:g} times as long"
     run.add_argument("--chunk", type=float, default=CHUNK_SECONDS, metavar="S", help=words)
     # `show` and `plot`
     show = actions.add_parser("show", help="print what came out, also while it runs")

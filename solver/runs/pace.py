@@ -1,4 +1,7 @@
-"""The size of the chunks sent to workers: some seconds of work, estimated from the last chunk."""
+"""The size of the chunks sent to workers: some seconds of work, estimated from the last chunk.
+
+While the last runs of a chunk end, most lanes have none: a chunk of few costly runs may take longer.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,8 @@ from ..kernels.numba_ext.lanes import WIDTH
 CHUNK_SECONDS = 2.0  # of wall-clock time, for a worker
 FIRST_SECONDS = 0.2  # of the first chunks, whose cost is a guess, and of the last ones
 LEAST_RUNS, MOST_RUNS = 16, 2000  # in a chunk: enough to refill lanes, and bounded since the rows of a run take memory
+# runs of a chunk that keep lanes full although their lengths differ; factor on the seconds of one that has fewer
+FILLED, LONGER = 64, 5.0
 GROWTH = 4.0  # largest ratio of a chunk to the previous one: the next runs may cost more
 
 
@@ -24,7 +29,7 @@ class Pace:
     guess : float
         Cost of a unit of weight, s, before any chunk is measured.
     seconds : float
-        Target cost of a chunk, s of wall-clock time.
+        Target cost of a chunk, s of wall-clock time; of one with fewer than 64 runs the largest is 5 times that.
     """
 
     def __init__(self, total: int | None, workers: int, guess: float, seconds: float = CHUNK_SECONDS) -> None:
@@ -50,9 +55,10 @@ class Pace:
         if self._left is not None:
             rest = self._left - count
             whole = weight * self._cost * (1.0 + rest / count)  # s, with the rest, which alone would leave lanes empty
-            if self._workers == 1 and 0 < rest < LEAST_RUNS and whole <= self._wanted:
+            if self._workers == 1 and 0 < rest < LEAST_RUNS and whole <= 2.0 * LONGER * self._wanted:
                 return False
-            share = self._left / (self._workers if self._per_run == math.inf else 2 * self._workers)
-            if count >= max(LEAST_RUNS, FIRST_SECONDS / self._per_run, share):
+            parts = self._workers if self._workers == 1 or self._per_run == math.inf else 2 * self._workers
+            if count >= max(LEAST_RUNS, FIRST_SECONDS / self._per_run, self._left / parts):
                 return True
-        return count >= self._most or weight * self._cost >= self._seconds
+        seconds = self._seconds if count >= FILLED else LONGER * self._wanted
+        return count >= self._most or weight * self._cost >= seconds

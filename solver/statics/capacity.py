@@ -73,7 +73,7 @@ class CapacityCurve(Framed):
     column, theta, M, T = Alias("model"), Alias("ry"), Alias("My"), Alias("Tx")
 
     def _frame(self) -> Frame:
-        pushes = {"acceleration": "m/s2", "base_shear": "N", "base_moment": "N m"}
+        pushes = {"acceleration": "m/s2" if self.pattern is None else "1", "base_shear": "N", "base_moment": "N m"}
         columns = {name: getattr(self, name) for name in pushes}
         columns, units = columns | {one.key: getattr(self, one.field) for one in OUTPUTS}, pushes | UNITS
         return Frame(("place", np.arange(len(self.acceleration))), columns, units, {"column": self.model.name})
@@ -110,7 +110,7 @@ class CapacityCurve(Framed):
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a row for each equilibrium, under the names of a response. Raises OSError."""
         joints = [one for one in OUTPUTS if one.field != "uz"]
-        names = ["acceleration", "base.shear", "base.moment"]
+        names = ["acceleration" if self.pattern is None else "factor", "base.shear", "base.moment"]
         names += [one.name_of(i + 1) for one in joints for i in range(self.model.n)]
         parts = [self.acceleration[:, None], self.base_shear[:, None], self.base_moment[:, None]]
         rows = np.hstack([*parts, *(getattr(self, one.field) for one in joints)])

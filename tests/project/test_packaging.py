@@ -242,6 +242,8 @@ def test_an_fmu_is_overwritten_by_force_only(tmp_path: Path, capsys: pytest.Capt
         ("--terminals", "--terminals: with --native only"),
         ("--source", "--source: with --native only"),
         ("--platforms linux64", "--platforms: with --native only"),
+        ("--bodies 2", "--bodies: must be left out without --drive body or horizontal"),
+        ("--slope line", "--slope: must be left out without --drive body or horizontal"),
         ("--native --platforms linux64,amiga", "amiga: must be of linux64, win64, darwin64, aarch64-linux"),
     ],
 )

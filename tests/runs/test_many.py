@@ -19,7 +19,7 @@ from solver import Block, Column, InputError, Joint, Motion, Table, simulate, si
 from solver.common.turns import lock_held, lock_released
 from solver.models.column.outputs import KEPT, OUTPUTS, WATCHED
 from solver.runs.many import ExecutorError, parts_of_many
-from solver.runs.pace import MOST_RUNS
+from solver.runs.pace import MOST_RUNS, Pace
 
 WATCHED_BY_NAME = [output.extreme for output in OUTPUTS if output.kept in WATCHED]
 KEEP = ("peak_top_ux", "residual_top_ux", "residual_ry", "energy", "verdict", "overturn_time", "fallen", "steps")
@@ -155,6 +155,30 @@ def test_single_ones_stand_for_all_and_what_is_iterated_is_taken_as_needed() -> 
     assert len(taken) < 6 * MOST_RUNS
     motions = [motion.scaled(1.0 + 1e-4 * k) for k in range(first.first, first.first + len(first))]
     assert_same(first, simulate_many([one] * len(motions), motions))
+
+
+@pytest.mark.parametrize(
+    ("total", "workers", "each", "expected"),
+    [
+        (56, 1, 0.1, [56]),  # all in common lanes
+        (200, 2, 0.1, [56, 40, 32, 24, 16, 16, 16]),  # shorter ones at the end, for every worker
+        (None, 2, 0.1, [64, 64, 64]),
+        (None, 2, 0.5, [24, 24, 24]),  # 5 times 2 s
+        (None, 2, 100.0, [8, 8, 8]),
+        (None, 2, 0.01, [200, 200, 200]),  # 2 s
+    ],
+)
+def test_a_chunk_has_as_many_runs_as_fill_lanes_or_takes_some_seconds(
+    total: int | None, workers: int, each: float, expected: list[int]
+) -> None:
+    pace, made = Pace(total, workers, each), []
+    pace.update_cost(MOST_RUNS, MOST_RUNS, MOST_RUNS * each)
+    while sum(made) < (total or sum(expected)):
+        rest = None if total is None else total - sum(made)
+        count = next(k for k in range(1, MOST_RUNS) if k == rest or pace.enough(k, float(k)))
+        pace.sent(count)
+        made.append(count)
+    assert made == expected
 
 
 @pytest.mark.parametrize("threads", [1, 3, 8])

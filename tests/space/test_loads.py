@@ -198,7 +198,7 @@ def test_formulas_and_files(tmp_path: Path) -> None:
     assert (time.tolist(), values.tolist()) == ([0.0, 1.0], [0.0, 5e3])
 
 
-def test_a_pattern_pushes_as_the_acceleration_that_it_is() -> None:
+def test_a_pattern_pushes_as_the_acceleration_that_it_is(tmp_path: Path) -> None:
     """Compare m at the centroid: the same path; at the top by its moment about the edge, but for the bed's
     penetration.
     """
@@ -208,6 +208,9 @@ def test_a_pattern_pushes_as_the_acceleration_that_it_is() -> None:
     assert other.uplift == pytest.approx(one.uplift)
     assert other.ends == one.ends
     assert "times the pattern" in str(other)
+    for pushed, head in ((one, "acceleration,"), (other, "factor,")):
+        pushed.to_csv(tmp_path / "path.csv")
+        assert (tmp_path / "path.csv").read_text().startswith(head)
     top = push_over(block(), pattern={"top.Fx": 1000.0})
     assert top.uplift == pytest.approx(1e-3 * MASS * G / 6.0, rel=1e-3)  # the kern; measured 2e-4
     with pytest.raises(InputError, match="pattern = 'roof': must be one of top"):

@@ -148,6 +148,8 @@ class _Lanes:
         self._runs, self._times = runs, times
         self._steppers = {id(run.model): SpatialStepper(run.model) for run in runs}
         self._sizes = self._stepper(0).sizes
+        longest = {id(run.model): longest_step_of(run.model) for run in runs}
+        self._longest_steps = np.array([longest[id(run.model)] for run in runs])
         models: list[FloatArray] = []
         records: list[tuple[FloatArray, ...]] = []
         self._samples: dict[int, tuple[int, int]] = {}  # of a motion: first sample, number of them
@@ -188,9 +190,9 @@ class _Lanes:
     ) -> None:
         """Follow the runs `which` through the lanes from `starts` to `stops`, s; still: on a base that does not move.
 
-        The longest runs begin first, so that lanes finish together.
+        The runs with the most steps begin first, so that lanes finish together.
         """
-        order = np.argsort(starts - stops, kind="stable")
+        order = np.argsort((starts - stops) / self._longest_steps[which], kind="stable")
         which, rows = which[order], np.zeros((len(order), at.RUN.beside))
         for row, k, start, stop in zip(rows, which.tolist(), starts[order], stops[order], strict=True):
             see, stepper = at.RUN.see(row), self._stepper(k)

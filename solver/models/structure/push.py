@@ -45,6 +45,7 @@ DIFFERENCE, ROUNDED = 1e-5, 1e-9
 NARROWED = 1e-4  # of a step: width to which the onset of opening, sliding or a falling push is bracketed
 LEAST_GROWTH = 1e-9  # of the push: least increase in a step that counts as growth
 STEEP = 1e-3  # part of the push in a step, in these units, above which it counts as growing however short the step
+OF_GRAVITY, OF_PATTERN = (STANDARD_GRAVITY, "g"), (1.0, "times the pattern")  # units in which pushes are shown
 FALLS = "beyond it the push falls, or does not grow"
 TURN = 0.9  # least cosine of the angle between consecutive steps
 OPEN, SLID = 1e-9, 1e-9  # of the contact, of the largest displacement: above it a joint is open, or has slid
@@ -111,7 +112,7 @@ class PushOver(StructureHistories, NotebookRepr):
     @property
     def unit(self) -> tuple[float, str]:
         """The unit in which pushes are shown: its size and its name."""
-        return (STANDARD_GRAVITY, "g") if self.pattern is None else (1.0, "times the pattern")
+        return OF_GRAVITY if self.pattern is None else OF_PATTERN
 
     @property
     def largest_acceleration(self) -> float:
@@ -149,7 +150,7 @@ class PushOver(StructureHistories, NotebookRepr):
 
     def to_csv(self, path: str | os.PathLike[str], digits: int = DIGITS) -> None:
         """Write a row for each point of the path, with the names of a SpatialResponse. Raises InputError, OSError."""
-        self._write(path, digits, {"acceleration": self.acceleration})
+        self._write(path, digits, {"acceleration" if self.pattern is None else "factor": self.acceleration})
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Draw the push over the displacement, and the structure at its largest push; saved to `path` if given.
@@ -164,7 +165,8 @@ def push_over(
 ) -> PushOver:
     """Push a structure by a steady acceleration that grows from zero to the largest one that it balances.
 
-    The largest push, the first opening and the first sliding are found to 1e-4 of a step or better.
+    The largest push, the first opening and the first sliding are found to 1e-4 of a step or better. The path ends where
+    a bearing has moved by its capacity, since what stands on it comes off there.
 
     Parameters
     ----------
@@ -218,6 +220,7 @@ class _EventFlags(NamedTuple):
     grows: bool  # the push
     opened: bool  # some joint
     slid: bool
+    beyond: bool  # the capacity of a bearing
 
 
 class _Path:
@@ -246,12 +249,14 @@ class _Path:
         ahead = np.append(linear / self.unit[0], 1.0)
         ahead /= np.linalg.norm(ahead)
         places = places_of(OUTPUTS, structure.sizes)
-        self.contact, self.slip = places["contact"], places["slip"]
+        self.contact, self.slip, self.moved = places["contact"], places["slip"], places["d"]
+        bearings = [joint.bearing for joint in structure.bearings]
+        self.capacity = np.array([math.inf if bearing is None else bearing.capacity for bearing in bearings])
         self.places = [_Place(0.0, rest.row.copy(), rest.phase.copy(), ahead, 0)]
 
     def follow(self) -> str:
         """Add the points up to the largest push; return the reason why the path ends."""
-        step, gone, narrow, seeking, seen = STEP, 0.0, 0.0, False, _EventFlags(True, False, False)
+        step, gone, narrow, seeking, seen = STEP, 0.0, 0.0, False, _EventFlags(True, False, False, False)
         while len(self.places) < MOST_PLACES:
             last = self.places[-1]
             place = self._next(last, step)
@@ -266,6 +271,8 @@ class _Path:
                 narrow, seeking = narrow or NARROWED * step, seeking or now != seen
                 step *= 0.5
                 continue
+            if now.beyond:
+                return self._beyond(place)
             if not now.grows and place.push < last.push * (1.0 - LEAST_GROWTH):
                 return FALLS
             self.places.append(place)
@@ -289,7 +296,15 @@ class _Path:
             before.opened or bool(np.any(_opened(row[contact], rest[contact]))),
             before.slid
             or bool(np.any(_slid(row[slip] - rest[slip], row[contact], np.max(np.abs(row[moved] - rest[moved]))))),
+            bool(np.any(row[self.moved] > self.capacity)),
         )
+
+    def _beyond(self, place: _Place) -> str:
+        """Return the reason why the path ends before a place where a bearing has moved further than it allows."""
+        b = int(np.argmax(place.row[self.moved] / self.capacity))
+        size, unit = OF_GRAVITY if self.loads is None else OF_PATTERN
+        name, capacity, push = self.stepper.structure.bearing_names[b], self.capacity[b], self.places[-1].push
+        return f"{name} has moved by the {1e3 * capacity:.4g} mm that it allows at {push / size:.5g} {unit}"
 
     def _push(self, push: float) -> FloatArray:
         """Apply a push to the ports, or return the equivalent acceleration of the base, m/s2."""
