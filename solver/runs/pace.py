@@ -34,6 +34,7 @@ class Pace:
 
     def __init__(self, total: int | None, workers: int, guess: float, seconds: float = CHUNK_SECONDS) -> None:
         self._left, self._workers, self._wanted = total, workers, seconds
+        self._share = 0.0 if total is None else total / workers
         self._cost, self._seconds = guess, min(FIRST_SECONDS, seconds)
         self._per_run, self._most = math.inf, MOST_RUNS
 
@@ -57,8 +58,9 @@ class Pace:
             whole = weight * self._cost * (1.0 + rest / count)  # s, with the rest, which alone would leave lanes empty
             if self._workers == 1 and 0 < rest < LEAST_RUNS and whole <= 2.0 * LONGER * self._wanted:
                 return False
-            parts = self._workers if self._workers == 1 or self._per_run == math.inf else 2 * self._workers
-            if count >= max(LEAST_RUNS, FIRST_SECONDS / self._per_run, self._left / parts):
+            alike = self._workers == 1 or self._per_run == math.inf
+            share = self._share if alike else 0.5 * self._left / self._workers
+            if count >= max(LEAST_RUNS, FIRST_SECONDS / self._per_run, share):
                 return True
         seconds = self._seconds if count >= FILLED else LONGER * self._wanted
         return count >= self._most or weight * self._cost >= seconds
