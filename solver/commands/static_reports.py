@@ -80,7 +80,7 @@ def push_over_report(found: PushOver) -> str:
     towards = f", towards {math.degrees(found.direction):.4g} degrees from x to y" if found.pattern is None else ""
     steady = "a steady " if found.pattern is None else ""
     lines = [
-        f"balances {steady}{_shown(found, found.largest_acceleration)} {unit} at most{towards}: {found.ends}",
+        f"balances {steady}{_shown(found, found.largest_acceleration)} {unit} {found.limit}{towards}: {found.ends}",
         f"base shear {math.hypot(force[0], force[1]):.5g} kN, largest pressure "
         f"{1e-6 * float(np.max(found.sigma_max[-1])):.4g} MPa in {names[int(np.argmax(found.sigma_max[-1]))]}",
     ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ from multiblock import (
     simulate,
 )
 from solver.commands.command_line import main
+from solver.commands.static_reports import push_over_report
 from validation.cases.structures import by_ratio
 from validation.limits import largest_push
 
@@ -142,6 +144,43 @@ def test_joints_that_bear_hardly_any_load_slide_first() -> None:
     assert found.sliding_joint.startswith("architrave")
     assert found.sliding < 0.1 * found.largest_acceleration
     assert found.largest_acceleration / G == pytest.approx(0.1269, rel=1e-3)
+
+
+@pytest.mark.parametrize("stiffness", [1e9, 3e10, 1e11, 1e13])
+@pytest.mark.parametrize("friction", [0.05, 0.3])
+def test_a_tie_holds_a_block_that_slides_until_it_yields(stiffness: float, friction: float) -> None:
+    """Push a block with stiff joints: as it slides, the push grows by the soft tie alone."""
+    force, mass = 5000.0, 4800.0
+    block = {"name": "a", "width": 2.0, "depth": 1.2, "height": 1.0, "mass": mass, "on": "base"}
+    tie = {"between": ["a", "base"], "from": [-1.0, 0.0, -0.5], "to": [-3.0, 0.0, 0.0], "stiffness": 1e7}
+    joints = {"stiffness": stiffness, "damping": 1e-6, "friction": friction}
+    held = Structure.from_dict({"name": "held", "joints": joints, "block": [block], "tie": [{**tie, "yield": force}]})
+    found = push_over(held)
+    assert found.largest_acceleration == pytest.approx(friction * G + force / mass, rel=1e-5)  # measured 2e-6
+    assert found.tie[-1, 0] == pytest.approx(force)
+
+
+@pytest.mark.parametrize(("strength", "cohesion"), [(1e4, 1e4), (1e6, 5e3)])
+def test_mortar_balances_its_shear_strength(strength: float, cohesion: float) -> None:
+    mass = 6000.0
+    mortar = {"stiffness": 1e9, "friction": 0.3, "tensile_strength": strength, "cohesion": cohesion}
+    found = push_over(block(3.0, 1.0, 1.0, **mortar))
+    assert found.largest_acceleration == pytest.approx(0.3 * G + cohesion * 3.0 / mass, rel=1e-4)  # measured 1e-5
+    assert abs(found.base[-1, 0]) == pytest.approx(mass * found.largest_acceleration, rel=1e-6)  # in balance at the end
+
+
+def test_a_stiff_statue_on_pendulums_is_followed_to_its_largest_push(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (STRUCTURES / "statue-on-pendulums.toml").read_text(encoding="utf-8")
+    stiff, stiffer = (
+        Structure.from_dict(tomllib.loads(text.replace("stiffness = 4e9", f"stiffness = {k}")))
+        for k in ("1e12", "1e13")
+    )
+    found = push_over(stiffer)
+    assert found.limit == "at most"
+    # rigid joints: measured 0.6 % more than at a tenth of the modulus
+    assert found.largest_acceleration == pytest.approx(push_over(stiff).largest_acceleration, rel=0.01)
+    monkeypatch.setattr("solver.models.structure.push.MOST_PLACES", 20)
+    assert "g at least, " in push_over_report(push_over(stiff))
 
 
 def test_what_a_tie_holds_is_pushed_to_ten_g() -> None:

@@ -26,7 +26,8 @@ from ..pictures import draw
 from .blocks.faces import FloatArray
 from .model import Structure
 from .outputs import OUTPUTS, StructureHistories
-from .rest import deltas_of, move, residual_of, rest_of, start_from
+from .packing import FLOOR
+from .rest import OF_ONE, deltas_of, move, residual_of, rest_in_steps, rest_of, start_from
 from .stepper import SpatialStepper
 
 if TYPE_CHECKING:
@@ -38,15 +39,21 @@ GROWTH = 0.2  # of the length of the path so far: longest step
 LARGEST = 10.0  # of g: push at which the path ends
 MOST_PLACES = 2000
 ITERATIONS = 8  # of Newton's method for a point of the path
+BREAKS = 30  # times that bonds may crack or break at a point before the rest of them balances it
 CLOSE, ROUGH = 1e-10, 1e-7  # of the weight: residual; at most, where rounding limits it
 # differences for the tangent, of a step, and at least of the displacement. In larger ones joints that bear hardly any
 # load stick on one side and slide on the other, and Newton's method is slow; smaller ones are lost in rounding
 DIFFERENCE, ROUNDED = 1e-5, 1e-9
 NARROWED = 1e-4  # of a step: width to which the onset of opening, sliding or a falling push is bracketed
 LEAST_GROWTH = 1e-9  # of the push: least increase in a step that counts as growth
+GROWN = 1e-6  # of the push: growth that counts where short steps have none
+FAR = 0.01  # of the largest block: displacement within which it is sought
+REFINED = 4  # secants to the push at which a path ends, of a step that its bracket has made short
+MOST_SOUGHT = 40  # steps of a bracket: more than halving takes, unless rounding made its event
 STEEP = 1e-3  # part of the push in a step, in these units, above which it counts as growing however short the step
 OF_GRAVITY, OF_PATTERN = (STANDARD_GRAVITY, "g"), (1.0, "times the pattern")  # units in which pushes are shown
 FALLS = "beyond it the push falls, or does not grow"
+FURTHER, FOLLOWED = "it was not pushed further than", "the path was not followed further than"
 TURN = 0.9  # least cosine of the angle between consecutive steps
 OPEN, SLID = 1e-9, 1e-9  # of the contact, of the largest displacement: above it a joint is open, or has slid
 
@@ -120,6 +127,11 @@ class PushOver(StructureHistories, NotebookRepr):
         return float(self.acceleration[-1])
 
     @property
+    def limit(self) -> str:
+        """The word for the largest push: "at most", or "at least" if the path was not followed to its end."""
+        return "at least" if self.ends.startswith((FURTHER, FOLLOWED)) else "at most"
+
+    @property
     def moves_most(self) -> int:
         """The index of the block whose centroid is displaced most by the largest push."""
         moved = self.rows[-1, : 3 * self.model.n] - self.rows[0, : 3 * self.model.n]
@@ -137,7 +149,7 @@ class PushOver(StructureHistories, NotebookRepr):
         facts = [f"of {self.model.name}", towards]
         for word, push in (("opens", self.uplift), ("slides", self.sliding)):
             facts += [f"{word} from {push / size:.4g} {unit} on"] if math.isfinite(push) else []
-        facts.append(f"{self.largest_acceleration / size:.4g} {unit} at most")
+        facts.append(f"{self.largest_acceleration / size:.4g} {unit} {self.limit}")
         return *facts, counted(len(self.rows), "place")
 
     def _lines(self) -> Iterable[Sequence[object]]:
@@ -211,7 +223,7 @@ class _Place(NamedTuple):
     row: FloatArray
     phase: FloatArray  # including the values that joints, ties and pairs remember
     ahead: FloatArray  # (6 n + 1,), direction of the path in the measure
-    iterations: int
+    step: float  # from the place before, along the path
 
 
 class _EventFlags(NamedTuple):
@@ -221,18 +233,40 @@ class _EventFlags(NamedTuple):
     opened: bool  # some joint
     slid: bool
     beyond: bool  # the capacity of a bearing
+    reached: bool  # the push at which the path ends
+
+
+def rest_under(structure: Structure, loads: FloatArray) -> FloatArray:
+    """Return the phase at rest under loads on the ports, (6, ports) N and N m. Raises InputError if they overturn it.
+
+    The loads are applied in a few steps, or along the path of equilibria where Newton's method needs it.
+    """
+    found = rest_in_steps(structure, loads)
+    if found is None and structure.weight > 0.0:
+        path = _Path(structure, np.zeros(3), loads, 1.0)
+        if path.follow().startswith(FURTHER):
+            found = path.last().phase
+    if found is None:
+        raise InputError(f"release: {structure.name} has no rest under this load, it must balance it")
+    return found
 
 
 class _Path:
-    """The path of equilibria of one structure pushed along the vector `way`, (3,), or by loads on its ports."""
+    """The path of equilibria of one structure pushed along the vector `way`, (3,), or by loads on its ports.
 
-    def __init__(self, structure: Structure, way: FloatArray, loads: FloatArray | None = None) -> None:
+    It ends at the push `largest` (m/s2, or times the loads), at 10 g without one.
+    """
+
+    def __init__(
+        self, structure: Structure, way: FloatArray, loads: FloatArray | None = None, largest: float = math.inf
+    ) -> None:
         rest = rest_of(structure)
         self.stepper, self.way = SpatialStepper(structure), way
         start_from(self.stepper, rest)
         n = structure.n
         self.per = deltas_of(structure, 1.0)  # converts displacements to rotations by the size of the block
-        self.weight = structure.weight
+        self.weight, settings = structure.weight, structure.model.names.settings
+        self.close = OF_ONE * settings.motion_floor * settings.extent / FLOOR
         masses = np.array([block.mass for block in structure.blocks])
         self.load = np.concatenate([masses[:, None] * way, np.zeros((n, 3))], axis=1).ravel()  # of a push of 1 m/s2
         self.loads, first = loads, FIRST * STANDARD_GRAVITY
@@ -242,7 +276,7 @@ class _Path:
                 self.load[6 * port.body :][:6] += [*part[:3], *(part[3:] + np.cross(port.at, part[:3]))]
             # a factor that pushes as much as that acceleration
             first *= self.weight / structure.g / float(np.max(np.abs(self.load * self.per)))
-        self.largest = LARGEST / FIRST * first
+        self.largest = min(largest, LARGEST / FIRST * first)
         # units of displacements and of the push; initial direction
         linear = np.linalg.solve(rest.stiffness, first * self.load)
         self.unit = float(np.linalg.norm(linear / self.per)) * self.per, first
@@ -252,11 +286,12 @@ class _Path:
         self.contact, self.slip, self.moved = places["contact"], places["slip"], places["d"]
         bearings = [joint.bearing for joint in structure.bearings]
         self.capacity = np.array([math.inf if bearing is None else bearing.capacity for bearing in bearings])
-        self.places = [_Place(0.0, rest.row.copy(), rest.phase.copy(), ahead, 0)]
+        self.places = [_Place(0.0, rest.row.copy(), rest.phase.copy(), ahead, 0.0)]
 
     def follow(self) -> str:
         """Add the points up to the largest push; return the reason why the path ends."""
-        step, gone, narrow, seeking, seen = STEP, 0.0, 0.0, False, _EventFlags(True, False, False, False)
+        seen = _EventFlags(True, False, False, False, False)
+        step, gone, narrow, seeking, sought = STEP, 0.0, 0.0, False, 0
         while len(self.places) < MOST_PLACES:
             last = self.places[-1]
             place = self._next(last, step)
@@ -275,18 +310,48 @@ class _Path:
                 return self._beyond(place)
             if not now.grows and place.push < last.push * (1.0 - LEAST_GROWTH):
                 return FALLS
+            # growth that is lost in the rounding of short steps
+            sought = sought + 1 if seeking else 0
+            is_lost = not now.grows or sought > MOST_SOUGHT
+            longer = self._growing_step(place, step) if is_lost else step
             self.places.append(place)
-            if not now.grows:
+            if not longer:
                 return FALLS
-            if place.push > self.largest:
-                return f"it balances {LARGEST:g} g, and was not pushed further"
+            if is_lost:
+                step, seeking, now = longer, False, now._replace(grows=True)
+            if now.reached:
+                return f"{FURTHER} {LARGEST:g} g"
             if now != seen or not seeking:
                 narrow, seeking = 0.0, False
             seen = now
             gone += step
             if not seeking:
                 step = min(2.0 * step, max(STEP, GROWTH * gone))
-        return f"the path is followed over {MOST_PLACES} places"
+        return f"{FOLLOWED} {MOST_PLACES} places"
+
+    def last(self) -> _Place:
+        """Return the place whose push is the largest one that is looked for, between the last two places."""
+        before, place = self.places[-2:]
+        for _ in range(REFINED):
+            step = place.step * (self.largest - before.push) / (place.push - before.push)
+            place = self._next(before, step) or place
+        return place
+
+    def _growing_step(self, place: _Place, step: float) -> float:
+        """Return the step beyond a place in which the push grows by more than rounding; 0 if it does not.
+
+        A slender tie that holds sliding blocks of stiff joints lets it grow, but not in short steps.
+        """
+        begin, largest = place, FAR * max(block.size for block in self.stepper.structure.blocks)
+        moves = slice(0, 3 * self.stepper.structure.n)
+        while np.max(np.abs(place.row[moves] - begin.row[moves])) < largest:
+            beyond = self._next(place, step)
+            if beyond is None or beyond.push < begin.push * (1.0 - LEAST_GROWTH):
+                break
+            if beyond.push > begin.push * (1.0 + GROWN):
+                return step
+            place, step = beyond, 2.0 * step
+        return 0.0
 
     def _seen(self, place: _Place, last: _Place, before: _EventFlags) -> _EventFlags:
         rest, row = self.places[0].row, place.row
@@ -297,6 +362,7 @@ class _Path:
             before.slid
             or bool(np.any(_slid(row[slip] - rest[slip], row[contact], np.max(np.abs(row[moved] - rest[moved]))))),
             bool(np.any(row[self.moved] > self.capacity)),
+            place.push >= self.largest,
         )
 
     def _beyond(self, place: _Place) -> str:
@@ -314,6 +380,19 @@ class _Path:
             getattr(self.stepper.pushes, name)[:] = push * row
         return np.zeros(3)
 
+    def _remember(self, push: float) -> None:
+        """Let joints, ties and bonds remember the present state, and fill the output row."""
+        ax, ay, az = self._push(push)
+        self.stepper.observe(ax, ay, az, keep=True)
+
+    def _residual(self, push: float) -> FloatArray:
+        residual, _ = residual_of(self.stepper, self._push(push))
+        return residual
+
+    def _size(self, residual: FloatArray) -> float:
+        """Return the largest component of a residual, as a force over the weight."""
+        return float(np.max(np.abs(residual * self.per))) / self.weight
+
     def _next(self, last: _Place, step: float) -> _Place | None:
         """Return the point one step further along the path; None if Newton's method does not converge."""
         stepper, (lengths, first), size = self.stepper, self.unit, len(self.load)
@@ -325,13 +404,20 @@ class _Path:
         push = last.push + step * float(last.ahead[-1]) * first
         move(stepper, step * lengths * last.ahead[:-1])
         most = float(np.max(np.abs(last.phase[: size // 2])))
-        delta = max(DIFFERENCE * step * float(lengths[0]), ROUNDED * most) * self.per
+        delta = max(min(DIFFERENCE * step * float(lengths[0]), self.close), ROUNDED * most) * self.per
         # Newton's method, then the direction of the path at the new point
-        iterations, left, right = 0, math.inf, np.zeros(size + 1)
+        iterations, rounds, left, right = 0, 0, math.inf, np.zeros(size + 1)
         while True:
-            right[:size], _ = residual_of(stepper, self._push(push))
-            before, left = left, float(np.max(np.abs(right[:size] * self.per))) / self.weight
+            right[:size], before = self._residual(push), left
+            left = self._size(right[:size])
             arrived = left <= CLOSE or (left <= ROUGH and left > 0.3 * before)
+            if arrived and self.stepper.structure.bonds:  # those that break here leave it without balance
+                self._remember(push)
+                right[:size] = self._residual(push)
+                if self._size(right[:size]) > ROUGH:
+                    arrived, left, iterations, rounds = False, math.inf, 0, rounds + 1
+                    if rounds > BREAKS:
+                        return None
             if arrived:  # sliding joints have passed the slip remembered last: the tangent is that of sliding
                 right[:size], right[size] = 0.0, 1.0
             matrix[:size, :size] = stepper.stiffness(delta)
@@ -347,6 +433,5 @@ class _Path:
                 return None
             push += float(change[-1])
             move(stepper, np.asarray(change[:-1], dtype=np.float64))
-        ax, ay, az = self._push(push)
-        stepper.observe(ax, ay, az, keep=True)
-        return _Place(push, stepper.row.copy(), stepper.phase.copy(), scaled / np.linalg.norm(scaled), iterations)
+        self._remember(push)
+        return _Place(push, stepper.row.copy(), stepper.phase.copy(), scaled / np.linalg.norm(scaled), step)

@@ -123,8 +123,8 @@ def _loaded(
     return stepper
 
 
-def rest_under(structure: Structure, loads: FloatArray) -> FloatArray:
-    """Return the phase at rest under loads on the ports, (6, ports) N and N m, applied in steps. Raises InputError."""
+def rest_in_steps(structure: Structure, loads: FloatArray) -> FloatArray | None:
+    """Return the phase at rest under loads on the ports, (6, ports) N and N m, applied in steps; None if not found."""
     rest = rest_of(structure)
     stepper, linear = SpatialStepper(structure), full_stiffness(structure)
     start_from(stepper, rest)
@@ -134,7 +134,7 @@ def rest_under(structure: Structure, loads: FloatArray) -> FloatArray:
         for name, row in zip(at.LOAD, loads, strict=True):
             getattr(stepper.pushes, name)[:] = row * step / PUSHES
         if not balance(stepper, linear, delta, CLOSE * max(structure.weight, float(np.max(np.abs(loads[:3]))))):
-            raise InputError(f"release: {structure.name} has no rest under this load, it must balance it")
+            return None
         stepper.observe(keep=True)
     return stepper.phase.copy()
 

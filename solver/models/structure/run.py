@@ -23,8 +23,9 @@ from .blocks.faces import FloatArray
 from .modal_data import modal_data_of
 from .model import Structure
 from .outputs import OUTPUTS
+from .push import rest_under
 from .response import Moved, SpatialResponse, peaks_in_space
-from .rest import rest_of, rest_under, start_from
+from .rest import rest_of, start_from
 from .stepper import SpatialStepper
 from .verdict import RESTING, next_look, potential_well_of, reason_for_leaning
 
