@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...common.aliases import Alias
 from ...common.errors import InputError, check_type
@@ -17,7 +18,7 @@ from .blocks.faces import FloatArray
 from .model import Structure
 from .neighbours import NEAR
 from .outputs import OUTPUTS, UNITS
-from .rest import SpatialRest, deltas_of, full_stiffness, residual_of, rest_of, start_from, sticking
+from .rest import SpatialRest, closed, deltas_of, full_stiffness, residual_of, rest_of, start_from, sticking
 from .stepper import SpatialStepper
 
 SLIDING_PART = 1e-3  # of the settlement: differences for the tangent while bearings slide
@@ -82,6 +83,7 @@ class SpatialModes(ModeTable):
 def modes_in_space(structure: Structure) -> SpatialModes:
     """Compute the modes of a structure about its rest.
 
+    Ties without slack that bear hardly anything at rest count as taut, as in vibrations larger than the settlement.
     Raises InputError if the structure has no stable rest, or neighbours that touch there.
     """
     check_type("structure", structure, Structure)
@@ -91,7 +93,10 @@ def modes_in_space(structure: Structure) -> SpatialModes:
     # eigenvalues of the stiffness scaled by the Cholesky factor of the mass
     root = _root_of_mass(structure)
     inverse = np.linalg.inv(root)
-    stiffness = rest.stiffness if structure.weight > 0.0 else full_stiffness(structure)
+    taut, stiffness = _taut(structure, rest), rest.stiffness if structure.weight > 0.0 else full_stiffness(structure)
+    if np.any(taut):
+        stuck = _at(structure, rest, taut)
+        stiffness = stuck.stiffness(deltas_of(structure, closed(structure)))
     squares, vectors = np.linalg.eigh(inverse @ (0.5 * (stiffness + stiffness.T)) @ inverse.T)
     if squares[0] <= 0.0:
         raise InputError(f"{structure.name}: its rest is not stable, it falls without any motion")
@@ -100,7 +105,7 @@ def modes_in_space(structure: Structure) -> SpatialModes:
     # damping ratios: diagonal of the modal damping matrix
     damping = np.full((6 * n, 6 * n), math.nan)
     if structure.weight > 0.0:
-        damping = _damping(structure, rest, float(omega[-1]))
+        damping = _damping(_at(structure, rest, taut), float(omega[-1]))
     modal = np.einsum("ik,ij,jk->k", shapes, damping, shapes)
     # effective masses; twist about the vertical axis through the centroid
     participation = _rigid(structure).T @ root @ vectors
@@ -166,18 +171,35 @@ def _root_of_mass(structure: Structure) -> FloatArray:
     return root
 
 
-def _damping(structure: Structure, rest: SpatialRest, fastest: float) -> FloatArray:
+def _taut(structure: Structure, rest: SpatialRest) -> NDArray[np.bool_]:
+    """Return the mask of ties without slack that bear hardly anything at rest, (ties,)."""
+    if not structure.weight > 0.0:
+        return np.zeros(len(structure.ties), dtype=bool)
+    force, least = rest.row[places_of(OUTPUTS, structure.sizes)["tie"]], closed(structure)
+    loose = [tie.tension_only and not tie.slack for tie in structure.ties]
+    return np.array(loose, dtype=bool) & (force <= least * np.array([tie.stiffness for tie in structure.ties]))
+
+
+def _at(structure: Structure, rest: SpatialRest, taut: NDArray[np.bool_]) -> SpatialStepper:
+    """Return a structure at rest, with joints that stick, and with the ties of a mask bearing both ways."""
+    stepper = SpatialStepper(structure)
+    start_from(stepper, rest)
+    stuck = sticking(stepper)
+    stuck.model.ties.tension_only[: len(taut)][taut] = 0.0
+    return stuck
+
+
+def _damping(stepper: SpatialStepper, fastest: float) -> FloatArray:
     """Return the damping matrix: forces and moments on the blocks per rate, (6 n, 6 n).
 
     It is found by central differences, so that only the part of a joint in contact damps. Blocks at rest have turned so
-    little that their axes are those of the base. Joints that may slide are made to stick.
+    little that their axes are those of the base.
 
     fastest: largest angular frequency of the modes, rad/s.
     """
-    stepper, n = SpatialStepper(structure), structure.n
-    start_from(stepper, rest)
-    stepper, see = sticking(stepper), stepper.see
-    deltas = deltas_of(structure, PART * fastest * float(np.max(np.abs(rest.phase[: 3 * n]))))
+    structure, see = stepper.structure, stepper.see
+    n = structure.n
+    deltas = deltas_of(structure, PART * fastest * float(np.max(np.abs(stepper.phase[: 3 * n]))))
     # central differences of the forces by each rate
     rates = see.vx, see.vy, see.vz, see.wx, see.wy, see.wz
     found = np.empty((6 * n, 6 * n))

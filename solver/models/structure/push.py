@@ -1,17 +1,11 @@
-"""Push-over: the equilibria of a structure under a steady acceleration of its base that grows.
-
-Equilibrium is 6 n equations for 6 n coordinates and the push. The path is followed by its arc length, in displacements
-and push together: a step extrapolates along the last one, and Newton's method returns to the path in the hyperplane
-normal to it. So a joint that slides under a constant push, and the largest push, are regular points. Sliding joints
-and yielding ties remember each point that the path reaches.
-"""
+"""Push-over: a structure under a steady acceleration of its base that grows."""
 
 from __future__ import annotations
 
 import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,43 +13,15 @@ from numpy.typing import NDArray
 from ...common.errors import FINITE, InputError, check_number, check_type
 from ...common.notebook import NotebookRepr, counted, history, rows_of
 from ...ground.loads import pattern_of
-from ...ground.motion import STANDARD_GRAVITY
-from ...kernels.structure.layout import LOAD
-from ..outputs import DIGITS, places_of
+from ..outputs import DIGITS
 from ..pictures import draw
 from .blocks.faces import FloatArray
+from .equilibria import FOLLOWED, FURTHER, OF_GRAVITY, OF_PATTERN, EquilibriumPath, Place, has_opened, has_slid
 from .model import Structure
-from .outputs import OUTPUTS, StructureHistories
-from .packing import FLOOR
-from .rest import OF_ONE, deltas_of, move, residual_of, rest_in_steps, rest_of, start_from
-from .stepper import SpatialStepper
+from .outputs import StructureHistories
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-FIRST = 0.1  # of g: unit of pushes along the path; unit of displacements: those it causes at rest
-STEP, SHORTEST = 0.1, 1e-10  # first and least step in these units
-GROWTH = 0.2  # of the length of the path so far: longest step
-LARGEST = 10.0  # of g: push at which the path ends
-MOST_PLACES = 2000
-ITERATIONS = 8  # of Newton's method for a point of the path
-BREAKS = 30  # times that bonds may crack or break at a point before the rest of them balances it
-CLOSE, ROUGH = 1e-10, 1e-7  # of the weight: residual; at most, where rounding limits it
-# differences for the tangent, of a step, and at least of the displacement. In larger ones joints that bear hardly any
-# load stick on one side and slide on the other, and Newton's method is slow; smaller ones are lost in rounding
-DIFFERENCE, ROUNDED = 1e-5, 1e-9
-NARROWED = 1e-4  # of a step: width to which the onset of opening, sliding or a falling push is bracketed
-LEAST_GROWTH = 1e-9  # of the push: least increase in a step that counts as growth
-GROWN = 1e-6  # of the push: growth that counts where short steps have none
-FAR = 0.01  # of the largest block: displacement within which it is sought
-REFINED = 4  # secants to the push at which a path ends, of a step that its bracket has made short
-MOST_SOUGHT = 40  # steps of a bracket: more than halving takes, unless rounding made its event
-STEEP = 1e-3  # part of the push in a step, in these units, above which it counts as growing however short the step
-OF_GRAVITY, OF_PATTERN = (STANDARD_GRAVITY, "g"), (1.0, "times the pattern")  # units in which pushes are shown
-FALLS = "beyond it the push falls, or does not grow"
-FURTHER, FOLLOWED = "it was not pushed further than", "the path was not followed further than"
-TURN = 0.9  # least cosine of the angle between consecutive steps
-OPEN, SLID = 1e-9, 1e-9  # of the contact, of the largest displacement: above it a joint is open, or has slid
 
 
 class PushOver(StructureHistories, NotebookRepr):
@@ -88,7 +54,7 @@ class PushOver(StructureHistories, NotebookRepr):
         structure: Structure,
         direction: float,
         vertical: float,
-        places: Sequence[_Place],
+        places: Sequence[Place],
         pattern: Mapping[str, float] | None = None,
     ) -> None:
         self.model, self.direction, self.vertical = structure, direction, vertical
@@ -108,13 +74,13 @@ class PushOver(StructureHistories, NotebookRepr):
     @property
     def opened(self) -> NDArray[np.bool_]:
         """The mask of joints, closed at rest, that are partly open, (rows, joints)."""
-        return _opened(self.contact, self.contact[0])
+        return has_opened(self.contact, self.contact[0])
 
     @property
     def slides(self) -> NDArray[np.bool_]:
         """The mask of joints that have slid since rest, (rows, joints)."""
         moved = self.rows[:, : 3 * self.model.n] - self.rows[0, : 3 * self.model.n]
-        return _slid(self.slip - self.slip[0], self.contact, np.max(np.abs(moved), axis=1, keepdims=True))
+        return has_slid(self.slip - self.slip[0], self.contact, np.max(np.abs(moved), axis=1, keepdims=True))
 
     @property
     def unit(self) -> tuple[float, str]:
@@ -203,235 +169,8 @@ def push_over(
     if not structure.weight > 0.0:
         raise InputError(f"{structure.name}: g = {structure.g}: must be positive, without weight nothing stands")
     loads = None if pattern is None else pattern_of(pattern, [port.name for port in structure.ports])
-    path = _Path(structure, np.array([math.cos(direction), math.sin(direction), float(vertical)]), loads)
+    path = EquilibriumPath(structure, np.array([math.cos(direction), math.sin(direction), float(vertical)]), loads)
     ends = path.follow()
     found = PushOver(structure, float(direction), float(vertical), path.places, pattern)
     found.ends = ends
     return found
-
-
-def _opened(contact: FloatArray, at_rest: FloatArray) -> NDArray[np.bool_]:
-    return (at_rest >= 1.0 - OPEN) & (contact < 1.0 - OPEN)
-
-
-def _slid(slip: FloatArray, contact: FloatArray, moved: FloatArray) -> NDArray[np.bool_]:
-    return (np.abs(slip) > SLID * moved) & (contact > OPEN)
-
-
-class _Place(NamedTuple):
-    push: float  # m/s2
-    row: FloatArray
-    phase: FloatArray  # including the values that joints, ties and pairs remember
-    ahead: FloatArray  # (6 n + 1,), direction of the path in the measure
-    step: float  # from the place before, along the path
-
-
-class _EventFlags(NamedTuple):
-    """The events sought along the path."""
-
-    grows: bool  # the push
-    opened: bool  # some joint
-    slid: bool
-    beyond: bool  # the capacity of a bearing
-    reached: bool  # the push at which the path ends
-
-
-def rest_under(structure: Structure, loads: FloatArray) -> FloatArray:
-    """Return the phase at rest under loads on the ports, (6, ports) N and N m. Raises InputError if they overturn it.
-
-    The loads are applied in a few steps, or along the path of equilibria where Newton's method needs it.
-    """
-    found = rest_in_steps(structure, loads)
-    if found is None and structure.weight > 0.0:
-        path = _Path(structure, np.zeros(3), loads, 1.0)
-        if path.follow().startswith(FURTHER):
-            found = path.last().phase
-    if found is None:
-        raise InputError(f"release: {structure.name} has no rest under this load, it must balance it")
-    return found
-
-
-class _Path:
-    """The path of equilibria of one structure pushed along the vector `way`, (3,), or by loads on its ports.
-
-    It ends at the push `largest` (m/s2, or times the loads), at 10 g without one.
-    """
-
-    def __init__(
-        self, structure: Structure, way: FloatArray, loads: FloatArray | None = None, largest: float = math.inf
-    ) -> None:
-        rest = rest_of(structure)
-        self.stepper, self.way = SpatialStepper(structure), way
-        start_from(self.stepper, rest)
-        n = structure.n
-        self.per = deltas_of(structure, 1.0)  # converts displacements to rotations by the size of the block
-        self.weight, settings = structure.weight, structure.model.names.settings
-        self.close = OF_ONE * settings.motion_floor * settings.extent / FLOOR
-        masses = np.array([block.mass for block in structure.blocks])
-        self.load = np.concatenate([masses[:, None] * way, np.zeros((n, 3))], axis=1).ravel()  # of a push of 1 m/s2
-        self.loads, first = loads, FIRST * STANDARD_GRAVITY
-        if loads is not None:
-            self.load, parts = np.zeros(6 * n), loads.T
-            for port, part in zip(structure.ports, parts, strict=True):
-                self.load[6 * port.body :][:6] += [*part[:3], *(part[3:] + np.cross(port.at, part[:3]))]
-            # a factor that pushes as much as that acceleration
-            first *= self.weight / structure.g / float(np.max(np.abs(self.load * self.per)))
-        self.largest = min(largest, LARGEST / FIRST * first)
-        # units of displacements and of the push; initial direction
-        linear = np.linalg.solve(rest.stiffness, first * self.load)
-        self.unit = float(np.linalg.norm(linear / self.per)) * self.per, first
-        ahead = np.append(linear / self.unit[0], 1.0)
-        ahead /= np.linalg.norm(ahead)
-        places = places_of(OUTPUTS, structure.sizes)
-        self.contact, self.slip, self.moved = places["contact"], places["slip"], places["d"]
-        bearings = [joint.bearing for joint in structure.bearings]
-        self.capacity = np.array([math.inf if bearing is None else bearing.capacity for bearing in bearings])
-        self.places = [_Place(0.0, rest.row.copy(), rest.phase.copy(), ahead, 0.0)]
-
-    def follow(self) -> str:
-        """Add the points up to the largest push; return the reason why the path ends."""
-        seen = _EventFlags(True, False, False, False, False)
-        step, gone, narrow, seeking, sought = STEP, 0.0, 0.0, False, 0
-        while len(self.places) < MOST_PLACES:
-            last = self.places[-1]
-            place = self._next(last, step)
-            if place is None:
-                step *= 0.5
-                if step < SHORTEST:
-                    return "no balance is found beyond it"
-                continue
-            now = self._seen(place, last, seen)
-            turns = float(place.ahead @ last.ahead) < TURN
-            if (now != seen or turns) and step > narrow:  # bracket the onset by halving the step
-                narrow, seeking = narrow or NARROWED * step, seeking or now != seen
-                step *= 0.5
-                continue
-            if now.beyond:
-                return self._beyond(place)
-            if not now.grows and place.push < last.push * (1.0 - LEAST_GROWTH):
-                return FALLS
-            # growth that is lost in the rounding of short steps
-            sought = sought + 1 if seeking else 0
-            is_lost = not now.grows or sought > MOST_SOUGHT
-            longer = self._growing_step(place, step) if is_lost else step
-            self.places.append(place)
-            if not longer:
-                return FALLS
-            if is_lost:
-                step, seeking, now = longer, False, now._replace(grows=True)
-            if now.reached:
-                return f"{FURTHER} {LARGEST:g} g"
-            if now != seen or not seeking:
-                narrow, seeking = 0.0, False
-            seen = now
-            gone += step
-            if not seeking:
-                step = min(2.0 * step, max(STEP, GROWTH * gone))
-        return f"{FOLLOWED} {MOST_PLACES} places"
-
-    def last(self) -> _Place:
-        """Return the place whose push is the largest one that is looked for, between the last two places."""
-        before, place = self.places[-2:]
-        for _ in range(REFINED):
-            step = place.step * (self.largest - before.push) / (place.push - before.push)
-            place = self._next(before, step) or place
-        return place
-
-    def _growing_step(self, place: _Place, step: float) -> float:
-        """Return the step beyond a place in which the push grows by more than rounding; 0 if it does not.
-
-        A slender tie that holds sliding blocks of stiff joints lets it grow, but not in short steps.
-        """
-        begin, largest = place, FAR * max(block.size for block in self.stepper.structure.blocks)
-        moves = slice(0, 3 * self.stepper.structure.n)
-        while np.max(np.abs(place.row[moves] - begin.row[moves])) < largest:
-            beyond = self._next(place, step)
-            if beyond is None or beyond.push < begin.push * (1.0 - LEAST_GROWTH):
-                break
-            if beyond.push > begin.push * (1.0 + GROWN):
-                return step
-            place, step = beyond, 2.0 * step
-        return 0.0
-
-    def _seen(self, place: _Place, last: _Place, before: _EventFlags) -> _EventFlags:
-        rest, row = self.places[0].row, place.row
-        contact, slip, moved = self.contact, self.slip, slice(0, 3 * self.stepper.structure.n)
-        return _EventFlags(
-            place.ahead[-1] > (0.0 if place.push > last.push * (1.0 + LEAST_GROWTH) else STEEP),
-            before.opened or bool(np.any(_opened(row[contact], rest[contact]))),
-            before.slid
-            or bool(np.any(_slid(row[slip] - rest[slip], row[contact], np.max(np.abs(row[moved] - rest[moved]))))),
-            bool(np.any(row[self.moved] > self.capacity)),
-            place.push >= self.largest,
-        )
-
-    def _beyond(self, place: _Place) -> str:
-        """Return the reason why the path ends before a place where a bearing has moved further than it allows."""
-        b = int(np.argmax(place.row[self.moved] / self.capacity))
-        size, unit = OF_GRAVITY if self.loads is None else OF_PATTERN
-        name, capacity, push = self.stepper.structure.bearing_names[b], self.capacity[b], self.places[-1].push
-        return f"{name} has moved by the {1e3 * capacity:.4g} mm that it allows at {push / size:.5g} {unit}"
-
-    def _push(self, push: float) -> FloatArray:
-        """Apply a push to the ports, or return the equivalent acceleration of the base, m/s2."""
-        if self.loads is None:
-            return -push * self.way
-        for name, row in zip(LOAD, self.loads, strict=True):
-            getattr(self.stepper.pushes, name)[:] = push * row
-        return np.zeros(3)
-
-    def _remember(self, push: float) -> None:
-        """Let joints, ties and bonds remember the present state, and fill the output row."""
-        ax, ay, az = self._push(push)
-        self.stepper.observe(ax, ay, az, keep=True)
-
-    def _residual(self, push: float) -> FloatArray:
-        residual, _ = residual_of(self.stepper, self._push(push))
-        return residual
-
-    def _size(self, residual: FloatArray) -> float:
-        """Return the largest component of a residual, as a force over the weight."""
-        return float(np.max(np.abs(residual * self.per))) / self.weight
-
-    def _next(self, last: _Place, step: float) -> _Place | None:
-        """Return the point one step further along the path; None if Newton's method does not converge."""
-        stepper, (lengths, first), size = self.stepper, self.unit, len(self.load)
-        # tangent bordered by the direction of the last step; predictor
-        matrix = np.empty((size + 1, size + 1))
-        matrix[size, :size], matrix[size, size] = last.ahead[:-1] / lengths, last.ahead[-1] / first
-        matrix[:size, size] = -self.load
-        stepper.phase[:] = last.phase
-        push = last.push + step * float(last.ahead[-1]) * first
-        move(stepper, step * lengths * last.ahead[:-1])
-        most = float(np.max(np.abs(last.phase[: size // 2])))
-        delta = max(min(DIFFERENCE * step * float(lengths[0]), self.close), ROUNDED * most) * self.per
-        # Newton's method, then the direction of the path at the new point
-        iterations, rounds, left, right = 0, 0, math.inf, np.zeros(size + 1)
-        while True:
-            right[:size], before = self._residual(push), left
-            left = self._size(right[:size])
-            arrived = left <= CLOSE or (left <= ROUGH and left > 0.3 * before)
-            if arrived and self.stepper.structure.bonds:  # those that break here leave it without balance
-                self._remember(push)
-                right[:size] = self._residual(push)
-                if self._size(right[:size]) > ROUGH:
-                    arrived, left, iterations, rounds = False, math.inf, 0, rounds + 1
-                    if rounds > BREAKS:
-                        return None
-            if arrived:  # sliding joints have passed the slip remembered last: the tangent is that of sliding
-                right[:size], right[size] = 0.0, 1.0
-            matrix[:size, :size] = stepper.stiffness(delta)
-            try:
-                change = np.linalg.solve(matrix, right)
-            except np.linalg.LinAlgError:
-                return None
-            scaled = change / np.append(lengths, first)
-            if arrived:
-                break
-            iterations += 1
-            if iterations > ITERATIONS or not np.linalg.norm(scaled) <= step:
-                return None
-            push += float(change[-1])
-            move(stepper, np.asarray(change[:-1], dtype=np.float64))
-        self._remember(push)
-        return _Place(push, stepper.row.copy(), stepper.phase.copy(), scaled / np.linalg.norm(scaled), step)

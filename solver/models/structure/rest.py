@@ -81,9 +81,9 @@ def _rest_of(
         settlement: FloatArray = np.linalg.solve(linear, weights(structure)).astype(np.float64)
     except np.linalg.LinAlgError:
         raise InputError("some block is free to move") from None
-    size, settings = float(np.max(np.abs(settlement))), structure.model.names.settings
+    size = float(np.max(np.abs(settlement)))
     # differences, and those so small that no joint under the weight of one block opens
-    close = deltas_of(structure, OF_ONE * settings.motion_floor * settings.extent / FLOOR)
+    close = deltas_of(structure, closed(structure))
     deltas = [PERTURBED * deltas_of(structure, part * size) for part in _parts_of(structure, size)]
     # ever smaller differences and other numbers of steps, until one converges
     for delta, loads in product(deltas, LOADS if slides else (1,)):
@@ -137,6 +137,12 @@ def rest_in_steps(structure: Structure, loads: FloatArray) -> FloatArray | None:
             return None
         stepper.observe(keep=True)
     return stepper.phase.copy()
+
+
+def closed(structure: Structure) -> float:
+    """Return a displacement so small that no joint under the weight of one block opens, m."""
+    settings = structure.model.names.settings
+    return float(OF_ONE * settings.motion_floor * settings.extent / FLOOR)
 
 
 def sticking(stepper: SpatialStepper) -> SpatialStepper:

@@ -20,10 +20,10 @@ from ..ports import Released
 from ..protocol import RunPlan, Verdict
 from ..still_base import conclude, settled
 from .blocks.faces import FloatArray
+from .equilibria import rest_under
 from .modal_data import modal_data_of
 from .model import Structure
 from .outputs import OUTPUTS
-from .push import rest_under
 from .response import Moved, SpatialResponse, peaks_in_space
 from .rest import rest_of, start_from
 from .stepper import SpatialStepper
