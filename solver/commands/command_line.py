@@ -50,7 +50,7 @@ from .motion_options import (
     read_with_options,
 )
 from .new import add_new_command
-from .outcome import cracks, ensemble_lines, verdict_line
+from .outcome import cracks, ensemble_lines, error_lines, verdict_line
 from .progress import Line, simulated
 from .reports import column_report, motion_report
 from .risk import add_risk_command
@@ -326,12 +326,7 @@ def _summary(response: Response) -> str:
     lines += cracks([f"joint {i}" for i in bonds], response.peaks.get("bond", np.empty(0)))
     # verdict and accuracy
     lines.append(verdict_line(response))
-    if response.estimated_error is not None and response.horizon is not None:
-        error = response.estimated_error
-        lines.append(
-            f"estimated error: histories {error.ux:.1e} of the peak, peaks {np.max(error.peaks['ux']):.1e}; "
-            f"predictable until {response.horizon:.4g} s"
-        )
+    lines += error_lines(response, "ux")
     if response.ensemble is not None:
         lines += ensemble_lines(response.ensemble, range(1, column.n + 1), "ux")
     regimes = ("full_contact", "rocking", "flight")

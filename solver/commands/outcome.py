@@ -26,6 +26,18 @@ def verdict_line(response: Result) -> str:
     return f"overturned at {response.overturn_time:.4g} s: {response.what_fell}{late}{hits}"
 
 
+def error_lines(response: Result, moved: str) -> list[str]:
+    """Return the line on the estimated error, if there is one; `moved` names the peaks of displacements."""
+    error = response.estimated_error
+    if error is None or response.horizon is None:
+        return []
+    peaks, forces = (float(np.max(error.peaks[name], initial=0.0)) for name in (moved, "N"))
+    of_peaks = f"peaks {peaks:.1e}, those of N {forces:.1e}"
+    return [
+        f"estimated error: histories {error.ux:.1e} of the peak, {of_peaks}; predictable until {response.horizon:.4g} s"
+    ]
+
+
 def ensemble_lines(ensemble: Ensemble, names: Sequence[object], moved: str, most: int | None = None) -> list[str]:
     """Return the lines on an ensemble.
 

@@ -11,7 +11,7 @@ from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..models.structure.model import Structure
 from ..models.structure.modes import frequencies_apart
 from ..models.structure.response import SpatialResponse
-from .outcome import cracks, ensemble_lines, verdict_line
+from .outcome import cracks, ensemble_lines, error_lines, verdict_line
 
 MOST_LINES = 20  # rows of a table
 MOST_BLOCKS = 60  # with more, natural frequencies take too long for a report
@@ -67,9 +67,7 @@ def summary(response: SpatialResponse) -> str:
     lines.append(verdict_line(response))
     if stats.get("released"):
         lines.append(f"joints that ended in the fall have changed the energy by {stats['released']:.3g} J")
-    if response.estimated_error is not None and response.horizon is not None:
-        error = response.estimated_error
-        lines.append(f"estimated error: {error.ux:.1e} of the peak; predictable until {response.horizon:.4g} s")
+    lines += error_lines(response, "u")
     if response.ensemble is not None:
         lines += ensemble_lines(response.ensemble, structure.names, "u", MOST_LINES)
     lines.append(f"{stats['steps']} steps in {stats['wall_time']:.2f} s")
