@@ -112,7 +112,7 @@ def by_word(key: str, cases: Mapping[str, tuple[Collection[str], Collection[str]
 
 def _of_pairs() -> Schema:
     """Return the schema of the table of neighbours."""
-    ranges = {**neighbours._RANGES, "gap": neighbours._GAP, "after_fall": neighbours.AFTER_FALL}
+    ranges = {**neighbours.RANGES, "after_fall": neighbours.AFTER_FALL}
     pair = table(neighbours._OF_PAIR, {"between": several(TEXT, 2, 2)}, ("between",), ranges)
     sizes = {"width": LENGTH, "height": LENGTH}
     wall = table(neighbours._OF_WALL, {"at": vector(3), "normal": vector(2)}, neighbours._OF_WALL, sizes)
@@ -193,22 +193,22 @@ def _bearing(forms: Mapping[str, Schema]) -> Schema:
         kind: ((*place, *needed, *own, *others, *beside), ("between", "at", *needed, *own))
         for kind, (own, others) in kinds.items()
     }
-    radius = number(*bearing_tables._RANGES["radius"]) | {"type": ["number", "array"], "items": NUMBER}
+    radius = number(*bearing_tables.RANGES["radius"]) | {"type": ["number", "array"], "items": NUMBER}
     own_forms = {"kind": one_of(kinds), "at": {"type": "array"}, "radius": radius, "tension": FLAG}
     keys = dict.fromkeys(key for allowed, _ in cases.values() for key in allowed)
-    return table(keys, {**forms, **own_forms}, ("kind",), bearing_tables._RANGES) | by_word("kind", cases)
+    return table(keys, {**forms, **own_forms}, ("kind",), bearing_tables.RANGES) | by_word("kind", cases)
 
 
 def structure_schema() -> Schema:
     """Return the schema of a structure file, bearings included."""
-    ranges = {**NUMBERS, **structure_file._OWN_RANGES}
+    ranges = {**NUMBERS, **structure_file.OWN_RANGES}
     law = table(structure_file._LAW, ranges=ranges)
     bodies = {"between": several({"type": ["string", "integer"]}, 2, 2)}
     placed = {**bodies, "at": vector(3), "normal": vector(3)}
     own = {**placed, "section": one_of(structure_file._OF_SECTION), "outline": several(vector(2), 3)}
     joint = table(structure_file._JOINT, own, ("between",), ranges)
     ends = {**bodies, "from": vector(3), "to": vector(3), "tension_only": FLAG}
-    tie = table(structure_file._TIE, ends, ("between", "from", "to", "stiffness"), structure_file._OF_TIES)
+    tie = table(structure_file._TIE, ends, ("between", "from", "to", "stiffness"), structure_file.OF_TIES)
     settings = {"tolerance": {**number(*NUMBERS["tolerance"]), "default": TOLERANCE}, "without": several(TEXT)}
     forms: dict[str, Schema] = {
         "name": TEXT,

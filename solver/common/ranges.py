@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import difflib
+import re
 import sys
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 
 from .errors import InputError, check_number, shown
 
@@ -42,6 +43,11 @@ NUMBERS: dict[str, tuple[tuple[float, float], str]] = {
     "step": ((1e-9, 1e6), "a positive time in s, from 1e-9 to 1e6"),
     "tolerance": ((1e-13, 0.1), "a number from 1e-13 to 0.1"),
 }
+
+
+def lengths_in(table: Mapping[str, tuple[tuple[float, float], str]]) -> frozenset[str]:
+    """Return the keys of a table of ranges whose meaning is a quantity in m."""
+    return frozenset(key for key, (_, meaning) in table.items() if re.search(r" in m(?![\w/])", meaning))
 
 
 def check(key: str, value: object) -> float:

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
+import tomllib
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from multiprocessing import get_context
@@ -14,7 +17,8 @@ import pytest
 from support.fmus import ROOT
 from support.study import same
 
-from multiblock import Column, InputError, Motion, Structure, simulate
+from multiblock import Column, InputError, Motion, Structure, simulate, wavelets
+from solver.commands.schema import structure_schema
 from solver.models.structure.numbers import structure_with
 from solver.studies import Results, Shaking, Study, fit_fragility, run_study
 from solver.studies.pictures import draw
@@ -131,6 +135,161 @@ def test_a_structure_twice_the_size_has_eight_times_the_mass() -> None:
         assert large.mass == pytest.approx(8.0 * small.mass, rel=1e-12)
     areas = [joint.face.moments[0] for structure in (found, COLONNADE) for joint in structure.joints]
     np.testing.assert_allclose(areas[: len(areas) // 2], 4.0 * np.array(areas[len(areas) // 2 :]), rtol=1e-9)
+
+
+# every key of a structure file that is a length; m marks lengths, kg masses
+SIZED = """
+name = "sized"
+joints = { stiffness = 1e9, damping = 2e-3, rim = 0.05m }
+tie = [{ between = ["a", "c"], from = [0.2m, 0.0m, 0.3m], to = [-0.2m, 0.0m, 0.1m], slack = 0.005m, stiffness = 1e5 }]
+port = [{ name = "p", block = "a", at = [0.1m, 0.05m, 0.3m] }, { name = "q", block = "b" }]
+neighbours.reach = 2.0m
+neighbours.stiffness = 1e8
+neighbours.damping = 1e-3
+neighbours.friction = 0.4
+neighbours.pair = [{ between = ["a", "b"], gap = 0.3m }]
+neighbours.wall = [{ at = [-0.4m, 0.0m, 0.0m], normal = [1.0, 0.0], width = 2.0m, height = 3.0m }]
+[[block]]
+name = "a"
+on = "base"
+at = [0.0m, 0.1m]
+width = 0.5m
+depth = 0.6m
+height = 1.6m
+top_width = 0.4m
+top_depth = 0.5m
+mass = 900.0kg
+joint = { rim = 0.04m }
+[[block]]
+name = "b"
+on = "base"
+at = [1.0m, 0.1m]
+shape = "drum"
+diameter = 0.6m
+top_diameter = 0.5m
+bore = 0.1m
+height = 1.0m
+density = 2500.0
+[[block]]
+name = "c"
+on = "base"
+position = [2.0m, 0.0m, 0.0m]
+shape = "prism"
+outline = [[0.0m, 0.0m], [0.5m, 0.0m], [0.4m, 0.8m], [0.1m, 0.8m]]
+depth = 0.5m
+density = 2500.0
+[[block]]
+name = "slab"
+position = [9.0m, 0.0m, 0.5m]
+width = 2.0m
+depth = 2.0m
+height = 0.3m
+density = 2500.0
+[[block]]
+name = "stone"
+shape = "hull"
+position = [9.0m, 0.0m, 0.8m]
+points = [[0.0, 0.0, 0.0], [0.6, 0.0, 0.0], [0.0, 0.5, 0.0], [0.1, 0.1, 0.9]]
+scale = 1.0m
+density = 2500.0
+[[joint]]
+between = ["stone", "slab"]
+at = [9.1m, 0.1m, 0.8m]
+section = "ring"
+diameter = 0.15m
+bore = 0.05m
+[[joint]]
+between = ["stone", "slab"]
+at = [9.3m, 0.1m, 0.8m]
+width = 0.1m
+depth = 0.15m
+rim = 0.02m
+[[joint]]
+between = ["stone", "slab"]
+at = [9.05m, 0.25m, 0.8m]
+section = "polygon"
+outline = [[0.0m, 0.0m], [0.15m, 0.0m], [0.0m, 0.15m]]
+[[bearing]]
+kind = "pendulum"
+between = ["slab", "base"]
+at = [[8.5m, -0.5m, 0.5m], [9.5m, 0.5m, 0.5m]]
+diameter = 0.4m
+capacity = 0.3m
+radius = 2.0m
+friction = 0.05
+initial_stiffness = 1e7
+vertical_stiffness = 1e9
+vertical_damping = 1e-3
+rim = 0.2m
+rim_stiffness = 1e6
+rim_damping = 1e-3
+[[bearing]]
+kind = "double_concave"
+between = ["slab", "base"]
+at = [9.5m, -0.5m, 0.5m]
+diameter = 0.4m
+capacity = 0.3m
+radius = [1.0m, 1.2m]
+height = 0.1m
+friction = 0.05
+initial_stiffness = 1e7
+vertical_stiffness = 1e9
+vertical_damping = 1e-3
+"""
+# vectors of the schema that are no lengths, or follow the scale of a hull
+NO_LENGTHS = ("rotation", "normal", "points", "foot", "faces", "centroid", "inertia")
+
+
+def sized(size: float) -> Structure:
+    """Return the structure of the file above with all lengths multiplied by `size`, and masses by its cube."""
+    text = re.sub(r"(-?[0-9.]+)m\b", lambda found: repr(size * float(found[1])), SIZED)
+    text = re.sub(r"([0-9.]+)kg", lambda found: repr(size**3 * float(found[1])), text)
+    return Structure.from_dict(tomllib.loads(text))
+
+
+def leaves(value: Any, place: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the values of nested tables and lists with their keys, such as block.joint.rim."""
+    if isinstance(value, dict):
+        for key, part in value.items():
+            yield from leaves(part, f"{place}.{key}".lstrip("."))
+    elif isinstance(value, list):
+        for part in value:
+            yield from leaves(part, place)
+    else:
+        yield place, value
+
+
+def lengths_of(schema: dict[str, Any], place: str = "") -> Iterator[str]:
+    """Yield the keys of a schema that are lengths."""
+    for key, part in schema.get("properties", {}).items():
+        at, items = f"{place}.{key}".lstrip("."), part.get("items", {})
+        yield from lengths_of(part, at)
+        yield from lengths_of(items, at)
+        numbers = part.get("type") == "array" and items.get("type", "array") in ("number", "array")
+        if key not in NO_LENGTHS and (numbers or re.search(r" in m\b(?!/)", part.get("description", ""))):
+            yield at
+
+
+def test_the_size_scales_every_length_of_a_file() -> None:
+    """Compare with the file whose lengths are scaled by hand; it has all those of the schema."""
+    found, expected = structure_with(sized(1.0), {"structure.size": (1.5, False)}), sized(1.5)
+    assert dict(leaves(found.to_dict())).keys() >= {*lengths_of(structure_schema())}
+    for (place, value), (other, wanted) in zip(leaves(found.to_dict()), leaves(expected.to_dict()), strict=True):
+        assert place == other
+        assert value == (pytest.approx(wanted, rel=1e-12) if isinstance(wanted, float) else wanted), place
+    pulse = wavelets.ricker(3.0, 1.2)
+    one, other = (simulate(made, pulse, duration=0.5, loads={"p": {"Fx": 200.0}}) for made in (found, expected))
+    np.testing.assert_allclose(one.peaks["ux"], other.peaks["ux"], rtol=1e-6)
+
+
+def test_ports_of_a_stack_follow_its_size_and_slenderness() -> None:
+    blocks = [{"height": 1.5, "width": 0.6, "depth": 0.6, "mass": 1500.0}] * 2
+    column = {"name": "shaft", "joint": {"stiffness": 1e9, "damping": 1e-3}, "block": blocks}
+    stack = Structure.from_dict({"column": column, "port": [{"name": "p", "block": "block1", "at": [0.3, 0.75]}]})
+    larger = stack.kind.with_numbers(stack, {"column.size": (2.0, False)})
+    assert larger.ports[0].at == pytest.approx((0.6, 0.0, 1.5))
+    slender = stack.kind.with_numbers(stack, {"column.slenderness": (10.0, False)})
+    assert slender.ports[0].at == pytest.approx((0.15, 0.0, 0.75))
 
 
 @pytest.mark.parametrize(

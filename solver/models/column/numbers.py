@@ -17,15 +17,17 @@ from functools import lru_cache
 from typing import Any
 
 from ...common.errors import POSITIVE, InputError, check_number
-from ...common.ranges import NUMBERS
+from ...common.ranges import NUMBERS, lengths_in
 from .model import Column
 
 _PARTS = re.compile(r"(block|joint)(?:\[([1-9]\d*)\])?\.([a-z_]+)")
 _WHOLE = ("g", "solver.step", "solver.tolerance")
 SIZE = "column.size"
-SHAPES = (SIZE, "column.slenderness")
+SLENDERNESS = "column.slenderness"
+SHAPES = (SIZE, SLENDERNESS)
 _OWN = ("stiffness", "damping")  # numbers of a joint on which no other value of a column depends
 _TOLERANCE = "solver.tolerance"
+_LENGTHS = lengths_in(NUMBERS)
 _UPRIGHT = ("height", "centroid")  # lengths along the axis of the column
 _EITHER = {"mass": "density", "density": "mass"}  # each replaces the other
 
@@ -142,8 +144,7 @@ def varied(name: str, present: object, number: float, relative: bool) -> float:
 
 def _scale(table: dict[str, Any], factor: float, skip: tuple[str, ...] = ()) -> None:
     for key, value in table.items():
-        is_length = key in NUMBERS and NUMBERS[key][1].startswith(("a positive length", "a length"))
-        if is_length and key not in skip and value is not None:
+        if key in _LENGTHS and key not in skip and value is not None:
             table[key] = factor * value
         if key == "strips":
             table[key] = [factor * depth for depth in value]

@@ -15,7 +15,7 @@ from .blocks.parts import Bearing, JointLaw, SpatialJoint
 
 _OF_STIFFNESS = (1e-6, 1e15), "a positive stiffness in N/m"
 _OF_DASHPOT = (0.0, 1e15), "a damping in N s/m, zero or positive"
-_RANGES = {
+RANGES = {
     "diameter": LENGTH,
     "vertical_stiffness": _OF_STIFFNESS,
     "vertical_damping": NUMBERS["damping"],
@@ -56,7 +56,7 @@ def check_table(key: str, table: Mapping[str, Any]) -> str:
     check_keys(f"{key}.", table, (*_PLACE, *needed, *other, *_OF_RIM, "strength"), of=f" of a {kind} bearing")
     for word in needed:
         if word not in table:
-            raise InputError(f"{key}.{word}: missing, must be {_RANGES[word][1]}")
+            raise InputError(f"{key}.{word}: missing, must be {RANGES[word][1]}")
     return str(kind)
 
 
@@ -70,7 +70,7 @@ def bearings_from(
     """
     kind = check_table(key, table)
     given = {
-        word: check_number(f"{key}.{word}", table[word], *_RANGES[word]) for word in _RANGES if _is_number(word, table)
+        word: check_number(f"{key}.{word}", table[word], *RANGES[word]) for word in RANGES if _is_number(word, table)
     }
     bearing, bed = _laws(key, kind, table, given)
     # a round face of the size of the bearing at each position
@@ -97,7 +97,7 @@ def _laws(key: str, kind: str, table: Mapping[str, Any], given: Mapping[str, flo
     # sliders
     if kind in ("pendulum", "double_concave", "rolling"):
         if friction and "initial_stiffness" not in given:
-            raise InputError(f"{key}.initial_stiffness: missing, must be {_RANGES['initial_stiffness'][1]}")
+            raise InputError(f"{key}.initial_stiffness: missing, must be {RANGES['initial_stiffness'][1]}")
         for word in _SLIDER:
             if not friction and word in given:
                 raise InputError(f"{key}.{word}: must be left out where friction = 0, nothing slides")
@@ -106,11 +106,11 @@ def _laws(key: str, kind: str, table: Mapping[str, Any], given: Mapping[str, flo
     if "rim" in given:
         for word in _OF_RIM:
             if word not in given:
-                raise InputError(f"{key}.{word}: missing beside rim, must be {_RANGES[word][1]}")
+                raise InputError(f"{key}.{word}: missing beside rim, must be {RANGES[word][1]}")
         if not given["rim"] < given["capacity"]:
             raise InputError(f"{key}.rim = {given['rim']}: must be less than capacity = {given['capacity']} m")
     elif "rim_stiffness" in given or "rim_damping" in given:
-        raise InputError(f"{key}.rim: missing beside rim_stiffness and rim_damping, must be {_RANGES['rim'][1]}")
+        raise InputError(f"{key}.rim: missing beside rim_stiffness and rim_damping, must be {RANGES['rim'][1]}")
     holds = table.get("tension", False)
     if not isinstance(holds, bool):
         raise InputError(f"{key}.tension = {shown(holds)}: must be true or false")
@@ -137,7 +137,7 @@ def _double(key: str, table: Mapping[str, Any], given: Mapping[str, float]) -> f
     pair = table["radius"]
     if not isinstance(pair, (list, tuple)) or len(pair) != 2:
         raise InputError(f"{key}.radius = {shown(pair)}: must be the radii of curvature of both surfaces, in m")
-    radii = [check_number(f"{key}.radius[{k}]", part, *_RANGES["radius"]) for k, part in enumerate(pair)]
+    radii = [check_number(f"{key}.radius[{k}]", part, *RANGES["radius"]) for k, part in enumerate(pair)]
     effective = sum(radii) - given["height"]
     if not effective > 0.0:
         raise InputError(f"{key}.height = {given['height']}: must be less than both radii together = {sum(radii):g} m")

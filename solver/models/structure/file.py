@@ -48,13 +48,13 @@ _BLOCK = ("name", "shape", "on", "at", "position", "rotation", "mass", "density"
 _PATCH = ("normal", "section", "width", "depth", "diameter", "bore", "outline")  # of a joint with its own position
 _JOINT = ("between", "at", *_PATCH, *_LAW)
 _TIE = ("between", "from", "to", "stiffness", "damping", "slack", "pretension", "tension_only", "yield")
-_OWN_RANGES = {
+OWN_RANGES = {
     "shear_ratio": ((1e-6, 1e6), "a positive ratio of the modulus along the joint to that across it"),
     "shear_damping": NUMBERS["damping"],
     "rim": (LENGTH[0], "a positive width in m of the band along the edges in which faces touch"),
 }
 _ANGLE = (-2.0 * math.pi, 2.0 * math.pi), "an angle in rad, at most a full turn either way"
-_OF_TIES = {
+OF_TIES = {
     "stiffness": ((1e-6, 1e15), "a positive stiffness in N/m"),
     "damping": ((0.0, 1e15), "a damping in N s/m, zero or positive"),
     "slack": ((0.0, 1e6), "a length in m, zero or positive"),
@@ -327,7 +327,7 @@ def bed_from(key: str, table: Mapping[str, Any]) -> JointLaw:
     found: dict[str, Any] = {}
     for word in _LAW:
         if word in table:
-            limits, meaning = _OWN_RANGES.get(word) or NUMBERS[word]
+            limits, meaning = OWN_RANGES.get(word) or NUMBERS[word]
             found[word] = check_number(f"{key}.{word}", table[word], limits, meaning)
     # keys that are required, and keys that exclude or require each other
     for word in ("stiffness", "damping"):
@@ -412,11 +412,11 @@ def _tie_from(key: str, table: Mapping[str, Any], blocks: tuple[Solid, ...]) -> 
         point = vector_of(f"{key}.{word}", table[word], 3)
         ends.append(point if body == len(blocks) else blocks[body].axes @ point)
     given = {}
-    for word, (limits, meaning) in _OF_TIES.items():
+    for word, (limits, meaning) in OF_TIES.items():
         if word in table:
             given["yield_" if word == "yield" else word] = check_number(f"{key}.{word}", table[word], limits, meaning)
     if "stiffness" not in given:
-        raise InputError(f"{key}.stiffness: missing, must be {_OF_TIES['stiffness'][1]}")
+        raise InputError(f"{key}.stiffness: missing, must be {OF_TIES['stiffness'][1]}")
     # a tie pulls only, unless the table says otherwise
     tension_only = table.get("tension_only", True)
     if not isinstance(tension_only, bool):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...ground.motion import Motion
 from ..column.model import Column
-from ..column.numbers import SIZE, column_with, is_of_column
+from ..column.numbers import SIZE, SLENDERNESS, column_with, is_of_column
 from ..protocol import LOADED, SETTLE, Kind, Lanes, NoRestError, Run, RunPlan, Work, output_times, table_entry
 from ..uncertainty import Varied
 from .blocks.faces import FloatArray
@@ -21,7 +21,7 @@ from .model import Structure
 from .numbers import (
     is_of_neighbours,
     is_of_structure,
-    scale_neighbours,
+    resize,
     single_names_in_space,
     structure_with,
 )
@@ -157,10 +157,14 @@ class Structures(Kind):
             of_column = {name: value for name, value in values.items() if not _is_of_space(name)}
             if of_column:
                 data = model.to_dict()
-                column = column_with(Column.from_dict(data[OF_COLUMN]), of_column)
+                column = Column.from_dict(data.pop(OF_COLUMN))
+                changed = column_with(column, of_column).to_dict()
                 if SIZE in of_column:
-                    scale_neighbours(data, of_column[SIZE][0])
-                model = Structure.from_dict({**data, OF_COLUMN: column.to_dict()})
+                    resize(data, of_column[SIZE][0])
+                if SLENDERNESS in of_column:
+                    widened = column_with(column, {SLENDERNESS: of_column[SLENDERNESS]})
+                    _widen_ports(data, widened.blocks[-1].width / column.blocks[-1].width)
+                model = Structure.from_dict({**data, OF_COLUMN: changed})
             values = {name: value for name, value in values.items() if _is_of_space(name)}
         return structure_with(model, values)
 
@@ -175,6 +179,14 @@ def _reason_against_lanes(structure: Structure, keep: Collection[str]) -> str:
     if structure.after_fall:
         return "the run goes on after a fall"
     return "" if structure.model.names.settings.order == 5.0 else "steps of order 8"
+
+
+def _widen_ports(data: Mapping[str, Any], factor: float) -> None:
+    """Multiply the horizontal coordinates of the ports beside a column by a factor."""
+    for port in data.get("port", []):
+        if "at" in port:
+            *across, upright = port["at"]
+            port["at"] = [*(factor * part for part in across), upright]
 
 
 def _is_of_space(name: str) -> bool:

@@ -23,8 +23,9 @@ from .convex import TOUCH, ConvexPart, built_overlaps, distance, hulls_of, touch
 
 _REACH = (0.0, 1e6), "a length in m, zero or positive: blocks within it may meet"
 _FRICTION = (0.0, 1e3), "a coefficient of friction, 0 without friction"
-_RANGES = {
+RANGES = {
     "reach": _REACH,
+    "gap": ((0.0, 1e6), "a length in m, zero or positive"),
     "stiffness": ((1e-6, 1e15), "a positive stiffness in N/m3, of bodies that meet"),
     "line_stiffness": ((1e-6, 1e15), "a positive stiffness in N/m2, along the line in which drums meet"),
     "damping": NUMBERS["damping"],
@@ -33,9 +34,10 @@ _RANGES = {
     "shear_ratio": ((1e-6, 1e6), "a positive ratio of the stiffness along the contact to that across it"),
 }
 _OF_WALL = ("at", "normal", "width", "height")
-_OF_PAIR = ("between", "gap", *(name for name in _RANGES if name != "reach"))
+_OF_PAIR = ("between", *(name for name in RANGES if name != "reach"))
 AFTER_FALL = (0.0, 1e3), "a time in s from 0, for which a run goes on after the first fall"
-KEYS = (*_RANGES, "after_fall", "pair", "wall")
+_OF_ALL = tuple(name for name in RANGES if name != "gap")
+KEYS = (*_OF_ALL, "after_fall", "pair", "wall")
 _DIRECTION = (-1e6, 1e6), "a number, at most 1e6 either way"
 _MEANT = {
     "at": "the middle [x, y, z] of its lower edge, three lengths in m",
@@ -44,7 +46,6 @@ _MEANT = {
     "height": LENGTH[1],
 }
 MOST = 1000  # pairs
-_GAP = (0.0, 1e6), "a length in m, zero or positive"
 SHEAR_RATIO = 0.4
 PARALLEL = 0.5  # cosine of the angle between the axis of a drum and a face beyond which the drum's end faces it
 OPPOSITE = -0.9  # largest cosine of the angle between the normals of faces that face each other
@@ -73,7 +74,7 @@ def neighbours_from(
     # common numbers, declared pairs, walls
     table = data["neighbours"]
     check_table("neighbours.", table, KEYS)
-    given = _numbers("neighbours", table, tuple(_RANGES))
+    given = _numbers("neighbours", table, _OF_ALL)
     declared: dict[tuple[int, int], tuple[str, dict[str, float]]] = {}
     for number, part in enumerate(tables_in("neighbours.pair", table, 0), start=1):
         key = f"neighbours.pair[{number}]"
@@ -164,8 +165,7 @@ def _law(given: Mapping[str, float], own: Mapping[str, float]) -> dict[str, floa
 
 
 def _numbers(key: str, table: Mapping[str, Any], names: tuple[str, ...]) -> dict[str, float]:
-    ranges = {**_RANGES, "gap": _GAP}
-    found = {name: check_number(f"{key}.{name}", table[name], *ranges[name]) for name in names if name in table}
+    found = {name: check_number(f"{key}.{name}", table[name], *RANGES[name]) for name in names if name in table}
     if "damping" in found and "restitution" in found:
         raise InputError(f"{key}.restitution: must be left out beside damping, which it stands for")
     return found
@@ -402,7 +402,7 @@ def _with_law(key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Soli
         either = {"stiffness": law.get("line_stiffness", 0.0) / radius}
         law = either | {"line_stiffness": law.get("stiffness", 0.0) * radius} | dict(law)
     if of_kind not in law:
-        raise InputError(f"{key}.{of_kind}: missing, must be {_RANGES[of_kind][1]}: {names} may meet")
+        raise InputError(f"{key}.{of_kind}: missing, must be {RANGES[of_kind][1]}: {names} may meet")
     if "friction" not in law:
         raise InputError(f"{key}.friction: missing, must be {_FRICTION[1]}: {names} may meet")
     if not {"damping", "restitution"} & law.keys():

@@ -20,19 +20,24 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from ...common.errors import POSITIVE, InputError, check_number
+from ...common.ranges import NUMBERS, lengths_in
 from ..column.numbers import varied
+from .bearing_tables import RANGES as OF_BEARINGS
 from .blocks.parts import JointLaw
-from .file import bed_from
+from .file import OF_TIES, OWN_RANGES, bed_from
 from .hull_tables import FIXED
 from .model import Structure
+from .neighbours import RANGES as OF_NEIGHBOURS
 
 SIZE = "structure.size"
 _WHOLE = ("g", "solver.tolerance")
 _PARTS = re.compile(r"(block|joint|tie|bearing)(?:\[([^\[\]]+)\])?\.([a-z_]+)(?:\[([1-9])\])?")
 _NEIGHBOURS = re.compile(r"neighbours\.(?:(pair)(?:\[([1-9]\d*)\])?\.)?([a-z_]+)")
+_VECTORS = ("at", "position", "from", "to", "outline")  # points, m
+# keys in m of every table; the points of a hull follow its scale
 _LENGTHS = (
-    *("width", "depth", "height", "top_width", "top_depth", "diameter", "top_diameter", "bore", "outline"),
-    *("at", "position", "from", "to", "slack", "radius", "rim", "capacity", "gap", "reach"),
+    frozenset.union(frozenset(_VECTORS), *map(lengths_in, (NUMBERS, OWN_RANGES, OF_TIES, OF_BEARINGS, OF_NEIGHBOURS)))
+    - FIXED
 )
 
 
@@ -133,7 +138,7 @@ def _set(data: dict[str, Any], structure: Structure, name: str, number: float, r
     if of_neighbours:
         _set_neighbour_number(data, name, of_neighbours, number, relative)
     elif name == SIZE:
-        _resize(data, check_number(name, number, POSITIVE, "a positive number"))
+        resize(data, check_number(name, number, POSITIVE, "a positive number"))
     elif found is None:
         table, key = (data, "g") if name == "g" else (data.setdefault("solver", {}), "tolerance")
         table.setdefault(key, structure.g if name == "g" else structure.tolerance)
@@ -190,24 +195,21 @@ def _bed_with(bed: JointLaw, name: str, number: float, relative: bool) -> JointL
     return bed_from(name.rpartition(".")[0], {**law, found.key: varied(name, law.get(found.key), number, relative)})
 
 
-def scale_neighbours(data: Mapping[str, Any], factor: float) -> None:
-    """Multiply the lengths of the table `neighbours` by a factor, if there is such a table."""
-    beside = data.get("neighbours", {})
-    for table in (beside, *beside.get("pair", []), *beside.get("wall", [])):
-        for key in table.keys() & set(_LENGTHS):
-            table[key] = _times(table[key], factor)
-
-
-def _resize(data: dict[str, Any], factor: float) -> None:
-    scale_neighbours(data, factor)
-    for tables in [data.get(kind, []) for kind in ("block", "joint", "tie", "bearing")]:
-        for table in tables if isinstance(tables, list) else []:
-            for key in table.keys() & set(_LENGTHS):
-                table[key] = _times(table[key], factor)
-            if "mass" in table:
-                table["mass"] *= factor**3
-            if table.get("shape") == "hull":
-                table["scale"] = factor * table.get("scale", 1.0)
+def resize(table: dict[str, Any], factor: float) -> None:
+    """Multiply the lengths of a table and of the tables in it by a factor, and masses by its cube."""
+    for key, value in table.items():
+        if isinstance(value, dict):
+            resize(value, factor)
+        elif key in _LENGTHS:
+            table[key] = _times(value, factor)
+        elif key == "mass":
+            table[key] = factor**3 * value
+        elif isinstance(value, list):
+            for part in value:
+                if isinstance(part, dict):
+                    resize(part, factor)
+    if table.get("shape") == "hull":
+        table["scale"] = factor * table.get("scale", 1.0)
 
 
 def _times(value: Any, factor: float) -> Any:
