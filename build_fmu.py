@@ -453,8 +453,7 @@ def without_brackets(files: dict[str, bytes]) -> dict[str, bytes]:
     """
     named = ["modelDescription.xml", "terminalsAndIcons/terminalsAndIcons.xml", "documentation/index.html"]
     named += [name for name in files if name.startswith(RUN_FOLDER)]
-    owners = rb"\b(block|joint|tie|bearing|port)\[(\d+)\]"
-    found = {name: re.sub(owners, rb"\1\2", files[name]) for name in named if name in files}
+    found = {name: re.sub(rb"\b([a-z]+)\[(\d+)\]", rb"\1\2", files[name]) for name in named if name in files}
     return files | found
 
 

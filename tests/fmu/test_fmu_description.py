@@ -14,8 +14,9 @@ from support.child import call
 from support.fmus import DAMPED, ROOT, Fmus, read_results, run
 from support.inside import initialization
 
-from build_fmu import build_fmu
+from build_fmu import build_fmu, build_native_fmu
 from fmu_src.documentation import drawing
+from fmu_src.native.platforms import Form
 from solver import Column
 
 pytestmark = pytest.mark.long  # test_fmu.py and test_structure_fmus.py have what is tried every time
@@ -151,6 +152,53 @@ def test_plain_names_have_no_brackets(tmp_path: Path) -> None:
     values = ("--start-values", "joint1.damping", "2e-3", "base.jx", "1.0")
     run("fmpy", "simulate", fmu, "--stop-time", "0.1", *values, "--output-file", results)
     assert abs(read_results(results)["block1.ux"][-1]) > 1e-6
+
+
+ALL_PARTS = """
+name = "parts"
+joints = { stiffness = 1e9, damping = 1e-3, friction = 0.5 }
+neighbours = { reach = 0.3, stiffness = 1e8, restitution = 0.5, friction = 0.4 }
+tie = [{ between = ["post", "wall"], from = [0.1, 0.0, 0.3], to = [-0.1, 0.0, 0.3], stiffness = 1e6 }]
+port = [{ name = "top", block = "post" }]
+block = [
+    { name = "post", on = "base", width = 0.4, depth = 0.4, height = 1.0, mass = 400.0, joint = { cohesion = 1e5 } },
+    { name = "wall", position = [0.6, 0.0, 0.1], width = 0.4, depth = 0.4, height = 1.0, mass = 400.0 },
+]
+[[bearing]]
+kind = "elastomeric"
+between = ["wall", "base"]
+at = [[0.45, -0.15, 0.1], [0.75, -0.15, 0.1], [0.75, 0.15, 0.1], [0.45, 0.15, 0.1]]
+diameter = 0.1
+capacity = 0.3
+stiffness = 1e6
+damping = 1e3
+vertical_stiffness = 1e9
+vertical_damping = 1e-3
+"""
+
+
+@pytest.mark.parametrize("form", [None, Form(2), Form(3, scalars=True)], ids=["python", "native", "fmi3"])
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ((ROOT / "examples" / "columns" / "mortar.toml").read_text(encoding="utf-8"), {"bond1.share"}),
+        (ALL_PARTS, {"bond1.share", "contact1.gap", "bearing4.dx", "tie1.F", "port1.Fx"}),
+    ],
+    ids=["column", "structure"],
+)
+def test_plain_names_of_every_part_have_no_brackets(
+    tmp_path: Path, text: str, named: set[str], form: Form | None
+) -> None:
+    file, fmu = tmp_path / "model.toml", tmp_path / "plain.fmu"
+    file.write_text(text, encoding="utf-8")
+    if form is None:
+        build_fmu(file, fmu, plain_names=True)
+    else:
+        platform = "linux64" if form.fmi == 2 else "x86_64-linux"
+        build_native_fmu(file, fmu, platforms=[platform], form=form, plain_names=True)
+    names = {variable.name for variable in read_model_description(str(fmu)).modelVariables}
+    assert {"block1.ux", *named} <= names
+    assert not [name for name in names if "[" in name]
 
 
 def test_carries_both_binaries_and_only_what_it_needs(archive: dict[str, bytes]) -> None:
