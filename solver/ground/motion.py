@@ -512,6 +512,18 @@ def check_strength(motion: Motion) -> bool:
     return False
 
 
+def check_loads(motion: Motion, duration: float) -> bool:
+    """Warn (InputWarning) of a load outside a run of this duration (s); return True if there is one."""
+    begin, end = motion.start, motion.start + duration
+    for port, load in motion.loads.items():
+        first, last = load.time[[0, -1]].tolist()
+        if (last <= begin or end <= first) and np.any(load.values):
+            span = f"is from {first:g} to {last:g} s, the run from {begin:g} to {end:g} s"
+            warn_of([f"loads[{port}]: {span}: it has no effect, its times should be those of the motion"])
+            return True
+    return False
+
+
 def check_in_plane(motion: Motion) -> None:
     """Raise InputError for a motion that leaves the plane of a column."""
     if motion.has_ay:

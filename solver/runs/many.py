@@ -25,7 +25,7 @@ from ..common.errors import (
     shown,
 )
 from ..common.executors import TRIES, cores, error_text, sent_out, workers_of
-from ..ground.motion import Motion, check_strength
+from ..ground.motion import Motion, check_loads, check_strength
 from ..models.protocol import SETTLE, Kind, Model, Run, Work
 from .chunk import Chunk, Made, make_packed, make_runs, packed
 from .pace import Pace
@@ -244,7 +244,7 @@ def _iterated(given: dict[str, Any], several: dict[str, Any]) -> Iterator[Run]:
     sources = [iter(several[key]) if key in several else itertools.repeat(given[key]) for key in given]
     last: tuple[Any, Any] = (None, None)  # model and tolerance as given
     kind: Kind | None = None  # of the first
-    strong, shaken = False, None
+    strong, shaken, late = False, None, False
     rows = itertools.zip_longest(*sources, fillvalue=_ENDED) if several else [tuple(given.values())]
     for k, values in enumerate(rows):
         ended = [key for key, value in zip(given, values, strict=True) if value is _ENDED]
@@ -265,7 +265,9 @@ def _iterated(given: dict[str, Any], several: dict[str, Any]) -> Iterator[Run]:
         if motion is not shaken and not strong:
             shaken, strong = motion, check_strength(motion)
         span = motion.duration if duration is None else duration
-        yield Run(made, motion, check_number(f"duration[{k}]", span, POSITIVE, "a positive time in s"))
+        span = check_number(f"duration[{k}]", span, POSITIVE, "a positive time in s")
+        late = late or check_loads(motion, span)
+        yield Run(made, motion, span)
 
 
 def _with_tolerance(k: int, model: Any, tolerance: Any, kind: Kind | None) -> tuple[Any, Kind]:

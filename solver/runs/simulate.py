@@ -20,7 +20,7 @@ from ..common.errors import (
 from ..common.plausible import warn_of
 from ..common.ranges import check_choice
 from ..ground.loads import Load, loads_from, place_of, static_loads
-from ..ground.motion import Motion, check_strength
+from ..ground.motion import Motion, check_loads, check_strength
 from ..models.column.model import Column
 from ..models.column.packing import InitialState
 from ..models.column.response import Response
@@ -207,6 +207,7 @@ def simulate(
             raise InputError(f"after_fall = {shown(after_fall)}: must be left out, only a structure goes on")
         column = column.going_on(after_fall)
     _check_ports(motion, column)
+    check_loads(motion, duration)
     check_type("callback", callback, Callable, None)
     plan, spread = RunPlan(motion, duration, times, initial, settle, callback), Spread() if spread is None else spread
     if plane is not None:

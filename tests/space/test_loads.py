@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ import pytest
 from multiblock import (
     Column,
     InputError,
+    InputWarning,
     Load,
     Motion,
     Structure,
@@ -173,6 +175,20 @@ def test_many_runs_with_loads_go_alone() -> None:
     motions = [STILL.with_loads({"top": Load.of([0.0, 0.1], Fx=[0.0, k * 1e3])}) for k in (1, 2)]
     table = simulate_many(block(), motions, keep=("peak_port_x", "path"))
     assert table["peak_port_x"][1, 0] == pytest.approx(2.0 * table["peak_port_x"][0, 0], rel=1e-2)
+
+
+@pytest.mark.parametrize(("begin", "end"), [(2.0, 3.0), (-1.0, 0.0)])
+def test_a_load_outside_the_run_is_warned_of(begin: float, end: float) -> None:
+    line = rf"loads\[top\]: is from {begin:g} to {end:g} s, the run from 0 to 2 s: it has no effect"
+    motion = STILL.with_loads({"top": Load.of([begin, end], Fx=[1e3, 1e3])})
+    with pytest.warns(InputWarning, match=line):
+        simulate(block(), motion)
+    with pytest.warns(InputWarning, match=line) as told:
+        simulate_many(block(), [motion, motion], keep=("peak_u",))
+    assert len(told) == 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        simulate(block(), STILL.with_loads({"top": Load.of([begin - 0.1, end + 0.1], Fx=[1e3, 1e3])}), 2.05)
 
 
 @pytest.mark.parametrize(
