@@ -25,6 +25,7 @@ from ..models.column.model import Column
 from ..models.column.packing import InitialState
 from ..models.column.response import Response
 from ..models.column.run import Callback
+from ..models.column.settings import WITHOUT_STEP
 from ..models.ports import Released
 from ..models.protocol import OUTPUT_STEP, SETTLE, Kind, Model, RunPlan, output_times
 from ..models.structure.model import Structure
@@ -223,7 +224,7 @@ def simulate(
             raise InputError(f"{name} = {shown(value)}: must be left out, a {kind.word} has none")
     column = column.with_settings(**{name: value for name, value in given.items() if name in kind.settings})
     if step is not None and column.settings.formulation == "exact":
-        raise InputError(f"step = {step}: must be left out, the exact formulation adapts its steps to the tolerance")
+        raise InputError(f"step = {step}: {WITHOUT_STEP}")
     kind.load_for_single_runs()
     kind.check(column, from_rest=initial is None)
     warn_of(kind.warnings(column, at_rest=initial is None))

@@ -21,7 +21,7 @@ from solver.models.column.lane_policy import reason_against_lanes
 from solver.models.column.model import Column
 from solver.models.column.packing import described
 from solver.models.column.rest import is_stable
-from solver.models.column.settings import FORMULATIONS, Settings
+from solver.models.column.settings import Settings
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "columns"
 
@@ -89,7 +89,8 @@ columns = st.builds(
     Column,
     name=st.from_regex("[A-Za-z_][A-Za-z0-9_]*", fullmatch=True),
     blocks=st.lists(blocks(), min_size=1, max_size=5).map(upon_each_other),
-    settings=st.builds(Settings, st.sampled_from(FORMULATIONS), st.just(""), positive(1.0), st.floats(1e-13, 0.1)),
+    settings=st.builds(Settings, st.just("paper"), st.just(""), positive(1.0), st.floats(1e-13, 0.1))
+    | st.builds(Settings, tolerance=st.floats(1e-13, 0.1)),
     g=st.floats(0.0, 100.0),
 )
 
@@ -181,6 +182,12 @@ def test_with_settings_changes_what_is_given() -> None:
     changed = column().with_settings(formulation="paper", step=1e-3, tolerance=None)
     assert changed == column(settings=Settings(formulation="paper", step=1e-3))
     assert column().with_settings() == column()
+
+
+def test_the_exact_formulation_keeps_no_step() -> None:
+    exact = column(settings=Settings("paper", step=1e-3)).with_settings(formulation="exact")
+    assert "step" not in exact.to_dict()["solver"]
+    assert Column.from_dict(exact.to_dict()) == exact == column()
 
 
 def test_with_settings_is_checked() -> None:
@@ -294,7 +301,16 @@ BAD = [
         '"auto"',
         """solver.integrator = 'auto': must be "central-difference", or left out, where the formulation is paper""",
     ),
-    ('"paper"', '"exact"', "solver.integrator = 'central-difference': must be \"auto\", or left out"),
+    (
+        '"paper"\nintegrator = "central-difference"\nstep = 2e-4\n',
+        '"exact"\nintegrator = "central-difference"\n',
+        "solver.integrator = 'central-difference': must be \"auto\", or left out",
+    ),
+    (
+        'formulation = "paper"\nintegrator = "central-difference"\n',
+        "",
+        "solver.step = 0.0002: must be left out, the exact formulation adapts its steps to the tolerance",
+    ),
     ("step = 2e-4", "step = 0", "solver.step = 0: must be a positive time in s"),
     ("tolerance = 1e-6", "tolerance = 1e-14", "solver.tolerance = 1e-14: must be a number from 1e-13 to 0.1"),
     ("tolerance = 1e-6", "tolerance = 0.2", "solver.tolerance = 0.2: must be a number from 1e-13 to 0.1"),

@@ -15,7 +15,7 @@ from ...common.tables import PLACE, check_table
 from ..ports import ports_from
 from .block import BLOCK_SECTIONS, Block, Joint, check_block
 from .materials import MATERIALS, Material
-from .settings import Settings
+from .settings import WITHOUT_STEP, Settings
 
 ROUND = ("circle", "annulus")
 
@@ -62,9 +62,12 @@ def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
     settings: dict[str, Any] = {
         key: _number("solver", solver, key) if key in NUMBERS else value for key, value in solver.items()
     }
+    found = Settings(**settings)
+    if "step" in settings and found.formulation == "exact":
+        raise InputError(f"solver.step = {settings['step']:g}: {WITHOUT_STEP}")
     gravity = {"g": _number("", data, "g")} if "g" in data else {}
     ports = ports_from(data, names_of(len(blocks)), _point)
-    return {"name": data["name"], "blocks": blocks, "settings": Settings(**settings), "ports": ports, **gravity}
+    return {"name": data["name"], "blocks": blocks, "settings": found, "ports": ports, **gravity}
 
 
 def names_of(blocks: int) -> list[str]:

@@ -161,6 +161,8 @@ class Column(NotebookRepr):
         """
         if formulation is not None and integrator is None:
             integrator = ""  # default of the formulation
+        if formulation == "exact" and step is None:
+            step = Settings.step
         given = {"formulation": formulation, "integrator": integrator, "step": step, "tolerance": tolerance}
         changes = {key: value for key, value in (given | {"without": without}).items() if value is not None}
         if not changes:
@@ -271,9 +273,12 @@ class Column(NotebookRepr):
     def to_dict(self) -> dict[str, Any]:
         """Return the mapping that `from_dict` converts to an equal column: plain numbers, strings, lists and dicts.
 
-        Defaults are written out, except those that follow from other values (None), which are absent.
+        Defaults are written out, except those that follow from other values (None), which are absent, as the step of
+        the exact formulation, which has no effect.
         """
         data = asdict(self, dict_factory=plain)
+        if self.settings.formulation == "exact":
+            del data["settings"]["step"]
         found = {"name": data["name"], "g": data["g"], "block": list(data["blocks"]), "solver": data["settings"]}
         names = names_of(self.n)
         ports = [{"name": port.name, "block": names[port.body], "at": [*port.at]} for port in self.ports]

@@ -10,6 +10,7 @@ from ...kernels.layout import spaces as at
 
 OWN_INTEGRATOR = {"exact": "auto", "paper": "central-difference"}  # formulation -> its integrator
 FORMULATIONS, INTEGRATORS = tuple(OWN_INTEGRATOR), tuple(OWN_INTEGRATOR.values())
+WITHOUT_STEP = "must be left out, the exact formulation adapts its steps to the tolerance"
 # names -> codes of the kernels
 SKIP_CODES = {  # features that can be omitted: short cuts, to check or to measure them, and the peaks of all but ux
     "elastic": at.ELASTIC,
