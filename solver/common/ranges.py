@@ -31,7 +31,10 @@ NUMBERS: dict[str, tuple[tuple[float, float], str]] = {
     "inertia": ((1e-21, 1e27), "a positive moment of inertia in kg m2, from 1e-21 to 1e27"),
     "stiffness": ((1e-3, 1e20), "a positive Winkler modulus in N/m3, from 1e-3 to 1e20"),
     "damping": ((0.0, 1e6), "a time in s, zero or positive, at most 1e6"),
-    "friction": ((1e-6, 1e3), "a positive coefficient of friction, at most 1e3; without it the joint never slides"),
+    "friction": (
+        (1e-6, 1e3),
+        "a positive coefficient of friction, from 1e-6 to 1e3; without it the joint never slides",
+    ),
     "dowel": ((0.0, 1e15), "a force in N, zero or positive, at most 1e15"),
     "strength": ((1.0, 1e15), "a positive pressure in Pa, from 1 to 1e15"),
     "tensile_strength": ((0.0, 1e12), "a tension in Pa, zero or positive"),

@@ -1,6 +1,7 @@
 """The command `schema`: the files of the examples are valid, and files with a wrong key, type or number are not."""
 
 import json
+import re
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,6 +16,9 @@ from solver.commands.command_line import main
 from solver.commands.schema import SCHEMAS, schema_of
 from solver.common.ranges import NUMBERS
 from solver.models.column import file as column_file
+from solver.models.structure.bearing_tables import RANGES as OF_BEARINGS
+from solver.models.structure.file import OF_TIES, OWN_RANGES
+from solver.models.structure.neighbours import RANGES as OF_NEIGHBOURS
 
 KIND_OF = {"columns": "column", "structures": "structure", "bearings": "structure", "studies": "study"}
 FILES = [path for folder in KIND_OF for path in sorted((ROOT / "examples" / folder).glob("*.toml"))]
@@ -140,3 +144,11 @@ def test_buildings_are_valid_where_the_program_reads_them(building: dict[str, An
     else:
         with pytest.raises(InputError, match="building"):
             Building.from_dict(data)
+
+
+@pytest.mark.parametrize("ranges", [NUMBERS, OWN_RANGES, OF_TIES, OF_BEARINGS, OF_NEIGHBOURS])
+def test_messages_name_a_least_value_above_zero(ranges: dict[str, tuple[tuple[float, float], str]]) -> None:
+    """Find 1e-6 in "a positive ratio, from 1e-6 to 1e6": 1e-9 is positive too."""
+    for key, ((least, _), meaning) in ranges.items():
+        named = {float(number) for number in re.findall(r"\d+(?:\.\d+)?(?:e-?\d+)?", meaning)}
+        assert least <= 0.0 or least in named, key

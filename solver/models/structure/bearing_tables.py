@@ -13,22 +13,28 @@ from ...common.ranges import LENGTH, NUMBERS, check_choice, check_keys
 from .blocks.faces import Face, FloatArray
 from .blocks.parts import Bearing, JointLaw, SpatialJoint
 
-_OF_STIFFNESS = (1e-6, 1e15), "a positive stiffness in N/m"
+_OF_STIFFNESS = (1e-6, 1e15), "a positive stiffness in N/m, from 1e-6 to 1e15"
 _OF_DASHPOT = (0.0, 1e15), "a damping in N s/m, zero or positive"
 RANGES = {
     "diameter": LENGTH,
     "vertical_stiffness": _OF_STIFFNESS,
     "vertical_damping": NUMBERS["damping"],
-    "capacity": ((1e-6, 1e6), "a displacement in m beyond which what the bearing carries has come off it"),
-    "radius": ((1e-3, 1e6), "a radius of curvature in m, the effective one of a pendulum"),
+    "capacity": (
+        (1e-6, 1e6),
+        "a displacement in m, from 1e-6 to 1e6, beyond which what the bearing carries has come off it",
+    ),
+    "radius": ((1e-3, 1e6), "a radius of curvature in m, from 1e-3 to 1e6, the effective one of a pendulum"),
     "height": ((0.0, 1e6), "a height in m between the two concave surfaces, zero or positive"),
     "friction": ((0.0, 1e3), "a coefficient of friction, 0 without friction"),
-    "initial_stiffness": ((1e-6, 1e15), "a positive stiffness in N/m, of what slides or yields until it does"),
+    "initial_stiffness": (
+        (1e-6, 1e15),
+        "a positive stiffness in N/m, from 1e-6 to 1e15, of what slides or yields until it does",
+    ),
     "initial_damping": NUMBERS["damping"],
-    "stiffness": ((1e-6, 1e15), "a positive horizontal stiffness in N/m, of the rubber"),
+    "stiffness": ((1e-6, 1e15), "a positive horizontal stiffness in N/m, from 1e-6 to 1e15, of the rubber"),
     "damping": _OF_DASHPOT,
-    "yield": ((1e-6, 1e15), "a positive force in N, at which the lead yields"),
-    "rim": ((1e-6, 1e6), "a displacement in m at which a stiff ring stops the bearing"),
+    "yield": ((1e-6, 1e15), "a positive force in N, from 1e-6 to 1e15, at which the lead yields"),
+    "rim": ((1e-6, 1e6), "a displacement in m, from 1e-6 to 1e6, at which a stiff ring stops the bearing"),
     "rim_stiffness": _OF_STIFFNESS,
     "rim_damping": NUMBERS["damping"],
     "strength": NUMBERS["strength"],

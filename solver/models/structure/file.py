@@ -49,17 +49,17 @@ _PATCH = ("normal", "section", "width", "depth", "diameter", "bore", "outline") 
 _JOINT = ("between", "at", *_PATCH, *_LAW)
 _TIE = ("between", "from", "to", "stiffness", "damping", "slack", "pretension", "tension_only", "yield")
 OWN_RANGES = {
-    "shear_ratio": ((1e-6, 1e6), "a positive ratio of the modulus along the joint to that across it"),
+    "shear_ratio": ((1e-6, 1e6), "a positive ratio of the modulus along the joint to that across it, from 1e-6 to 1e6"),
     "shear_damping": NUMBERS["damping"],
-    "rim": (LENGTH[0], "a positive width in m of the band along the edges in which faces touch"),
+    "rim": (LENGTH[0], "a positive width in m of the band along the edges in which faces touch, from 1e-6 to 1e6"),
 }
 _ANGLE = (-2.0 * math.pi, 2.0 * math.pi), "an angle in rad, at most a full turn either way"
 OF_TIES = {
-    "stiffness": ((1e-6, 1e15), "a positive stiffness in N/m"),
+    "stiffness": ((1e-6, 1e15), "a positive stiffness in N/m, from 1e-6 to 1e15"),
     "damping": ((0.0, 1e15), "a damping in N s/m, zero or positive"),
     "slack": ((0.0, 1e6), "a length in m, zero or positive"),
     "pretension": ((0.0, 1e15), "a force in N, zero or positive"),
-    "yield": ((1e-6, 1e15), "a positive force in N"),
+    "yield": ((1e-6, 1e15), "a positive force in N, from 1e-6 to 1e15"),
 }
 
 

@@ -26,12 +26,18 @@ _FRICTION = (0.0, 1e3), "a coefficient of friction, 0 without friction"
 RANGES = {
     "reach": _REACH,
     "gap": ((0.0, 1e6), "a length in m, zero or positive"),
-    "stiffness": ((1e-6, 1e15), "a positive stiffness in N/m3, of bodies that meet"),
-    "line_stiffness": ((1e-6, 1e15), "a positive stiffness in N/m2, along the line in which drums meet"),
+    "stiffness": ((1e-6, 1e15), "a positive stiffness in N/m3, from 1e-6 to 1e15, of bodies that meet"),
+    "line_stiffness": (
+        (1e-6, 1e15),
+        "a positive stiffness in N/m2, from 1e-6 to 1e15, along the line in which drums meet",
+    ),
     "damping": NUMBERS["damping"],
     "restitution": ((1e-3, 1.0), "a coefficient of restitution, from 1e-3 to 1"),
     "friction": _FRICTION,
-    "shear_ratio": ((1e-6, 1e6), "a positive ratio of the stiffness along the contact to that across it"),
+    "shear_ratio": (
+        (1e-6, 1e6),
+        "a positive ratio of the stiffness along the contact to that across it, from 1e-6 to 1e6",
+    ),
 }
 _OF_WALL = ("at", "normal", "width", "height")
 _OF_PAIR = ("between", *(name for name in RANGES if name != "reach"))
