@@ -263,7 +263,8 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._inputs_stand = self._outdated = True
         if not self._shaken:
             self._shaken = self._has_moved(start, given)
-        if record is not None and not self._coarse_warned and step > record.dt * (1.0 + rules.STEP_SLACK):
+        is_coarse = record is not None and step > record.dt * (1.0 + rules.STEP_SLACK)
+        if is_coarse and not self._coarse_warned and self._values[self._place[RECORD_SCALE]]:
             self._coarse_warned = True
             self._say(Fmi2Status.warning, rules.COARSE % (step, record.dt))
         if self._allowed is not None and not self._long_warned:

@@ -669,7 +669,7 @@ static Status advance(Instance *instance, double start, double step, char *reaso
     instance->stepped = 1;
     now->inputs_stand = instance->outdated = 1;
     if (FALLS && !now->shaken) now->shaken = has_moved(now, start);
-    if (FALLS && now->has_record && !instance->coarse_warned && step > RECORD_DT * (1.0 + STEP_SLACK)) {
+    if (FALLS && now->has_record && now->scale != 0.0 && !instance->coarse_warned && step > RECORD_DT * (1.0 + STEP_SLACK)) {
         char text[NUMBER];
         instance->coarse_warned = 1;
         core_say(instance, ST_WARNING, SAY_COARSE, shown(step, text), RECORD_DT);

@@ -92,6 +92,7 @@ def test_the_slope_holds_until_an_input_is_set_again(fmus: Fmus) -> None:
         ({"base.jz": 0.1}, 0.01, ""),
         ({"base.record": "RECORD"}, 0.1, "communication step = 0.1 s, the record's is 0.02 s"),
         ({"base.record": "RECORD"}, 0.02, ""),
+        ({"base.record": "RECORD", "base.record_scale": 0.0, "base.ax": 0.1}, 0.1, ""),
     ],
 )
 def test_what_looks_like_a_mistake_is_said_once(
