@@ -99,10 +99,13 @@ def _run(options: argparse.Namespace) -> None:
 def _show(options: argparse.Namespace) -> None:
     results = results_from(options)
     print(summary(results))
+    count = min(options.rows, len(results))
+    if count < len(results):
+        print(f"the first {count} of {len(results)} runs:")
     names = [name for name in results if name not in ("column", "motion", "failure") and results[name].ndim == 1]
     names.append("largest")
     heads = [f"{name} ({_unit(name)[0]})" if _unit(name)[0] else name for name in names]
-    rows = [heads] + [[_cell(results, name, k) for name in names] for k in range(min(options.rows, len(results)))]
+    rows = [heads] + [[_cell(results, name, k) for name in names] for k in range(count)]
     widths = [max(len(row[k]) for row in rows) for k in range(len(names))]
     for row in rows:
         print("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)))

@@ -531,6 +531,7 @@ def test_the_command(folder: Path) -> None:
     code, out, errors = ended("show", "study.toml", "--rows", 3)
     assert (code, errors) == (0, "")
     assert "24 of 24 runs, seed 3" in out
+    assert out.splitlines()[-5] == "the first 3 of 24 runs:"
     header, row = (re.split(" {2,}", out.splitlines()[k].strip()) for k in (-4, -1))
     shown = dict(zip(header, row, strict=True))
     assert shown["motion_name"] == "ricker"
