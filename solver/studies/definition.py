@@ -26,6 +26,7 @@ from ..common.ranges import check_choice, check_keys
 from ..ground.motion import Motion
 from ..kernels.machine.sources import SOURCES
 from ..models.column.model import Column
+from ..models.column.numbers import SLENDERNESS
 from ..models.protocol import FloatArray, Model, Run
 from ..models.structure.model import Structure
 from .distributions import Random
@@ -170,6 +171,9 @@ class Study(NotebookRepr):
             elif not all(column.kind.has_number(column, name) for column in self.columns):
                 of = "column" if self.columns[0].kind.has_number(self.columns[0], "block.height") else "structure"
                 raise InputError(f"{name}: unknown name, must be of the {of} as joint.stiffness or block[1].height")
+            elif name == SLENDERNESS:
+                for column in self.columns:  # raises where an inertia would not follow
+                    column.kind.with_numbers(column, {name: (1.0, True)})
         for name, values in self.grid.items():
             if not values:
                 raise InputError(f"grid.{name}: is empty, must be a list of numbers")

@@ -145,6 +145,15 @@ def test_numbers_of_a_column_by_name() -> None:
     assert ratio == pytest.approx(1.56**2 * 4.69 / 27000.0)
 
 
+@pytest.mark.parametrize("extra", [{"load": {"mass": 300.0, "above": 0.2}}, {"inertia": 50.0}])
+def test_slenderness_is_refused_at_once_where_an_inertia_would_not_follow(extra: dict[str, Any]) -> None:
+    blocks = [{"height": 1.2, "width": 0.5, "depth": 0.5, "mass": 700.0, **block} for block in (extra, {})]
+    column = Column.from_dict({"name": "c", "joint": {"stiffness": 1e9, "damping": 1e-3}, "block": blocks})
+    pulse = Shaking("", "ricker", {"frequency": 1.0, "amplitude": 1.0})
+    with pytest.raises(InputError, match=r"column.slenderness: block\[1\] must have no inertia or load"):
+        Study("slender", "sweep", (column,), (pulse,), grid={"column.slenderness": (4.0,)})
+
+
 def test_a_tilted_base_is_gravity_turned() -> None:
     """Check that at rest on a base that leans by psi the lowest joint carries N = m g cos(psi) and S = m g sin(psi)."""
     angle = 0.02

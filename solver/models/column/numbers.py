@@ -172,7 +172,7 @@ def _widen(data: dict[str, Any], slenderness: float, relative: bool) -> None:
     _scale_ports(data, factor, 1.0)
     for i, block in enumerate(blocks, start=1):
         if block.get("inertia") is not None:
-            raise InputError(f"block[{i}].inertia: must be left out where column.slenderness is varied")
+            raise InputError(f"{SLENDERNESS}: block[{i}] must have no inertia or load: its inertia would not follow")
         _scale(block, factor, _UPRIGHT)
         _scale(block["joint"], factor, _UPRIGHT)
         block["mass"] *= factor**2
