@@ -64,6 +64,7 @@ def _modes(options: argparse.Namespace) -> None:
     modes: Modes | SpatialModes
     if subject.kind.across:
         with reading(options.column):
+            _check_weight(subject)
             modes = modes_in_space(subject)
         warn_of(known_warnings_in_space(subject))
         print(modes_in_space_report(modes))
@@ -73,6 +74,14 @@ def _modes(options: argparse.Namespace) -> None:
             modes = natural_modes(subject)
         print(modes_report(modes))
     write_outputs(((options.output, modes.to_csv), (options.plot, modes.plot)))
+
+
+def _check_weight(structure: Structure) -> None:
+    """Raise InputError for a structure without weight that has joints which bear no tension."""
+    for joint in structure.joints:
+        holds = joint.bed.tensile_strength > 0.0 if joint.bearing is None else joint.bearing.holds
+        if structure.g == 0.0 and not holds:
+            raise InputError("g = 0.0: must be positive for joints that are in contact at rest")
 
 
 def _statics(options: argparse.Namespace) -> None:

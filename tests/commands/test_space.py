@@ -54,6 +54,17 @@ def test_a_column_under_two_components(record: str, tmp_path: Path, capsys: pyte
 
 
 @pytest.mark.long  # takes seconds
+def test_modes_without_weight_are_refused_as_in_the_plane(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "light.toml"
+    file.write_text("g = 0.0\n" + STORAGE.read_text(encoding="utf-8"), encoding="utf-8")
+    said = []
+    for space in ((), ("--space",)):
+        assert main(["modes", str(file), *space]) == 2
+        said.append(capsys.readouterr().err)
+    assert "light.toml: g = 0.0: must be positive for joints that are in contact at rest" in said[0]
+    assert said[0] == said[1]
+
+
 def test_check_modes_and_statics(record: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["modes", str(STORAGE), "--space"]) == 0
     assert "12 of 18 modes" in capsys.readouterr().out
