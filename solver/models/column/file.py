@@ -63,8 +63,8 @@ def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
         key: _number("solver", solver, key) if key in NUMBERS else value for key, value in solver.items()
     }
     found = Settings(**settings)
-    if "step" in settings and found.formulation == "exact":
-        raise InputError(f"solver.step = {settings['step']:g}: {WITHOUT_STEP}")
+    if found.formulation == "exact" and found.step != Settings.step:
+        raise InputError(f"solver.step = {found.step:g}: {WITHOUT_STEP}")
     gravity = {"g": _number("", data, "g")} if "g" in data else {}
     ports = ports_from(data, names_of(len(blocks)), _point)
     return {"name": data["name"], "blocks": blocks, "settings": found, "ports": ports, **gravity}
