@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import itertools
+import math
 import os
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from ..common.errors import InputError, SolverError, check_type, reading
 from ..common.executors import TRIES, cores, error_text, sent_out, workers_of
 from ..common.plausible import warn_of_first
-from ..ground.motion import check_strength
+from ..ground.motion import check_loads, check_strength
 from ..runs.many import estimated_cost
 from ..runs.pace import CHUNK_SECONDS, Pace
 from . import chunks
@@ -78,11 +80,15 @@ def run_study(
     """
     check_type("study", study, Study)
     check_type("callback", callback, Callable, None)
-    # warn of unlikely columns and records
+    # warn of unlikely columns, records and loads
     warn_of_first(subject.kind.warnings(subject) for subject in study.columns)
-    for shaking in study.motions:
+    for number, shaking in enumerate(study.motions):
         if shaking.record is not None and study.measure is None and "scale" not in shaking.numbers:
             check_strength(shaking.record)
+        if shaking.loads:
+            with suppress(InputError):  # of a run that fails
+                _, motion, duration = study.run(number * math.prod(study.shape[2:])).run
+                check_loads(motion, duration)
     # without a folder the results stay in memory
     if folder is None:
         made = _made(study, set(), executor, threads, callback, chunk_seconds)

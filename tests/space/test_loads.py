@@ -287,6 +287,10 @@ def test_a_study_varies_the_scale_of_loads(tmp_path: Path) -> None:
     study = Study("push", "sweep", (block(),), (shaking,), grid={"motion.load_scale": (1.0, 2.0)}, keep=keep)
     peaks = run_study(study, tmp_path)["peak_port_x"]
     assert peaks[1] == pytest.approx(2.0 * peaks[0], rel=1e-3)
+    (tmp_path / "late.csv").write_text("5,0\n6,1000\n", encoding="utf-8")
+    late = Shaking.from_table("motion[1]", {"record": "still.csv", "load": {"top.Fx": "late.csv"}}, tmp_path)
+    with pytest.warns(InputWarning, match=r"loads\[top\]: is from 5 to 6 s, the run from 0 to 0.3 s"):
+        run_study(Study("late", "sweep", (block(),), (shaking, late), keep=keep))
     none = Shaking.from_table("motion[1]", {"record": "still.csv"}, tmp_path)
     study = Study("push", "sweep", (block(),), (none,), grid={"motion.load_scale": (1.0, 2.0)})
     with pytest.raises(InputError, match=r"motion.load_scale: still has no loads"):
