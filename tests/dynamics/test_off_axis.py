@@ -21,6 +21,7 @@ from solver.models.column.leaning import PARTS, SAFE, least_energy
 from solver.models.column.linearization import StillColumn
 from solver.models.column.modes import natural_frequencies
 from solver.models.column.numbers import column_with
+from solver.models.column.rest import warnings_of
 from solver.models.column.run import phase_of
 from solver.models.column.stepper import Stepper
 from solver.models.column.verdict import cannot_fall
@@ -317,6 +318,13 @@ def test_on_an_inclined_joint_a_block_slides_beyond_its_friction() -> None:
     held = replace(block, joint=replace(block.joint, friction=1.05 * tan(angle)))
     still = simulate(Column("plane", (held,)), Motion.from_samples(0.01, np.zeros(101)), settle=0.0)
     assert still.slip[-1, 0] == 0.0
+    # it is told apart before a run, with the dowel it would need
+    weight = block.mass * G
+    needed = weight * (sin(angle) - mu * cos(angle))
+    for part, lines in ((0.0, 1), (0.99, 1), (1.01, 0)):
+        doweled = replace(block, joint=replace(block.joint, dowel=part * needed))
+        told = [line for line in warnings_of(Column("plane", (doweled,))) if "slides under its weight" in line]
+        assert len(told) == lines
 
 
 # --- what is refused

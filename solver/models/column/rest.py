@@ -53,7 +53,7 @@ def warnings_of(column: Column) -> list[str]:
     Of all blocks or joints with the same mistake, the line is about the worst.
     """
     # a block whose mass includes a load has its own centroid and inertia
-    return plausible.lines_of(
+    return _of_slopes(column) + plausible.lines_of(
         plausible.Facts(
             block_key=lambda i: f"block[{i + 1}]",
             block_name=lambda i: f"block {i + 1}",
@@ -72,6 +72,18 @@ def warnings_of(column: Column) -> list[str]:
             most_damped=plausible.MOST_DAMPED_ON_RIMS if column.stands_on_edges else plausible.MOST_DAMPED,
         )
     )
+
+
+def _of_slopes(column: Column) -> list[str]:
+    """Return a line on the first joint on which the blocks above slide under their weight."""
+    for i, (block, contact) in enumerate(zip(column.blocks, column.contacts, strict=True)):
+        joint, carried = block.joint, float(carried_weights(column)[i])
+        slope, held = abs(joint.inclination or 0.0), (joint.dowel or 0.0) + joint.cohesion * contact.area
+        if joint.friction is not None and carried * (math.sin(slope) - joint.friction * math.cos(slope)) > held:
+            needed = f"needs {math.tan(slope) - held / (carried * math.cos(slope)):.3g}"
+            line = f"block[{i + 1}].joint.friction = {joint.friction:g}: with inclination = {joint.inclination:g} it"
+            return [f"{line} slides under its weight, {needed} to stand"]
+    return []
 
 
 def is_stable(column: Column) -> bool:
