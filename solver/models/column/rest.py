@@ -76,8 +76,9 @@ def warnings_of(column: Column) -> list[str]:
 
 def _of_slopes(column: Column) -> list[str]:
     """Return a line on the first joint on which the blocks above slide under their weight."""
-    for i, (block, contact) in enumerate(zip(column.blocks, column.contacts, strict=True)):
-        joint, carried = block.joint, float(carried_weights(column)[i])
+    each = zip(column.blocks, column.contacts, carried_weights(column).tolist(), strict=True)
+    for i, (block, contact, carried) in enumerate(each):
+        joint = block.joint
         slope, held = abs(joint.inclination or 0.0), (joint.dowel or 0.0) + joint.cohesion * contact.area
         if joint.friction is not None and carried * (math.sin(slope) - joint.friction * math.cos(slope)) > held:
             needed = f"needs {math.tan(slope) - held / (carried * math.cos(slope)):.3g}"
