@@ -21,7 +21,7 @@ from ..outputs import places_of
 from .blocks.faces import FloatArray
 from .model import Structure
 from .outputs import OUTPUTS
-from .rest import closed, deltas_of, move, residual_of, rest_in_steps, rest_of, start_from
+from .rest import balance, closed, deltas_of, full_stiffness, move, residual_of, rest_in_steps, rest_of, start_from
 from .stepper import SpatialStepper
 
 FIRST = 0.1  # of g: unit of pushes along the path; unit of displacements: those it causes at rest
@@ -38,12 +38,16 @@ DIFFERENCE, ROUNDED = 1e-5, 1e-9
 NARROWED = 1e-4  # of a step: width to which the onset of opening, sliding or a falling push is bracketed
 LEAST_GROWTH = 1e-9  # of the push: least increase in a step that counts as growth
 GROWN = 1e-6  # of the push: growth that counts where short steps have none
+NOISE = 1e-8  # unit of pushes: rounding of a push, some times the residual
+MOST_DOUBLED = 60  # times, from the shortest step on
+NUDGED = 1e-4  # of the push: increase over a place where something breaks or slips at once
 FAR = 0.01  # of the largest block: displacement within which it is sought
 REFINED = 4  # secants to the push at which a path ends, of a step that its bracket has made short
 MOST_SOUGHT = 40  # steps of a bracket: more than halving takes, unless rounding made its event
 STEEP = 1e-3  # part of the push in a step, in these units, above which it counts as growing however short the step
 OF_GRAVITY, OF_PATTERN = (STANDARD_GRAVITY, "g"), (1.0, "times the pattern")  # units in which pushes are shown
 FALLS = "beyond it the push falls, or does not grow"
+LOST = "no balance is found beyond it"
 FURTHER, FOLLOWED = "it was not pushed further than", "the path was not followed further than"
 TURN = 0.9  # least cosine of the angle between consecutive steps
 OPEN, SLID = 1e-9, 1e-9  # of the contact, of the largest displacement: above it a joint is open, or has slid
@@ -106,7 +110,7 @@ class EquilibriumPath:
         start_from(self.stepper, rest)
         n = structure.n
         self.per = deltas_of(structure, 1.0)  # converts displacements to rotations by the size of the block
-        self.weight, self.close = structure.weight, closed(structure)
+        self.weight, self.close, self.linear = structure.weight, closed(structure), full_stiffness(structure)
         masses = np.array([block.mass for block in structure.blocks])
         self.load = np.concatenate([masses[:, None] * way, np.zeros((n, 3))], axis=1).ravel()  # of a push of 1 m/s2
         self.loads, first = loads, FIRST * STANDARD_GRAVITY
@@ -119,6 +123,7 @@ class EquilibriumPath:
         self.largest = min(largest, LARGEST / FIRST * first)
         # units of displacements and of the push; initial direction
         linear = np.linalg.solve(rest.stiffness, first * self.load)
+        self.noise = NOISE * first
         self.unit = float(np.linalg.norm(linear / self.per)) * self.per, first
         ahead = np.append(linear / self.unit[0], 1.0)
         ahead /= np.linalg.norm(ahead)
@@ -137,8 +142,13 @@ class EquilibriumPath:
             place = self._next(last, step)
             if place is None:
                 step *= 0.5
-                if step < SHORTEST:
-                    return "no balance is found beyond it"
+                if step >= SHORTEST:
+                    continue
+                place = self._beside(last)
+                if place is None:
+                    return LOST
+                self.places.append(place)
+                step, narrow, seeking = STEP, 0.0, False
                 continue
             now = self._seen(place, last, seen)
             turns = float(place.ahead @ last.ahead) < TURN
@@ -148,8 +158,11 @@ class EquilibriumPath:
                 continue
             if now.beyond:
                 return self._beyond(place)
-            if not now.grows and place.push < last.push * (1.0 - LEAST_GROWTH):
+            if not now.grows and self._falls(place, last):
                 return FALLS
+            if now.reached:
+                self.places.append(place)
+                return f"{FURTHER} {LARGEST:g} g"
             # growth that is lost in the rounding of short steps
             sought = sought + 1 if seeking else 0
             is_lost = not now.grows or sought > MOST_SOUGHT
@@ -159,8 +172,6 @@ class EquilibriumPath:
                 return FALLS
             if is_lost:
                 step, seeking, now = longer, False, now._replace(grows=True)
-            if now.reached:
-                return f"{FURTHER} {LARGEST:g} g"
             if now != seen or not seeking:
                 narrow, seeking = 0.0, False
             seen = now
@@ -168,6 +179,24 @@ class EquilibriumPath:
             if not seeking:
                 step = min(2.0 * step, max(STEP, GROWTH * gone))
         return f"{FOLLOWED} {MOST_PLACES} places"
+
+    def _beside(self, last: Place) -> Place | None:
+        """Return a balance near a place, under a push that is hardly larger, after what breaks or slips there.
+
+        None if there is none within a small part of the largest block.
+        """
+        stepper, push, n = self.stepper, last.push * (1.0 + NUDGED), self.stepper.structure.n
+        stepper.phase[:] = last.phase
+        base = self._push(push)
+        for _ in range(1 + len(stepper.structure.bonds)):
+            if not balance(stepper, self.linear, self.close * self.per, CLOSE * self.weight, base):
+                return None
+            self._remember(push)
+        moves = slice(0, 3 * n)
+        largest = FAR * max(block.size for block in stepper.structure.blocks)
+        if np.max(np.abs(stepper.row[moves] - last.row[moves])) > largest:
+            return None
+        return Place(push, stepper.row.copy(), stepper.phase.copy(), last.ahead, 0.0)
 
     def last(self) -> Place:
         """Return the place whose push is the largest one that is looked for, between the last two places."""
@@ -184,14 +213,22 @@ class EquilibriumPath:
         """
         begin, largest = place, FAR * max(block.size for block in self.stepper.structure.blocks)
         moves = slice(0, 3 * self.stepper.structure.n)
-        while np.max(np.abs(place.row[moves] - begin.row[moves])) < largest:
+        for _ in range(MOST_DOUBLED):
             beyond = self._next(place, step)
-            if beyond is None or beyond.push < begin.push * (1.0 - LEAST_GROWTH):
-                break
-            if beyond.push > begin.push * (1.0 + GROWN):
-                return step
-            place, step = beyond, 2.0 * step
+            if beyond is not None:
+                if self._falls(beyond, begin):
+                    break
+                if beyond.push > begin.push * (1.0 + GROWN) + 10.0 * self.noise:
+                    return step
+                if np.max(np.abs(beyond.row[moves] - begin.row[moves])) > largest:
+                    break
+                place = beyond
+            step *= 2.0
         return 0.0
+
+    def _falls(self, place: Place, last: Place) -> bool:
+        """Return True if the push is less than that of the last place by more than rounding."""
+        return place.push < last.push * (1.0 - LEAST_GROWTH) - self.noise
 
     def _seen(self, place: Place, last: Place, before: _EventFlags) -> _EventFlags:
         rest, row = self.places[0].row, place.row

@@ -16,7 +16,7 @@ from ...ground.loads import pattern_of
 from ..outputs import DIGITS
 from ..pictures import draw
 from .blocks.faces import FloatArray
-from .equilibria import FOLLOWED, FURTHER, OF_GRAVITY, OF_PATTERN, EquilibriumPath, Place, has_opened, has_slid
+from .equilibria import FOLLOWED, FURTHER, LOST, OF_GRAVITY, OF_PATTERN, EquilibriumPath, Place, has_opened, has_slid
 from .model import Structure
 from .outputs import StructureHistories
 
@@ -95,7 +95,9 @@ class PushOver(StructureHistories, NotebookRepr):
     @property
     def limit(self) -> str:
         """The word for the largest push: "at most", or "at least" if the path was not followed to its end."""
-        return "at least" if self.ends.startswith((FURTHER, FOLLOWED)) else "at most"
+        if self.ends.startswith((FURTHER, FOLLOWED)):
+            return "at least"
+        return "at most, as far as found" if self.ends == LOST else "at most"
 
     @property
     def moves_most(self) -> int:

@@ -113,9 +113,13 @@ def _loaded(
 ) -> SpatialStepper | None:
     """Return a stepper in balance under the weight, applied in `loads` steps; None if a step finds no balance."""
     stepper = SpatialStepper(structure)
+    ties, drawn = stepper.model.ties, np.array([tie.pretension / tie.stiffness for tie in structure.ties])
+    length = ties.length[: len(drawn)].copy()
     move(stepper, settlement / loads)
     for step in range(1, loads + 1):
+        # the same part of the weight and of pretensions
         stepper.model.settings.gravity = structure.g * step / loads
+        ties.length[: len(drawn)] = length + (1.0 - step / loads) * drawn if step < loads else length
         for _ in range(1 + len(structure.bonds)):  # bonds that break pass their load to others
             if not balance(stepper, linear, delta, CLOSE * structure.weight):
                 return None
@@ -303,7 +307,13 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
-def balance(stepper: SpatialStepper, linear: FloatArray, delta: FloatArray, close: float) -> bool:
+def balance(
+    stepper: SpatialStepper,
+    linear: FloatArray,
+    delta: FloatArray,
+    close: float,
+    base: Sequence[float] | FloatArray = STILL,
+) -> bool:
     """Find balance by Newton's method; return True if it converges.
 
     If a step reduces neither the residual nor the energy, the tangent is stiffened. Near collapse the residual grows
@@ -321,15 +331,16 @@ def balance(stepper: SpatialStepper, linear: FloatArray, delta: FloatArray, clos
         Differences for the tangent, m and rad.
     close : float
         Residual at which Newton's method ends, N.
+    base : array (3,)
+        Acceleration of the base, m/s2.
     """
     per = delta / delta[0]  # converts moments to forces by the size of the block
-    left, energy = residual_of(stepper)
+    left, energy = residual_of(stepper, base)
     size = float(np.max(np.abs(left * per)))
     softening = 0.0
     # the energy does not include the work of loads
-    potential = bool(np.all(np.isinf(stepper.model.joints.friction))) and not any(
-        np.any(getattr(stepper.pushes, name)) for name in at.LOAD
-    )
+    pushed = np.any(base) or any(np.any(getattr(stepper.pushes, name)) for name in at.LOAD)
+    potential = bool(np.all(np.isinf(stepper.model.joints.friction))) and not pushed
     tangent = stepper.stiffness(delta)
     for _ in range(MOST_ITERATIONS):
         if size <= close:
@@ -338,7 +349,7 @@ def balance(stepper: SpatialStepper, linear: FloatArray, delta: FloatArray, clos
         with suppress(np.linalg.LinAlgError):
             change: FloatArray = np.linalg.solve(tangent + softening * linear, left).astype(np.float64)
             move(stepper, change)
-            now, lower = residual_of(stepper)
+            now, lower = residual_of(stepper, base)
             new = float(np.max(np.abs(now * per)))
         # accept a residual of rounding errors, a smaller residual or a lower energy; else stiffen
         if new >= size and size <= _rounding(before, linear, per):
