@@ -122,6 +122,17 @@ def test_a_load_near_the_largest_one_is_held_before_it_is_let_go() -> None:
     assert moved == pytest.approx((force - friction * MASS * G) / stiffness, rel=1e-3)  # measured 2e-4: the joint too
 
 
+@pytest.mark.parametrize("share", [0.9, 3.0])
+def test_friction_holds_a_pretension_up_to_its_limit(share: float) -> None:
+    """Check the force that is left of a horizontal tie drawn before the run: all, or what friction bears."""
+    limit, data = 0.01 * MASS * G, block().to_dict()
+    data["joints"] = {"stiffness": 1e10, "damping": 1e-5, "friction": 0.01}
+    ends = {"from": [0.0, 0.0, -0.5], "to": [-3.0, 0.0, 0.0]}
+    data["tie"] = [{"between": ["cube", "base"], "stiffness": 1e4, "pretension": share * limit, **ends}]
+    left = simulate(Structure.from_dict(data), STILL, settle=0.0).tie[0, 0]
+    assert left == pytest.approx(min(1.0, share) * limit, rel=1e-3)  # it was a quarter of the limit
+
+
 def test_loads_and_base_motion_are_followed_on_one_grid() -> None:
     """Check that base and load both held constant at the same acceleration of the block cancel: m a at the centroid."""
     structure = block(at=(0.0, 0.0, 0.0))
