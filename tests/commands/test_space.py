@@ -53,7 +53,6 @@ def test_a_column_under_two_components(record: str, tmp_path: Path, capsys: pyte
     assert np.max(np.abs(rows["block[block1].uy"])) > 0.1 * np.max(np.abs(rows["block[block1].ux"])) > 0.0
 
 
-@pytest.mark.long  # takes seconds
 def test_modes_without_weight_are_refused_as_in_the_plane(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "light.toml"
     file.write_text("g = 0.0\n" + STORAGE.read_text(encoding="utf-8"), encoding="utf-8")
@@ -65,6 +64,7 @@ def test_modes_without_weight_are_refused_as_in_the_plane(tmp_path: Path, capsys
     assert said[0] == said[1]
 
 
+@pytest.mark.long  # takes seconds
 def test_check_modes_and_statics(record: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["modes", str(STORAGE), "--space"]) == 0
     assert "12 of 18 modes" in capsys.readouterr().out

@@ -110,7 +110,7 @@ class EquilibriumPath:
         start_from(self.stepper, rest)
         n = structure.n
         self.per = deltas_of(structure, 1.0)  # converts displacements to rotations by the size of the block
-        self.weight, self.close, self.linear = structure.weight, closed(structure), full_stiffness(structure)
+        self.weight, self.close = structure.weight, closed(structure)
         masses = np.array([block.mass for block in structure.blocks])
         self.load = np.concatenate([masses[:, None] * way, np.zeros((n, 3))], axis=1).ravel()  # of a push of 1 m/s2
         self.loads, first = loads, FIRST * STANDARD_GRAVITY
@@ -185,16 +185,15 @@ class EquilibriumPath:
 
         None if there is none within a small part of the largest block.
         """
-        stepper, push, n = self.stepper, last.push * (1.0 + NUDGED), self.stepper.structure.n
+        stepper, push = self.stepper, last.push * (1.0 + NUDGED)
+        linear = full_stiffness(stepper.structure)
         stepper.phase[:] = last.phase
         base = self._push(push)
         for _ in range(1 + len(stepper.structure.bonds)):
-            if not balance(stepper, self.linear, self.close * self.per, CLOSE * self.weight, base):
+            if not balance(stepper, linear, self.close * self.per, CLOSE * self.weight, base):
                 return None
             self._remember(push)
-        moves = slice(0, 3 * n)
-        largest = FAR * max(block.size for block in stepper.structure.blocks)
-        if np.max(np.abs(stepper.row[moves] - last.row[moves])) > largest:
+        if self._is_far(stepper.row, last.row):
             return None
         return Place(push, stepper.row.copy(), stepper.phase.copy(), last.ahead, 0.0)
 
@@ -211,8 +210,7 @@ class EquilibriumPath:
 
         A slender tie that holds sliding blocks of stiff joints lets it grow, but not in short steps.
         """
-        begin, largest = place, FAR * max(block.size for block in self.stepper.structure.blocks)
-        moves = slice(0, 3 * self.stepper.structure.n)
+        begin = place
         for _ in range(MOST_DOUBLED):
             beyond = self._next(place, step)
             if beyond is not None:
@@ -220,11 +218,17 @@ class EquilibriumPath:
                     break
                 if beyond.push > begin.push * (1.0 + GROWN) + 10.0 * self.noise:
                     return step
-                if np.max(np.abs(beyond.row[moves] - begin.row[moves])) > largest:
+                if self._is_far(beyond.row, begin.row):
                     break
                 place = beyond
             step *= 2.0
         return 0.0
+
+    def _is_far(self, row: FloatArray, other: FloatArray) -> bool:
+        """Return True if the blocks of two output rows are further apart than a small part of the largest block."""
+        blocks = self.stepper.structure.blocks
+        moved = np.abs(row[: 3 * len(blocks)] - other[: 3 * len(blocks)])
+        return bool(np.max(moved) > FAR * max(block.size for block in blocks))
 
     def _falls(self, place: Place, last: Place) -> bool:
         """Return True if the push is less than that of the last place by more than rounding."""

@@ -94,8 +94,8 @@ def modes_in_space(structure: Structure) -> SpatialModes:
     root = _root_of_mass(structure)
     inverse = np.linalg.inv(root)
     taut, stiffness = _taut(structure, rest), rest.stiffness if structure.weight > 0.0 else full_stiffness(structure)
+    stuck = _at(structure, rest, taut)
     if np.any(taut):
-        stuck = _at(structure, rest, taut)
         stiffness = stuck.stiffness(deltas_of(structure, closed(structure)))
     squares, vectors = np.linalg.eigh(inverse @ (0.5 * (stiffness + stiffness.T)) @ inverse.T)
     if squares[0] <= 0.0:
@@ -105,7 +105,7 @@ def modes_in_space(structure: Structure) -> SpatialModes:
     # damping ratios: diagonal of the modal damping matrix
     damping = np.full((6 * n, 6 * n), math.nan)
     if structure.weight > 0.0:
-        damping = _damping(_at(structure, rest, taut), float(omega[-1]))
+        damping = _damping(stuck, float(omega[-1]))
     modal = np.einsum("ik,ij,jk->k", shapes, damping, shapes)
     # effective masses; twist about the vertical axis through the centroid
     participation = _rigid(structure).T @ root @ vectors
