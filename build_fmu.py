@@ -187,8 +187,8 @@ def _build(options: argparse.Namespace) -> None:
             "--platforms": options.platforms is not None,
             f"--fmi {options.fmi}": options.fmi != 2,
         }
-        if given := [option for option, is_given in native_only.items() if is_given]:
-            raise InputError(f"{given[0]}: with --native only")
+        if refused := [option for option, is_given in native_only.items() if is_given]:
+            raise InputError(f"{refused[0]}: with --native only")
         path = build_fmu(options.column, options.output, options.record, *rest, options.real_outputs)
     print(path)
 

@@ -263,10 +263,10 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._inputs_stand = self._outdated = True
         if not self._shaken:
             self._shaken = self._has_moved(start, given)
-        is_coarse = record is not None and step > record.dt * (1.0 + rules.STEP_SLACK)
-        if is_coarse and not self._coarse_warned and self._values[self._place[RECORD_SCALE]]:
+        sampled = record.dt if record is not None and self._values[self._place[RECORD_SCALE]] else math.inf
+        if step > sampled * (1.0 + rules.STEP_SLACK) and not self._coarse_warned:
             self._coarse_warned = True
-            self._say(Fmi2Status.warning, rules.COARSE % (step, record.dt))
+            self._say(Fmi2Status.warning, rules.COARSE % (step, sampled))
         if self._allowed is not None and not self._long_warned:
             self._warn_of_long_step(step)
         if not self._unstable_warned:

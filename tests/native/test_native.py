@@ -325,7 +325,8 @@ def test_a_record_inside_gives_the_numbers_of_the_pythonfmu(tmp_path: Path) -> N
     weaker: dict[str, object] = {"base.record_scale": 0.7, "base.ax": 0.1}
     mixed: dict[str, object] = {"joint[1].damping": 0.0, "joint[2].damping": 5e-2, "joint[3].width": 1.2}
     cases: list[tuple[dict[str, object], float]] = [({}, 0.1), (weaker, 0.0075), ({"base.record": ""}, 0.1)]
-    cases += [(change, 0.0137) for change in (weaker, UNDAMPED, mixed, {"base.record_scale": 0.0, "base.ax": 0.1})]
+    still: dict[str, object] = {"base.record_scale": 0.0, "base.ax": 0.1}
+    cases += [(change, 0.0137) for change in (weaker, UNDAMPED, mixed, still)]
     for values, h in cases:  # the samples are 0.01 s apart: no step falls in with them
         first, second = (ended(inputs.whole_history, fmu, values, h) for fmu in pair)
         assert (first.returncode, second.returncode) == (0, 0), first.stderr + second.stderr

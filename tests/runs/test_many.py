@@ -172,7 +172,8 @@ def test_single_ones_stand_for_all_and_what_is_iterated_is_taken_as_needed() -> 
 def test_a_chunk_has_as_many_runs_as_fill_lanes_or_takes_some_seconds(
     total: int | None, workers: int, each: float, expected: list[int]
 ) -> None:
-    pace, made = Pace(total, workers, each), []
+    pace = Pace(total, workers, each)
+    made: list[int] = []
     if total != 56:  # a run has been measured
         pace.update_cost(MOST_RUNS, MOST_RUNS, MOST_RUNS * each)
     while sum(made) < (total or sum(expected)):

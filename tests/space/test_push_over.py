@@ -163,7 +163,7 @@ def test_a_tie_holds_a_block_that_slides_until_it_yields(stiffness: float, frict
 @pytest.mark.parametrize(("strength", "cohesion"), [(1e4, 1e4), (1e6, 5e3)])
 def test_mortar_balances_its_shear_strength(strength: float, cohesion: float) -> None:
     mass = 6000.0
-    mortar = {"stiffness": 1e9, "friction": 0.3, "tensile_strength": strength, "cohesion": cohesion}
+    mortar: dict[str, Any] = {"stiffness": 1e9, "friction": 0.3, "tensile_strength": strength, "cohesion": cohesion}
     found = push_over(block(3.0, 1.0, 1.0, **mortar))
     assert found.largest_acceleration == pytest.approx(0.3 * G + cohesion * 3.0 / mass, rel=1e-4)  # measured 1e-5
     assert abs(found.base[-1, 0]) == pytest.approx(mass * found.largest_acceleration, rel=1e-6)  # in balance at the end
