@@ -39,6 +39,7 @@ from ..common.tables import numbers_of
 from ..common.text import lines_of
 from ..common.text_tables import table_of, unit_in
 from .records.record import FloatArray
+from .records.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from .motion import Motion
@@ -262,6 +263,11 @@ def pattern_of(pattern: Mapping[str, float], ports: Sequence[str]) -> FloatArray
     if not np.any(found):
         raise InputError("pattern: must have a load that is not zero")
     return found
+
+
+def push_unit(by_loads: bool) -> tuple[float, str]:
+    """Return the unit in which a push by loads, or by an acceleration of the base, is shown: its size and its name."""
+    return (1.0, "times the pattern") if by_loads else (STANDARD_GRAVITY, "g")
 
 
 def place_of(key: str, port: object, ports: Sequence[str]) -> int:

@@ -18,8 +18,7 @@ from ..common.aliases import Alias
 from ..common.errors import InputError, SolverError, check_number, check_type, needing, shown
 from ..common.files import write_table
 from ..common.frames import Frame, Framed
-from ..ground.loads import pattern_of
-from ..ground.motion import STANDARD_GRAVITY
+from ..ground.loads import pattern_of, push_unit
 from ..models.column.linearization import StillColumn, undamped
 from ..models.column.model import Column
 from ..models.column.outputs import UNITS, ColumnHistories
@@ -81,7 +80,7 @@ class CapacityCurve(Framed):
     @property
     def unit(self) -> tuple[float, str]:
         """The unit in which a push is shown: the divisor and its name."""
-        return (STANDARD_GRAVITY, "g") if self.pattern is None else (1.0, "times the pattern")
+        return push_unit(self.pattern is not None)
 
     @property
     def strongest(self) -> int:

@@ -133,6 +133,22 @@ def test_friction_holds_a_pretension_up_to_its_limit(share: float) -> None:
     assert left == pytest.approx(min(1.0, share) * limit, rel=1e-3)  # it was a quarter of the limit
 
 
+@pytest.mark.parametrize("share", [1.01, 1.02, 1.2])
+def test_friction_holds_an_oblique_pretension_up_to_its_limit(share: float) -> None:
+    """Draw a tie beside the centroid that begins to slide the block: the first tangents are half of sticking."""
+    size = {"width": 1.0, "depth": 1.0, "height": 0.5, "density": 2000.0}
+    limit = 0.01 * 1000.0 * G
+    ends = {"from": [-0.5, 0.0, 0.0], "to": [-2.0, 1.0, 0.25]}
+    data = {
+        "name": "drawn",
+        "joints": {"stiffness": 1e10, "damping": 1e-3, "friction": 0.01},
+        "block": [{"name": "a", "on": "base", **size}],
+        "tie": [{"between": ["a", "base"], "stiffness": 1e4, "pretension": share * limit, **ends}],
+    }
+    left = simulate(Structure.from_dict(data), STILL, settle=0.0).tie[0, 0]
+    assert left == pytest.approx(limit, rel=1e-6)  # measured 1e-8
+
+
 def test_loads_and_base_motion_are_followed_on_one_grid() -> None:
     """Check that base and load both held constant at the same acceleration of the block cancel: m a at the centroid."""
     structure = block(at=(0.0, 0.0, 0.0))

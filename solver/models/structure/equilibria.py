@@ -15,13 +15,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.errors import InputError
+from ...ground.loads import push_unit
 from ...ground.motion import STANDARD_GRAVITY
 from ...kernels.structure.layout import LOAD
 from ..outputs import places_of
 from .blocks.faces import FloatArray
 from .model import Structure
 from .outputs import OUTPUTS
-from .rest import balance, closed, deltas_of, full_stiffness, move, residual_of, rest_in_steps, rest_of, start_from
+from .rest import (
+    balance,
+    change_between,
+    closed,
+    deltas_of,
+    full_stiffness,
+    move,
+    residual_of,
+    rest_in_steps,
+    rest_of,
+    start_from,
+)
 from .stepper import SpatialStepper
 
 FIRST = 0.1  # of g: unit of pushes along the path; unit of displacements: those it causes at rest
@@ -40,12 +52,13 @@ LEAST_GROWTH = 1e-9  # of the push: least increase in a step that counts as grow
 GROWN = 1e-6  # of the push: growth that counts where short steps have none
 NOISE = 1e-8  # unit of pushes: rounding of a push, some times the residual
 MOST_DOUBLED = 60  # times, from the shortest step on
-NUDGED = 1e-4  # of the push: increase over a place where something breaks or slips at once
+# of the push: increases, one after the other, over a place where something breaks or slips at once; of the displacement
+# within which joints stay closed: differences for the tangent there
+NUDGED, FINE = (1e-4, 4e-4, 1.6e-3, 6.4e-3), 0.01
 FAR = 0.01  # of the largest block: displacement within which it is sought
 REFINED = 4  # secants to the push at which a path ends, of a step that its bracket has made short
 MOST_SOUGHT = 40  # steps of a bracket: more than halving takes, unless rounding made its event
 STEEP = 1e-3  # part of the push in a step, in these units, above which it counts as growing however short the step
-OF_GRAVITY, OF_PATTERN = (STANDARD_GRAVITY, "g"), (1.0, "times the pattern")  # units in which pushes are shown
 FALLS = "beyond it the push falls, or does not grow"
 LOST = "no balance is found beyond it"
 FURTHER, FOLLOWED = "it was not pushed further than", "the path was not followed further than"
@@ -136,7 +149,7 @@ class EquilibriumPath:
     def follow(self) -> str:
         """Add the points up to the largest push; return the reason why the path ends."""
         seen = _EventFlags(True, False, False, False, False)
-        step, gone, narrow, seeking, sought = STEP, 0.0, 0.0, False, 0
+        step, gone, narrow, seeking, sought, lost = STEP, 0.0, 0.0, False, 0, 0
         while len(self.places) < MOST_PLACES:
             last = self.places[-1]
             place = self._next(last, step)
@@ -144,11 +157,11 @@ class EquilibriumPath:
                 step *= 0.5
                 if step >= SHORTEST:
                     continue
-                place = self._beside(last)
+                place = self._beside(last, lost)
                 if place is None:
                     return LOST
                 self.places.append(place)
-                step, narrow, seeking = STEP, 0.0, False
+                step, narrow, seeking, lost = STEP, 0.0, False, lost + 1
                 continue
             now = self._seen(place, last, seen)
             turns = float(place.ahead @ last.ahead) < TURN
@@ -169,7 +182,13 @@ class EquilibriumPath:
             longer = self._growing_step(place, step) if is_lost else step
             self.places.append(place)
             if not longer:
-                return FALLS
+                place = self._beside(place, lost)
+                if place is None:
+                    return FALLS
+                self.places.append(place)
+                longer, lost = STEP, lost + 1
+            else:
+                lost = 0
             if is_lost:
                 step, seeking, now = longer, False, now._replace(grows=True)
             if now != seen or not seeking:
@@ -180,22 +199,31 @@ class EquilibriumPath:
                 step = min(2.0 * step, max(STEP, GROWTH * gone))
         return f"{FOLLOWED} {MOST_PLACES} places"
 
-    def _beside(self, last: Place) -> Place | None:
+    def _beside(self, last: Place, lost: int) -> Place | None:
         """Return a balance near a place, under a push that is hardly larger, after what breaks or slips there.
 
-        None if there is none within a small part of the largest block.
+        lost: the number of such balances in a row; each is sought under a larger increase of the push. None if there is
+        none within a small part of the largest block. The path goes on along the secant.
         """
-        stepper, push = self.stepper, last.push * (1.0 + NUDGED)
-        linear = full_stiffness(stepper.structure)
-        stepper.phase[:] = last.phase
-        base = self._push(push)
-        for _ in range(1 + len(stepper.structure.bonds)):
-            if not balance(stepper, linear, self.close * self.per, CLOSE * self.weight, base):
-                return None
+        stepper, linear = self.stepper, full_stiffness(self.stepper.structure)
+        for nudged in NUDGED[lost:]:
+            push = last.push + nudged * max(last.push, self.unit[1])
+            stepper.phase[:] = last.phase
+            if self._rests(linear, push) and not self._is_far(stepper.row, last.row):
+                moved = change_between(last.phase, stepper.phase, stepper.structure.n)
+                ahead = np.append(moved / self.unit[0], (push - last.push) / self.unit[1])
+                ahead /= np.linalg.norm(ahead)
+                return Place(push, stepper.row.copy(), stepper.phase.copy(), ahead, 0.0)
+        return None
+
+    def _rests(self, linear: FloatArray, push: float) -> bool:
+        """Find the balance under a push from the present phase; return True if there is one."""
+        base, delta = self._push(push), FINE * self.close * self.per
+        for _ in range(1 + len(self.stepper.structure.bonds)):
+            if not balance(self.stepper, linear, delta, CLOSE * self.weight, base):
+                return False
             self._remember(push)
-        if self._is_far(stepper.row, last.row):
-            return None
-        return Place(push, stepper.row.copy(), stepper.phase.copy(), last.ahead, 0.0)
+        return True
 
     def last(self) -> Place:
         """Return the place whose push is the largest one that is looked for, between the last two places."""
@@ -249,7 +277,7 @@ class EquilibriumPath:
     def _beyond(self, place: Place) -> str:
         """Return the reason why the path ends before a place where a bearing has moved further than it allows."""
         b = int(np.argmax(place.row[self.moved] / self.capacity))
-        size, unit = OF_GRAVITY if self.loads is None else OF_PATTERN
+        size, unit = push_unit(self.loads is not None)
         name, capacity, push = self.stepper.structure.bearing_names[b], self.capacity[b], self.places[-1].push
         return f"{name} has moved by the {1e3 * capacity:.4g} mm that it allows at {push / size:.5g} {unit}"
 

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from ...common.errors import FINITE, InputError, check_number, check_type
 from ...common.notebook import NotebookRepr, counted, history, rows_of
-from ...ground.loads import pattern_of
+from ...ground.loads import pattern_of, push_unit
 from ..outputs import DIGITS
 from ..pictures import draw
 from .blocks.faces import FloatArray
-from .equilibria import FOLLOWED, FURTHER, LOST, OF_GRAVITY, OF_PATTERN, EquilibriumPath, Place, has_opened, has_slid
+from .equilibria import FOLLOWED, FURTHER, LOST, EquilibriumPath, Place, has_opened, has_slid
 from .model import Structure
 from .outputs import StructureHistories
 
@@ -85,7 +85,7 @@ class PushOver(StructureHistories, NotebookRepr):
     @property
     def unit(self) -> tuple[float, str]:
         """The unit in which pushes are shown: its size and its name."""
-        return OF_GRAVITY if self.pattern is None else OF_PATTERN
+        return push_unit(self.pattern is not None)
 
     @property
     def largest_acceleration(self) -> float:
