@@ -76,19 +76,20 @@ def _strength_left(scene, e, least, largest):
 
 
 @kernel
-def _grows(scene, count, tip, pace):
+def _grows(scene, count, tip, pace, near):
     """Return the mask of where a crack front advances: the crack function vanishes within the bond and decreases there.
 
-    tip: crack function, m; pace: its rate, m/s; the bond is the polygon of `count` corners in the room.
+    tip: crack function, m; pace: its rate, m/s; near: value that counts as zero, as where a step starts, m; the bond is
+    the polygon of `count` corners in the room.
     """
     room, last = scene.room, max(0, count - 1)  # 0 corners of a broken bond
     # the crack function along the outline
     x0, y0 = room[2 * last], room[2 * last + 1]
-    before = value(tip, x0, y0)
+    before = value(tip, x0, y0) - near
     grows = _none(before < 0.0)
     for k in range(count):
         x1, y1 = room[2 * k], room[2 * k + 1]
-        here = value(tip, x1, y1)
+        here = value(tip, x1, y1) - near
         # points at which the front meets the outline
         crosses = (before > 0.0) ^ (here > 0.0)
         if any_of(crosses):
@@ -113,7 +114,8 @@ def _bond_margin(scene, phase, e):
     margin, held = _strength_left(scene, e, least, largest), sound.held[e] != 0.0
     # a bond in which a crack grows
     if any_of(opposite(held)):
-        margin = where(held, margin, where(_grows(scene, count, tip, penetration_rate(scene, j, motion)), 1.0, -1.0))
+        grows = _grows(scene, count, tip, penetration_rate(scene, j, motion), NEAR * largest)
+        margin = where(held, margin, where(grows, 1.0, -1.0))
     return lesser(sound.margin[e], margin)
 
 
