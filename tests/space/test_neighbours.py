@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from support.fmus import ROOT
 
-from solver import Column, Motion, simulate
+from solver import Column, Motion, push_over, simulate
 from solver.common.errors import InputError
 from solver.models.structure.blocks.parts import Side
 from solver.models.structure.blocks.polyhedra import polyhedron_of
@@ -211,3 +211,29 @@ def test_modes_are_those_of_blocks_that_stand_apart() -> None:
     with pytest.raises(InputError, match="row: b0 and wall 1 touch at rest"):
         modes_in_space(by_wall)
     assert np.array_equal(frequencies_apart(by_wall)[:6], modes_in_space(Structure.from_dict(described(BOX))).frequency)
+
+
+def test_a_prop_below_a_beam_bears_its_part_of_the_weight_from_the_start() -> None:
+    """Compare with springs in series: a prop that is 0.01 mm too short meets the beam as both settle."""
+    size = {"width": 0.9, "depth": 0.9, "height": 4.0, "density": 2500.0, "on": "base"}
+    beam = {"width": 3.9, "depth": 0.9, "height": 0.7, "density": 2500.0, "on": ["left", "right"], "at": [1.5, 0.0]}
+    prop = {**size, "width": 0.5, "depth": 0.5, "height": 4.0 - 1e-5, "at": [1.5, 0.0]}
+    blocks = [("left", {**size, "at": [0.0, 0.0]}), ("right", {**size, "at": [3.0, 0.0]}), ("beam", beam)]
+    k = 2e9
+    table = {
+        "joints": {"stiffness": k, "damping": 1e-3, "friction": 0.7},
+        "neighbours": {"stiffness": k, "restitution": 0.3, "friction": 0.5},
+        "block": [{"name": name, **one} for name, one in [*blocks, ("prop", prop)]],
+    }
+    propped = Structure.from_dict({"name": "propped", **table})
+    g = propped.g
+    # settlements apart, less the gap, over the compliances of prop, contact and beam on its columns
+    settled = 2500.0 * g * (3.9 * 0.9 * 0.7 / (0.81 * k) + 4.0 / k - (4.0 - 1e-5) / k) - 1e-5
+    force = settled / (2.0 / (0.25 * k) + 1.0 / (0.81 * k))
+    still = Motion.from_samples(0.1, [0.0] * 11)
+    found = simulate(propped, still, settle=0.0)
+    bears = found.N[:, list(found.model.joint_names).index("prop-base")]
+    expected = 2500.0 * 0.25 * (4.0 - 1e-5) * g + force
+    assert bears[0] == pytest.approx(expected, rel=1e-5)  # measured 2e-6: the law of cells counts the overlap
+    np.testing.assert_allclose(bears, bears[0], rtol=1e-10)  # measured 3e-12: it stays at rest
+    assert push_over(propped).N[0].tolist() == pytest.approx(found.N[0].tolist(), rel=1e-9)

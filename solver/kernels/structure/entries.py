@@ -10,6 +10,7 @@ from .cracking import settle_bonds
 from .evaluate import energy, evaluate, recall, settle_memory, show
 from .in_lanes import SpatialQueue, batch_over, follow_queue
 from .layout import PHASE, STATE, scene_of, sizes_in
+from .meeting import settle_pairs
 from .stepping import advance
 from .watch import SpatialWatch
 
@@ -123,7 +124,7 @@ def observe_structure(
     row : row
         Output row to fill.
     keep : int
-        1: the memory of joints and ties is set to this state, as after a long rest.
+        1: the memory of joints, ties and pairs is set to this state, as after a long rest.
 
     Returns
     -------
@@ -134,10 +135,12 @@ def observe_structure(
     seen = _phase(phase, scene.n)
     recall(scene, phase)
     evaluate(scene, seen, _phase(rates, scene.n), ax, ay, az)
-    # plastic parts are set to what exceeds the limits, and bonds are broken
+    # plastic parts are set to what exceeds the limits, pairs meet or separate, and bonds are broken
     if keep:
         settle_memory(scene, phase)
-        if settle_bonds(scene, phase):
+        met = settle_pairs(scene, phase)
+        if settle_bonds(scene, phase) or met:
+            recall(scene, phase)
             evaluate(scene, seen, _phase(rates, scene.n), ax, ay, az)
     show(scene, seen, row, True)
     return energy(scene, seen)

@@ -4,9 +4,21 @@ import math
 
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import lesser, where, zero_like
+from ..numba_ext.views import copy
 from .attempt import attempt
-from .contact import begins_by, forget_known_gaps, gap_of, gap_or_bound, is_near, keep_gap, may_be_least, stretches_in
+from .contact import (
+    begins_by,
+    forget_directions,
+    forget_known_gaps,
+    gap_of,
+    gap_or_bound,
+    is_near,
+    keep_gap,
+    may_be_least,
+    stretches_in,
+)
 from .cracking import crack, until_broken
+from .evaluate import moving
 from .kinematics import dot, pose_two, relative_motion, tilt_square
 from .layout import APART, JOINED, PHASE
 from .sides import SLACK
@@ -78,6 +90,20 @@ def _is_apart(scene, phase, p):
             far = dot(gap, gap) > max(joints.arm[j], LEAST_ARM * scene.bodies.size[int(a)]) ** 2
             apart = apart and (far or tilt_square(scene, phase, j) > MOST_TILT)
     return apart
+
+
+@kernel
+def settle_pairs(scene, state):
+    """Update the contacts of pairs by a state without rates; return True if any changed."""
+    if scene.extras.met == 0:
+        return False
+    begin = row(scene, START)
+    copy(begin, state, moving(scene))
+    forget_known_gaps(scene)
+    forget_directions(scene)
+    changed = meet_pairs(scene)
+    copy(state, begin, moving(scene))
+    return changed
 
 
 @leaf

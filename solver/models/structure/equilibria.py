@@ -23,7 +23,6 @@ from .blocks.faces import FloatArray
 from .model import Structure
 from .outputs import OUTPUTS
 from .rest import (
-    balance,
     change_between,
     closed,
     deltas_of,
@@ -32,6 +31,7 @@ from .rest import (
     residual_of,
     rest_in_steps,
     rest_of,
+    settle,
     start_from,
 )
 from .stepper import SpatialStepper
@@ -42,7 +42,7 @@ GROWTH = 0.2  # of the length of the path so far: longest step
 LARGEST = 10.0  # of g: push at which the path ends
 MOST_PLACES = 2000
 ITERATIONS = 8  # of Newton's method for a point of the path
-BREAKS = 30  # times that bonds may crack or break at a point before the rest of them balances it
+BREAKS = 30  # times that bonds may break, and pairs meet, at a point before the rest of them balances it
 CLOSE, ROUGH = 1e-10, 1e-7  # of the weight: residual; at most, where rounding limits it
 # differences for the tangent, of a step, and at least of the displacement. In larger ones joints that bear hardly any
 # load stick on one side and slide on the other, and Newton's method is slow; smaller ones are lost in rounding
@@ -124,6 +124,7 @@ class EquilibriumPath:
         n = structure.n
         self.per = deltas_of(structure, 1.0)  # converts displacements to rotations by the size of the block
         self.weight, self.close = structure.weight, closed(structure)
+        self.breaks = bool(structure.bonds or structure.neighbours)
         masses = np.array([block.mass for block in structure.blocks])
         self.load = np.concatenate([masses[:, None] * way, np.zeros((n, 3))], axis=1).ravel()  # of a push of 1 m/s2
         self.loads, first = loads, FIRST * STANDARD_GRAVITY
@@ -218,12 +219,8 @@ class EquilibriumPath:
 
     def _rests(self, linear: FloatArray, push: float) -> bool:
         """Find the balance under a push from the present phase; return True if there is one."""
-        base, delta = self._push(push), FINE * self.close * self.per
-        for _ in range(1 + len(self.stepper.structure.bonds)):
-            if not balance(self.stepper, linear, delta, CLOSE * self.weight, base):
-                return False
-            self._remember(push)
-        return True
+        delta = FINE * self.close * self.per
+        return settle(self.stepper, linear, delta, CLOSE * self.weight, self._push(push))
 
     def last(self) -> Place:
         """Return the place whose push is the largest one that is looked for, between the last two places."""
@@ -320,7 +317,7 @@ class EquilibriumPath:
             right[:size], before = self._residual(push), left
             left = self._size(right[:size])
             arrived = left <= CLOSE or (left <= ROUGH and left > 0.3 * before)
-            if arrived and self.stepper.structure.bonds:  # those that break here leave it without balance
+            if arrived and self.breaks:  # bonds that break and pairs that meet here leave it without balance
                 self._remember(push)
                 right[:size] = self._residual(push)
                 if self._size(right[:size]) > ROUGH:

@@ -32,6 +32,7 @@ from .stepper import SpatialStepper
 # moduli vary by 20 % six do not converge in four steps, all of them do in one; one and five agree to seven digits
 LOADS = (4, 1, 5)
 MOST_ITERATIONS = 200
+MOST_MET = 2  # times that a pair may meet or separate before all are in balance, on average
 STILL = (0.0, 0.0, 0.0)
 PUSHES = 5  # steps in which loads on ports are applied
 CLOSE = 1e-11  # of the weight: residual
@@ -121,10 +122,8 @@ def _loaded(
         # the same part of the weight and of pretensions
         stepper.model.settings.gravity = structure.g * step / loads
         ties.length[: len(drawn)] = length + (1.0 - step / loads) * drawn if step < loads else length
-        for _ in range(1 + len(structure.bonds)):  # bonds that break pass their load to others
-            if not balance(stepper, linear, delta, CLOSE * structure.weight):
-                return None
-            stepper.observe(keep=True)
+        if not settle(stepper, linear, delta, CLOSE * structure.weight):
+            return None
     return stepper
 
 
@@ -138,9 +137,8 @@ def rest_in_steps(structure: Structure, loads: FloatArray) -> FloatArray | None:
     for step in range(1, PUSHES + 1):
         for name, row in zip(at.LOAD, loads, strict=True):
             getattr(stepper.pushes, name)[:] = row * step / PUSHES
-        if not balance(stepper, linear, delta, CLOSE * max(structure.weight, float(np.max(np.abs(loads[:3]))))):
+        if not settle(stepper, linear, delta, CLOSE * max(structure.weight, float(np.max(np.abs(loads[:3]))))):
             return None
-        stepper.observe(keep=True)
     return stepper.phase.copy()
 
 
@@ -314,6 +312,29 @@ def residual_of(stepper: SpatialStepper, base: Sequence[float] | FloatArray = ST
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
     """Return the cross products of columns, (3, n); for a few blocks numpy's own takes longer than all the rest."""
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def settle(
+    stepper: SpatialStepper,
+    linear: FloatArray,
+    delta: FloatArray,
+    close: float,
+    base: Sequence[float] | FloatArray = STILL,
+) -> bool:
+    """Find the balance as `balance`, in which no bond breaks and no pair of neighbours meets or separates.
+
+    Bonds that break and pairs that meet pass load to others. Return True if there is one.
+    """
+    structure, left = stepper.structure, 0.0
+    for _ in range(1 + len(structure.bonds) + MOST_MET * len(structure.neighbours)):
+        if not balance(stepper, linear, delta, close, base):
+            return False
+        stepper.observe(*base, keep=True)
+        if structure.neighbours:
+            left = float(np.max(np.abs(residual_of(stepper, base)[0] * delta / delta[0])))
+            if left <= close and not structure.bonds:
+                break
+    return left <= ROUGH * structure.weight
 
 
 def balance(
