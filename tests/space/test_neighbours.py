@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from support.fmus import ROOT
 
-from solver import Column, Motion, push_over, simulate
+from solver import Column, Motion, simulate
 from solver.common.errors import InputError
 from solver.models.structure.blocks.parts import Side
 from solver.models.structure.blocks.polyhedra import polyhedron_of
@@ -17,6 +17,7 @@ from solver.models.structure.blocks.shapes import prism
 from solver.models.structure.file import in_space
 from solver.models.structure.model import Structure
 from solver.models.structure.modes import frequencies_apart, modes_in_space
+from solver.models.structure.push import push_over
 
 DRUM = {"shape": "drum", "diameter": 1.0, "height": 2.0, "density": 2000.0}
 BOX = {"width": 1.0, "depth": 1.5, "height": 2.0, "density": 2000.0}
