@@ -186,23 +186,20 @@ def _check(options: argparse.Namespace) -> None:
         print(*check_lines(checks[0]), *friction_lines(envelope), sep="\n")
     elif len(checks) > 1:
         print(*variants_lines(checks), sep="\n")
-    risk, missing = _risk(checks[0], hazard)
+    risk = _risk(checks[0], hazard)
     print(*risk, sep="\n")
     report = partial(_write_report, checks, options.note, inputs, risk, envelope)
     write_outputs([(options.output, partial(write_checks, checks=checks)), (options.report, report)])
-    if missing is not None:
-        raise missing
 
 
-def _risk(check: Check, hazard: Hazard | None) -> tuple[list[str], InputError | None]:
-    """Return the lines on the risk, none without a hazard, and the error of a check that has no fragility."""
+def _risk(check: Check, hazard: Hazard | None) -> list[str]:
+    """Return the lines on the risk, none without a hazard, or the line on why none follows from the runs."""
     if hazard is None:
-        return [], None
+        return []
     try:
-        lines = risk_text(f"risk, hazard {hazard}", risk_of(check, hazard)).splitlines()
+        return [*risk_text(f"risk, hazard {hazard}", risk_of(check, hazard)).splitlines(), RISK_NOTE]
     except InputError as error:
-        return [f"risk: {error}"], error
-    return [*lines, RISK_NOTE], None
+        return [f"risk: {error}"]
 
 
 def _on_floor(action: Action, floor: tuple[Building, int] | None, across: bool = False) -> Action:

@@ -101,8 +101,12 @@ def _shown(found: PushOver, push: float) -> str:
 
 def _friction_used(found: PushOver) -> FloatArray:
     """Return the shear at rest of each joint over its limit, (joints,); NaN of a joint that cannot slide."""
-    beds = [joint.bed for joint in found.model.joints]
-    friction = np.array([math.nan if bed.friction is None else bed.friction for bed in beds])
-    limit = friction * np.maximum(found.N[0], 0.0) + np.array([bed.dowel for bed in beds])
+    joints, bonds = found.model.joints, list(found.model.bonds)
+    friction = np.array([math.nan if joint.bed.friction is None else joint.bed.friction for joint in joints])
+    dowel, cohesion = (np.array([getattr(joint.bed, key) for joint in joints]) for key in ("dowel", "cohesion"))
+    bonded = np.zeros(len(joints))  # m2
+    bonded[bonds] = found.bond[0] * [joints[j].moments[0] for j in bonds]
+    pressed = np.where(bonded > 0.0, found.N[0], np.maximum(found.N[0], 0.0))  # a bond may bear tension
+    limit = friction * pressed + dowel + cohesion * bonded
     used: FloatArray = np.hypot(found.Tx[0], found.Ty[0]) / np.maximum(limit, LEAST_LIMIT * found.model.weight)
     return used

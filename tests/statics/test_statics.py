@@ -27,9 +27,12 @@ from solver import (
 )
 from solver.commands.command_line import main
 from solver.commands.reports import statics_report
+from solver.commands.static_reports import _friction_used, rest_in_space_report
 from solver.models.column.modes import natural_modes
 from solver.models.column.rest import is_stable
 from solver.models.column.stepper import Stepper
+from solver.models.structure.model import Structure
+from solver.models.structure.push import push_over
 from solver.statics.capacity import CapacityCurve, capacity_curve, rest_of, uplift_accelerations
 
 COLUMNS = Path(__file__).resolve().parents[2] / "examples" / "columns"
@@ -299,3 +302,31 @@ def test_commands_say_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert capsys.readouterr().err.endswith("curve.txt: must end in .csv\n")
     assert main(["modes", str(tmp_path / "missing.toml")]) == 2
     assert "missing.toml: No such file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("shift", "strength", "dowel"), [(0.0, 1e5, 0.0), (0.6, 0.0, 0.0), (0.6, 5e3, 2e4)])
+def test_the_friction_used_counts_the_cohesion_of_what_is_bonded(shift: float, strength: float, dowel: float) -> None:
+    """Check a block on a slope of 1 in 2, bonded; one that is sheared by `shift` (m) has cracked under its weight.
+
+    Over the bonded length L the pressure is linear, down to the tension at which it cracks: with the resultant N at a
+    distance a from the toe, tension L^2 / 6 - N L / 3 + N a = 0 per depth.
+    """
+    slope, friction, cohesion = math.hypot(1.0, 0.5), 0.3, 1e5
+    law = {"stiffness": 1e11, "damping": 1e-4, "friction": friction, "tensile_strength": strength}
+    block = {"name": "a", "shape": "prism", "position": [0.0, 0.0, 0.0], "depth": 1.0, "density": 2500.0}
+    block["outline"] = [[0.0, 0.0], [1.0, 0.5], [1.0 + shift, 1.5], [shift, 1.5]]
+    joint = {"between": ["a", "base"], "at": [0.5, 0.0, 0.25], "normal": [-0.5, 0.0, 1.0], "section": "rectangle"}
+    joint |= {"width": slope, "depth": 1.0, "dowel": dowel}
+    data = {"name": "m", "joints": law | {"cohesion": cohesion}, "block": [block], "joint": [joint]}
+    found = push_over(Structure.from_dict(data))
+    normal, along = (part * found.model.weight / slope for part in (1.0, 0.5))
+    length, from_toe = slope, slope * (1.0 - float(found.model.blocks[0].centroid[0]))
+    if shift:
+        root = math.sqrt((normal / 3.0) ** 2 - 2.0 / 3.0 * strength * normal * from_toe)
+        length = 3.0 * (normal / 3.0 - root) / strength if strength else 3.0 * from_toe
+        assert length < 0.8 * slope
+    limit = friction * normal + dowel + cohesion * length
+    assert _friction_used(found)[0] == pytest.approx(
+        along / limit, rel=1e-5
+    )  # measured 1.2e-6: the joint gives a little
+    assert rest_in_space_report(found).splitlines()[2].endswith(f"{along / limit:.3f}")
