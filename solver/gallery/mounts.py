@@ -113,10 +113,17 @@ def mounted(exhibit: Exhibit, mount: Mount) -> Structure:
         if mount.tie:
             tie = dict(mount.tie)
             half = 0.5 * check_number("tie.length", tie.pop("length", None), *LENGTH)
-            middles = centroid[2], plain.blocks[0].centroid[2] if below else low
-            ends = [[0.0, 0.0, float(low + way - z)] for way, z in zip((half, -half), middles, strict=True)]
+            middles = centroid, plain.blocks[0].centroid if below else np.array([0.0, 0.0, low])
+            ends = [
+                (np.array([0.0, 0.0, low + way]) - z).tolist() for way, z in zip((half, -half), middles, strict=True)
+            ]
             data["tie"] = [{**tie, "between": ["object", support], "from": ends[0], "to": ends[1]}]
-        return _adjusted(Structure.from_dict(data), exhibit, mount)
+        return _adjusted(Structure.from_dict(data), exhibit, mount, below)
+
+
+def _pedestal(exhibit: Exhibit, mount: Mount) -> dict[str, float]:
+    """Return the sizes and the mass of the pedestal, as wide as the mount makes it; empty without one."""
+    return {key: value * (mount.pedestal if key in PLAN else 1.0) for key, value in exhibit.pedestal.items()}
 
 
 def _support(exhibit: Exhibit, mount: Mount) -> dict[str, Any]:
@@ -124,10 +131,9 @@ def _support(exhibit: Exhibit, mount: Mount) -> dict[str, Any]:
 
     On bearings the pedestal is fastened to its slab: one block, which tapers from the one to the other.
     """
-    under = exhibit.pedestal or exhibit.box
+    under = _pedestal(exhibit, mount) or exhibit.box
     if not mount.slab:
-        wide = {key: mount.pedestal * under[key] for key in PLAN if key in under}
-        return {"name": "pedestal", "on": "base", **under, **wide} if exhibit.pedestal and not exhibit.fixed else {}
+        return {"name": "pedestal", "on": "base", **under} if exhibit.pedestal and not exhibit.fixed else {}
     if not under:
         raise InputError("slab: must be left out of a mesh without a pedestal, whose size is not given")
     check_table("slab.", mount.slab, tuple(_OF_SLAB))
@@ -166,19 +172,24 @@ def _bearing(mount: Mount, mass: float, slab: Mapping[str, float]) -> dict[str, 
     return table | {"between": ["slab", "base"], "at": at}
 
 
-def _adjusted(structure: Structure, exhibit: Exhibit, mount: Mount) -> Structure:
-    """Return the structure with the centroid of its object, and the contact under it as wide as the mount says."""
+def _adjusted(structure: Structure, exhibit: Exhibit, mount: Mount, below: Mapping[str, Any]) -> Structure:
+    """Return the structure with the centroid of its object, and the contact under it as wide as the mount says.
+
+    `below` is the table of its support. Raises InputError if the contact overhangs it, or a fixed pedestal.
+    """
     solid, joints = structure.blocks[-1], list(structure.joints)
     if exhibit.box:
         low = float(np.min(solid.corners[:, 2]))
         solid = replace(solid, centroid=np.array([*solid.centroid[:2], low + exhibit.box["centroid"]]))
+    support = below or _pedestal(exhibit, mount)
+    most = [support.get(f"top_{key}", support.get(key, math.inf)) for key in PLAN]
     for j, joint in enumerate(joints):
         if joint.upper == structure.n - 1 and mount.foot > 1.0:
             wide = replace(joint.face, outline=mount.foot * joint.face.outline)
-            sizes = np.ptp(wide.outline, axis=0)
-            most = [mount.pedestal * exhibit.pedestal.get(key, math.inf) for key in PLAN]
-            if np.any(sizes > np.multiply(most, 1.0 + 1e-9)):
-                made, limit = (" x ".join(f"{one:.4g}" for one in pair) for pair in (sizes, most))
-                raise InputError(f"foot = {mount.foot:g}: makes {made} m, must fit on the pedestal, {limit} m")
+            if np.any(2.0 * np.abs(wide.points()[:, :2]) > np.multiply(most, 1.0 + 1e-9)):
+                pairs = np.ptp(wide.outline, axis=0), most
+                made, limit = (" x ".join(f"{one:.4g}" for one in pair) for pair in pairs)
+                on = "pedestal" if exhibit.pedestal else "slab"
+                raise InputError(f"foot = {mount.foot:g}: makes {made} m, must fit on the {on}, {limit} m")
             joints[j] = replace(joint, face=wide, above=wide if joint.above is not None else None)
     return replace(structure, blocks=(*structure.blocks[:-1], solid), joints=tuple(joints), described=None)

@@ -1,6 +1,7 @@
 """Objects and mounts of a gallery: their files, mistakes in them, and the structures made of them."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ HEAD += ",pedestal_mass,floor"
 BOX = {"width": 0.4, "depth": 0.3, "height": 1.5, "mass": 300.0, "centroid": 0.6}
 PEDESTAL = {"width": 0.6, "depth": 0.5, "height": 0.8, "mass": 500.0}
 KORE = Exhibit("Kore", "marble", BOX, "", PEDESTAL, False, 0)
+MESH = Exhibit("statue", "marble", {}, str(ROOT / "examples" / "structures" / "statue.obj"), PEDESTAL, False, 0)
 SLAB = {"beyond": 0.2, "height": 0.1, "density": 2500.0}
 RUBBER = {"kind": "elastomeric", "period": 2.0, "damping_ratio": 0.15, "diameter": 0.1, "capacity": 0.3}
 RUBBER |= {"vertical_period": 0.05, "vertical_damping": 1e-3, "tension": True}
@@ -110,6 +112,30 @@ def test_a_pedestal_and_its_slab_are_one_block() -> None:
     np.testing.assert_allclose(np.ptp(made.corners, axis=0), [1.0, 0.9, 0.9])
     top = next(face for face in made.faces if face.normal[2] > 0.9)
     np.testing.assert_allclose(np.ptp(top.outline, axis=0), [0.6, 0.5])
+    # a factor on the pedestal widens its top, and the slab with it
+    made = mounted(KORE, Mount("rubber", foot=1.6, pedestal=1.5, slab=SLAB, bearing=RUBBER)).blocks[0]
+    assert made.mass == pytest.approx(500.0 + 2500.0 * 1.3 * 1.15 * 0.1)
+    np.testing.assert_allclose(np.ptp(made.corners, axis=0), [1.3, 1.15, 0.9])
+    top = next(face for face in made.faces if face.normal[2] > 0.9)
+    np.testing.assert_allclose(np.ptp(top.outline, axis=0), [0.9, 0.75])
+
+
+@pytest.mark.parametrize(
+    ("exhibit", "slab", "said"),
+    [
+        (KORE, True, "makes 0.96 x 0.72 m, must fit on the pedestal, 0.9 x 0.75 m"),
+        (KORE, False, "makes 0.96 x 0.72 m, must fit on the pedestal, 0.9 x 0.75 m"),
+        (replace(KORE, fixed=True), False, "makes 0.96 x 0.72 m, must fit on the pedestal, 0.9 x 0.75 m"),
+        (replace(KORE, pedestal={}), True, "makes 0.96 x 0.72 m, must fit on the slab, 0.8 x 0.7 m"),
+        (replace(MESH, pedestal=PEDESTAL), False, "makes 1.344 x 1.152 m, must fit on the pedestal, 0.9 x 0.75 m"),
+    ],
+)
+def test_a_foot_that_overhangs_is_refused(exhibit: Exhibit, slab: bool, said: str) -> None:
+    mount = Mount("wide", foot=2.4, pedestal=1.5)
+    if slab:
+        mount = replace(mount, slab=SLAB, bearing=RUBBER)
+    with pytest.raises(InputError, match=f"on mount wide: foot = 2.4: {said}"):
+        mounted(exhibit, mount)
 
 
 def test_bearings_have_the_periods_of_the_mount() -> None:
@@ -135,3 +161,14 @@ def test_a_wider_foot_and_a_tie_are_where_they_should_be() -> None:
     (tie,) = held.ties
     ends = held.blocks[tie.one].centroid + tie.from_, held.blocks[tie.other].centroid + tie.to
     np.testing.assert_allclose(ends, [[0.0, 0.0, 0.9], [0.0, 0.0, 0.7]], atol=1e-12)
+
+
+@pytest.mark.parametrize("pedestal", [PEDESTAL, {}])
+def test_the_pin_of_a_mesh_is_upright_in_the_middle_of_its_foot(pedestal: dict[str, float]) -> None:
+    """Check a statue whose centroid is 12.5 and 3.5 mm beside the middle: its pin leaned by 3.7 degrees."""
+    held = mounted(replace(MESH, pedestal=pedestal), Mount("dowel", tie={"length": 0.2, "stiffness": 1e7}))
+    (tie,), level = held.ties, pedestal.get("height", 0.0)
+    assert np.all(np.abs(held.blocks[-1].centroid[:2]) > 3e-3)
+    below = held.blocks[0].centroid if pedestal else 0.0
+    ends = held.blocks[tie.one].centroid + tie.from_, below + tie.to
+    np.testing.assert_allclose(ends, [[0.0, 0.0, level + 0.1], [0.0, 0.0, level - 0.1]], atol=1e-12)
