@@ -24,7 +24,7 @@ from ..studies.definition import Study
 from ..studies.execution import run_study
 from ..studies.journal import SUFFIX
 from ..studies.results import UNITS, Results, results_of
-from ..studies.statistics import failures_of, fit_fragility, ida_curves, influences, undecided_text
+from ..studies.statistics import failures_of, fit_fragility, ida_curves, influences, measure_in, undecided_text
 from .command_files import add_force, check_picture, write_outputs
 from .progress import PlainLine, RunsLine
 
@@ -195,7 +195,9 @@ def summary(results: Results) -> str:
     # IDA curves
     if study["kind"] == "ida" and len(results):
         curves = ida_curves(results)
-        lines.append(f"{curves.name}: largest displacement (mm) at 16 %, 50 %, 84 %; overturned, undecided")
+        measure = measure_in(results, curves.name)
+        unit = f" ({measure.unit})" if measure else ""
+        lines.append(f"{curves.name}{unit}: largest displacement (mm) at 16 %, 50 %, 84 %; overturned, undecided")
         for level, points, fell_there, unknown in zip(
             curves.levels, curves.percentiles.T, curves.overturned, curves.undecided, strict=True
         ):

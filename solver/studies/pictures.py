@@ -16,6 +16,7 @@ from matplotlib.ticker import ScalarFormatter
 from numpy.typing import NDArray
 
 from ..common.errors import InputError
+from ..common.notebook import counted
 from ..models.protocol import FloatArray
 from ..models.structure.blocks.parts import OF_COLUMN
 from ..models.structure.numbers import unit_in_space
@@ -61,28 +62,38 @@ LONG = 45  # most characters of names in a title
 MOST_CURVES = 300  # largest number of single curves that are drawn
 MOST_INFLUENCES = 12
 MOST_NAMED = 8  # curves that have names
+_OF_LAWS = ("joint", "bearing")  # beginnings of names of numbers of the laws of joints
 _LIMIT_COLOURS = (BLUE, GREEN, RED, *FEW_COLOURS[3:])
 
 
 def draw(results: Results, path: str | os.PathLike[str] | None = None) -> Figure:
     """Draw the picture for the kind of the study, and save it to `path` if given.
 
-    Raises InputError without finished runs, or if the grid lacks a name that the picture needs.
+    Raises InputError without finished runs, or if the grid lacks a name that the picture needs, or if the picture would
+    mix columns or values of another name.
     """
     if not len(results):
         raise InputError(f"{results.study['name']}: no run is finished yet")
-    for name in _NEEDS.get(results.study["kind"], ()):
-        if name not in results.study["grid"]:
-            raise InputError(f"grid.{name}: missing, the picture of kind = {results.study['kind']} needs it")
-    figure = _DRAW[results.study["kind"]](results)
+    kind, grid = results.study["kind"], results.study["grid"]
+    picture = f"the picture of kind = {kind}"
+    if kind in _NEEDS:
+        for name in _NEEDS[kind]:
+            if name not in grid:
+                raise InputError(f"grid.{name}: missing, {picture} needs it")
+        for name in grid:
+            if name not in (*_NEEDS[kind], "intensity"):
+                raise InputError(f"grid.{name}: must be left out, {picture} would mix its values")
+        if len(results.study["columns"]) > 1:
+            raise InputError(f"columns: must be one, {picture} would mix them")
+    figure = _DRAW[kind](results)
     return save(figure, path)
 
 
 def draw_sweep(results: Results) -> Figure:
-    """Draw the peak displacement of every block over the frequency, a panel for each amplitude.
+    """Draw the peak displacement of every block over the frequency, a panel for each intensity.
 
-    With several samples a band shows their percentiles. A lower panel shows the share that overturns over frequency and
-    amplitude.
+    With several motions or samples a band shows their percentiles. A lower panel shows the share that overturns over
+    frequency and intensity.
     """
     levels, frequencies = np.unique(results["intensity"]), np.unique(results["motion.frequency"])
     shown = levels if len(levels) <= 3 else levels[[0, len(levels) // 2, -1]]
@@ -92,6 +103,7 @@ def draw_sweep(results: Results) -> Figure:
     panels: list[Axes] = []
     blocks = results.head["blocks"]
     colours = block_colours(blocks)
+    runs = len(results.study["motions"]) * results.study["samples"]  # at each point
     for k, level in enumerate(shown):
         axes = figure.add_subplot(grid[0, k], sharey=panels[0] if panels else None)
         panels.append(axes)
@@ -100,7 +112,7 @@ def draw_sweep(results: Results) -> Figure:
         points, fell = _by_frequency(results, frequencies, chosen)
         for i, colour in enumerate(colours):
             axes.plot(frequencies, 1e3 * points[1, :, i], "o-", color=colour, linewidth=1.0, markersize=2.5)
-            if results.study["samples"] > 1:
+            if runs > 1:
                 low, high = 1e3 * points[0, :, i], 1e3 * points[2, :, i]
                 axes.fill_between(frequencies, low, high, color=colour, alpha=0.25, linewidth=0.0)
         # marks at the top where all or some columns overturn
@@ -113,14 +125,15 @@ def draw_sweep(results: Results) -> Figure:
         if axes.get_legend_handles_labels()[0]:
             axes.legend(loc="upper right", bbox_to_anchor=(1.0, 0.95), frameon=False)
         axes.set_yscale("log")
-        axes.set(title=f"{level:g} g", xlabel="frequency (Hz)")
+        axes.set(title=_level(results, level), xlabel="frequency (Hz)")
         tidy(axes)
     of = "centroid" if "sizes" in results.head else "top face"
     panels[0].set_ylabel(f"peak displacement of the {of} (mm)")
     if boundary:
         _draw_boundary(figure.add_subplot(grid[1, :]), figure, results, levels, frequencies)
     show_blocks(figure, panels, colours, "outside right upper")
-    return _captioned(figure, results)
+    text = f"Curves: the median of those that stand, of {runs} runs at each point; bands: 16 to 84 %."
+    return _captioned(figure, results, text if runs > 1 else "")
 
 
 def _by_frequency(
@@ -156,7 +169,7 @@ def _by_frequency(
 
 
 def _draw_boundary(axes: Axes, figure: Figure, results: Results, levels: FloatArray, frequencies: FloatArray) -> None:
-    """Draw the share that overturns over frequency and amplitude, and the contour of one half."""
+    """Draw the share that overturns over frequency and intensity, and the contour of one half."""
     share = np.full((len(levels), len(frequencies)), math.nan)
     cell = np.searchsorted(levels, results["intensity"]), np.searchsorted(frequencies, results["motion.frequency"])
     runs, fell = np.zeros_like(share), np.zeros_like(share)
@@ -167,7 +180,8 @@ def _draw_boundary(axes: Axes, figure: Figure, results: Results, levels: FloatAr
     figure.colorbar(mesh, ax=axes, label="share that overturns")
     if np.nanmax(share) > 0.0 and np.nanmin(share) < 1.0:
         axes.contour(frequencies, levels, np.nan_to_num(share), [0.5], colors="black", linewidths=1.2)
-    axes.set(title="overturning: half of the runs along the line", xlabel="frequency (Hz)", ylabel="amplitude (g)")
+    axes.set(title="overturning: half of the runs along the line", xlabel="frequency (Hz)")
+    axes.set_ylabel(_label(results, intensity_name(results)))
     tidy(axes, grid=False)
 
 
@@ -370,12 +384,22 @@ def draw_risks(
 
 
 def draw_spectrum(results: Results) -> Figure:
-    """Draw the largest displacement over the width of the base, by size and slenderness, a panel per motion."""
+    """Draw the largest displacement over the width of the base, by size and slenderness.
+
+    Each motion has a panel for each intensity.
+    """
     study = results.study
-    sizes, slender = (np.array(study["grid"][name]) for name in ("column.size", "column.slenderness"))
-    names = [motion["name"] for motion in study["motions"]]
-    across = min(3, len(names))
-    down = -(-len(names) // across)
+    sizes, slender = (np.unique(study["grid"][name]) for name in ("column.size", "column.slenderness"))
+    shown = [(str(motion["name"]), results["motion"] == k) for k, motion in enumerate(study["motions"])]
+    if "intensity" in study["grid"]:
+        levels = np.unique(study["grid"]["intensity"])
+        shown = [
+            (f"{name}, {_level(results, level)}", of & (results["intensity"] == level))
+            for name, of in shown
+            for level in levels
+        ]
+    across = min(3, len(shown))
+    down = -(-len(shown) // across)
     figure = Figure(figsize=(1.6 + 4.2 * max(across, 2), 2.0 + 4.0 * down), layout="constrained")
     panels = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
     # largest displacement of each run over the width of its column
@@ -386,10 +410,10 @@ def draw_spectrum(results: Results) -> Figure:
     bounds = [0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 1.0]
     norm = BoundaryNorm(bounds, 256, extend="both")
     for k, axes in enumerate(panels.flat):
-        if k >= len(names):
+        if k >= len(shown):
             axes.set_visible(False)
             continue
-        here = results["motion"] == k
+        title, here = shown[k]
         # median of each cell, infinite where the columns fall
         table = np.full((len(slender), len(sizes)), math.nan)
         for i, slenderness in enumerate(slender):
@@ -401,19 +425,21 @@ def draw_spectrum(results: Results) -> Figure:
         stands, grey = np.where(fell, math.nan, table), np.where(fell, 1.0, math.nan)
         mesh = axes.pcolormesh(sizes * height, slender, stands, norm=norm, cmap="viridis", shading="nearest")
         axes.pcolormesh(sizes * height, slender, grey, cmap="gray", vmin=0.0, vmax=3.0, shading="nearest")
-        axes.set_title(names[k], loc="left", fontsize=10)
+        axes.set_title(title, loc="left", fontsize=10)
         axes.set_xscale("log")
         axes.xaxis.set_major_formatter(ScalarFormatter())
         axes.xaxis.set_minor_formatter("")
-        ticks = (0.5, 1, 2, 5, 10, 20, 50)
-        axes.set_xticks([tick for tick in ticks if sizes[0] * height <= tick <= sizes[-1] * height])
+        heights, ticks = sizes * height, (0.5, 1, 2, 5, 10, 20, 50)
+        axes.set_xticks([tick for tick in ticks if heights[0] <= tick <= heights[-1]] or heights)
         tidy(axes, grid=False)
     for axes in panels[-1]:
         axes.set_xlabel("height of the column (m)")
     for axes in panels[:, 0]:
         axes.set_ylabel("slenderness, height over width")
     figure.colorbar(mesh, ax=panels, label="largest displacement over the width; dark grey: overturned")
-    return _captioned(figure, results, f"The column is {height:g} m high and {width:g} m wide at size 1.")
+    text = f"The column is {height:g} m high and {width:g} m wide at size 1."
+    text += f"\nEach cell: the median of {study['samples']} runs." if study["samples"] > 1 else ""
+    return _captioned(figure, results, text)
 
 
 def draw_tornado(results: Results) -> Figure:
@@ -458,8 +484,14 @@ def _label(results: Results, name: str) -> str:
     return name if measure is None else f"{measure.label} ({measure.unit})"
 
 
+def _level(results: Results, value: float) -> str:
+    """Return an intensity as text, such as PGV 0.3 m/s."""
+    measure = Measure.from_table(results.study["intensity"])
+    return f"{measure.label} {value:g} {measure.unit}"
+
+
 def caption(results: Results) -> list[str]:
-    """Return the lines of a caption: columns, motions, runs and their seed, random parameters, limits of the model."""
+    """Return the lines of a caption: columns, motions, runs, seed, grid, random parameters, limits of the model."""
     study = results.study
     columns = ", ".join(f"{column['name']} ({len(column['block'])} blocks)" for column in _columns(results))
     random = ", ".join(
@@ -476,6 +508,9 @@ def caption(results: Results) -> list[str]:
     floors = [f"{one['floor']} of {one['building']['name']}" for one in study["motions"] if one.get("building")]
     if floors:
         said.append(f"On floor {', '.join(dict.fromkeys(floors))}; intensities are those of the ground.")
+    if study["grid"]:
+        values = (f"{name} ({counted(len(values), 'value')})" for name, values in study["grid"].items())
+        said.append(f"Grid: {', '.join(values)}.")
     if random:
         said.append(f"Random: {random}; {study['samples']} samples, {study['sampling']}.")
     return [*said, limits_of_model(results)]
@@ -493,13 +528,20 @@ def _some(tables: Sequence[Mapping[str, Any]], most: int) -> str:
 
 
 def limits_of_model(results: Results) -> str:
-    """Return the sentence on the effects that the model leaves out."""
-    subjects = [subject_from(column) for column in results.study["columns"]]
-    friction = [law.friction for subject in subjects for law in subject.laws]
-    slide = any(value is not None for value in friction) or "joint.friction" in results.study["random"]
-    limits = "do not crush" if slide else "neither slide nor crush"
+    """Return the sentence on the effects that the model leaves out: in its files, and by the names that vary."""
+    study = results.study
+    subjects = [subject_from(column) for column in study["columns"]]
+    laws = [law for subject in subjects for law in subject.laws]
+    varied = {name.rpartition(".")[2] for name in (*study["grid"], *study["random"]) if name.startswith(_OF_LAWS)}
+    slides = "friction" in varied or any(law.friction is not None for law in laws)
+    keys = {"tensile_strength": "tension", "cohesion": "cohesion"}
+    bears = " and ".join(keys[key] for key in keys if key in varied or any(getattr(law, key) for law in laws))
+    mortar = f"with mortar that bears {bears} until it breaks" if bears else "without tension"
+    limits = "do not crush" if slides else "neither slide nor crush"
+    held = any(table.get("tension") for column in study["columns"] for table in column.get("bearing", ()))
     motion = "Motion in space" if subjects[0].kind.across else "Plane motion"
-    return f"{motion} of rigid blocks on elastic joints without tension, which {limits}."
+    beside = "; bearings bear tension" if held else ""
+    return f"{motion} of rigid blocks on elastic joints that {limits}, {mortar}{beside}."
 
 
 def _captioned(figure: Figure, results: Results, text: str = "") -> Figure:

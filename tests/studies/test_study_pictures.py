@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,9 +14,22 @@ from matplotlib.image import imread
 from support.fmus import ROOT
 
 from solver import Column, InputError
+from solver.models.structure.model import Structure
 from solver.plotting.style import Figure
-from solver.studies import Results, Shaking, fragility, ida, montecarlo, spectrum, sweep
-from solver.studies.pictures import _draw_broken, draw, last_before_falls
+from solver.studies import (
+    Measure,
+    Random,
+    Results,
+    Shaking,
+    Study,
+    fragility,
+    ida,
+    montecarlo,
+    run_study,
+    spectrum,
+    sweep,
+)
+from solver.studies.pictures import _draw_broken, draw, last_before_falls, limits_of_model
 
 PULSE = Shaking("my pulse", "ricker", {"frequency": 1.2})
 SOFT = {
@@ -98,3 +114,111 @@ def test_a_curve_of_each_motion_has_its_name() -> None:
     legend = ended.get_legend()
     assert legend is not None
     assert [text.get_text() for text in legend.get_texts()] == ["overturned", "undecided"]
+
+
+def test_intensities_have_the_measure_and_its_unit() -> None:
+    grid = {"intensity": (0.1, 0.3, 0.5), "motion.frequency": (0.5, 1.0)}
+    measures = {"PGV 0.3 m/s": Measure("pgv"), "Sa(0.5 s, 5 %) 0.3 g": Measure("sa", 0.5)}
+    for said, measure in measures.items():
+        results = run_study(Study("swept", "sweep", (column(),), (PULSE,), grid, measure=measure))
+        _, second, _, share, *_ = draw(results).axes
+        assert second.get_title(loc="left") == said
+        assert share.get_ylabel() == f"{measure.label} ({measure.unit})"
+        assert "Curves" not in draw(results).get_supxlabel()
+    assert "Grid: intensity (3 values), motion.frequency (2 values)." in draw(results).get_supxlabel()
+
+
+def test_pooled_motions_of_a_sweep_are_counted() -> None:
+    grid, motions = {"intensity": (0.1,), "motion.frequency": (0.5, 1.0)}, (PULSE, Shaking("sine", "one-sine"))
+    results = run_study(Study("swept", "sweep", (column(),), motions, grid, measure=Measure("pga")))
+    figure = draw(results)
+    assert "median of those that stand, of 2 runs at each point" in figure.get_supxlabel()
+    assert len(figure.axes[0].collections) == 3  # a band of each block
+
+
+def test_a_spectrum_has_a_panel_for_each_intensity() -> None:
+    """Check sizes in falling order, two motions and two intensities, against the runs themselves."""
+    sizes, slender = (2.0, 1.0, 0.5), (6.0, 3.0)
+    grid = {"intensity": (0.2, 0.5), "column.size": sizes, "column.slenderness": slender}
+    motions = (PULSE, Shaking("sine", "one-sine", {"frequency": 1.2}))
+    results = run_study(Study("sizes", "spectrum", (column(),), motions, grid, measure=Measure("pga")))
+    figure = draw(results)
+    height = sum(block.height for block in column().blocks)
+    panels = [axes for axes in figure.axes if axes.get_title(loc="left")]
+    cases = [(k, level) for k in (0, 1) for level in (0.2, 0.5)]
+    assert [axes.get_title(loc="left") for axes in panels] == [
+        f"{motions[k].name}, PGA {level:g} g" for k, level in cases
+    ]
+    for axes, (k, level) in zip(panels, cases, strict=True):
+        assert axes.get_xticks().tolist() == [10.0, 20.0]  # of 7 to 28 m
+        stands = np.ma.filled(axes.collections[0].get_array(), np.nan)
+        for i, slenderness in enumerate(sorted(slender)):
+            for j, size in enumerate(sorted(sizes)):
+                run = (results["motion"] == k) & (results["intensity"] == level) & (results["column.size"] == size)
+                (largest,) = results.largest[run & (results["column.slenderness"] == slenderness)]
+                of_width = largest / (size * height / slenderness)
+                assert stands[i, j] == pytest.approx(of_width if np.isfinite(largest) else np.nan, nan_ok=True)
+    assert "Each cell" not in figure.get_supxlabel()
+
+
+def test_what_a_picture_would_mix_is_refused() -> None:
+    grid = {"intensity": (0.1,), "motion.frequency": (1.0,), "joint.damping": (1e-3, 2e-3)}
+    results = run_study(Study("swept", "sweep", (column(),), (PULSE,), grid, measure=Measure("pga")))
+    with pytest.raises(InputError, match=r"grid\.joint\.damping: must be left out, the picture of kind = sweep"):
+        draw(results)
+    grid = {"column.size": (1.0,), "column.slenderness": (6.0,)}
+    pulse = Shaking("my pulse", "ricker", {"frequency": 1.2, "amplitude": 4.0})
+    results = run_study(Study("sizes", "spectrum", (column(), replace(column(), name="b")), (pulse,), grid))
+    with pytest.raises(InputError, match="columns: must be one, the picture of kind = spectrum would mix them"):
+        draw(results)
+    results = spectrum(column(), pulse, [1.0], [6.0], random=SOFT, samples=3)
+    assert "Each cell: the median of 3 runs." in draw(results).get_supxlabel()
+
+
+def sentence(study: Study) -> str:
+    """Return the last line of the caption of a study, without its runs."""
+    results: Any = SimpleNamespace(study=study.to_dict())
+    return limits_of_model(results)
+
+
+HALF = Random.from_table("random", {"distribution": "uniform", "low": 0.4, "high": 0.6})
+DRY = "without tension."
+MORTAR = "with mortar that bears tension and cohesion until it breaks."
+
+
+@pytest.mark.parametrize(
+    ("law", "grid", "random", "said"),
+    [
+        ({}, {}, {}, f"neither slide nor crush, {DRY}"),
+        ({}, {"joint.friction": (0.15, 0.5)}, {}, f"that do not crush, {DRY}"),
+        ({}, {}, {"joint[2].friction": HALF}, f"that do not crush, {DRY}"),
+        ({"friction": 0.6}, {}, {}, f"that do not crush, {DRY}"),
+        ({"friction": 0.6, "tensile_strength": 1e5, "cohesion": 1e5}, {}, {}, f"that do not crush, {MORTAR}"),
+        ({"friction": 0.6, "cohesion": 1e5}, {"joint[1].tensile_strength": (1e5,)}, {}, f"that do not crush, {MORTAR}"),
+        ({"tensile_strength": 1e5}, {}, {}, "neither slide nor crush, with mortar that bears tension until it breaks."),
+    ],
+)
+def test_the_caption_names_the_limits_of_the_model_that_runs(
+    law: dict[str, float], grid: dict[str, tuple[float, ...]], random: dict[str, Random], said: str
+) -> None:
+    """Check laws of the lower of two blocks alone, and names of one joint or all, in the grid or at random."""
+    block = {"height": 1.5, "width": 0.8, "depth": 0.8, "density": 2500.0}
+    joint = {"stiffness": 2e9, "damping": 2e-3}
+    one = Column.from_dict({"name": "c", "block": [{**block, "joint": joint}, {**block, "joint": joint | law}]})
+    grid = {"intensity": (0.01,), **grid}
+    for made in (one, one.in_space()):
+        assert sentence(Study("few", "ida", (made,), (PULSE,), grid, random, Measure("pga"))).endswith(said)
+
+
+def test_the_caption_names_bearings_that_bear_tension() -> None:
+    """Check a slab on one, and that friction of neighbours is no friction of joints."""
+    slab = {"name": "slab", "width": 1.0, "depth": 1.0, "height": 0.5, "density": 2500.0, "position": [0.0, 0.0, 0.1]}
+    bearing = {"between": ["slab", "base"], "kind": "elastomeric", "at": [0.0, 0.0, 0.1], "diameter": 0.5}
+    bearing |= {"stiffness": 1e5, "vertical_stiffness": 1e9, "vertical_damping": 1e-3, "damping": 1e4, "capacity": 0.3}
+    for tension, said in ((False, "slide nor crush, without tension."), (True, "tension; bearings bear tension.")):
+        data = {"name": "isolated", "block": [slab], "bearing": [bearing | {"tension": tension}]}
+        made = Structure.from_dict({**data, "neighbours": {"stiffness": 1e8, "damping": 1e-3, "friction": 0.3}})
+        grid = {"intensity": (0.1,), "neighbours.friction": (0.3,)}
+        found = sentence(Study("few", "ida", (made,), (PULSE,), grid, measure=Measure("pga")))
+        assert found.startswith("Motion in space of rigid blocks on elastic joints that neither slide nor crush, ")
+        assert found.endswith(said)
