@@ -151,7 +151,8 @@ def test_a_spectrum_has_a_panel_for_each_intensity() -> None:
     ]
     for axes, (k, level) in zip(panels, cases, strict=True):
         assert axes.get_xticks().tolist() == [10.0, 20.0]  # of 7 to 28 m
-        stands = np.ma.filled(axes.collections[0].get_array(), np.nan)
+        cells: Any = axes.collections[0].get_array()
+        stands = np.ma.filled(cells, np.nan)
         for i, slenderness in enumerate(sorted(slender)):
             for j, size in enumerate(sorted(sizes)):
                 run = (results["motion"] == k) & (results["intensity"] == level) & (results["column.size"] == size)
