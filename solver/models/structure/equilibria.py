@@ -62,7 +62,7 @@ STEEP = 1e-3  # part of the push in a step, in these units, above which it count
 FALLS = "beyond it the push falls, or does not grow"
 LOST = "no balance is found beyond it"
 FURTHER, FOLLOWED = "it was not pushed further than", "the path was not followed further than"
-TURN = 0.9  # least cosine of the angle between consecutive steps
+TURN, RESOLVED = 0.9, 1e-7  # least cosine of the angle between consecutive steps; steps whose direction is no rounding
 OPEN, SLID = 1e-9, 1e-9  # of the contact, of the largest displacement: above it a joint is open, or has slid
 
 
@@ -82,6 +82,7 @@ class Place(NamedTuple):
     phase: FloatArray  # including the values that joints, ties and pairs remember
     ahead: FloatArray  # (6 n + 1,), direction of the path in the measure
     step: float  # from the place before, along the path
+    secant: FloatArray  # direction from the place before: not changed by the tangents of pairs that hardly touch
 
 
 class _EventFlags(NamedTuple):
@@ -145,7 +146,7 @@ class EquilibriumPath:
         self.contact, self.slip, self.moved = places["contact"], places["slip"], places["d"]
         bearings = [joint.bearing for joint in structure.bearings]
         self.capacity = np.array([math.inf if bearing is None else bearing.capacity for bearing in bearings])
-        self.places = [Place(0.0, rest.row.copy(), rest.phase.copy(), ahead, 0.0)]
+        self.places = [Place(0.0, rest.row.copy(), rest.phase.copy(), ahead, 0.0, ahead)]
 
     def follow(self) -> str:
         """Add the points up to the largest push; return the reason why the path ends."""
@@ -165,7 +166,7 @@ class EquilibriumPath:
                 step, narrow, seeking, lost = STEP, 0.0, False, lost + 1
                 continue
             now = self._seen(place, last, seen)
-            turns = float(place.ahead @ last.ahead) < TURN
+            turns = step > RESOLVED and float(place.secant @ last.secant) < TURN
             if (now != seen or turns) and step > narrow:  # bracket the onset by halving the step
                 narrow, seeking = narrow or NARROWED * step, seeking or now != seen
                 step *= 0.5
@@ -211,11 +212,15 @@ class EquilibriumPath:
             push = last.push + nudged * max(last.push, self.unit[1])
             stepper.phase[:] = last.phase
             if self._rests(linear, push) and not self._is_far(stepper.row, last.row):
-                moved = change_between(last.phase, stepper.phase, stepper.structure.n)
-                ahead = np.append(moved / self.unit[0], (push - last.push) / self.unit[1])
-                ahead /= np.linalg.norm(ahead)
-                return Place(push, stepper.row.copy(), stepper.phase.copy(), ahead, 0.0)
+                secant = self._secant(last, push)
+                return Place(push, stepper.row.copy(), stepper.phase.copy(), secant, 0.0, secant)
         return None
+
+    def _secant(self, last: Place, push: float) -> FloatArray:
+        """Return the direction from a place to the present phase, under a push."""
+        moved = change_between(last.phase, self.stepper.phase, self.stepper.structure.n)
+        secant = np.append(moved / self.unit[0], (push - last.push) / self.unit[1])
+        return (secant / np.linalg.norm(secant)).astype(np.float64)
 
     def _rests(self, linear: FloatArray, push: float) -> bool:
         """Find the balance under a push from the present phase; return True if there is one."""
@@ -340,4 +345,5 @@ class EquilibriumPath:
             push += float(change[-1])
             move(stepper, np.asarray(change[:-1], dtype=np.float64))
         self._remember(push)
-        return Place(push, stepper.row.copy(), stepper.phase.copy(), scaled / np.linalg.norm(scaled), step)
+        ahead, secant = scaled / np.linalg.norm(scaled), self._secant(last, push)
+        return Place(push, stepper.row.copy(), stepper.phase.copy(), ahead, step, secant)
