@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from importlib import import_module
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from ..common.errors import InputError, needing, shortened
+from ..common.errors import InputError, check_type, check_whole, needing, shortened
 
 LOCAL = "local"
 # Monitoring by the scheduler, nannies and workers that are started here. With Dask's defaults, sampling the stack every
@@ -43,10 +44,13 @@ class Cluster(AbstractContextManager["Cluster"]):
     Raises
     ------
     InputError
-        If Dask is not installed or no scheduler answers.
+        If an argument is not valid, Dask is not installed or no scheduler answers.
     """
 
     def __init__(self, address: str = LOCAL, workers: int | None = None) -> None:
+        check_type("address", address, str)
+        if workers is not None:
+            check_whole("workers", workers, 1, math.inf, "a number of workers, 1 or more")
         with needing("dask", "distributed", "dask"):
             dask, distributed = (import_module(name) for name in ("dask", "distributed"))
         self._scratch = TemporaryDirectory(prefix="multiblock-dask-", ignore_cleanup_errors=True)

@@ -132,3 +132,7 @@ def test_nobody_there(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("solver.studies.cluster.CONNECT", "1s")
     with pytest.raises(InputError, match=r"--dask tcp://127\.0\.0\.1:9: no scheduler answers"):
         Cluster("tcp://127.0.0.1:9")
+    with pytest.raises(InputError, match=r"address = 5: must be of type str"):
+        Cluster(5)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"workers = 0: must be a number of workers"):
+        Cluster("local", 0)
