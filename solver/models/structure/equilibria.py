@@ -9,6 +9,7 @@ and yielding ties remember each point that the path reaches.
 from __future__ import annotations
 
 import math
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -54,7 +55,7 @@ NOISE = 1e-8  # unit of pushes: rounding of a push, some times the residual
 MOST_DOUBLED = 60  # times, from the shortest step on
 # of the push: increases, one after the other, over a place where something breaks or slips at once; of the displacement
 # within which joints stay closed: differences for the tangent there
-NUDGED, FINE = (1e-4, 4e-4, 1.6e-3, 6.4e-3), 0.01
+NUDGED, FINE = (1e-4, 4e-4, 1.6e-3, 6.4e-3), (0.01, 1.0)
 FAR = 0.01  # of the largest block: displacement within which it is sought
 REFINED = 4  # secants to the push at which a path ends, of a step that its bracket has made short
 MOST_SOUGHT = 40  # steps of a bracket: more than halving takes, unless rounding made its event
@@ -208,10 +209,12 @@ class EquilibriumPath:
         none within a small part of the largest block. The path goes on along the secant.
         """
         stepper, linear = self.stepper, full_stiffness(self.stepper.structure)
-        for nudged in NUDGED[lost:]:
+        for nudged, fine in product(NUDGED[lost:], FINE):
             push = last.push + nudged * max(last.push, self.unit[1])
             stepper.phase[:] = last.phase
-            if self._rests(linear, push) and not self._is_far(stepper.row, last.row):
+            delta, base = fine * self.close * self.per, self._push(push)
+            found = settle(stepper, linear, delta, CLOSE * self.weight, base)
+            if found and not self._is_far(stepper.row, last.row):
                 secant = self._secant(last, push)
                 return Place(push, stepper.row.copy(), stepper.phase.copy(), secant, 0.0, secant)
         return None
@@ -221,11 +224,6 @@ class EquilibriumPath:
         moved = change_between(last.phase, self.stepper.phase, self.stepper.structure.n)
         secant = np.append(moved / self.unit[0], (push - last.push) / self.unit[1])
         return (secant / np.linalg.norm(secant)).astype(np.float64)
-
-    def _rests(self, linear: FloatArray, push: float) -> bool:
-        """Find the balance under a push from the present phase; return True if there is one."""
-        delta = FINE * self.close * self.per
-        return settle(self.stepper, linear, delta, CLOSE * self.weight, self._push(push))
 
     def last(self) -> Place:
         """Return the place whose push is the largest one that is looked for, between the last two places."""

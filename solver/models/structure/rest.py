@@ -32,7 +32,7 @@ from .stepper import SpatialStepper
 # moduli vary by 20 % six do not converge in four steps, all of them do in one; one and five agree to seven digits
 LOADS = (4, 1, 5)
 MOST_ITERATIONS = 200
-MOST_MET = 2  # times that a pair may meet or separate before all are in balance, on average
+MOST_BREAKS, MOST_MET = 20, 2  # times that a bond breaks further, or a pair meets or separates, before all balance
 STILL = (0.0, 0.0, 0.0)
 PUSHES = 5  # steps in which loads on ports are applied
 CLOSE = 1e-11  # of the weight: residual
@@ -323,16 +323,25 @@ def settle(
 ) -> bool:
     """Find the balance as `balance`, in which no bond breaks and no pair of neighbours meets or separates.
 
-    Bonds that break and pairs that meet pass load to others. Return True if there is one.
+    Bonds that break and pairs that meet pass load to others. A crack that runs by itself has no balance; it grows from
+    the one of the bonds that are left. Return True if there is a balance.
     """
     structure, left = stepper.structure, 0.0
-    for _ in range(1 + len(structure.bonds) + MOST_MET * len(structure.neighbours)):
-        if not balance(stepper, linear, delta, close, base):
+    changes = bool(structure.bonds or structure.neighbours)
+    for _ in range(1 + MOST_BREAKS * len(structure.bonds) + MOST_MET * len(structure.neighbours)):
+        before = stepper.phase.copy()
+        balances = balance(stepper, linear, delta, close, base)
+        if structure.bonds and not balances:
+            stepper.phase[:] = before
+            stepper.bonds.held[:] = 1.0
+            balances = balance(stepper, linear, delta, close, base)
+            stepper.bonds.held[:] = 0.0
+        if not balances:
             return False
         stepper.observe(*base, keep=True)
-        if structure.neighbours:
+        if changes:
             left = float(np.max(np.abs(residual_of(stepper, base)[0] * delta / delta[0])))
-            if left <= close and not structure.bonds:
+            if left <= close:
                 break
     return left <= ROUGH * structure.weight
 

@@ -76,6 +76,11 @@ class SpatialStepper:
         energy: float = observe_structure(*self.arrays, self.rates, ax, ay, az, self.row, keep)
         return energy
 
+    @property
+    def bonds(self) -> Any:
+        """What is known of each bond (layout.SOUND); `held` are those that do not break."""
+        return at.WORK.see(self.arrays.work, self.sizes).sound
+
     def stiffness(self, delta: FloatArray) -> FloatArray:
         """Return the tangent stiffness about the phase, (6 n, 6 n), by differences `delta` (see entries.py)."""
         matrix = np.zeros(36 * self.structure.n**2)
