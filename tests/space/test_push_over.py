@@ -236,7 +236,7 @@ def row_of_two(wall: bool = False) -> Structure:
     """Return a slender block and one half as high, or as high before a wall, that touch without friction."""
     size = {"width": 0.5, "depth": 0.5, "density": 2500.0, "on": "base"}
     other = {"name": "b", "at": [0.5, 0.0], "height": 2.0 if wall else 1.0, **size}
-    table = {
+    table: dict[str, Any] = {
         "joints": {"stiffness": 1e12, "damping": 1e-4, "friction": 0.9},
         "neighbours": {"stiffness": 1e11, "restitution": 0.2, "friction": 0.0},
         "block": [{"name": "a", "at": [0.0, 0.0], "height": 2.0, **size}, other],

@@ -338,7 +338,7 @@ def settle(
             stepper.bonds.held[:] = 0.0
         if not balances:
             return False
-        stepper.observe(*base, keep=True)
+        stepper.observe(base[0], base[1], base[2], keep=True)
         if changes:
             left = float(np.max(np.abs(residual_of(stepper, base)[0] * delta / delta[0])))
             if left <= close:
