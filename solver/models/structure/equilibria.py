@@ -185,13 +185,8 @@ class EquilibriumPath:
             longer = self._growing_step(place, step) if is_lost else step
             self.places.append(place)
             if not longer:
-                place = self._beside(place, lost)
-                if place is None:
-                    return FALLS
-                self.places.append(place)
-                longer, lost = STEP, lost + 1
-            else:
-                lost = 0
+                return FALLS
+            lost = 0
             if is_lost:
                 step, seeking, now = longer, False, now._replace(grows=True)
             if now != seen or not seeking:
