@@ -187,13 +187,16 @@ def gap_of(scene, phase, pairs, p, touches, highest):
 
 
 @kernel
-def begins_by(scene, phase, pairs, p):
-    """Return how the contact of pair p begins: by sides that meet just now, else by the bodies."""
+def begins_by(scene, phase, pairs, p, deepest):
+    """Return how the contact of pair p begins: by sides that are hardly within each other, else by the bodies.
+
+    deepest: of the radius, the overlap of sides that may begin.
+    """
     if pairs.kind[p] == CONVEX:
         return BY_BODIES
     gap = _gap_of_sides(scene, phase, pairs, p, APART)
     # NaN where no sides face each other
-    return BY_SIDES if -SHALLOW * pairs.radius_a[p] < gap <= gap_of(scene, phase, pairs, p, APART, 0.0) else BY_BODIES
+    return BY_SIDES if -deepest * pairs.radius_a[p] < gap <= gap_of(scene, phase, pairs, p, APART, 0.0) else BY_BODIES
 
 
 @leaf

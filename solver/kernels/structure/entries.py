@@ -9,8 +9,8 @@ from . import driven
 from .cracking import settle_bonds
 from .evaluate import energy, evaluate, recall, settle_memory, show
 from .in_lanes import SpatialQueue, batch_over, follow_queue
-from .layout import PHASE, STATE, scene_of, sizes_in
-from .meeting import settle_pairs
+from .layout import KEEP, PHASE, PRESUME, STATE, scene_of, sizes_in
+from .meeting import presume_pairs, settle_pairs
 from .stepping import advance
 from .watch import SpatialWatch
 
@@ -124,7 +124,8 @@ def observe_structure(
     row : row
         Output row to fill.
     keep : int
-        1: the memory of joints, ties and pairs is set to this state, as after a long rest.
+        KEEP: the memory of joints, ties and pairs is set to this state, as after a long rest. PRESUME: first, all pairs
+        that are near are let touch, so that a balance is found with the contacts that close on the way to it.
 
     Returns
     -------
@@ -133,10 +134,12 @@ def observe_structure(
     """
     scene, phase = see(model, state, counts, base, no_samples(work), work)
     seen = _phase(phase, scene.n)
+    if keep == PRESUME:
+        presume_pairs(scene, phase)
     recall(scene, phase)
     evaluate(scene, seen, _phase(rates, scene.n), ax, ay, az)
     # plastic parts are set to what exceeds the limits, pairs meet or separate, and bonds are broken
-    if keep:
+    if keep == KEEP:
         settle_memory(scene, phase)
         met = settle_pairs(scene, phase)
         if settle_bonds(scene, phase) or met:

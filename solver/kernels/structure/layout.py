@@ -253,6 +253,7 @@ OF_BASE = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")  # N, N m; behind them outputs of
 
 # codes
 OK, STEP_TOO_SMALL = 0, -1
+KEEP, PRESUME = 1, 2  # what an observation does with the memory (entries.observe_structure)
 PAUSED = 1  # the allowed number of steps has been made; not an error
 PACK = 8  # numbers in a pack, the unit of sums
 

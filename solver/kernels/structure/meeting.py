@@ -7,6 +7,8 @@ from ..numba_ext.lanes import lesser, where, zero_like
 from ..numba_ext.views import copy
 from .attempt import attempt
 from .contact import (
+    DEEP,
+    SHALLOW,
     begins_by,
     forget_directions,
     forget_known_gaps,
@@ -93,6 +95,16 @@ def _is_apart(scene, phase, p):
 
 
 @kernel
+def presume_pairs(scene, state):
+    """Let all pairs that are near by a state without rates touch: those with an open gap exert nothing."""
+    phase, kept = _phase(state, scene.n), stretches_in(scene, state[_PER_BODY * scene.n :])
+    for p in range(scene.extras.met):
+        if kept.touches[p] == APART and is_near(scene, phase, scene.extras.pairs, p):
+            pose_two(scene, phase, int(scene.extras.pairs.one[p]), int(scene.extras.pairs.other[p]))
+            kept.touches[p] = begins_by(scene, phase, scene.extras.pairs, p, DEEP)
+
+
+@kernel
 def settle_pairs(scene, state):
     """Update the contacts of pairs by a state without rates; return True if any changed."""
     if scene.extras.met == 0:
@@ -128,7 +140,7 @@ def meet_pairs(scene):
         near = touches > APART or _may_meet(scene, phase, p, touches)
         if near and changes(touches, _gap_or_bound(scene, START, p)):
             # contact changes, and starts without stretch
-            begins = begins_by(scene, phase, scene.extras.pairs, p) if touches == APART else APART
+            begins = begins_by(scene, phase, scene.extras.pairs, p, SHALLOW) if touches == APART else APART
             kept.touches[p], kept.z1[p], kept.z2[p], kept.z3[p] = begins, 0.0, 0.0, 0.0
             changed = True
     return changed

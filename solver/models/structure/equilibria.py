@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...common.errors import InputError
 from ...ground.loads import push_unit
 from ...ground.motion import STANDARD_GRAVITY
-from ...kernels.structure.layout import LOAD
+from ...kernels.structure.layout import KEEP, LOAD, PRESUME
 from ..outputs import places_of
 from .blocks.faces import FloatArray
 from .model import Structure
@@ -287,7 +287,7 @@ class EquilibriumPath:
     def _remember(self, push: float) -> None:
         """Let joints, ties and bonds remember the present state, and fill the output row."""
         ax, ay, az = self._push(push)
-        self.stepper.observe(ax, ay, az, keep=True)
+        self.stepper.observe(ax, ay, az, keep=KEEP)
 
     def _residual(self, push: float) -> FloatArray:
         residual, _ = residual_of(self.stepper, self._push(push))
@@ -306,6 +306,8 @@ class EquilibriumPath:
         matrix[:size, size] = -self.load
         stepper.phase[:] = last.phase
         push = last.push + step * float(last.ahead[-1]) * first
+        if stepper.structure.neighbours:
+            stepper.observe(keep=PRESUME)
         move(stepper, step * lengths * last.ahead[:-1])
         most = float(np.max(np.abs(last.phase[: size // 2])))
         delta = max(min(DIFFERENCE * step * float(lengths[0]), self.close), ROUNDED * most) * self.per

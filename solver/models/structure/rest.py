@@ -41,6 +41,8 @@ TOO_FAR_APART = "its numbers lie too far apart for its rest to be found"
 MOST_PARTS = 5
 PERTURBED = 1e-3  # of the settlement: differences for the tangent
 OF_ONE = 0.1  # of the settlement of a joint under one block: differences for the tangent at rest
+WIDER = 10.0, 100.0, 1000.0  # of them, where neighbours may press
+STALLED = 1e-7  # of the weight: residual at which Newton's method may end between neighbours, whose forces have kinks
 SOFTENING = 1e-4  # of the stiffness in full contact: first addition to a tangent that does not converge
 GRACE, GRACES = 1.01, 10  # growth of the residual that steps may cause where a joint begins to slide, and their number
 ITERATIONS = 4  # inverse iterations to the first mode, from a sway of the structure
@@ -94,7 +96,10 @@ def _rest_of(
             if _rounding(stepper.phase, linear, delta / delta[0]) > ROUGH * structure.weight:
                 raise InputError(TOO_FAR_APART)
             sticks = sticking(stepper)
-            return _finished(stepper, *(sticks.stiffness(np.minimum(one, close)) for one in (delta, *deltas[1:])))
+            tangents = [np.minimum(one, close) for one in (delta, *deltas[1:])]
+            # aligned faces that press share less area at each side of this place: a kink that larger differences pass
+            tangents += [close * wider for wider in WIDER if structure.neighbours]
+            return _finished(stepper, *(sticks.stiffness(one) for one in tangents))
     moduli = sorted(joint.bed.stiffness for joint in structure.joints)
     apart = f", or its stiffnesses, {moduli[0]:g} to {moduli[-1]:g} N/m3, lie too far apart" if len(deltas) > 3 else ""
     raise NoRestError(f"no rest found, it does not stand under its weight{apart}")
@@ -162,7 +167,7 @@ def start_from(stepper: SpatialStepper, rest: SpatialRest) -> None:
 
 def _finished(stepper: SpatialStepper, *stiffnesses: FloatArray) -> SpatialRest:
     """Return the rest with the first of these tangents that is stable."""
-    stepper.observe(keep=True)
+    stepper.observe(keep=at.KEEP)
     for stiffness in stiffnesses:
         symmetric = 0.5 * (stiffness + stiffness.T)
         if not np.all(np.isfinite(symmetric)):
@@ -329,6 +334,8 @@ def settle(
     structure, left = stepper.structure, 0.0
     changes = bool(structure.bonds or structure.neighbours)
     for _ in range(1 + MOST_BREAKS * len(structure.bonds) + MOST_MET * len(structure.neighbours)):
+        if structure.neighbours:
+            stepper.observe(keep=at.PRESUME)
         before = stepper.phase.copy()
         balances = balance(stepper, linear, delta, close, base)
         if structure.bonds and not balances:
@@ -338,7 +345,7 @@ def settle(
             stepper.bonds.held[:] = 0.0
         if not balances:
             return False
-        stepper.observe(base[0], base[1], base[2], keep=True)
+        stepper.observe(base[0], base[1], base[2], keep=at.KEEP)
         if changes:
             left = float(np.max(np.abs(residual_of(stepper, base)[0] * delta / delta[0])))
             if left <= close:
@@ -405,7 +412,7 @@ def balance(
             softening = max(SOFTENING, 4.0 * softening)
             if softening > 1e3:
                 break
-    return False
+    return bool(stepper.structure.neighbours) and size <= STALLED * stepper.structure.weight
 
 
 def _rounding(phase: FloatArray, linear: FloatArray, per: FloatArray) -> float:

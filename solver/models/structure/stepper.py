@@ -68,10 +68,11 @@ class SpatialStepper:
         other._take(self.arrays._replace(**arrays))
         return other
 
-    def observe(self, ax: float = 0.0, ay: float = 0.0, az: float = 0.0, keep: bool = False) -> float:
+    def observe(self, ax: float = 0.0, ay: float = 0.0, az: float = 0.0, keep: int = 0) -> float:
         """Evaluate the phase under an acceleration of the base (m/s2) and `pushes`; return the energy, J.
 
-        `rates` and `row` are updated. keep: sliding joints and yielding ties remember this state, as after a long rest.
+        `rates` and `row` are updated. keep: layout.KEEP, joints, ties, bonds and pairs remember this state, as after a
+        long rest; layout.PRESUME, pairs that are near touch from now on.
         """
         energy: float = observe_structure(*self.arrays, self.rates, ax, ay, az, self.row, keep)
         return energy
