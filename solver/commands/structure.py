@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import argparse
+from contextlib import suppress
 
 import numpy as np
 
 from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..models.outputs import places_of
 from ..models.structure.model import Structure
 from ..models.structure.modes import frequencies_apart
+from ..models.structure.neighbours import NEAR
+from ..models.structure.outputs import OUTPUTS
 from ..models.structure.response import SpatialResponse
+from ..models.structure.rest import rest_of
 from .outcome import cracks, ensemble_lines, error_lines, verdict_line
 
 MOST_LINES = 20  # rows of a table
@@ -30,10 +35,19 @@ def report(structure: Structure, motion: Motion) -> str:
     parts = [f"{structure.n} blocks, {len(structure.joints)} joints, {len(structure.ties)} ties, {top:.4g} m"]
     if structure.n <= MOST_BLOCKS:
         lowest = ", ".join(f"{value:.4g}" for value in frequencies_apart(structure)[:3])
-        parts.append(f"first natural frequencies {lowest} Hz")
+        apart = ", as if no neighbours touched:" if _touch_at_rest(structure) else ""
+        parts.append(f"first natural frequencies{apart} {lowest} Hz")
     peaks = {"x": motion.pga, "y": float(np.max(np.abs(motion.ay))), "z": float(np.max(np.abs(motion.az)))}
     shaken = ", ".join(f"{name} {peak / STANDARD_GRAVITY:.4g} g" for name, peak in peaks.items() if peak)
     return f"{structure.name}: {', '.join(parts)}\nbase: {motion.duration:.4g} s, {shaken}"
+
+
+def _touch_at_rest(structure: Structure) -> bool:
+    """Return True if neighbours touch at rest, False also where there is no stable rest."""
+    with suppress(InputError):
+        gaps = rest_of(structure).row[places_of(OUTPUTS, structure.sizes)["gap"]]
+        return bool(np.any(gaps <= NEAR))
+    return False
 
 
 def summary(response: SpatialResponse) -> str:
