@@ -214,7 +214,7 @@ def _add_run_options(run: argparse.ArgumentParser) -> None:
     out.add_argument("--output-step", type=float, metavar="S", help=f"s between two rows (default: {OUTPUT_STEP})")
     out.add_argument("-o", "--output", type=Path, metavar="FILE.csv", help="write the histories")
     words = f"significant ones of -o (default: {DIGITS}; 17: all)"
-    out.add_argument("--digits", type=int, default=DIGITS, metavar="N", help=words)
+    out.add_argument("--digits", type=int, metavar="N", help=words)
     out.add_argument("--plot", type=Path, metavar="FILE.png", help=f"draw the histories ({', '.join(PICTURES)})")
     out.add_argument("--plot-column", type=Path, metavar="FILE.png", help="draw the deformed column at its peak")
     out.add_argument("--film", type=Path, metavar="FILE.gif", help="film the column (.gif; .mp4 where ffmpeg is)")
@@ -237,7 +237,9 @@ def _add_run_options(run: argparse.ArgumentParser) -> None:
 def _simulate(options: argparse.Namespace) -> None:
     # obstacles to an output are reported before the run, not after it
     outputs = outputs_of_run(options)
-    check_digits("--digits", options.digits)
+    digits = DIGITS if options.digits is None else check_digits("--digits", options.digits)
+    if options.digits is not None and options.output is None:
+        raise InputError(f"--digits {digits}: must be left out, or -o FILE.csv given")
     stiffness, damping, shaking = options.spread
     spread = Spread(stiffness, damping, shaking, options.spread_seed)
     if not options.ensemble and spread != Spread():
@@ -263,7 +265,7 @@ def _simulate(options: argparse.Namespace) -> None:
         response = simulated(subject, motion, options.duration, **given)
         print(summary_of(response))
         writers: tuple[Callable[[Path], object], ...] = (
-            lambda path: response.to_csv(path, options.digits),
+            lambda path: response.to_csv(path, digits),
             response.plot,
             response.plot_model,
             partial(_film, response),

@@ -44,6 +44,7 @@ DAMPING = 1e-3  # s, until blocks and joints are known
 SURVEYS = (("height", "width", "depth"), ("height", "diameter"))
 
 
+_OF_MESH = {"material": "marble", "unit": 1.0, "repair": False, "feet": 1, "parts": None, "up": None}  # usual values
 DAMPINGS: Limits = ((0.0, 1.0), "a time in s, from 0 to 1")
 # the least of EN 1996-1-1 (docs/mortar.md); old lime mortar has less
 STRESSES: Limits = ((0.001, 10.0), "a stress in MPa, from 0.001 to 10")
@@ -161,6 +162,9 @@ def _new(options: argparse.Namespace) -> None:
         raise InputError("COLUMN.toml: missing, must be the file to write")
     if options.mesh is not None:
         return new_from_mesh(options, path)
+    for key, usual in _OF_MESH.items():
+        if getattr(options, key) != usual:
+            raise InputError(f"--{key}: must be left out, or --mesh given")
     check_suffix(path, ".toml")
     check_outputs((path,), (), options.force)
     # shape, material and sizes

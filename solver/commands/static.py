@@ -108,6 +108,9 @@ def _pushed(structure: Structure, options: argparse.Namespace) -> PushOver:
     degrees = range(0, 360, EVERY) if options.direction is None else (options.direction,)
     pattern = _pattern(options)
     if pattern is not None:
+        for key in ("direction", "vertical"):
+            if getattr(options, key) is not None:
+                raise InputError(f"--{key}: must be left out, --pattern says along what it is pushed")
         degrees = (0.0,)
     found = []
     with reading(options.column):

@@ -237,6 +237,7 @@ def test_convert_writes_what_fmpy_reads(tmp_path: Path, solver: Solver) -> None:
         ("simulate {phocas} motion.csv -o none/results.csv", "none/results.csv: No such folder: none"),
         ("simulate {phocas} motion.csv --plot none/response.png", "none/response.png: No such folder: none"),
         ("simulate {phocas} motion.csv --step 0.5", "central differences are stable"),
+        ("simulate {phocas} motion.csv --digits 9", "--digits 9: must be left out, or -o FILE.csv given"),
         ("simulate {phocas} motion.csv --digits 0", "--digits = 0: must be a whole number from 1 to 17"),
         (
             "simulate {phocas} motion.csv --spread 0.1 0.1 0.1",

@@ -24,6 +24,12 @@ def ask(monkeypatch: pytest.MonkeyPatch, path: Path, *answers: str) -> int:
     return main(["new", str(path)])
 
 
+def test_options_of_meshes_are_refused_without_a_mesh(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for words in ("--material granite", "--unit 1e-3", "--repair", "--feet 2", "--parts 3", "--up y"):
+        assert main(["new", str(tmp_path / "new.toml"), *words.split()]) == 2
+        assert f": {words.split()[0]}: must be left out, or --mesh given\n" in capsys.readouterr().err
+
+
 def test_drums(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "my-column.toml"
     assert ask(monkeypatch, path, "drums", "marble", "4", "6", "1.2", "0.8", "whole", "2e-3", "yes", "30") == 0

@@ -294,6 +294,9 @@ def test_the_command_takes_loads_and_a_pattern(tmp_path: Path, capsys: pytest.Ca
     assert main(["simulate", str(file), str(record), "--no-check", "--release", "top.Fx=100"]) == 0
     assert main(["statics", str(file), "--pattern", "top.Fx=1000"]) == 0
     assert "times the pattern" in capsys.readouterr().out
+    for key in ("direction", "vertical"):
+        assert main(["statics", str(file), "--pattern", "top.Fx=1000", f"--{key}", "0.2"]) == 2
+        assert f"--{key}: must be left out, --pattern says along what it is pushed" in capsys.readouterr().err
     assert main(["simulate", str(file), str(record), "--load", "top"]) == 2
     assert "must be PORT.COMPONENT=LOAD" in capsys.readouterr().err
     assert main(["simulate", str(file), str(record), "--load", "top.Fx=1", "--load", "top.Fx=2"]) == 2
