@@ -31,7 +31,7 @@ PLAN = ("width", "depth")
 _PERIODS = ("period", "vertical_period", "initial_period")
 _PERIOD = (1e-3, 100.0), "a period in s, from 0.001 to 100"
 _SHARE = (1e-4, 10.0), "a share from 1e-4 to 10"
-_OF_SLAB = {"beyond": ((0.0, 10.0), "a length in m"), "height": LENGTH, "density": NUMBERS["density"]}
+_OF_SLAB = {"beyond": ((0.0, 10.0), "a length in m, from 0 to 10"), "height": LENGTH, "density": NUMBERS["density"]}
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ Component = Literal["ax", "ay", "az"]
 
 NAMES: dict[Component, str] = {"ax": "horizontal", "ay": "across", "az": "vertical"}
 DAMPING = 0.05  # of critical, of the customary spectrum
+DAMPINGS = (0.0, 0.999), "a part of critical, at least 0 and less than 1"
 PERIODS = np.geomspace(0.05, 10.0, 120)  # s
 PER_PERIOD = 10  # least samples per period of an oscillator; cubic interpolation between them has an error of 1e-4
 PER_CYCLE = 400  # line segments per cycle of a harmonic
@@ -293,7 +294,7 @@ def _oscillations(
     """
     for t in period.tolist():
         check_number("period", t, POSITIVE, "a positive time in s")
-    damping = check_number("damping", damping, (0.0, 0.999), "a part of critical, at least 0 and less than 1")
+    damping = check_number("damping", damping, *DAMPINGS)
     every = [lines_of(motion, component) for component in components]
     lines = every[0]
     longest, shortest = float(np.max(lines.steps)), float(np.min(lines.steps))

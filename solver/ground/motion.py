@@ -84,8 +84,10 @@ class Motion(Framed, NotebookRepr):
             raise InputError(f"hold = {shown(self.hold)}: must be True or False")
         check_number("amplitude", self.amplitude, *ACCELERATION)
         check_number("amplitude_y", self.amplitude_y, *ACCELERATION)
-        limits = POSITIVE if self.amplitude or self.amplitude_y else NOT_NEGATIVE
-        check_number("frequency", self.frequency, limits, "a positive frequency in Hz")
+        if self.amplitude or self.amplitude_y:
+            check_number("frequency", self.frequency, POSITIVE, "a positive frequency in Hz")
+        else:
+            check_number("frequency", self.frequency, NOT_NEGATIVE, "a frequency in Hz, zero or positive")
         # the duration: that of linear samples is given by their times
         check_number("duration", self.duration, POSITIVE, "a positive time in s")
         sampled = float(self.time[-1] - self.time[0])
@@ -188,7 +190,7 @@ class Motion(Framed, NotebookRepr):
         return made
 
     def scaled_to(self, pga: float) -> Motion:
-        """Return the motion scaled so that `pga` (m/s2) is its largest |ax|; az is scaled by the same factor.
+        """Return the motion scaled so that `pga` (m/s2) is its largest |ax|; ay and az are scaled by the same factor.
 
         Raises InputError unless pga is positive and ax is not zero throughout.
         """

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.aliases import warn_of_old
-from ..common.errors import InputError, shown
+from ..common.errors import NOT_NEGATIVE, InputError, shown
 from ..ground.motion import Motion, check_in_plane
 from .outputs import BASE, Output
 from .uncertainty import Varied
@@ -33,6 +33,7 @@ WORDS: dict[str, tuple[str, ...]] = {"verdict": (UNDECIDED, STANDING, OVERTURNED
 OUTPUT_STEP = 0.005  # s between the rows of a response by default
 MOST_ROWS = 10**8
 SETTLE = 60.0  # s, the default maximum time that a model is followed after the motion
+SETTLING = NOT_NEGATIVE, "a time in s, zero or positive"
 
 
 class NoRestError(InputError):

@@ -26,7 +26,7 @@ from ..common.errors import (
 )
 from ..common.executors import TRIES, cores, error_text, sent_out, workers_of
 from ..ground.motion import Motion, check_loads, check_strength
-from ..models.protocol import SETTLE, Kind, Model, Run, Work
+from ..models.protocol import SETTLE, SETTLING, Kind, Model, Run, Work
 from .chunk import Chunk, Made, make_packed, make_runs, packed
 from .pace import Pace
 from .table import Table, joined
@@ -214,7 +214,7 @@ def _checked(settle: float, threads: int | None, responses: Any) -> tuple[float,
     if not isinstance(responses, Collection) or isinstance(responses, (str, bytes)):
         raise InputError(f"responses = {shown(responses)}: must be a list of numbers of runs")
     whole = frozenset(check_whole("responses", number, 0, math.inf, "numbers of runs, from 0") for number in responses)
-    return 0.0 if settle == 0 else check_number("settle", settle, POSITIVE, "a positive time in s"), whole
+    return check_number("settle", settle, *SETTLING), whole
 
 
 def _runs(columns: Any, motions: Any, durations: Any, tolerances: Any) -> tuple[int | None, Iterator[Any]]:

@@ -27,7 +27,7 @@ from ..models.column.response import Response
 from ..models.column.run import Callback
 from ..models.column.settings import WITHOUT_STEP
 from ..models.ports import Released
-from ..models.protocol import OUTPUT_STEP, SETTLE, Kind, Model, RunPlan, output_times
+from ..models.protocol import OUTPUT_STEP, SETTLE, SETTLING, Kind, Model, RunPlan, output_times
 from ..models.structure.model import Structure
 from ..models.structure.response import SpatialResponse
 from ..models.structure.run import Callback as SpatialCallback
@@ -192,8 +192,8 @@ def simulate(
     duration = motion.duration if duration is None else _positive("duration", duration)
     output_step = OUTPUT_STEP if output_step is None else _positive("output_step", output_step)
     times = output_times(motion, duration, output_step)
-    settle = 0.0 if settle == 0 else _positive("settle", settle)
-    ensemble = check_whole("ensemble", ensemble, 0, MOST_RUNS, f"a number of runs, at most {MOST_RUNS}")
+    settle = check_number("settle", settle, *SETTLING)
+    ensemble = check_whole("ensemble", ensemble, 0, MOST_RUNS, f"a number of runs from 0 to {MOST_RUNS}")
     # loads and initial state
     if loads:
         motion = motion.with_loads({**motion.loads, **loads_from(loads, motion.start, duration)})

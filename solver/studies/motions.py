@@ -17,7 +17,7 @@ from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_nu
 from ..common.ranges import check_choice, check_keys
 from ..ground import wavelets
 from ..ground.building import Building, floor_motion
-from ..ground.intensity import pgv, rotd, spectrum
+from ..ground.intensity import DAMPINGS, pgv, rotd, spectrum
 from ..ground.loads import loads_by_port, loads_from
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from . import near_fault
@@ -126,7 +126,7 @@ class Measure:
         if name not in SPECTRAL:
             return cls(name)
         period = check_number("intensity.period", table.get("period"), POSITIVE, "a positive time in s")
-        damping = check_number("intensity.damping", table.get("damping", 0.05), (0.0, 0.999), "a part of critical")
+        damping = check_number("intensity.damping", table.get("damping", 0.05), *DAMPINGS)
         return cls(name, period, damping)
 
     @classmethod

@@ -161,6 +161,8 @@ def test_record_prints_the_measures(folder: Path, capsys: pytest.CaptureFixture[
             "seed = -1: must be a whole",
         ),
         ("simulate column.toml record.AT2 more.AT2", "unrecognized arguments: more.AT2"),
+        ("simulate column.toml record.AT2 --settle -1", "settle = -1.0: must be a time in s, zero or positive"),
+        ("simulate column.toml record.AT2 --ensemble -1", "ensemble = -1: must be a number of runs from 0 to 100000"),
         ("record", "required: FILE"),
         ("record none.AT2", "none.AT2: No such file"),
         ("record record.AT2 --units g", "--units: must be left out, record.AT2 is PEER AT2 and says all itself"),

@@ -84,7 +84,7 @@ def test_mistakes_in_mounts_name_the_key(tmp_path: Path) -> None:
         mounted(KORE, Mount("a", joint={"friktion": 1.0}))
     with pytest.raises(InputError, match=r"tie\.length = None: must be a positive length"):
         mounted(KORE, Mount("a", tie={"stiffness": 1e7}))
-    with pytest.raises(InputError, match=r"slab\.beyond = None: must be a length"):
+    with pytest.raises(InputError, match=r"slab\.beyond = None: must be a length in m, from 0 to 10"):
         mounted(KORE, Mount("a", slab={"height": 0.1}, bearing=RUBBER))
     with pytest.raises(InputError, match=r"makes 0\.8 x 0\.6 m, must fit on the pedestal, 0\.6 x 0\.5 m"):
         mounted(KORE, Mount("a", foot=2.0))

@@ -418,6 +418,7 @@ def motion_of(**changes: Any) -> Motion:
         (lambda: Motion.from_samples(0.1, [1.0, 2.0], [1.0, np.nan]), "az[1] = nan: must be a finite number in m/s2"),
         (lambda: motion_of(time=[0.0, 1.0, 1.0]), "time[2] = 1.0: must be later than the sample before, 1.0 s"),
         (lambda: motion_of(amplitude=1.0), "frequency = 0.0: must be a positive frequency in Hz"),
+        (lambda: motion_of(frequency=-1.0), "frequency = -1.0: must be a frequency in Hz, zero or positive"),
         (lambda: motion_of(duration=3.0), "duration = 3.0: must be the 2.0 s from first to last sample"),
         (lambda: motion_of(hold=True), "duration = 2.0: must be more than the 2.0 s from first to last sample"),
         (lambda: motion_of().scaled(np.inf), "factor = inf: must be a finite number"),

@@ -420,7 +420,7 @@ def test_many_structures_in_processes_and_with_whole_responses() -> None:
     [
         ({"duration": [0.1, -1.0]}, "duration[1] = -1.0"),
         ({"tolerance": [1e-3, 1e-3, 1e-3]}, "2 columns, 3 tolerance"),
-        ({"settle": -1.0}, "settle = -1.0"),
+        ({"settle": -1.0}, "settle = -1.0: must be a time in s, zero or positive"),
         ({"threads": 0}, "threads = 0"),
         ({"executor": 5}, "executor = 5: must have submit"),
         ({"responses": 5}, "responses = 5: must be"),
