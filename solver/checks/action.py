@@ -186,12 +186,15 @@ def action_on(
     if not given:
         raise InputError("motions: none given, must be records, or a target spectrum that artificial ones follow")
     # else one peak or spectral acceleration, or the motions as given
+    two = any(len(scaling.horizontal_of(motion)) > 1 for motion in given.values())
     if level.pga is not None:
         scaled = scaling.scaled_to_pga(given, level.pga, level.vertical_pga)
-        how = f"each to a largest horizontal acceleration of {level.pga / STANDARD_GRAVITY:.4g} g"
+        what = "geometric mean of its largest horizontal accelerations" if two else "largest horizontal acceleration"
+        how = f"each to a {what} of {level.pga / STANDARD_GRAVITY:.4g} g"
     elif level.sa is not None:
         scaled = scaling.scaled_to_sa(given, own, level.sa)
-        how = f"each to a spectral acceleration of {level.sa / STANDARD_GRAVITY:.4g} g at the first period, {own:.4g} s"
+        what = "geometric mean of its horizontal spectral accelerations" if two else "spectral acceleration"
+        how = f"each to a {what} of {level.sa / STANDARD_GRAVITY:.4g} g at the first period, {own:.4g} s"
     else:
         scaled, how = [ScaledMotion(*pair) for pair in given.items()], "as given"
     if scaled:

@@ -385,7 +385,7 @@ def check(
         The spectrum to which the motions are scaled (checks/spectra.py). At most one of `target`, `pga` and `sa` is
         allowed; without any, the motions are applied as given.
     pga : float, optional
-        Largest horizontal acceleration (m/s2) to which each motion is scaled.
+        Largest horizontal acceleration (m/s2) to which each motion is scaled; of two components the geometric mean.
     vertical_pga : float, optional
         Largest vertical acceleration (m/s2), with `pga`.
     sa : float, optional

@@ -44,17 +44,17 @@ def horizontal_psa(motion: Motion, periods: FloatArray, damping: float = DAMPING
     damping : float
         Damping ratio.
     """
-    found = [spectrum(motion, periods, damping, component).psa for component in _horizontal(motion)]
+    found = [spectrum(motion, periods, damping, component).psa for component in horizontal_of(motion)]
     return np.sqrt(found[0] * found[1]) if len(found) > 1 else found[0]
 
 
 def horizontal_pga(motion: Motion) -> float:
     """Return the largest horizontal acceleration (m/s2); of two components the geometric mean."""
-    found = [peak(motion, component) for component in _horizontal(motion)]
+    found = [peak(motion, component) for component in horizontal_of(motion)]
     return math.sqrt(found[0] * found[1]) if len(found) > 1 else found[0]
 
 
-def _horizontal(motion: Motion) -> list[Component]:
+def horizontal_of(motion: Motion) -> list[Component]:
     """Return the horizontal components that are not zero throughout; ["ax"] if there are none."""
     there = components(motion) if motion.has_ay else []
     return [component for component in there if component != "az"] or ["ax"]
@@ -133,15 +133,15 @@ def applied(name: str, motion: Motion, factor: float, vertical_factor: float | N
 
 
 def scaled_to_pga(motions: Mapping[str, Motion], pga: float, vertical_pga: float | None = None) -> list[ScaledMotion]:
-    """Scale each motion to the same largest horizontal acceleration `pga` (m/s2).
+    """Scale each motion to the same largest horizontal acceleration `pga` (m/s2), of two components the geometric mean.
 
     `vertical_pga` is the largest vertical acceleration (m/s2); by default the vertical component gets the factor of the
     horizontal ones. Raises InputError if a motion is zero or lacks the vertical component to be scaled, or a value is
     not positive.
     """
-    pga = check_number("pga", pga, POSITIVE, "an acceleration in m/s2")
+    pga = check_number("pga", pga, POSITIVE, "a positive acceleration in m/s2")
     if vertical_pga is not None:
-        check_number("vertical_pga", vertical_pga, POSITIVE, "an acceleration in m/s2")
+        check_number("vertical_pga", vertical_pga, POSITIVE, "a positive acceleration in m/s2")
     found = []
     for name, motion in motions.items():
         largest = float(np.max(np.abs(motion.az)))
@@ -157,7 +157,7 @@ def scaled_to_sa(motions: Mapping[str, Motion], period: float, sa: float) -> lis
 
     The vertical component gets the same factor. Raises InputError if a motion is zero, or `sa` is not positive.
     """
-    sa = check_number("sa", sa, POSITIVE, "an acceleration in m/s2")
+    sa = check_number("sa", sa, POSITIVE, "a positive acceleration in m/s2")
     return [
         applied(name, motion, sa / _nonzero(name, float(horizontal_psa(motion, np.array([period]))[0])))
         for name, motion in motions.items()

@@ -83,8 +83,11 @@ def add_action(parser: argparse.ArgumentParser) -> None:
     add_building_options(parser)
     action = parser.add_argument_group("the action; without any the records are taken as they are")
     one = action.add_mutually_exclusive_group()
-    one.add_argument("--pga", type=float, metavar="G", help="largest horizontal acceleration of each record, g")
-    one.add_argument("--sa", type=float, metavar="G", help="spectral acceleration of each at the first period, g")
+    mean = "of two components the geometric mean"
+    words = f"largest horizontal acceleration of each record, g; {mean}"
+    one.add_argument("--pga", type=float, metavar="G", help=words)
+    words = f"spectral acceleration of each at the first period, g; {mean}"
+    one.add_argument("--sa", type=float, metavar="G", help=words)
     add_spectrum(one)
     # options of the target and of made motions
     words = "spectrum of the ground, where --spectrum is the table of a floor: as --spectrum; warns where that has less"

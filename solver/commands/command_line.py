@@ -17,7 +17,6 @@ from .. import __version__
 from ..common.digits import percent
 from ..common.errors import InputError, InputWarning, SolverError, reading
 from ..common.files import check_outputs, printable, with_point
-from ..ground.motion import STANDARD_GRAVITY
 from ..kernels.machine.messages import MachineCodeError, announcing
 from ..models.column.response import Response
 from ..models.column.settings import FORMULATIONS, INTEGRATORS
@@ -47,6 +46,7 @@ from .motion_options import (
     check_file_options,
     file_line,
     motion_of,
+    peaks_in_g,
     read_with_options,
 )
 from .new import add_new_command
@@ -306,8 +306,8 @@ def _convert(options: argparse.Namespace) -> None:
     motion, lines = motion_of(options)
     motion.to_csv(options.output, slopes=True)
     print("\n".join(lines), end="\n" if lines else "")
-    pga = motion.pga / STANDARD_GRAVITY
-    print(f"{options.output}: {len(motion.time)} samples, {motion.duration:g} s, largest acceleration {pga:.4g} g")
+    size = f"{len(motion.time)} samples, {motion.duration:g} s"
+    print(f"{options.output}: {size}, largest acceleration {peaks_in_g(motion)}")
 
 
 def _summary(response: Response) -> str:

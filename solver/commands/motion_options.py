@@ -8,6 +8,7 @@ from pathlib import Path
 from ..common.errors import POSITIVE, InputError, check_number, reading
 from ..common.files import printable
 from ..ground.building import Building, floor_motion
+from ..ground.intensity import peak
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..ground.records import NAMES, Record, format_of, read_record
 from ..ground.records.columns import PLAIN
@@ -42,9 +43,8 @@ def add_motion_options(parser: argparse.ArgumentParser) -> None:
     add_file_options(records)
     strength = parser.add_argument_group("strength").add_mutually_exclusive_group()
     strength.add_argument("--scale", type=float, help="factor on the base acceleration")
-    strength.add_argument(
-        "--pga", type=float, metavar="G", help="largest horizontal acceleration, g; vertical goes along"
-    )
+    words = "largest acceleration of the first component, g; the others are scaled alike"
+    strength.add_argument("--pga", type=float, metavar="G", help=words)
     # wavelets
     group = parser.add_argument_group("in place of a record")
     group.add_argument("--wavelet", metavar="NAME", help=", ".join(WAVELETS))
@@ -93,8 +93,17 @@ def motion_of(options: argparse.Namespace) -> tuple[Motion, list[str]]:
     on = floor_of(options)
     if on is None:
         return motion, lines
-    ground = f"{motion.pga / STANDARD_GRAVITY:.4g} g"
-    return floor_motion(motion, *on), [*lines, printable(f"{on[0].words(on[1])}; PGA of the ground {ground}")]
+    return floor_motion(motion, *on), [
+        *lines,
+        printable(f"{on[0].words(on[1])}; PGA of the ground {peaks_in_g(motion)}"),
+    ]
+
+
+def peaks_in_g(motion: Motion) -> str:
+    """Return the largest acceleration, of several components those along each axis."""
+    peaks = {"x": motion.pga, "y": peak(motion, "ay"), "z": peak(motion, "az")}
+    there = [(name, f"{value / STANDARD_GRAVITY:.4g} g") for name, value in peaks.items() if value or name == "x"]
+    return there[0][1] if len(there) == 1 else ", ".join(f"{value} along {name}" for name, value in there)
 
 
 def in_g(key: str, value: float | None) -> float | None:

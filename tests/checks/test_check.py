@@ -299,7 +299,7 @@ def test_contradictions_are_refused(words: dict[str, Any], message: str) -> None
     ("words", "message"),
     [
         ({"pga": 1.0, "vertical_pga": 0.5}, "vertical_pga: must be left out, 2.0 Hz has no vertical component"),
-        ({"pga": 1.0, "vertical_pga": -0.5}, "vertical_pga = -0.5: must be an acceleration in m/s2"),
+        ({"pga": 1.0, "vertical_pga": -0.5}, "vertical_pga = -0.5: must be a positive acceleration in m/s2"),
         ({"pga": 1.0, "vertical": True}, "vertical: of artificial motions, must be left out where records are given"),
         ({"pga": 1.0, "artificial": 3, "seed": 2}, "artificial, seed: of artificial motions, must be left out where"),
         ({"pga": 1.0, "least": 0.8}, "least: must be left out without records that are scaled to a target spectrum"),

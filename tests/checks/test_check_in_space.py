@@ -25,6 +25,7 @@ from multiblock import (
     spectrum,
     wavelets,
 )
+from solver.checks.action import ARTIFICIAL, Level, action_on
 from solver.checks.kinematic import mechanism, rocking_period
 from solver.checks.limits import Limits
 from solver.checks.margin import NARROW
@@ -104,6 +105,23 @@ def test_a_square_block_does_not_know_the_direction() -> None:
     assert tops[0] == tops[2]
     assert tops[1] == pytest.approx(tops[0], rel=1e-9)  # measured: 1e-15
     assert [one.action.motions[0].factor for one in made] == [made[0].action.motions[0].factor] * 3
+
+
+def test_the_action_says_what_is_scaled() -> None:
+    subject, level = subject_of(BLOCK), Level(None, 0.1 * G, None, None, None, 0.9, ARTIFICIAL, False, 0)
+    along, of_both = (
+        "largest horizontal acceleration of 0.1 g",
+        "geometric mean of its largest horizontal accelerations",
+    )
+    assert action_on(subject, [ALONG], level).how == f"each to a {along}"
+    turned = replace(ALONG, ax=np.zeros_like(ALONG.ax), ay=ALONG.ax)
+    assert action_on(subject, [turned], level).how == f"each to a {along}"
+    assert action_on(subject, [ALONG, NOISE], level).how == f"each to a {of_both} of 0.1 g"
+    level = replace(level, pga=None, sa=0.2 * G)
+    assert "each to a spectral acceleration of 0.2 g at" in action_on(subject, [ALONG], level).how
+    assert (
+        "a geometric mean of its horizontal spectral accelerations of 0.2 g" in action_on(subject, [NOISE], level).how
+    )
 
 
 def test_two_components_are_scaled_together_by_their_geometric_mean() -> None:

@@ -65,6 +65,17 @@ def test_pga_scales_both_components(folder: Path) -> None:
     np.testing.assert_allclose(motion.az / motion.ax[0], plain.az / plain.ax[0], rtol=1e-15)
 
 
+def test_convert_says_what_pga_scales_and_what_results(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "y.csv").write_text("time,base.ax\n0,2\n1,0\n")
+    motion = converted("motion.csv --across y.csv --pga 0.25")
+    assert np.max(np.abs(motion.ay)) == 2.0 * motion.pga == pytest.approx(0.5 * G, rel=1e-15)
+    assert "largest acceleration 0.25 g along x, 0.5 g along y\n" in capsys.readouterr().out
+    converted("both.csv --pga 0.25")
+    assert "largest acceleration 0.25 g along x, 0.25 g along z\n" in capsys.readouterr().out
+    converted("motion.csv --pga 0.25")
+    assert capsys.readouterr().out.endswith("largest acceleration 0.25 g\n")
+
+
 def test_paths_may_stand_behind_options(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for line in ("--pga .1 record.AT2 out.csv", "record.AT2 --pga .1 out.csv", "record.AT2 out.csv --pga .1"):
         assert main(["convert", *line.split()]) == 0
