@@ -10,6 +10,7 @@ import numpy as np
 from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from ..models.outputs import places_of
+from ..models.protocol import NoRestError
 from ..models.structure.model import Structure
 from ..models.structure.modes import frequencies_apart
 from ..models.structure.neighbours import NEAR
@@ -34,9 +35,10 @@ def report(structure: Structure, motion: Motion) -> str:
     top = max(float(np.max(block.corners[:, 2])) for block in structure.blocks)
     parts = [f"{structure.n} blocks, {len(structure.joints)} joints, {len(structure.ties)} ties, {top:.4g} m"]
     if structure.n <= MOST_BLOCKS:
-        lowest = ", ".join(f"{value:.4g}" for value in frequencies_apart(structure)[:3])
-        apart = ", as if no neighbours touched:" if _touch_at_rest(structure) else ""
-        parts.append(f"first natural frequencies{apart} {lowest} Hz")
+        touch = _touch_at_rest(structure)
+        with suppress(NoRestError):  # some stand against their neighbours only
+            lowest = ", ".join(f"{value:.4g}" for value in frequencies_apart(structure)[:3])
+            parts.append(f"first natural frequencies{', as if no neighbours touched:' if touch else ''} {lowest} Hz")
     peaks = {"x": motion.pga, "y": float(np.max(np.abs(motion.ay))), "z": float(np.max(np.abs(motion.az)))}
     shaken = ", ".join(f"{name} {peak / STANDARD_GRAVITY:.4g} g" for name, peak in peaks.items() if peak)
     return f"{structure.name}: {', '.join(parts)}\nbase: {motion.duration:.4g} s, {shaken}"

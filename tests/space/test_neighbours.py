@@ -238,3 +238,53 @@ def test_a_prop_below_a_beam_bears_its_part_of_the_weight_from_the_start() -> No
     assert bears[0] == pytest.approx(expected, rel=1e-5)  # measured 2e-6: the law of cells counts the overlap
     np.testing.assert_allclose(bears, bears[0], rtol=1e-10)  # measured 3e-12: it stays at rest
     assert push_over(propped).N[0].tolist() == pytest.approx(found.N[0].tolist(), rel=1e-9)
+
+
+def squeezed(shape: dict[str, Any], *, wall: bool = False) -> Structure:
+    """Return three blocks in a row whose outer ones ties pull together, or one that a tie pulls against a wall."""
+    size = {"height": 2.0, "density": 2500.0, "on": "base", **shape}
+    law = {"stiffness": 1e9, "restitution": 0.5, "friction": 0.4}
+    table: dict[str, Any] = {"joints": {"stiffness": 1e9, "damping": 2e-3, "friction": 0.5}, "neighbours": law}
+    names = ["a"] if wall else ["a", "b", "c"]
+    table["block"] = [{"name": name, "at": [float(k), 0.0], **size} for k, name in enumerate(names)]
+    if wall:
+        law["wall"] = [{"at": [0.25, 0.0, 0.0], "normal": [-1.0, 0.0], "width": 4.0, "height": 3.0}]
+        tie = {"between": ["a", "base"], "from": [0.25, 0.0, 0.9], "to": [1.5, 0.0, 1.9], "stiffness": 1e6}
+        table["tie"] = [{**tie, "pretension": 1e4}]
+    else:
+        law |= {"line_stiffness": 1e8, "reach": 0.3} if "shape" in shape else {}
+        tie = {"between": ["a", "c"], "stiffness": 1e7, "pretension": 2e4}
+        table["tie"] = [{**tie, "from": [0.5, y, 0.9], "to": [-0.5, y, 0.9]} for y in (0.3, -0.3)]
+    return Structure.from_dict({"name": "squeezed", **table})
+
+
+@pytest.mark.parametrize(
+    ("shape", "wall"),
+    [
+        ({"shape": "drum", "diameter": 1.0}, False),
+        ({"width": 1.0, "depth": 1.0}, False),  # aligned faces: each sideways motion makes less area press
+        ({"width": 0.5, "depth": 1.0}, True),  # it tips over without the wall
+    ],
+)
+def test_blocks_that_ties_press_together_rest(shape: dict[str, Any], wall: bool) -> None:
+    """Check the balance of the first block, and that a run on a still base stays there."""
+    structure = squeezed(shape, wall=wall)
+    found = simulate(structure, Motion.from_samples(0.1, [0.0] * 6), settle=0.0)
+    pair = list(structure.contact_names).index("a-wall 1" if wall else "a-b")
+    pulled, pressed = np.sum(found.tie[0]), found.hit[0, pair]
+    assert pressed > 0.9 * pulled > 1e4 * (0.8 if wall else 2.0)
+    assert pressed == pytest.approx(pulled + abs(found.Tx[0, 0]), rel=1e-3)
+    np.testing.assert_allclose(found.hit, np.broadcast_to(found.hit[0], found.hit.shape), rtol=1e-6, atol=1e-3)
+
+
+def test_a_drum_that_is_pushed_against_a_wall_leans_as_in_a_slow_motion() -> None:
+    wall = [{"at": [0.5001, 0.0, 0.0], "normal": [-1.0, 0.0], "width": 4.0, "height": 3.0}]
+    law = {"reach": 0.3, "line_stiffness": 1e8, "stiffness": 1e9, "restitution": 0.5, "friction": 0.0}
+    drum = {"name": "a", "on": "base", "shape": "drum", "diameter": 1.0, "height": 2.0, "density": 2000.0}
+    joints = {"stiffness": 1e9, "damping": 2e-3}
+    near = Structure.from_dict({"name": "near", "joints": joints, "neighbours": {**law, "wall": wall}, "block": [drum]})
+    found = push_over(near)
+    ramp = Motion.from_samples(1.0, [0.0, -5.0, -5.0])
+    run = simulate(near, ramp, settle=0.0)
+    pushed = np.interp(5.0, found.acceleration, found.hit[:, 0])
+    assert pushed == pytest.approx(run.hit[-1, 0], rel=1e-2)  # measured 1e-3

@@ -13,6 +13,7 @@ from ...common.aliases import Alias
 from ...common.errors import InputError, check_type
 from ...kernels.structure.layout import OF_BLOCK
 from ..outputs import places_of
+from ..protocol import NoRestError
 from ..response import ModeTable
 from .blocks.faces import FloatArray
 from .model import Structure
@@ -125,9 +126,12 @@ def modes_in_space(structure: Structure) -> SpatialModes:
 def frequencies_apart(structure: Structure) -> FloatArray:
     """Return the natural frequencies, Hz (6 n,), as if there were no neighbours, even if some touch.
 
-    Raises InputError if the structure has no stable rest.
+    Raises InputError if the structure has no stable rest without them.
     """
-    return modes_in_space(replace(structure, neighbours=(), described=None)).frequency
+    try:
+        return modes_in_space(replace(structure, neighbours=(), described=None)).frequency
+    except NoRestError as error:
+        raise NoRestError(f"{error}{' without its neighbours' if structure.neighbours else ''}") from None
 
 
 def _check_gaps(structure: Structure, rest: SpatialRest) -> None:
