@@ -243,7 +243,7 @@ def test_a_prop_below_a_beam_bears_its_part_of_the_weight_from_the_start() -> No
 def squeezed(shape: dict[str, Any], *, wall: bool = False) -> Structure:
     """Return three blocks in a row whose outer ones ties pull together, or one that a tie pulls against a wall."""
     size = {"height": 2.0, "density": 2500.0, "on": "base", **shape}
-    law = {"stiffness": 1e9, "restitution": 0.5, "friction": 0.4}
+    law: dict[str, Any] = {"stiffness": 1e9, "restitution": 0.5, "friction": 0.4}
     table: dict[str, Any] = {"joints": {"stiffness": 1e9, "damping": 2e-3, "friction": 0.5}, "neighbours": law}
     names = ["a"] if wall else ["a", "b", "c"]
     table["block"] = [{"name": name, "at": [float(k), 0.0], **size} for k, name in enumerate(names)]
