@@ -7,33 +7,13 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from support.scenes import seen
+from support.beds import bed_and_square
 from support.structures import stack
 
-from solver.kernels.numba_ext.jit import from_python
-from solver.kernels.structure.bed import Plane
-from solver.kernels.structure.joint import bed_of_joint
 from solver.models.structure.blocks.faces import FloatArray
 from solver.models.structure.model import Structure
-from solver.models.structure.stepper import SpatialStepper
 
 SCALE = 1e-4  # m, of penetrations
-
-
-@from_python
-def bed_of(arrays, p, q, found):
-    """Return the bed of joint 0 for two planes, and the integral of p squared."""
-    scene, _ = seen(arrays)
-    first, second = Plane(p[0], p[1], p[2]), Plane(q[0], q[1], q[2])
-    bed, square = bed_of_joint(scene, 0, first, second), bed_of_joint(scene, 0, first, first)
-    found[5] = p[0] * square.force + p[1] * square.first_x + p[2] * square.first_y
-    found[0], found[1], found[2], found[3], found[4] = bed.force, bed.first_x, bed.first_y, bed.area, bed.largest
-
-
-def kernel_of(structure: Structure, p: FloatArray, q: FloatArray) -> FloatArray:
-    stepper, found = SpatialStepper(structure), np.zeros(6)
-    bed_of(stepper.arrays, p, q, found)
-    return found
 
 
 def drum(bore: float = 0.0) -> Structure:
@@ -90,7 +70,7 @@ def test_polygon_against_rational_numbers(seed: int) -> None:
         q = p  # without damping
     if seed % 4 == 1:
         q = p * (1.0 + 0.1 * rng.normal(size=3))
-    found, (expected, force) = kernel_of(structure, p, q), exact_bed(outline, p, q)
+    found, (expected, force) = bed_and_square(structure, p, q), exact_bed(outline, p, q)
     size = np.array([force, force, force, 2.5, SCALE]) + 1e-30
     assert np.max(np.abs(found[:5] - expected) / size) <= 1e-12  # measured 3e-15
 
@@ -101,7 +81,7 @@ def test_sliver_of_a_polygon_keeps_its_digits(depth: float) -> None:
     p = np.array([-SCALE * (0.78 - depth), SCALE, 0.0])
     expected = 0.5 * SCALE * depth**2 * 1.56
     # the rounding of the edge, 1e-16, counts over the depth of the sliver, twice: a difference of two lengths
-    assert kernel_of(structure, p, p)[0] == pytest.approx(expected, rel=1e-15 / depth + 1e-14)
+    assert bed_and_square(structure, p, p)[0] == pytest.approx(expected, rel=1e-15 / depth + 1e-14)
 
 
 # --- discs, by quadrature over x of what is exact over y
@@ -158,7 +138,7 @@ def test_disc_and_ring_against_quadrature(seed: int, bore: float) -> None:
         q = p * 1.5  # without damping, but for a factor
     if seed % 3 == 1:
         q = p + 0.05 * SCALE * rng.normal(size=3)
-    found, expected = kernel_of(drum(bore), p, q), disc_bed(1.0, p, q)
+    found, expected = bed_and_square(drum(bore), p, q), disc_bed(1.0, p, q)
     if bore:
         expected = expected - disc_bed(0.5 * bore, p, q)
     size = np.array([SCALE, SCALE, SCALE, 3.0])
@@ -168,7 +148,7 @@ def test_disc_and_ring_against_quadrature(seed: int, bore: float) -> None:
 def test_disc_against_the_segment_of_the_planar_functions() -> None:
     for depth in (1e-5, 1e-3, 0.3, 1.0, 1.7):
         p = SCALE * np.array([depth - 1.0, math.cos(0.7), math.sin(0.7)])
-        found = kernel_of(drum(), p, p)
+        found = bed_and_square(drum(), p, p)
         angle = math.acos(1.0 - depth)
         exact = (math.sin(angle) * (2.0 + math.cos(angle) ** 2) / 3.0) - angle * math.cos(angle)
         if depth < 1e-2:  # the first terms of the series
@@ -183,7 +163,7 @@ def test_squares_are_the_energy_whose_derivative_is_the_force() -> None:
             for k in range(3):
                 step = np.zeros(3)
                 step[k] = 1e-3 * SCALE
-                up, down = kernel_of(structure, p + step, p)[5], kernel_of(structure, p - step, p)[5]
+                up, down = bed_and_square(structure, p + step, p)[5], bed_and_square(structure, p - step, p)[5]
                 slope = 0.25 * (up - down) / step[k]
                 # central differences of a function that is cubic where the contact is partial: measured 3e-7
-                assert slope == pytest.approx(kernel_of(structure, p, p)[k], rel=1e-5, abs=1e-6 * SCALE)
+                assert slope == pytest.approx(bed_and_square(structure, p, p)[k], rel=1e-5, abs=1e-6 * SCALE)

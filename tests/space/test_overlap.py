@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from space.test_beds import SCALE, exact_bed
+from support.beds import bed_and_square
 from support.probe import G
-from support.scenes import seen
 from support.structures import with_law
 
 from multiblock import Block, Column, Joint, Motion, SpatialResponse, SpatialState, Structure, simulate
@@ -31,24 +31,13 @@ BOX = {"shape": "box", "height": 0.5, "mass": 1000.0}
 DRUM = {"shape": "drum", "height": 0.5, "mass": 1000.0}
 
 
-@from_python
-def bed_after(arrays, slips, p, q, found):
-    """Return the bed of joint 0 after slips and a twist."""
-    scene, _ = seen(arrays)
-    scene.slips.p1[0], scene.slips.p2[0], scene.slips.p3[0] = slips[0], slips[1], slips[2]
-    bed = bed_of_joint(scene, 0, Plane(p[0], p[1], p[2]), Plane(q[0], q[1], q[2]))
-    found[0], found[1], found[2], found[3], found[4] = bed.force, bed.first_x, bed.first_y, bed.area, bed.largest
-
-
 def bed(structure: Structure, slips: Any, p: FloatArray, q: FloatArray) -> FloatArray:
-    stepper, found = SpatialStepper(structure), np.zeros(5)
-    bed_after(stepper.arrays, np.array(slips), p, q, found)
-    return found
+    return bed_and_square(structure, p, q, slips)[:5]
 
 
 @from_python
 def beds_after(lanes, model, slips, p, q, found):
-    """Return eight beds at once, as `bed_after` does."""
+    """Return eight beds at once, as `bed` does."""
     row = row_of(model)
     queue = SpatialQueue(0, row, row, row, row, row, row, row, row, row, row, 0, row, row)
     scene = batch_over(sizes_in(row), lanes_of(lanes), queue).scene
