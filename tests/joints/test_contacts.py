@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ from solver.runs.many import simulate_many
 from solver.statics.capacity import capacity_curve
 
 K = 1e9  # N/m3
+GAUSS = np.polynomial.legendre.leggauss(40)
 _model = at.MODEL.over
 
 
@@ -111,7 +113,7 @@ class Pair:
 
     def integrals(self, slip: float, opening: float, slope: float) -> Array:
         """Return the energy J, N and M of the penetration slope * x - opening, by Gauss's rule between all kinks."""
-        x, w = np.polynomial.legendre.leggauss(40)
+        x, w = GAUSS
         edges = self.kinks(slip) | ({opening / slope} if slope else set())
         found = np.zeros(3)
         for begin, end in itertools.pairwise(sorted(edges)):
@@ -159,9 +161,12 @@ def _ask(model: Array, opening: float, slope: float, slip: float, out: Array) ->
     out[4], out[5] = contact.left, contact.right
 
 
+packed = lru_cache(maxsize=4)(pack_model)  # of a column that is asked many times
+
+
 def ask(column: Column, opening: float, slope: float, slip: float) -> Array:
     out = np.zeros(6)
-    _ask(pack_model(column), opening, slope, slip, out)
+    _ask(packed(column), opening, slope, slip, out)
     return out
 
 

@@ -25,7 +25,7 @@ from solver.models.column.stepper import Stepper
 from solver.models.structure.stack import column_of
 from solver.statics.capacity import capacity_curve
 
-examples = settings(deadline=None, max_examples=150, derandomize=True)
+examples = settings(deadline=None, max_examples=75, derandomize=True)
 
 
 def block(rim: float | None, stiffness: float = 1e13, depth: float = 20.0, eta: float = 0.0, **joint: Any) -> Column:

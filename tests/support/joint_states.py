@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from hypothesis import assume, settings
 from hypothesis import strategies as st
 
-examples = settings(deadline=None, max_examples=200, derandomize=True)
+examples = settings(deadline=None, max_examples=100, derandomize=True)
 
 
 @dataclass(frozen=True)
