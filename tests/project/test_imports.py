@@ -48,7 +48,9 @@ def _imported(node: ast.AST, package: str, modules: frozenset[str]) -> Iterator[
             yield inner if inner in modules else source, node.lineno
     only_types = isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
     for child in node.orelse if isinstance(node, ast.If) and only_types else ast.iter_child_nodes(node):
-        yield from _imported(child, package, modules)
+        # expressions import nothing
+        if not isinstance(child, ast.expr):
+            yield from _imported(child, package, modules)
 
 
 def files_in_circles(graph: Graph) -> list[list[str]]:

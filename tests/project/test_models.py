@@ -18,8 +18,10 @@ MOST = 2
 
 def asked(file: Path) -> list[str]:
     """Return the lines of a file that ask whether something is a column or a structure, or the response of one."""
-    found = []
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+    found, text = [], file.read_text(encoding="utf-8")
+    if "isinstance" not in text or not any(name in text for name in CLASSES):
+        return []  # spared the parser
+    for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "isinstance":
             names = {name.id for name in ast.walk(node.args[1]) if isinstance(name, ast.Name)}
             if names & CLASSES:
