@@ -97,7 +97,12 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize("name", list(SCENES))
+TAKE_SECONDS = ("trilith that slides", "held samples")  # others slide, and follow samples
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.long if name in TAKE_SECONDS else ()) for name in SCENES]
+)
 def test_peaks_are_those_of_close_runs(name: str) -> None:
     structure, motions = SCENES[name]
     tolerance = 1e-4
@@ -118,9 +123,9 @@ def test_peaks_are_those_of_close_runs(name: str) -> None:
 def test_runs_do_not_depend_on_their_neighbours() -> None:
     """Compare runs one by one, in other lanes, after others: equal bits."""
     structure, motions = trilith(0.3).with_settings(tolerance=1e-3), waves(size=0.2)
-    together = in_lanes(structure, motions, settle=2.0)
-    alone = [in_lanes(structure, [motion], settle=2.0)[0] for motion in motions[:3]]
-    turned = in_lanes(structure, motions[::-1], settle=2.0)[::-1]
+    together = in_lanes(structure, motions, settle=0.5)
+    alone = [in_lanes(structure, [motion], settle=0.5)[0] for motion in motions[:3]]
+    turned = in_lanes(structure, motions[::-1], settle=0.5)[::-1]
     for one, other in [*zip(together[:3], alone, strict=True), *zip(together, turned, strict=True)]:
         assert {name: np.asarray(value).tobytes() for name, value in one.items()} == {
             name: np.asarray(value).tobytes() for name, value in other.items()
@@ -180,7 +185,7 @@ def test_runs_are_followed_to_their_verdict() -> None:
     motions = [Motion.harmonic(0.05 * k * G, 0.7, 2.0, direction=0.3) for k in range(12)]
     found = in_lanes(structure, motions, settle=5.0)
     words = []
-    for motion, one in zip(motions, found, strict=True):
+    for motion, one in list(zip(motions, found, strict=True))[2::3]:
         alone = simulate(structure, motion, settle=5.0)
         words.append(one["verdict"])
         assert one["verdict"] == alone.verdict

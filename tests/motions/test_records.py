@@ -205,7 +205,7 @@ def test_units_go_by_their_usual_spellings(tmp_path: Path, name: str, units: flo
         np.testing.assert_array_equal(read_record(path, units=word).ax, [units, 2.0 * units])
 
 
-@settings(max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 @pytest.mark.parametrize("name", [*{case.format: name for name, case in CASES.items()}.values(), *MORE])
 def test_a_spoiled_record_is_read_or_refused_in_one_line(tmp_path: Path, name: str, data: st.DataObject) -> None:

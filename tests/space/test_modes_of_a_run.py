@@ -58,6 +58,10 @@ STRUCTURES: dict[str, tuple[Callable[[], Structure], float]] = {  # with an acce
     "trilith with friction": (lambda: _trilith(friction=0.5), 5e-3),
     "tied": (_tied, 2e-2),
 }
+EVERY_DAY = ("boxes", "trilith with friction", "tied")  # the others take long
+each_structure = pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in EVERY_DAY else pytest.mark.long) for name in STRUCTURES]
+)
 SPAN = 1.5  # s
 
 
@@ -93,7 +97,7 @@ def _off(found: SpatialResponse, best: SpatialResponse) -> tuple[float, float]:
 
 @pytest.mark.parametrize("kind", MOTIONS)
 @pytest.mark.parametrize("two", [False, True], ids=["one direction", "two directions"])
-@pytest.mark.parametrize("name", STRUCTURES)
+@each_structure
 def test_error_in_contact(name: str, kind: str, two: bool) -> None:
     made, size = STRUCTURES[name]
     structure, motion = made(), MOTIONS[kind](size, two)
@@ -112,7 +116,7 @@ PEAKS = ("boxes", "drums", "trilith", "trilith with friction", "tied")  # whose 
 
 
 @pytest.mark.parametrize("kind", MOTIONS)
-@pytest.mark.parametrize("name", STRUCTURES)
+@each_structure
 def test_error_where_joints_open_now_and_then(name: str, kind: str) -> None:
     made, size = STRUCTURES[name]
     structure, motion = made(), MOTIONS[kind](2.5 * size, True)

@@ -225,11 +225,11 @@ def test_a_wall_of_mortar_balances_what_it_stands_in_a_slow_motion(
     heads = [{"between": pair} for pair in (["a1", "a0"], ["c1", "c0"], ["c2", "c1"])]
     wall = Structure.from_dict({"name": "wall", "joints": joints, "block": blocks, "joint": heads})
     largest = push_over(wall).largest_acceleration
-    time = np.linspace(0.0, 20.0, 201)
+    time = np.linspace(0.0, 8.0, 81)
     for part in (0.97, 1.03):
-        ramp = Motion.from_samples(0.1, -part * largest * np.minimum(time / 15.0, 1.0))
+        ramp = Motion.from_samples(0.1, -part * largest * np.minimum(time / 6.0, 1.0))
         moved = np.max(np.abs(simulate(wall, ramp, settle=0).ux[-1]))
-        assert (moved < 1e-3) == (part < 1.0)  # measured 0.05 mm below, 0.8 and 28 m above
+        assert (moved < 1e-3) == (part < 1.0)  # measured 0.05 mm below, 0.8 and 4.5 m above
 
 
 def row_of_two(wall: bool = False) -> Structure:

@@ -103,7 +103,7 @@ def test_area_of_the_band_along_an_edge(section: dict[str, Any], below: dict[str
 # --- restitution
 
 
-@pytest.mark.parametrize("stiffness", [1e9, 1e11, 1e13])
+@pytest.mark.parametrize("stiffness", [*(pytest.param(k, marks=pytest.mark.long) for k in (1e9, 1e11)), 1e13])
 def test_critically_damped_faces_lie_between_the_third_and_the_edge(stiffness: float) -> None:
     """Check that the wider the rim, the nearer to the middle an impact acts; a flat face loses less than an impulse at
     2 thirds.
@@ -157,6 +157,7 @@ def test_whole_faces_that_lose_enough_keep_touching_all_over() -> None:
     assert fit.damping < column_damping_on_edge(block(1e9))
 
 
+@pytest.mark.long  # takes seconds
 def test_a_restitution_near_to_the_least_is_taken_with_a_warning() -> None:
     """Check that Housner's is the limit of a narrow and stiff rim."""
     with pytest.warns(InputWarning, match=r"no rim down to 0\.00024 m reaches it; the nearest is 0\.903"):

@@ -121,11 +121,12 @@ def test_intensities_have_the_measure_and_its_unit() -> None:
     measures = {"PGV 0.3 m/s": Measure("pgv"), "Sa(0.5 s, 5 %) 0.3 g": Measure("sa", 0.5)}
     for said, measure in measures.items():
         results = run_study(Study("swept", "sweep", (column(),), (PULSE,), grid, measure=measure))
-        _, second, _, share, *_ = draw(results).axes
+        figure = draw(results)
+        _, second, _, share, *_ = figure.axes
         assert second.get_title(loc="left") == said
         assert share.get_ylabel() == f"{measure.label} ({measure.unit})"
-        assert "Curves" not in draw(results).get_supxlabel()
-    assert "Grid: intensity (3 values), motion.frequency (2 values)." in draw(results).get_supxlabel()
+        assert "Curves" not in figure.get_supxlabel()
+    assert "Grid: intensity (3 values), motion.frequency (2 values)." in figure.get_supxlabel()
 
 
 def test_pooled_motions_of_a_sweep_are_counted() -> None:

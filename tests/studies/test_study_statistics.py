@@ -84,11 +84,11 @@ def test_fallen_columns_are_censored(known: Results) -> None:
     """Fit the displacements of those that stand, at a limit that few of them reach; simple regression would be
     wrong.
     """
-    found = fit_fragility(known, limit=0.8, method="demand", resampled=20)
+    found = fit_fragility(known, limit=0.8, method="demand", resampled=10)
     wanted = 0.5 * 0.8 ** (1.0 / 1.25)
     assert found.median == pytest.approx(wanted, rel=0.02)
     assert found.deviation == pytest.approx(0.4, rel=0.05)
-    by_failures = fit_fragility(known, limit=0.8, resampled=20)
+    by_failures = fit_fragility(known, limit=0.8, resampled=10)
     assert by_failures.median == pytest.approx(found.median, rel=0.02)
     # the bootstrap knows that demands tell more than mere failures
     assert np.ptp(found.median_bounds) < np.ptp(by_failures.median_bounds)
