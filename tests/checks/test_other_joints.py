@@ -22,6 +22,7 @@ def shaken() -> Motion:
     return wavelets.one_sine(0.42 * G, 1.1)
 
 
+@pytest.mark.long  # takes seconds
 def test_runs_with_other_joints_are_those_of_checks_of_their_own() -> None:
     """Compare outcome and falls at each modulus and damping with checks of columns that have them."""
     found = check(BLOCK, [shaken()], plan=PLAN)

@@ -18,6 +18,12 @@ from solver.models.structure.rest import rest_of
 from solver.statics.calibrate import with_joints, with_rim
 from solver.statics.rocking import column_damping_on_edge
 
+# one of stone and one of none; the others differ by their numbers
+EVERY_DAY = ("marble", "concrete")
+EACH_MATERIAL = pytest.mark.parametrize(
+    "material", [pytest.param(name, marks=() if name in EVERY_DAY else pytest.mark.long) for name in MATERIALS]
+)
+
 
 def ask(monkeypatch: pytest.MonkeyPatch, path: Path, *answers: str) -> int:
     monkeypatch.setattr(sys, "stdin", io.StringIO("".join(f"{answer}\n" for answer in answers)))
@@ -44,8 +50,8 @@ def test_drums(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert "makeitfrom.com" in path.read_text(encoding="utf-8")
 
 
+@EACH_MATERIAL
 @pytest.mark.parametrize("shape", ["drums", "statue", "tapered"])
-@pytest.mark.parametrize("material", MATERIALS)
 def test_empty_answers_make_a_column(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shape: str, material: str
 ) -> None:
@@ -99,8 +105,8 @@ def test_an_arch_has_its_span_and_rise(
         assert ask(monkeypatch, path, "arch", "", "7", "8", "5") == 0
 
 
+@EACH_MATERIAL
 @pytest.mark.parametrize("shape", BUILT)
-@pytest.mark.parametrize("material", MATERIALS)
 def test_empty_answers_make_a_structure_that_stands(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shape: str, material: str
 ) -> None:

@@ -117,7 +117,9 @@ def test_a_record_moves_the_base_from_its_first_sample_that_is_not_zero(
         assert any("acceleration was zero" in line for line in said(done.stdout)) != moves
 
 
-@pytest.mark.parametrize("options", [(), LINUX], ids=["python", "native"])
+@pytest.mark.parametrize(
+    "options", [pytest.param((), id="python"), pytest.param(LINUX, id="native", marks=pytest.mark.long)]
+)
 def test_a_record_that_has_ended_before_the_run_does_not_move_the_base(
     options: tuple[str, ...], tmp_path: Path
 ) -> None:

@@ -155,6 +155,7 @@ def test_central_differences_run_backwards_retrace_their_path() -> None:
 # --- an independent integrator on independent equations
 
 
+@pytest.mark.long  # takes seconds
 def test_auto_agrees_with_dop853_on_lagranges_equations() -> None:
     upper = Block(2.0, 1.0, 1.0, 4000.0, Joint(2e8, 1e-3))
     lower = Block(1.5, 1.2, 1.0, 5000.0, Joint(3e8, 1e-3))

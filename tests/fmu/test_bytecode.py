@@ -7,6 +7,7 @@ import sys
 import zipfile
 from pathlib import Path
 
+import pytest
 from support.fmus import Fmus, finish_in
 
 from fmu_src.bytecode import bytecode_of
@@ -22,6 +23,7 @@ def test_it_is_the_same_at_each_build() -> None:
     assert len(kept) == 2
 
 
+@pytest.mark.long  # takes seconds
 def test_another_python_compiles_the_sources(fmus: Fmus, tmp_path: Path) -> None:
     results = []
     for magic in (None, b"\x01\x02\r\n"):  # the bytecode as it is, or as that of another Python

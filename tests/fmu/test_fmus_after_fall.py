@@ -14,6 +14,8 @@ from support.inside import structures as inside
 from solver import Motion, simulate
 from solver.models.structure.model import Structure
 
+pytestmark = pytest.mark.long  # builds an FMU of its own; test_fmus_that_hit.py has one that is tried every time
+
 SHOWCASE = (ROOT / "examples" / "structures" / "showcase.toml").read_text(encoding="utf-8")
 GOES_ON = SHOWCASE.replace("[neighbours]", "[neighbours]\nafter_fall = 1.5")
 H, DURATION = 0.02, 4.0  # s
@@ -46,13 +48,11 @@ def test_an_fmu_follows_a_run_after_the_fall(showcase: Path, tmp_path: Path) -> 
     assert -1.5 < moved[-1] < -1.4
 
 
-@pytest.mark.long  # takes seconds
 def test_states_amid_a_fall(showcase: Path) -> None:
     found = call(inside.life_of_a_fall, showcase)
     assert all(found.values()), found
 
 
-@pytest.mark.long  # builds a native FMU
 def test_the_native_fmu_has_the_same_bits_after_the_fall(showcase: Path, tmp_path: Path) -> None:
     native = native_of(GOES_ON, tmp_path)
     assert np.array_equal(outputs(showcase, SAMPLES, H, tmp_path), outputs(native, SAMPLES, H, tmp_path))

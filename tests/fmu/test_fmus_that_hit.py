@@ -56,6 +56,7 @@ def test_an_fmu_follows_a_run_through_hits_and_cracks(casks: Path, tmp_path: Pat
     assert np.max(apart[largest > 0.0] / largest[largest > 0.0]) < 1e-5  # measured 7.1e-7
 
 
+@pytest.mark.long  # takes seconds
 def test_states_amid_contacts_and_cracks(casks: Path) -> None:
     found = call(inside.life, casks)
     assert all(found.values()), found

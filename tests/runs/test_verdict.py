@@ -84,7 +84,8 @@ def test_barrier_of_a_stiff_block_is_the_rise_of_its_centroid_to_above_its_edge(
         assert 1.0 - below < energy <= 1.0
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 6))])
+# the marked ones have a block more, and take seconds
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.long) for seed in (0, 2, 3, 4, 5))])
 def test_no_column_is_found_with_less_energy_than_the_least(seed: int) -> None:
     rng = np.random.default_rng(seed)
     column = random_column(rng, int(rng.integers(2, 5)), softest=1e8)

@@ -74,7 +74,8 @@ def test_no_scan(tmp_path: Path) -> None:
 
 
 @NEEDS
-@pytest.mark.parametrize(("rim", "middle"), [(None, 0.6), (0.1, 0.45)])  # g: on a rim smaller feet are tried
+# middle, g: on a rim smaller feet are tried
+@pytest.mark.parametrize(("rim", "middle"), [pytest.param(None, 0.6, marks=pytest.mark.long), (0.1, 0.45)])
 def test_a_larger_foot_falls_later(tmp_path: Path, rim: float | None, middle: float) -> None:
     """Push it along x, the narrow way, by pulses of 2 Hz that grow; West's limit is b / h g times a factor."""
     write_box(tmp_path / "box.obj", True, 1.0)
