@@ -29,7 +29,7 @@ from solver.kernels.numba_ext.views import row_of
 from solver.models.column.packing import InitialState
 from solver.models.column.stepper import Stepper
 
-examples = settings(deadline=None, max_examples=60, derandomize=True)
+examples = settings(deadline=None, max_examples=30, derandomize=True)
 seeds = st.integers(0, 2**32 - 1)
 sizes = st.integers(1, 5)
 amplitudes = st.sampled_from([1e-4, 1e-2, 0.5])  # rad, of a joint

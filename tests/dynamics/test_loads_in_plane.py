@@ -20,7 +20,7 @@ from solver.kernels.layout import spaces as at
 from solver.models.column.stepper import Stepper
 from solver.models.ports import Port
 
-examples = settings(deadline=None, max_examples=60, derandomize=True)
+examples = settings(deadline=None, max_examples=30, derandomize=True)
 seeds = st.integers(0, 2**32 - 1)
 
 

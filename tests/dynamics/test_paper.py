@@ -12,7 +12,7 @@ from support.probe import G, field, look, phocas, random_column, random_state, r
 from solver import Column, InitialState, Motion, simulate
 from solver.models.column.stepper import Stepper
 
-examples = settings(deadline=None, max_examples=100, derandomize=True)
+examples = settings(deadline=None, max_examples=50, derandomize=True)
 seeds = st.integers(0, 2**32 - 1)
 sizes = st.integers(1, 5)
 

@@ -17,7 +17,7 @@ from solver import Column
 from solver.kernels.layout import spaces as at
 from solver.models.column.stepper import Stepper
 
-examples = settings(deadline=None, max_examples=100, derandomize=True)
+examples = settings(deadline=None, max_examples=50, derandomize=True)
 seeds = st.integers(0, 2**32 - 1)
 
 

@@ -35,7 +35,7 @@ def displacement(process: subprocess.Popen[str]) -> float:
     return float(returned(out))
 
 
-@pytest.mark.parametrize("hindrance", ["", "read-only"])
+@pytest.mark.parametrize("hindrance", ["", pytest.param("read-only", marks=pytest.mark.long)])
 def test_a_fresh_account_compiles_nothing_and_keeps_nothing(fmus: Fmus, tmp_path: Path, hindrance: str) -> None:
     home = tmp_path / "home"
     home.mkdir()

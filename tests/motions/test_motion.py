@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.record_files import AT2
 
@@ -16,6 +16,7 @@ from solver.common.errors import InputError
 from solver.ground.motion import STANDARD_GRAVITY, Motion
 
 accelerations = st.lists(st.floats(-100.0, 100.0), min_size=2, max_size=20)
+examples = settings(max_examples=50)
 steps = st.sampled_from([1e-3, 0.005, 0.01, 0.02, 0.1])
 
 
@@ -93,6 +94,7 @@ def test_acceleration_has_the_shape_of_t() -> None:
     assert motion.acceleration(np.zeros((2, 3)))[1].shape == (2, 3)
 
 
+@examples
 @given(steps, accelerations, st.booleans(), st.floats(-10.0, 10.0))
 def test_scaled(dt: float, ax: list[float], hold: bool, factor: float) -> None:
     motion = Motion.from_samples(dt, ax, ax[::-1], hold)
@@ -102,6 +104,7 @@ def test_scaled(dt: float, ax: list[float], hold: bool, factor: float) -> None:
     assert scaled.pga == abs(factor) * motion.pga
 
 
+@examples
 @given(steps, accelerations, st.booleans())
 def test_mirrored_twice_is_the_same(dt: float, ax: list[float], hold: bool) -> None:
     motion = Motion.from_samples(dt, ax, ax[::-1], hold)
@@ -138,6 +141,7 @@ def test_samples_are_copied_and_read_only() -> None:
 # CSV
 
 
+@examples
 @given(steps, accelerations, st.booleans())
 def test_csv_round_trip(tmp_path_factory: pytest.TempPathFactory, dt: float, ax: list[float], hold: bool) -> None:
     path = tmp_path_factory.getbasetemp() / "round-trip.csv"
@@ -146,6 +150,7 @@ def test_csv_round_trip(tmp_path_factory: pytest.TempPathFactory, dt: float, ax:
     assert_same(Motion.from_csv(path, hold), motion)
 
 
+@examples
 @given(steps, accelerations, st.booleans())
 def test_csv_with_slopes_round_trip(
     tmp_path_factory: pytest.TempPathFactory, dt: float, ax: list[float], hold: bool
