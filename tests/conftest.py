@@ -3,6 +3,7 @@
 import os
 import signal
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -49,10 +50,14 @@ def records() -> Path:
 @pytest.fixture(scope="session")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> Fmus:
     """Return the FMUs of the two example columns."""
-    return Fmus(
-        phocas=built_once(tmp_path_factory, "phocas.fmu", lambda path: Fmus.build(PHOCAS, path)),
-        damped=built_once(tmp_path_factory, "damped.fmu", lambda path: Fmus.build(DAMPED, path)),
-    )
+    tmp_path_factory.getbasetemp()  # made before two threads ask for it
+
+    def built(file: Path) -> Path:
+        return built_once(tmp_path_factory, f"{file.stem}.fmu", lambda path: Fmus.build(file, path))
+
+    with ThreadPoolExecutor(2) as pool:  # at once: the other workers wait for both
+        phocas, damped = pool.map(built, (PHOCAS, DAMPED))
+    return Fmus(phocas=phocas, damped=damped)
 
 
 @pytest.fixture(scope="session")

@@ -93,6 +93,7 @@ def test_rates_of_a_port_are_those_of_its_place_and_its_peaks_those_of_its_histo
             assert found.peaks[name][0] == pytest.approx(np.max(np.abs(values)), rel=5e-3)
 
 
+@pytest.mark.long  # takes seconds
 def test_the_same_column_in_space_under_the_same_loads() -> None:
     """Compare in the limit of joints that are rigid along themselves: what is left is a series in the inverse of their
     stiffness there.

@@ -61,7 +61,7 @@ def test_workers_end_with_the_process_that_started_them(folder: Path, how: signa
     Ctrl-C, which a terminal sends to all of them, does not wait for the runs under way either.
     """
     (folder / "study.toml").write_text(TEXT.format(samples=200_000), encoding="utf-8")
-    process = start(folder, "run", "study.toml", "--processes", 2, "--chunk", 0.05)
+    process = start(folder, "run", "study.toml", "--processes", 2)
     while finished(folder) < 20:
         assert process.poll() is None, process.communicate()
         time.sleep(0.05)

@@ -106,6 +106,7 @@ def test_wrong_files_are_named(made: Path, capsys: pytest.CaptureFixture[str]) -
     assert "samples are 0.01 s apart, must be 0.00125" in capsys.readouterr().err
 
 
+@pytest.mark.long  # takes seconds
 def test_the_case_finds_a_rock_that_was_made_of_its_own_model(
     made: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

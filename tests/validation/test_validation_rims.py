@@ -61,6 +61,7 @@ def test_a_rim_wider_than_half_of_the_face_is_refused(share: str, capsys: pytest
     assert "must be a part of the width, 0.001 to 0.5" in capsys.readouterr().err
 
 
+@pytest.mark.long  # takes seconds; tests/commands/test_new.py has other blocks of granite
 def test_granite_is_nearer_to_what_was_measured_on_a_rim_than_on_its_whole_face() -> None:
     for name in ("granite 0.25 m", "granite 0.17 m", "granite 0.12 m"):
         measured = free_rocking.MEASURED[name][3]
