@@ -52,11 +52,11 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> Fmus:
     """Return the FMUs of the two example columns."""
     tmp_path_factory.getbasetemp()  # made before two threads ask for it
 
-    def built(file: Path) -> Path:
-        return built_once(tmp_path_factory, f"{file.stem}.fmu", lambda path: Fmus.build(file, path))
+    def built(name: str, file: Path) -> Path:
+        return built_once(tmp_path_factory, name, lambda path: Fmus.build(file, path))
 
     with ThreadPoolExecutor(2) as pool:  # at once: the other workers wait for both
-        phocas, damped = pool.map(built, (PHOCAS, DAMPED))
+        phocas, damped = pool.map(built, ("phocas.fmu", "damped.fmu"), (PHOCAS, DAMPED))
     return Fmus(phocas=phocas, damped=damped)
 
 

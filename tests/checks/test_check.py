@@ -90,6 +90,7 @@ def test_margin_has_falls_beyond_it_and_none_within(found: Check) -> None:
     assert row(found, "overturning, margin").ratio == 1.0 / margin.stands
 
 
+# each marked one takes a second or more
 @pytest.mark.parametrize("pga", [0.01, *(pytest.param(pga, marks=pytest.mark.long) for pga in (0.15, 0.6)), 30.0])
 def test_sets_of_runs_are_numbered_up_to_a_bound(pga: float) -> None:
     phases: list[str] = []

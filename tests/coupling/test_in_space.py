@@ -63,6 +63,7 @@ def test_the_coupling_is_one_system(name: str, monkeypatch: pytest.MonkeyPatch) 
     assert np.all(parabola[2] < np.array([4e-6, 5e-5]))
 
 
+# each marked one takes a second or more
 @pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(2, 5))])
 def test_what_slides_is_exact_along_a_straight_path(seed: int) -> None:
     """Compare with z' = p, less what leads out of the circle where it has come to it; whatever the length of

@@ -35,6 +35,7 @@ def displacement(process: subprocess.Popen[str]) -> float:
     return float(returned(out))
 
 
+# each marked one takes a second or more
 @pytest.mark.parametrize("hindrance", ["", pytest.param("read-only", marks=pytest.mark.long)])
 def test_a_fresh_account_compiles_nothing_and_keeps_nothing(fmus: Fmus, tmp_path: Path, hindrance: str) -> None:
     home = tmp_path / "home"

@@ -114,6 +114,7 @@ def largest_rise(seed: int, rim: bool = False) -> tuple[float, float]:
 
 # measured 6e-7 at most in 520 scenes: the error of the steps. A dashpot also feels half of the tilt times the rate of
 # the slip, which made 4e-5 in one of 700 other scenes
+# each marked one takes a second or more
 @pytest.mark.parametrize("first", [0, *(pytest.param(first, marks=pytest.mark.long) for first in (20, 40))])
 def test_energy_never_grows(first: int) -> None:
     found = [largest_rise(seed) for seed in range(first, first + 20)]
@@ -121,6 +122,7 @@ def test_energy_never_grows(first: int) -> None:
     assert max(slip for _, slip in found) > 0.1  # m
 
 
+# each marked one takes a second or more
 @pytest.mark.parametrize("first", [0, pytest.param(20, marks=pytest.mark.long)])
 def test_energy_never_grows_on_rims(first: int) -> None:
     found = [largest_rise(seed, rim=True) for seed in range(first, first + 20)]

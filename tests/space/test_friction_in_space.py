@@ -48,6 +48,7 @@ def test_a_slab_on_a_base_that_circles_slides_as_newmarks_does() -> None:
     assert np.max(apart) <= 1e-3 * np.max(np.hypot(rigid[0], rigid[1]))
 
 
+# each marked one takes a second or more
 @pytest.mark.parametrize("shear_damping", [1e-3, pytest.param(1e-4, marks=pytest.mark.long)])
 def test_the_tolerance_is_kept_where_joints_slide(shear_damping: float) -> None:
     structure = with_law(Structure.from_toml(TRILITH), friction=0.25, shear_damping=shear_damping)

@@ -51,7 +51,7 @@ def rigid_energy(turn: float) -> float:
     return math.cos(ALPHA - turn) - math.cos(ALPHA)
 
 
-LONG = pytest.mark.long
+LONG = pytest.mark.long  # takes seconds
 
 
 @pytest.mark.parametrize("wanted", [pytest.param(0.99, marks=LONG), None, pytest.param(0.96, marks=LONG)])

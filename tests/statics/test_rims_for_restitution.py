@@ -103,6 +103,7 @@ def test_area_of_the_band_along_an_edge(section: dict[str, Any], below: dict[str
 # --- restitution
 
 
+# each marked one takes a second or more
 @pytest.mark.parametrize("stiffness", [*(pytest.param(k, marks=pytest.mark.long) for k in (1e9, 1e11)), 1e13])
 def test_critically_damped_faces_lie_between_the_third_and_the_edge(stiffness: float) -> None:
     """Check that the wider the rim, the nearer to the middle an impact acts; a flat face loses less than an impulse at

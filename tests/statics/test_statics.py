@@ -306,7 +306,7 @@ def test_commands_say_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixtur
 
 @pytest.mark.parametrize(
     ("shift", "strength", "dowel"),
-    [pytest.param(0.0, 1e5, 0.0, marks=pytest.mark.long), (0.6, 0.0, 0.0), (0.6, 5e3, 2e4)],
+    [pytest.param(0.0, 1e5, 0.0, marks=pytest.mark.long), (0.6, 0.0, 0.0), (0.6, 5e3, 2e4)],  # takes seconds
 )
 def test_the_friction_used_counts_the_cohesion_of_what_is_bonded(shift: float, strength: float, dowel: float) -> None:
     """Check a block on a slope of 1 in 2, bonded; one that is sheared by `shift` (m) has cracked under its weight.
