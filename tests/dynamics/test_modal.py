@@ -368,7 +368,7 @@ def test_undamped_elastic_motion_keeps_its_energy(part: float) -> None:
         return float(truth.energy(coordinates(stepper)[:6], coordinates(stepper)[6:]) - truth.energy(rest, np.zeros(6)))
 
     begin = energy()
-    for k in range(10):  # a single call may not take as many evaluations
+    for k in range(30):  # a single call may not take as many evaluations
         stepper.advance(k * 1e3 * period, 1e3 * period)
     assert stepper.counts.elastic_steps == stepper.counts.steps
     assert energy() == pytest.approx(begin, rel=2e-8)  # measured 3e-9, the digits of the sum
