@@ -105,7 +105,7 @@ class Room(NamedTuple):
 def crack_front(array, corners, i):
     """Return True if a crack grows in the rest of a bond, which has no corners once it has broken."""
     tip = Plane(array[i] - 2.0, 1.0, 0.0)
-    return 1.0 if _grows(Room(row_of(array)), corners, tip, tip) else 0.0
+    return 1.0 if _grows(Room(row_of(array)), corners, tip, tip, 0.0) else 0.0
 
 
 FUNCTIONS = {
