@@ -9,12 +9,9 @@ import numpy as np
 
 from ..common.errors import InputError
 from ..ground.motion import STANDARD_GRAVITY, Motion
-from ..models.outputs import places_of
 from ..models.protocol import NoRestError
 from ..models.structure.model import Structure
-from ..models.structure.modes import frequencies_apart
-from ..models.structure.neighbours import NEAR
-from ..models.structure.outputs import OUTPUTS
+from ..models.structure.modes import frequencies_apart, touching
 from ..models.structure.response import SpatialResponse
 from ..models.structure.rest import rest_of
 from .outcome import cracks, ensemble_lines, error_lines, verdict_line
@@ -47,8 +44,7 @@ def report(structure: Structure, motion: Motion) -> str:
 def _touch_at_rest(structure: Structure) -> bool:
     """Return True if neighbours touch at rest, False also where there is no stable rest."""
     with suppress(InputError):
-        gaps = rest_of(structure).row[places_of(OUTPUTS, structure.sizes)["gap"]]
-        return bool(np.any(gaps <= NEAR))
+        return bool(np.any(touching(structure, rest_of(structure))))
     return False
 
 

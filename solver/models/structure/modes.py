@@ -134,11 +134,16 @@ def frequencies_apart(structure: Structure) -> FloatArray:
         raise NoRestError(f"{error}{' without its neighbours' if structure.neighbours else ''}") from None
 
 
+def touching(structure: Structure, rest: SpatialRest) -> NDArray[np.bool_]:
+    """Return the mask of pairs of neighbours that touch at rest."""
+    return np.asarray(rest.row[places_of(OUTPUTS, structure.sizes)["gap"]] <= NEAR)
+
+
 def _check_gaps(structure: Structure, rest: SpatialRest) -> None:
     """Raise InputError for neighbours that touch at rest: their contact resists in one direction only."""
-    gaps = rest.row[places_of(OUTPUTS, structure.sizes)["gap"]]
-    for name, pair, gap in zip(structure.contact_names, structure.neighbours, gaps.tolist(), strict=True):
-        if gap <= NEAR:
+    touch = touching(structure, rest).tolist()
+    for name, pair, touches in zip(structure.contact_names, structure.neighbours, touch, strict=True):
+        if touches:
             one, other = structure.names[pair.one], name.removeprefix(f"{structure.names[pair.one]}-")
             raise InputError(
                 f"{structure.name}: {one} and {other} touch at rest, modes need a gap between them, or no [neighbours]"

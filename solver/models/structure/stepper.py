@@ -79,7 +79,7 @@ class SpatialStepper:
 
     @property
     def bonds(self) -> Any:
-        """What is known of each bond (layout.SOUND); `held` are those that do not break."""
+        """The table of what is known of each bond (layout.SOUND); those that are `held` do not break."""
         return at.WORK.see(self.arrays.work, self.sizes).sound
 
     def stiffness(self, delta: FloatArray) -> FloatArray:
