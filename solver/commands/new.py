@@ -43,8 +43,8 @@ T = TypeVar("T")
 DAMPING = 1e-3  # s, until blocks and joints are known
 SURVEYS = (("height", "width", "depth"), ("height", "diameter"))
 
-
-_OF_MESH = {"material": "marble", "unit": 1.0, "repair": False, "feet": 1, "parts": None, "up": None}  # usual values
+# options of a mesh, and their usual values
+_OF_MESH: dict[str, Any] = {"material": "marble", "unit": 1.0, "repair": False, "feet": 1, "parts": None, "up": None}
 DAMPINGS: Limits = ((0.0, 1.0), "a time in s, from 0 to 1")
 # the least of EN 1996-1-1 (docs/mortar.md); old lime mortar has less
 STRESSES: Limits = ((0.001, 10.0), "a stress in MPa, from 0.001 to 10")
@@ -142,13 +142,17 @@ def add_new_command(commands: argparse._SubParsersAction[Any]) -> None:
     parser.add_argument("column", type=Path, nargs="?", metavar="COLUMN.toml", help="the file to write")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE.toml", help="the same, beside --mesh")
     parser.add_argument("--mesh", type=Path, metavar="FILE", help="a closed mesh (OBJ, STL, glTF) as a block in space")
-    parser.add_argument("--material", default="marble", help=f"of the mesh: {', '.join(MATERIALS)}")
+    parser.add_argument("--material", default=_OF_MESH["material"], help=f"of the mesh: {', '.join(MATERIALS)}")
     parser.add_argument(
-        "--unit", type=float, default=1.0, help="m per unit of the mesh, 1e-3 if it is in mm (default: 1)"
+        "--unit", type=float, default=_OF_MESH["unit"], help="m per unit of the mesh, 1e-3 if it is in mm (default: 1)"
     )
     parser.add_argument("--repair", action="store_true", help="flip triangles of the mesh that face inwards")
     parser.add_argument(
-        "--feet", type=int, default=1, metavar="N", help="number of separate feet of the mesh (default: 1)"
+        "--feet",
+        type=int,
+        default=_OF_MESH["feet"],
+        metavar="N",
+        help="number of separate feet of the mesh (default: 1)",
     )
     words = "largest number of convex parts of the mesh (default: its hull)"
     parser.add_argument("--parts", type=int, metavar="N", help=words)

@@ -28,6 +28,7 @@ from .rest import (
     closed,
     deltas_of,
     full_stiffness,
+    largest_of,
     move,
     residual_of,
     rest_in_steps,
@@ -135,7 +136,7 @@ class EquilibriumPath:
             for port, part in zip(structure.ports, parts, strict=True):
                 self.load[6 * port.body :][:6] += [*part[:3], *(part[3:] + np.cross(port.at, part[:3]))]
             # a factor that pushes as much as that acceleration
-            first *= self.weight / structure.g / float(np.max(np.abs(self.load * self.per)))
+            first *= self.weight / structure.g / largest_of(self.load, self.per)
         self.largest = min(largest, LARGEST / FIRST * first)
         # units of displacements and of the push; initial direction
         linear = np.linalg.solve(rest.stiffness, first * self.load)
@@ -295,7 +296,7 @@ class EquilibriumPath:
 
     def _size(self, residual: FloatArray) -> float:
         """Return the largest component of a residual, as a force over the weight."""
-        return float(np.max(np.abs(residual * self.per))) / self.weight
+        return largest_of(residual, self.per) / self.weight
 
     def _next(self, last: Place, step: float) -> Place | None:
         """Return the point one step further along the path; None if Newton's method does not converge."""

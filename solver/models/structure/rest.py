@@ -314,6 +314,11 @@ def residual_of(stepper: SpatialStepper, base: Sequence[float] | FloatArray = ST
     return np.concatenate([forces, own + 2.0 * (see.q0 * across + _cross(q, across))]).T.ravel(), energy
 
 
+def largest_of(residual: FloatArray, per: FloatArray) -> float:
+    """Return the largest component of a residual as a force, N; `per` converts moments."""
+    return float(np.max(np.abs(residual * per)))
+
+
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
     """Return the cross products of columns, (3, n); for a few blocks numpy's own takes longer than all the rest."""
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
@@ -347,7 +352,7 @@ def settle(
             return False
         stepper.observe(base[0], base[1], base[2], keep=at.KEEP)
         if changes:
-            left = float(np.max(np.abs(residual_of(stepper, base)[0] * delta / delta[0])))
+            left = largest_of(residual_of(stepper, base)[0], delta / delta[0])
             if left <= close:
                 break
     return left <= ROUGH * structure.weight
@@ -382,7 +387,7 @@ def balance(
     """
     per = delta / delta[0]  # converts moments to forces by the size of the block
     left, energy = residual_of(stepper, base)
-    size = float(np.max(np.abs(left * per)))
+    size = largest_of(left, per)
     softening, graces = 0.0, GRACES
     # the energy does not include the work of loads
     pushed = np.any(base) or any(np.any(getattr(stepper.pushes, name)) for name in at.LOAD)
@@ -396,7 +401,7 @@ def balance(
             change: FloatArray = np.linalg.solve(tangent + softening * linear, left).astype(np.float64)
             move(stepper, change)
             now, lower = residual_of(stepper, base)
-            new = float(np.max(np.abs(now * per)))
+            new = largest_of(now, per)
         # accept a residual of rounding errors, a smaller one, some hardly larger ones, or a lower energy; else stiffen
         if new >= size and size <= _rounding(before, linear, per):
             stepper.phase[:] = before
