@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from ..common.errors import POSITIVE, InputError, check_number
 from ..common.tables import vector_of
-from ..ground.intensity import Component, components, peak, spectrum
+from ..ground.intensity import Component, components, spectrum
 from ..ground.motion import Motion
 from .spectra import DAMPING, FloatArray, Spectral, TargetSpectrum
 
@@ -50,7 +50,7 @@ def horizontal_psa(motion: Motion, periods: FloatArray, damping: float = DAMPING
 
 def horizontal_pga(motion: Motion) -> float:
     """Return the largest horizontal acceleration (m/s2); of two components the geometric mean."""
-    found = [peak(motion, component) for component in horizontal_of(motion)]
+    found = [motion.peak(component) for component in horizontal_of(motion)]
     return math.sqrt(found[0] * found[1]) if len(found) > 1 else found[0]
 
 

@@ -12,7 +12,7 @@ from ..checks.check import Check
 from ..checks.friction import OF_PAIRS, OF_VALUES, Envelope
 from ..checks.table import Row
 from ..checks.variants import differences
-from ..ground.intensity import peak, pgv
+from ..ground.intensity import pgv
 from ..ground.motion import STANDARD_GRAVITY
 
 HEADINGS = ("check", "where", "demand", "capacity", "ratio", "")
@@ -34,7 +34,7 @@ def action_lines(action: Action) -> list[str]:
         vertical = float(np.max(np.abs(scaled.motion.az)))
         upright = f"{scaled.vertical_factor:8.3g}" if vertical else " " * 8
         pga, rise = scaled.motion.pga / STANDARD_GRAVITY, vertical / STANDARD_GRAVITY
-        other = f"  {peak(scaled.motion, 'ay') / STANDARD_GRAVITY:10.3g}" if across else ""
+        other = f"  {scaled.motion.peak('ay') / STANDARD_GRAVITY:10.3g}" if across else ""
         lines.append(
             f"{scaled.name:{width}s}  {scaled.factor:6.3g}  {upright}  {pga:7.3g}{other}  {rise:12.3g}  "
             f"{pgv(scaled.motion):9.3g}"

@@ -17,6 +17,7 @@ from .. import __version__
 from ..common.digits import percent
 from ..common.errors import InputError, InputWarning, SolverError, reading
 from ..common.files import check_outputs, printable, with_point
+from ..ground.motion import peaks_in_g
 from ..kernels.machine.messages import MachineCodeError, announcing
 from ..models.column.response import Response
 from ..models.column.settings import FORMULATIONS, INTEGRATORS
@@ -46,7 +47,6 @@ from .motion_options import (
     check_file_options,
     file_line,
     motion_of,
-    peaks_in_g,
     read_with_options,
 )
 from .new import add_new_command

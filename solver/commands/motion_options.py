@@ -8,8 +8,7 @@ from pathlib import Path
 from ..common.errors import POSITIVE, InputError, check_number, reading
 from ..common.files import printable
 from ..ground.building import Building, floor_motion
-from ..ground.intensity import peak
-from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..ground.motion import STANDARD_GRAVITY, Motion, peaks_in_g
 from ..ground.records import NAMES, Record, format_of, read_record
 from ..ground.records.columns import PLAIN
 from ..ground.records.units import KNOWN
@@ -97,13 +96,6 @@ def motion_of(options: argparse.Namespace) -> tuple[Motion, list[str]]:
         *lines,
         printable(f"{on[0].words(on[1])}; PGA of the ground {peaks_in_g(motion)}"),
     ]
-
-
-def peaks_in_g(motion: Motion) -> str:
-    """Return the largest acceleration, of several components those along each axis."""
-    peaks = {"x": motion.pga, "y": peak(motion, "ay"), "z": peak(motion, "az")}
-    there = [(name, f"{value / STANDARD_GRAVITY:.4g} g") for name, value in peaks.items() if value or name == "x"]
-    return there[0][1] if len(there) == 1 else ", ".join(f"{value} along {name}" for name, value in there)
 
 
 def in_g(key: str, value: float | None) -> float | None:

@@ -9,7 +9,7 @@ import numpy as np
 from ..common.digits import percent
 from ..common.errors import SolverError
 from ..ground.intensity import DAMPING, NAMES, Component, components, intensity, spectrum
-from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..ground.motion import STANDARD_GRAVITY, Motion, peaks_in_g
 from ..models.column.model import Column
 from ..models.column.modes import Modes, natural_frequencies
 from ..models.column.packing import FloatArray, settlements
@@ -38,14 +38,12 @@ def column_report(column: Column, motion: Motion) -> str:
     undamped = sum(block.joint.damping == 0.0 for block in column.blocks)
     if undamped:
         parts.append(f"{'no' if undamped == column.n else 'not all'} joints damped")
-    return f"{column.name}: {', '.join(parts)}\n{_motion(motion)}"
+    return f"{column.name}: {', '.join(parts)}\n{base_line(motion)}"
 
 
-def _motion(motion: Motion) -> str:
-    parts = [f"base: {motion.duration:.4g} s", f"PGA {motion.pga / STANDARD_GRAVITY:.4g} g"]
-    if np.any(motion.az):
-        parts.append(f"vertical {np.max(np.abs(motion.az)) / STANDARD_GRAVITY:.4g} g")
-    return ", ".join(parts)
+def base_line(motion: Motion) -> str:
+    """Return the line on the base motion before a run: duration and peak accelerations."""
+    return f"base: {motion.duration:.4g} s, PGA {peaks_in_g(motion)}"
 
 
 def _length(metres: float) -> str:

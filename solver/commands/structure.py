@@ -8,13 +8,14 @@ from contextlib import suppress
 import numpy as np
 
 from ..common.errors import InputError
-from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..ground.motion import Motion
 from ..models.protocol import NoRestError
 from ..models.structure.model import Structure
 from ..models.structure.modes import frequencies_apart, touching
 from ..models.structure.response import SpatialResponse
 from ..models.structure.rest import rest_of
 from .outcome import cracks, ensemble_lines, error_lines, verdict_line
+from .reports import base_line
 
 MOST_LINES = 20  # rows of a table
 MOST_BLOCKS = 60  # with more, natural frequencies take too long for a report
@@ -36,9 +37,7 @@ def report(structure: Structure, motion: Motion) -> str:
         with suppress(NoRestError):  # some stand against their neighbours only
             lowest = ", ".join(f"{value:.4g}" for value in frequencies_apart(structure)[:3])
             parts.append(f"first natural frequencies{', as if no neighbours touched:' if touch else ''} {lowest} Hz")
-    peaks = {"x": motion.pga, "y": float(np.max(np.abs(motion.ay))), "z": float(np.max(np.abs(motion.az)))}
-    shaken = ", ".join(f"{name} {peak / STANDARD_GRAVITY:.4g} g" for name, peak in peaks.items() if peak)
-    return f"{structure.name}: {', '.join(parts)}\nbase: {motion.duration:.4g} s, {shaken}"
+    return f"{structure.name}: {', '.join(parts)}\n{base_line(motion)}"
 
 
 def _touch_at_rest(structure: Structure) -> bool:

@@ -165,14 +165,6 @@ def pgv(motion: Motion) -> float:
     return _largest(lines, _velocity(lines))
 
 
-def peak(motion: Motion, component: Component = "ax") -> float:
-    """Return the peak ground acceleration of a component (m/s2)."""
-    if component == "ax":
-        return motion.pga
-    lines = lines_of(motion, component)
-    return float(max(np.max(np.abs(lines.before)), np.max(np.abs(lines.after))))
-
-
 def _velocity(lines: Lines) -> FloatArray:
     return _running(lines.steps * (lines.before + lines.after) / 2.0)
 
@@ -195,7 +187,7 @@ def intensity(motion: Motion, component: Component = "ax") -> Intensity:
     # significant duration
     start, end = (float(np.interp(part * arias, base.husid, base.time)) for part in (0.05, 0.95))
     return Intensity(
-        pga=peak(motion, component),
+        pga=motion.peak(component),
         pgv=_largest(lines, base.velocity),
         pgd=oscillator.peak(h, u, base.velocity[:-1], base.velocity[1:]),
         final_velocity=float(base.velocity[-1]),

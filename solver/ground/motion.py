@@ -97,9 +97,9 @@ class Motion(Framed, NotebookRepr):
             raise InputError(f"duration = {self.duration}: must be the {sampled} s from first to last sample")
 
     def _facts(self) -> tuple[str, ...]:
-        kind = f"harmonic of {self.frequency:g} Hz" if self.amplitude else counted(len(self.time), "sample")
-        beside = ["held"] * self.hold + ["across too"] * self.has_ay + ["vertical too"] * bool(np.any(self.az))
-        return "of the base", f"{self.duration:.4g} s", f"PGA {self.pga / STANDARD_GRAVITY:.4g} g", kind, *beside
+        harmonic = self.amplitude or self.amplitude_y
+        kind = f"harmonic of {self.frequency:g} Hz" if harmonic else counted(len(self.time), "sample")
+        return "of the base", f"{self.duration:.4g} s", f"PGA {peaks_in_g(self)}", kind, *["held"] * self.hold
 
     def _picture(self) -> str:
         time = np.linspace(self.start, self.end, DRAWN) if self.amplitude else self.time
@@ -128,17 +128,22 @@ class Motion(Framed, NotebookRepr):
 
     @property
     def pga(self) -> float:
-        """The largest |ax| over the samples and the crests of the harmonic (m/s2).
+        """The largest |ax| (m/s2); see `peak`."""
+        return self.peak("ax")
+
+    def peak(self, component: str) -> float:
+        """Return the largest magnitude of ax, ay or az over the samples and the crests of the harmonic (m/s2).
 
         Raises InputError if the harmonic has more than 1e6 cycles.
         """
-        if not self.amplitude:
-            return float(np.max(np.abs(self.ax)))
+        samples, amplitude = getattr(self, component), self.amplitude_of(component)
+        if not amplitude:
+            return float(np.max(np.abs(samples)))
         if self.frequency * self.duration > MOST_CYCLES:
             raise InputError(f"frequency: {self.frequency * self.duration:.4g} cycles, must be at most {MOST_CYCLES:g}")
         crests = self.start + np.arange(0.25, self.frequency * self.duration, 0.5) / self.frequency
         instants = np.concatenate([self.time, crests, [self.end]])
-        return float(np.max(np.abs(self.acceleration(instants)[0])))
+        return float(np.max(np.abs(self._at(instants, samples, amplitude))))
 
     def amplitude_of(self, component: str) -> float:
         """Return the amplitude of the harmonic part of ax, ay or az (m/s2)."""
@@ -524,6 +529,13 @@ def check_loads(motion: Motion, duration: float) -> bool:
             warn_of([f"loads[{port}]: {span}: it has no effect, its times should be those of the motion"])
             return True
     return False
+
+
+def peaks_in_g(motion: Motion) -> str:
+    """Return the largest acceleration of each component that is not zero, with its axis unless that is x alone."""
+    peaks = {name: motion.peak(f"a{name}") / STANDARD_GRAVITY for name in "xyz"}
+    there = {name: value for name, value in peaks.items() if value} or {"x": 0.0}
+    return ", ".join(f"{value:.4g} g" + f" along {name}" * (list(there) != ["x"]) for name, value in there.items())
 
 
 def check_in_plane(motion: Motion) -> None:

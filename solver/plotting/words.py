@@ -24,7 +24,7 @@ def setting_of(column: Any, motion: Motion | None) -> str:
         under += " with a vertical component"
     try:
         under += f", PGA {motion.pga / STANDARD_GRAVITY:.3g} g"
-        across = motion.turned(-0.5 * math.pi).pga / STANDARD_GRAVITY if motion.has_ay else 0.0
+        across = motion.peak("ay") / STANDARD_GRAVITY
         return f"{under} along x, {across:.3g} g along y" if across else under
     except InputError:  # a harmonic of more cycles than are searched for its peak
         return under

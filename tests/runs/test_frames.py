@@ -104,6 +104,18 @@ def test_lines_are_short(response: Response, table: Table) -> None:
     assert "5000 runs" in lines[5]
 
 
+def test_a_motion_shows_the_peak_of_each_component() -> None:
+    level, time = np.zeros(3), np.arange(3.0)
+    ay, az = np.array([0.0, -1.0, 0.5]), np.array([0.0, 2.0, 0.0])
+    assert "PGA 0.102 g along y, 0.2039 g along z, 3 samples, held" in repr(Motion(time, level, az, 3.0, True, ay=ay))
+    assert "PGA 0.2039 g along z, 3 samples" in repr(Motion(time, level, az, 2.0))
+    assert "PGA 0 g, 3 samples" in repr(Motion(time, level, level, 2.0))
+    across = Motion.harmonic(1.0, 2.0, 3.0, direction=0.5)
+    assert "PGA 0.08949 g along x, 0.04889 g along y, harmonic of 2 Hz" in repr(across)
+    long = Motion.harmonic(1.0, 50.0, 1000.0, direction=0.5)  # its peaks need no segments
+    assert long.peak("ay") == pytest.approx(np.sin(0.5))
+
+
 def test_html_is_well_formed_and_small(response: Response, table: Table) -> None:
     many = Column("many", PHOCAS.blocks * 100)
     for item in (PHOCAS, STATUE, many, PULSE, Motion.harmonic(1.0, 2.0, 3.0), response, table):

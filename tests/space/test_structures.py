@@ -456,7 +456,7 @@ def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     output = str(tmp_path / "out.csv")
     assert main(["simulate", trilith, str(tmp_path / "motion.csv"), "--settle", "0", "-o", output]) == 0
     printed = capsys.readouterr().out
-    assert "base: 0.4 s, x 0.153 g, y 0.07138 g" in printed
+    assert "base: 0.4 s, PGA 0.153 g along x, 0.07138 g along y\n" in printed
     assert "beam-left" in printed
     assert main(["simulate", trilith, str(tmp_path / "motion.csv"), "--formulation", "paper"]) == 2
     assert "--formulation: must be left out" in capsys.readouterr().err

@@ -15,7 +15,7 @@ from markupsafe import Markup
 
 from ...common.digits import three_digits
 from ...common.files import whole_file
-from ...ground.intensity import peak, pgv
+from ...ground.intensity import pgv
 from ...ground.motion import STANDARD_GRAVITY
 from ...plotting.scene.page import frame_of
 from ..by_hand import NOT_IN_SPACE
@@ -156,7 +156,7 @@ def _motions(check: Check) -> list[dict[str, str]]:
     found = []
     for scaled, response in zip(check.action.motions, check.responses, strict=True):
         vertical = float(np.max(np.abs(scaled.motion.az)))
-        across = f", {peak(scaled.motion, 'ay') / STANDARD_GRAVITY:.3g}" if scaled.motion.has_ay else ""
+        across = f", {scaled.motion.peak('ay') / STANDARD_GRAVITY:.3g}" if scaled.motion.has_ay else ""
         found.append(
             {
                 "name": scaled.name,
