@@ -247,6 +247,8 @@ def _simulate(options: argparse.Namespace) -> None:
     subject: Any = read_subject(options.column, options.space or options.after_fall is not None)
     if subject.kind.across:
         structure.prepare(options)
+    elif options.plane is not None:
+        raise InputError(f"--plane {options.plane}: must be left out, a column is solved in its plane")
     # motion, model and report
     motion, lines = motion_of(options)
     if options.plane == "auto":

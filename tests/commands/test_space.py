@@ -92,6 +92,11 @@ def test_what_has_no_such_form(
     assert message in capsys.readouterr().err
 
 
+def test_a_column_needs_no_plane(record: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["simulate", str(STORAGE), record, "--plane", "auto"]) == 2
+    assert "--plane auto: must be left out, a column is solved in its plane" in capsys.readouterr().err
+
+
 def test_a_stack_is_read_and_written() -> None:
     column = Column.from_toml(STORAGE)
     for made in (Structure.from_toml(STORAGE), Structure.from_dict(column.in_space().to_dict())):
