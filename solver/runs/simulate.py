@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any, overload
 
 from ..common.errors import (
@@ -222,14 +223,15 @@ def simulate(
     for name, value in given.items():
         if value is not None and name not in kind.settings:
             raise InputError(f"{name} = {shown(value)}: must be left out, a {kind.word} has none")
-    column = column.with_settings(**{name: value for name, value in given.items() if name in kind.settings})
-    if step is not None and column.settings.formulation == "exact":
-        raise InputError(f"step = {step}: {WITHOUT_STEP}")
-    kind.load_for_single_runs()
-    kind.check(column, from_rest=initial is None)
-    warn_of(kind.warnings(column, at_rest=initial is None))
-    # run, repetition with smaller errors, ensemble
-    response, places = kind.single_run(column, plan)
+    with _named_as_given(name for name, value in given.items() if value is not None):
+        column = column.with_settings(**{name: value for name, value in given.items() if name in kind.settings})
+        if step is not None and column.settings.formulation == "exact":
+            raise InputError(f"step = {step}: {WITHOUT_STEP}")
+        kind.load_for_single_runs()
+        kind.check(column, from_rest=initial is None)
+        warn_of(kind.warnings(column, at_rest=initial is None))
+        response, places = kind.single_run(column, plan)
+    # repetition with smaller errors, ensemble
     if check:
         try:
             closer: Any = kind.single_run(with_fine_settings(column), plan)
@@ -241,6 +243,17 @@ def simulate(
     for remark in response.remarks:
         warnings.warn(remark, InputWarning, stacklevel=2)
     return response
+
+
+@contextmanager
+def _named_as_given(names: Iterable[str]) -> Iterator[None]:
+    """Let errors name the settings that were given as arguments as such, not as keys of the file."""
+    try:
+        yield
+    except (InputError, SolverError) as error:
+        for name in names:
+            error.args = (str(error).replace(f"solver.{name}", name),)
+        raise
 
 
 def _ports_of(model: Any) -> list[str]:

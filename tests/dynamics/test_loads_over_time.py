@@ -211,7 +211,7 @@ def test_mistakes_of_files() -> None:
     ):
         with pytest.raises(InputError, match=line):
             Column.from_dict({**data, "port": [{**data["port"][0], key: value}]})
-    with pytest.raises(InputError, match=r'port: solver.formulation must be "exact"'):
+    with pytest.raises(InputError, match=r'port: formulation must be "exact"'):
         simulate(ported(phocas(1e-3)), STILL, formulation="paper")
     with pytest.raises(InputError, match=r"loads\[top\]: there are no ports, must be a table \[\[port\]\]"):
         simulate(phocas(1e-3), STILL, loads={"top": {"Fx": 1.0}})
