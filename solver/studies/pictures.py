@@ -220,7 +220,7 @@ def draw_ida(results: Results) -> Figure:
     fallen.set(title="how they ended", xlabel="share of the runs", xlim=(-0.02, 1.02))
     for panel in (axes, fallen):
         tidy(panel)
-    return _captioned(figure, results)
+    return _captioned(figure, results, _pooled(results, "The thick curves"))
 
 
 def _name_end(axes: Axes, moved: FloatArray, levels: FloatArray, name: str) -> None:
@@ -272,6 +272,7 @@ def draw_fragility(results: Results) -> Figure:
         label = f"{apart} ({unit_in_space(apart)})" if unit_in_space(apart) else apart
         _draw_shares(panels[1], results, "hit", (apart, label), ("intensity", unit))
         panels[1].legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    texts.append(_pooled(results, "The fitted curves" if apart is None else "The fitted curves, but those of hits,"))
     return _captioned(figure, results, "\n".join(texts))
 
 
@@ -477,6 +478,14 @@ def draw_tornado(results: Results) -> Figure:
         tidy(axes)
     text = "Of the runs with the lowest (blue) and the highest (red) 16 % of each parameter; the line: of all runs."
     return _captioned(figure, results, text)
+
+
+def _pooled(results: Results, curves: str) -> str:
+    """Return the sentence on what curves pool beside motions and samples; "" if nothing."""
+    names = ["the models"] * (len(results.study["columns"]) > 1)
+    grid = results.study["grid"].items()
+    names += [f"the values of {name}" for name, values in grid if name != "intensity" and len(values) > 1]
+    return f"{curves} pool {' and '.join(names)}." if names else ""
 
 
 def _label(results: Results, name: str) -> str:

@@ -116,6 +116,16 @@ def test_a_curve_of_each_motion_has_its_name() -> None:
     assert [text.get_text() for text in legend.get_texts()] == ["overturned", "undecided"]
 
 
+def test_the_caption_says_what_thick_curves_pool() -> None:
+    said = " pool the models and the values of joint.friction."
+    grid = {"intensity": (0.1, 0.5, 1.0), "joint.friction": (0.3, 0.6), "g": (9.81,)}
+    for kind, curves in (("ida", "The thick curves"), ("fragility", "The fitted curves")):
+        study = Study("few", kind, (column(), column()), (PULSE,), grid, measure=Measure("pga"))
+        assert curves + said in " ".join(draw(run_study(study)).get_supxlabel().split())
+    alone = ida(column(), PULSE, [0.1, 0.2], tolerance=1e-3)
+    assert "pool" not in draw(alone).get_supxlabel()
+
+
 def test_intensities_have_the_measure_and_its_unit() -> None:
     grid = {"intensity": (0.1, 0.3, 0.5), "motion.frequency": (0.5, 1.0)}
     measures = {"PGV 0.3 m/s": Measure("pgv"), "Sa(0.5 s, 5 %) 0.3 g": Measure("sa", 0.5)}
