@@ -263,6 +263,11 @@ def draw_fragility(results: Results) -> Figure:
     # fitted curves; then shares by scenario, and shares of hits
     for axes, name in zip(panels, names, strict=False):
         _draw_fits(axes, results, name, texts)
+    drawn = {label: line for axes in panels for line, label in zip(*axes.get_legend_handles_labels(), strict=True)}
+    if drawn and scenarios:  # small panels, which it would cover
+        figure.legend(drawn.values(), drawn, loc="outside upper right", ncols=2, frameon=False)
+    elif drawn:
+        panels[0].legend(frameon=False, loc="best")
     if scenarios:
         limits = results.study["limits"]
         for axes, limit in zip(panels[2:], (limits[len(limits) // 2] if limits else None, None), strict=True):
@@ -291,8 +296,6 @@ def _draw_fits(axes: Axes, results: Results, name: str, texts: list[str]) -> Non
     texts.append(f"{_label(results, name)}, median with its bounds, deviation of the logarithm: {'; '.join(said)}.")
     axes.set(xlabel=_label(results, name), ylabel="probability of failure", ylim=(-0.02, 1.02))
     axes.set_title("lognormal with its 95 % band", loc="left", fontsize=10)
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(frameon=False, loc="best")
     tidy(axes)
 
 
@@ -336,7 +339,8 @@ def draw_curve(axes: Axes, found: Fragility, colour: str, name: str) -> None:
     some = bins.undecided > 0
     with_undecided = (bins.failed + bins.undecided) / bins.runs
     style: dict[str, Any] = {"color": colour, "markerfacecolor": "none", "markersize": 4.0}
-    label = f"{name}, if the undecided fell too" if np.any(some) else ""
+    said = "if the undecided fell too"
+    label = said if np.any(some) and said not in axes.get_legend_handles_labels()[1] else ""
     axes.plot(bins.middle[some], with_undecided[some], "o", label=label, **style)
 
 

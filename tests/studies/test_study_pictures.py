@@ -126,6 +126,16 @@ def test_the_caption_says_what_thick_curves_pool() -> None:
     assert "pool" not in draw(alone).get_supxlabel()
 
 
+def test_scenarios_have_their_legend_beside_the_small_panels() -> None:
+    grid = {"motion.magnitude": (6.0, 7.0), "motion.distance": (5.0,)}
+    motion = Shaking("near", "near-fault", {"seed": 1.0})
+    random = {"motion.pgv_factor": Random.from_table("random", {"distribution": "uniform", "low": 0.2, "high": 2.0})}
+    figure = draw(run_study(Study("few", "fragility", (column(),), (motion,), grid, random, limits=(0.5,), samples=16)))
+    assert [panel.get_legend() for panel in figure.axes[:2]] == [None, None]
+    (legend,) = figure.legends
+    assert "overturned" in [text.get_text() for text in legend.get_texts()]
+
+
 def test_intensities_have_the_measure_and_its_unit() -> None:
     grid = {"intensity": (0.1, 0.3, 0.5), "motion.frequency": (0.5, 1.0)}
     measures = {"PGV 0.3 m/s": Measure("pgv"), "Sa(0.5 s, 5 %) 0.3 g": Measure("sa", 0.5)}
