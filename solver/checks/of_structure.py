@@ -12,7 +12,7 @@ from ..common.errors import InputError
 from ..models.column.response import friction_history
 from ..models.protocol import SETTLE
 from ..models.structure.model import Structure
-from ..models.structure.modes import frequencies_apart, sliding_frequencies
+from ..models.structure.modes import frequencies_at_rest, sliding_frequencies
 from ..models.structure.overlap import Overlap
 from ..models.structure.response import SpatialResponse
 from ..models.structure.rest import rest_of
@@ -73,7 +73,7 @@ class InSpace(Subject):
 
     @cached_property
     def period(self) -> float:
-        return 1.0 / float(frequencies_apart(self.model)[0])
+        return 1.0 / float(frequencies_at_rest(self.model)[0])
 
     @property
     def longest(self) -> float:

@@ -10,6 +10,7 @@ import pytest
 from support.fmus import ROOT
 
 from solver import Column, Motion, simulate
+from solver.checks.of_structure import InSpace
 from solver.common.errors import InputError
 from solver.models.structure.blocks.parts import Side
 from solver.models.structure.blocks.polyhedra import polyhedron_of
@@ -275,6 +276,19 @@ def test_blocks_that_ties_press_together_rest(shape: dict[str, Any], wall: bool)
     assert pressed > 0.9 * pulled > 1e4 * (0.8 if wall else 2.0)
     assert pressed == pytest.approx(pulled + abs(found.Tx[0, 0]), rel=1e-3)
     np.testing.assert_allclose(found.hit, np.broadcast_to(found.hit[0], found.hit.shape), rtol=1e-6, atol=1e-3)
+
+
+def test_the_first_period_of_a_check_is_that_in_contact() -> None:
+    """Check what stands by its wall alone, and three blocks against the run after a small pulse across their row."""
+    assert 0.0 < InSpace(squeezed({"width": 0.5, "depth": 1.0}, wall=True)).period < 0.1
+    structure = squeezed({"width": 1.0, "depth": 1.0})
+    time, none = np.arange(0.0, 1.0, 0.002), np.zeros(500)
+    pulse = Motion(time, none, none, float(time[-1]), ay=np.where((time > 0.01) & (time < 0.03), 0.02, 0.0))
+    run = simulate(structure, pulse, settle=0.0, output_step=0.002, tolerance=1e-7)
+    moved = np.diff(run.uy[30:430, 0])
+    spectrum = np.abs(np.fft.rfft(moved * np.hanning(len(moved)), 2**16))
+    found = np.fft.rfftfreq(2**16, 0.002)[np.argmax(spectrum)]
+    assert 1.0 / InSpace(structure).period == pytest.approx(found, rel=0.02)  # apart it is 5.8 Hz, not 16.3
 
 
 def test_a_drum_that_is_pushed_against_a_wall_leans_as_in_a_slow_motion() -> None:

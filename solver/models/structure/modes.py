@@ -88,9 +88,14 @@ def modes_in_space(structure: Structure) -> SpatialModes:
     Raises InputError if the structure has no stable rest, or neighbours that touch there.
     """
     check_type("structure", structure, Structure)
-    n = structure.n
     rest = rest_of(structure)
     _check_gaps(structure, rest)
+    return _modes(structure, rest)
+
+
+def _modes(structure: Structure, rest: SpatialRest) -> SpatialModes:
+    """Return the modes about a rest; neighbours that touch there stay in contact."""
+    n = structure.n
     # eigenvalues of the stiffness scaled by the Cholesky factor of the mass
     root = _root_of_mass(structure)
     inverse = np.linalg.inv(root)
@@ -121,6 +126,14 @@ def modes_in_space(structure: Structure) -> SpatialModes:
     frequency, ratio = omega / (2.0 * math.pi), np.maximum(modal, 0.0) / (2.0 * omega)
     mass, twists = participation.T**2, twists / np.sum(twists)
     return SpatialModes(structure, frequency, parts[..., :3], parts[..., 3:], mass, ratio, twists)
+
+
+def frequencies_at_rest(structure: Structure) -> FloatArray:
+    """Return the natural frequencies, Hz (6 n,), as if neighbours that touch at rest stayed in contact.
+
+    Raises InputError if the structure has no stable rest.
+    """
+    return _modes(structure, rest_of(structure)).frequency
 
 
 def frequencies_apart(structure: Structure) -> FloatArray:
