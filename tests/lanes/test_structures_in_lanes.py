@@ -20,7 +20,7 @@ from solver.models.structure.builders import arch, colonnade
 from solver.models.structure.lanes import follow_in_lanes
 from solver.models.structure.model import Structure
 from solver.models.structure.outputs import FROM_LANES
-from solver.models.structure.rest import rest_of
+from solver.models.structure.rest import fastest_decay, rest_of
 from solver.models.uncertainty import Spread
 from solver.runs.many import simulate_many
 
@@ -287,3 +287,15 @@ def test_an_ensemble_of_structures_without_a_rest_falls_at_once(monkeypatch: pyt
     assert ensemble is not None
     assert ensemble.overturned == 8
     assert np.all(ensemble.overturn_time == motion.start)
+
+
+def test_the_longest_step_of_a_structure_is_found_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Structure] = []
+
+    def counted(structure: Structure) -> float:
+        asked.append(structure)
+        return fastest_decay(structure)
+
+    monkeypatch.setattr("solver.models.structure.lanes.fastest_decay", counted)
+    simulate_many(trilith().with_settings(tolerance=1e-4), waves(3), keep=KEEP, settle=0.0)
+    assert len(asked) == 1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -48,6 +49,7 @@ def share_of(structure: Structure) -> Hashable:
     return structure.model.sizes, joints, insides, ties, bool(names.settings.gives_way)
 
 
+@lru_cache(maxsize=64)  # as many as rests
 def longest_step_of(structure: Structure) -> float:
     """Return the longest explicit step (s), used to decide whether runs are too long for lanes.
 
