@@ -74,3 +74,17 @@ def test_it_carries_libraries_for_every_platform(fmus: Fmus) -> None:
     for group in ("column", "statics"):
         assert {level for of, level, suffix in found if (of, suffix) == (group, ".so")} >= set(X86)
         assert {suffix for of, _, suffix in found if of == group} == {".so", ".dll", ".dylib"}
+
+
+@pytest.mark.parametrize(
+    "fixture",
+    ["trilith", *(pytest.param(name, marks=pytest.mark.long) for name in ("damped", "native", "native_trilith"))],
+)
+def test_extremes_before_the_first_step_are_the_outputs(request: pytest.FixtureRequest, fixture: str) -> None:
+    fmu = request.getfixturevalue("fmus").damped if fixture == "damped" else request.getfixturevalue(fixture)
+    found, same = call(starts.extremes_before_a_step, fmu)
+    assert len(found) > 30
+    wrong = {name: pair for name, pair in found.items() if abs(pair[0]) != pair[1]}
+    assert not wrong
+    assert found["joint[1].N_peak"][1] > 0.0
+    assert same

@@ -43,7 +43,7 @@ from .layout import (
 from .modal import prepare
 from .stepping import advance
 from .turning import MOST_TURN, is_turned_across, rotation_at, stop_turning, turn_base
-from .watch import RATES, STAGE, SpatialWatch, row, seen
+from .watch import RATES, STAGE, SpatialWatch, clear_peaks, raise_peaks, row, seen
 
 # description of a structure: choices of the caller, then the model, then its state at rest
 GIVEN = Record("tolerance", "without", "damping_scale", "drive", "slope", "bodies", "turns")
@@ -270,7 +270,7 @@ def follow(model, state, counts, base, work, inputs, start, h, samples, visible)
 
 @kernel
 def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, samples, visible, driven):
-    """Fill an output row from the state. Return OK.
+    """Fill an output row from the state; before the first step the peaks become those of it. Return OK.
 
     Parameters
     ----------
@@ -296,11 +296,14 @@ def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, sampl
     # without ports no output depends on inputs
     if scene.extras.spotted == 0:
         _see(scene, phase, t, visible)
-        return OK
-    # accelerations of ports
-    if new_inputs != 0:
-        _load(scene, inputs, elapsed, t)
-    _see_pushed(scene, phase, t, visible)
+    else:  # accelerations of ports
+        if new_inputs != 0:
+            _load(scene, inputs, elapsed, t)
+        _see_pushed(scene, phase, t, visible)
+    # before the first step the peaks are those of the start
+    if scene.counts.started == 0:
+        clear_peaks(scene)
+        raise_peaks(scene, visible)
     return OK
 
 

@@ -24,7 +24,7 @@ from .evaluate import moving
 from .kinematics import dot, pose_two, relative_motion, tilt_square
 from .layout import APART, JOINED, PHASE
 from .sides import SLACK
-from .watch import END, START, gaps_in_row, pose_between, row
+from .watch import END, START, pose_between, row
 
 _phase, _PER_BODY = PHASE.over, PHASE.per_n
 CLOSED = 0.25 * SLACK  # m: the gap at which a step ends
@@ -220,11 +220,3 @@ def longest_by(scene, slides):
         longest = where(touches, lesser(longest, pairs.decay[p]), longest)
         longest = where(touches & (slides[p] != 0.0), lesser(longest, pairs.shear_damping[p]), longest)
     return longest
-
-
-@leaf
-def clear_gaps(scene):
-    """Reset the least gaps among the peaks, at the start of a run."""
-    first, end = gaps_in_row(scene)
-    for place in range(first, end):
-        scene.peaks[place] = -math.inf

@@ -36,9 +36,9 @@ from .evaluate import energy, evaluate_state, moving, recall, show
 from .extras import is_loaded, let_go
 from .kinematics import tilt_left
 from .layout import MEMORY, OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL
-from .meeting import clear_gaps, longest_touching, meet, release_pairs, until_closed
+from .meeting import longest_touching, meet, release_pairs, until_closed
 from .modal_layout import data_of
-from .watch import BETWEEN, END, STAGE, START, look, raise_peaks, row, seen, track_peaks, travel
+from .watch import BETWEEN, END, STAGE, START, clear_peaks, look, raise_peaks, row, seen, track_peaks, travel
 
 _phase, _memory = PHASE.over, MEMORY.over
 _PER_BODY, _PER_JOINT, _RATES = PHASE.per_n, MEMORY.per_n, PHASE.fields.index("vx")
@@ -187,7 +187,7 @@ def _begin(scene, segment, t, phase):
     # the first call of a run
     if counts.started == 0:
         counts.started = 1
-        clear_gaps(scene)
+        clear_peaks(scene)  # an output row may have been asked for under other inputs
         control.next_step, control.previous_error = settings.first_step, 1.0
         control.elastic_step = 10.0 * settings.first_step
         counts.stabilized_wait, counts.stabilized_pause = WAIT_STABILIZED, WAIT_STABILIZED

@@ -4,6 +4,7 @@ A step is evaluated at its ends and in the middle. Parabolas through the three s
 step; these are evaluated where they may.
 """
 
+import math
 from typing import NamedTuple
 
 from ..engine.interpolation import quintic_through, value_of
@@ -178,6 +179,14 @@ def raise_peaks(scene, values):
     """Raise the peaks by an output row."""
     for j in range(scene.visible):
         _raise_peak(scene, j, values[j])
+
+
+@kernel
+def clear_peaks(scene):
+    """Set all peaks to zero; least gaps to infinite ones."""
+    first, end = gaps_in_row(scene)
+    for j in range(scene.visible):
+        scene.peaks[j] = -math.inf if first <= j < end else 0.0
 
 
 @leaf

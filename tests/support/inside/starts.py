@@ -45,3 +45,21 @@ def start(fmu: str, hindrance: str = "", record: str = "") -> float:
     ux = float(column.get("block[1].ux")[0])
     column.close()
     return ux
+
+
+def extremes_before_a_step(fmu: str) -> tuple[dict[str, tuple[float, float]], bool]:
+    """Return each output that has an extreme, with it, before the first step; whether a step ends as one without.
+
+    Outputs are read before under another motion of the base.
+    """
+    body, other = Instance(fmu), Instance(fmu)
+    found = {}
+    for moves in (0.1, 0.0):
+        body.set({name: moves for name in ("base.ax", "base.theta") if name in body.variables})
+        for name in body.variables:
+            output, _, extreme = name.rpartition("_")
+            if extreme in ("peak", "least") and output in body.variables:
+                found[name] = tuple(body.get(output, name))
+    for each in (body, other):
+        each.step(0.0, 0.01)
+    return found, body.get() == other.get()

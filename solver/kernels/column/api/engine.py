@@ -34,7 +34,7 @@ from ..model.description import NO_REST, NOT_LINEAR, behind_blocks, describe, is
 from ..model.normal_modes import normal_modes
 from ..model.normal_modes import scratch_size as modes_scratch
 from ..stepping.advance import advance
-from .observing import base_of, see
+from .observing import base_of, see, see_at
 
 # inputs of the base, set by a caller: accelerations, their slopes, rotation; behind them those of each body that drives
 # it (formulations/coupled_base.py, BODY)
@@ -254,4 +254,4 @@ def look(column, inputs, new_inputs, upright, elapsed, t, row, split):
         control.base_omega = base.omega
     # outputs
     show_driven(base, column.model.settings, t, split)
-    return see(column, base_of(column, t), row, split)
+    return see_at(column, t, row, split)

@@ -23,7 +23,7 @@ from ..sections.section import contact_of, lay_out, part_stiffness
 from ..stepping.advance import advance
 from . import driven_entries, engine
 from .engine import BASE_INPUTS
-from .observing import base_of, observe_all, see
+from .observing import observe_all, see_at
 
 _model = MODEL.over
 _row, _split, _base, _base_inputs, _INPUTS = ROW.over, SPLIT.over, BASE.over, BASE_INPUTS.over, BASE_INPUTS.beside
@@ -69,13 +69,13 @@ def entries_of(group, module, column_over=engine.column_over, assembled=engine.a
         n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, times: SizedReals, ax: SizedReals,
         ay: Reals, az: Reals, scale: Real, held: Int, loads: SizedReals, t: Real, row: Reals, split: Reals,
     ) -> Int:  # fmt: skip
-        """Run `observing.see` at time t under the base as it stands. Returns a code."""
+        """Run `observing.see_at` under the base as it stands. Returns a code."""
         samples = samples_over(times, ax, ay, az, scale, held, loads)
         column = column_over(n, model, state, counts, base, samples, work)
         enter(column.base, column.samples, t)
         parts = _split(split, 0)
         show_driven(column.base, column.model.settings, t, parts)
-        return see(column, base_of(column, t), _row(row, n), parts)
+        return see_at(column, t, _row(row, n), parts)
 
     def observe_snapshots(
         n: Int, model: Reals, state: Reals, counts: Ints, base: Reals, work: Reals, times: SizedReals, ax: SizedReals,

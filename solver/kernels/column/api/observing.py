@@ -9,6 +9,7 @@ from ..formulations.feedthrough import split_reaction
 from ..formulations.loads import ports_of, push_ports, pushes_of
 from ..formulations.outputs import observe
 from ..formulations.slips import phase_size, size_of_snapshot
+from ..output.watch import watch_start
 from ..stepping.advance import take_phase
 
 _row, _snapshot = ROW.over, SNAPSHOT.over_begin
@@ -65,6 +66,17 @@ def see(column, motion, row, split):
     # outputs, then the split reaction
     code = observe(column, between, motion, row)
     return split_reaction(column, between, motion, row, split) if code == OK else code
+
+
+@kernel
+def see_at(column, t, row, split):
+    """Run `see` at time t (s) on the base as it moves then. Before the first step the peaks become those of t."""
+    motion = base_of(column, t)
+    code = see(column, motion, row, split)
+    if column.counts.started == 0 and code == OK:
+        take_phase(column, motion, column.work.start)
+        watch_start(column, motion)
+    return code
 
 
 @kernel

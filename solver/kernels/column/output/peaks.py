@@ -21,7 +21,7 @@ from ...layout.spaces import (
     STATE,
 )
 from ...numba_ext.jit import kernel, leaf
-from ...numba_ext.views import copy
+from ...numba_ext.views import clear, copy
 from ..formulations.base_motion import moved_and_loaded
 from ..formulations.bonds import keep_bonds
 from ..formulations.dispatch import base_as_shown
@@ -43,6 +43,14 @@ MIDDLE = PIECES // 2
 PROMISE = 0.1  # of the tolerance: a peak whose predicted rise is smaller has been found
 QUIET = 1e-3  # of the largest peak in the column: smaller peaks are searched to a tolerance relative to this
 SURE = 3.0  # of that tolerance: largest highest term with which a polynomial is accepted
+
+
+@kernel
+def clear_peaks(column):
+    """Set all peaks to zero, including those of the ports."""
+    n, state = column.model.n, column.state
+    clear(state.peaks, _PER_N * n + _BESIDE)
+    clear(state.buffer[_STATE_PER_N * n + _STATE_BESIDE :], _SEEN * ports_of(column))
 
 
 @kernel

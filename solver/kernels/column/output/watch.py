@@ -15,7 +15,7 @@ from ..formulations.dispatch import reach_of, top_motion
 from ..formulations.slips import note_directions, phase_size, size_of_snapshot, take_directions
 from ..integrators.interpolation import interpolate_acceleration, interpolate_phase, quintic_of, refine, slips_of
 from ..joint.sliding import can_slide
-from .peaks import begin_extremes, track_extremes
+from .peaks import begin_extremes, clear_peaks, track_extremes
 
 _snapshot = SNAPSHOT.over_begin
 
@@ -53,6 +53,13 @@ def begin_watching(column, watch, motion, evaluated):
         take_directions(work, work.start)
         take_bonds(work, work.start)
         _count_looks(column.counts, evaluations, sweeps)
+
+
+@kernel
+def watch_start(column, motion):
+    """Set the peaks to those of the start, in `work.start`, while no step has been made."""
+    clear_peaks(column)
+    begin_watching(column, Watch(0, column.samples, column.samples, 1), motion, False)
 
 
 @kernel

@@ -46,6 +46,7 @@ from ..integrators.interpolation import begin, interpolate_phase, refinement
 from ..integrators.stage import stage
 from ..integrators.traits import MODES, attempt_by, traits_of
 from ..joint.sliding import can_slide
+from ..output.peaks import clear_peaks
 from ..output.watch import begin_watching, take_held_snapshots, watch_step
 from .breaking import first_break
 from .condition import (
@@ -436,6 +437,7 @@ def _start(column, motion, t):
     """Set the scales and the first trial steps at the first use of a state. Returns a code."""
     settings, control = column.model.settings, column.state.control
     column.counts.started = 1
+    clear_peaks(column)  # an output row may have been asked for under other inputs
     control.next_step = settings.first_step
     control.explicit_step = settings.first_step
     control.previous_error = 1.0
