@@ -1,7 +1,7 @@
 """The intersection of two polygons, or of one and an unbounded face, cached until the joint slides on."""
 
 from ..numba_ext.jit import by_width, kernel, leaf
-from ..numba_ext.lanes import WIDTH, MaskType, any_of, bits, where, zero_like
+from ..numba_ext.lanes import WIDTH, MaskType, any_of, bits, greater, lesser, magnitude, where, zero_like
 from ..numba_ext.views import one_lane
 from .bed import Bed, Plane, chosen, nothing, value
 from .clipping import cut
@@ -12,6 +12,7 @@ from .polygon import polygon_bed
 
 _shared, _SHARED = SHARED.over, SHARED.beside
 SAME_EDGE = 1e-12  # distance of coincident edges, at most, over the length of one
+NEARLY_ALONG = 0.01  # rad: directions this near to that of an edge of both faces
 
 
 @kernel
@@ -152,11 +153,24 @@ def polygon_bed_after_slip(scene, j, section, slid, count, p, q):
     return chosen(kept.area > 0.0, bed, nothing(p))
 
 
+@leaf
+def _part_of_lower(dx, dy, x, y):
+    """Return the part of an edge dx, dy of both faces that belongs to the lower one as the upper one moves by x, y.
+
+    It is 1 outwards and 0 inwards. Along the edge it is continuous: with a jump there the push across would change its
+    sign at every step of a joint that slides along its edges.
+    """
+    most = NEARLY_ALONG * (magnitude(dx) + magnitude(dy)) * (magnitude(x) + magnitude(y))
+    outwards = where(most > 0.0, (dy * x - dx * y) / where(most > 0.0, most, 1.0), 0.0)
+    return 0.5 + 0.5 * lesser(greater(outwards, -1.0), 1.0)
+
+
 @kernel
 def polygon_edges_of_lower(scene, j, section, those, count, p, q, way):
     """Integrate p q n along the edges of the lower face that bound the intersection of two polygons.
 
-    If edges of both faces coincide, the edge belongs to the lower face where the upper one moves outwards.
+    If edges of both faces coincide, the edge belongs to the lower face where the upper one moves outwards, half of it
+    where that moves along the edge.
 
     Parameters
     ----------
@@ -188,10 +202,12 @@ def polygon_edges_of_lower(scene, j, section, those, count, p, q, way):
             # an edge that may belong to the lower face
             dx, dy = x1 - x0, y1 - y0
             edge_x, edge_y, edge_moment, x, y = edge_integrals(x0, y0, dx, dy, p, q)
-            outwards = dy * (way[0] - way[2] * y) - dx * (way[1] + way[2] * x) > 0.0
-            there = (owner == OF_LOWER) | ((owner == OF_BOTH) & outwards)
-            along_x += where(there, edge_x, 0.0)
-            along_y += where(there, edge_y, 0.0)
-            moment += where(there, edge_moment, 0.0)
+            part = where(owner == OF_LOWER, 1.0, 0.0)
+            both = owner == OF_BOTH
+            if any_of(both):
+                part = where(both, _part_of_lower(dx, dy, way[0] - way[2] * y, way[1] + way[2] * x), part)
+            along_x += part * edge_x
+            along_y += part * edge_y
+            moment += part * edge_moment
         x0, y0 = x1, y1
     return along_x, along_y, moment
