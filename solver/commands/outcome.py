@@ -68,7 +68,7 @@ def ensemble_lines(ensemble: Ensemble, names: Sequence[object], moved: str, most
             f"{len(ensemble.debris)} fallen runs: centroids lie at x {x0:.3g} to {x1:.3g} m, y {y0:.3g} to {y1:.3g} m"
         )
         hits = sorted(ensemble.hit_shares.items(), key=lambda hit: -hit[1])
-        lines.append(", ".join(f"{name} hit in {percent(share)}" for name, share in hits[:MOST_NAMED]))
+        lines += [", ".join(f"{name} hit in {percent(share)}" for name, share in hits[:MOST_NAMED])] if hits else []
     if np.isfinite(ensemble.amplification):
         lines.append(f"the largest peak spreads by {ensemble.amplification:.3g} times what was varied")
     return lines

@@ -193,7 +193,10 @@ def ensemble_from(runs: Sequence[Varied], spread: Spread, time: FloatArray, in_l
     """
     moved, overturn_time = (np.array([getattr(run, name) for run in runs]) for name in ("peaks", "overturn_time"))
     stands = np.array([run.verdict != "overturned" for run in runs])
-    ux = np.array([run.ux for run in runs])
+    # histories at these rows: a run after whose fall another one goes on may have fewer, or more
+    ux = np.full((len(runs), len(time), runs[0].ux.shape[1]), math.nan)
+    for k, run in enumerate(runs):
+        ux[k, : len(run.ux)] = run.ux[: len(time)]
     ux[overturn_time[:, None] <= time] = math.nan
     low, middle, high = percentiles_of(np.where(stands, np.max(moved, axis=1), math.nan))
     relative = 0.5 * (high - low) / (middle or math.nan)  # NaN instead of a division by zero if the model rests

@@ -48,7 +48,8 @@ def judge(response: Any, closer: Any, places: FloatArray, closer_places: FloatAr
     factor = RICHARDSON if fixed else 1.0
     allowed = AGREE_AT_FIXED_STEPS if fixed else AGREE * response.model.settings.tolerance
     # compare up to shortly before a fall of either
-    time = response.time
+    count = min(len(places), len(closer_places))  # after a fall both may go on, not equally long
+    time, places, closer_places = response.time[:count], places[:count], closer_places[:count]
     fall = min((run.overturn_time for run in (response, closer) if run.overturned), default=math.inf)
     rows = int(np.searchsorted(time, fall - BEFORE_FALL)) or int(np.searchsorted(time, fall))
     difference = factor * np.max(np.abs(places - closer_places), axis=1)

@@ -208,15 +208,15 @@ def _along_joint(scene, j, motion, p, q, normal, g1, g2, largest):
             part = limit / square_root(square)
             z1 = where(beyond, -(f1 * part + push1) / shear, z1)
             z2 = where(beyond, -(f2 * part + push2) / shear, z2)
-        # likewise the twist
+        # likewise the twist, but for bearings, which do not resist one
         f3 = g3 + push3
-        size = magnitude(f3)
-        twists = size > couple
+        size, resists = magnitude(f3), twist > 0.0
+        twists = resists & (size > couple)
         if any_of(twists):
             r3 = where(twists, with_sign((size - couple) / (twist * damping), f3), r3)
             g3 = where(twists, with_sign(couple, f3) - push3, g3)
         f3 = twist * z3 + push3
-        beyond = magnitude(f3) > couple
+        beyond = resists & (magnitude(f3) > couple)
         if any_of(beyond):
             z3 = where(beyond, (with_sign(couple, f3) - push3) / twist, z3)
     g3 += t1 * y - t2 * x  # moment about the place half-way

@@ -17,7 +17,7 @@ from ...ground.motion import Motion
 from ...kernels.structure import layout as at
 from ..outputs import places_of
 from ..ports import Released
-from ..protocol import RunPlan, Verdict
+from ..protocol import RunPlan, Verdict, output_times
 from ..still_base import conclude, settled
 from .blocks.faces import FloatArray
 from .equilibria import rest_under
@@ -66,7 +66,20 @@ class SpatialState(NamedTuple):
 
 
 def single_run(structure: Structure, plan: RunPlan) -> SpatialResponse:
-    """Run a structure; return its response with the verdict. Raises InputError and SolverError."""
+    """Run a structure; return its response with the verdict. Raises InputError and SolverError.
+
+    A run that goes on after a fall is repeated up to the end of that time if the plan ends before, its rows as far
+    apart.
+    """
+    response = _run(structure, plan)
+    beyond = response.overturn_time + structure.after_fall - plan.motion.start
+    if structure.after_fall and response.overturned and beyond > plan.duration:
+        step = float(plan.times[1] - plan.times[0]) if len(plan.times) > 1 else beyond
+        response = _run(structure, plan._replace(duration=beyond, times=output_times(plan.motion, beyond, step)))
+    return response
+
+
+def _run(structure: Structure, plan: RunPlan) -> SpatialResponse:
     motion, callback = plan.motion, plan.callback
     stepper, why_no_modes = begun(structure, motion, plan.initial)
     stop = motion.start + plan.duration

@@ -49,8 +49,12 @@ class Solid:
 
     @property
     def drop(self) -> float:
-        """The half of the least extent (m): a block that is lower than built by this has fallen."""
-        return 0.5 * float(np.min(np.ptp(self.corners, axis=0)))
+        """The half of the least extent along its own axes and normal to its faces (m).
+
+        A block that is lower than built by this has fallen.
+        """
+        along = np.column_stack([self.axes, *(face.normal for face in self.faces)])
+        return 0.5 * float(np.min(np.ptp(self.corners @ along, axis=0)))
 
 
 @dataclass(frozen=True)
