@@ -172,13 +172,16 @@ def test_a_run_whose_fall_is_late_goes_on_beyond_its_end() -> None:
     """Compare with a run that is long enough: its bits, but for those of the end. A fall after the end counts, too."""
     motion = wavelets.one_sine(0.4 * G, 1.0)
     long = simulate(SHOWCASE, motion, duration=12.0, after_fall=3.0)
-    assert long.overturned and long.overturn_time > motion.duration
+    assert long.overturned
+    assert long.overturn_time > motion.duration
     short = simulate(SHOWCASE, motion, after_fall=3.0)
     rows = len(short.time)
     assert short.time[-1] == pytest.approx(long.overturn_time + 3.0, abs=0.005)
     assert np.array_equal(short.rows, long.rows[:rows])
-    assert short.debris is not None and long.debris is not None
+    assert short.debris is not None
+    assert long.debris is not None
     # it comes to rest: measured 2e-7 m apart where the one ends
     assert short.debris.places == pytest.approx(long.debris.places, abs=1e-5)
     some = simulate(SHOWCASE, motion, after_fall=3.0, ensemble=3).ensemble
-    assert some is not None and some.ux.shape[1] == rows
+    assert some is not None
+    assert some.ux.shape[1] == rows

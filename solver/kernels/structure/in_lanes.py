@@ -34,8 +34,9 @@ from .layout import (
     place_of_bonds,
     scene_over,
 )
-from .meeting_in_lanes import forget_gaps, keep_slides, limited, meet, until_closed, watch_gaps
-from .stepping import STABLE, fallen, fraction_before_fall, largest_motion, moves, relaxing
+from .meeting import keep_slides
+from .meeting_in_lanes import forget_gaps, limited, meet, until_closed, watch_gaps
+from .stepping import STABLE, fallen, fraction_before_fall, horizontal, largest_motion, moves, relaxing
 from .watch import BETWEEN, BETWEEN_RATES, END, START, interpolate_body, row, seen
 
 BETWEEN_LOOKS = 0.25  # s, between checks for rest on a still base
@@ -339,15 +340,6 @@ def _raise_block_peaks(scene, phase, i, lanes):
     peaks.uz[i] = where(lanes, greater(peaks.uz[i], magnitude(z)), peaks.uz[i])
 
 
-@leaf
-def _out(phase, i):
-    """Return the size of the horizontal displacement of block i, m, and its rate, m/s."""
-    x, y = phase.ux[i], phase.uy[i]
-    # radial velocity, and no division by zero
-    size = square_root(x * x + y * y)
-    return size, (x * phase.vx[i] + y * phase.vy[i]) / greater(size, 1e-300)
-
-
 @kernel
 def track_peaks(batch, step, good):
     """Raise the peaks of the lanes in the mask `good` by their step, turning points within it included."""
@@ -356,7 +348,7 @@ def track_peaks(batch, step, good):
     begin, end = _phase(row(scene, START), n), _phase(row(scene, END), n)
     for i in range(n):
         # horizontal distance, m, and its rate, m/s
-        (d0, v0), (d1, v1) = _out(begin, i), _out(end, i)
+        (d0, v0), (d1, v1) = horizontal(begin, i), horizontal(end, i)
         peaks.u[i] = peak_over(peaks.u[i], d0, v0, d1, v1, step, good)
         # displacement along each axis
         peaks.ux[i] = peak_over(peaks.ux[i], begin.ux[i], begin.vx[i], end.ux[i], end.vx[i], step, good)

@@ -221,6 +221,7 @@ POSES = FieldTable(  # of n + 1 bodies
     *("wx", "wy", "wz"),  # rad/s, along the axes of the base
     *("fx", "fy", "fz", "mx", "my", "mz"),  # N, N m about the centroid, along the axes of the base
     "way",  # m, more than any point has moved, if there are pairs
+    "farthest",  # m, peak of the horizontal displacement of a run that is not in lanes
 )
 RESULTANTS = FieldTable(  # of m joints, along the axes of the joint
     *("normal", "g1", "g2", "g3"),  # N, N m: derivatives of the energy by the relative rotation
@@ -235,10 +236,12 @@ SOUND = FieldTable(  # of bonds
     "held",  # 1 while it is as it was at the start of a step
     *("begins", "ends"),  # how far it is from breaking at both ends of a step (cracking.py)
 )
-# of pairs: force, N; energy, J; 1 while friction slides; how the pair touches while it has forces; height of the
-# highest cell between the bodies, m; the last gap and the ways of both bodies until then, m; the direction of their
-# last distance
-HITS = FieldTable("force", "energy", "slides", "bears", "highest", "clear", "nx", "ny", "nz")
+# of pairs: force, N; energy, J; 1 while friction slides, and 1 if it did at the start of the step; FIRST; how the pair
+# touches while it has forces; height of the highest cell between the bodies, m; the last gap and the ways of both
+# bodies until then, m; the direction of their last distance. FIRST: 1 once the pair has begun to touch in a run; when,
+# s; the rate of its gap then, m/s
+FIRST = ("met", "first", "closing")
+HITS = FieldTable("force", "energy", "slides", "slid", *FIRST, "bears", "highest", "clear", "nx", "ny", "nz")
 PULLS = FieldTable("force", "stretch", "elastic")  # of k ties: N, m; the elastic part of the stretch
 STAGES = 13  # of a step of order 8, with its start and its end
 

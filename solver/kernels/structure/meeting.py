@@ -5,7 +5,7 @@ import math
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import lesser, where, zero_like
 from ..numba_ext.views import copy
-from .attempt import attempt
+from .attempt import attempt, rate
 from .contact import (
     DEEP,
     SHALLOW,
@@ -24,11 +24,12 @@ from .evaluate import moving
 from .kinematics import dot, pose_two, relative_motion, tilt_square
 from .layout import APART, JOINED, PHASE
 from .sides import SLACK
-from .watch import END, START, pose_between, row
+from .watch import BETWEEN, END, START, pose_between, row
 
 _phase, _PER_BODY = PHASE.over, PHASE.per_n
 CLOSED = 0.25 * SLACK  # m: the gap at which a step ends
 MOST = 60  # most iterations
+SHORTLY = 1e-6  # s: difference by which the rate of a gap is found
 # after a fall a joint ends at a squared sine of half its tilt, 45 degrees, or a displacement over the size of its block
 MOST_TILT, LEAST_ARM = 0.1464, 0.1
 
@@ -60,10 +61,26 @@ def _gap_or_bound(scene, k, p):
 
 
 @kernel
-def meet(scene):
-    """Update the contacts of pairs and break bonds by row START of a step; return True if forces have changed."""
-    broke = crack(scene, row(scene, START), True)
-    return meet_pairs(scene) or broke
+def meet(scene, t):
+    """Update the contacts of pairs and break bonds by row START of a step, at time t, s; return True if any changed."""
+    broke, changed = crack(scene, row(scene, START), True), meet_pairs(scene)
+    if changed:
+        note_first(scene, t)
+    return changed or broke
+
+
+@kernel
+def note_first(scene, t):
+    """Store when pairs first begin to touch, and the rate of their gaps then, by row START and its rates."""
+    kept, hits = kept_in(scene, START), scene.extras.hits
+    begin, later, rates = row(scene, START), row(scene, BETWEEN), rate(scene, 0)
+    # shortly afterwards
+    for k in range(_PER_BODY * scene.n):
+        later[k] = begin[k] + SHORTLY * rates[k]
+    for p in range(scene.extras.met):
+        if kept.touches[p] > APART and hits.met[p] == 0.0:
+            hits.met[p], hits.first[p] = 1.0, t
+            hits.closing[p] = (gap_in(scene, BETWEEN, p) - gap_in(scene, START, p)) / SHORTLY
 
 
 @kernel
@@ -204,19 +221,22 @@ def closing(scene, h, p, below):
 
 
 @kernel
-def longest_touching(scene):
-    """Return the shortest time constant, s, of the contacts of pairs that touch, which bounds the step."""
-    return longest_by(scene, scene.extras.hits.slides)
+def keep_slides(scene, lanes):
+    """Store which pairs slide at the last evaluation, in the lanes of a mask: output rows and peaks evaluate, too."""
+    hits = scene.extras.hits
+    for p in range(scene.extras.met):
+        hits.slid[p] = where(lanes, hits.slides[p], hits.slid[p])
 
 
 @kernel
-def longest_by(scene, slides):
-    """Return the shortest time constant, s, of pairs that touch; slides: 1 of each pair whose friction slides."""
+def longest_touching(scene):
+    """Return the shortest time constant, s, of the contacts of pairs that touch, which bounds the step."""
     # over the pairs that touch at START
-    pairs, longest, kept = scene.extras.pairs, math.inf + zero_like(scene.settings.tolerance), kept_in(scene, START)
+    pairs, hits = scene.extras.pairs, scene.extras.hits
+    longest, kept = math.inf + zero_like(scene.settings.tolerance), kept_in(scene, START)
     for p in range(scene.extras.met):
         # damping across the contact, and of friction that slides
         touches = kept.touches[p] > APART
         longest = where(touches, lesser(longest, pairs.decay[p]), longest)
-        longest = where(touches & (slides[p] != 0.0), lesser(longest, pairs.shear_damping[p]), longest)
+        longest = where(touches & (hits.slid[p] != 0.0), lesser(longest, pairs.shear_damping[p]), longest)
     return longest

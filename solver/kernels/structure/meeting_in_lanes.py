@@ -15,7 +15,7 @@ from .contact import gap_of
 from .contact_in_lanes import alone
 from .cracking import until_broken
 from .layout import APART, PHASE
-from .meeting import changes, closing, gap_at, gap_in, kept_in, longest_by, meet_pairs
+from .meeting import changes, closing, gap_at, gap_in, kept_in, longest_touching, meet_pairs
 from .watch import END, START, gaps_in_row, row, seen
 
 _phase = PHASE.over
@@ -24,30 +24,13 @@ _phase = PHASE.over
 @kernel
 def limited(scene, step, constants):
     """Return the step of each lane, s, limited to `constants` times the shortest time constant of pairs that touch."""
-    return lesser(step, constants * longest_by(scene, _of_pairs(scene, 0)))
-
-
-@leaf
-def _of_pairs(scene, k):
-    """Return scratch space for a number of each pair, at the gaps of output row k.
-
-    Row 0 has the sliding flags at the start of a step, row 2 the gaps at its end.
-    """
-    return seen(scene, k)[gaps_in_row(scene)[0] :]
+    return lesser(step, constants * longest_touching(scene))
 
 
 @leaf
 def _gaps(scene, k):
-    """Return the gaps of lane k at the end of a step, m."""
-    return one_lane(_of_pairs(scene, 2), k)
-
-
-@kernel
-def keep_slides(scene, lanes):
-    """Store which pairs slide at the last evaluation, in the lanes of a mask; other lanes may evaluate again."""
-    kept, slides = _of_pairs(scene, 0), scene.extras.hits.slides
-    for p in range(scene.extras.met):
-        kept[p] = where(lanes, slides[p], kept[p])
+    """Return the gaps of lane k at the end of a step, m, at those of its output row."""
+    return one_lane(seen(scene, 2)[gaps_in_row(scene)[0] :], k)
 
 
 @kernel

@@ -20,6 +20,7 @@ from ..engine.control import (
     shared,
     shorten,
 )
+from ..engine.queue import peak_over
 from ..engine.samples import segment_from
 from ..layout.spaces import SLACK
 from ..numba_ext.jit import kernel, leaf
@@ -36,7 +37,7 @@ from .evaluate import energy, evaluate_state, moving, recall, show
 from .extras import is_loaded, let_go
 from .kinematics import tilt_left
 from .layout import MEMORY, OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL
-from .meeting import longest_touching, meet, release_pairs, until_closed
+from .meeting import keep_slides, longest_touching, meet, note_first, release_pairs, until_closed
 from .modal_layout import data_of
 from .watch import BETWEEN, END, STAGE, START, clear_peaks, look, raise_peaks, row, seen, track_peaks, travel
 
@@ -71,6 +72,15 @@ def largest_motion(scene, phase):
         rate = greater(rate, per * square_of(phase.vx[i], phase.vy[i], phase.vz[i]))
         rate = greater(rate, square_of(phase.wx[i], phase.wy[i], phase.wz[i]))
     return greater(control.largest, square_root(place)), greater(control.largest_rate, square_root(rate))
+
+
+@leaf
+def horizontal(phase, i):
+    """Return the size of the horizontal displacement of block i, m, and its rate, m/s."""
+    x, y = phase.ux[i], phase.uy[i]
+    # radial velocity, and no division by zero
+    size = square_root(x * x + y * y)
+    return size, (x * phase.vx[i] + y * phase.vy[i]) / greater(size, 1e-300)
 
 
 @kernel
@@ -182,8 +192,9 @@ def _serve_rows(scene, watch, segment, t, h):
 def _begin(scene, segment, t, phase):
     """Evaluate the phase from which the steps start; the first call sets scales and the first step."""
     control, counts, settings = scene.control, scene.counts, scene.settings
-    meet(scene)
+    meet(scene, t)
     evaluate_at(scene, segment, row(scene, START), rate(scene, 0), t)
+    keep_slides(scene, True)
     # the first call of a run
     if counts.started == 0:
         counts.started = 1
@@ -194,6 +205,11 @@ def _begin(scene, segment, t, phase):
         control.largest = max(control.largest, settings.motion_floor)
         control.largest_rate = max(control.largest_rate, settings.rate_floor)
         _take_stock(scene, phase)
+        for i in range(scene.n):
+            scene.poses.farthest[i] = horizontal(phase, i)[0]
+        for p in range(scene.extras.met):
+            scene.extras.hits.met[p] = 0.0
+        note_first(scene, t)
     # output row and peaks at the start
     show(scene, phase, seen(scene, 0), True)
     raise_peaks(scene, seen(scene, 0))
@@ -205,13 +221,19 @@ def _finish(scene, watch, segment, t, h, by_modes):
     # largest motion and falls
     phase = _phase(row(scene, END), scene.n)
     scene.counts.steps += 1
+    keep_slides(scene, True)
     _take_stock(scene, phase)
     block = int(fallen(scene, phase))
     # peaks, output rows, cracks
+    begin = _phase(row(scene, START), scene.n)
+    for i in range(scene.n):
+        farthest = scene.poses.farthest
+        farthest[i] = peak_over(farthest[i], *horizontal(begin, i), *horizontal(phase, i), h, True)
     track_peaks(scene, segment, t, h, by_modes)
     _serve_rows(scene, watch, segment, t, h)
     if crack_within(scene, h, True):
         evaluate_at(scene, segment, row(scene, END), rate(scene, STAGES - 1), t + h)
+        keep_slides(scene, True)
     if block > 0 and scene.counts.fallen == 0:
         fraction = fraction_before_fall(scene, _phase(row(scene, START), scene.n), phase)
         scene.counts.fallen, scene.control.fall_time = block, t + fraction * h
@@ -410,7 +432,7 @@ def _meet_anew(scene, segment, t):
         release_pairs(scene, True)
         evaluate_at(scene, segment, begin, rate(scene, 0), t)
         scene.control.released += energy(scene, _phase(begin, scene.n))
-    return meet(scene) or released
+    return meet(scene, t) or released
 
 
 @leaf
@@ -490,6 +512,7 @@ def advance(scene, watch, state, t, stop, most):
         if begins_anew:
             modal.forget(scene)
             evaluate_at(scene, segment, begin, rate(scene, 0), t)
+            keep_slides(scene, True)
             show(scene, _phase(begin, scene.n), seen(scene, 0), True)
             raise_peaks(scene, seen(scene, 0))
     # the state reached

@@ -78,7 +78,7 @@ class SpatialResponse(StructureHistories, Result):
         (rows,) s.
     peaks
         Largest absolute values of the continuous motion by these names; the least of contact, bond and gap; u: of the
-        horizontal displacement, over the rows.
+        horizontal displacement.
     verdict
         "overturned" (some block is lower than built by half of its least extent, is tipped by more than a quarter turn,
         or has come off a bearing), "standing" or "undecided".
@@ -98,6 +98,7 @@ class SpatialResponse(StructureHistories, Result):
     model: Structure
     rows: FloatArray
     _again: Callable[[], Moved]  # repeats the run and returns velocities and energies
+    _touched: FloatArray  # (3, pairs): 1 if a pair has begun to touch; when, s; the rate of its gap then, m/s
     dimensions = MappingProxyType({TIE: "tie_number", CONTACT: "pair", BASE: "component"})
     overturned_block = Alias(
         "fallen", lambda response: response.model.names[response.fallen - 1] if response.fallen else ""
@@ -148,8 +149,8 @@ class SpatialResponse(StructureHistories, Result):
         found: dict[str, Impact] = {}
         peaks = zip(self.model.contact_names, self.peaks["gap"].tolist(), self.peaks["hit"].tolist(), strict=True)
         for k, (name, gap, force) in enumerate(peaks):
-            pressed = self.time[self.hit[:, k] > 0.0]
-            one = Impact(name, gap, force, float(pressed[0]) if len(pressed) else math.nan, self._energy_of_hit(k))
+            met, first, _ = self._touched[:, k].tolist()
+            one = Impact(name, gap, force, first if met else math.nan, self._energy_of_hit(k))
             other = found.get(name, one)  # two bodies may meet with several sides
             early = min(other, one, key=lambda each: np.nan_to_num(each.first, nan=math.inf))
             found[name] = early._replace(gap=min(one.gap, other.gap), force=max(one.force, other.force))
@@ -157,14 +158,10 @@ class SpatialResponse(StructureHistories, Result):
         return tuple(sorted(found.values(), key=lambda one: (np.nan_to_num(one.first, nan=math.inf), one.gap)))
 
     def _energy_of_hit(self, k: int) -> float:
-        """Return the kinetic energy of the first contact of pair k, J, by the last rows in which its gap closes."""
-        (pressed,), pair = np.nonzero(self.hit[:, k] > 0.0), self.model.neighbours[k]
-        if not len(pressed) or pressed[0] < 2:
+        """Return the kinetic energy of the first contact of pair k, J, by the rate at which its gap closes."""
+        (met, first, rate), pair = self._touched[:, k].tolist(), self.model.neighbours[k]
+        if not met or first <= self.time[0]:
             return math.nan
-        before, closer = self.gap[pressed[0] - 2 : pressed[0], k].tolist()
-        if before >= JOINED_GAP:  # until then
-            return math.nan
-        rate = (closer - before) / float(self.time[1] - self.time[0])
         masses = [self.model.blocks[i].mass for i in (pair.one, pair.other) if i < self.model.n]
         return 0.5 * rate * rate / sum(1.0 / mass for mass in masses)
 
@@ -218,10 +215,9 @@ class SpatialResponse(StructureHistories, Result):
         return draw(self, "plot_plan", path, blocks)
 
 
-def peaks_in_space(structure: Structure, rows: FloatArray, peaks: FloatArray) -> dict[str, FloatArray]:
-    """Return the peaks by name from those of the kernels; u: of the horizontal displacement, over the rows."""
-    n = structure.n
+def peaks_in_space(structure: Structure, peaks: FloatArray, farthest: FloatArray) -> dict[str, FloatArray]:
+    """Return the peaks by name from those of the kernels and the largest horizontal displacements, m (n,)."""
     found = peaks_by_name(OUTPUTS, structure.sizes, peaks)
     found |= {f"base_{part.name}": found["base"][k : k + 1] for k, part in enumerate(StructureHistories.base.parts)}
-    found["u"] = np.max(np.hypot(rows[:, :n], rows[:, n : 2 * n]), axis=0)
+    found["u"] = farthest
     return found

@@ -107,9 +107,13 @@ def _run(structure: Structure, plan: RunPlan) -> SpatialResponse:
             stacklevel=2,
         )
     # response, then the verdict on a still base
-    peaks = peaks_in_space(structure, rows, stepper.state.peaks)
+    seen = at.WORK.see(stepper.arrays.work, stepper.sizes)
+    touched = np.array([getattr(seen.hits, name) for name in at.FIRST])
+    peaks = peaks_in_space(structure, stepper.state.peaks, seen.poses.farthest[: structure.n].copy())
     again = partial(moved, structure, motion, stop, plan.times, plan.initial)
-    response = SpatialResponse(structure, rows, again, time=plan.times, peaks=peaks, stats=stats, motion=motion)
+    response = SpatialResponse(
+        structure, rows, again, touched, time=plan.times, peaks=peaks, stats=stats, motion=motion
+    )
     conclude(response, _SpatialSettling(stepper), stop, plan.settle)
     return response
 
