@@ -18,6 +18,8 @@ from support.fmus import DAMPED, LINUX, PHOCAS, ROOT, Fmus, built_once, run
 from solver.kernels.machine.groups import GROUPS
 from solver.kernels.machine.making import make
 
+OF_LONG_TESTS = ("lanes_round_slipping", "lanes_strips", "lanes_rims")  # groups that no other tests need
+
 
 def pytest_configure(config: pytest.Config) -> None:
     """Restore the action of SIGINT: a shell's background job hands on SIGINT as ignored, and a child would
@@ -31,7 +33,8 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Make the machine code of most tests once, before each worker begins to."""
     if session.config.getoption("numprocesses", None):
-        make(GROUPS)
+        quick = "not long" in session.config.getoption("markexpr")
+        make([group for group in GROUPS if not (quick and group in OF_LONG_TESTS)])
 
 
 settings.register_profile("any machine", deadline=None)  # however busy it is: nothing is timed here
