@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+import tomllib
 from dataclasses import replace
 from typing import Any
 
@@ -34,6 +36,7 @@ from solver.models.structure.run import SpatialState
 from solver.models.structure.stepper import SpatialStepper
 
 Law = dict[str, Any]
+SIZES = ("diameter = 0.002", "diameter = 0.1")
 CORNERS = [[-1.0, -1.0, 0.3], [1.0, -1.0, 0.3], [1.0, 1.0, 0.3], [-1.0, 1.0, 0.3]]  # at the height of the centroid
 ACROSS = {"diameter": 0.3, "vertical_stiffness": 1e8, "vertical_damping": 1e-3, "capacity": 0.6}
 PENDULUM: Law = {"kind": "pendulum", "radius": 2.0, "friction": 0.05, "initial_stiffness": 5e6}
@@ -538,3 +541,14 @@ def test_an_isolated_slab_that_meets_its_moat(law: Law, restitution: float) -> N
     assert np.max(np.diff(response.energy)) <= 1e-6 * response.energy[0]  # measured 2e-7, by a slider at the hit
     lost = 0.5 * 5000.0 * met**2 * (1.0 - restitution**2)
     assert response.energy[0] - response.energy[-1] == pytest.approx(lost, rel=1e-2)
+
+
+def test_the_size_of_bearings_that_resist_no_twist_does_not_change_the_motion() -> None:
+    """Shake a statue on pendulums of 2 mm, whose bound of friction against a twist nearly vanishes, and of 0.1 m."""
+    path = ROOT / "examples" / "structures" / "statue-on-pendulums.toml"
+    text, noise = path.read_text(encoding="utf-8"), np.random.default_rng(1).standard_normal((2, 250))
+    ax, ay = (np.convolve(part, np.ones(25) / 5.0, "same") for part in noise)
+    made = (Structure.from_dict(tomllib.loads(re.sub(r"(?m)^diameter *=.*", line, text))) for line in SIZES)
+    small, large = (simulate(one, Motion.from_samples(0.02, ax, ay=ay), tolerance=1e-4, settle=0.0) for one in made)
+    assert np.max(large.d) > 0.1  # m
+    assert np.max(np.abs(small.d - large.d)) < 1e-4 * np.max(large.d)

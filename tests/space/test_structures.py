@@ -480,3 +480,19 @@ def test_a_tie_that_also_pushes_has_no_slack() -> None:
     with pytest.raises(InputError, match=r"slack = 0.02: must be 0 beside tension_only = false"):
         Structure.from_dict({**data, "tie": [{**tie, "tension_only": False}]})
     assert Structure.from_dict({**data, "tie": [tie]}).ties[0].slack == 0.02
+
+
+def test_the_least_dimension_of_a_block_turns_with_it() -> None:
+    """Turn a plate about the vertical axis, as a box and as the hull of its corners."""
+    law, joint = {"stiffness": 1e9, "damping": 1e-3}, {"between": ["a", "base"]}
+    plate = {"name": "a", "density": 2500.0}
+    box = {**plate, "width": 0.6, "depth": 0.2, "height": 0.4, "position": [0.0, 0.0, 0.0]}
+    for turn in (0.0, 0.3, 0.25 * math.pi):
+        c, s = math.cos(turn), math.sin(turn)
+        corners = [[c * x - s * y, s * x + c * y, z] for x in (-0.3, 0.3) for y in (-0.1, 0.1) for z in (0.0, 0.4)]
+        for parts in (
+            {"block": [{**box, "rotation": [0.0, 0.0, turn]}], "joint": [joint]},
+            {"block": [{**plate, "shape": "hull", "points": corners, "on": "base"}]},
+        ):
+            made = Structure.from_dict({"name": "plate", "joints": law, **parts})
+            assert made.blocks[0].drop == pytest.approx(0.1, rel=1e-12)
