@@ -15,7 +15,7 @@ from support.fmus import ROOT
 from solver import Column, InputError
 from solver.kernels.column.model.solids import solid_between
 from solver.kernels.column.sections.faces import ANNULUS, CIRCLE, RECTANGLE
-from solver.models.column.file import with_load
+from solver.models.column.block import with_load
 from solver.models.column.packing import model_of
 
 EXAMPLES = sorted((ROOT / "examples" / "columns").glob("*.toml"))

@@ -10,6 +10,7 @@ import time
 import tomllib
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 from datetime import date
 from pathlib import Path
 from typing import Any
@@ -143,6 +144,70 @@ def test_numbers_of_a_column_by_name() -> None:
     assert sum(block.height for block in slender.blocks) / slender.blocks[-1].width == pytest.approx(18.0)
     ratio = slender.blocks[0].width * slender.blocks[0].depth * slender.blocks[0].height / slender.blocks[0].mass
     assert ratio == pytest.approx(1.56**2 * 4.69 / 27000.0)
+
+
+STONE = {"height": 2.0, "width": 0.6, "depth": 0.5, "density": 2400.0, "joint": {"stiffness": 1e9, "damping": 1e-3}}
+
+
+@pytest.mark.parametrize(
+    ("values", "mass"),
+    [
+        ({"block.height": (4.0, False), "block[1].width": (1.2, False)}, 2400.0 * 4.0 * 1.2 * 0.5),
+        ({"block.depth": (3.0, True)}, 2400.0 * 2.0 * 0.6 * 1.5),
+        ({"block.density": (1.5, True), "block.height": (3.0, False)}, 3600.0 * 3.0 * 0.6 * 0.5),
+        ({"block.mass": (1.5, True)}, 3600.0 * 2.0 * 0.6 * 0.5),
+        ({"block.mass": (800.0, False), "block.height": (3.0, False)}, 800.0),
+        ({"column.size": (2.0, False)}, 8 * 2400.0 * 2.0 * 0.6 * 0.5),
+        ({"column.slenderness": (5.0, False)}, 2400.0 * 2.0 * 0.4 * 0.5 * 0.4 / 0.6),
+    ],
+)
+def test_the_mass_follows_a_given_density(values: dict[str, tuple[float, bool]], mass: float) -> None:
+    column = Column.from_dict({"name": "c", "block": [STONE]})
+    assert column_with(column, values).blocks[0].mass == pytest.approx(mass, rel=1e-14)
+    stack = column.in_space()
+    assert stack.kind.with_numbers(stack, values).blocks[0].mass == pytest.approx(mass, rel=1e-14)
+
+
+def test_the_mass_of_a_tapered_block_follows_its_height() -> None:
+    """Check a frustum, whose volume is height / 3 (a**2 + a b + b**2) with the sides a and b."""
+    sides = {"width": 0.6, "depth": 0.6, "top_width": 0.3, "top_depth": 0.3}
+    column = Column.from_dict({"name": "c", "block": [STONE | sides]})
+    taller = column_with(column, {"block.height": (3.0, False)})
+    assert taller.blocks[0].mass == pytest.approx(2400.0 * (0.36 + 0.18 + 0.09), rel=1e-12)
+    assert taller.across().blocks[0].mass == pytest.approx(taller.blocks[0].mass, rel=1e-12)
+
+
+def test_a_given_mass_stays() -> None:
+    """Check also that columns of equal numbers, one with a density and one with a mass, are told apart."""
+    column = Column.from_dict({"name": "c", "block": [STONE]})
+    of_mass = {key: value for key, value in STONE.items() if key != "density"} | {"mass": column.blocks[0].mass}
+    same = Column.from_dict({"name": "c", "block": [of_mass]})
+    assert same == column
+    masses = [column_with(one, {"block.height": (4.0, False)}).blocks[0].mass for one in (column, same)]
+    assert masses == pytest.approx([2880.0, 1440.0], rel=1e-14)
+
+
+def test_a_block_that_was_changed_keeps_its_mass() -> None:
+    column = Column.from_dict({"name": "c", "block": [STONE]})
+    heavy = replace(column, blocks=(replace(column.blocks[0], mass=5000.0),))
+    assert Column.from_dict(heavy.to_dict()).blocks[0].mass == 5000.0
+    assert column_with(heavy, {"block.height": (4.0, False)}).blocks[0].mass == 5000.0
+
+
+def test_a_load_stays_on_a_varied_block() -> None:
+    """Check a cube of 1 m and 1000 kg that becomes 2 m high under a load of 500 kg, 0.5 m above its top face."""
+    size = {"height": 1.0, "width": 1.0, "depth": 1.0}
+    cube = STONE | size | {"density": 1000.0, "load": {"mass": 500.0, "above": 0.5}}
+    column = Column.from_dict({"name": "c", "block": [cube]})
+    assert Column.from_dict(column.to_dict()) == column
+    block = column_with(column, {"block.height": (2.0, False)}).blocks[0]
+    assert (block.mass, block.centroid) == pytest.approx((2500.0, 1.3))  # 2000 kg at 1 m, 500 kg at 2.5 m
+    assert block.inertia == pytest.approx(2000.0 * (1.0 + 4.0) / 12.0 + 2000.0 * 0.3**2 + 500.0 * 1.2**2)
+    heavy = column_with(column, {"block.density": (2000.0, False)}).blocks[0]
+    assert (heavy.mass, heavy.centroid) == pytest.approx((2500.0, 0.7))  # 2000 kg at 0.5 m, 500 kg at 1.5 m
+    once, twice = column.blocks[0], column_with(column, {"column.size": (2.0, False)}).blocks[0]
+    assert (twice.mass, twice.resolved_centroid) == pytest.approx((8.0 * 1500.0, 2.0 * once.resolved_centroid))
+    assert twice.resolved_inertia == pytest.approx(32.0 * once.resolved_inertia)
 
 
 @pytest.mark.parametrize("extra", [{"load": {"mass": 300.0, "above": 0.2}}, {"inertia": 50.0}])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -84,6 +84,25 @@ NUMBERS.update({key: law["range"] for key, law in _LAWS.items()})
 
 
 @dataclass(frozen=True)
+class Load:
+    """A load that rests on a block and rotates with it."""
+
+    mass: float  # kg
+    above: float = 0.0  # m, of its centroid above the top face
+
+
+@dataclass(frozen=True)
+class Given:
+    """The keys of a file from which mass, centroid and inertia of a block follow, also after its size is varied."""
+
+    mass: float | None = None  # kg, without the load
+    density: float | None = None  # kg/m3, in place of mass
+    centroid: float | None = None  # m above the bottom face
+    inertia: float | None = None  # kg m2
+    load: Load | None = None
+
+
+@dataclass(frozen=True)
 class Block:
     """A rigid block and the joint under it.
 
@@ -103,6 +122,25 @@ class Block:
     top_depth: float | None = None
     bore: float | None = None  # m, inner diameter of a hollow drum, section annulus
     tilt: float | None = None  # rad, of the block against the normal of the joint under it as built, clockwise
+    given: Given | None = field(default=None, compare=False)  # of a file with a density or a load
+
+    def derived(self, given: Given) -> Block:
+        """Return the block with the mass, centroid and inertia that follow from its shape and the keys of a file."""
+        mass = self.mass if given.mass is None else given.mass
+        if given.density is not None:
+            mass = given.density * self.volume
+        made = replace(self, mass=mass, centroid=given.centroid, inertia=given.inertia, given=given)
+        if given.load is None:
+            return made
+        mass, centroid, inertia = with_load(
+            mass, made.resolved_centroid, made.resolved_inertia, given.load.mass, made.height + given.load.above
+        )
+        return replace(made, mass=mass, centroid=centroid, inertia=inertia)
+
+    @property
+    def is_as_given(self) -> bool:
+        """True if mass, centroid and inertia still follow from `given`: no copy of the block has others."""
+        return self.given is not None and self == self.derived(self.given)
 
     @cached_property
     def shape(self) -> tuple[float, float, float, float]:
@@ -182,6 +220,16 @@ class Block:
     def joint_depth(self) -> float:
         """The depth of the contact face (m)."""
         return self.depth if self.joint.depth is None else self.joint.depth
+
+
+def with_load(mass: float, centroid: float, inertia: float, load: float, place: float) -> tuple[float, float, float]:
+    """Return mass (kg), centroid (m above the bottom face) and inertia (kg m2) of a body with a point mass on it.
+
+    The load (kg) is at the height `place` above the bottom face (m); the first three arguments are those of the body.
+    """
+    both = mass + load
+    middle = (mass * centroid + load * place) / both
+    return both, middle, inertia + mass * (centroid - middle) ** 2 + load * (place - middle) ** 2
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from ...common.errors import InputError, InputWarning, check_number, check_whole
 from ...common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, check_keys
 from ...common.tables import PLACE, check_table
 from ..ports import ports_from
-from .block import BLOCK_SECTIONS, Block, Joint, check_block
+from .block import BLOCK_SECTIONS, Block, Given, Joint, Load, check_block
 from .materials import MATERIALS, Material
 from .settings import WITHOUT_STEP, Settings
 
@@ -30,7 +30,7 @@ _BLOCK_KEYS = (
 )
 _JOINT_KEYS = (*(item.name for item in fields(Joint)), "diameter")
 _WORDS = ("section", "strips")  # keys of a joint that are not numbers
-_LOAD_KEYS = ("mass", "above")  # of the load on a block: kg, and m of its centroid above the top face
+_LOAD_KEYS = tuple(item.name for item in fields(Load))
 _SETTINGS_KEYS = tuple(item.name for item in fields(Settings))
 
 # hints in the messages about missing keys, after the range of the key
@@ -206,14 +206,14 @@ def _block_from(
         given = "both given" if "mass" in table else "missing"
         raise InputError(f"{key}.mass, {key}.density: {given}, must be exactly one of mass in kg and density in kg/m3")
     joint = _joint_from(f"{key}.joint", {**joint_defaults, **joint_table}, shape["section"])
-    shape |= {name: _number(key, table, name) for name in ("centroid", "inertia", "tilt") if name in table}
-    block = Block(mass=_number(key, table, "mass") if "mass" in table else 1.0, joint=joint, **shape)
-    # the mass follows from the volume, which needs a valid shape
-    if "density" in table:
-        if not block.is_cuboid:
-            check_block(key, block)
-        block = replace(block, mass=_number(key, table, "density") * block.volume)
-    return _loaded(key, table, block) if "load" in table else block
+    shape |= {"tilt": _number(key, table, "tilt")} if "tilt" in table else {}
+    numbers = {name: _number(key, table, name) for name in ("centroid", "inertia", "mass", "density") if name in table}
+    body = Given(**numbers, load=_load_from(f"{key}.load", table))
+    block = Block(mass=body.mass or 1.0, joint=joint, **shape)
+    if body.density is not None and not block.is_cuboid:  # the volume needs a valid shape
+        check_block(key, block)
+    block = block.derived(body)
+    return block if body.density or body.load else replace(block, given=None)
 
 
 def _faces_from(key: str, table: Mapping[str, Any], section: str) -> dict[str, float]:
@@ -242,19 +242,13 @@ def _faces_from(key: str, table: Mapping[str, Any], section: str) -> dict[str, f
     return found
 
 
-def _loaded(key: str, table: Mapping[str, Any], block: Block) -> Block:
-    """Return the block with a load that rests on it and rotates with it."""
-    load = table["load"]
-    check_table(f"{key}.load.", load, _LOAD_KEYS)
-    above = _number(f"{key}.load", load, "above") if "above" in load else 0.0
-    mass, centroid, inertia = with_load(
-        block.mass,
-        block.resolved_centroid,
-        block.resolved_inertia,
-        _number(f"{key}.load", load, "mass"),
-        block.height + above,
-    )
-    return replace(block, mass=mass, centroid=centroid, inertia=inertia)
+def _load_from(key: str, table: Mapping[str, Any]) -> Load | None:
+    """Return the load that rests on a block, or None."""
+    if "load" not in table:
+        return None
+    check_table(f"{key}.", table["load"], _LOAD_KEYS)
+    above = {"above": _number(key, table["load"], "above")} if "above" in table["load"] else {}
+    return Load(_number(key, table["load"], "mass"), **above)
 
 
 def _joint_from(key: str, table: Mapping[str, Any], section: str) -> Joint:
@@ -274,13 +268,3 @@ def plain(items: list[tuple[str, Any]]) -> dict[str, Any]:
     """Make a dict of dataclass fields, without None, with NumPy scalars as floats and tuples of names as lists."""
     plain: dict[str, Callable[[Any], Any]] = dict.fromkeys(NUMBERS, float) | {"without": list}
     return {key: plain[key](value) if key in plain else value for key, value in items if value is not None}
-
-
-def with_load(mass: float, centroid: float, inertia: float, load: float, place: float) -> tuple[float, float, float]:
-    """Return mass (kg), centroid (m above the bottom face) and inertia (kg m2) of a body with a point mass on it.
-
-    The load (kg) is at the height `place` above the bottom face (m); the first three arguments are those of the body.
-    """
-    both = mass + load
-    middle = (mass * centroid + load * place) / both
-    return both, middle, inertia + mass * (centroid - middle) ** 2 + load * (place - middle) ** 2

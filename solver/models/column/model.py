@@ -274,9 +274,15 @@ class Column(NotebookRepr):
         """Return the mapping that `from_dict` converts to an equal column: plain numbers, strings, lists and dicts.
 
         Defaults are written out, except those that follow from other values (None), which are absent, as the step of
-        the exact formulation, which has no effect.
+        the exact formulation, which has no effect. Blocks have the density and load of their file.
         """
         data = asdict(self, dict_factory=plain)
+        for block, table in zip(self.blocks, data["blocks"], strict=True):
+            given = table.pop("given", {})
+            if block.is_as_given:
+                for key in _DERIVED:
+                    table.pop(key, None)
+                table |= given
         if self.settings.formulation == "exact":
             del data["settings"]["step"]
         found = {"name": data["name"], "g": data["g"], "block": list(data["blocks"]), "solver": data["settings"]}
@@ -284,6 +290,8 @@ class Column(NotebookRepr):
         ports = [{"name": port.name, "block": names[port.body], "at": [*port.at]} for port in self.ports]
         return found | ({"port": ports} if ports else {})
 
+
+_DERIVED = ("mass", "centroid", "inertia")  # numbers of a block that follow from its `given`
 
 Part = TypeVar("Part", "Column", Block, Joint)
 
@@ -318,6 +326,8 @@ def _across(key: str, block: Block) -> Block:
         joint=joint,
         inertia=None,
     )
+    if block.given is not None and block.given.inertia is None and block.is_as_given:
+        return turned.derived(block.given)
     # the inertia beyond that of a homogeneous block is kept
     if block.inertia is None:
         return turned

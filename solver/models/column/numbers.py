@@ -18,6 +18,7 @@ from typing import Any
 
 from ...common.errors import POSITIVE, InputError, check_number
 from ...common.ranges import NUMBERS, lengths_in
+from .block import Given
 from .model import Column
 
 _PARTS = re.compile(r"(block|joint)(?:\[([1-9]\d*)\])?\.([a-z_]+)")
@@ -63,13 +64,14 @@ def column_with(column: Column, values: Mapping[str, tuple[float, bool]]) -> Col
 
 def _written(column: Column) -> dict[str, Any]:
     """Return a copy of `Column.to_dict` whose tables may be modified."""
-    data = _to_dict(column)
+    data = _to_dict(column, tuple(block.given for block in column.blocks))
     blocks = [{**block, "joint": dict(block["joint"])} for block in data["block"]]
     return {**data, "block": blocks, "solver": dict(data["solver"])}
 
 
 @lru_cache(maxsize=8)
-def _to_dict(column: Column) -> dict[str, Any]:
+def _to_dict(column: Column, given: tuple[Given | None, ...]) -> dict[str, Any]:
+    """Return `Column.to_dict`, which depends on what is given beside the numbers by which columns compare."""
     return column.to_dict()
 
 
@@ -128,9 +130,10 @@ def _set(data: dict[str, Any], name: str, number: float, relative: bool) -> None
 
 
 def _put(table: dict[str, Any], name: str, key: str, number: float, relative: bool) -> None:
+    if relative and key == "mass" and "density" in table:
+        key = "density"  # to which the mass is proportional
     table[key] = varied(name, table.get(key), number, relative)
-    if table.pop(_EITHER.get(key, ""), None) is not None and relative:
-        raise InputError(f"{name}: must be given without relative")
+    table.pop(_EITHER.get(key, ""), None)
 
 
 def varied(name: str, present: object, number: float, relative: bool) -> float:
@@ -160,9 +163,12 @@ def _resize(data: dict[str, Any], factor: float) -> None:
     for block in data["block"]:
         _scale(block, factor)
         _scale(block["joint"], factor)
-        block["mass"] *= factor**3
-        if block.get("inertia") is not None:
+        if "mass" in block:
+            block["mass"] *= factor**3
+        if "inertia" in block:
             block["inertia"] *= factor**5
+        if "load" in block:
+            block["load"] = {"mass": factor**3 * block["load"]["mass"], "above": factor * block["load"]["above"]}
 
 
 def _widen(data: dict[str, Any], slenderness: float, relative: bool) -> None:
@@ -171,8 +177,9 @@ def _widen(data: dict[str, Any], slenderness: float, relative: bool) -> None:
     factor = 1.0 / slenderness if relative else present / slenderness
     _scale_ports(data, factor, 1.0)
     for i, block in enumerate(blocks, start=1):
-        if block.get("inertia") is not None:
+        if {"inertia", "load"} & block.keys():
             raise InputError(f"{SLENDERNESS}: block[{i}] must have no inertia or load: its inertia would not follow")
         _scale(block, factor, _UPRIGHT)
         _scale(block["joint"], factor, _UPRIGHT)
-        block["mass"] *= factor**2
+        if "mass" in block:
+            block["mass"] *= factor**2
