@@ -143,7 +143,7 @@ def results_from(options: argparse.Namespace) -> Results:
     if options.study.suffix == SUFFIX:
         return results_of(options.study)
     study = _study(options)
-    return results_of(options.output_folder / f"{study.name}{SUFFIX}")
+    return results_of(options.output_folder / f"{study.name}{SUFFIX}", study)
 
 
 @contextmanager

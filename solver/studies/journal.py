@@ -233,12 +233,17 @@ def _head(content: Any) -> dict[str, Any]:
     return content
 
 
-def _check_same(present: dict[str, Any], head: dict[str, Any]) -> None:
-    if present["fingerprint"] != head["fingerprint"]:
+def check_same_study(present: Mapping[str, Any], fingerprint: str) -> None:
+    """Raise InputError unless the first line of a journal has this fingerprint."""
+    if present["fingerprint"] != fingerprint:
         raise InputError(
             f"holds another study, {present['study'].get('name')} ({present['fingerprint']}), not this one "
-            f"({head['fingerprint']}): must be another file, or deleted"
+            f"({fingerprint}): must be another file, or deleted"
         )
+
+
+def _check_same(present: dict[str, Any], head: dict[str, Any]) -> None:
+    check_same_study(present, head["fingerprint"])
     for name, version in head["versions"].items():
         if present["versions"].get(name) != version:
             raise InputError(

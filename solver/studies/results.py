@@ -21,7 +21,8 @@ from ..models.pictures import draw
 from ..models.protocol import WORDS
 from ..runs.table import Columns, counts
 from .contents import FAILED, check_head, check_row, kept_in, length_of
-from .journal import read_journal
+from .definition import Study
+from .journal import check_same_study, read_journal
 from .motions import SPECTRAL
 from .subjects import ALL_KEPT, kind_in
 
@@ -221,8 +222,16 @@ def _text(value: Any) -> str:
     return str(value)
 
 
-def results_of(path: str | os.PathLike[str]) -> Results:
-    """Return the results in a journal. Raises InputError that begins with `path`."""
+def results_of(path: str | os.PathLike[str], study: Study | None = None) -> Results:
+    """Return the results in a journal, of `study` with any number of samples if given.
+
+    Raises InputError that begins with `path`.
+    """
     if not os.path.isfile(path):
         raise InputError(f"{path}: No such file: the study has not been run here")
-    return Results.from_journal(path)
+    results = Results.from_journal(path)
+    if study is not None:
+        with reading(path):
+            samples = results.study["samples"] if study.random else study.samples
+            check_same_study(results.head, study.with_runs(samples).fingerprint)
+    return results

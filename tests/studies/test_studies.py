@@ -23,6 +23,7 @@ from support.study import TEXT, same, start
 
 from multiblock import Building, floor_motion
 from solver import Column, InputError, Motion, simulate
+from solver.commands.command_line import main
 from solver.ground.motion import STANDARD_GRAVITY
 from solver.models.column.numbers import column_with
 from solver.studies import (
@@ -617,6 +618,27 @@ def test_the_command(folder: Path) -> None:
     code, out, errors = ended("run", "study.toml", "--samples", 13)
     assert code == 2
     assert "holds another study" in errors
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["study", "show"], ["study", "plot"], ["risk", "--slope", "2", "--point", "0.2", "475", "--measure", "pga"]],
+)
+def test_results_of_another_study_are_refused(
+    words: list[str],
+    folder: Path,
+    study: Study,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(folder)
+    run_study(study.with_runs(3), folder)
+    assert main([*words, "study.toml"]) in (0, 2)  # of another number of samples
+    assert "holds another study" not in capsys.readouterr().err
+    block = (folder / "block.toml").read_text(encoding="utf-8")
+    (folder / "block.toml").write_text(block.replace("name = ", "g = 9.0\nname = "), encoding="utf-8")
+    assert main([*words, "study.toml"]) == 2
+    assert "small.journal: holds another study, small (" in capsys.readouterr().err
 
 
 # on a floor
