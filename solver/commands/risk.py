@@ -14,7 +14,7 @@ from ..studies.journal import SUFFIX
 from ..studies.motions import MEASURES
 from ..studies.results import Results
 from ..studies.risk import RISK_NOTE, YEARS, Hazard, Risk, risk, risk_text, write_risks
-from ..studies.statistics import failures_of, fit_fragility, measure_in, undecided_text
+from ..studies.statistics import check_made, failures_of, fit_fragility, measure_in, undecided_text
 from .command_files import PICTURES, add_force, check_picture, check_suffix, write_outputs
 from .study import add_study_options, results_from
 
@@ -94,8 +94,9 @@ def _journal(path: Path) -> Path:
 def _risks(results: Results, hazard: Hazard, source: str, years: float) -> tuple[dict[str, Risk], list[str]]:
     """Return the risks by the name of the failure, and a line for each failure without a fragility.
 
-    Raises InputError unless the results have the measure of the hazard and some fragility over it.
+    Raises InputError unless some run was made and the results have the measure of the hazard and a fragility over it.
     """
+    check_made(results)
     measures = {name: measure_in(results, name) for name in MEASURES if name in results}
     name = hazard.measure.name
     if measures.get(name) != hazard.measure:

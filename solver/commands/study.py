@@ -192,8 +192,10 @@ def summary(results: Results) -> str:
     if failed:
         k = int(np.flatnonzero(results["failure"] != "")[0])
         lines.append(f"run {results['run'][k]}: {results['failure'][k]}")
+    if failed == len(results):
+        return "\n".join(lines)
     # IDA curves
-    if study["kind"] == "ida" and len(results):
+    if study["kind"] == "ida":
         curves = ida_curves(results)
         measure = measure_in(results, curves.name)
         unit = f" ({measure.unit})" if measure else ""
@@ -204,7 +206,7 @@ def summary(results: Results) -> str:
             shown = "  ".join(f"{1e3 * point:10.4g}" for point in points)
             lines.append(f"{level:10.4g}  {shown}  {percent(fell_there):>7s}  {percent(unknown):>7s}")
     # fragility curves
-    if study["kind"] == "fragility" and len(results):
+    if study["kind"] == "fragility":
         for failure in failures_of(results):
             try:
                 found = fit_fragility(results, limit=failure.limit, chosen=failure.chosen)

@@ -42,6 +42,7 @@ from .statistics import (
     Fragility,
     Limit,
     bounds_of,
+    check_made,
     failed_of,
     failure_text,
     failures_of,
@@ -69,11 +70,10 @@ _LIMIT_COLOURS = (BLUE, GREEN, RED, *FEW_COLOURS[3:])
 def draw(results: Results, path: str | os.PathLike[str] | None = None) -> Figure:
     """Draw the picture for the kind of the study, and save it to `path` if given.
 
-    Raises InputError without finished runs, or if the grid lacks a name that the picture needs, or if the picture would
+    Raises InputError as `check_made` does, or if the grid lacks a name that the picture needs, or if the picture would
     mix columns or values of another name.
     """
-    if not len(results):
-        raise InputError(f"{results.study['name']}: no run is finished yet")
+    check_made(results)
     kind, grid = results.study["kind"], results.study["grid"]
     picture = f"the picture of kind = {kind}"
     if kind in _NEEDS:

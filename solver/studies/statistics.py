@@ -205,6 +205,15 @@ def made(results: Results) -> NDArray[np.bool_]:
     return np.asarray(~np.isnan(results.largest))
 
 
+def check_made(results: Results) -> None:
+    """Raise InputError if no run is finished, or if the solver could make none."""
+    name, failures = results.study["name"], results["failure"]
+    if not len(results):
+        raise InputError(f"{name}: no run is finished yet")
+    if not np.any(made(results)):
+        raise InputError(f"{name}: none of {len(results)} runs could be made, run {results['run'][0]}: {failures[0]}")
+
+
 def fit_fragility(
     results: Results,
     intensity: str | None = None,
@@ -257,6 +266,7 @@ def fit_fragility(
         it, so that any deviation fits.
     """
     check_type("results", results, Results)
+    check_made(results)
     name = intensity or intensity_name(results)
     valid = made(results) & (results[name] > 0.0)
     if chosen is not None:
@@ -570,6 +580,7 @@ def ida_curves(results: Results) -> Curves:
     check_type("results", results, Results)
     if "intensity" not in results.study["grid"]:
         raise InputError("grid.intensity: missing, the curves need levels of intensity")
+    check_made(results)
     # one row of displacements for each column, motion, sample and other point of the grid
     levels = np.unique(results["intensity"])
     level = np.searchsorted(levels, results["intensity"])
@@ -652,7 +663,7 @@ def influences(results: Results) -> list[Influence]:
 
     # medians and shares at both ends of each parameter
     by_size = ranks(largest)
-    if np.ptp(by_size) == 0.0:  # all fell
+    if not valid.any() or np.ptp(by_size) == 0.0:  # none was made, or all fell
         return found
     for name in results.head["varied"]:
         values = results[name][valid]

@@ -35,6 +35,8 @@ from solver.studies import (
     Study,
     StudyError,
     chunks,
+    ida_curves,
+    influences,
     run_study,
 )
 from solver.studies.definition import axis
@@ -639,6 +641,28 @@ def test_results_of_another_study_are_refused(
     (folder / "block.toml").write_text(block.replace("name = ", "g = 9.0\nname = "), encoding="utf-8")
     assert main([*words, "study.toml"]) == 2
     assert "small.journal: holds another study, small (" in capsys.readouterr().err
+
+
+def test_a_study_none_of_whose_runs_can_be_made_says_why(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder)
+    text = (folder / "study.toml").read_text(encoding="utf-8")
+    text += '[random."joint.friction"]\ndistribution = "uniform"\nlow = 0.8\nhigh = 1.3\nrelative = true\n'
+    (folder / "study.toml").write_text(text, encoding="utf-8")
+    why = "joint.friction: the file has none that could be multiplied"
+    for action in ("run", "show"):
+        assert main(["study", action, "study.toml"]) == 0
+        out = capsys.readouterr().out
+        assert "0 overturned, 0 undecided, 24 that could not be made" in out
+        assert f"run 0: {why}" in out
+    for words in (["study", "plot"], ["risk", "--slope", "2", "--point", "0.2", "475", "--measure", "pga"]):
+        assert main([*words, "study.toml"]) == 2
+        assert f"small: none of 24 runs could be made, run 0: {why}" in capsys.readouterr().err
+    results = results_of(folder / "small.journal")
+    assert influences(results) == []
+    with pytest.raises(InputError, match="none of 24 runs could be made"):
+        ida_curves(results)
 
 
 # on a floor
