@@ -87,9 +87,14 @@ def _normal(
     quantile: FloatArray, mean: float, deviation: float, low: float = -np.inf, high: float = np.inf
 ) -> FloatArray:
     with needing("studies", "scipy"):
-        from scipy.special import ndtr, ndtri
-    first, last = ndtr((low - mean) / deviation), ndtr((high - mean) / deviation)
-    inside = ndtri(first + quantile * (last - first))
+        from scipy.special import log_ndtr, ndtr, ndtri, ndtri_exp
+    first, last = (low - mean) / deviation, (high - mean) / deviation
+    if first <= 0.0 <= last:
+        inside = ndtri(ndtr(first) + quantile * (ndtr(last) - ndtr(first)))
+    else:  # one tail, mirrored to the lower one, by logarithms: probabilities may be too small for a float
+        sign = 1.0 if last < 0.0 else -1.0
+        near, far = (log_ndtr(sign * end) for end in (first, last))
+        inside = sign * ndtri_exp(np.logaddexp(near + np.log1p(-quantile), far + np.log(quantile)))
     value: FloatArray = np.clip(mean + deviation * inside, low, high)
     return value
 

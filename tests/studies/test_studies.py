@@ -107,6 +107,24 @@ def test_samples_are_distributed_as_they_should(study: Study, sampling: str) -> 
             {"distribution": "normal", "mean": 2.0, "deviation": 0.5, "low": 1.5, "high": 4.0},
             stats.truncnorm(-1.0, 4.0, 2.0, 0.5),
         ),
+        # one tail alone
+        *(
+            (
+                {"distribution": "normal", "mean": 1.0, "deviation": 0.02, **ends},
+                stats.truncnorm(*((end - 1.0) / 0.02 for end in wanted), 1.0, 0.02),
+            )
+            for ends, wanted in (
+                ({"low": 1.2}, (1.2, np.inf)),
+                ({"low": 1.16, "high": 1.3}, (1.16, 1.3)),
+                ({"low": 1.001, "high": 1.01}, (1.001, 1.01)),
+                ({"high": 0.8}, (-np.inf, 0.8)),
+                ({"low": 0.1, "high": 0.2}, (0.1, 0.2)),
+            )
+        ),
+        (
+            {"distribution": "normal", "mean": 2.0, "deviation": 0.5, "low": 10.0, "high": 11.0},
+            stats.truncnorm(16.0, 18.0, 2.0, 0.5),
+        ),
     ],
 )
 def test_distributions(table: dict[str, Any], wanted: Any) -> None:
