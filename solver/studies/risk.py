@@ -98,7 +98,7 @@ class Hazard:
             k = int(np.argmax(wrong))
             here, after = (f"{h[i]:g} at {s[i]:g}" for i in (k, k + 1))
             raise InputError(f"hazard: rate {here}, {after}: must fall as the intensity grows")
-        between = -np.diff(np.log(h)) / np.diff(np.log(s))
+        between = np.diff(np.log(h[::-1]))[::-1] / np.diff(np.log(s))
         slopes = np.concatenate([between[:1], between, between[-1:]])
         return cls(Measure.from_text("measure", measure), s, h, slopes)
 

@@ -138,6 +138,12 @@ def test_wide_curves_and_close_points_give_numbers() -> None:
         risk(curve(0.5, 5.0), hazard)
 
 
+def test_a_hazard_of_equal_rates_has_no_slope_there() -> None:
+    hazard = Hazard.from_table("pga", [0.05, 0.1, 0.2], [0.05, 0.05, 0.01])
+    assert str(hazard).endswith("slopes 0 below and 2.32 above")
+    assert not np.any(np.signbit(hazard.slopes))
+
+
 def test_tables_are_read(tmp_path: Path) -> None:
     rates, periods, unnamed = (tmp_path / f"{name}.csv" for name in ("rates", "periods", "unnamed"))
     rates.write_text("PGA (g),annual rate\n" + "".join(f"{s},{h}\n" for s, h in zip(*TABLE, strict=True)))
