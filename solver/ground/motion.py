@@ -208,7 +208,8 @@ class Motion(Framed, NotebookRepr):
         """Return the motion with the ax of `vertical`, a record of one component, as its az.
 
         If the instants of the two differ, the motion has those of both, each component linear in between; every sample
-        is kept to the last bit. Beyond its own end the shorter component is zero from the next instant on.
+        is kept to the last bit. Before its own start and beyond its own end a component is zero; it gets there within
+        the shortest sampling interval.
 
         Raises InputError unless both are linear samples and this one has no az of its own.
         """
@@ -219,12 +220,10 @@ class Motion(Framed, NotebookRepr):
                 raise InputError(f"{name} motion: has az beside ax, must be one component")
         if vertical.has_ay:
             raise InputError("vertical motion: has ay beside ax, must be one component")
-        both = np.union1d(self.time, vertical.time)
-        same = SAME_INSTANT * min(np.min(np.diff(self.time)), np.min(np.diff(vertical.time)))
-        time = both[np.concatenate([[True], np.diff(both) > same])]
+        time, same = _instants_of_both(self.time, vertical.time)
         ax, az = _at_instants(time, self, same), _at_instants(time, vertical, same)
         ay = np.interp(time, self.time, self.ay, left=0.0, right=0.0)
-        return Motion(time, ax, az, float(time[-1] - time[0]), ay=ay, name=self.name)
+        return Motion(time, ax, az, float(time[-1] - time[0]), ay=ay, name=self.name, loads=self.loads)
 
     def with_across(self, across: Motion) -> Motion:
         """Return the motion with the ax of `across`, a record of one component, as its ay; see `with_vertical`."""
@@ -557,6 +556,26 @@ def _with_slopes(table: FloatArray, hold: bool) -> FloatArray:
     rows[1::2, :1] += lead
     rows[1::2, 1 : table.shape[1]] += slopes[:-1] * lead
     return rows
+
+
+def _instants_of_both(one: FloatArray, other: FloatArray) -> tuple[FloatArray, float]:
+    """Return the instants of two records, and the time (s) within which two instants count as one.
+
+    Where the next instant before the start or after the end of a record is farther away than the shortest sampling
+    interval, one at that interval is added.
+    """
+    shortest = float(min(np.min(np.diff(one)), np.min(np.diff(other))))
+    same = SAME_INSTANT * shortest
+
+    def merged(*parts: FloatArray) -> FloatArray:
+        instants = np.unique(np.concatenate(parts))
+        return instants[np.diff(instants, prepend=-math.inf) > same]
+
+    time = merged(one, other)
+    gaps = np.flatnonzero(np.diff(time) > shortest + same)
+    starts, ends = (np.searchsorted(time, [one[k] - same, other[k] - same]) for k in (0, -1))
+    after, before = time[np.intersect1d(gaps, ends)], time[np.intersect1d(gaps + 1, starts)]
+    return merged(time, after + shortest, before - shortest), same
 
 
 def _at_instants(time: FloatArray, motion: Motion, same: float) -> FloatArray:

@@ -316,7 +316,28 @@ def test_a_pair_of_different_steps_keeps_every_sample(one: float, other: float) 
         np.testing.assert_array_equal(values[beyond], 0.0)
     steps = np.diff(pair.time)
     assert np.min(steps) > 0.3 * min(one, other)  # no two instants that differ by rounding
+    assert len(pair.time) <= len(np.unique(np.round([*horizontal.time, *vertical.time], 9))) + 1  # at the end of one
     assert pair.end == pytest.approx(max(horizontal.end, vertical.end), rel=1e-14)
+
+
+def test_a_component_is_zero_before_its_start_and_beyond_its_end() -> None:
+    """Check records of 0 to 0.3 s and 5 to 5.5 s, with a shortest sampling interval of 0.05 s."""
+    one = Motion(np.array([0.0, 0.1, 0.2, 0.3]), np.array([1.0, 2.0, 3.0, 4.0]), np.zeros(4), 0.3)
+    other = Motion(np.array([5.0, 5.05, 5.15, 5.5]), np.array([1.0, 2.0, 3.0, 4.0]), np.zeros(4), 0.5)
+    for pair, values in ((one.with_vertical(other), "az"), (one.with_across(other), "ay")):
+        np.testing.assert_allclose(pair.time, [0, 0.1, 0.2, 0.3, 0.35, 4.95, 5, 5.05, 5.15, 5.5], rtol=1e-14)
+        np.testing.assert_array_equal(pair.ax, [1, 2, 3, 4, 0, 0, 0, 0, 0, 0])
+        np.testing.assert_array_equal(getattr(pair, values), [0, 0, 0, 0, 0, 0, 1, 2, 3, 4])
+    long = Motion(np.array([0.0, 2.0]), np.array([1.0, 3.0]), np.zeros(2), 2.0)
+    pair = one.with_vertical(long)
+    np.testing.assert_allclose(pair.time, [0.0, 0.1, 0.2, 0.3, 0.4, 2.0])
+    np.testing.assert_allclose(pair.ax, [1.0, 2.0, 3.0, 4.0, 0.0, 0.0])
+    np.testing.assert_allclose(pair.az, [1.0, 1.1, 1.2, 1.3, 1.4, 3.0])
+
+
+def test_a_shorter_record_of_the_same_step_needs_no_further_instant() -> None:
+    pair = Motion.from_samples(0.1, [1.0, 2.0]).with_vertical(Motion.from_samples(0.1, [3.0, 4.0, 5.0, 6.0]))
+    assert_same(pair, Motion.from_samples(0.1, [1.0, 2.0, 0.0, 0.0], [3.0, 4.0, 5.0, 6.0]))
 
 
 def test_scaled_to() -> None:
