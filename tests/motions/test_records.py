@@ -123,8 +123,14 @@ def test_a_third_plain_column_is_vertical(tmp_path: Path) -> None:
         (
             at2(units="VELOCITY TIME HISTORY IN UNITS OF CM/S"),
             {},
-            "line 3: 'VELOCITY TIME HISTORY IN UNITS OF CM/S': must",
+            "line 3: 'VELOCITY TIME HISTORY IN UNITS OF CM/S': must be accelerations",
         ),
+        (
+            at2(units="Velocity time series in units of G"),
+            {},
+            "line 3: 'Velocity time series in units of G': must be accelerations",
+        ),
+        (at2(units="DISPLACEMENT IN UNITS OF G"), {}, "line 3: 'DISPLACEMENT IN UNITS OF G': must be accelerations"),
         (at2().replace("\n", "\n\n", 1), {}, "no known header"),
         # ESM
         (esm().replace("UNITS: cm/s^2", "UNITS: mm/s^2"), {}, "line 13: units = 'mm/s^2': must be g, m/s2 or cm/s2"),

@@ -19,6 +19,8 @@ _SIZE = (
 )
 _UNITS = re.compile(r"\bunits\s+(of|are)\s+(g|\(g\))(?![\w/*])", re.IGNORECASE)
 
+_OTHER = re.compile(r"\b(veloc|displ)", re.IGNORECASE)  # quantities
+
 
 def recognised(lines: list[str]) -> bool:
     """Return True if the fourth line has NPTS and DT, as in AT2."""
@@ -28,11 +30,13 @@ def recognised(lines: list[str]) -> bool:
 def read(lines: list[str]) -> Record:
     """Read the record.
 
-    Raises InputError on wrong units, number of samples, step or value.
+    Raises InputError on another quantity, wrong units, number of samples, step or value.
     """
     if len(lines) < 4:
         count = len(lines) - (lines[-1] == "")
         raise InputError(f"{count} lines, must be 4 header lines and the samples")
+    if _OTHER.search(lines[2]):
+        raise InputError(f"line 3: {lines[2].strip()[:80]!r}: must be accelerations")
     if not _UNITS.search(lines[2]):
         raise InputError(f"line 3: {lines[2].strip()[:80]!r}: must say that the units are g, e.g. 'IN UNITS OF G'")
     size = _SIZE[0].match(lines[3]) or _SIZE[1].match(lines[3])
