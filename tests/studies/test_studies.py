@@ -198,6 +198,21 @@ def test_the_mass_of_a_tapered_block_follows_its_height() -> None:
     assert taller.across().blocks[0].mass == pytest.approx(taller.blocks[0].mass, rel=1e-12)
 
 
+def test_a_diameter_is_varied() -> None:
+    """Check a drum, tapered from 1 to 0.8 m over 2 m: volume pi h / 12 (D**2 + D d + d**2)."""
+    drum = {"height": 2.0, "section": "circle", "diameter": 1.0, "top_diameter": 0.8, "density": 2000.0}
+    joint = {"stiffness": 1e9, "damping": 1e-3, "diameter": 0.6}
+    column = Column.from_dict({"name": "c", "block": [{**drum, "joint": joint}]})
+    values = {"block.diameter": (1.2, False), "block[1].top_diameter": (0.5, True), "joint.diameter": (0.7, False)}
+    block = column_with(column, values).blocks[0]
+    assert (block.width, block.depth, block.top_width, block.top_depth, block.joint.width) == (1.2, 1.2, 0.4, 0.4, 0.7)
+    assert block.mass == pytest.approx(2000.0 * math.pi * 2.0 / 12.0 * (1.44 + 0.48 + 0.16), rel=1e-12)
+    square = Column.from_dict({"name": "c", "block": [STONE]})
+    for name in ("block.diameter", "joint.diameter"):
+        with pytest.raises(InputError, match="diameter: must be left out"):
+            column_with(square, {name: (0.5, False)})
+
+
 def test_a_given_mass_stays() -> None:
     """Check also that columns of equal numbers, one with a density and one with a mass, are told apart."""
     column = Column.from_dict({"name": "c", "block": [STONE]})

@@ -19,6 +19,7 @@ from typing import Any
 from ...common.errors import POSITIVE, InputError, check_number
 from ...common.ranges import NUMBERS, lengths_in
 from .block import Given
+from .file import ROUND
 from .model import Column
 
 _PARTS = re.compile(r"(block|joint)(?:\[([1-9]\d*)\])?\.([a-z_]+)")
@@ -126,7 +127,16 @@ def _set(data: dict[str, Any], name: str, number: float, relative: bool) -> None
     else:
         blocks = data["block"]
         for block in (blocks[i] for i in _which(name, len(blocks))):
-            _put(block if found[0] == "block" else block["joint"], name, found[2], number, relative)
+            table = block if found[0] == "block" else block["joint"]
+            for key in _keys(found[2], table, block):
+                _put(table, name, key, number, relative)
+
+
+def _keys(key: str, table: Mapping[str, Any], block: Mapping[str, Any]) -> list[str]:
+    """Return the keys of `Column.to_dict` for one of a block or its joint: of a diameter width and, if any, depth."""
+    if not key.endswith("diameter") or table.get("section", block["section"]) not in ROUND:
+        return [key]
+    return [key.replace("diameter", size) for size in (("width", "depth") if table is block else ("width",))]
 
 
 def _put(table: dict[str, Any], name: str, key: str, number: float, relative: bool) -> None:
