@@ -100,6 +100,16 @@ def test_repeated_drums_follow_the_profile_from_the_base_up() -> None:
     assert [(block.width, block.top_width) for block in blocks] == [(1.4, 1.0), (1.8, 1.4), (2.0, 1.8)]
 
 
+def test_a_load_has_no_inertia_of_its_own_across() -> None:
+    """Check a box of 1000 kg, 2 m high, 1 m wide, 3 m deep, under 500 kg at its top: across it is 3 m wide."""
+    box = {"height": 2.0, "width": 1.0, "depth": 3.0, "mass": 1000.0, "load": {"mass": 500.0}}
+    block = column(box).across().blocks[0]
+    middle = (1000.0 * 1.0 + 500.0 * 2.0) / 1500.0
+    own = 1000.0 * (4.0 + 9.0) / 12.0
+    assert block.resolved_centroid == pytest.approx(middle)
+    assert block.resolved_inertia == pytest.approx(own + 1000.0 * (middle - 1.0) ** 2 + 500.0 * (2.0 - middle) ** 2)
+
+
 def test_a_load_moves_the_centroid_up() -> None:
     block = column(DRUM | {"load": {"mass": 1000.0, "above": 0.5}}).blocks[0]
     alone = column(DRUM).blocks[0]
