@@ -107,7 +107,12 @@ def test_a_load_has_no_inertia_of_its_own_across() -> None:
     middle = (1000.0 * 1.0 + 500.0 * 2.0) / 1500.0
     own = 1000.0 * (4.0 + 9.0) / 12.0
     assert block.resolved_centroid == pytest.approx(middle)
-    assert block.resolved_inertia == pytest.approx(own + 1000.0 * (middle - 1.0) ** 2 + 500.0 * (2.0 - middle) ** 2)
+    beyond = 1000.0 * (middle - 1.0) ** 2 + 500.0 * (2.0 - middle) ** 2
+    assert block.resolved_inertia == pytest.approx(own + beyond)
+    # in space the load adds nothing about the vertical axis
+    plane = 1000.0 * (4.0 + 1.0) / 12.0
+    axes = np.array([own + beyond, plane + beyond, 1000.0 * (1.0 + 9.0) / 12.0])
+    assert np.diag(column(box).in_space().blocks[0].inertia) == pytest.approx(axes)
 
 
 def test_a_load_moves_the_centroid_up() -> None:

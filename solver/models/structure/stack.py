@@ -82,7 +82,8 @@ def _solid(name: str, block: planar.Block, foot: float) -> Solid:
     else:
         made = box(name, (block.width, block.depth), top, block.height, 1.0)
     made = placed(made, np.array([0.0, 0.0, foot]), np.eye(3))
-    inertia = made.inertia * (block.mass / made.mass)
+    load = block.given.load if block.given is not None and block.is_as_given else None
+    inertia = made.inertia * ((block.mass - (load.mass if load else 0.0)) / made.mass)
     beyond = block.resolved_inertia - inertia[1, 1]  # of a load, or as given: the same about both horizontal axes
     inertia = inertia + np.diag([beyond, beyond, 0.0])
     centroid = np.array([0.0, 0.0, foot + block.resolved_centroid])
