@@ -11,7 +11,7 @@ from ..common.errors import InputError
 from ..ground.motion import Motion
 from ..models.protocol import NoRestError
 from ..models.structure.model import Structure
-from ..models.structure.modes import frequencies_apart, touching
+from ..models.structure.modes import frequencies_at_rest, touching
 from ..models.structure.response import SpatialResponse
 from ..models.structure.rest import rest_of
 from .outcome import cracks, ensemble_lines, error_lines, verdict_line
@@ -33,18 +33,11 @@ def report(structure: Structure, motion: Motion) -> str:
     top = max(float(np.max(block.corners[:, 2])) for block in structure.blocks)
     parts = [f"{structure.n} blocks, {len(structure.joints)} joints, {len(structure.ties)} ties, {top:.4g} m"]
     if structure.n <= MOST_BLOCKS:
-        touch = _touch_at_rest(structure)
-        with suppress(NoRestError):  # some stand against their neighbours only
-            lowest = ", ".join(f"{value:.4g}" for value in frequencies_apart(structure)[:3])
-            parts.append(f"first natural frequencies{', as if no neighbours touched:' if touch else ''} {lowest} Hz")
+        with suppress(NoRestError):  # a run from another state needs none
+            lowest = ", ".join(f"{value:.4g}" for value in frequencies_at_rest(structure)[:3])
+            touch = np.any(touching(structure, rest_of(structure)))
+            parts.append(f"first natural frequencies{', with neighbours in touch:' if touch else ''} {lowest} Hz")
     return f"{structure.name}: {', '.join(parts)}\n{base_line(motion)}"
-
-
-def _touch_at_rest(structure: Structure) -> bool:
-    """Return True if neighbours touch at rest, False also where there is no stable rest."""
-    with suppress(InputError):
-        return bool(np.any(touching(structure, rest_of(structure))))
-    return False
 
 
 def summary(response: SpatialResponse) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
@@ -13,7 +13,6 @@ from ...common.aliases import Alias
 from ...common.errors import InputError, check_type
 from ...kernels.structure.layout import OF_BLOCK
 from ..outputs import places_of
-from ..protocol import NoRestError
 from ..response import ModeTable
 from .blocks.faces import FloatArray
 from .model import Structure
@@ -134,17 +133,6 @@ def frequencies_at_rest(structure: Structure) -> FloatArray:
     Raises InputError if the structure has no stable rest.
     """
     return _modes(structure, rest_of(structure)).frequency
-
-
-def frequencies_apart(structure: Structure) -> FloatArray:
-    """Return the natural frequencies, Hz (6 n,), as if there were no neighbours, even if some touch.
-
-    Raises InputError if the structure has no stable rest without them.
-    """
-    try:
-        return modes_in_space(replace(structure, neighbours=(), described=None)).frequency
-    except NoRestError as error:
-        raise NoRestError(f"{error}{' without its neighbours' if structure.neighbours else ''}") from None
 
 
 def touching(structure: Structure, rest: SpatialRest) -> NDArray[np.bool_]:
