@@ -14,11 +14,10 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ["MULTIBLOCK_COMPILES"] = "1"  # of this process, whose tests compile kernels: numba_ext/jit.py takes it out
 
 from support.fmus import DAMPED, LINUX, PHOCAS, ROOT, Fmus, built_once, run
+from support.groups import OF_LONG_TESTS
 
 from solver.kernels.machine.groups import GROUPS
 from solver.kernels.machine.making import make
-
-OF_LONG_TESTS = ("lanes_round_slipping", "lanes_strips", "lanes_rims")  # groups that no other tests need
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.groups import OF_LONG_TESTS
 
 from solver.kernels.layout import spaces as at
 from solver.kernels.machine.entry import entries_of
@@ -19,7 +20,9 @@ from solver.kernels.numba_ext.views import FieldTable, row_of
 _phase = at.PHASE.over
 
 
-@pytest.mark.parametrize("group", GROUPS)
+@pytest.mark.parametrize(
+    "group", [pytest.param(group, marks=[pytest.mark.long] * (group in OF_LONG_TESTS)) for group in GROUPS]
+)
 def test_machine_code_calls_nothing_of_numbas_runtime(group: str) -> None:
     import_module(f"solver.kernels.{GROUPS[group].module}")
     names = [entry.__name__.encode() for entry in entries_of(group)]
