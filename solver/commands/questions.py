@@ -74,9 +74,10 @@ def parsed(key: str, text: str, limits: Limits) -> float:
         raise InputError(with_point(text) or f"{key} = {text}: must be {meaning}") from None
     if value > most and limits in (SIZE, HEIGHT) and value < 1e3 * most:
         meaning += f"; {text} mm are {1e-3 * value:g}"
+    value = check_number(key, value, (least, most), meaning)
     if meaning.startswith("a whole number") and value != round(value):
         raise InputError(f"{key} = {text}: must be {meaning}")
-    return check_number(key, value, (least, most), meaning)
+    return value
 
 
 def answer_to(text: str, usual: str) -> str:

@@ -273,6 +273,8 @@ def test_survey(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.
             "isolated, casks; did you mean drums?",
         ),
         (("drums", "", "2.5", "", "", ""), "2.5: must be a whole number from 1 to 1000"),
+        (("drums", "", "nan", "", "", ""), "nan: must be a whole number from 1 to 1000"),
+        (("drums", "", "-inf", "", "", ""), "-inf: must be a whole number from 1 to 1000"),
         (("drums", "", "2", "tall"), "height of all drums together (m) = tall: must be a positive length in m"),
         (("drums", ""), "number of drums: no answer, the input has ended"),
         (("statue", "", "1800"), "(m) = 1800.0: must be a positive length in m, from 0.01 to 30; 1800 mm are 1.8"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import product
-from math import cos, sin, sqrt, tan
+from math import cos, isnan, nan, sin, sqrt, tan
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,9 @@ from support.off_axis import changed, crooked, reference_rest
 from support.probe import PHOCAS_STIFFNESS, G, phocas
 
 from solver import Block, Column, InitialState, InputError, Joint, Motion, Settings, simulate
+from solver.kernels.engine.control import worse
 from solver.kernels.layout import spaces as at
+from solver.kernels.numba_ext.jit import from_python
 from solver.models.column.kinematics import Chain
 from solver.models.column.leaning import PARTS, SAFE, least_energy
 from solver.models.column.linearization import StillColumn
@@ -357,3 +359,27 @@ def test_toml_has_offset_inclination_and_tilt() -> None:
     assert column == changed(shaft(), 1, tilt=-0.01, offset=0.1, inclination=0.02)
     assert Column.from_dict(column.to_dict()) == column
     assert column.blocks[0].joint.stiffness == PHOCAS_STIFFNESS
+
+
+@pytest.mark.parametrize("amplitude", [14.0, 16.75])  # m/s2: trial steps of both end without a number
+def test_a_trial_step_that_fails_is_rejected(amplitude: float) -> None:
+    """Shake a stiff block off its axis up and down until it flies, and compare two tolerances."""
+    joint = {"stiffness": 2e10, "damping": 3.5e-3, "offset": 0.019}
+    block = {"width": 0.7, "depth": 0.7, "height": 0.8, "density": 2500.0, "joint": joint}
+    column, t = Column.from_dict({"name": "lean", "block": [block]}), np.arange(0.0, 4.0, 0.005)
+    pulse = amplitude * np.exp(-((t - 2.0) ** 2)) * np.minimum(1.0, t)
+    motion = Motion.from_samples(0.005, pulse * np.sin(12.0 * t), az=0.4 * pulse * np.sin(9.0 * t))
+    found, fine = (simulate(column, motion, settle=0.0, tolerance=tolerance) for tolerance in (1e-5, 1e-9))
+    assert found.peak_top_ux == pytest.approx(fine.peak_top_ux, rel=1e-4)  # measured: 2e-6
+
+
+@from_python
+def worse_of(largest: float, error: float) -> float:
+    """Call `worse`."""
+    return worse(largest, error)
+
+
+def test_the_worse_error_is_no_number_if_either_is_none() -> None:
+    assert (worse_of(1.0, 2.0), worse_of(2.0, 1.0), worse_of(0.0, 0.0)) == (2.0, 2.0, 0.0)
+    assert isnan(worse_of(nan, 0.0))
+    assert isnan(worse_of(0.0, nan))

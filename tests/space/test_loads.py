@@ -325,3 +325,9 @@ def test_a_study_varies_the_scale_of_loads(tmp_path: Path) -> None:
     study = Study("push", "sweep", (block(),), (none,), grid={"motion.load_scale": (1.0, 2.0)})
     with pytest.raises(InputError, match=r"motion.load_scale: still has no loads"):
         study.run(0)
+
+
+def test_a_pattern_has_no_direction() -> None:
+    for given in ({"direction": 1.0}, {"vertical": 0.3}):
+        with pytest.raises(InputError, match="pattern: must be given without direction and vertical"):
+            push_over(block(), pattern={"top.Fx": 1.0}, **given)

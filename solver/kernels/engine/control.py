@@ -109,6 +109,12 @@ def growth(previous_error, error, per_order):
 
 
 @leaf
+def worse(largest, error):
+    """Return the larger of two errors; NaN if either is."""
+    return where((error <= largest) | (largest != largest), largest, error)
+
+
+@leaf
 def shared(step, left):
     """Return the next step (s) of the `left` s that remain: all of them, two equal steps, or `step`."""
     return where(2.0 * step > left, where(step * (1.0 + SLACK) >= left, left, 0.5 * left), step)

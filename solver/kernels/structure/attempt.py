@@ -8,6 +8,7 @@ from typing import Any
 
 from ..engine import dormand_prince as dp
 from ..engine import order_8
+from ..engine.control import worse
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, greater, index_of, lesser, magnitude, square_root, where, zero_like
 from ..numba_ext.views import packs, packs_of
@@ -148,12 +149,6 @@ def square_of(x, y, z):
 def size_of(x, y, z):
     """Return the norm of a vector."""
     return square_root(square_of(x, y, z))
-
-
-@leaf
-def worse(largest, error):
-    """Return the larger error, propagating NaN."""
-    return where((error <= largest) | (largest != largest), largest, error)
 
 
 @leaf

@@ -9,8 +9,9 @@ starts abruptly, leaves steps smooth. Pairs that are apart are not evaluated.
 
 import math
 
+from ..engine.control import worse
 from ..numba_ext.jit import kernel, leaf
-from ..numba_ext.lanes import greater, magnitude, zero_like
+from ..numba_ext.lanes import magnitude, zero_like
 from .bodies import energy_of_bodies, gap_of_bodies, least_gap_of_bodies, load_bodies, may_press
 from .drum_contact import gap_before_face, gap_of_drums, load_drum_before_face, load_drums
 from .kinematics import dot, minus, plus, push
@@ -132,7 +133,7 @@ def error_of_pairs(scene, errors):
     """Return the largest error of a pair stretch, m."""
     z, largest = stretches_in(scene, errors), zero_like(scene.settings.tolerance)
     for p in range(scene.extras.met):
-        largest = greater(largest, magnitude(z.z1[p]) + magnitude(z.z2[p]) + magnitude(z.z3[p]))
+        largest = worse(largest, magnitude(z.z1[p]) + magnitude(z.z2[p]) + magnitude(z.z3[p]))
     return largest
 
 

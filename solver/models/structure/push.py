@@ -158,7 +158,7 @@ def push_over(
         Upward part of the push relative to the horizontal one.
     pattern : mapping or None
         Loads on ports in place of the acceleration, as {"roof.Fx": 1000.0} (N, N m); then their factor grows, and
-        `acceleration` is that factor.
+        `acceleration` is that factor. Without direction and vertical.
 
     Raises
     ------
@@ -170,6 +170,8 @@ def push_over(
     check_number("vertical", vertical, FINITE, "a ratio, upwards positive")
     if not structure.weight > 0.0:
         raise InputError(f"{structure.name}: g = {structure.g}: must be positive, without weight nothing stands")
+    if pattern is not None and (direction or vertical):
+        raise InputError("pattern: must be given without direction and vertical, loads take the place of the push")
     loads = None if pattern is None else pattern_of(pattern, [port.name for port in structure.ports])
     path = EquilibriumPath(structure, np.array([math.cos(direction), math.sin(direction), float(vertical)]), loads)
     ends = path.follow()

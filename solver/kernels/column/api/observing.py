@@ -33,6 +33,10 @@ def _motion_of_snapshot(column, snapshot, t):
         if column.counts.overturned > 0:
             t = min(t, column.state.control.overturn_time)
         enter(column.base, column.samples, t)
+        # the last instant of the record has its last loads
+        last = column.samples.size - 1
+        if last > 0 and t == column.samples.times[last]:
+            column.base.segment = last - 1.0
         push_ports(column, t)
     return Motion(ax, az, 0.0, 0.0, 0.0)
 

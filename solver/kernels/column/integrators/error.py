@@ -1,14 +1,9 @@
 """The norm of an error, for the step control of every integrator."""
 
+from ...engine.control import worse
 from ...numba_ext.jit import leaf
-from ...numba_ext.lanes import magnitude, where
+from ...numba_ext.lanes import magnitude
 from ..joint.sliding import can_slide
-
-
-@leaf
-def _larger(error, part):
-    """Return the larger of two errors, propagating NaN."""
-    return where(part <= error, error, part)
 
 
 @leaf
@@ -26,14 +21,14 @@ def error_in_tolerances(column, difference):
     for i in range(column.model.n):
         # rotations and openings, and their rates
         open_ = blocks.per_open_size[i]
-        error = _larger(error, magnitude(difference.theta[i]))
-        error = _larger(error, magnitude(difference.opening[i]) * open_)
-        rate_error = _larger(rate_error, magnitude(difference.theta_rate[i]))
-        rate_error = _larger(rate_error, magnitude(difference.opening_rate[i]) * open_)
+        error = worse(error, magnitude(difference.theta[i]))
+        error = worse(error, magnitude(difference.opening[i]) * open_)
+        rate_error = worse(rate_error, magnitude(difference.theta_rate[i]))
+        rate_error = worse(rate_error, magnitude(difference.opening_rate[i]) * open_)
         # slips as rotations
         if can_slide(column.model):
             slip = column.model.settings.per_slip
-            error = _larger(error, magnitude(difference.slip[i]) * slip)
-            rate_error = _larger(rate_error, magnitude(difference.slip_rate[i]) * slip)
+            error = worse(error, magnitude(difference.slip[i]) * slip)
+            rate_error = worse(rate_error, magnitude(difference.slip_rate[i]) * slip)
     # relative to the largest rotation and the largest rate so far
-    return _larger(error / (tolerance * control.rotation_scale), rate_error / (tolerance * control.rate_scale))
+    return worse(error / (tolerance * control.rotation_scale), rate_error / (tolerance * control.rate_scale))
