@@ -144,7 +144,8 @@ def _checks(column: Column) -> list[RangeCheck]:
             if rule.of_joint and rule.key not in joint_parameters(column):  # kept as built
                 continue
             name = f"joint[{i}].{rule.key}" if rule.of_joint else f"block[{i}].{rule.key}"
-            bound = f"block[{i}].{rule.bound}" if rule.bound else ""
+            free = rule.key == "centroid" and block.is_loaded  # that of body and load
+            bound = f"block[{i}].{rule.bound}" if rule.bound and not free else ""
             limits, meaning = NUMBERS[rule.key]
             if rule.key in at.OTHER_LAW and not knows_section(rule.key, block):
                 limits, meaning = (0.0, 0.0), "left out: it is for other sections of the contact"

@@ -137,7 +137,7 @@ def from_zero(texts: Sequence[str], time: FloatArray) -> tuple[FloatArray, str]:
     warning : str
         A line that reports the shift, or "".
     """
-    if len(time) < 2 or not np.spacing(np.max(np.abs(time))) > MOST_ROUNDED * np.min(np.diff(time)):
+    if len(time) < 2 or time[0] == 0.0 or not np.spacing(np.max(np.abs(time))) > MOST_ROUNDED * np.min(np.diff(time)):
         return time, ""
     exact = [Decimal(text.strip().upper().replace("D", "E")) for text in texts]
     made = np.array([float(value - exact[0]) for value in exact])

@@ -119,6 +119,11 @@ def test_a_load_moves_the_centroid_up() -> None:
     block = column(DRUM | {"load": {"mass": 1000.0, "above": 0.5}}).blocks[0]
     alone = column(DRUM).blocks[0]
     assert block.mass == alone.mass + 1000.0
+    # a heavy load may raise it above the block
+    block = column({"height": 0.8, "width": 2.0, "depth": 2.0, "mass": 7000.0, "load": {"mass": 12e3, "above": 0.4}})
+    assert block.blocks[0].resolved_centroid == pytest.approx((7000.0 * 0.4 + 12e3 * 1.2) / 19e3)
+    assert block.in_space().blocks[0].centroid[2] == pytest.approx(block.blocks[0].resolved_centroid)
+    block = column(DRUM | {"load": {"mass": 1000.0, "above": 0.5}}).blocks[0]
     assert block.resolved_centroid == pytest.approx((alone.mass * 1.0 + 1000.0 * 2.5) / block.mass)
 
 
@@ -143,7 +148,8 @@ WRONG = [
     ({"section": "rectangle", "width": 1.5, "depth": 1.5}, "block[1].diameter: must be left out"),
     ({"repeat": 0}, "block[1].repeat = 0: must be a whole number from 1 to 1000"),
     ({"load": 3.0}, "block[1].load = 3.0: must be a table with the keys mass, above"),
-    ({"load": {"mass": 1e5, "above": 9.0}}, "block[1].centroid"),
+    ({"load": {"mass": -1e5, "above": 9.0}}, "block[1].load.mass = -100000.0: must be a positive mass in kg"),
+    ({"load": {"mass": 1e5}, "centroid": 2.5}, "block[1].centroid = 2.5: must lie below the top face"),
     ({"joint": {"diameter": 1.6}}, "block[1].joint.width = 1.6: must not exceed the block's width = 1.5 m"),
     ({"joint": {"depth": 1.0}}, "block[1].joint.depth: must be left out, a round contact has a diameter"),
     ({"joint": {"strips": [1.0]}}, 'block[1].joint.strips = (1.0,): must be left out, or section = "strips"'),

@@ -118,6 +118,8 @@ def test_times_that_keep_their_digits_stay(tmp_path: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert read(tmp_path, rows_of(5000.0 + TIME, IN_G), units="g").start == 5000.0
+        # nothing to shift, however close two times are
+        assert read(tmp_path, "time,base.ax\n0,0\n1e-11,1\n100,0\n").start == 0.0
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from support.fmus import ROOT
 
 from multiblock import Structure
 from solver import Column, InputError, Motion, simulate
+from solver.ground import wavelets
 from solver.models.structure.blocks.shapes import turned
 from solver.plotting.scene.bodies import normal_of, parts_of, scene_of, walls_of
 from solver.plotting.scene.gltf import animated, still
@@ -184,6 +185,15 @@ def test_the_base_moves_by_its_displacement_without_drift() -> None:
     path = _path_of_base(Motion.harmonic(2.0, 2.0, 20.0), np.linspace(0.0, 20.0, 4001))
     assert np.max(np.abs(path[200:-200, 0])) == pytest.approx(2.0 / (4.0 * np.pi) ** 2, rel=0.1)
     assert np.max(np.abs(path[:, 1:])) == 0.0
+
+
+def test_a_base_that_comes_to_rest_where_it_began_keeps_its_motion() -> None:
+    """Compare with a Ricker pulse of acceleration integrated twice: -A exp(-s^2) / (2 pi^2 f^2), s = pi f t."""
+    motion, frequency = wavelets.ricker(4.9, 1.5), 1.5
+    path = _path_of_base(motion, motion.time)[:, 0]
+    about = motion.time - motion.time[np.argmax(motion.ax)]
+    exact = -4.9 / (2.0 * (np.pi * frequency) ** 2) * np.exp(-((np.pi * frequency * about) ** 2))
+    assert np.max(np.abs(path - exact)) < 1e-3 * np.max(np.abs(exact))
 
 
 def test_a_mesh_keeps_its_shape_in_few_triangles() -> None:

@@ -138,6 +138,11 @@ class Block:
         return replace(made, mass=mass, centroid=centroid, inertia=inertia)
 
     @property
+    def is_loaded(self) -> bool:
+        """True if a load rests on the block."""
+        return self.given is not None and self.given.load is not None
+
+    @property
     def is_as_given(self) -> bool:
         """True if mass, centroid and inertia still follow from `given`: no copy of the block has others."""
         return self.given is not None and self == self.derived(self.given)
@@ -284,7 +289,12 @@ def check_block(key: str, block: object) -> None:
         raise InputError(f"{key}.bore: missing, must be {NUMBERS['bore'][1]}: the inner diameter")
     narrowest = min(block.width, block.top_width or block.width)
     _check_bore(key, block.bore, block.section, narrowest)
-    _check_rules(key, block, tuple(rule for rule in BLOCK_RULES if rule not in sizes))
+    rules = tuple(rule for rule in BLOCK_RULES if rule not in sizes)
+    body = block
+    if block.is_loaded:  # the common centroid may be above the body
+        check(f"{key}.centroid", block.resolved_centroid)
+        body = replace(block, centroid=block.given.centroid if block.given else None)
+    _check_rules(key, body, rules)
     # the contact face
     _check_bore(f"{key}.joint", block.joint.bore, SECTIONS[block.joint_section], block.joint_width)
     if block.joint_section == ANNULUS:

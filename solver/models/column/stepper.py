@@ -281,13 +281,22 @@ class Stepper:
         chunk = CHUNK * float(step) / (EVALUATIONS_PER_FIRST_STEP * self.n)
         done = begun = self._work_done
         whole = stop - t
-        most = most_work(settings, whole)  # of all chunks: each has its own limit in the kernel
+        most, lost = most_work(settings, whole), 0  # of all chunks: each has its own limit in the kernel
+        changing = self.arrays.state, self.arrays.counts, self.arrays.base
         while t < stop:
             left = stop - t
             pieces = math.ceil(left / chunk)
             end = stop if pieces <= 1 else t + (left / pieces if pieces <= 4 else chunk)  # avoids a tiny last step
-            before = done
+            before, kept = done, [array.copy() for array in changing]
             code = self._run(t, end - t, record, times, snapshots, peaks)
+            if code == at.CALL_TOO_LONG:  # the chunk has grown while little happened: go back and try a shorter one
+                lost += self._work_done - before
+                if lost > most:
+                    raise self._work_error(self._work_done, 1.0 - (stop - t) / whole)
+                for array, values in zip(changing, kept, strict=True):
+                    array[:] = values
+                chunk = LEAST_CHANGE * (end - t)
+                continue
             if code == at.TOO_MUCH_WORK:  # the limit of a chunk
                 raise self._work_error(self._work_done, 1.0 - (stop - t) / whole)
             self._check(code, None)
