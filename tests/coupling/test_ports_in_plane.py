@@ -284,6 +284,6 @@ def toml(column: Column) -> str:
     return (
         f'name = "{data["name"]}"\n[joint]\nstiffness = {joint["stiffness"]}\ndamping = {joint["damping"]}\n'
         f"[solver]\ntolerance = {data['solver']['tolerance']}\n[[block]]\nheight = {block['height']}\n"
-        f"width = {block['width']}\ndepth = {block['depth']}\nmass = {block['mass']!r}\n"
+        f"width = {block['width']}\ndepth = {block['depth']}\nmass = {column.blocks[0].mass!r}\n"
         f'[[port]]\nname = "{port["name"]}"\nblock = "{port["block"]}"\nat = {port["at"]}\n'
     )
