@@ -102,6 +102,9 @@ def structure_variables(
     row = [
         replace(output, depends_on=direct[output.name], initially=None if direct[output.name] else ()) for output in row
     ]
+    # before the first step extremes are those of the outputs
+    followed = [bool(direct.get(peak.name.rpartition("_")[0])) for peak in peaks]
+    peaks = [replace(peak, initially=None if follows else ()) for peak, follows in zip(peaks, followed, strict=True)]
     parameters = [
         parameter_of(DAMPING_SCALE, "", "Factor on the damping of all joints and ties", 1.0, DAMPING_SCALE_LIMITS[0]),
         tolerance_of(structure.tolerance),

@@ -10,7 +10,7 @@ A variable's value reference is its own number, never its index in the table (re
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
@@ -150,6 +150,8 @@ _DIRECT |= dict.fromkeys(("N", "M", "contact", "sigma_max", "share"), TURNING)
 _DIRECT_OF_PORT = {"x": TURNED, "z": TURNED, "vx": TURNING, "vz": TURNING}
 LARGEST = "Largest absolute value of the motion so far"
 LEAST = "Least value of the motion so far"
+EXTREMES = ("peak", "least")  # ends of their names
+OF_FORCES = "joint[1].T"  # depends on all that forces do
 _SPLIT = "of the base reaction (Fx, Fz, My) = R0 - m (ax, az, alpha)"
 _MASS = "Effective mass met by the base, {} " + _SPLIT
 # the split of the reaction in the order of the kernels (layout/spaces.py, SPLIT): unit, description, the inputs that it
@@ -269,7 +271,8 @@ def variables(column: Column, record: str = "", reads_files: bool = True, drive:
     numerical = ("solver.step", "solver.tolerance", "solver.without", SLOPE_OF_BASE)
     described = tuple(item.name for item in parameters if item.name not in (*numerical, RECORD, RECORD_SCALE))
     inputs = [*INPUTS, *of_ports, *(drive.inputs() if drive else ())]
-    return [*inputs, *(_with_initial(output, column.n, described) for output in outputs), *parameters]
+    outputs = [_with_initial(output, column.n, described) for output in outputs]
+    return [*inputs, *_with_initial_extremes(outputs), *parameters]
 
 
 def with_real_outputs(table: list[Variable]) -> list[Variable]:
@@ -289,6 +292,17 @@ def _direct(name: str, n: int) -> tuple[str, ...]:
         return _DIRECT_OF_PORT.get(quantity, MOVING)
     inputs = _DIRECT.get(quantity or name, MOVING)
     return () if inputs == TURNING and place != f"joint[{n}]" else inputs
+
+
+def _with_initial_extremes(outputs: Sequence[Variable]) -> Iterator[Variable]:
+    """Return the outputs; before the first step an extreme depends on what its output does, one without on forces."""
+    by_name = {output.name: output for output in outputs}
+    for output in outputs:
+        name, _, extreme = output.name.rpartition("_")
+        if extreme in EXTREMES:
+            initially = by_name.get(name, by_name[OF_FORCES]).initially
+            output = replace(output, initially=None if initially is None else (*initially, "solver.without"))
+        yield output
 
 
 def _with_initial(output: Variable, n: int, described: tuple[str, ...]) -> Variable:
