@@ -28,6 +28,7 @@ from .variables import (
     driven_outputs,
     input_of,
     inputs_of,
+    name_behind,
     numbered,
     of_record,
     outcome,
@@ -103,8 +104,7 @@ def structure_variables(
         replace(output, depends_on=direct[output.name], initially=None if direct[output.name] else ()) for output in row
     ]
     # before the first step extremes are those of the outputs
-    followed = [bool(direct.get(peak.name.rpartition("_")[0])) for peak in peaks]
-    peaks = [replace(peak, initially=None if follows else ()) for peak, follows in zip(peaks, followed, strict=True)]
+    peaks = [replace(peak, initially=None if direct.get(name_behind(peak.name)) else ()) for peak in peaks]
     parameters = [
         parameter_of(DAMPING_SCALE, "", "Factor on the damping of all joints and ties", 1.0, DAMPING_SCALE_LIMITS[0]),
         tolerance_of(structure.tolerance),

@@ -294,12 +294,17 @@ def _direct(name: str, n: int) -> tuple[str, ...]:
     return () if inputs == TURNING and place != f"joint[{n}]" else inputs
 
 
+def name_behind(extreme: str) -> str:
+    """Return the name of the output of an extreme, as block[2].ux of block[2].ux_peak; "" if it is none."""
+    name, _, end = extreme.rpartition("_")
+    return name if end in EXTREMES else ""
+
+
 def _with_initial_extremes(outputs: Sequence[Variable]) -> Iterator[Variable]:
     """Return the outputs; before the first step an extreme depends on what its output does, one without on forces."""
     by_name = {output.name: output for output in outputs}
     for output in outputs:
-        name, _, extreme = output.name.rpartition("_")
-        if extreme in EXTREMES:
+        if name := name_behind(output.name):
             initially = by_name.get(name, by_name[OF_FORCES]).initially
             output = replace(output, initially=None if initially is None else (*initially, "solver.without"))
         yield output
