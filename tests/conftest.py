@@ -2,7 +2,6 @@
 
 import os
 import signal
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -13,8 +12,9 @@ from hypothesis import settings
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ["MULTIBLOCK_COMPILES"] = "1"  # of this process, whose tests compile kernels: numba_ext/jit.py takes it out
 
-from support.fmus import DAMPED, LINUX, PHOCAS, ROOT, Fmus, built_once, run
+from support.fmus import DAMPED, HERE, LINUX, PHOCAS, ROOT, Fmus, building, built_once, run
 from support.groups import OF_LONG_TESTS
+from support.inside.this_processor import carry_for_this_processor
 
 from solver.kernels.machine.groups import GROUPS
 from solver.kernels.machine.making import make
@@ -25,6 +25,9 @@ def pytest_configure(config: pytest.Config) -> None:
     ignore it.
     """
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    if is_quick(config):
+        os.environ[HERE] = "1"
+        carry_for_this_processor()
     # many columns of the tests are drawn at random, or odd on purpose; pytest would import the solver too early for it
     config.addinivalue_line("filterwarnings", "ignore::solver.common.errors.InputWarning")
 
@@ -32,8 +35,12 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Make the machine code of most tests once, before each worker begins to."""
     if session.config.getoption("numprocesses", None):
-        quick = "not long" in session.config.getoption("markexpr")
-        make([group for group in GROUPS if not (quick and group in OF_LONG_TESTS)])
+        make([group for group in GROUPS if not (is_quick(session.config) and group in OF_LONG_TESTS)])
+
+
+def is_quick(config: pytest.Config) -> bool:
+    """Return True if no long test is asked for."""
+    return "not long" in config.getoption("markexpr")
 
 
 settings.register_profile("any machine", deadline=None)  # however busy it is: nothing is timed here
@@ -106,4 +113,4 @@ def native_coupled(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def coupling(folder: Path, *options: str) -> str:
     """Build the coupled systems by the example's own command, for Linux."""
     program = ROOT / "examples" / "coupling" / "build.py"
-    return run(sys.executable, program, "-o", folder, "--platforms", "linux64", *options)
+    return run(*building(program), "-o", folder, "--platforms", "linux64", *options)

@@ -66,6 +66,7 @@ def test_processes_that_start_together_do_not_disturb_each_other(fmus: Fmus, tmp
     assert len({displacement(process) for process in processes}) == 1
 
 
+@pytest.mark.long  # quick tests build them for this processor alone
 def test_it_carries_libraries_for_every_platform(fmus: Fmus) -> None:
     pytest.importorskip("ziglang", reason="needs the extra native")
     with zipfile.ZipFile(fmus.damped) as archive:
