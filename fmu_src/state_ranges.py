@@ -100,7 +100,7 @@ STRUCTURE_STATE: Described = {
 }
 POLYGON: Described = {"corners": Range(0.0, space.MOST_BONDED, True)}  # number, before the corners of each of `bonded`
 STRUCTURE_COUNTS: Described = {
-    **_all(("steps", "rejected", "evaluations", "looks", "fallen", "next_row"), COUNT),
+    **_all(("steps", "rejected", "evaluations", "looks", "fallen", "left", "next_row"), COUNT),
     **_all(
         ("elastic_steps", "elastic_wait", "in_a_row", "stabilized_steps", "stabilized_wait", "stabilized_pause"), COUNT
     ),
@@ -202,7 +202,8 @@ def of_structure(sizes: space.Sizes, bodies_drive: bool = False) -> Ranges:
     for polygon in places.bonded.reshape(sizes.bonds, space.OF_POLYGON.size(1)):
         for name, value in POLYGON.items():
             found[getattr(space.BONDED.see(polygon), name)] = value
-    counts = _runs(space.COUNTS, 0, STRUCTURE_COUNTS, {"fallen": Range(0.0, sizes.n, True)})
+    numbered = {"fallen": Range(0.0, sizes.n, True), "left": Range(0.0, sizes.b, True)}
+    counts = _runs(space.COUNTS, 0, STRUCTURE_COUNTS, numbered)
     base = _runs(space.INPUT_MOTION, sizes, _of_base(STRUCTURE_BASE, bodies_drive))
     return Ranges(_packed(found), counts, base)
 

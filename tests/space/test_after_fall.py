@@ -185,3 +185,50 @@ def test_a_run_whose_fall_is_late_goes_on_beyond_its_end() -> None:
     some = simulate(SHOWCASE, motion, after_fall=3.0, ensemble=3).ensemble
     assert some is not None
     assert some.ux.shape[1] == rows
+
+
+def on_rubber(post: bool = True, **bearing: float) -> Structure:
+    """Return a slab on four bolted rubber bearings, and a slender post far from it."""
+    rubber = {"kind": "elastomeric", "diameter": 0.2, "vertical_stiffness": 2e7, "vertical_damping": 1e-3}
+    rubber |= {"stiffness": 6e3, "damping": 860.0, "capacity": 1.0, "tension": True, **bearing}
+    at = [[x, y, 0.3] for x, y in ((-0.6, -0.6), (0.6, -0.6), (0.6, 0.6), (-0.6, 0.6))]
+    slab = {"name": "slab", "position": [0.0, 0.0, 0.3], "width": 1.6, "depth": 1.6, "height": 0.4, "density": 2500.0}
+    sizes = {"width": 0.3, "depth": 0.3, "height": 2.0, "density": 2500.0}
+    posts = [{"name": "post", "on": "base", "at": [20.0, 0.0], **sizes}] if post else []
+    return Structure.from_dict(
+        {
+            "name": "isolated",
+            "joints": {"stiffness": 1e9, "damping": 2e-3, "friction": 0.6},
+            "neighbours": {"stiffness": 5e7, "restitution": 0.3, "friction": 0.3, "reach": 0.3},
+            "block": [slab, *posts],
+            "bearing": [{**rubber, "between": ["slab", "base"], "at": at}],
+        }
+    )
+
+
+def test_bearings_carry_on_up_to_their_capacity() -> None:
+    motion = Motion.harmonic(3.0, 0.5, 6.0)
+    found = simulate(on_rubber(), motion, after_fall=3.0)
+    assert found.what_fell == "block post"
+    assert 0.5 < np.max(found.peaks["d"]) < 1.0  # m, far beyond a third of the diameter
+    assert abs(found.uz[-1, 0]) < 1e-3  # m: the slab is on its bearings
+    assert found.debris is not None
+    assert found.debris.hits == ("post-base",)
+    stands = simulate(on_rubber(post=False), motion)
+    goes_on = found.time < found.overturn_time + 3.0
+    assert np.max(np.abs(found.ux[goes_on, 0] - stands.ux[goes_on, 0])) < 1e-5  # m, measured 2e-7
+
+
+def test_the_reason_is_that_of_the_first_fall() -> None:
+    """Check what is said of a post that falls before its neighbour comes off a bearing, and after it."""
+    first, motion = on_rubber(diameter=0.9, stiffness=4e4, capacity=0.06), Motion.harmonic(3.0, 0.5, 6.0)
+    for after in (None, 3.0):
+        found = simulate(first, motion, after_fall=after)
+        assert found.what_fell == "block slab off the bearing slab-base.1"
+    time = np.arange(0.0, 10.0, 0.01)
+    shaken = np.where(time < 2.0, 3.0 * np.sin(np.pi * time), 4.5 * np.sin(2.52 * np.pi * time))
+    later = simulate(
+        on_rubber(diameter=0.9, stiffness=4e4, capacity=0.2), Motion.from_samples(0.01, shaken), after_fall=5.0
+    )
+    assert later.what_fell == "block post"
+    assert np.max(later.peaks["d"]) == pytest.approx(0.2, abs=2e-3)  # m: then the slab comes off too

@@ -11,7 +11,7 @@ from space.test_beds import SCALE, exact_bed
 from space.test_overlap import BOX, DRUM, SHAPES, bed, by_quadrature, check_forces, check_lanes, drawn, moved, two
 from support.structures import law_on_edge, with_law
 
-from multiblock import Motion, SpatialState, Structure, simulate
+from multiblock import Column, Motion, SpatialState, Structure, simulate
 from solver.common.errors import InputError
 from solver.models.structure.blocks.faces import FloatArray, clipped, polygon_moments
 
@@ -194,3 +194,27 @@ def test_a_block_on_a_rim_loses_what_housners_block_loses() -> None:
     print("RESTITUTION", found)
     assert found[0] == pytest.approx(0.9118, rel=5e-3)
     assert found[0] < found[1] < found[2]
+
+
+@pytest.mark.parametrize("beside", [False, True], ids=["alone", "with a box"])
+def test_a_drum_without_friction_tilts_on_its_rim_as_in_the_plane(beside: bool) -> None:
+    """Check that the rim is there whether or not corners of other faces come before its own."""
+    law = {"stiffness": 2e9, "damping": 5e-3, "rim": 0.3, "shear_ratio": 400.0}
+    drum = {"name": "drum", "on": "base", "shape": "drum", "diameter": 1.0, "height": 3.0, "density": 2500.0}
+    box = {"name": "box", "on": "base", "at": [5.0, 0.0], "width": 1.0, "depth": 1.0, "height": 1.0, "density": 2500.0}
+    port = [{"name": "push", "block": "drum"}]
+    structure = Structure.from_dict(
+        {"name": "drum", "joints": law, "block": [*([box] if beside else []), drum], "port": port}
+    )
+    still, push = (
+        Motion.from_samples(0.01, np.zeros(20)),
+        {"push": {"Fx": 7000.0}},
+    )  # N, on the centroid: opens the foot
+    turned = simulate(structure, still, release=push, settle=0.0, tolerance=1e-8).rotation[0, -1, 1]
+    block = {"height": 3.0, "section": "circle", "diameter": 1.0, "density": 2500.0}
+    joint = {key: law[key] for key in ("stiffness", "damping", "rim")}
+    column = Column.from_dict(
+        {"name": "drum", "block": [{**block, "joint": joint}], "port": [{"name": "push", "block": "block1"}]}
+    )
+    theta = simulate(column, still, release=push, settle=0.0, tolerance=1e-8).ry[0, 0]
+    assert turned == pytest.approx(theta, rel=1e-6)  # measured 7e-8; without the rim 3e-2

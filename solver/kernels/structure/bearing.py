@@ -101,6 +101,17 @@ def come_off(scene, found):
 
 
 @kernel
+def left_bearing(scene, block):
+    """Return the number, from 1, of the bearing that a block (number from 1) has left as by `come_off`; 0 if none."""
+    for b in range(scene.extras.b):
+        j = scene.m - scene.extras.b + b
+        x, y, capacity = scene.resultants.s1[j], scene.resultants.s2[j], scene.joints.capacity[j]
+        if scene.joints.upper[j] + 1.0 == block and x * x + y * y > capacity * capacity:
+            return b + 1
+    return 0
+
+
+@kernel
 def travel_left(scene, phase, j):
     """Return how much further the faces of bearing j may be displaced, m, until what it bears has come off."""
     pose_two(scene, phase, index_of(scene.joints.upper[j]), index_of(scene.joints.lower[j]))

@@ -86,7 +86,7 @@ JOINTS = FieldTable(
     "capacity",  # m: beyond this |u| what it bears has come off
     "holds",  # 1: it bears tension too
     "bond",  # number of its bond from 1, 0 without
-    "inside",  # place among the corners of what a rim leaves open (INSIDE), 0 where the whole section bears
+    "inside",  # place among the corners, from 1, of what a rim leaves open (INSIDE), 0 where the whole section bears
     "pair",  # number from 1 of the pair that takes its place where it has ended, 0 without
 )
 # a face among the corners of all sections, followed by its own corners: their number, 0 if round; its centre from
@@ -181,6 +181,7 @@ CONTROL = Record(
 )
 COUNTS = Record(
     *("steps", "rejected", "evaluations", "looks", "fallen", "started", "next_row", "resting"),
+    "left",  # number from 1 of the bearing that the fallen block had left when it fell; 0 if it was on none
     "elastic_steps",  # of steps
     "elastic_wait",  # steps to be made by other methods before modes are tried again
     "in_a_row",  # steps by modes since others were last tried

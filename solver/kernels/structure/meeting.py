@@ -6,6 +6,7 @@ from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import lesser, where, zero_like
 from ..numba_ext.views import copy
 from .attempt import attempt, rate
+from .bearing import travel_left
 from .contact import (
     DEEP,
     SHALLOW,
@@ -22,7 +23,7 @@ from .contact import (
 from .cracking import crack, until_broken
 from .evaluate import moving
 from .kinematics import dot, pose_two, relative_motion, tilt_square
-from .layout import APART, JOINED, PHASE
+from .layout import APART, JOINED, PHASE, POINT
 from .sides import SLACK
 from .watch import BETWEEN, END, START, pose_between, row
 
@@ -104,9 +105,11 @@ def _is_apart(scene, phase, p):
     for j in range(scene.m):
         a, b = joints.upper[j], joints.lower[j]
         if (a == one and b == other) or (a == other and b == one):
-            # tilted far, or displaced by more than the arm of the section
+            # tilted far, displaced by more than the arm of the section, or a bearing by more than its capacity
             gap = relative_motion(scene, phase, j).gap
             far = dot(gap, gap) > max(joints.arm[j], LEAST_ARM * scene.bodies.size[int(a)]) ** 2
+            if joints.section[j] == POINT:
+                far = travel_left(scene, phase, j) < 0.0
             apart = apart and (far or tilt_square(scene, phase, j) > MOST_TILT)
     return apart
 

@@ -49,7 +49,7 @@ def outline_of(scene, j):
     rims = has_inside(scene, j)
     if any_of(rims):
         # add what the rim leaves open
-        inside = _inside(scene.corners[index_of(joints.inside[j]) :], 0)
+        inside = _inside(scene.corners[index_of(joints.inside[j]) - 1 :], 0)
         area = area + inside.area
         moments = Moments(inside.x, inside.y, moments.xx + inside.ixx, moments.xy + inside.ixy, moments.yy + inside.iyy)
     # places of its corners and of its faces
@@ -70,7 +70,7 @@ def outline_of(scene, j):
 def inside_of(scene, j):
     """Return the inside of joint j, which bears in a rim."""
     # its record, with the corners behind it
-    row = scene.corners[index_of(scene.joints.inside[j]) :]
+    row = scene.corners[index_of(scene.joints.inside[j]) - 1 :]
     inside = _inside(row, 0)
     return Section(
         any_of(inside.section == POLYGON),

@@ -29,7 +29,7 @@ from ..numba_ext.views import copy
 from . import modal, stabilized
 from .attempt import attempt, evaluate_at, rate, size_of, square_of
 from .base import is_quiet
-from .bearing import come_off, travel_left
+from .bearing import come_off, left_bearing, travel_left
 from .bond import copy_bonds
 from .contact import forget_directions, forget_known_gaps
 from .cracking import crack_within
@@ -224,6 +224,9 @@ def _finish(scene, watch, segment, t, h, by_modes):
     keep_slides(scene, True)
     _take_stock(scene, phase)
     block = int(fallen(scene, phase))
+    falls = block > 0 and scene.counts.fallen == 0
+    if falls:
+        scene.counts.left = left_bearing(scene, block)
     # peaks, output rows, cracks
     begin = _phase(row(scene, START), scene.n)
     for i in range(scene.n):
@@ -234,7 +237,7 @@ def _finish(scene, watch, segment, t, h, by_modes):
     if crack_within(scene, h, True):
         evaluate_at(scene, segment, row(scene, END), rate(scene, STAGES - 1), t + h)
         keep_slides(scene, True)
-    if block > 0 and scene.counts.fallen == 0:
+    if falls:
         fraction = fraction_before_fall(scene, _phase(row(scene, START), scene.n), phase)
         scene.counts.fallen, scene.control.fall_time = block, t + fraction * h
     # the end becomes the start of the next step

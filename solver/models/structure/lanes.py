@@ -42,7 +42,7 @@ def share_of(structure: Structure) -> Hashable:
     )
     ties = tuple((tie.one, tie.other) for tie in structure.ties)
     insides = tuple(
-        tuple(getattr(INSIDE.see(names.corners[int(place) :]), name) for name in OF_INSIDE)
+        tuple(getattr(INSIDE.see(names.corners[int(place) - 1 :]), name) for name in OF_INSIDE)
         for place in places.inside
         if place
     )

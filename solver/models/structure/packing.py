@@ -142,7 +142,7 @@ def _model_of(parts: Parts, g: float) -> PackedModel:
     for j, inside in enumerate(insides):
         if inside:
             section, above, below = inside
-            table.inside[j], record = behind, at.INSIDE.see(names.corners[behind:])
+            table.inside[j], record = behind + 1, at.INSIDE.see(names.corners[behind:])
             record.above, record.below = behind + section.size, behind + section.size + above.size
             behind += section.size + above.size + below.size
     # bonds, ties, ports

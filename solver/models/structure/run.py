@@ -15,7 +15,6 @@ from ...common.errors import InputError, InputWarning, shown
 from ...ground.loads import ACROSS, COMPONENTS
 from ...ground.motion import Motion
 from ...kernels.structure import layout as at
-from ..outputs import places_of
 from ..ports import Released
 from ..protocol import RunPlan, Verdict, output_times
 from ..still_base import conclude, settled
@@ -23,7 +22,6 @@ from .blocks.faces import FloatArray
 from .equilibria import rest_under
 from .modal_data import modal_data_of
 from .model import Structure
-from .outputs import OUTPUTS
 from .response import Moved, SpatialResponse, peaks_in_space
 from .rest import rest_of, start_from
 from .stepper import SpatialStepper
@@ -212,16 +210,12 @@ class _SpatialSettling:
     @property
     def what_fell(self) -> str:
         """The block that has fallen, and the bearing it has come off, in words; "" if none has."""
-        stepper, structure = self._stepper, self._stepper.structure
+        structure, left = self._stepper.structure, int(self._stepper.counts.left)
         if not self.fallen:
             return ""
         # a fall off a bearing, or a block that has tipped or dropped
-        stepper.observe()
-        d, block = stepper.row[places_of(OUTPUTS, structure.sizes)["d"]], f"block {structure.names[self.fallen - 1]}"
-        for name, joint, moved in zip(structure.bearing_names, structure.bearings, d.tolist(), strict=True):
-            if joint.bearing is not None and moved > joint.bearing.capacity:
-                return f"{block} off the bearing {name}"
-        return block
+        block = f"block {structure.names[self.fallen - 1]}"
+        return f"{block} off the bearing {structure.bearing_names[left - 1]}" if left else block
 
     @property
     def fall_time(self) -> float:
