@@ -11,13 +11,17 @@ from solver.ground.motion import Motion
 
 from .description_parts import Experiment
 
+OF_DROPS = 0.01  # of the median interval: more than where a motion drops to zero
+
 
 class Record:
     """A sampled motion as the solver follows it: linear from sample to sample, zero before and after."""
 
     def __init__(self, motion: Motion) -> None:
         self.motion = motion
-        self.dt = float(np.min(np.diff(motion.time)))  # s, the shortest sampling interval
+        intervals = np.diff(motion.time)
+        # s, the shortest sampling interval, without those in which a motion drops to zero (solver/ground/building.py)
+        self.dt = float(np.min(intervals[intervals > OF_DROPS * np.median(intervals)]))
         self.pga = motion.pga  # m/s2
         moves = np.flatnonzero((motion.ax != 0.0) | (motion.ay != 0.0) | (motion.az != 0.0))
         self.begins = float(motion.time[max(0, moves[0] - 1)]) if len(moves) else math.inf  # s, start of motion

@@ -16,6 +16,7 @@ from fmu_src.references import FAMILIES, FAMILY, REFERENCES
 from fmu_src.variables import ROLES, column_from, variables
 from solver import Block, Column, Joint, Motion
 from solver.common.ranges import MAX_BLOCKS, NUMBERS
+from solver.ground.building import Building, floor_motion
 from solver.models.column.settings import FORMULATIONS
 
 KEPT = Path(__file__).with_name("value_references.txt")
@@ -115,3 +116,10 @@ def test_the_usual_experiment_has_the_numbers_of_the_record(dt: float, count: in
 def test_the_usual_experiment_has_the_shortest_interval_of_an_uneven_record() -> None:
     experiment = usual_experiment(None, sampled([1.0, 1.3, 1.7, 29.99]))
     assert (experiment.start, experiment.stop, experiment.step) == (1.0, 29.99, 0.3)
+
+
+def test_the_usual_experiment_does_not_take_the_drop_at_the_end_of_the_ground_for_an_interval() -> None:
+    ground = Motion.from_samples(0.01, np.sin(0.1 * np.arange(500)))  # ends with an acceleration
+    moved = floor_motion(ground, Building.from_toml(ROOT / "examples" / "gallery" / "hall.toml"), 2)
+    assert np.min(np.diff(moved.time)) < 1e-5
+    assert usual_experiment(None, moved).step > 1e-3
