@@ -372,10 +372,23 @@ def test_files_of_all_kinds_are_one_block(tmp_path: Path, kind: str) -> None:
 
 @needs_trimesh
 def test_y_is_up_in_gltf(tmp_path: Path) -> None:
+    """Check that y becomes z and x stays, as in the glTF files that responses are written to."""
     trimesh = pytest.importorskip("trimesh")
     trimesh.creation.box((1.0, 2.0, 0.6)).export(tmp_path / "stone.glb")
     block = structure_of({**MESH, "file": str(tmp_path / "stone.glb")}).blocks[0]
-    assert np.ptp(block.corners, axis=0) == pytest.approx([0.6, 1.0, 2.0], rel=1e-6)
+    assert np.ptp(block.corners, axis=0) == pytest.approx([1.0, 0.6, 2.0], rel=1e-6)
+
+
+@needs_trimesh
+def test_a_block_written_as_gltf_is_read_as_it_was(tmp_path: Path) -> None:
+    foot = [[0.0, 0.0], [2.0, 0.0], [0.0, 0.7]]  # no symmetry: a turn or a mirror image would show
+    prism = {"shape": "hull", "points": [[x, y, z] for x, y in foot for z in (0.0, 1.5)]}
+    written = structure_of({**prism, "on": "base", "density": 2000.0})
+    simulate(written, Motion.from_samples(0.01, np.zeros(3)), settle=0.0).to_gltf(tmp_path / "stone.glb")
+    read = structure_of({**MESH, "file": str(tmp_path / "stone.glb")})
+    found, given = (one.blocks[0].corners - one.blocks[0].centroid for one in (read, written))
+    assert len(found) == 6
+    assert np.max(np.min(np.linalg.norm(found[:, None] - given, axis=2), axis=1)) < 1e-6  # m, single precision
 
 
 @needs_trimesh

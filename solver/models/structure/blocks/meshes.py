@@ -22,7 +22,8 @@ KINDS = (".obj", ".stl", ".gltf", ".glb", ".ply", ".off")
 COLOURED = (".obj", ".gltf", ".glb", ".ply")  # formats that may name files of materials, which are not read
 TALL = 100.0  # m: a mesh higher than this is probably in mm
 UP = ("x", "y", "z")
-TURNS = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}  # which of its axes become x, y, z
+# axis that points up in a file -> which of its axes become x, y, z, and their signs; of y as in glTF files written here
+TURNS = {"x": ((1, 2, 0), (1.0, 1.0, 1.0)), "y": ((0, 2, 1), (1.0, -1.0, 1.0)), "z": ((0, 1, 2), (1.0, 1.0, 1.0))}
 
 
 def triangles_of(path: Path, unit: float, up: str | None, repair: bool = False) -> FloatArray:
@@ -79,9 +80,9 @@ def triangles_of(path: Path, unit: float, up: str | None, repair: bool = False) 
                 _warn(path, f"{turned} of {len(faces)} triangles turned")
         check_closed(faces)
         # turn the axes, so that z points up, and the triangles, so that the volume is positive
-        order = TURNS[up or ("y" if kind in (".gltf", ".glb") else "z")]
-        found: FloatArray = unit * corners[faces][:, :, order]
-        corners = unit * corners[:, order]
+        order, signs = TURNS[up or ("y" if kind in (".gltf", ".glb") else "z")]
+        corners = unit * np.array(signs) * corners[:, order]
+        found: FloatArray = corners[faces]
         if not volume_of(found) > 0.0:
             faces, found = faces[:, ::-1], found[:, ::-1].copy()
         check_shells(corners, faces)
