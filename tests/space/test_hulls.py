@@ -387,7 +387,7 @@ def test_a_block_written_as_gltf_is_read_as_it_was(tmp_path: Path) -> None:
     simulate(written, Motion.from_samples(0.01, np.zeros(3)), settle=0.0).to_gltf(tmp_path / "stone.glb")
     read = structure_of({**MESH, "file": str(tmp_path / "stone.glb")})
     found, given = (one.blocks[0].corners - one.blocks[0].centroid for one in (read, written))
-    assert len(found) == 6
+    assert len(np.unique(np.round(found, 4), axis=0)) == 6
     assert np.max(np.min(np.linalg.norm(found[:, None] - given, axis=2), axis=1)) < 1e-6  # m, single precision
 
 

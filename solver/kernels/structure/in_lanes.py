@@ -36,7 +36,7 @@ from .layout import (
 )
 from .meeting import keep_slides
 from .meeting_in_lanes import forget_gaps, limited, meet, until_closed, watch_gaps
-from .stepping import STABLE, fallen, fraction_before_fall, horizontal, largest_motion, moves, relaxing
+from .stepping import STABLE, fallen, fraction_before_fall, horizontal, largest_motion, least_motion, moves, relaxing
 from .watch import BETWEEN, BETWEEN_RATES, END, START, interpolate_body, row, seen
 
 BETWEEN_LOOKS = 0.25  # s, between checks for rest on a still base
@@ -204,7 +204,7 @@ def load(batch, k, number):
     # step control
     run, control, settings, own = _run_of(batch, number), one.scene.control, one.scene.settings, one.lane
     control.next_step, control.previous_error = settings.first_step, 1.0
-    control.largest, control.largest_rate = settings.motion_floor, settings.rate_floor
+    control.largest, control.largest_rate = least_motion(settings)
     own.run, own.t, own.stop = number, run.start, run.stop
     own.fresh, own.due = 1.0, 0.0
     # base motion

@@ -59,6 +59,7 @@ LENGTHEN = 1.2  # largest growth of stabilized steps: at the stability limit err
 # steps of order 5 in a row, bounded by stability, before stabilized ones are tried; twice as many after a failed trial
 WAIT_STABILIZED, MOST_PAUSE = 8, 64
 STILL = 1e-8  # of gravity, and of the rate floor: smaller values are rest
+ROUNDING = 5e-17  # rad, rad/s: no smaller error of a step is asked for; rounding makes some 1e-17
 
 
 @kernel
@@ -91,6 +92,13 @@ def _take_stock(scene, phase):
     for j in range(scene.m):
         control.largest_normal = max(control.largest_normal, found.normal[j])
         control.largest_shear = max(control.largest_shear, size_of(found.t1[j], found.t2[j], 0.0))
+
+
+@leaf
+def least_motion(settings):
+    """Return the least motion (rad) and rate (rad/s) against which errors are measured: above what rounding makes."""
+    least = ROUNDING / settings.step_tolerance
+    return greater(settings.motion_floor, least), greater(settings.rate_floor, least)
 
 
 @leaf
@@ -202,8 +210,8 @@ def _begin(scene, segment, t, phase):
         control.next_step, control.previous_error = settings.first_step, 1.0
         control.elastic_step = 10.0 * settings.first_step
         counts.stabilized_wait, counts.stabilized_pause = WAIT_STABILIZED, WAIT_STABILIZED
-        control.largest = max(control.largest, settings.motion_floor)
-        control.largest_rate = max(control.largest_rate, settings.rate_floor)
+        place, speed = least_motion(settings)
+        control.largest, control.largest_rate = max(control.largest, place), max(control.largest_rate, speed)
         _take_stock(scene, phase)
         for i in range(scene.n):
             scene.poses.farthest[i] = horizontal(phase, i)[0]
