@@ -219,7 +219,7 @@ def test_only_faces_that_look_at_each_other_are_compared(monkeypatch: pytest.Mon
     data = {"name": "rollers", "joints": LAW, "block": [{**block, "name": "a"}, {**block, "name": "b", "on": "a"}]}
     compared = []
     shared = faces.shared
-    monkeypatch.setattr(contacts, "shared", lambda a, b: compared.append(a) or shared(a, b))  # type: ignore[func-returns-value]
+    monkeypatch.setattr(contacts, "shared", lambda *of: compared.append(of) or shared(*of))  # type: ignore[func-returns-value]
     assert len(Structure.from_dict(data).joints) == 2
     assert len(compared) < 1000  # measured: 608, those that differ by 8 degrees included
 
@@ -496,3 +496,13 @@ def test_the_least_dimension_of_a_block_turns_with_it() -> None:
         ):
             made = Structure.from_dict({"name": "plate", "joints": law, **parts})
             assert made.blocks[0].drop == pytest.approx(0.1, rel=1e-12)
+
+
+@pytest.mark.parametrize("at", [1e-3, 0.2])
+def test_a_hollow_face_that_another_one_covers_in_part_is_refused_with_the_reason(at: float) -> None:
+    ring = {"name": "ring", "on": "base", "shape": "drum", "diameter": 1.2, "bore": 0.4, "height": 1.0}
+    drum = {"name": "drum", "on": "ring", "at": [at, 0.0], "shape": "drum", "diameter": 1.0, "height": 1.0}
+    law = {"stiffness": 1e9, "damping": 1e-3}
+    blocks = [{**block, "density": 2000.0} for block in (ring, drum)]
+    with pytest.raises(InputError, match=r"block\[2\].on: a hollow face must share its axis with a round one"):
+        Structure.from_dict({"name": "hollow", "joints": law, "block": blocks})

@@ -96,7 +96,7 @@ def _joint(column: Column, i: int, foot: float) -> SpatialJoint:
         raise InputError(f"{key}: must stand on its axis, and not on strips, to be stacked in space")
     below = GROUND if i == column.n - 1 else _level(column.blocks[i + 1].top_face, foot, 1.0)
     above = _level(block.contact_face, foot, -1.0)
-    face = shared(above, below)
+    face = shared(above, below, key)
     if face is None:
         raise InputError(f"{key}: its face and the one below do not meet")
     # law of the joint in space

@@ -27,7 +27,7 @@ def joints_between(
     """
     below = (GROUND,) if lower == len(solids) else solids[lower].faces
     above = solids[upper].faces
-    found = [(face, a, b) for a, b in facing(above, below, FACING) if (face := shared(a, b)) is not None]
+    found = [(face, a, b) for a, b in facing(above, below, FACING) if (face := shared(a, b, key)) is not None]
     if not sides:  # a block on another one touches it from above
         found = [faces for faces in found if faces[0].normal[2] > 1e-6] or found
     if not found:
@@ -48,7 +48,7 @@ def with_rim(joint: SpatialJoint) -> SpatialJoint:
     above, below = (inside_of(part or face, rim) for part in (joint.above, joint.below))
     if above is None or below is None:
         return joint
-    inside = above if above is below or joint.above is joint.below else shared(above, below)
+    inside = above if above is below or joint.above is joint.below else shared(above, below, joint.key)
     if inside is None:  # nothing as built, but perhaps after a slip
         return replace(joint, inside=replace(face, outline=np.zeros((3, 2)), radius=0.0, bore=0.0))
     if inside.radius and face.radius:

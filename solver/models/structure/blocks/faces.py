@@ -10,6 +10,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ....common.errors import InputError
+
 FloatArray = NDArray[np.float64]
 
 NEAR = 1e-6  # of the size of a face: planes and edges closer than this are the same
@@ -172,10 +174,11 @@ def outside_parts(corners: FloatArray, outside: FloatArray) -> list[FloatArray]:
     return [np.array(part) for part in found if len(part) > 2]
 
 
-def shared(upper: Face, lower: Face) -> Face | None:
+def shared(upper: Face, lower: Face, key: str = "faces") -> Face | None:
     """Return the intersection of two faces, with the axes of the lower one; None if they do not touch.
 
     Faces touch if their planes coincide and their normals are opposite. The centre is the centroid of the intersection.
+    Raises InputError, which begins with `key`, if a bore bounds it and something else than a circle about its axis.
     """
     # planes must coincide
     size = min(upper.size, lower.size)
@@ -192,14 +195,16 @@ def shared(upper: Face, lower: Face) -> Face | None:
         if inside.radius and _holds(outside, inside):
             centre = inside.centre - ((inside.centre - lower.centre) @ lower.normal) * lower.normal
             return Face(centre, lower.axes, np.empty((0, 2)), inside.radius, inside.bore)
-    if upper.bore or lower.bore:
-        return None
     # polygons
     outline = clipped(upper.seen_from(lower), lower.seen_from(lower))
     if not len(outline):
         return None
     area, first, _ = polygon_moments(outline)
     if area <= NEAR * size * size:
+        return None
+    if any(one.bore and not _within_bore(other, one) for one, other in ((upper, lower), (lower, upper))):
+        raise InputError(f"{key}: a hollow face must share its axis with a round one, or lie wholly on the other")
+    if upper.bore or lower.bore:
         return None
     middle = first / area
     return Face(lower.centre + lower.axes[:, :2] @ middle, lower.axes, without_doubles(outline - middle))
@@ -214,6 +219,11 @@ def _holds(outside: Face, inside: Face) -> bool:
     side = b - a
     depth = (side[:, 0] * (centre[1] - a[:, 1]) - side[:, 1] * (centre[0] - a[:, 0])) / np.hypot(*side.T)
     return bool(np.min(depth) >= inside.radius * (1.0 - NEAR))
+
+
+def _within_bore(inside: Face, ring: Face) -> bool:
+    """Return True if a face lies within the bore of a ring."""
+    return float(np.max(np.hypot(*inside.seen_from(ring).T))) <= ring.bore
 
 
 def without_doubles(outline: FloatArray) -> FloatArray:
