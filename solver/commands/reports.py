@@ -122,7 +122,7 @@ def statics_report(rest: Rest, curve: CapacityCurve) -> str:
     return "\n".join(
         [
             *lines,
-            f"balances {steady}{curve.largest_acceleration / g:.5g} {unit} at most: base shear "
+            f"balances {steady}{curve.largest_acceleration / g:.5g} {unit} {curve.limit}: base shear "
             f"{1e-3 * curve.base_shear[strongest]:.5g} kN, moment {1e-3 * curve.base_moment[strongest]:.5g} kN m, "
             f"largest stress {1e-6 * float(np.max(curve.sigma_max[strongest])):.4g} MPa; top at "
             f"{1e3 * abs(float(curve.ux[strongest, 0])):.5g} mm",
@@ -131,7 +131,9 @@ def statics_report(rest: Rest, curve: CapacityCurve) -> str:
                 if rest.model.is_brittle
                 else []
             ),
-            f"falls without a push once the top is displaced by {curve.overturning_displacement:.5g} m",
+            f"the curve ends before the push is zero again: {curve.ends}"
+            if curve.ends
+            else f"falls without a push once the top is displaced by {curve.overturning_displacement:.5g} m",
             f"with less friction than {curve.friction:.3g} it slides before",
         ]
     )

@@ -7,6 +7,7 @@ equilibrium on its edge without any push. push.py follows it.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -23,7 +24,7 @@ from ..models.column.linearization import StillColumn, undamped
 from ..models.column.model import Column
 from ..models.column.outputs import UNITS, ColumnHistories
 from ..models.column.packing import FloatArray
-from ..models.column.push import BalanceCurve
+from ..models.column.push import FOLLOWED, BalanceCurve
 from ..models.column.rest import check_rest, instability, is_stable
 
 if TYPE_CHECKING:
@@ -69,6 +70,8 @@ class CapacityCurve(Framed):
     direction: int  # 1, or -1 for the curve of pushes towards -x
     # loads on ports in place of an acceleration: then all pushes are factors on them
     pattern: Mapping[str, float] | None = None
+    # reason why the curve ends before the push is zero again, as where loads lift the column; else empty
+    ends: str = ""
     column, theta, M, T = Alias("model"), Alias("ry"), Alias("My"), Alias("Tx")
 
     def _frame(self) -> Frame:
@@ -93,9 +96,15 @@ class CapacityCurve(Framed):
         return float(self.acceleration[self.strongest])
 
     @property
+    def limit(self) -> str:
+        """The word for the largest push: "at most", or "at least" if the push still grows where the curve ends."""
+        still_grows = self.ends.startswith(FOLLOWED) and self.strongest == len(self.acceleration) - 1
+        return "at least" if still_grows else "at most"
+
+    @property
     def overturning_displacement(self) -> float:
-        """The displacement of the top (m) beyond which the column falls without a push."""
-        return float(abs(self.ux[-1, 0]))
+        """The top displacement (m) beyond which the column falls without a push; NaN if the curve ends before."""
+        return math.nan if self.ends else float(abs(self.ux[-1, 0]))
 
     @property
     def friction(self) -> float:
@@ -104,7 +113,9 @@ class CapacityCurve(Framed):
         With less friction the column slides before.
         """
         rows = slice(0, self.strongest + 1)
-        return float(np.max(np.abs(self.Tx[rows]) / self.N[rows]))
+        shear, normal = np.abs(self.Tx[rows]), self.N[rows]
+        # a joint that a load has lifted has neither force
+        return float(np.max(np.divide(shear, normal, out=np.zeros_like(shear), where=shear > 0.0)))
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a row for each equilibrium, under the names of a response. Raises OSError."""
@@ -148,7 +159,8 @@ def uplift_accelerations(column: Column) -> FloatArray:
 def capacity_curve(column: Column, direction: int = 1, pattern: Mapping[str, float] | None = None) -> CapacityCurve:
     """Follow the equilibria of a column under a steady acceleration from rest to the edge, by finite rotations.
 
-    No joint slides. Warns (InputWarning) as `simulate` does.
+    No joint slides. Loads that lift the column, or never overturn it, have no such edge: `ends` is the reason why their
+    curve ends. Warns (InputWarning) as `simulate` does.
 
     Parameters
     ----------
@@ -195,4 +207,5 @@ def capacity_curve(column: Column, direction: int = 1, pattern: Mapping[str, flo
         uplift=np.where(np.any(opened, axis=0), pushes[np.argmax(opened, axis=0)], np.nan),
         direction=direction,
         pattern=None if pattern is None else dict(pattern),
+        ends=curve.ends,
     )

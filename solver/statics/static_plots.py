@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .capacity import CapacityCurve
 
 SMALL = 1e-6  # m: the amplitude of shapes, which drawings magnify
+LEAST_MOVED = 1e-9  # m: a displacement of the top that is drawn
 TURNED, RAISED = 0.3, 0.1  # rad, and part of the lowest block's height: largest rotation and rise of a drawn shape
 
 
@@ -68,8 +69,8 @@ def plot_capacity(curve: CapacityCurve, path: str | os.PathLike[str] | None = No
     strongest = curve.strongest
     top = curve.direction * curve.ux[:, 0]
     # shear and moment: close to the largest push, and up to the edge
-    near = max(4.0 * float(top[strongest]), 1e-9)
-    for place, limit, heading in ((0, near, "up to the largest push and beyond"), (1, float(top[-1]), "to the edge")):
+    near, end = max(4.0 * float(top[strongest]), LEAST_MOVED), "to the end" if curve.ends else "to the edge"
+    for place, limit, heading in ((0, near, "up to the largest push and beyond"), (1, float(top[-1]), end)):
         shear = figure.add_subplot(grid[0, place])
         moment = figure.add_subplot(grid[1, place], sharex=shear)
         _draw_curve(shear, moment, curve, limit)
@@ -85,7 +86,8 @@ def plot_capacity(curve: CapacityCurve, path: str | os.PathLike[str] | None = No
         _show_acceleration(shear, _mass(curve.model))
     # the column at the largest push, magnified
     drawn = figure.add_subplot(grid[:, 2])
-    wanted = SHOWN * sum(block.height for block in curve.model.blocks) / max(float(top[strongest]), 1e-300)
+    moved = float(top[strongest])
+    wanted = SHOWN * sum(block.height for block in curve.model.blocks) / moved if moved > LEAST_MOVED else 1.0
     scale = max(1.0, float(f"{wanted:.0e}"))
     places = DisplacementHistories(curve.model, curve.ux[: strongest + 1], curve.uz, curve.ry)
     draw_column(drawn, places, strongest, scale)
@@ -94,7 +96,7 @@ def plot_capacity(curve: CapacityCurve, path: str | os.PathLike[str] | None = No
     steady = "a steady acceleration" if curve.pattern is None else "loads"
     unit, named = curve.unit
     push = f"{curve.largest_acceleration / unit:.4g} {named}, the top moved by {length(float(top[strongest]))}"
-    header(figure, f"{curve.model.name}: balance under {steady}", f"It balances at most {push}.")
+    header(figure, f"{curve.model.name}: balance under {steady}", f"It balances {curve.limit} {push}.")
     return save(figure, path)
 
 

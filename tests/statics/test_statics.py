@@ -333,3 +333,46 @@ def test_the_friction_used_counts_the_cohesion_of_what_is_bonded(shift: float, s
         along / limit, rel=1e-5
     )  # measured 1.2e-6: the joint gives a little
     assert rest_in_space_report(found).splitlines()[2].endswith(f"{along / limit:.3f}")
+
+
+@pytest.mark.parametrize(
+    ("force", "factor", "limit", "reason"),
+    [
+        (1e4, 2.157463, "at most", "no balance is found beyond 2.1575 times the pattern"),
+        (-1e5, None, "at least", "it was not followed further than 50 points, up to "),
+    ],
+)
+def test_loads_that_lift_or_press_a_column_have_a_curve(
+    force: float,
+    factor: float | None,
+    limit: str,
+    reason: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Lift the top block by its weight, and press it down: in its plane and in space, pushes are factors."""
+    monkeypatch.setattr("solver.models.column.push.MOST_POINTS", 50)
+    file, picture = tmp_path / "pat.toml", tmp_path / "curve.png"
+    file.write_text(
+        'name = "pat"\n[joint]\nstiffness = 1e10\ndamping = 1e-3\n[[block]]\nrepeat = 3\nheight = 1.0\nwidth = 0.8\n'
+        'depth = 1.1\ndensity = 2500.0\n[[port]]\nname = "p"\nblock = "block1"\nat = [0.0, 0.5]\n',
+        encoding="utf-8",
+    )
+    assert main(["statics", str(file), "--pattern", f"p.Fz={force:g}", "--plot", str(picture)]) == 0
+    text = capsys.readouterr().out
+    assert f"times the pattern {limit}: base shear" in text
+    assert f"the curve ends before the push is zero again: {reason}" in text
+    assert "stiffness is in" not in text
+    column = Column.from_toml(file)
+    curve, path = capacity_curve(column, pattern={"p.Fz": force}), push_over(column.in_space(), pattern={"p.Fz": force})
+    assert math.isnan(curve.overturning_displacement)
+    assert curve.friction == 0.0
+    assert path.limit == limit
+    if factor is None:
+        # 10 g as a factor: of the weight of three blocks
+        assert path.ends == "it was not pushed further than 6.4724 times the pattern"
+    else:
+        # the weight of the block: measured 3e-6, in space 2e-16
+        assert curve.largest_acceleration == pytest.approx(factor, rel=1e-5)
+        assert path.largest_acceleration == pytest.approx(factor, rel=1e-9)

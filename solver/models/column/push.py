@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ...common.errors import SolverError
 from ...common.plausible import UNITS_OF_STIFFNESS
+from ...ground.loads import push_unit
 from .linearization import StillColumn
 from .model import Column
 from .packing import FloatArray
@@ -39,7 +40,7 @@ BEYOND = (1e-4, 1e-3, 1e-2, 0.1)  # of what opens a joint: distances of derivati
 TURN = 0.97  # least cosine between the tangents at two points
 WITHOUT_BONDS = "computed without mortar, as once all bonds have broken"  # of a brittle column
 NARROWED = 1e-9  # of a step: accuracy of a point at which a regime changes
-
+FOLLOWED = "it was not followed further than"  # reason why a curve ends under loads that do not overturn
 
 _NONE = np.empty((0, 0))
 
@@ -62,6 +63,11 @@ class BalanceCurve:
 
     With loads on its ports, (6, ports) N and N m, these push instead of the base; then the push is a factor on them,
     and direction -1 reverses them. Raises InputError without gravity.
+
+    Attributes
+    ----------
+    ends
+        Reason why a curve under loads ends before the push is zero again; empty if it does not.
     """
 
     def __init__(self, column: Column, direction: int = 1, loads: FloatArray | None = None) -> None:
@@ -77,31 +83,39 @@ class BalanceCurve:
         self._opens = np.append(self.still.sizes, 1e-3 * self._scale[-1])
         self._converged = CONVERGED
         self._weight = np.concatenate([np.full(self.n, 1.0 / self.n), np.zeros(self.n), [1.0]])
+        self.ends = ""
 
     def follow(self) -> list[Balanced]:
         """Return the points from rest to the next one with zero push.
 
-        Among them are the first with each joint open, and that of the largest push. Raises SolverError, with the values
-        of the column that are probably unintended, if the curve cannot be followed.
+        Among them are the first with each joint open, and that of the largest push. Loads may lift the column, or press
+        it down without end; then the curve ends where it is lost, and `ends` is the reason. Raises SolverError, with
+        the values of the column that are probably unintended, if the curve cannot be followed.
         """
+        places: list[Balanced] = []
         try:
-            return self._followed()
+            self._follow(places)
         except SolverError as failure:
+            if self.loads is not None and len(places) > 1:
+                self.ends = str(failure)
+                return places
             meant = warnings_of(self.still.column)
             raise SolverError(
                 f"no curve of balance is found: {meant[0] if meant else f'{failure}; {UNITS_OF_STIFFNESS}'}"
             ) from None
+        return places
 
-    def _followed(self) -> list[Balanced]:
+    def _follow(self, places: list[Balanced]) -> None:
+        """Append the points to `places`; raise SolverError where the curve cannot be followed."""
         upwards = np.append(np.zeros(2 * self.n), 1.0)
         # the first point, at rest
         q = self.still.rest
         try:
             start = Balanced(q, 0.0, upwards, _inverse(self._matrix(q, 0.0, upwards)))
-            places, step = [self._pointed(*self._onto(q, 0.0, start, math.inf)[:2], upwards)], LONGEST
+            places.append(self._pointed(*self._onto(q, 0.0, start, math.inf)[:2], upwards))
         except _LostError:
             raise SolverError("no balance was found at rest") from None
-        opened = self._opened(places[0])
+        opened, step = self._opened(places[0]), LONGEST
         while len(places) < MOST_POINTS:
             # a step, shorter if it fails, until the push vanishes
             last = places[-1]
@@ -125,11 +139,15 @@ class BalanceCurve:
             for _, there in sorted(between, key=lambda found: found[0]):
                 places.append(there._replace(inverse=_NONE))
                 if there.push <= 0.0:
-                    return places
+                    return
             places.append(place)
             if renewals <= FEW:
                 step = min(LONGEST, 2.0 * step)
-        raise SolverError(f"the curve of balance does not come to an end within {MOST_POINTS} points")
+        raise SolverError(f"{FOLLOWED} {MOST_POINTS} points, up to {self._shown(places[-1])}")
+
+    def _shown(self, place: Balanced) -> str:
+        size, unit = push_unit(self.loads is not None)
+        return f"{place.push / size:.5g} {unit}"
 
     def _round(self, last: Balanced) -> Balanced:
         """Return the point with the tangent of the curve behind a corner, where a narrow strip has just opened.
@@ -151,7 +169,7 @@ class BalanceCurve:
             except _LostError:
                 continue
             return rounded
-        raise SolverError(f"the balance is lost beyond a push of {last.push:.6g} m/s2")
+        raise SolverError(f"no balance is found beyond {self._shown(last)}")
 
     def _step(self, last: Balanced, step: float) -> tuple[Balanced, int]:
         """Return the point one step further along the curve, and the number of renewals of derivatives.
@@ -185,7 +203,7 @@ class BalanceCurve:
                     low = middle
             return high, self._step(last, high)[0]
         except _LostError:
-            raise SolverError(f"the balance is lost beyond a push of {last.push:.6g} m/s2") from None
+            raise SolverError(f"no balance is found beyond {self._shown(last)}") from None
 
     def _onto(self, q: FloatArray, push: float, last: Balanced, most: float) -> tuple[FloatArray, float, int]:
         """Move onto the curve by Newton's method, normal to the tangent at `last`, by at most `most`.

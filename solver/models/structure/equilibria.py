@@ -179,7 +179,8 @@ class EquilibriumPath:
                 return FALLS
             if now.reached:
                 self.places.append(place)
-                return f"{FURTHER} {LARGEST:g} g"
+                size, unit = push_unit(self.loads is not None)
+                return f"{FURTHER} {self.largest / size:.5g} {unit}"
             # growth that is lost in the rounding of short steps
             sought = sought + 1 if seeking else 0
             is_lost = not now.grows or sought > MOST_SOUGHT
