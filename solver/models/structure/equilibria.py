@@ -52,6 +52,8 @@ DIFFERENCE, ROUNDED = 1e-5, 1e-9
 NARROWED = 1e-4  # of a step: width to which the onset of opening, sliding or a falling push is bracketed
 LEAST_GROWTH = 1e-9  # of the push: least increase in a step that counts as growth
 GROWN = 1e-6  # of the push: growth that counts where short steps have none
+SUNK = 1e-7  # of the push: fall in many short steps, each of which hides in rounding, after which the path ends
+SHORT = 1e-6  # step that is short there; longer ones while a joint slides may fall by rounding
 NOISE = 1e-8  # unit of pushes: rounding of a push, some times the residual
 MOST_DOUBLED = 60  # times, from the shortest step on
 # of the push: increases, one after the other, over a place where something breaks or slips at once; of the displacement
@@ -177,6 +179,13 @@ class EquilibriumPath:
                 return self._beyond(place)
             if not now.grows and self._falls(place, last):
                 return FALLS
+            if self._has_sunk(place):
+                place = self._beside_largest(lost)
+                if place is None:
+                    return FALLS
+                self.places.append(place)
+                step, narrow, seeking, lost = STEP, 0.0, False, lost + 1
+                continue
             if now.reached:
                 self.places.append(place)
                 size, unit = push_unit(self.loads is not None)
@@ -258,6 +267,17 @@ class EquilibriumPath:
     def _falls(self, place: Place, last: Place) -> bool:
         """Return True if the push is less than that of the last place by more than rounding."""
         return place.push < last.push * (1.0 - LEAST_GROWTH) - self.noise
+
+    def _has_sunk(self, place: Place) -> bool:
+        """Return True if the push is less than the largest one so far by more than rounding, after short steps."""
+        largest = max(one.push for one in self.places)
+        return place.step < SHORT and place.push < largest * (1.0 - SUNK) - 10.0 * self.noise
+
+    def _beside_largest(self, lost: int) -> Place | None:
+        """Leave out the places after that of the largest push, and return a balance beside that one, as `_beside`."""
+        pushes = [one.push for one in self.places]
+        del self.places[int(np.argmax(pushes)) + 1 :]
+        return self._beside(self.places[-1], lost)
 
     def _seen(self, place: Place, last: Place, before: _EventFlags) -> _EventFlags:
         rest, row = self.places[0].row, place.row
