@@ -84,6 +84,9 @@ def push_over_report(found: PushOver) -> str:
         f"base shear {math.hypot(force[0], force[1]):.5g} kN, largest pressure "
         f"{1e-6 * float(np.max(found.sigma_max[-1])):.4g} MPa in {names[int(np.argmax(found.sigma_max[-1]))]}",
     ]
+    if found.jumps.size:
+        pushes = ", ".join(_shown(found, push) for push in found.jumps)
+        lines.append(f"jumps at {pushes} {unit} to where a tie, a neighbour or a ring bears it; impacts do not count")
     least = int(np.argmin(found.contact[-1]))
     if math.isfinite(found.uplift):
         first = f"{found.uplift_joint} opens first, at {_shown(found, found.uplift)} {unit}"

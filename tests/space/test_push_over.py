@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from support.fmus import ROOT
 from support.structures import stack, with_law
 
@@ -276,6 +277,100 @@ def test_a_wall_bears_a_row_that_is_pushed_against_it() -> None:
     assert found.largest_acceleration == pytest.approx(10.0 * G, rel=1e-4)
     away = push_over(row_of_two(wall=True), math.pi).largest_acceleration
     assert away / G == pytest.approx(0.25, rel=0.02)  # measured 1.4 % less
+
+
+def tied(stiffness: float, slack: float) -> Structure:
+    """Return a slender block with a vertical tie along its back, which yields at 20 kN."""
+    data = block(0.5, 0.8, 2.0, stiffness).to_dict()
+    tie = {"between": ["block", "base"], "from": [-0.25, 0.0, 1.0], "to": [-0.25, 0.0, 0.0], "slack": slack}
+    data["tie"] = [tie | {"stiffness": 1e8, "damping": 1e5, "yield": 2e4}]
+    return Structure.from_dict(data)
+
+
+@pytest.mark.parametrize("slack", [0.005, 0.05])
+def test_a_slack_tie_bears_a_block_that_tips(slack: float) -> None:
+    """Compare with the moments about the edge of a rigid block, turned until the tie yields."""
+    structure = tied(1e14, slack)
+    found = push_over(structure)
+
+    def stretched(turn: float) -> Any:
+        cos, sin = math.cos(turn), math.sin(turn)
+        return np.array([2.0 * sin + 0.5 * (1.0 - cos), 2.0 * cos + 0.5 * sin])
+
+    turn = brentq(lambda turn: float(np.linalg.norm(stretched(turn))) - 2.0 - slack - 2e4 / 1e8, 0.0, 0.3)
+    way, cos, sin = stretched(turn) / np.linalg.norm(stretched(turn)), math.cos(turn), math.sin(turn)
+    pull = 2e4 * 0.5 * way[1]  # at its foot, half a metre behind the edge
+    mass = structure.weight / G
+    push = (structure.weight * (0.25 * cos - sin) + pull) / (mass * (cos + 0.25 * sin))
+    # elastic joints shorten the lever: measured 2.5e-4 and 1.1e-4 less
+    assert found.largest_acceleration == pytest.approx(push, rel=5e-4)
+    assert found.limit == "at most"
+    assert found.jumps[0] / G == pytest.approx(0.25, rel=5e-3)  # measured 2.7e-3 less
+    assert np.all(np.diff(found.acceleration) > 0.0)
+
+
+def test_a_push_that_grows_slowly_jumps_to_what_bears() -> None:
+    """Compare ramps with the largest push of a block with a slack tie, and of one that falls on a wider one."""
+    size = {"depth": 0.8, "density": 2500.0, "on": "base"}
+    row = Structure.from_dict(
+        {
+            "name": "row",
+            "joints": {"stiffness": 1e9, "damping": 1e-3, "friction": 0.8},
+            "neighbours": {"stiffness": 1e9, "restitution": 0.3, "friction": 0.3},
+            "block": [
+                {"name": "a", "width": 0.5, "height": 2.0, **size},
+                {"name": "b", "width": 1.0, "height": 1.8, "at": [0.85, 0.0], **size},
+            ],
+        }
+    )
+    for structure in (tied(1e10, 0.05), row):
+        found = push_over(structure)
+        assert found.jumps.size == 1
+        assert "jumps at" in push_over_report(found)
+        assert found.largest_acceleration > 1.5 * found.jumps[0]
+        time = np.linspace(0.0, 28.0, 281)
+        for part in (0.97, 1.05):
+            push = -part * found.largest_acceleration * np.minimum(time / 20.0, 1.0)
+            assert simulate(structure, Motion.from_samples(0.1, push), settle=0).overturned == (part > 1.0)
+
+
+@pytest.mark.parametrize("gap", [0.005, 0.02, 0.3])
+@pytest.mark.parametrize("stiffness", [1e9, 1e12])
+def test_a_wall_behind_a_gap_bears_a_block_that_tips(stiffness: float, gap: float) -> None:
+    data = block(0.5, 0.8, 2.0, stiffness).to_dict()
+    data["neighbours"] = {"stiffness": 1e9, "restitution": 0.3, "friction": 0.3}
+    wall = {"at": [0.25 + gap, 0.0, 0.0], "normal": [-1.0, 0.0], "width": 4.0, "height": 3.0}
+    found = push_over(Structure.from_dict({**data, "neighbours": data["neighbours"] | {"wall": [wall]}}))
+    assert found.limit == "at least"
+    assert found.largest_acceleration / G == pytest.approx(10.0, rel=1e-3)  # measured 2e-5: a step beyond
+
+
+@pytest.mark.parametrize("stiffness", [1e9, 1e11])
+def test_a_block_slides_on_to_a_slack_tie_or_a_wall(stiffness: float) -> None:
+    sliding = block(1.5, 0.8, 0.6, stiffness, friction=0.3).to_dict()
+    tie = {"between": ["block", "base"], "from": [-0.75, 0.0, -0.3], "to": [-2.75, 0.0, 0.0], "yield": 2e4}
+    held = Structure.from_dict({**sliding, "tie": [tie | {"stiffness": 1e7, "damping": 1e4, "slack": 0.3}]})
+    expected = 0.3 * G + 2e4 / (held.weight / G)
+    assert push_over(held).largest_acceleration == pytest.approx(expected, rel=5e-5)  # measured 4e-6
+    wall = {"at": [0.77, 0.0, 0.0], "normal": [-1.0, 0.0], "width": 4.0, "height": 3.0}
+    neighbours = {"stiffness": 1e9, "restitution": 0.3, "friction": 0.3, "wall": [wall]}
+    found = push_over(Structure.from_dict({**sliding, "neighbours": neighbours}))
+    assert found.limit == "at least"
+
+
+def test_a_slab_slides_on_its_bearings_to_their_rings() -> None:
+    """Compare with the turn about the bearings in front, whose force acts half-way between slab and base."""
+    slab = {"name": "slab", "position": [0.0, 0.0, 0.3], "width": 4.0, "depth": 4.0, "height": 1.0, "density": 2500.0}
+    corners = [[x, y, 0.3] for x in (-1.5, 1.5) for y in (-1.5, 1.5)]
+    bearing = {"kind": "rolling", "between": ["slab", "base"], "at": corners, "diameter": 0.6, "capacity": 0.5}
+    bearing |= {"vertical_stiffness": 5e9, "vertical_damping": 1e-3, "friction": 0.07, "initial_stiffness": 1e7}
+    bearing |= {"rim": 0.3, "rim_stiffness": 1e7, "rim_damping": 1e-3}
+    joints = {"stiffness": 1e10, "damping": 1e-3}
+    found = push_over(Structure.from_dict({"name": "slab", "joints": joints, "block": [slab], "bearing": [bearing]}))
+    assert found.jumps / G == pytest.approx([0.07], rel=1e-4)  # measured 2e-6
+    assert found.d[-1] == pytest.approx(4 * [0.3256], rel=1e-3)  # 26 mm into the rings: measured 2e-4
+    # the settlement of the bearings lowers it: measured 2e-6
+    assert found.largest_acceleration / G == pytest.approx((1.5 - 0.5 * found.d[-1, 0]) / 0.5, rel=2e-5)
 
 
 @pytest.mark.parametrize(("strength", "cohesion"), [(1e4, 1e4), (1e6, 5e3)])

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...common.errors import InputError
 from ...ground.loads import push_unit
 from ...ground.motion import STANDARD_GRAVITY
-from ...kernels.structure.layout import KEEP, LOAD, PRESUME
+from ...kernels.structure.layout import JOINED_GAP, KEEP, LOAD, PRESUME
 from ..outputs import places_of
 from .blocks.faces import FloatArray
 from .model import Structure
@@ -62,8 +62,10 @@ NUDGED, FINE = (1e-4, 4e-4, 1.6e-3, 6.4e-3), (0.01, 1.0)
 FAR = 0.01  # of the largest block: displacement within which it is sought
 REFINED = 4  # secants to the push at which a path ends, of a step that its bracket has made short
 MOST_SOUGHT = 40  # steps of a bracket: more than halving takes, unless rounding made its event
+MOST_FALLEN = 200  # places beyond a largest push, on the way to what may bear there
 STEEP = 1e-3  # part of the push in a step, in these units, above which it counts as growing however short the step
 FALLS = "beyond it the push falls, or does not grow"
+FELL = "beyond it the push falls, as far as it was followed"
 LOST = "no balance is found beyond it"
 FURTHER, FOLLOWED = "it was not pushed further than", "the path was not followed further than"
 TURN, RESOLVED = 0.9, 1e-7  # least cosine of the angle between consecutive steps; steps whose direction is no rounding
@@ -117,7 +119,9 @@ def rest_under(structure: Structure, loads: FloatArray) -> FloatArray:
 class EquilibriumPath:
     """The path of equilibria of one structure pushed along the vector `way`, (3,), or by loads on its ports.
 
-    It ends at the push `largest` (m/s2, or times the loads), at 10 g without one.
+    It ends at the push `largest` (m/s2, or times the loads), at 10 g without one. Without one it also goes on where the
+    push falls, if the structure comes to bear there on a slack tie, a neighbour or the ring of a bearing: the places
+    from the largest push to the one at which the push exceeds it again are left out.
     """
 
     def __init__(
@@ -139,7 +143,7 @@ class EquilibriumPath:
                 self.load[6 * port.body :][:6] += [*part[:3], *(part[3:] + np.cross(port.at, part[:3]))]
             # a factor that pushes as much as that acceleration
             first *= self.weight / structure.g / largest_of(self.load, self.per)
-        self.largest = min(largest, LARGEST / FIRST * first)
+        self.largest, self.may_jump = min(largest, LARGEST / FIRST * first), largest == math.inf
         # units of displacements and of the push; initial direction
         linear = np.linalg.solve(rest.stiffness, first * self.load)
         self.noise = NOISE * first
@@ -148,9 +152,12 @@ class EquilibriumPath:
         ahead /= np.linalg.norm(ahead)
         places = places_of(OUTPUTS, structure.sizes)
         self.contact, self.slip, self.moved = places["contact"], places["slip"], places["d"]
+        self.tie, self.gap = places["tie"], places["gap"]
         bearings = [joint.bearing for joint in structure.bearings]
         self.capacity = np.array([math.inf if bearing is None else bearing.capacity for bearing in bearings])
+        self.ring = np.array([math.inf if bearing is None else bearing.ring for bearing in bearings])
         self.places = [Place(0.0, rest.row.copy(), rest.phase.copy(), ahead, 0.0, ahead)]
+        self.jumps: list[float] = []  # largest pushes beyond which places are left out
 
     def follow(self) -> str:
         """Add the points up to the largest push; return the reason why the path ends."""
@@ -177,9 +184,8 @@ class EquilibriumPath:
                 continue
             if now.beyond:
                 return self._beyond(place)
-            if not now.grows and self._falls(place, last):
-                return FALLS
-            if self._has_sunk(place):
+            falls = not now.grows and self._falls(place, last)
+            if not falls and self._has_sunk(place):
                 place = self._beside_largest(lost)
                 if place is None:
                     return FALLS
@@ -193,10 +199,17 @@ class EquilibriumPath:
             # growth that is lost in the rounding of short steps
             sought = sought + 1 if seeking else 0
             is_lost = not now.grows or sought > MOST_SOUGHT
-            longer = self._growing_step(place, step) if is_lost else step
-            self.places.append(place)
+            longer = 0.0 if falls else self._growing_step(place, step) if is_lost else step
+            if not falls:
+                self.places.append(place)
             if not longer:
-                return FALLS
+                beyond = self._regained(last, place, gone)
+                if isinstance(beyond, str):
+                    return beyond
+                self.jumps.append(self.places[-1].push)
+                self.places.append(beyond)
+                step, narrow, seeking, lost = beyond.step or STEP, 0.0, False, 0
+                continue
             lost = 0
             if is_lost:
                 step, seeking, now = longer, False, now._replace(grows=True)
@@ -207,6 +220,58 @@ class EquilibriumPath:
             if not seeking:
                 step = min(2.0 * step, max(STEP, GROWTH * gone))
         return f"{FOLLOWED} {MOST_PLACES} places"
+
+    def _regained(self, last: Place, place: Place, gone: float) -> Place | str:
+        """Return a place beyond one whose push does not grow, at which it exceeds the largest push so far.
+
+        If there is none, return the reason: nothing is left that may come to bear, or before it does the structure
+        balances without push, has moved by its size or leaves a bearing. last: the place before that one; gone: the
+        length of the path so far.
+        """
+        largest, step, lost = self.places[-1].push, place.step, 0
+        for _ in range(MOST_FALLEN):
+            if self._exceeds(place, largest):
+                return place
+            left = bool(np.any(place.row[self.moved] > self.capacity))
+            if not self._may_bear(place, last) or left or place.push <= 0.0 or self._is_far(place.row, last.row, 1.0):
+                return FALLS
+            beyond, bends = self._beyond_bend(place, step, GROWTH * max(largest, self.unit[1]))
+            if beyond is None:
+                beyond, lost, step = self._beside(place, lost), lost + 1, STEP
+                if beyond is None:
+                    return FELL
+            else:
+                gone, lost = 0.0 if bends else gone + beyond.step, 0
+                step = min(2.0 * beyond.step, max(STEP, GROWTH * gone))
+            place = beyond
+        return FELL
+
+    def _beyond_bend(self, place: Place, step: float, most: float) -> tuple[Place | None, bool]:
+        """Return a point of the path beyond a place, and True if a sharp bend is between, where something bears.
+
+        The step to it is halved until the push grows by at most `most`, and a bend is bracketed.
+        """
+        narrow = 0.0
+        while step >= SHORTEST:
+            found = self._next(place, step)
+            if found is not None and found.push <= place.push + most:
+                bends = step > RESOLVED and float(found.secant @ place.secant) < TURN
+                if not bends or step <= narrow:
+                    return found, narrow > 0.0
+                narrow = narrow or NARROWED * step
+            step *= 0.5
+        return None, False
+
+    def _exceeds(self, place: Place, push: float) -> bool:
+        """Return True if the push of a place is more than another one by more than rounding."""
+        return place.push > push * (1.0 + GROWN) + 10.0 * self.noise
+
+    def _may_bear(self, place: Place, last: Place) -> bool:
+        """Return True if a tie slack at the last place, or a gap or a bearing within its ring that closes, may bear."""
+        row, before, gap, moved = place.row, last.row, self.gap, self.moved
+        apart = (before[gap] > 0.0) & (before[gap] < JOINED_GAP) & (row[gap] < before[gap])
+        inside = (before[moved] < self.ring) & (self.ring < math.inf) & (row[moved] > before[moved])
+        return self.may_jump and bool(np.any(before[self.tie] == 0.0) or np.any(apart) or np.any(inside))
 
     def _beside(self, last: Place, lost: int) -> Place | None:
         """Return a balance near a place, under a push that is hardly larger, after what breaks or slips there.
@@ -250,7 +315,7 @@ class EquilibriumPath:
             if beyond is not None:
                 if self._falls(beyond, begin):
                     break
-                if beyond.push > begin.push * (1.0 + GROWN) + 10.0 * self.noise:
+                if self._exceeds(beyond, begin.push):
                     return step
                 if self._is_far(beyond.row, begin.row):
                     break
@@ -258,11 +323,11 @@ class EquilibriumPath:
             step *= 2.0
         return 0.0
 
-    def _is_far(self, row: FloatArray, other: FloatArray) -> bool:
-        """Return True if the blocks of two output rows are further apart than a small part of the largest block."""
+    def _is_far(self, row: FloatArray, other: FloatArray, part: float = FAR) -> bool:
+        """Return True if the blocks of two output rows are further apart than a part of the largest block."""
         blocks = self.stepper.structure.blocks
         moved = np.abs(row[: 3 * len(blocks)] - other[: 3 * len(blocks)])
-        return bool(np.max(moved) > FAR * max(block.size for block in blocks))
+        return bool(np.max(moved) > part * max(block.size for block in blocks))
 
     def _falls(self, place: Place, last: Place) -> bool:
         """Return True if the push is less than that of the last place by more than rounding."""

@@ -16,7 +16,7 @@ from ...ground.loads import pattern_of, push_unit
 from ..outputs import DIGITS
 from ..pictures import draw
 from .blocks.faces import FloatArray
-from .equilibria import FOLLOWED, FURTHER, LOST, EquilibriumPath, Place, has_opened, has_slid
+from .equilibria import FELL, FOLLOWED, FURTHER, LOST, EquilibriumPath, Place, has_opened, has_slid
 from .model import Structure
 from .outputs import StructureHistories
 
@@ -43,6 +43,8 @@ class PushOver(StructureHistories, NotebookRepr):
         none.
     uplift_joint, sliding_joint
         Names of these joints.
+    jumps
+        Pushes beyond which it tips or slides on until a slack tie, a neighbour or the ring of a bearing bears it, m/s2.
     ends
         Reason why the path ends.
     pattern
@@ -63,6 +65,7 @@ class PushOver(StructureHistories, NotebookRepr):
         self.rows: FloatArray = np.array([place.row for place in places])
         self.uplift, self.uplift_joint = self._first(self.opened)
         self.sliding, self.sliding_joint = self._first(self.slides)
+        self.jumps: FloatArray = np.empty(0)
         self.ends = ""
 
     def _first(self, found: NDArray[np.bool_]) -> tuple[float, str]:
@@ -97,7 +100,7 @@ class PushOver(StructureHistories, NotebookRepr):
         """The word for the largest push: "at most", or "at least" if the path was not followed to its end."""
         if self.ends.startswith((FURTHER, FOLLOWED)):
             return "at least"
-        return "at most, as far as found" if self.ends == LOST else "at most"
+        return "at most, as far as found" if self.ends in (LOST, FELL) else "at most"
 
     @property
     def moves_most(self) -> int:
@@ -148,6 +151,11 @@ def push_over(
     The largest push, the first opening and the first sliding are found to 1e-4 of a step or better. The path ends where
     a bearing has moved by its capacity, since what stands on it comes off there.
 
+    Beyond a largest push the structure tips or slides on, perhaps until a slack tie, a neighbour or the ring of a
+    bearing bears it. Then the path jumps to the place at which it balances more than that push, and goes on to the
+    largest push of all. It is that under a slowly growing push if the impact at the end of a jump overturns nothing:
+    its energy does not count.
+
     Parameters
     ----------
     structure : Structure
@@ -176,5 +184,5 @@ def push_over(
     path = EquilibriumPath(structure, np.array([math.cos(direction), math.sin(direction), float(vertical)]), loads)
     ends = path.follow()
     found = PushOver(structure, float(direction), float(vertical), path.places, pattern)
-    found.ends = ends
+    found.ends, found.jumps = ends, np.array(path.jumps)
     return found
