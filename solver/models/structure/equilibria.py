@@ -62,7 +62,8 @@ NUDGED, FINE = (1e-4, 4e-4, 1.6e-3, 6.4e-3), (0.01, 1.0)
 FAR = 0.01  # of the largest block: displacement within which it is sought
 REFINED = 4  # secants to the push at which a path ends, of a step that its bracket has made short
 MOST_SOUGHT = 40  # steps of a bracket: more than halving takes, unless rounding made its event
-MOST_FALLEN = 200  # places beyond a largest push, on the way to what may bear there
+PACE = 2.0  # a gap may close so many times faster later on, as its bodies turn
+MOST_FALLEN, OF_BLOCKS = 200, 2400  # places beyond a largest push, on the way to what may bear there; times blocks
 STEEP = 1e-3  # part of the push in a step, in these units, above which it counts as growing however short the step
 FALLS = "beyond it the push falls, or does not grow"
 FELL = "beyond it the push falls, as far as it was followed"
@@ -229,7 +230,7 @@ class EquilibriumPath:
         length of the path so far.
         """
         largest, step, lost = self.places[-1].push, place.step, 0
-        for _ in range(MOST_FALLEN):
+        for _ in range(min(MOST_FALLEN, OF_BLOCKS // self.stepper.structure.n)):
             if self._exceeds(place, largest):
                 return place
             left = bool(np.any(place.row[self.moved] > self.capacity))
@@ -267,9 +268,16 @@ class EquilibriumPath:
         return place.push > push * (1.0 + GROWN) + 10.0 * self.noise
 
     def _may_bear(self, place: Place, last: Place) -> bool:
-        """Return True if a tie slack at the last place, or a gap or a bearing within its ring that closes, may bear."""
+        """Return True if a tie slack at the last place, or a gap or a bearing within its ring that closes, may bear.
+
+        A gap counts if at this pace it closes before the structure has moved by some times its size.
+        """
         row, before, gap, moved = place.row, last.row, self.gap, self.moved
+        blocks = self.stepper.structure.blocks
+        far = float(np.max(np.abs(row[: 3 * len(blocks)] - before[: 3 * len(blocks)])))
+        reach = PACE * max(block.size for block in blocks)
         apart = (before[gap] > 0.0) & (before[gap] < JOINED_GAP) & (row[gap] < before[gap])
+        apart &= row[gap] * far <= reach * (before[gap] - row[gap])
         inside = (before[moved] < self.ring) & (self.ring < math.inf) & (row[moved] > before[moved])
         return self.may_jump and bool(np.any(before[self.tie] == 0.0) or np.any(apart) or np.any(inside))
 
