@@ -351,7 +351,7 @@ def test_loads_that_lift_or_press_a_column_have_a_curve(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Lift the top block by its weight, and press it down: in its plane and in space, pushes are factors."""
+    """Check that pushes are factors, in its plane and in space, where loads lift the top block or press it down."""
     monkeypatch.setattr("solver.models.column.push.MOST_POINTS", 50)
     file, picture = tmp_path / "pat.toml", tmp_path / "curve.png"
     file.write_text(
