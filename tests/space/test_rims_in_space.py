@@ -206,10 +206,8 @@ def test_a_drum_without_friction_tilts_on_its_rim_as_in_the_plane(beside: bool) 
     structure = Structure.from_dict(
         {"name": "drum", "joints": law, "block": [*([box] if beside else []), drum], "port": port}
     )
-    still, push = (
-        Motion.from_samples(0.01, np.zeros(20)),
-        {"push": {"Fx": 7000.0}},
-    )  # N, on the centroid: opens the foot
+    still = Motion.from_samples(0.01, np.zeros(20))
+    push = {"push": {"Fx": 7000.0}}  # N, on the centroid: opens the foot
     turned = simulate(structure, still, release=push, settle=0.0, tolerance=1e-8).rotation[0, -1, 1]
     block = {"height": 3.0, "section": "circle", "diameter": 1.0, "density": 2500.0}
     joint = {key: law[key] for key in ("stiffness", "damping", "rim")}

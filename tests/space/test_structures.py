@@ -506,3 +506,12 @@ def test_a_hollow_face_that_another_one_covers_in_part_is_refused_with_the_reaso
     blocks = [{**block, "density": 2000.0} for block in (ring, drum)]
     with pytest.raises(InputError, match=r"block\[2\].on: a hollow face must share its axis with a round one"):
         Structure.from_dict({"name": "hollow", "joints": law, "block": blocks})
+
+
+@pytest.mark.parametrize("bore", [0.0, 0.1])
+def test_a_face_within_the_bore_of_another_one_does_not_touch_it(bore: float) -> None:
+    ring = {"name": "ring", "on": "base", "shape": "drum", "diameter": 1.2, "bore": 0.8, "height": 1.0}
+    drum = {"name": "drum", "on": "ring", "at": [0.1, 0.0], "shape": "drum", "diameter": 0.3, "height": 1.0}
+    blocks = [{**block, "density": 2000.0} for block in (ring, {**drum, **({"bore": bore} if bore else {})})]
+    with pytest.raises(InputError, match=r"block\[2\].on: drum and ring share no face"):
+        Structure.from_dict({"name": "nested", "joints": {"stiffness": 1e9, "damping": 1e-3}, "block": blocks})

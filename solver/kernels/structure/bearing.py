@@ -90,13 +90,18 @@ def stiffness_along(scene, j, normal):
     return joints.shear[j] + joints.spring[j] + joints.pendulum[j] * normal
 
 
+@leaf
+def _is_left(scene, j):
+    """Return True if the last evaluation was beyond the capacity of bearing j, in any direction."""
+    x, y, capacity = scene.resultants.s1[j], scene.resultants.s2[j], scene.joints.capacity[j]
+    return x * x + y * y > capacity * capacity
+
+
 @kernel
 def come_off(scene, found):
     """Return the number, from 1, of a block that has left its bearing at the last evaluation; else `found`."""
     for j in range(scene.m - scene.extras.b, scene.m):
-        # beyond the capacity in any direction
-        x, y, capacity = scene.resultants.s1[j], scene.resultants.s2[j], scene.joints.capacity[j]
-        found = where(x * x + y * y > capacity * capacity, index_of(scene.joints.upper[j]) + 1.0, found)
+        found = where(_is_left(scene, j), index_of(scene.joints.upper[j]) + 1.0, found)
     return found
 
 
@@ -105,8 +110,7 @@ def left_bearing(scene, block):
     """Return the number, from 1, of the bearing that a block (number from 1) has left as by `come_off`; 0 if none."""
     for b in range(scene.extras.b):
         j = scene.m - scene.extras.b + b
-        x, y, capacity = scene.resultants.s1[j], scene.resultants.s2[j], scene.joints.capacity[j]
-        if scene.joints.upper[j] + 1.0 == block and x * x + y * y > capacity * capacity:
+        if scene.joints.upper[j] + 1.0 == block and _is_left(scene, j):
             return b + 1
     return 0
 

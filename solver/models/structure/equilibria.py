@@ -233,8 +233,8 @@ class EquilibriumPath:
         for _ in range(min(MOST_FALLEN, OF_BLOCKS // self.stepper.structure.n)):
             if self._exceeds(place, largest):
                 return place
-            left = bool(np.any(place.row[self.moved] > self.capacity))
-            if not self._may_bear(place, last) or left or place.push <= 0.0 or self._is_far(place.row, last.row, 1.0):
+            ended = place.push <= 0.0 or bool(np.any(place.row[self.moved] > self.capacity))
+            if ended or self._distance(place.row, last.row) > 1.0 or not self._may_bear(place, last):
                 return FALLS
             beyond, bends = self._beyond_bend(place, step, GROWTH * max(largest, self.unit[1]))
             if beyond is None:
@@ -273,11 +273,8 @@ class EquilibriumPath:
         A gap counts if at this pace it closes before the structure has moved by some times its size.
         """
         row, before, gap, moved = place.row, last.row, self.gap, self.moved
-        blocks = self.stepper.structure.blocks
-        far = float(np.max(np.abs(row[: 3 * len(blocks)] - before[: 3 * len(blocks)])))
-        reach = PACE * max(block.size for block in blocks)
         apart = (before[gap] > 0.0) & (before[gap] < JOINED_GAP) & (row[gap] < before[gap])
-        apart &= row[gap] * far <= reach * (before[gap] - row[gap])
+        apart &= row[gap] * self._distance(row, before) <= PACE * (before[gap] - row[gap])
         inside = (before[moved] < self.ring) & (self.ring < math.inf) & (row[moved] > before[moved])
         return self.may_jump and bool(np.any(before[self.tie] == 0.0) or np.any(apart) or np.any(inside))
 
@@ -293,7 +290,7 @@ class EquilibriumPath:
             stepper.phase[:] = last.phase
             delta, base = fine * self.close * self.per, self._push(push)
             found = settle(stepper, linear, delta, CLOSE * self.weight, base)
-            if found and not self._is_far(stepper.row, last.row):
+            if found and self._distance(stepper.row, last.row) <= FAR:
                 secant = self._secant(last, push)
                 return Place(push, stepper.row.copy(), stepper.phase.copy(), secant, 0.0, secant)
         return None
@@ -325,17 +322,17 @@ class EquilibriumPath:
                     break
                 if self._exceeds(beyond, begin.push):
                     return step
-                if self._is_far(beyond.row, begin.row):
+                if self._distance(beyond.row, begin.row) > FAR:
                     break
                 place = beyond
             step *= 2.0
         return 0.0
 
-    def _is_far(self, row: FloatArray, other: FloatArray, part: float = FAR) -> bool:
-        """Return True if the blocks of two output rows are further apart than a part of the largest block."""
+    def _distance(self, row: FloatArray, other: FloatArray) -> float:
+        """Return the largest displacement of a block between two output rows, over the size of the largest block."""
         blocks = self.stepper.structure.blocks
         moved = np.abs(row[: 3 * len(blocks)] - other[: 3 * len(blocks)])
-        return bool(np.max(moved) > part * max(block.size for block in blocks))
+        return float(np.max(moved)) / max(block.size for block in blocks)
 
     def _falls(self, place: Place, last: Place) -> bool:
         """Return True if the push is less than that of the last place by more than rounding."""
@@ -343,8 +340,9 @@ class EquilibriumPath:
 
     def _has_sunk(self, place: Place) -> bool:
         """Return True if the push is less than the largest one so far by more than rounding, after short steps."""
-        largest = max(one.push for one in self.places)
-        return place.step < SHORT and place.push < largest * (1.0 - SUNK) - 10.0 * self.noise
+        if place.step >= SHORT:
+            return False
+        return place.push < max(one.push for one in self.places) * (1.0 - SUNK) - 10.0 * self.noise
 
     def _beside_largest(self, lost: int) -> Place | None:
         """Leave out the places after that of the largest push, and return a balance beside that one, as `_beside`."""

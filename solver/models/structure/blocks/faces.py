@@ -174,7 +174,7 @@ def outside_parts(corners: FloatArray, outside: FloatArray) -> list[FloatArray]:
     return [np.array(part) for part in found if len(part) > 2]
 
 
-def shared(upper: Face, lower: Face, key: str = "faces") -> Face | None:
+def shared(upper: Face, lower: Face, key: str) -> Face | None:
     """Return the intersection of two faces, with the axes of the lower one; None if they do not touch.
 
     Faces touch if their planes coincide and their normals are opposite. The centre is the centroid of the intersection.
@@ -202,10 +202,10 @@ def shared(upper: Face, lower: Face, key: str = "faces") -> Face | None:
     area, first, _ = polygon_moments(outline)
     if area <= NEAR * size * size:
         return None
-    if any(one.bore and not _within_bore(other, one) for one, other in ((upper, lower), (lower, upper))):
-        raise InputError(f"{key}: a hollow face must share its axis with a round one, or lie wholly on the other")
     if upper.bore or lower.bore:
-        return None
+        if _within_bore(upper, lower) or _within_bore(lower, upper):
+            return None
+        raise InputError(f"{key}: a hollow face must share its axis with a round one, or lie wholly on the other")
     middle = first / area
     return Face(lower.centre + lower.axes[:, :2] @ middle, lower.axes, without_doubles(outline - middle))
 

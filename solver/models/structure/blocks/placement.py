@@ -38,7 +38,7 @@ def check_joints(blocks: Sequence[Solid], joints: Sequence[SpatialJoint]) -> Non
     for (one, other), found in pairs.items():
         for k, joint in enumerate(found):
             for before in found[:k]:
-                if _overlap(joint.face, before.face):
+                if _overlap(joint.face, before.face, joint.key):
                     what = f"the contact of {names[one]} and {names[other]} counts twice, it is that of"
                     raise InputError(f"{joint.key}: {what} {before.key} too, must be left out in one of them")
 
@@ -56,11 +56,11 @@ def _check_near(joint: SpatialJoint, block: Solid) -> None:
         raise InputError(f"{joint.key}.at: is {far:.4g} m away from {block.name}, must be {most:.4g} m at most")
 
 
-def _overlap(one: Face, other: Face) -> bool:
+def _overlap(one: Face, other: Face, key: str) -> bool:
     """Return True if two coplanar faces share an area, whichever way their normals point."""
     if float(one.normal @ other.normal) > 0.0:
         across = np.diag([1.0, -1.0, -1.0])
         one = Face(one.centre, one.axes @ across, one.outline * [1.0, -1.0], one.radius, one.bore)
         one = Face(one.centre, one.axes, one.outline[::-1].copy(), one.radius, one.bore)
-    face = shared(one, other)
+    face = shared(one, other, key)
     return face is not None and face.moments[0] > NEAR * min(one.moments[0], other.moments[0])
