@@ -40,21 +40,21 @@ def answer(rows: Sequence[Row]) -> str:
     return f"{UNDECIDED}: no row of the table fails, but some runs neither fell nor came to rest."
 
 
-def cracked_sentence(names: Sequence[str], runs: Sequence[Any]) -> str:
+def cracked_sentence(names: Sequence[str], by_sign: Sequence[Sequence[Any]]) -> str:
     """Return the sentence on the mortar joints that break through under some motion, or "" if there are none.
 
     Parameters
     ----------
     names : sequence of str
         Names of the mortar joints.
-    runs : sequence
-        Responses of the model as given, one per motion; `peaks["bond"]` is (joints,).
+    by_sign : (motions, signs) sequence
+        Responses of the model as given; `peaks["bond"]` is (joints,).
     """
     if not names:
         return ""
-    broken = np.array([np.asarray(run.peaks["bond"]) <= 0.0 for run in runs])
+    broken = np.array([np.any([run.peaks["bond"] <= 0.0 for run in runs], axis=0) for runs in by_sign])
     said = [
-        f"{name} (under {np.sum(broken[:, i])} of {len(runs)} motions)"
+        f"{name} (under {np.sum(broken[:, i])} of {len(by_sign)} motions)"
         for i, name in enumerate(names)
         if broken[:, i].any()
     ]
@@ -117,20 +117,31 @@ def falls_sentence(word: str, names: Sequence[str], runs: Sequence[Any]) -> str:
     return f"The {word} as given falls {', '.join(fell[:MOST_NAMED])}{more}."
 
 
-def impacts_sentence(names: Sequence[str], runs: Sequence[Any]) -> str:
-    """Return the sentence on the neighbours that hit each other as given; arguments as of `falls_sentence`."""
+def impacts_sentence(names: Sequence[str], by_sign: Sequence[Sequence[Any]]) -> str:
+    """Return the sentence on the neighbours that hit each other as given.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of the motions.
+    by_sign : (motions, signs) sequence
+        Responses of the model as given.
+    """
     hits: dict[str, list[tuple[float, str]]] = {}
-    for name, run in zip(names, runs, strict=True):
-        for one in run.impacts:
-            if one.gap < 0.0:
-                first = "shorter than a row" if np.isnan(one.first) else f"first contact at {one.first:.4g} s"
-                hardest = f"{three_digits(1e-3 * one.force)} kN under {name}, {first}"
-                hits.setdefault(one.between, []).append((one.force, hardest))
+    for name, runs in zip(names, by_sign, strict=True):
+        # the hardest hit of each pair, of both signs of the motion
+        hardest: dict[str, tuple[float, str]] = {}
+        for one in (one for run in runs for one in run.impacts if one.gap < 0.0):
+            first = "shorter than a row" if np.isnan(one.first) else f"first contact at {one.first:.4g} s"
+            hit = one.force, f"{three_digits(1e-3 * one.force)} kN under {name}, {first}"
+            hardest[one.between] = max(hit, hardest.get(one.between, hit))
+        for between, hit in hardest.items():
+            hits.setdefault(between, []).append(hit)
     if not hits:
         return "As given no neighbours hit each other."
     worst = sorted(hits.items(), key=lambda item: max(item[1]), reverse=True)
     said = [
-        f"{between} under {len(found)} of {len(runs)} motions ({max(found)[1]})"
+        f"{between} under {len(found)} of {len(by_sign)} motions ({max(found)[1]})"
         for between, found in worst[:MOST_NAMED]
     ]
     more = f", and {len(hits) - MOST_NAMED} more pairs" if len(hits) > MOST_NAMED else ""

@@ -42,7 +42,7 @@ from .runs import Sets, as_given, own_runs, run_all, varied
 from .scaling import LEAST_PART, check_periods
 from .spectra import TargetSpectrum
 from .subject import Pair, Subject, subject_of
-from .table import Row, rows_of
+from .table import Demands, Row, rows_of
 from .verdicts import Verdicts, verdicts_of
 
 BANDS = tuple(f"p{percent}" for percent in PERCENTILES)
@@ -70,8 +70,9 @@ class Check:
         The methods by hand; None for a structure in space.
     margin
         The factors at which overturning begins; None if they were not computed.
-    responses
-        The responses of the model as given, one for each motion.
+    by_sign
+        The responses of the model as given, (motions, signs): for each motion one for each sign that counts, the worse
+        one first.
     runs
         The table of the varied runs: `plan.ensemble` for each motion, grouped by motion.
     verdicts
@@ -88,7 +89,7 @@ class Check:
     rows: tuple[Row, ...]
     by_hand: ByHand | None
     margin: Margin | None
-    responses: tuple[Any, ...]
+    by_sign: tuple[tuple[Any, ...], ...]
     runs: Table
     verdicts: Verdicts
     others: tuple[OtherJoints, ...] = ()
@@ -101,6 +102,21 @@ class Check:
     def name(self) -> str:
         """The name of the column or structure."""
         return str(self.subject.model.name)
+
+    @property
+    def responses(self) -> tuple[Any, ...]:
+        """The responses of the model as given, one for each motion: of both signs that of the worse verdict."""
+        return tuple(runs[0] for runs in self.by_sign)
+
+    @cached_property
+    def demands(self) -> Demands:
+        """The demands of the motions on the model as given."""
+        return Demands(self.subject, self.by_sign)
+
+    @property
+    def displacement(self) -> Row:
+        """The row of the displacement."""
+        return next(row for row in self.rows if row.name.startswith("displacement"))
 
     @property
     def period(self) -> float:
@@ -120,7 +136,7 @@ class Check:
     @property
     def answer(self) -> str:
         """The sentences that say whether it passes, which rows fail, and which mortar joints break through."""
-        return answer(self.rows) + cracked_sentence(self.subject.bonds, self.responses)
+        return answer(self.rows) + cracked_sentence(self.subject.bonds, self.by_sign)
 
     @property
     def fallen(self) -> tuple[int, int, int]:
@@ -140,7 +156,7 @@ class Check:
         """The sentence that names the governing run, and says why its displacement is not the demand of the table."""
         place, why = self._governing
         word, name = self.subject.model.kind.word, self.action.motions[place].name
-        row = next(row for row in self.rows if row.name.startswith("displacement"))
+        row = self.displacement
         value, counts = row.shown(row.values[place]), row.shown(row.demand)
         said = f"The run of the {word} as described under {name}: {why}."
         if value == counts:
@@ -172,7 +188,7 @@ class Check:
     def impacts_sentence(self) -> str:
         """The sentence on the neighbours that hit each other as given; "" without neighbours."""
         names = [scaled.name for scaled in self.action.motions]
-        return impacts_sentence(names, self.responses) if self.subject.neighbours else ""
+        return impacts_sentence(names, self.by_sign) if self.subject.neighbours else ""
 
     @property
     def margin_sentence(self) -> str:
@@ -307,13 +323,14 @@ def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | N
     """
     if callback is not None:
         callback = Sets(callback, 1 + plan.margin * MOST_TRIALS + plan.joints * len(CHANGES))
-    responses, ensembles, runs, verdicts = _made(subject, action, plan, callback)
+    by_sign, ensembles, runs, verdicts = _made(subject, action, plan, callback)
     # margin: the runs at factor 1 are known, the others are made by bisection
     margin = None
     if plan.margin:
-        all_of = [[as_given(subject, run), *ensemble] for run, ensemble in zip(responses, ensembles, strict=True)]
+        pairs = zip(by_sign, ensembles, strict=True)
+        all_of = [[*(as_given(subject, run) for run in signs), *ensemble] for signs, ensemble in pairs]
         margin = margin_of(subject, all_of, verdicts.falls_by_motion, callback)
-    rows = rows_of(subject, responses, runs, plan.limits, margin, verdicts)
+    rows = rows_of(subject, by_sign, runs, plan.limits, margin, verdicts)
     others: tuple[OtherJoints, ...] = ()
     if plan.joints:
 
@@ -328,26 +345,26 @@ def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | N
         others = other_joints(subject.model, plan.confidence_factor, outcome_and_note)
     # methods by hand
     hand = subject.by_hand(action, plan.limits)
-    return Check(subject, action, plan, rows, hand, margin, responses, runs, verdicts, others)
+    return Check(subject, action, plan, rows, hand, margin, by_sign, runs, verdicts, others)
 
 
 def _made(
     subject: Subject, action: Action, plan: Plan, callback: Callback | None, phase: str = "varied runs"
-) -> tuple[tuple[Any, ...], list[list[Pair]], Table, Verdicts]:
+) -> tuple[tuple[tuple[Any, ...], ...], list[list[Pair]], Table, Verdicts]:
     """Simulate the subject and its varied models.
 
-    Returns the responses as given, the varied pairs of each motion, their table, and the verdicts of both.
+    Returns the responses as given, by sign, the varied pairs of each motion, their table, and the verdicts of both.
     """
     begin_phase(callback, phase)
-    responses = own_runs(subject, [scaled.motion for scaled in action.motions])
+    by_sign = own_runs(subject, [scaled.motion for scaled in action.motions])
     ensembles = [
-        varied(subject, run, scaled, plan, place)
-        for place, (scaled, run) in enumerate(zip(action.motions, responses, strict=True))
+        varied(subject, signs[0], scaled, plan, place)
+        for place, (scaled, signs) in enumerate(zip(action.motions, by_sign, strict=True))
     ]
     runs = run_all(subject, [pair for ensemble in ensembles for pair in ensemble], True, callback)
     names = [scaled.name for scaled in action.motions]
-    verdicts = Verdicts(names, np.array([run.verdict for run in responses]), verdicts_of(runs))
-    return responses, ensembles, runs, verdicts
+    verdicts = Verdicts(names, np.array([signs[0].verdict for signs in by_sign]), verdicts_of(runs))
+    return by_sign, ensembles, runs, verdicts
 
 
 def check(

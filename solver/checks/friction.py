@@ -15,7 +15,7 @@ from ..common.errors import InputError
 from .answer import FAILS, PASSES, UNDECIDED, outcome_of
 from .check import Check
 from .spectra import FloatArray
-from .table import MM
+from .table import MM, gaps_of
 from .verdicts import falls
 
 MOST_VALUES, MOST_PAIRS = 50, 20  # values of friction; pairs of neighbours that are listed
@@ -62,7 +62,7 @@ class Envelope:
         """The largest displacement of the runs that stand at each value (m), NaN if all fall."""
         found = []
         for check in self.checks:
-            own = [check.subject.moved(run) for run in check.responses if not run.overturned]
+            own = [check.subject.moved(run) for signs in check.by_sign for run in signs if not run.overturned]
             varied = check.subject.tops(check.runs)[~falls(check.verdicts.varied)]
             found.append(max([*own, *varied.tolist()], default=np.nan))
         return np.array(found)
@@ -73,7 +73,7 @@ class Envelope:
         names = self.checks[0].subject.neighbours
         if not names:
             return [np.empty((len(check.runs), 0)) for check in self.checks]
-        return [np.vstack([*(run.peaks["gap"] for run in one.responses), one.runs["least_gap"]]) for one in self.checks]
+        return [gaps_of(check.by_sign, check.runs) for check in self.checks]
 
     @property
     def least_gaps(self) -> FloatArray:
@@ -133,7 +133,8 @@ class Envelope:
         found: list[tuple[str, ...]] = []
         least, hits = self.least_gaps, self.hits
         names = self.checks[0].subject.neighbours
-        impacts = [one for check in self.checks for run in check.responses for one in run.impacts] if names else []
+        own = [run for check in self.checks for signs in check.by_sign for run in signs]
+        impacts = [one for run in own for one in run.impacts] if names else []
         for k in np.argsort(np.min(least, axis=0), kind="stable")[:MOST_PAIRS] if names else ():
             at = int(np.argmin(least[:, k]))
             first = min((one.first for one in impacts if one.between == names[k] and one.first >= 0.0), default=np.nan)

@@ -39,7 +39,8 @@ def risk_of(check: Check, hazard: Hazard, years: float = YEARS) -> Risk:
     sizes = np.array([hazard.measure.of(scaled.motion) for scaled in motions])
     if not np.all(sizes > 0.0):
         raise InputError(f"hazard: {hazard.measure.label} of a motion is 0, must be positive for a fragility")
-    own, varied = check.verdicts.own[:, None], check.verdicts.varied.reshape(len(sizes), -1)
+    own = np.array([[run.verdict for run in signs] for signs in check.by_sign])
+    varied = check.verdicts.varied.reshape(len(sizes), -1)
     trials = [Trial(1.0, np.arange(len(sizes)), np.hstack([own, varied]))]
     trials += check.margin.trials if check.margin else ()
 

@@ -24,21 +24,22 @@ from .subject import OF_BEARINGS, Pair, Subject
 WORSE = (STANDING, UNDECIDED, OVERTURNED)  # from best to worst
 
 
-def own_runs(subject: Subject, motions: Sequence[Motion]) -> tuple[Any, ...]:
-    """Simulate the subject under each motion, and return the responses (motions,).
+def own_runs(subject: Subject, motions: Sequence[Motion]) -> tuple[tuple[Any, ...], ...]:
+    """Simulate the subject under each motion, and return the responses (motions, signs).
 
-    If the sign of a motion counts, the worse of the two signs is returned.
+    If the sign of a motion counts, there are two for each motion, the worse one first: by verdict, then by the time of
+    the fall or the displacement. The other one may still have the larger demand of a joint, tie or neighbour.
     """
+
+    def badness(run: Any) -> tuple[int, float]:
+        return WORSE.index(run.verdict), -run.overturn_time if run.overturned else subject.moved(run)
+
     ways = [way for motion in motions for way in ((motion, motion.mirrored()) if subject.two_ways else (motion,))]
     with ThreadPoolExecutor(cores(), thread_name_prefix="runs") as pool, warnings.catch_warnings():
         warnings.filterwarnings("ignore", ".* pass into each other", InputWarning)  # the table has a row for it
         made = list(pool.map(lambda way: simulate(subject.model, way, settle=SETTLE), ways))
-    # of both signs of a motion the worse
     each = len(ways) // len(motions)
-    return tuple(
-        max(made[k : k + each], key=lambda run: (WORSE.index(run.verdict), subject.moved(run)))
-        for k in range(0, len(made), each)
-    )
+    return tuple(tuple(sorted(made[k : k + each], key=badness, reverse=True)) for k in range(0, len(made), each))
 
 
 def as_given(subject: Subject, run: Any) -> Pair:

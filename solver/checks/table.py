@@ -138,7 +138,7 @@ class Row:
 
 def rows_of(
     subject: Subject,
-    responses: Sequence[Any],
+    by_sign: Sequence[Sequence[Any]],
     table: Table,
     limits: Limits,
     margin: Margin | None,
@@ -152,8 +152,8 @@ def rows_of(
     ----------
     subject : Subject
         The model under check.
-    responses : sequence
-        The responses of the model as given, one for each motion.
+    by_sign : (motions, signs) sequence
+        The responses of the model as given, for each motion one for each sign that counts.
     table : Table
         The table of all varied runs.
     limits : Limits
@@ -163,7 +163,7 @@ def rows_of(
     verdicts : Verdicts
         The verdicts of the runs as given and of the varied runs.
     """
-    demands = Demands(subject, responses)
+    demands = Demands(subject, by_sign)
     return (
         *overturning(verdicts, limits, margin, table.stats["failures"]),
         _displacement(demands, table, verdicts, limits),
@@ -178,19 +178,24 @@ def rows_of(
 
 @dataclass(frozen=True, eq=False)
 class Demands:
-    """The demands of the motions on a subject, from one response for each motion."""
+    """The demands of the motions on a subject: of both signs of a motion, if they count, the worse for each value."""
 
     subject: Subject
-    responses: Sequence[Any]
+    by_sign: Sequence[Sequence[Any]]  # responses, (motions, signs)
 
     @property
     def fell(self) -> NDArray[np.bool_]:
         """True for each motion under which the subject falls, (motions,)."""
-        return falls([response.verdict for response in self.responses])
+        found: NDArray[np.bool_] = np.any(falls([[run.verdict for run in runs] for runs in self.by_sign]), axis=1)
+        return found
+
+    def most(self, values: Callable[[Any], ArrayLike]) -> FloatArray:
+        """Return the largest over the signs of one or several values of the responses, (motions, ...)."""
+        return np.max(np.array([[values(run) for run in runs] for runs in self.by_sign], dtype=np.float64), axis=1)
 
     def largest(self, values: Callable[[Any], ArrayLike]) -> FloatArray:
-        """Return one or several values of each response, (motions, ...); infinite where it falls."""
-        found = np.array([values(response) for response in self.responses], dtype=np.float64)
+        """Return the values of `most`; infinite where the subject falls."""
+        found = self.most(values)
         found[self.fell] = math.inf
         return found
 
@@ -341,7 +346,9 @@ def _opening(demands: Demands, limits: Limits) -> Row:
 
 def _overlap(demands: Demands, limits: Limits) -> list[Row]:
     """Return the row of the deepest overlap of blocks that do not meet in the model; empty if there is none."""
-    overlaps = [found for run in demands.responses if (found := demands.subject.overlap(run)) is not None]
+    by_sign = [[demands.subject.overlap(run) for run in runs] for runs in demands.by_sign]
+    known = [[found for found in each if found is not None] for each in by_sign]
+    overlaps = [max(each, key=lambda found: found.depth) for each in known if each]
     if not overlaps:
         return []
     deepest = max(overlaps, key=lambda found: found.depth)
@@ -353,28 +360,34 @@ def _overlap(demands: Demands, limits: Limits) -> list[Row]:
 
 
 def _hits(demands: Demands, table: Table, verdicts: Verdicts, limits: Limits) -> list[Row]:
-    """Return the rows of neighbours: share of varied runs with a hit; least gap and largest force as given."""
+    """Return the rows of neighbours: share of runs with a hit; least gap and largest force as given."""
     names = demands.subject.neighbours
     if not names:
         return []
-    hit = np.any(table["least_gap"] < 0.0, axis=1)
+    hit = np.any(gaps_of(demands.by_sign, table) < 0.0, axis=1)
     low, high = bounds_of(hit, hit, len(verdicts.names))
-    note = f"in {int(np.sum(hit))} of {hit.size} runs; {percent(low)} to {percent(high)} at 95 % confidence"
+    note = f"in {int(np.sum(hit))} of {hit.size} runs, as given and varied"
+    note += f"; {percent(low)} to {percent(high)} at 95 % confidence"
     note += ", motions counted" if len(verdicts.names) > 1 else ""
     note += "" if limits.hits is not None else "; no limit is given"
     share = Row(
         "hits its neighbour", float(np.mean(hit)), math.nan if limits.hits is None else limits.hits, PERCENT, note=note
     )
-    gaps = np.array([run.peaks["gap"] for run in demands.responses])
+    gaps = -demands.most(lambda run: -run.peaks["gap"])
     values, i = np.min(gaps, axis=1), int(np.argmin(np.min(gaps, axis=0)))
     note = "the least under any motion as given: what is left, or below 0 how deep they press on each other"
     left = Row("gap that is left", float(np.min(gaps)), math.nan, MM, names[i], note, tuple(values.tolist()))
     # largest force as given
-    forces = np.array([run.peaks["hit"] for run in demands.responses])
+    forces = demands.most(lambda run: run.peaks["hit"])
     values, i = np.max(forces, axis=1), int(np.argmax(np.max(forces, axis=0)))
     note = "the largest under any motion as given; it grows with the stiffness of the contact"
     force = Row("force between neighbours", float(np.max(forces)), math.nan, KN, names[i], note, tuple(values.tolist()))
     return [share, left, force]
+
+
+def gaps_of(by_sign: Sequence[Sequence[Any]], table: Table) -> FloatArray:
+    """Return the least gap of each pair in each run (m), (runs, pairs): the runs as given, then those of the table."""
+    return np.vstack([*(run.peaks["gap"] for runs in by_sign for run in runs), table["least_gap"]])
 
 
 def _cracks(demands: Demands) -> list[Row]:

@@ -97,7 +97,7 @@ def _flat(key: str, value: Any) -> dict[str, str]:
 
 def _tilt(check: Check) -> FloatArray:
     """Return the largest rotation of a block about a horizontal axis (rad), (motions, 1)."""
-    return np.array([[np.max(np.hypot(run.peaks["rx"], run.peaks["ry"]))] for run in check.responses])
+    return check.demands.most(lambda run: [np.max(np.hypot(run.peaks["rx"], run.peaks["ry"]))])
 
 
 def _asked(check: Check) -> str:
@@ -133,7 +133,7 @@ def _asked(check: Check) -> str:
 
 def _of_bearings(check: Check) -> FloatArray:
     """Return the largest displacement of each bearing (m), (motions, runs, bearings); the run as given first."""
-    own = np.array([run.peaks["d"] for run in check.responses])[:, None]
+    own = check.demands.most(lambda run: run.peaks["d"])[:, None]
     return np.concatenate([own, check.runs[OF_BEARINGS].reshape(len(own), -1, own.shape[2])], axis=1)
 
 
@@ -145,8 +145,8 @@ def _fell(check: Check) -> NDArray[np.bool_]:
 
 def _moved(check: Check) -> FloatArray:
     """Return the displacement of each run (m), (motions, runs), inf where it falls; the run as given first."""
-    own = next(row.values for row in check.rows if row.name.startswith("displacement"))
     varied = np.where(falls(check.verdicts.varied), math.inf, check.subject.tops(check.runs))
+    own = check.displacement.values
     return np.column_stack([own, varied.reshape(len(own), -1)])
 
 

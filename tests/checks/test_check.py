@@ -37,6 +37,7 @@ from solver.checks.subject import subject_of
 from solver.checks.table import Row, overturning
 from solver.checks.verdicts import Verdicts
 from solver.commands.check_report import check_lines
+from solver.models.protocol import SETTLE
 
 G = 9.80665
 BLOCK = Column("block", (Block(2.0, 0.5, 0.5, 1200.0, Joint(2e9, 2e-3, strength=2e6)),))
@@ -250,6 +251,24 @@ def test_a_leaning_column_is_shaken_both_ways() -> None:
     assert ways[0] != pytest.approx(ways[1], rel=0.01)  # measured: 2.8 % apart
     columns = varied(subject_of(leaning), simulate(leaning, motion), ScaledMotion("", motion), SHORT, 0)
     assert [np.sign(shaken.ax @ motion.ax) for _, shaken in columns] == [1.0, -1.0, 1.0, -1.0]
+
+
+def test_the_sign_that_moves_less_may_govern_slip_and_margin() -> None:
+    """Check a column whose upper block stands aside, under a pulse after which it is left further the other way."""
+    law = Joint(stiffness=2e8, damping=5e-3, friction=0.25)
+    upper = Block(0.8, 0.5, 0.6, 600.0, replace(law, offset=0.12))
+    column, pulse = Column("aside", (upper, Block(0.8, 0.6, 0.7, 840.0, law))), wavelets.one_sine(0.3 * G, 1.2)
+    made = check(column, {"pulse": pulse}, plan=replace(SHORT, ensemble=1))
+    runs = [simulate(column, way, settle=SETTLE) for way in (pulse, pulse.mirrored())]
+    tops, left = (
+        [float(np.max(value(run))) for run in runs] for value in (lambda r: r.peak_top_ux, lambda r: abs(r.slip[-1]))
+    )
+    assert tops[0] < 0.6 * tops[1]  # measured: 14.5 and 29.1 mm
+    assert left[0] > 2.5 * left[1]  # measured: 9.0 and 3.0 mm
+    assert made.responses[0].peak_top_ux[0] == row(made, "displacement of the top").demand == tops[1]
+    assert row(made, "slip that is left").demand == left[0]
+    assert made.margin is not None
+    assert {trial.verdicts.shape[1] for trial in made.margin.trials} == {3}  # both signs as given, and one varied
 
 
 def test_strength_does_not_move_the_column() -> None:

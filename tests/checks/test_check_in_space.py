@@ -70,16 +70,51 @@ def test_rows_have_the_worse_of_both_ways(found: Check) -> None:
     runs = [simulate(found.subject.model, way, settle=SETTLE) for way in (motion, motion.mirrored())]
     assert "overturned" not in [run.verdict for run in runs]
     assert row(found, "displacement").demand == max(np.max(run.peaks["u"]) for run in runs)
-    worse = max(runs, key=lambda run: np.max(run.peaks["u"]))
     pressure = row(found, "pressure at the edge")
     assert (pressure.where, pressure.capacity) == ("left-base", 15e6)  # the only one that has a strength
-    assert pressure.demand == worse.peaks["sigma_max"][0]
-    assert row(found, "opening").demand == 1.0 - np.min(worse.peaks["contact"])
-    assert row(found, "slip").demand == pytest.approx(np.max(np.abs(worse.slip - worse.slip[0])))
+    assert pressure.demand == max(run.peaks["sigma_max"][0] for run in runs)
+    assert row(found, "opening").demand == 1.0 - min(np.min(run.peaks["contact"]) for run in runs)
+    assert row(found, "slip").demand == pytest.approx(max(np.max(np.abs(run.slip - run.slip[0])) for run in runs))
     assert row(found, "slip").capacity == pytest.approx(0.05 * 0.9)
     assert found.by_hand is None
     assert found.agreement == ()
     assert "of 2 varied structures" in found.verdict
+
+
+def test_the_sign_that_moves_less_may_govern_ties_and_neighbours() -> None:
+    """Check a cask that slides freely one way, and the other way stretches a tie and hits a wall 20 mm away."""
+    cask = {
+        "name": "cask",
+        "on": "base",
+        "at": [0.0, 0.0],
+        "width": 1.0,
+        "depth": 1.0,
+        "height": 1.0,
+        "density": 2500.0,
+    }
+    tie = {
+        "between": ["cask", "base"],
+        "from": [-0.5, 0.0, 0.0],
+        "to": [-1.5, 0.0, 0.5],
+        "stiffness": 2e6,
+        "yield": 5e3,
+    }
+    wall = {"at": [0.52, 0.0, 0.0], "normal": [-1.0, 0.0], "width": 4.0, "height": 3.0}
+    data = {"name": "cask", "joints": {"stiffness": 5e8, "damping": 2e-3, "friction": 0.15}, "block": [cask]}
+    data |= {"tie": [tie], "neighbours": {"stiffness": 1e9, "restitution": 0.5, "friction": 0.4, "wall": [wall]}}
+    structure, motion = Structure.from_dict(data), wavelets.one_sine(0.4 * G, 0.8)
+    plan = replace(QUICK, ensemble=1, limits=Limits(hits=0.0, slip=0.5, residual=0.5))
+    free, stopped = (simulate(structure, way, settle=SETTLE) for way in (motion, motion.mirrored()))
+    assert np.max(free.peaks["u"]) > np.max(stopped.peaks["u"])
+    for way in (motion, motion.mirrored()):
+        made = check(structure, {"sine": way}, plan=plan)
+        assert made.responses[0].peaks["u"] == free.peaks["u"]
+        assert row(made, "displacement").demand == free.peaks["u"][0]
+        assert row(made, "force of a tie").demand == stopped.peaks["tie"][0] > 1e6 * free.peaks["tie"][0]
+        assert row(made, "gap that is left").demand == stopped.peaks["gap"][0] < 0.0 < free.peaks["gap"][0]
+        assert row(made, "force between neighbours").demand == stopped.peaks["hit"][0] > 0.0 == free.peaks["hit"][0]
+        assert made.answer == "FAILS by: hits its neighbour."
+        assert made.impacts_sentence.startswith("As given these neighbours hit each other: cask-wall 1 under 1 of 1 ")
 
 
 @pytest.mark.long  # takes seconds
@@ -187,7 +222,9 @@ def test_hits_of_neighbours_and_the_gap_that_is_left() -> None:
     made = check(structure, motions, plan=replace(QUICK, ensemble=4))
     hits, gap = row(made, "hits its neighbour"), row(made, "gap that is left")
     least = made.runs["least_gap"]
-    assert hits.demand == np.mean(least < 0.0)
+    own = [run.peaks["gap"] for signs in made.by_sign for run in signs]
+    assert len(own) == 4  # both signs of two motions
+    assert hits.demand == np.mean(np.vstack([own, least]) < 0.0)
     assert 0.0 < hits.demand < 1.0
     assert np.all(least[:4] > 0.0)  # of the weak motion
     assert made.runs.stats["lanes"] == 8
@@ -197,15 +234,15 @@ def test_hits_of_neighbours_and_the_gap_that_is_left() -> None:
     assert low <= 100.0 * hits.demand <= high
     assert gap.where == "low-high"
     assert gap.values[0] > 0.0 > gap.values[1] == gap.demand
-    run = made.responses[0]
+    nearest = [min(signs, key=lambda run: run.peaks["gap"][0]) for signs in made.by_sign]
+    run, hard = nearest
     assert gap.values[0] == run.peaks["gap"][0] == pytest.approx(np.min(run.gap), abs=1e-5)
     assert "overlap of blocks" in [one.name for one in made.rows]
     # forces by pair, and the sentence of both
     force = row(made, "force between neighbours")
     assert (force.where, force.values[0], force.passes) == ("low-high", 0.0, None)
-    (weak,), (strong,) = (run.impacts for run in made.responses)
+    (weak,), (strong,) = (run.impacts for run in nearest)
     assert (weak.between, weak.gap, weak.force, math.isnan(weak.first)) == ("low-high", gap.values[0], 0.0, True)
-    hard = made.responses[1]
     assert (strong.gap, strong.force) == (gap.demand, force.demand)
     assert 0.0 < hard.time[np.flatnonzero(hard.hit[:, 0])[0]] - strong.first < hard.time[1]
     assert made.impacts_sentence == (

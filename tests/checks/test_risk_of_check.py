@@ -41,6 +41,7 @@ def checked(median: float = MEDIAN, margin: bool = True) -> Any:
     found = Verdicts([one.name for one in motions], own[:, 0], own[:, 1:].ravel())
     return SimpleNamespace(
         action=SimpleNamespace(ground=(), motions=motions),
+        by_sign=[[SimpleNamespace(verdict=one)] for one in found.own],
         verdicts=found,
         margin=Margin(0.5, 0.6, 0, 0, trials) if margin else None,
     )

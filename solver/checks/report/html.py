@@ -154,7 +154,7 @@ def never_slide(joints: JointProperties) -> tuple[str, ...]:
 
 def _motions(check: Check) -> list[dict[str, str]]:
     found = []
-    for scaled, response in zip(check.action.motions, check.responses, strict=True):
+    for scaled, response, moved in zip(check.action.motions, check.responses, check.displacement.values, strict=True):
         vertical = float(np.max(np.abs(scaled.motion.az)))
         across = f", {scaled.motion.peak('ay') / STANDARD_GRAVITY:.3g}" if scaled.motion.has_ay else ""
         found.append(
@@ -165,7 +165,7 @@ def _motions(check: Check) -> list[dict[str, str]]:
                 "pga": f"{scaled.motion.pga / STANDARD_GRAVITY:.3g}{across}",
                 "rise": f"{vertical / STANDARD_GRAVITY:.3g}" if vertical else "",
                 "pgv": f"{pgv(scaled.motion):.3g}",
-                "moved": "" if response.overturned else three_digits(1e3 * check.subject.moved(response)),
+                "moved": "" if response.overturned else three_digits(1e3 * moved),
                 "verdict": f"{response.verdict}, {response.what_fell} at {three_digits(response.overturn_time)} s"
                 if response.overturned
                 else response.verdict,
