@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,14 +13,15 @@ from ..studies.risk import YEARS, Hazard, Risk, risk
 from ..studies.statistics import failure_text, fragility_of_runs
 from .check import Check
 from .margin import Trial
+from .scaling import horizontal
 from .verdicts import falls
 
 
 def risk_of(check: Check, hazard: Hazard, years: float = YEARS) -> Risk:
     """Compute the risk of overturning from the runs of a check: at factor 1, and of the search for the margin.
 
-    The intensity of a run is that of its motion, on a floor of the ground's; all runs under one motion are resampled
-    together for the bounds.
+    The intensity of a run is that of its motion, on a floor of the ground's, and of two horizontal components their
+    geometric mean, as in `scaling`; all runs under one motion are resampled together for the bounds.
 
     Parameters
     ----------
@@ -36,7 +38,7 @@ def risk_of(check: Check, hazard: Hazard, years: float = YEARS) -> Risk:
         If the runs do not determine a fragility over the measure of the hazard, or bound the rate too loosely.
     """
     motions = check.action.ground or check.action.motions
-    sizes = np.array([hazard.measure.of(scaled.motion) for scaled in motions])
+    sizes = np.array([horizontal(one.motion, partial(hazard.measure.of, one.motion)) for one in motions])
     if not np.all(sizes > 0.0):
         raise InputError(f"hazard: {hazard.measure.label} of a motion is 0, must be positive for a fragility")
     own = np.array([[run.verdict for run in signs] for signs in check.by_sign])

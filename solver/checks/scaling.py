@@ -7,7 +7,7 @@ both by one spectrum, so that neither is the main one, and their ratio and phase
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -44,14 +44,18 @@ def horizontal_psa(motion: Motion, periods: FloatArray, damping: float = DAMPING
     damping : float
         Damping ratio.
     """
-    found = [spectrum(motion, periods, damping, component).psa for component in horizontal_of(motion)]
-    return np.sqrt(found[0] * found[1]) if len(found) > 1 else found[0]
+    return horizontal(motion, lambda component: spectrum(motion, periods, damping, component).psa)
 
 
 def horizontal_pga(motion: Motion) -> float:
     """Return the largest horizontal acceleration (m/s2); of two components the geometric mean."""
-    found = [motion.peak(component) for component in horizontal_of(motion)]
-    return math.sqrt(found[0] * found[1]) if len(found) > 1 else found[0]
+    return float(horizontal(motion, motion.peak))
+
+
+def horizontal(motion: Motion, value: Callable[[Component], ArrayLike]) -> FloatArray:
+    """Return a value of the horizontal components that are not zero; of two the geometric mean."""
+    found = [np.asarray(value(component), dtype=np.float64) for component in horizontal_of(motion)]
+    return np.sqrt(found[0] * found[1]) if len(found) > 1 else found[0]
 
 
 def horizontal_of(motion: Motion) -> list[Component]:

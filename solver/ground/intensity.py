@@ -159,9 +159,9 @@ def histories(motion: Motion, component: Component = "ax") -> BaseHistories:
     return BaseHistories(lines.time, velocity, displacement, husid)
 
 
-def pgv(motion: Motion) -> float:
-    """Return the peak ground velocity of ax (m/s), without the other measures of `intensity`."""
-    lines = lines_of(motion)
+def pgv(motion: Motion, component: Component = "ax") -> float:
+    """Return the peak ground velocity of a component (m/s), without the other measures of `intensity`."""
+    lines = lines_of(motion, component)
     return _largest(lines, _velocity(lines))
 
 

@@ -17,7 +17,7 @@ from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_nu
 from ..common.ranges import check_choice, check_keys
 from ..ground import wavelets
 from ..ground.building import Building, floor_motion
-from ..ground.intensity import DAMPINGS, pgv, rotd, spectrum
+from ..ground.intensity import DAMPINGS, Component, pgv, rotd, spectrum
 from ..ground.loads import loads_by_port, loads_from
 from ..ground.motion import STANDARD_GRAVITY, Motion
 from . import near_fault
@@ -95,14 +95,14 @@ class Measure:
     period: float = 0.0
     damping: float = 0.05
 
-    def of(self, motion: Motion) -> float:
-        """Return its value for the horizontal component ax of a motion; RotD is that of both components."""
+    def of(self, motion: Motion, component: Component = "ax") -> float:
+        """Return its value for a horizontal component of a motion; RotD is always that of both components."""
         if self.name == "pga":
-            return motion.pga / STANDARD_GRAVITY
+            return motion.peak(component) / STANDARD_GRAVITY
         if self.name == "pgv":
-            return pgv(motion)
+            return pgv(motion, component)
         of = (self.period,), self.damping
-        found = spectrum(motion, *of) if self.name == "sa" else rotd(motion, float(self.name[4:]), *of)
+        found = spectrum(motion, *of, component) if self.name == "sa" else rotd(motion, float(self.name[4:]), *of)
         return float(found.psa[0]) / STANDARD_GRAVITY
 
     @property

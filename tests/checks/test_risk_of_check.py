@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -59,6 +61,25 @@ def test_the_law_of_the_falls_is_found() -> None:
     floor = checked()
     floor.action = SimpleNamespace(ground=floor.action.motions, motions=())
     assert risk_of(floor, HAZARD).rate == found.rate
+
+
+@pytest.mark.parametrize("measure", ["pga", "pgv", "sa(0.6)", "rotd100(0.6)"])
+def test_of_two_components_the_geometric_mean_counts(measure: str) -> None:
+    """Compare components of twice and half the size, in either order, with one component alone."""
+
+    def median(x: float, y: float) -> float:
+        made = checked()
+        for k, one in enumerate(made.action.motions):
+            wave = one.motion.amplitude
+            motion = replace(one.motion, amplitude=x * wave, amplitude_y=y * wave)
+            made.action.motions[k] = one._replace(motion=motion)
+        return risk_of(made, Hazard.power_law(measure, 2.0, 0.02, 10.0)).fragility.median
+
+    if measure.startswith("rotd"):  # of all directions: of both components as they are
+        assert median(2.0, 0.5) == pytest.approx(math.hypot(2.0, 0.5) * median(1.0, 0.0), rel=1e-6)  # measured: 2e-7
+    else:
+        assert median(2.0, 0.5) == median(0.5, 2.0) == pytest.approx(median(1.0, 0.0), rel=1e-6)  # measured: 0
+    assert median(0.0, 1.0) == pytest.approx(median(1.0, 0.0), rel=1e-6)  # measured: 0
 
 
 def test_too_few_falls_are_refused() -> None:
