@@ -104,6 +104,20 @@ def test_mistakes_are_one_line(
     assert errors.count("\n") == 1
 
 
+def test_a_variant_that_stays_in_its_plane_is_refused_before_any_run(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("leaning.toml").write_text(COLUMN.replace('"block"', '"leaning"') + "tilt = 0.01\n", encoding="utf-8")
+    words = ["check", "block.toml", "--variant", "leaning.toml", *QUICK, "--artificial", "1"]
+    words += ["--spectrum", "ec8", "--ag", "0.02", "--soil", "A"]
+    assert main(words) == 2
+    printed = capsys.readouterr()
+    assert "variant leaning: moves in its plane, but the motions have two horizontal components: must be" in printed.err
+    assert printed.err.count("\n") == 1
+    assert "first period" not in printed.out
+    assert main([*words, "--plane"]) == 0  # as the message says
+
+
 def test_no_record_needs_a_spectrum(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "block.toml", *QUICK]) == 2
     assert "motions: none given, must be records, or a target spectrum" in capsys.readouterr().err
