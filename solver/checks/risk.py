@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from ..common.errors import InputError
 from ..models.protocol import UNDECIDED
-from ..studies.risk import YEARS, Hazard, Risk, risk
+from ..studies.risk import YEARS, Hazard, Risk, not_bounded, risk
 from ..studies.statistics import failure_text, fragility_of_runs
 from .check import Check
 from .margin import Trial
@@ -59,11 +60,6 @@ def risk_of(check: Check, hazard: Hazard, years: float = YEARS) -> Risk:
     except InputError as error:
         raise InputError(f"hazard: the runs of the check have no fragility, make a study: {error}") from None
     found = risk(fitted, hazard, years)
-    least, most = found.rate_bounds
-    if most > hazard.rate[0]:
-        raise InputError(
-            f"hazard: the runs of the check bound the rate of overturning only to {least:.3g} to {most:.3g} per year, "
-            f"above that of the hazard's least intensity, {hazard.rate[0]:.3g}: too few motions overturn it, make a "
-            "study"
-        )
+    if math.isinf(found.rate_bounds[1]):
+        raise InputError(f"hazard: {not_bounded(hazard)}: too few motions overturn it, make a study")
     return found

@@ -164,7 +164,8 @@ class Risk(NotebookRepr):
     rate
         Annual rate of failure.
     rate_bounds
-        Bounds of the rate at 95 % confidence of the fragility; the hazard is taken as given.
+        Bounds of the rate at 95 % confidence of the fragility; the hazard is taken as given. The upper one is infinite
+        if it would exceed the largest rate of a table of the hazard: below its least intensity nothing is known.
     edges
         Intensities between which `shares` are given, (ranges + 1,), from 0 to infinity.
     shares
@@ -208,8 +209,10 @@ class Risk(NotebookRepr):
     def __str__(self) -> str:
         """Return the rate and the probability with their bounds."""
         low, high = (percent(bound) for bound in self.probability_bounds)
+        least, most = self.rate_bounds
+        upper = f"to {most:.3g}" if math.isfinite(most) else "or more, not bounded above"
         return (
-            f"{self.rate:.3g} per year ({self.rate_bounds[0]:.3g} to {self.rate_bounds[1]:.3g}), "
+            f"{self.rate:.3g} per year ({least:.3g} {upper}), "
             f"{percent(self.probability)} in {self.years:g} years ({low} to {high})"
         )
 
@@ -241,12 +244,14 @@ def risk(fragility: Fragility, hazard: Hazard, years: float = YEARS) -> Risk:
     rates = np.sum(rates_between(hazard, np.array([0.0, math.inf]), curves), axis=1)
     resampled, of_ends = np.split(rates, [len(fragility.curves)])
     bounds = [*np.percentile(resampled, percentages_of_bounds(), method="inverted_cdf"), *of_ends]
+    least, most = float(min(bounds)), float(max(bounds))
+    is_table = len(hazard.intensity) > 1
     return Risk(
         fragility=fragility,
         hazard=hazard,
         years=years,
         rate=rate,
-        rate_bounds=(float(min(bounds)), float(max(bounds))),
+        rate_bounds=(least, math.inf if is_table and most > hazard.rate[0] else most),
         edges=np.array(kept),
         shares=np.diff([below[edge] for edge in kept]),
         beyond=(below[low], max(0.0, 1.0 - below[high])),
@@ -309,7 +314,17 @@ def risk_text(failure: str, found: Risk) -> str:
         f"  shares of the rate by {label} ({unit}): {shares}\n"
         f"  {below} of the rate is from below {low:g} {unit} and {above} from above {high:g} {unit}, where the hazard "
         "is extrapolated"
+        + (
+            ""
+            if math.isfinite(found.rate_bounds[1])
+            else f"\n  not bounded above: {not_bounded(found.hazard)}; more runs bound it"
+        )
     )
+
+
+def not_bounded(hazard: Hazard) -> str:
+    """Return the reason of an infinite upper bound of the rate."""
+    return f"the runs allow a rate above that of the hazard's least intensity, {hazard.rate[0]:.3g} per year"
 
 
 def write_risks(path: str | os.PathLike[str], risks: Mapping[str, Risk]) -> None:

@@ -16,7 +16,7 @@ from scipy.stats import norm
 from solver import InputError
 from solver.commands.command_line import main
 from solver.studies import Hazard, Measure, Study, fit_fragility, risk, run_study
-from solver.studies.risk import rates_between
+from solver.studies.risk import rates_between, risk_text
 from solver.studies.statistics import Fragility, binned
 
 TABLE = ([0.05, 0.1, 0.2, 0.4, 0.8], [0.02, 0.008, 0.002, 3e-4, 2e-5])
@@ -126,6 +126,24 @@ def test_bounds_are_those_of_the_fragility() -> None:
     wider = risk(curve(0.5, 0.3, curves, [[0.2, 0.3], [0.5, 0.3]]), hazard)
     assert wider.rate_bounds == pytest.approx((low, rate_of_power_law(2.0, 0.2, 0.3)), rel=1e-9)
     assert wider.probability_bounds[0] < wider.probability < wider.probability_bounds[1]
+
+
+def test_a_bound_above_the_rates_of_a_table_is_none() -> None:
+    """Check the bound by an end over the extrapolated hazard: 2.48 per year, 124 times the rate of its first point."""
+    ends = [[0.4, 0.3], [0.5, 3.0]]
+    bounded, wide = (risk(curve(0.5, 0.3, ends=some), Hazard.from_table("pga", *TABLE)) for some in (ends[:1], ends))
+    assert bounded.rate_bounds[1] < TABLE[1][0]  # measured: 4.0e-4
+    assert "not bounded" not in risk_text("overturned", bounded)
+    assert wide.rate_bounds == (bounded.rate_bounds[0], math.inf)
+    assert wide.probability_bounds[1] == 1.0
+    assert f"({wide.rate_bounds[0]:.3g} or more, not bounded above), " in str(wide)
+    said = (
+        "not bounded above: the runs allow a rate above that of the hazard's least intensity, 0.02 per year; more runs"
+    )
+    assert said in risk_text("overturned", wide)
+    # one point of a power law sets no limit
+    law = risk(curve(0.01, 0.3), Hazard.power_law("pga", 2.0, 0.15, 475.0))
+    assert 1.0 / 475.0 < law.rate_bounds[1] < math.inf
 
 
 def test_wide_curves_and_close_points_give_numbers() -> None:
