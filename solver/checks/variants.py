@@ -25,6 +25,14 @@ SAME = "cannot be distinguished"
 STRIPS = 10_000  # of the sum over a quarter turn: Student's quantile to 1e-6
 
 
+def compared(checks: Sequence[Check]) -> str:
+    """Return what a table of several checks compares: variants, the two directions, or these and variants."""
+    if not checks[0].both:
+        return "variants under the same motions"
+    more = " and variants, under the motions of the first" if len(checks) > 2 else ""
+    return f"the two directions{more}"
+
+
 def differences(checks: Sequence[Check]) -> list[str]:
     """Return the sentences that compare all checks with the first, each with the falls and hits as given."""
     said = ((difference(checks[0], one), one.falls_sentence, one.impacts_sentence) for one in checks[1:])

@@ -176,6 +176,7 @@ def _check(options: argparse.Namespace) -> None:
         if both and checks:  # its second direction: the ground is turned, or in the plane the building
             turned = subject.model.kind.across
             acting = _on_floor(ground.turned() if turned else ground, floor, across=not turned)
+            print(f"{subject.model.name}:", *action_lines(acting), sep="\n", flush=True)
         else:
             acting = action
         checks.append(replace(_checked(path, subject, acting, plan), both=both))

@@ -11,7 +11,7 @@ from ..checks.by_hand import NOT_IN_SPACE
 from ..checks.check import Check
 from ..checks.friction import OF_PAIRS, OF_VALUES, Envelope
 from ..checks.table import Row
-from ..checks.variants import differences
+from ..checks.variants import compared, differences
 from ..ground.intensity import pgv
 from ..ground.motion import STANDARD_GRAVITY
 
@@ -29,15 +29,17 @@ def action_lines(action: Action) -> list[str]:
     width = max(len(scaled.name) for scaled in action.motions)
     across = any(scaled.motion.has_ay for scaled in action.motions)
     other = "  across (g)" if across else ""
-    lines.append(f"{'motion':{width}s}  factor  vertical  PGA (g){other}  vertical (g)  PGV (m/s)")
+    fast = "  across (m/s)" if across else ""
+    lines.append(f"{'motion':{width}s}  factor  vertical  PGA (g){other}  vertical (g)  PGV (m/s){fast}")
     for scaled in action.motions:
         vertical = float(np.max(np.abs(scaled.motion.az)))
         upright = f"{scaled.vertical_factor:8.3g}" if vertical else " " * 8
         pga, rise = scaled.motion.pga / STANDARD_GRAVITY, vertical / STANDARD_GRAVITY
         other = f"  {scaled.motion.peak('ay') / STANDARD_GRAVITY:10.3g}" if across else ""
+        fast = f"  {pgv(scaled.motion, 'ay'):12.3g}" if across else ""
         lines.append(
             f"{scaled.name:{width}s}  {scaled.factor:6.3g}  {upright}  {pga:7.3g}{other}  {rise:12.3g}  "
-            f"{pgv(scaled.motion):9.3g}"
+            f"{pgv(scaled.motion):9.3g}{fast}"
         )
     return lines
 
@@ -54,7 +56,7 @@ def check_lines(check: Check) -> list[str]:
 def variants_lines(checks: Sequence[Check]) -> list[str]:
     """Return a table of the demands and ratios of all checks, one column for each; the first is the original."""
     width = max(22, *(len(check.name) for check in checks))
-    lines = ["variants under the same motions, demand and its ratio to the capacity:"]
+    lines = [f"{compared(checks)}, demand and its ratio to the capacity:"]
     lines.append(f"{'':26s}" + "".join(f"  {check.name:>{width}s}" for check in checks))
     names = list(dict.fromkeys(row.name for check in checks for row in check.rows))
     for name in names:

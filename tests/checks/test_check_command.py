@@ -269,6 +269,9 @@ def test_both_directions_of_a_structure(folder: Path, capsys: pytest.CaptureFixt
     Path("slab.toml").write_text(f"{block}width = 0.5\ndepth = 1.5\nheight = 2.0\nmass = 1200.0\n", encoding="utf-8")
     assert main(["check", "slab.toml", "slow.csv", "--pga", "0.4", *QUICK, "--both"]) == 0
     printed = capsys.readouterr().out
+    peaks = [line.split()[2:] for line in printed.splitlines() if line.startswith("slow  ")]
+    assert peaks[0][0] == peaks[1][1] == "0.4"  # PGA along x, then along y
+    assert peaks[0][2] == peaks[1][4] != "0"  # PGV along x, then along y
     answers = [line for line in printed.splitlines() if line.startswith(("slab: ", "slab across: "))]
     assert [line.partition(":")[2].split()[0] for line in answers] == ["FAILS", "PASSES:"]
 
@@ -332,10 +335,22 @@ def test_the_other_direction_has_the_other_period_of_the_building(
     Path("hall.toml").write_text(HALL, encoding="utf-8")
     Path("deep.toml").write_text(COLUMN.replace("depth = 0.5", "depth = 0.6"), encoding="utf-8")
     words = ["check", "deep.toml", "slow.csv", "--pga", "0.05", *QUICK, "--both", "--building", "hall.toml"]
-    assert main([*words, "--floor", "3"]) == 0
+    assert main([*words, "--floor", "3", "--report", "report.html"]) == 0
     printed = capsys.readouterr().out
+    page = Path("report.html").read_text(encoding="utf-8")
     assert "hall, first period 0.4 s along x, 0.3 s along y. Factors" in printed
     assert "hall across, first period 0.3 s along x, 0.4 s along y. Factors" in printed
+    # each direction has its motions, whose peaks differ
+    peaks = [line.split()[2] for line in printed.splitlines() if line.startswith("slow  ")]
+    assert len(set(peaks)) == 2
+    assert printed.index("block across:\naction: ") < printed.index("block across, first period")
+    for name, peak in zip(("block", "block across"), peaks, strict=True):
+        section = page[page.index(f"<h2>The motions of {name}</h2>") :].partition("</table>")[0]
+        assert f'<td class="number">{peak}</td>' in section
+    # and they are not called the same
+    assert "the two directions, demand and its ratio to the capacity:" in printed
+    assert "<h2>The two directions</h2>" in page
+    assert "same motions" not in (printed + page).lower()
 
 
 def test_a_target_is_that_of_the_ground() -> None:

@@ -23,7 +23,7 @@ from ..check import Check
 from ..friction import OF_PAIRS, OF_VALUES, Envelope
 from ..limits import TOLERANCE
 from ..subject import JointProperties
-from ..variants import differences
+from ..variants import compared, differences
 from .friction import friction_picture
 from .inputs import MATERIAL_SHEET, hashed, sources_of, with_meshes
 from .model import ModelSection, Sheet, merged, shown_of
@@ -96,12 +96,15 @@ def _content(checks: Sequence[Check], inputs: Sequence[Path], has_frictions: boo
         "passes": check.passes and all(one.passes for one in checks if one.both),
         "models": [(check, shown), *((one, _shown(one, inputs[k:])) for k, one in enumerate(variants, start=1))],
         "inputs": hashed(with_meshes(inputs)),
-        "motions": _motions(check),
+        "directions": [
+            (one, _motions(one), embedded(spectra_picture(one))) for one in (checks[:2] if check.both else checks[:1])
+        ],
         "limits": [
             (item.name, getattr(check.plan.limits, item.name), item.metadata["meaning"])
             for item in fields(check.plan.limits)
             if item.name not in (("displacement",) if math.isnan(check.subject.edge) else ("overlap", "hits"))
         ],
+        "compared": compared(checks),
         "differences": differences(checks),
         "left_out": (
             *check.subject.of_model,
@@ -114,7 +117,6 @@ def _content(checks: Sequence[Check], inputs: Sequence[Path], has_frictions: boo
         "names": list(dict.fromkeys(row.name for one in checks for row in one.rows)),
         "embedded": embedded,
         "pictures": {
-            "spectra": embedded(spectra_picture(check)),
             "histories": embedded(shown.histories),
             "deformed": embedded(run.plot_model(at=at), check.subject.model.kind.across),
         },
@@ -157,6 +159,7 @@ def _motions(check: Check) -> list[dict[str, str]]:
     for scaled, response, moved in zip(check.action.motions, check.responses, check.displacement.values, strict=True):
         vertical = float(np.max(np.abs(scaled.motion.az)))
         across = f", {scaled.motion.peak('ay') / STANDARD_GRAVITY:.3g}" if scaled.motion.has_ay else ""
+        fast = f", {pgv(scaled.motion, 'ay'):.3g}" if scaled.motion.has_ay else ""
         found.append(
             {
                 "name": scaled.name,
@@ -164,7 +167,7 @@ def _motions(check: Check) -> list[dict[str, str]]:
                 "vertical": f"{scaled.vertical_factor:.3g}" if vertical else "none",
                 "pga": f"{scaled.motion.pga / STANDARD_GRAVITY:.3g}{across}",
                 "rise": f"{vertical / STANDARD_GRAVITY:.3g}" if vertical else "",
-                "pgv": f"{pgv(scaled.motion):.3g}",
+                "pgv": f"{pgv(scaled.motion):.3g}{fast}",
                 "moved": "" if response.overturned else three_digits(1e3 * moved),
                 "verdict": f"{response.verdict}, {response.what_fell} at {three_digits(response.overturn_time)} s"
                 if response.overturned
