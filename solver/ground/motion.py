@@ -451,7 +451,7 @@ class Motion(Framed, NotebookRepr):
         """Return the motion of a record; piecewise linear, or held.
 
         It warns (InputWarning) of a peak beyond 3 g, where the units are probably others, and of times that were
-        shifted to begin at 0.
+        shifted to begin at 0, and of a gap: a step of more than 20 times the median between samples that are not zero.
 
         Parameters
         ----------
@@ -470,8 +470,8 @@ class Motion(Framed, NotebookRepr):
         time, ay = record.time, _NONE if record.ay is None else record.ay
         duration = float(time[-1] - time[0] + (time[-1] - time[-2] if hold else 0.0))
         motion = cls(time, record.ax, record.az, duration, hold, ay=ay, name=printable(name))
-        if record.warning:
-            warnings.warn(f"{motion.name or 'record'}: {record.warning}", InputWarning, stacklevel=2)
+        for warning in record.warnings:
+            warnings.warn(f"{motion.name or 'record'}: {warning}", InputWarning, stacklevel=2)
         largest = max(float(np.max(np.abs(samples))) for samples in (motion.ax, motion.ay, motion.az))
         strongest = STRONGEST["ax"]
         if largest > strongest * STANDARD_GRAVITY:

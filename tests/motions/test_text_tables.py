@@ -122,6 +122,28 @@ def test_times_that_keep_their_digits_stay(tmp_path: Path) -> None:
         assert read(tmp_path, "time,base.ax\n0,0\n1e-11,1\n100,0\n").start == 0.0
 
 
+@pytest.mark.parametrize("header", ["", "time,base.ax\n"])
+def test_a_gap_between_samples_is_said(tmp_path: Path, header: str) -> None:
+    mark, given = (",", {}) if header else (" ", {"units": "m/s2"})
+
+    def file(last: float, before: float, after: float) -> str:
+        rows = [*((0.01 * k, 1.0) for k in range(10)), (0.1, before), (last, after), (last + 0.01, 0.0)]
+        return header + "".join(f"{t:.6g}{mark}{a}\n" for t, a in rows)
+
+    said = (
+        r"record\.txt: no samples between 0\.1 and 5\.09 s, others are 0\.01 s apart: .* should be filled or the record"
+    )
+    for before, after in ((1.0, 2.0), (0.0, 2.0), (1.0, 0.0)):
+        with pytest.warns(InputWarning, match=said):
+            read(tmp_path, file(5.09, before, after), **given)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        read(tmp_path, file(5.09, 0.0, 0.0), **given)  # a pause between zeros, in which nothing is interpolated
+        read(tmp_path, file(0.295, 1.0, 2.0), **given)  # 19.5 steps
+    with pytest.warns(InputWarning, match="no samples between"):
+        read(tmp_path, file(0.305, 1.0, 2.0), **given)  # 20.5 steps
+
+
 @pytest.mark.parametrize(
     "head", ["1\n0.01\n", "9.81 0.01\n", "200 0.01\n", "0.01 200\n", "200\n", "200\n0.02\n", "0.01\n981\n"]
 )

@@ -21,7 +21,7 @@ from ...common.text_tables import (
     increases_as_times,
     table_of,
 )
-from .record import Record, equally_spaced
+from .record import Record, equally_spaced, gap_in
 from .units import KNOWN, factor_of
 
 CSV, PLAIN = "CSV", "plain columns"
@@ -70,7 +70,8 @@ def read_csv(lines: list[str]) -> Record:
     columns = dict(zip(header, table.T, strict=True))
     zero = np.zeros(len(table))
     ax, ay, az = (columns.get(name, zero) for name in _SAMPLES)
-    return Record(CSV, columns["time"], ax, az, ay=ay if np.any(ay) else None, warning=shifted)
+    said = tuple(filter(None, (shifted, gap_in(columns["time"], ax, ay, az))))
+    return Record(CSV, columns["time"], ax, az, ay=ay if np.any(ay) else None, warnings=said)
 
 
 def read_plain(lines: list[str], dt: float | None, units: str | None, headers: Sequence[str]) -> Record:
@@ -132,7 +133,8 @@ def read_plain(lines: list[str], dt: float | None, units: str | None, headers: S
     table = np.array(rows).T
     time, shifted = from_zero([row.split()[0] for row in plain], table[0])
     az = factor * table[2] if len(table) == 3 else np.zeros(len(rows))
-    return Record(PLAIN, time, factor * table[1], az, warning=shifted)
+    ax = factor * table[1]
+    return Record(PLAIN, time, ax, az, warnings=tuple(filter(None, (shifted, gap_in(time, ax, az)))))
 
 
 def _names(table: TextTable) -> list[str]:

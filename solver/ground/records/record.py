@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...common.errors import POSITIVE, InputError, check_number, check_whole
 
 FloatArray = NDArray[np.float64]
+MOST_STEP = 20.0  # longest step over the median one; a longer one is a gap
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +25,7 @@ class Record:
     title: str = ""  # event, station and direction as in the file
     notes: tuple[str, ...] = ()  # changes made to the samples, e.g. a mean subtracted
     ay: FloatArray | None = None  # (m,) m/s2, along y, if the file has it
-    warning: str = ""  # a change that may be unintended; `Motion.from_record` issues it
+    warnings: tuple[str, ...] = ()  # what may be unintended; `Motion.from_record` issues them
 
 
 def equally_spaced(
@@ -56,6 +57,27 @@ def equally_spaced(
     ax = np.array(samples, dtype=np.float64)
     time = dt * np.arange(len(ax), dtype=np.float64)
     return Record(name, time, ax, np.zeros(len(ax)), " ".join(title.split()), notes)
+
+
+def gap_in(time: FloatArray, *components: FloatArray) -> str:
+    """Return the warning of the longest gap between samples that are not zero, or "".
+
+    Parameters
+    ----------
+    time : ndarray of shape (m,)
+        The times (s).
+    *components : ndarray of shape (m,)
+        The accelerations (m/s2).
+    """
+    steps, moving = np.diff(time), np.any(components, axis=0)
+    usual = float(np.median(steps))
+    k = int(np.argmax(np.where(moving[:-1] | moving[1:], steps, 0.0)))
+    if not steps[k] > MOST_STEP * usual:
+        return ""
+    return (
+        f"no samples between {time[k]:.6g} and {time[k + 1]:.6g} s, others are {usual:.3g} s apart: the acceleration "
+        "is interpolated, the gap should be filled or the record cut there"
+    )
 
 
 def place_of_channel(channel: int | None, titles: Sequence[str]) -> int:
