@@ -154,18 +154,22 @@ static void show(double time) {
 int main(int count, char **words) {
     if (count != 4) fail("WIRING STEP STOP are wanted", words[0]);
     double step = atof(words[2]), stop = atof(words[3]);
+    if (!(step > 0.0) || !(stop >= 0.0) || stop / step > 1e9) fail("must be positive, STOP at most 1e9 steps", "STEP");
     read_wiring(words[1]);
     for (int k = 0; k < part_count; k++) {
         check(parts[k].set_up(parts[k].fmu, 0, 0.0, 0.0, 0, 0.0), "set-up", parts[k].name);
         check(parts[k].enter(parts[k].fmu), "initialization", parts[k].name);
         check(parts[k].leave(parts[k].fmu), "end of initialization", parts[k].name);
     }
-    long steps = (long)(stop / step + 0.5);
+    /* whole steps, and a shorter one up to STOP */
+    long whole = (long)(stop / step + 1e-9);
+    double rest = stop - (double)whole * step;
+    long steps = whole + (rest > 1e-9 * step);
     for (long n = 0; n <= steps; n++) {
-        show((double)n * step);
+        show(n > whole ? stop : (double)n * step);
         if (n < steps) hand_over();
         for (int k = 0; n < steps && k < part_count; k++)
-            check(parts[k].step(parts[k].fmu, (double)n * step, step, 1), "step", parts[k].name);
+            check(parts[k].step(parts[k].fmu, (double)n * step, n < whole ? step : rest, 1), "step", parts[k].name);
     }
     for (int k = 0; k < part_count; k++) {
         check(parts[k].terminate(parts[k].fmu), "end", parts[k].name);

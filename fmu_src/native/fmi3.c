@@ -20,7 +20,7 @@ typedef struct {
     int logging;
     size_t followed; /* inputs that the importer gives within a step, and their slopes */
     Reference inputs[MOST_FOLLOWED], slopes[MOST_FOLLOWED];
-    Reference list[]; /* core_most() of them: a list of references with arrays written out */
+    Reference list[]; /* twice core_most() of them: a list of references with arrays written out */
 } Face;
 
 _Static_assert(sizeof(fmi3ValueReference) == sizeof(Reference) && sizeof(fmi3Float64) == sizeof(double) &&
@@ -64,7 +64,7 @@ FMI3_Export fmi3Instance fmi3InstantiateCoSimulation(
     fmi3Boolean event_mode, fmi3Boolean early_return, const fmi3ValueReference required[], size_t required_count,
     fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger, fmi3IntermediateUpdateCallback update) {
     (void)resources, (void)visible, (void)early_return;
-    Face *face = calloc(1, sizeof *face + core_most() * sizeof *face->list);
+    Face *face = calloc(1, sizeof *face + 2 * core_most() * sizeof *face->list);
     if (!face) return NULL;
     face->logger = logger;
     face->update = update;
@@ -245,10 +245,17 @@ FMI3_Export fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const
     if (!core_has(face->column, unknowns, unknown_count, "value references") ||
         !core_has(face->column, values, value_count, "values"))
         return fmi3Error;
-    if (seed_count != known_count) return refuse(face, "%u seeds: inputs are no arrays", (unsigned)seed_count);
+    if (!core_has(face->column, knowns, known_count, "value references") ||
+        !core_has(face->column, seeds, seed_count, "seeds"))
+        return fmi3Error;
+    /* the elements of both: of the inputs in the second half of the list */
+    size_t inputs = written_out(face, knowns, known_count, seed_count);
+    if (!inputs && (known_count || seed_count)) return fmi3Error;
+    Reference *along = face->list + core_most();
+    memcpy(along, face->list, inputs * sizeof *along);
     size_t elements = written_out(face, unknowns, unknown_count, value_count);
     if (!elements) return fmi3Error;
-    return (fmi3Status)core_directional(face->column, face->list, elements, knowns, known_count, seeds, values);
+    return (fmi3Status)core_directional(face->column, face->list, elements, along, inputs, seeds, values);
 }
 
 /* --- calls of the standard that the model description rules out */

@@ -10,6 +10,7 @@ import pytest
 from fmpy import extract, read_model_description
 from support.child import call, ended, returned
 from support.fmus import REFUSED, ROOT, Fmus, c_host, run
+from support.inside import steps
 from support.inside import structures as inside
 
 import build_fmu
@@ -174,6 +175,15 @@ def test_a_column_refuses_a_record_that_leaves_its_plane(tmp_path: Path, capsys:
     options = ["--record", str(tmp_path / "record.csv"), "-o", str(tmp_path / "x.fmu")]
     assert build_fmu.main(options) == 2
     assert "ay: a column moves in its plane" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("kind", ["column", "structure"])
+def test_steps_of_rounding_errors_leave_the_peaks(fmus: Fmus, trilith: Path, kind: str) -> None:
+    """Follow each step by one of the length by which times differ that a master adds up."""
+    fmu, values = trilith if kind == "structure" else fmus.damped, {"solver.tolerance": 1e-6}
+    whole, cut = (np.array(call(steps.peaks, fmu, sliver, values)) for sliver in (0.0, 1e-16))
+    assert np.max(whole) > 1e3
+    assert cut == pytest.approx(whole, rel=1e-5, abs=1e-9)  # measured 2.1e-7; 0.28 before
 
 
 @pytest.mark.long  # builds native FMUs

@@ -6,6 +6,7 @@ import importlib.util
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from support.child import call
 from support.inside import derivatives as inside
@@ -60,10 +61,18 @@ KINDS = {
 }
 
 
-def check(fmu: Path, mass: dict[str, float], moved: float) -> None:
+# after a fall within 300 steps: what holds its state, and what goes on
+FALLING = {
+    "column, body": (SHAFT.format(joint="") + PORTS, "body", PLANE | {"body.F0x": 3e5}, 0.0),
+    "structure": (BLOCK, "acceleration", {"base.ax": 8.0}, 0.0),
+    "structure that goes on": (BLOCK, "acceleration", {"base.ax": 8.0}, 60.0),
+}
+
+
+def check(fmu: Path, mass: dict[str, float], moved: float, steps: int = 60, falls: bool = False) -> None:
     """Compare them, each beside the largest of its kind; moved: the least that the largest of them is."""
-    found, overturned = call(inside.compare, fmu, {}, mass, 60)
-    assert not overturned
+    found, overturned = call(inside.compare, fmu, {}, mass, steps)
+    assert overturned == falls
     by_kind: dict[tuple[str, str], float] = {}
     for output, name, _, difference, _ in found:
         kind = output.split(".")[-1], name.split(".")[-1]
@@ -94,3 +103,24 @@ def test_of_every_kind(kind: str, tmp_path: Path) -> None:
     fmu = tmp_path / "model.fmu"
     build_native_fmu(file, fmu, platforms=["linux64"], drive=drive)
     check(fmu, mass, 1e-6)
+
+
+@pytest.mark.long  # builds native FMUs
+@pytest.mark.parametrize("kind", list(FALLING))
+def test_after_a_fall(kind: str, tmp_path: Path) -> None:
+    """Compare rates with differences of outputs, too: they are zero of a state that is held."""
+    if not importlib.util.find_spec("ziglang") or not sys.platform.startswith("linux"):
+        pytest.skip("needs the extra native, and Linux")
+    text, word, mass, goes_on = FALLING[kind]
+    file, fmu = tmp_path / "model.toml", tmp_path / "model.fmu"
+    after = (
+        f"[neighbours]\nline_stiffness = 1e9\nrestitution = 0.2\nfriction = 0.3\nafter_fall = {goes_on}\n"
+        if goes_on
+        else ""
+    )
+    file.write_text(text.replace("[[block]]", f"{after}[[block]]", 1), encoding="utf-8")
+    build_native_fmu(file, fmu, platforms=["linux64"], drive=drive_of(word, "parabola", 1, False))
+    check(fmu, mass, 1e-6, 300, falls=True)
+    for found, differences in np.array(call(inside.rates_after_a_fall, fmu, mass, 300)):
+        assert (np.max(np.abs(differences)) > 0.1) == (goes_on > 0.0)
+        assert found == pytest.approx(differences, rel=1e-5, abs=1e-6)  # measured 2.8e-8

@@ -125,6 +125,14 @@ def test_points_of_blocks_are_terminals(tmp_path: Path, scalars: bool) -> None:
         assert [member for member, role in roles.items() if role == "input"] == ["Fx", "Fz", "My", "dFx", "dFz", "dMy"]
         assert [member for member, role in roles.items() if role == "output"] == ["x", "z", "vx", "vz", "ax", "az"]
     assert ("(low)" in (ports["port[2]"].get("description") or "")) if scalars else True
+    if not scalars:
+        found = call(fmi3.along_an_array, fmu)
+        first, second, both = (np.array(found[key]) for key in ("first", "second", "both"))
+        assert first[0] > 1e-4  # m/s2 by N
+        assert first[1] == pytest.approx(second[0], rel=1e-9)  # reciprocity: measured 2e-15
+        assert both == pytest.approx(2.0 * first - 3.0 * second, rel=1e-9)
+        assert "not enough values" in found["short"]
+        assert "3 values are too many" in found["long"]
 
 
 def test_fmi_3_has_an_icon_and_fmi_2_no_terminals_by_default(native3: Path, tmp_path: Path) -> None:

@@ -30,6 +30,11 @@ LEAST_TOLERANCE = 1e-13  # of a step
 LEAST_STEP = 1e-13  # of the time scale: below this the error control has failed
 
 
+# of the first step: shorter times are rounding errors of a caller's clock. Rates interpolated in so short a step would
+# be rounding errors of coordinates over its length
+INSTANT = 1e-8
+
+
 LEAST_ERROR = 1e-4
 
 

@@ -88,8 +88,21 @@ def segment_from(samples, t):
     A sample that follows within rounding counts as reached.
     """
     k = segment_at(samples, t)
-    if k + 1 < samples.size:
-        width = samples.times[k + 1] - samples.times[k] if k >= 0 else samples.times[1] - samples.times[0]
-        if samples.times[k + 1] - t <= SAMPLE_SLACK * width:
-            k += 1
+    if k + 1 < samples.size and samples.times[k + 1] - t <= _slack_after(samples, k):
+        k += 1
     return k
+
+
+@leaf
+def next_sample(samples, k, end):
+    """Return the time (s) of the sample after number k, or `end` unless that is later by more than rounding."""
+    if k + 1 < samples.size and end - samples.times[k + 1] > _slack_after(samples, k):
+        return samples.times[k + 1]
+    return end
+
+
+@leaf
+def _slack_after(samples, k):
+    """Return the difference (s) up to which times after sample k, or before the first, are equal."""
+    first = max(k, 0)
+    return SAMPLE_SLACK * (samples.times[first + 1] - samples.times[first])

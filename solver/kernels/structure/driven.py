@@ -41,7 +41,7 @@ from .layout import (
     step_tolerance,
 )
 from .modal import prepare
-from .stepping import advance
+from .stepping import advance, end_after_fall
 from .turning import MOST_TURN, is_turned_across, rotation_at, stop_turning, turn_base
 from .watch import RATES, STAGE, SpatialWatch, clear_peaks, raise_peaks, row, seen
 
@@ -318,13 +318,13 @@ def rates(model, state, counts, base, work, t, samples, visible, driven):
     size, here, between = scene.visible, _state(state, sizes).phase.buffer, row(scene, STAGE)
     clear(visible, size)
     show_driven(scene.settings, scene.base, t, 1, driven)
-    if scene.counts.fallen > 0:
-        return OK
-    # rates of the state
+    # rates of the state, zero where it is kept
     pace, segment = row(scene, RATES), segment_from(scene.samples, t)
     pushed = taken_at(scene, segment, t)
     recall(scene, here)
     evaluate_state(scene, here, pace, pushed[0], pushed[1], pushed[2])
+    if t >= end_after_fall(scene):
+        clear(pace, moving(scene))
     # outputs on both sides of time t
     past = RATE_PART * scene.settings.first_step
     for _ in range(2):
@@ -371,7 +371,7 @@ def feedthrough(model, state, counts, base, work, seeds, elapsed, t, visible, dr
     sizes, scene = sizes_in(model), scene_of(model, state, counts, base, no_samples(seeds), work)
     clear(visible, sizes.visible)
     clear(driven, _driven_size(scene.settings))
-    if scene.extras.spotted == 0 or scene.counts.fallen > 0:
+    if scene.extras.spotted == 0:
         return OK
     phase, pace, inputs = _state(state, sizes).phase, _phase(row(scene, RATES), scene.n), _inputs(seeds, 0)
     motion, loads = scene.base, seeds[_INPUTS:]

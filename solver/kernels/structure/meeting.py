@@ -30,6 +30,9 @@ from .watch import BETWEEN, END, START, pose_between, row
 _phase, _PER_BODY = PHASE.over, PHASE.per_n
 CLOSED = 0.25 * SLACK  # m: the gap at which a step ends
 MOST = 60  # most iterations
+# of a step: least part up to a gap that closes. The distance of drums jumps where their axes become parallel enough for
+# sides, and a shorter step might not reach beyond
+LEAST_PART = 1e-6
 SHORTLY = 1e-6  # s: difference by which the rate of a gap is found
 # after a fall a joint ends at a squared sine of half its tilt, 45 degrees, or a displacement over the size of its block
 MOST_TILT, LEAST_ARM = 0.1464, 0.1
@@ -220,7 +223,7 @@ def closing(scene, h, p, below):
             low, above, below = s, gap, 0.5 * below
         else:
             high, below, above = s, gap, 0.5 * above
-    return high
+    return max(high, LEAST_PART)
 
 
 @kernel

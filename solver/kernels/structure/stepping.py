@@ -6,6 +6,7 @@ A step ends at each sample of the record.
 import math
 
 from ..engine.control import (
+    INSTANT,
     LEAST_ERROR,
     SAFETY,
     SHRINK,
@@ -21,7 +22,7 @@ from ..engine.control import (
     shorten,
 )
 from ..engine.queue import peak_over
-from ..engine.samples import segment_from
+from ..engine.samples import next_sample, segment_from
 from ..layout.spaces import SLACK
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import greater, index_of, lesser, square_root, where, zero_like
@@ -447,8 +448,8 @@ def _meet_anew(scene, segment, t):
 
 
 @leaf
-def _limit(scene):
-    """Return the time, s, at which a run ends that has fallen."""
+def end_after_fall(scene):
+    """Return the time, s, from which on a structure that has fallen keeps its state."""
     if scene.counts.fallen == 0:
         return math.inf
     after = scene.settings.after_fall
@@ -488,8 +489,11 @@ def advance(scene, watch, state, t, stop, most):
     copy(begin, state, moving(scene))
     segment = segment_from(scene.samples, t)
     _begin(scene, segment, t, _phase(begin, scene.n))
+    # nothing moves in an instant
+    if stop - t <= INSTANT * scene.settings.first_step:
+        t = stop
     code, made = OK, 0
-    while t < stop and t < _limit(scene):
+    while t < stop and t < end_after_fall(scene):
         if made == most:
             code = PAUSED
             break
@@ -501,9 +505,7 @@ def advance(scene, watch, state, t, stop, most):
             t = stop
             break
         # a step, at most to the next sample
-        end = min(stop, _limit(scene))
-        if segment + 1 < scene.samples.size and scene.samples.times[segment + 1] < end:
-            end = scene.samples.times[segment + 1]
+        end = next_sample(scene.samples, segment, min(stop, end_after_fall(scene)))
         h, method, fastest = _plan(scene, segment, end - t, quiet)
         if not _makes(scene, segment, t, h, method, fastest):
             if is_too_short(control.next_step, scene.settings.first_step, t):

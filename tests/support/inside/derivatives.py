@@ -6,7 +6,7 @@ import re
 from math import sin
 from typing import Any
 
-from support.inside.native import directional
+from support.inside.native import Pair, directional, rates_of
 from support.instance import Instance
 
 H = 5e-3  # s, a step
@@ -29,6 +29,23 @@ USUAL = {
 
 def _usual(name: str) -> tuple[float, float]:
     return next(value for pattern, value in USUAL.items() if re.fullmatch(pattern, name))
+
+
+def rates_after_a_fall(fmu: str, held: dict[str, float], steps: int) -> list[Pair]:
+    """Return the rates of outputs under held inputs after some steps, and differences over 10 us, three times."""
+    body, found = Instance(fmu, {"solver.tolerance": 1e-9}), []
+    outputs = [
+        name for name in body.variables if re.fullmatch(r"block\[\d+\]\.(u[xyz]|theta|r[xyz])|port\[\d+\]\.v[xz]", name)
+    ]
+    body.set(held)
+    for k in range(steps):
+        body.step(H * k, H)
+    t = H * steps
+    for _ in range(3):
+        found.append(rates_of(body, outputs, t, 1e-5))
+        body.step(t + 2e-5, H)
+        t += 2e-5 + H
+    return found
 
 
 def compare(fmu: str, start: dict[str, Any], mass: dict[str, float], steps: int) -> tuple[list[Row], bool]:

@@ -221,3 +221,20 @@ def refusals(fmu: str) -> dict[str, Any]:
     found["exchange"] = exchange(b"column", guid.encode(), b"", False, False, None, fmi.logMessage)
     found["nothing"] = int(fmi.dll.fmi3GetInt64(None, (fmi3ValueReference * 1)(1014), 1, (fmi3Int64 * 1)(), 1))
     return found
+
+
+def along_an_array(fmu: str) -> dict[str, Any]:
+    """Return directional derivatives of two ports by their loads, which are one array, and what wrong seeds give."""
+    column = Instance3(fmu)
+    column.initialize()
+    column.step(0.0, 0.01)
+    outputs, inputs = column.references("port.ax"), column.references("port.Fx")
+
+    def along(*seeds: float) -> Any:
+        try:
+            return list(column.fmi.getDirectionalDerivative(outputs, inputs, list(seeds), 2))
+        except Exception:
+            return column.said[-1]
+
+    seeds = {"first": (1.0, 0.0), "second": (0.0, 1.0), "both": (2.0, -3.0), "short": (1.0,), "long": (1.0, 0.0, 0.0)}
+    return {name: along(*given) for name, given in seeds.items()}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from math import sin
 from typing import Any
 
 from support.instance import Instance
@@ -76,3 +77,17 @@ def alternating(fmu: str, name: str, grows: float, iterated: bool = False) -> No
         body.fmi.freeFMUState(saved)
         size = min(0.5, size * grows)
     body.close()
+
+
+def peaks(fmu: str, sliver: float, values: dict[str, Any]) -> list[float]:
+    """Return all peaks after 0.6 s of steps that a step of `sliver` s follows; 0: none."""
+    body, t = Instance(fmu, values), 0.0
+    names = [name for name in body.variables if name.endswith("_peak")]
+    for k in range(30):
+        body.set({"base.ax": 3.0 * sin(0.5 * k)})
+        body.step(t, 0.02)
+        t += 0.02
+        if sliver:
+            body.step(t, sliver)
+            t += sliver
+    return [float(value) for value in body.get(*names)]

@@ -13,7 +13,7 @@ from ..formulations.outputs import observe
 from ..formulations.slips import phase_size
 from ..integrators.interpolation import slips_of
 from .engine import BASE_INPUTS, first_body
-from .observing import row_length, see
+from .observing import base_of, row_length, see
 
 PROBE_TURN = 1e-9  # rad, variation of the rotation of the base
 PROBE_SPIN = 1e-6  # rad/s, variation of its rate
@@ -116,11 +116,9 @@ def feedthrough(column, inputs, seeds, elapsed, t, row, split, other, other_spli
         Scratch.
     """
     settings, length = column.model.settings, row_length(column)
-    # a column that has overturned does not respond
+    # a column that has overturned does not respond; only a driven base does
     _clear_output(row, split, length)
-    show_driven_along(settings, 0.0, 0.0, 0.0, 0.0, 0.0, split)
-    if column.counts.overturned > 0:
-        return OK
+    responds = column.counts.overturned == 0
     # seeds of the motion of the base at time t
     seed = _base_inputs(seeds, 0)
     along_x = seed.ax + elapsed * seed.jx
@@ -135,20 +133,20 @@ def feedthrough(column, inputs, seeds, elapsed, t, row, split, other, other_spli
     # rotation of the base and its rate, by central differences under the accelerations as they are
     way = 1.0
     for _ in range(2):
-        if turn != 0.0:
+        if turn != 0.0 and responds:
             theta = motion.theta + way * PROBE_TURN
             then = Motion(motion.ax, motion.az, theta, motion.omega, motion.alpha)
             see(column, then, other, other_split)
             _add(row, split, other, other_split, 0.5 * turn / (way * PROBE_TURN), length)
-        if spin != 0.0:
+        if spin != 0.0 and responds:
             omega = motion.omega + way * PROBE_SPIN
             then = Motion(motion.ax, motion.az, motion.theta, omega, motion.alpha)
             see(column, then, other, other_split)
             _add(row, split, other, other_split, 0.5 * spin / (way * PROBE_SPIN), length)
         way = -1.0
     # loads, and the accelerations of a driven base that result from the changed split
-    see(column, motion, other, other_split)
-    if ports_of(column) > 0:
+    see(column, base_of(column, t), other, other_split)
+    if ports_of(column) > 0 and responds:
         _add_load_reactions(column, motion, t, seeds, elapsed, other, split, other_split)
     # derivative of the acceleration of a driven base, m/s2 and rad/s2
     if settings.drive != ACCELERATION:
@@ -158,6 +156,8 @@ def feedthrough(column, inputs, seeds, elapsed, t, row, split, other, other_spli
         )
     # derivatives of the outputs: by differences where there are loads
     show_driven_along(settings, turn, spin, along_x, along_z, alpha, split)
+    if not responds:
+        return OK
     if ports_of(column) > 0:
         _differenced(column, motion, seeds, elapsed, along_x, along_z, alpha, row, other, other_split)
     else:

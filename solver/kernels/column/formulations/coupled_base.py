@@ -219,6 +219,9 @@ def driven_along(settings, inputs, seeds, first, split, met, motion, az, alpha):
         Changes of its own inputs, m/s2 and rad/s2.
     """
     bodies = int(settings.bodies)
+    # before a body has sent anything the base does not move
+    if are_silent(inputs, first, bodies * _BODY):
+        return 0.0, 0.0, 0.0
     # right side: change of the forces less change of the masses times the accelerations
     of, change = sums(bodies, inputs, first, split), sums(bodies, seeds, first, met)
     x, z, m = change.x, change.z, change.m

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from ...engine.control import (
     ELASTIC_COST,
+    INSTANT,
     WORK_OF_A_STEP,
     accepts_elastic,
     is_too_short,
@@ -507,8 +508,12 @@ def advance(column, t, h, watch):
                 return code
     begin_watching(column, watch, motion, stale)
     modal.forget(work)
-    # limits of the work in this call
+    # nothing moves in an instant
     elapsed = 0.0
+    if h <= INSTANT * column.model.settings.first_step:
+        take_held_snapshots(column, watch, t, h)
+        elapsed = h
+    # limits of the work in this call
     most = most_work(column.model.settings, h) + samples.size  # silent samples are passed one by one
     most_here = most_of_a_call(column.model.n) + WORK_OF_A_STEP * samples.size
     begun = counts.evaluations + counts.sweeps
