@@ -70,15 +70,16 @@ def line(scene, k, t):
     jx, jy, jz = base.jx, base.jy, base.jz
     if is_silent(samples, k):
         return ax, ay, az, jx, jy, jz
-    # record
-    ax, ay, az = ax + scale * samples.ax[k], ay + scale * samples.ay[k], az + scale * samples.az[k]
+    # record: the same bits by a scale and by samples that are scaled
+    here_x, here_y, here_z = scale * samples.ax[k], scale * samples.ay[k], scale * samples.az[k]
+    ax, ay, az = ax + here_x, ay + here_y, az + here_z
     if samples.held != 0:
         return ax, ay, az, jx, jy, jz
     # slope of the straight line between samples
-    per, within = scale / (samples.times[k + 1] - samples.times[k]), t - samples.times[k]
-    x = per * (samples.ax[k + 1] - samples.ax[k])
-    y = per * (samples.ay[k + 1] - samples.ay[k])
-    z = per * (samples.az[k + 1] - samples.az[k])
+    per, within = 1.0 / (samples.times[k + 1] - samples.times[k]), t - samples.times[k]
+    x = per * (scale * samples.ax[k + 1] - here_x)
+    y = per * (scale * samples.ay[k + 1] - here_y)
+    z = per * (scale * samples.az[k + 1] - here_z)
     return ax + x * within, ay + y * within, az + z * within, jx + x, jy + y, jz + z
 
 

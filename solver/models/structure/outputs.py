@@ -43,7 +43,7 @@ class StructureHistories(Histories):
     Mz = Output(JOINT, "N m", "Twisting moment in {it}, restoring")
     contact = Output(JOINT, "", "Part of the area of {it} in contact", 0.0, 1.0, by_least=True)
     sigma_max = Output(JOINT, "Pa", "Largest pressure on {it}", 0.0)
-    slip = Output(JOINT, "m", "Slip of {it} that friction has given way by", 0.0)
+    slip = Output(JOINT, "m", "Size of the slip of {it}, by which friction has given way", 0.0)
     tie = Output(TIE, "N", "Force in {it}, tension", name="F")
     dx = Output(BEARING, "m", "Displacement of the first block of {it} over the second, along its first axis")
     dy = Output(BEARING, "m", "Displacement of the first block of {it} over the second, along its second axis")

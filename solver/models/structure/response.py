@@ -65,10 +65,10 @@ class SpatialResponse(StructureHistories, Result):
     Blocks: ux, uy, uz (m), of the centroids relative to the base, from the structure as built and without weight;
     rotation (rows, n, 3), axis times angle (rad). Joints, along the axes of the joint: N (N, compression), Mx, My, Mz
     (N m, restoring), Tx, Ty (N, of the upper block on the lower one), contact (0..1 of the area), sigma_max (Pa), slip
-    (m, by which friction has yielded). Joints that bear tension or cohesion: bond (0..1 of the area, unbroken). Ties:
-    tie (N, tension). Bearings: dx, dy (m), along their axes, and d (m), in any direction. Pairs of neighbours: gap (m,
-    negative while they press on each other), hit (N). Base: base (rows, 6), force and moment about the origin of the
-    structure on the base.
+    (m, the size of what friction has yielded by). Joints that bear tension or cohesion: bond (0..1 of the area,
+    unbroken). Ties: tie (N, tension). Bearings: dx, dy (m), along their axes, and d (m), in any direction. Pairs of
+    neighbours: gap (m, negative while they press on each other), hit (N). Base: base (rows, 6), force and moment about
+    the origin of the structure on the base.
 
     `overturned` is True if a block has fallen, also after the histories.
 
