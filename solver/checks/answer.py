@@ -10,6 +10,7 @@ import numpy as np
 from ..common.digits import percent, three_digits
 from .action import Action
 from .margin import Margin
+from .scaling import horizontal_of
 from .table import Row
 from .verdicts import Verdicts
 
@@ -68,7 +69,7 @@ def components_sentence(action: Action, across: bool, has_space: bool = True) ->
 
     `across` is True if the model can move along both horizontal directions, `has_space` if it can be solved in space.
     """
-    two = sum(scaled.motion.has_ay for scaled in action.motions)
+    two = sum(len(horizontal_of(scaled.motion)) > 1 for scaled in action.motions)
     upright = any(np.any(scaled.motion.az) for scaled in action.motions)
     other = " and a vertical one" if upright else ""
     if two == len(action.motions):

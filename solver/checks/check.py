@@ -38,13 +38,14 @@ from .by_hand import ByHand
 from .limits import Limits, Plan
 from .margin import MOST_TRIALS, Margin, margin_of
 from .other_joints import CHANGES, OtherJoints, joints_sentence, other_joints
-from .runs import Sets, as_given, own_runs, run_all, varied
+from .runs import Sets, as_given, is_turned, own_runs, run_all, varied
 from .scaling import LEAST_PART, check_periods
 from .spectra import TargetSpectrum
-from .subject import Pair, Subject, subject_of
+from .subject import Pair, Subject, can_be_made, subject_of
 from .table import Demands, Row, rows_of
 from .verdicts import Verdicts, verdicts_of
 
+TURNED = " turned by 180 degrees"
 BANDS = tuple(f"p{percent}" for percent in PERCENTILES)
 
 HISTORIES_GOVERN = (
@@ -113,6 +114,12 @@ class Check:
         """The demands of the motions on the model as given."""
         return Demands(self.subject, self.by_sign)
 
+    @cached_property
+    def own_names(self) -> tuple[str, ...]:
+        """The names of the motions, with a note where `responses` has the one that is turned by 180 degrees."""
+        pairs = zip(self.action.motions, self.responses, strict=True)
+        return tuple(one.name + TURNED * is_turned(run, one.motion) for one, run in pairs)
+
     @property
     def displacement(self) -> Row:
         """The row of the displacement."""
@@ -155,7 +162,7 @@ class Check:
     def governing_sentence(self) -> str:
         """The sentence that names the governing run, and says why its displacement is not the demand of the table."""
         place, why = self._governing
-        word, name = self.subject.model.kind.word, self.action.motions[place].name
+        word, name = self.subject.model.kind.word, self.own_names[place]
         row = self.displacement
         value, counts = row.shown(row.values[place]), row.shown(row.demand)
         said = f"The run of the {word} as described under {name}: {why}."
@@ -181,8 +188,7 @@ class Check:
     @property
     def falls_sentence(self) -> str:
         """The sentence on when the model as given falls, and what of it; "" if it does not."""
-        names = [scaled.name for scaled in self.action.motions]
-        return falls_sentence(self.subject.model.kind.word, names, self.responses)
+        return falls_sentence(self.subject.model.kind.word, self.own_names, self.responses)
 
     @property
     def impacts_sentence(self) -> str:
@@ -206,10 +212,7 @@ class Check:
     def _has_space(self) -> bool:
         """False of a column that cannot be solved in space."""
         column = self.subject.planar
-        try:
-            return column is None or bool(column.in_space())
-        except InputError:
-            return False
+        return column is None or can_be_made(column.in_space)
 
     @cached_property
     def of_joints(self) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from .by_hand import ByHand, by_hand
 from .kinematic import Mechanism, mechanism
 from .limits import Limits
 from .spectra import FloatArray
-from .subject import JointProperties, Subject, subject_of
+from .subject import JointProperties, Subject, can_be_made, subject_of
 
 # largest ratio of implicit to explicit steps of the run as given at which varied runs share lanes, however stiff the
 # dampers. Measured (Phocas, doric, statue; eta 5e-4 to 2e-2 s; 0.04 to 0.6 g): 1.1 to 3.3 times as fast as one by one
@@ -26,7 +26,7 @@ from .subject import JointProperties, Subject, subject_of
 MOST_IMPLICIT = 0.05
 
 OF_EDGE = "The displacement at which it balances on its edge, and the methods by hand, are"
-ROLLS = "Its contacts are round: in space they roll on their rims, and may fall under less than here (--space)."
+ROLLS = "Its contacts are round: in space they roll on their rims, and may fall under less than here"
 
 
 @subject_of.register(Column)
@@ -85,11 +85,12 @@ class InPlane(Subject):
         The other direction, unless the column is alike across or `both` are checked; mortar; rolling on round contacts.
         """
         if not both and not self.model.is_alike_across:
-            yield "It is shaken along its width alone: check the other direction too (--both)."
+            other = ": check the other direction too (--both)" if can_be_made(self.model.across) else ""
+            yield f"It is shaken along its width alone{other}."
         if self.model.is_brittle:
             yield f"{OF_EDGE} {WITHOUT_BONDS}."
         if self.model.rolls_in_space:
-            yield ROLLS
+            yield f"{ROLLS}{' (--space)' if can_be_made(self.model.in_space) else ''}."
 
     def moved(self, run: Response) -> float:
         return float(run.peak_top_ux[0])

@@ -42,6 +42,13 @@ def own_runs(subject: Subject, motions: Sequence[Motion]) -> tuple[tuple[Any, ..
     return tuple(tuple(sorted(made[k : k + each], key=badness, reverse=True)) for k in range(0, len(made), each))
 
 
+def is_turned(run: Any, motion: Motion) -> bool:
+    """Return True if a response is that of the motion turned by 180 degrees, of the opposite sign in the plane."""
+    turned = motion.mirrored()
+    same = np.array_equal(run.motion.ax, turned.ax) and np.array_equal(run.motion.ay, turned.ay)
+    return same and bool(np.any(motion.ax) or np.any(motion.ay))
+
+
 def as_given(subject: Subject, run: Any) -> Pair:
     """Return the model and the motion of a run as given, with the settings of the varied runs."""
     return subject.to_vary(run), run.motion

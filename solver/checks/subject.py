@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
 from typing import Any, ClassVar
@@ -165,3 +165,12 @@ def subject_of(model: Any, confidence_factor: float = CONFIDENCE_FACTOR) -> Subj
     registered = "; of another model its class must be known to subject_of (checks/subject.py)"
     more = registered if hasattr(model, "kind") else ""
     raise InputError(f"column = {shown(model)}: must be a Column or a Structure{more}")
+
+
+def can_be_made(make: Callable[[], object]) -> bool:
+    """Return True if a model can be made into another one: `make` raises no InputError."""
+    try:
+        make()
+    except InputError:
+        return False
+    return True

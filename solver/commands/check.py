@@ -190,20 +190,25 @@ def _check(options: argparse.Namespace) -> None:
         print(*check_lines(checks[0]), *friction_lines(envelope), sep="\n")
     elif len(checks) > 1:
         print(*variants_lines(checks), sep="\n")
-    risk = _risk(checks[0], hazard)
+    risk = _risk(checks[: 2 if checks[0].both else 1], hazard)
     print(*risk, sep="\n")
     report = partial(_write_report, checks, options.note, inputs, risk, envelope)
     write_outputs([(options.output, partial(write_checks, checks=checks)), (options.report, report)])
 
 
-def _risk(check: Check, hazard: Hazard | None) -> list[str]:
-    """Return the lines on the risk, none without a hazard, or the line on why none follows from the runs."""
+def _risk(checks: list[Check], hazard: Hazard | None) -> list[str]:
+    """Return the lines on the risk in each direction, none without a hazard, or why none follows from the runs."""
     if hazard is None:
         return []
-    try:
-        return [*risk_text(f"risk, hazard {hazard}", risk_of(check, hazard)).splitlines(), RISK_NOTE]
-    except InputError as error:
-        return [f"risk: {error}"]
+    lines, note = [], []
+    for check in checks:
+        of = f" of {check.name}" if check.both else ""
+        try:
+            lines += risk_text(f"risk{of}, hazard {hazard}", risk_of(check, hazard)).splitlines()
+            note = [RISK_NOTE]
+        except InputError as error:
+            lines.append(f"risk{of}: {error}")
+    return lines + note
 
 
 def _on_floor(action: Action, floor: tuple[Building, int] | None, across: bool = False) -> Action:

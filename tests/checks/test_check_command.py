@@ -272,6 +272,7 @@ def test_both_directions_of_a_structure(folder: Path, capsys: pytest.CaptureFixt
     peaks = [line.split()[2:] for line in printed.splitlines() if line.startswith("slow  ")]
     assert peaks[0][0] == peaks[1][1] == "0.4"  # PGA along x, then along y
     assert peaks[0][2] == peaks[1][4] != "0"  # PGV along x, then along y
+    assert printed.count("One horizontal component acts; codes ask for two together") == 2
     answers = [line for line in printed.splitlines() if line.startswith(("slab: ", "slab across: "))]
     assert [line.partition(":")[2].split()[0] for line in answers] == ["FAILS", "PASSES:"]
 
@@ -296,6 +297,9 @@ def test_round_contacts_are_checked_in_space_unless_kept_in_the_plane(
     printed = capsys.readouterr().out
     assert "soft.toml: block[1]: must stand on its axis, and not on strips, to be stacked in space; checked" in printed
     assert "1 varied columns" in printed
+    assert "may fall under less than here.\n" in printed  # it cannot go there
+    assert main(["check", "soft.toml", *words, "--both"]) == 2
+    assert "to be turned to the other direction" in capsys.readouterr().err
 
 
 def test_variants_of_one_name_are_named_by_their_files(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

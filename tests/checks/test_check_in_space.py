@@ -208,6 +208,25 @@ def test_force_of_a_tie_beside_its_yield() -> None:
     assert subject_of(other).digest() != made.subject.digest()
 
 
+def test_the_turned_motion_is_named_where_it_alone_overturns() -> None:
+    data: dict[str, Any] = {
+        "name": "held",
+        "joints": {"stiffness": 2e9, "damping": 2e-3},
+        "block": [{"name": "a", "on": "base", "width": 0.5, "depth": 0.5, "height": 2.0, "mass": 1200.0}],
+        "tie": [{"between": ["a", "base"], "from": [0, 0, 0.9], "to": [2.0, 0.0, 0.0], "stiffness": 1e6, "yield": 1e6}],
+    }
+    motion = wavelets.one_sine(0.4 * G, 1.0)  # it falls from 0.38 g with one sign, beyond 0.45 g with the other
+    for way, said in (
+        (motion, " under pulse turned by 180 degrees (block a)"),
+        (motion.mirrored(), " under pulse (block a)"),
+    ):
+        made = check(Structure.from_dict(data), {"pulse": way}, plan=QUICK)
+        assert said in made.falls_sentence
+        assert f"under{said.removeprefix(' under').removesuffix(' (block a)')}: under this motion it falls first" in (
+            made.governing_sentence
+        )
+
+
 def test_hits_of_neighbours_and_the_gap_that_is_left() -> None:
     """Count the hits of two drums, of which the higher one rocks under the second motion, from the runs themselves."""
     drum = {"on": "base", "shape": "drum", "diameter": 1.0, "density": 2000.0}

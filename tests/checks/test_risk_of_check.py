@@ -115,6 +115,11 @@ def test_the_command_says_the_risk_or_why_there_is_none(
         assert words_of in said
         assert words_of in page
     assert "Risk of overturning" in page
+    # both directions: a risk of each
+    Path("slab.toml").write_text(f'name = "slab"\n{block.replace("depth = 0.5", "depth = 0.6")}', encoding="utf-8")
+    assert main(["check", "slab.toml", *(word for word in words[2:] if word != "--plane"), "--both"]) == 0
+    risks = [line for line in capsys.readouterr().out.splitlines() if line.startswith("risk of slab")]
+    assert [line.partition(",")[0].partition(":")[0] for line in risks] == ["risk of slab", "risk of slab across"]
     # one motion: no fragility follows, and the check is as without a hazard
     words = ["check", "block.toml", files[0], "--plane", "--no-joints", "--no-margin", "--pga", "0.01"]
     assert main([*words, "--hazard", "hazard.csv", "--report", "report.html", "--force"]) == 0

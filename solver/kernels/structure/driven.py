@@ -293,8 +293,8 @@ def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, sampl
     show_driven(scene.settings, scene.base, t, 0, driven)
     if new_inputs != 0 and scene.settings.drive == ACCELERATION:  # otherwise no output depends on them
         _drive(scene, inputs, elapsed, t)
-    # without ports no output depends on inputs
-    if scene.extras.spotted == 0:
+    # without ports no output depends on inputs, nor where the state is kept
+    if scene.extras.spotted == 0 or t >= end_after_fall(scene):
         _see(scene, phase, t, visible)
     else:  # accelerations of ports
         if new_inputs != 0:
@@ -318,13 +318,13 @@ def rates(model, state, counts, base, work, t, samples, visible, driven):
     size, here, between = scene.visible, _state(state, sizes).phase.buffer, row(scene, STAGE)
     clear(visible, size)
     show_driven(scene.settings, scene.base, t, 1, driven)
-    # rates of the state, zero where it is kept
+    if t >= end_after_fall(scene):  # the state is kept
+        return OK
+    # rates of the state
     pace, segment = row(scene, RATES), segment_from(scene.samples, t)
     pushed = taken_at(scene, segment, t)
     recall(scene, here)
     evaluate_state(scene, here, pace, pushed[0], pushed[1], pushed[2])
-    if t >= end_after_fall(scene):
-        clear(pace, moving(scene))
     # outputs on both sides of time t
     past = RATE_PART * scene.settings.first_step
     for _ in range(2):
@@ -371,7 +371,7 @@ def feedthrough(model, state, counts, base, work, seeds, elapsed, t, visible, dr
     sizes, scene = sizes_in(model), scene_of(model, state, counts, base, no_samples(seeds), work)
     clear(visible, sizes.visible)
     clear(driven, _driven_size(scene.settings))
-    if scene.extras.spotted == 0:
+    if scene.extras.spotted == 0 or t >= end_after_fall(scene):
         return OK
     phase, pace, inputs = _state(state, sizes).phase, _phase(row(scene, RATES), scene.n), _inputs(seeds, 0)
     motion, loads = scene.base, seeds[_INPUTS:]

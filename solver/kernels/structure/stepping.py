@@ -197,6 +197,15 @@ def _serve_rows(scene, watch, segment, t, h):
         counts.next_row += 1
 
 
+@leaf
+def end_after_fall(scene):
+    """Return the time, s, from which on a structure that has fallen keeps its state."""
+    if scene.counts.fallen == 0:
+        return math.inf
+    after = scene.settings.after_fall
+    return scene.control.fall_time + after if after > 0.0 else -math.inf
+
+
 @kernel
 def _begin(scene, segment, t, phase):
     """Evaluate the phase from which the steps start; the first call sets scales and the first step."""
@@ -221,7 +230,8 @@ def _begin(scene, segment, t, phase):
         note_first(scene, t)
     # output row and peaks at the start
     show(scene, phase, seen(scene, 0), True)
-    raise_peaks(scene, seen(scene, 0))
+    if t < end_after_fall(scene):
+        raise_peaks(scene, seen(scene, 0))
 
 
 @kernel
@@ -445,15 +455,6 @@ def _meet_anew(scene, segment, t):
         evaluate_at(scene, segment, begin, rate(scene, 0), t)
         scene.control.released += energy(scene, _phase(begin, scene.n))
     return meet(scene, t) or released
-
-
-@leaf
-def end_after_fall(scene):
-    """Return the time, s, from which on a structure that has fallen keeps its state."""
-    if scene.counts.fallen == 0:
-        return math.inf
-    after = scene.settings.after_fall
-    return scene.control.fall_time + after if after > 0.0 else -math.inf
 
 
 @kernel

@@ -230,8 +230,8 @@ class Column(NotebookRepr):
 
     @property
     def is_alike_across(self) -> bool:
-        """True if widths and depths are equal."""
-        return all(
+        """True if widths and depths are equal, and it stands on its axis."""
+        return not self.off_axis and all(
             (block.width, block.joint_width, block.top_width or block.width)
             == (block.depth, block.joint_depth, block.top_depth or block.depth)
             for block in self.blocks

@@ -10,6 +10,7 @@ import numpy as np
 from fmpy import simulate_fmu
 
 from support.inside import states
+from support.inside.native import directional
 from support.inside.states import bits
 from support.instance import Instance
 
@@ -124,3 +125,17 @@ def thrown(body: Instance, first: int, last: int) -> list[Any]:
 def life_of_a_fall(fmu: str) -> dict[str, bool]:
     """Return outputs over the life of a state, taken while a block falls, and of another damping."""
     return states.life(fmu, thrown, 60, {"joints.damping_scale": 3.0})
+
+
+def held(fmu: str, steps: int) -> dict[str, Any]:
+    """Return the acceleration of a port in the last steps of 10 ms under a late load, its peak and derivatives."""
+    body, shown = Instance(fmu), []
+    for k in range(steps):
+        if k > 0.75 * steps:
+            body.set({"port[1].Fx": 1e4, "base.ax": 2.0})
+        body.step(0.01 * k, 0.01)
+        if k > 0.75 * steps:
+            shown.append(float(body.get("port[1].ax")[0]))
+    derivatives = directional(body, ["port[1].ax"], ["base.ax"], [1.0])
+    derivatives += directional(body, ["port[1].ax"], ["port[1].Fx"], [1.0])
+    return {"shown": shown, "peak": float(body.get("port[1].ax_peak")[0]), "derivatives": derivatives}
