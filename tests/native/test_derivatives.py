@@ -120,7 +120,7 @@ def test_after_a_fall(kind: str, tmp_path: Path) -> None:
     )
     file.write_text(text.replace("[[block]]", f"{after}[[block]]", 1), encoding="utf-8")
     build_native_fmu(file, fmu, platforms=["linux64"], drive=drive_of(word, "parabola", 1, False))
-    check(fmu, mass, 1e-6, 300, falls=True)
+    check(fmu, mass, -1.0 if kind == "structure" else 1e-6, 300, falls=True)  # nothing of it moves that is held
     for found, differences in np.array(call(inside.rates_after_a_fall, fmu, mass, 300)):
         assert (np.max(np.abs(differences)) > 0.1) == (goes_on > 0.0)
         assert found == pytest.approx(differences, rel=1e-5, abs=1e-6)  # measured 2.8e-8
