@@ -176,9 +176,9 @@ def action_on(
         for motion in given.values():
             check_in_plane(motion)
     # artificial motions have both horizontal components if the first model is in space
-    two = any(motion.has_ay for motion in given.values()) if given else subject.model.kind.across
+    across = any(motion.has_ay for motion in given.values()) if given else subject.model.kind.across
     for one in variants:
-        if two and not one.model.kind.across:
+        if across and not one.model.kind.across:
             raise InputError(
                 f"variant {one.model.name}: moves in its plane, but the motions have two horizontal components: must "
                 "be in space, or all models in their plane under one component (--plane)"
@@ -195,14 +195,14 @@ def action_on(
     if not given:
         raise InputError("motions: none given, must be records, or a target spectrum that artificial ones follow")
     # else one peak or spectral acceleration, or the motions as given
-    mean = any(len(scaling.horizontal_of(motion)) > 1 for motion in given.values())
+    two = any(len(scaling.horizontal_of(motion)) > 1 for motion in given.values())
     if level.pga is not None:
         scaled = scaling.scaled_to_pga(given, level.pga, level.vertical_pga)
-        what = "geometric mean of its largest horizontal accelerations" if mean else "largest horizontal acceleration"
+        what = "geometric mean of its largest horizontal accelerations" if two else "largest horizontal acceleration"
         how = f"each to a {what} of {level.pga / STANDARD_GRAVITY:.4g} g"
     elif level.sa is not None:
         scaled = scaling.scaled_to_sa(given, own, level.sa)
-        what = "geometric mean of its horizontal spectral accelerations" if mean else "spectral acceleration"
+        what = "geometric mean of its horizontal spectral accelerations" if two else "spectral acceleration"
         how = f"each to a {what} of {level.sa / STANDARD_GRAVITY:.4g} g at the first period, {own:.4g} s"
     else:
         scaled, how = [ScaledMotion(*pair) for pair in given.items()], "as given"

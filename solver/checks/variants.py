@@ -25,6 +25,11 @@ SAME = "cannot be distinguished"
 STRIPS = 10_000  # of the sum over a quarter turn: Student's quantile to 1e-6
 
 
+def directions(checks: Sequence[Check]) -> Sequence[Check]:
+    """Return the checks of the first model: of both directions, if they were asked for, else one."""
+    return checks[: 2 if checks[0].both else 1]
+
+
 def compared(checks: Sequence[Check]) -> str:
     """Return what a table of several checks compares: variants, the two directions, or these and variants."""
     if not checks[0].both:

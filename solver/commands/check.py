@@ -6,7 +6,7 @@ import argparse
 import re
 import shlex
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
@@ -19,6 +19,7 @@ from ..checks.limits import UNCERTAIN, Limits, Plan
 from ..checks.risk import risk_of
 from ..checks.scaling import LEAST_PART
 from ..checks.subject import Subject, subject_of
+from ..checks.variants import directions
 from ..common.errors import InputError, needing, reading
 from ..common.files import check_outputs, printable
 from ..common.ranges import listed
@@ -190,13 +191,13 @@ def _check(options: argparse.Namespace) -> None:
         print(*check_lines(checks[0]), *friction_lines(envelope), sep="\n")
     elif len(checks) > 1:
         print(*variants_lines(checks), sep="\n")
-    risk = _risk(checks[: 2 if checks[0].both else 1], hazard)
+    risk = _risk(directions(checks), hazard)
     print(*risk, sep="\n")
     report = partial(_write_report, checks, options.note, inputs, risk, envelope)
     write_outputs([(options.output, partial(write_checks, checks=checks)), (options.report, report)])
 
 
-def _risk(checks: list[Check], hazard: Hazard | None) -> list[str]:
+def _risk(checks: Sequence[Check], hazard: Hazard | None) -> list[str]:
     """Return the lines on the risk in each direction, none without a hazard, or why none follows from the runs."""
     if hazard is None:
         return []

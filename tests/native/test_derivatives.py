@@ -13,7 +13,7 @@ from support.inside import derivatives as inside
 from support.shaft import PORTS, SHAFT
 
 from build_fmu import build_native_fmu
-from fmu_src.drive import USUAL, drive_of
+from fmu_src.drive import USUAL, Drive, drive_of
 
 BLOCK = """
 name = "post with a port"
@@ -90,36 +90,36 @@ def test_of_a_column(native: Path) -> None:
     check(native, {}, 1.0)
 
 
+def built(text: str, drive: Drive, folder: Path) -> Path:
+    """Return the native FMU of a file with this text; skips the test where none is built."""
+    if not importlib.util.find_spec("ziglang") or not sys.platform.startswith("linux"):
+        pytest.skip("needs the extra native, and Linux")
+    file, fmu = folder / "model.toml", folder / "model.fmu"
+    file.write_text(text, encoding="utf-8")
+    build_native_fmu(file, fmu, platforms=["linux64"], drive=drive)
+    return fmu
+
+
 @pytest.mark.long  # builds native FMUs
 @pytest.mark.parametrize("kind", list(KINDS))
 def test_of_every_kind(kind: str, tmp_path: Path) -> None:
-    if not importlib.util.find_spec("ziglang") or not sys.platform.startswith("linux"):
-        pytest.skip("needs the extra native, and Linux")
     text, word, turns, mass = KINDS[kind]
-    file, drive = tmp_path / "model.toml", USUAL._replace(turns=turns)
-    file.write_text(text, encoding="utf-8")
-    if word != "acceleration":
-        drive = drive_of(word, "parabola", 1, turns)
-    fmu = tmp_path / "model.fmu"
-    build_native_fmu(file, fmu, platforms=["linux64"], drive=drive)
-    check(fmu, mass, 1e-6)
+    drive = USUAL._replace(turns=turns) if word == "acceleration" else drive_of(word, "parabola", 1, turns)
+    check(built(text, drive, tmp_path), mass, 1e-6)
 
 
 @pytest.mark.long  # builds native FMUs
 @pytest.mark.parametrize("kind", list(FALLING))
 def test_after_a_fall(kind: str, tmp_path: Path) -> None:
     """Compare rates with differences of outputs, too: they are zero of a state that is held."""
-    if not importlib.util.find_spec("ziglang") or not sys.platform.startswith("linux"):
-        pytest.skip("needs the extra native, and Linux")
     text, word, mass, goes_on = FALLING[kind]
-    file, fmu = tmp_path / "model.toml", tmp_path / "model.fmu"
     after = (
         f"[neighbours]\nline_stiffness = 1e9\nrestitution = 0.2\nfriction = 0.3\nafter_fall = {goes_on}\n"
         if goes_on
         else ""
     )
-    file.write_text(text.replace("[[block]]", f"{after}[[block]]", 1), encoding="utf-8")
-    build_native_fmu(file, fmu, platforms=["linux64"], drive=drive_of(word, "parabola", 1, False))
+    text = text.replace("[[block]]", f"{after}[[block]]", 1)
+    fmu = built(text, drive_of(word, "parabola", 1, False), tmp_path)
     check(fmu, mass, -1.0 if kind == "structure" else 1e-6, 300, falls=True)  # nothing of it moves that is held
     for found, differences in np.array(call(inside.rates_after_a_fall, fmu, mass, 300)):
         assert (np.max(np.abs(differences)) > 0.1) == (goes_on > 0.0)

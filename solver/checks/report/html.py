@@ -23,7 +23,7 @@ from ..check import Check
 from ..friction import OF_PAIRS, OF_VALUES, Envelope
 from ..limits import TOLERANCE
 from ..subject import JointProperties
-from ..variants import compared, differences
+from ..variants import compared, differences, directions
 from .friction import friction_picture
 from .inputs import MATERIAL_SHEET, hashed, sources_of, with_meshes
 from .model import ModelSection, Sheet, merged, shown_of
@@ -96,9 +96,7 @@ def _content(checks: Sequence[Check], inputs: Sequence[Path], has_frictions: boo
         "passes": check.passes and all(one.passes for one in checks if one.both),
         "models": [(check, shown), *((one, _shown(one, inputs[k:])) for k, one in enumerate(variants, start=1))],
         "inputs": hashed(with_meshes(inputs)),
-        "directions": [
-            (one, _motions(one), embedded(spectra_picture(one))) for one in (checks[:2] if check.both else checks[:1])
-        ],
+        "directions": [(one, _motions(one), embedded(spectra_picture(one))) for one in directions(checks)],
         "limits": [
             (item.name, getattr(check.plan.limits, item.name), item.metadata["meaning"])
             for item in fields(check.plan.limits)
