@@ -205,13 +205,8 @@ def test_mortar_that_cracks_at_once_leaves_stones_that_stand() -> None:
     assert found.largest_acceleration > 0.9 * other.largest_acceleration
 
 
-@pytest.mark.parametrize(
-    ("stiffness", "strength", "friction", "dowel"), [(3e9, 3343.0, 0.8, 0.0), (2.04e9, 3385.0, 0.3, 1163.0)]
-)
-def test_a_wall_of_mortar_balances_what_it_stands_in_a_slow_motion(
-    stiffness: float, strength: float, friction: float, dowel: float
-) -> None:
-    """Push five stones past the cracks that run through their head joints, 0.61 g, to a fall and a slide."""
+def five_stones(heads: list[list[str]], **law: float) -> Structure:
+    """Return a wall of two courses of mortar, with head joints between these pairs of stones."""
     size = {"depth": 0.3, "height": 0.25, "density": 2000.0}
     wide, half = {"width": 0.5, **size}, {"width": 0.25, **size}
     blocks = [
@@ -221,16 +216,37 @@ def test_a_wall_of_mortar_balances_what_it_stands_in_a_slow_motion(
         {"name": "c1", "on": ["a0", "a1"], "at": [0.0, 0.0], **wide},
         {"name": "c2", "on": "a1", "at": [0.375, 0.0], **half},
     ]
-    law = {"stiffness": stiffness, "damping": 1e-3, "friction": friction, "dowel": dowel}
-    joints = {**law, "tensile_strength": strength, "cohesion": strength}
-    heads = [{"between": pair} for pair in (["a1", "a0"], ["c1", "c0"], ["c2", "c1"])]
-    wall = Structure.from_dict({"name": "wall", "joints": joints, "block": blocks, "joint": heads})
+    table = {"joints": {"damping": 1e-3, **law}, "block": blocks, "joint": [{"between": pair} for pair in heads]}
+    return Structure.from_dict({"name": "wall", **table})
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "strength", "friction", "dowel"), [(3e9, 3343.0, 0.8, 0.0), (2.04e9, 3385.0, 0.3, 1163.0)]
+)
+def test_a_wall_of_mortar_balances_what_it_stands_in_a_slow_motion(
+    stiffness: float, strength: float, friction: float, dowel: float
+) -> None:
+    """Push five stones past the cracks that run through their head joints, 0.61 g, to a fall and a slide."""
+    heads = [["a1", "a0"], ["c1", "c0"], ["c2", "c1"]]
+    joints = {"stiffness": stiffness, "friction": friction, "dowel": dowel}
+    wall = five_stones(heads, **joints, tensile_strength=strength, cohesion=strength)
     largest = push_over(wall).largest_acceleration
     time = np.linspace(0.0, 8.0, 81)
     for part in (0.97, 1.03):
         ramp = Motion.from_samples(0.1, -part * largest * np.minimum(time / 6.0, 1.0))
         moved = np.max(np.abs(simulate(wall, ramp, settle=0).ux[-1]))
         assert (moved < 1e-3) == (part < 1.0)  # measured 0.05 mm below, 0.8 and 4.5 m above
+
+
+@pytest.mark.parametrize(("strength", "degrees"), [(4e4, 45.0), (4e4, 70.0), (1.4e3, 20.0), (1.4e3, 45.0)])
+def test_no_push_along_a_path_is_larger_than_the_last(strength: float, degrees: float) -> None:
+    """Check a wall whose cracks spread, pushed obliquely: the push grows up to the largest one."""
+    cohesion, friction = (6e4, 0.6) if strength > 1e4 else (410.0, 0.8)
+    law = {"stiffness": 7e9, "friction": friction, "tensile_strength": strength, "cohesion": cohesion}
+    found = push_over(five_stones([], **law), math.radians(degrees))
+    assert np.min(np.diff(found.acceleration)) > -1e-8 * found.largest_acceleration  # measured 2e-10
+    assert found.contact[0] == pytest.approx(1.0)
+    assert found.largest_acceleration > found.uplift
 
 
 @pytest.mark.parametrize(("stiffness", "tolerance"), [(1e9, 4e-3), (1e11, 1e-4)])

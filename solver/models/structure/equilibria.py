@@ -120,9 +120,9 @@ def rest_under(structure: Structure, loads: FloatArray) -> FloatArray:
 class EquilibriumPath:
     """The path of equilibria of one structure pushed along the vector `way`, (3,), or by loads on its ports.
 
-    It ends at the push `largest` (m/s2, or times the loads), at 10 g without one. Without one it also goes on where the
-    push falls, if the structure comes to bear there on a slack tie, a neighbour or the ring of a bearing: the places
-    from the largest push to the one at which the push exceeds it again are left out.
+    It ends at the push `largest` (m/s2, or times the loads), at 10 g without one. It also goes on where the push falls,
+    if the structure comes to bear there on what a crack has left or, without `largest`, on a slack tie, a neighbour or
+    the ring of a bearing: the places from the largest push to the one at which the push exceeds it again are left out.
     """
 
     def __init__(
@@ -153,7 +153,7 @@ class EquilibriumPath:
         ahead /= np.linalg.norm(ahead)
         places = places_of(OUTPUTS, structure.sizes)
         self.contact, self.slip, self.moved = places["contact"], places["slip"], places["d"]
-        self.tie, self.gap = places["tie"], places["gap"]
+        self.tie, self.gap, self.bond = places["tie"], places["gap"], places["bond"]
         bearings = [joint.bearing for joint in structure.bearings]
         self.capacity = np.array([math.inf if bearing is None else bearing.capacity for bearing in bearings])
         self.ring = np.array([math.inf if bearing is None else bearing.ring for bearing in bearings])
@@ -185,7 +185,7 @@ class EquilibriumPath:
                 continue
             if now.beyond:
                 return self._beyond(place)
-            falls = not now.grows and self._falls(place, last)
+            falls = self._falls(place, last)
             if not falls and self._has_sunk(place):
                 place = self._beside_largest(lost)
                 if place is None:
@@ -268,15 +268,17 @@ class EquilibriumPath:
         return place.push > push * (1.0 + GROWN) + 10.0 * self.noise
 
     def _may_bear(self, place: Place, last: Place) -> bool:
-        """Return True if a tie slack at the last place, or a gap or a bearing within its ring that closes, may bear.
+        """Return True if a tie slack at the last place, a gap or a ring that closes, or a bond that breaks, may bear.
 
-        A gap counts if at this pace it closes before the structure has moved by some times its size.
+        A gap counts if at this pace it closes before the structure has moved by some times its size; a bond if it has
+        broken further: what is left of it, and the edge it leans on, may bear more.
         """
         row, before, gap, moved = place.row, last.row, self.gap, self.moved
         apart = (before[gap] > 0.0) & (before[gap] < JOINED_GAP) & (row[gap] < before[gap])
         apart &= row[gap] * self._distance(row, before) <= PACE * (before[gap] - row[gap])
         inside = (before[moved] < self.ring) & (self.ring < math.inf) & (row[moved] > before[moved])
-        return self.may_jump and bool(np.any(before[self.tie] == 0.0) or np.any(apart) or np.any(inside))
+        bears = np.any(before[self.tie] == 0.0) or np.any(apart) or np.any(inside)
+        return (self.may_jump and bool(bears)) or bool(np.any(row[self.bond] < before[self.bond]))
 
     def _beside(self, last: Place, lost: int) -> Place | None:
         """Return a balance near a place, under a push that is hardly larger, after what breaks or slips there.
@@ -302,7 +304,7 @@ class EquilibriumPath:
         return (secant / np.linalg.norm(secant)).astype(np.float64)
 
     def last(self) -> Place:
-        """Return the place whose push is the largest one that is looked for, between the last two places."""
+        """Return the place whose push is the largest one that is looked for, beside the last but one."""
         before, place = self.places[-2:]
         for _ in range(REFINED):
             step = place.step * (self.largest - before.push) / (place.push - before.push)
@@ -353,8 +355,10 @@ class EquilibriumPath:
     def _seen(self, place: Place, last: Place, before: _EventFlags) -> _EventFlags:
         rest, row = self.places[0].row, place.row
         contact, slip, moved = self.contact, self.slip, slice(0, 3 * self.stepper.structure.n)
+        # the tangent alone is steep again where something has just broken
+        least = 0.0 if place.push > last.push * (1.0 + LEAST_GROWTH) else STEEP
         return _EventFlags(
-            place.ahead[-1] > (0.0 if place.push > last.push * (1.0 + LEAST_GROWTH) else STEEP),
+            place.ahead[-1] > least and not self._falls(place, last),
             before.opened or bool(np.any(has_opened(row[contact], rest[contact]))),
             before.slid
             or bool(np.any(has_slid(row[slip] - rest[slip], row[contact], np.max(np.abs(row[moved] - rest[moved]))))),
@@ -403,23 +407,24 @@ class EquilibriumPath:
             stepper.observe(keep=PRESUME)
         move(stepper, step * lengths * last.ahead[:-1])
         most = float(np.max(np.abs(last.phase[: size // 2])))
-        delta = max(min(DIFFERENCE * step * float(lengths[0]), self.close), ROUNDED * most) * self.per
+        delta = max(min(DIFFERENCE * abs(step) * float(lengths[0]), self.close), ROUNDED * most) * self.per
         # Newton's method, then the direction of the path at the new point
         iterations, rounds, left, right = 0, 0, math.inf, np.zeros(size + 1)
         while True:
             right[:size], before = self._residual(push), left
             left = self._size(right[:size])
             arrived = left <= CLOSE or (left <= ROUGH and left > 0.3 * before)
+            # before they remember it: the tangent is that of joints that slide and of cracks that spread
+            matrix[:size, :size] = stepper.stiffness(delta)
             if arrived and self.breaks:  # bonds that break and pairs that meet here leave it without balance
                 self._remember(push)
-                right[:size] = self._residual(push)
-                if self._size(right[:size]) > ROUGH:
-                    arrived, left, iterations, rounds = False, math.inf, 0, rounds + 1
+                if self._size(self._residual(push)) > ROUGH:
+                    left, iterations, rounds = math.inf, 0, rounds + 1
                     if rounds > BREAKS:
                         return None
-            if arrived:  # sliding joints have passed the slip remembered last: the tangent is that of sliding
+                    continue
+            if arrived:
                 right[:size], right[size] = 0.0, 1.0
-            matrix[:size, :size] = stepper.stiffness(delta)
             try:
                 change = np.linalg.solve(matrix, right)
             except np.linalg.LinAlgError:
@@ -428,7 +433,7 @@ class EquilibriumPath:
             if arrived:
                 break
             iterations += 1
-            if iterations > ITERATIONS or not np.linalg.norm(scaled) <= step:
+            if iterations > ITERATIONS or not np.linalg.norm(scaled) <= abs(step):
                 return None
             push += float(change[-1])
             move(stepper, np.asarray(change[:-1], dtype=np.float64))

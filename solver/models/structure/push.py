@@ -44,7 +44,8 @@ class PushOver(StructureHistories, NotebookRepr):
     uplift_joint, sliding_joint
         Names of these joints.
     jumps
-        Pushes beyond which it tips or slides on until a slack tie, a neighbour or the ring of a bearing bears it, m/s2.
+        Pushes beyond which it tips, slides or cracks on until a slack tie, a neighbour, the ring of a bearing or what a
+        crack has left bears it, m/s2.
     ends
         Reason why the path ends.
     pattern
@@ -151,10 +152,10 @@ def push_over(
     The largest push, the first opening and the first sliding are found to 1e-4 of a step or better. The path ends where
     a bearing has moved by its capacity, since what stands on it comes off there.
 
-    Beyond a largest push the structure tips or slides on, perhaps until a slack tie, a neighbour or the ring of a
-    bearing bears it. Then the path jumps to the place at which it balances more than that push, and goes on to the
-    largest push of all. It is that under a slowly growing push if the impact at the end of a jump overturns nothing:
-    its energy does not count.
+    Beyond a largest push the structure tips, slides or cracks on, perhaps until a slack tie, a neighbour, the ring of
+    a bearing or what a crack has left bears it. Then the path jumps to the place at which it balances more than that
+    push, and goes on to the largest push of all. It is that under a slowly growing push if the impact at the end of a
+    jump overturns nothing: its energy does not count.
 
     Parameters
     ----------
