@@ -125,7 +125,12 @@ class Ensemble:
 
     @property
     def envelope(self) -> FloatArray:
-        """The least and the largest coordinates of the centroids at the end of the fallen runs, m (2, n, 3)."""
+        """The least and the largest coordinates of the centroids at the end of the fallen runs, m (2, n, 3).
+
+        It has no blocks, (2, 0, 3), if no run has fallen and gone on.
+        """
+        if not self.debris:
+            return np.empty((2, 0, 3))
         places = np.array([one.places for one in self.debris])
         return np.array([np.min(places, axis=0), np.max(places, axis=0)])
 

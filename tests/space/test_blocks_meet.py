@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.optimize import linprog
+from support.throws import HIGH, pair_of
 
 from multiblock import (
     InputError,
@@ -237,35 +238,17 @@ def test_a_block_that_turns_by_a_quarter_before_it_hits_does_not_enter_its_neigh
 
 
 def test_a_distance_that_jumps_ends_one_step_alone() -> None:
-    """Let drums within each other pass the angle from which on they have sides, where their distance jumps by 33 mm."""
-    radius, half, gap, spin = 1.2, 2.5, -0.005, -0.5
-    drums = [
-        {
-            "name": name,
-            "shape": "drum",
-            "on": "base",
-            "at": [x, 0.0],
-            "diameter": 2.4,
-            "height": 5.0,
-            "density": 3e3,
-        }
-        for name, x in (("a", 0.0), ("b", 2.6))
-    ]
-    law = {"stiffness": 2e9, "damping": 2e-3, "friction": 0.5}
-    meet = {"line_stiffness": 1e9, "restitution": 0.5, "friction": 0.3}
-    structure = Structure.from_dict({"name": "drums", "joints": law, "neighbours": meet, "block": drums})
-    for beyond in (0.0, 2e-16, 5e-16):  # 0.9: the cosine of that angle
-        tilt = math.acos(0.9) + beyond
-        middle = np.array([0.0, -radius, 0.0]) + rotation_matrix(np.array([tilt, 0.0, 0.0])) @ np.array(
-            [0.0, radius, half]
-        )
+    """Let crossed drums pass the angle from which on they have sides, where their distance jumps by 21 mm."""
+    drum = {"shape": "drum", "diameter": 2.4, "height": 5.0}
+    made = pair_of(drum, drum, line_stiffness=1e9, damping=1e-3, friction=0.3)
+    built = np.array([block.centroid for block in made.blocks])
+    for beyond in (0.0, 2e-16, 5e-16):
         state = SpatialState(*(np.zeros((2, 3)) for _ in range(4)))
-        state.displacement[1] = gap - 0.2, middle[1], middle[2] - half
-        state.rotation[1, 0], state.spin[1, 0] = tilt, spin
-        state.velocity[1] = np.cross([spin, 0.0, 0.0], middle - [0.0, -radius, 0.0])
-        response = simulate(structure, Motion.from_samples(0.01, np.zeros(11)), initial=state, settle=0.0)
-        assert response.stats["steps"] < 300  # measured 164; steps of no length before, until the work was too much
-        assert -0.004 < response.gap[-1, 0] < 0.0
+        state.displacement[:] = np.array([[0.0, 0.0, HIGH], [2.395, 0.0, HIGH]]) - built
+        state.rotation[1, 0], state.spin[1, 0] = math.acos(0.6) + beyond, -0.5  # 0.6: the cosine of that angle
+        response = simulate(made, Motion.from_samples(0.01, np.zeros(11)), initial=state, settle=0.0)
+        assert response.stats["steps"] < 1000  # measured 390; steps of no length before, until the work was too much
+        assert response.gap[[0, -1], 0] == pytest.approx([0.0155, -0.005], abs=1e-4)
 
 
 def on_strips(friction: float, blocks: int = 1) -> Structure:

@@ -64,7 +64,7 @@ def load_bodies(scene, phase, pairs, p, farther):
     """Add the normal forces of the bodies of pair p, `farther` m apart; return their contact (`Touch`)."""
     both = bodies_of(scene, pairs, p)
     placed = placed_of(scene, phase, both.own, both.opposite)
-    law = farther, pairs.body_stiffness[p], pairs.damping[p]
+    law = farther, 0.0, pairs.body_stiffness[p], pairs.damping[p]
     found = press(scene, both.solid, both.other, placed, *law, False)
     scene.extras.hits.highest[p] = found.highest
     if found.total == 0.0:
@@ -88,10 +88,14 @@ def load_bodies(scene, phase, pairs, p, farther):
 
 @kernel
 def energy_of_bodies(scene, phase, pairs, p, farther):
-    """Return the elastic energy of the bodies of pair p, `farther` m apart, J: that of the cells of both."""
-    both, law = bodies_of(scene, pairs, p), (farther, pairs.body_stiffness[p], 0.0)
-    own = press(scene, both.solid, both.other, placed_of(scene, phase, both.own, both.opposite), *law, False)
-    opposite = press(scene, both.other, both.solid, placed_of(scene, phase, both.opposite, both.own), *law, True)
+    """Return the elastic energy of the bodies of pair p, `farther` m apart, J: that of the cells of both.
+
+    The planes of one body lie within its surface by `farther`, those that `load_bodies` moves.
+    """
+    both, k = bodies_of(scene, pairs, p), pairs.body_stiffness[p]
+    seen, back = placed_of(scene, phase, both.own, both.opposite), placed_of(scene, phase, both.opposite, both.own)
+    own = press(scene, both.solid, both.other, seen, farther, 0.0, k, 0.0, False)
+    opposite = press(scene, both.other, both.solid, back, 0.0, farther, k, 0.0, True)
     return own.energy + opposite.energy
 
 
@@ -110,7 +114,7 @@ def gap_of_bodies(scene, phase, pairs, p, farther, highest):
         hits = scene.extras.hits
         hits.nx[p], hits.ny[p], hits.nz[p] = scaled(n, 1.0 / away)
         return farther + away
-    highest = press(scene, both.solid, both.other, placed, farther, 1.0, 0.0, False).highest
+    highest = press(scene, both.solid, both.other, placed, farther, 0.0, 1.0, 0.0, False).highest
     if highest > 0.0 or farther <= 0.0:
         return -2.0 * highest
     # bodies that count as farther apart
@@ -166,7 +170,7 @@ def _square_of_segments(u, half_a, v, half_b, at):
 def _is_before_plane(solid, drum, placed, farther):
     """Return True if a plane of a body separates it from a drum."""
     for i in range(int(solid[0])):
-        facet = facet_of(solid, i)
+        facet = facet_of(solid, i, 0.0)
         own = along(placed.x, placed.y, placed.z, facet.n)
         if dot(facet.n, placed.at) - _reach_of_drum(drum, own) > facet.c - farther:
             return True

@@ -63,11 +63,11 @@ def _place_of(solid, i):
 
 
 @leaf
-def facet_of(solid, i):
-    """Return plane i of a body."""
+def facet_of(solid, i, inwards):
+    """Return plane i of a body, `inwards` m within its surface."""
     k = _place_of(solid, i)
     n, e1 = (solid[k], solid[k + 1], solid[k + 2]), (solid[k + 4], solid[k + 5], solid[k + 6])
-    return Facet(n, solid[k + 3], e1, cross(n, e1), int(solid[k + 7]), int(solid[k + 8]))
+    return Facet(n, solid[k + 3] - inwards, e1, cross(n, e1), int(solid[k + 7]), int(solid[k + 8]))
 
 
 @kernel
@@ -96,12 +96,12 @@ def _over(facet, n, c, factor):
 
 
 @leaf
-def _plane_of(cells, solid, planes, j):
+def _plane_of(cells, solid, planes, j, inwards):
     """Return normal and distance (m) of plane j: first those of the other body, then those of the first one."""
     if j < planes:
         return _normal(cells, j), cells[4 * j + 3]
     k = _place_of(solid, j - planes)
-    return (solid[k], solid[k + 1], solid[k + 2]), solid[k + 3]
+    return (solid[k], solid[k + 1], solid[k + 2]), solid[k + 3] - inwards
 
 
 @leaf
@@ -142,14 +142,26 @@ def _common_face(room, cells, solid, planes, facet, hint, owns_flush):
 
 
 @kernel
-def _find_roofs(room, cells, solid, planes, i, count):
+def _within_own(room, solid, i, facet, count, inwards):
+    """Clip the face in the room to that of a body whose planes have moved inwards, m; return its number of corners."""
+    for j in range(int(solid[0])):
+        if j != i and count > 0:
+            beside = facet_of(solid, j, inwards)
+            away = minus(beside.n, facet.n)
+            if dot(away, away) >= COPLANAR:
+                count = cut(room, count, _over(facet, beside.n, beside.c, 1.0))
+    return count
+
+
+@kernel
+def _find_roofs(room, cells, solid, planes, i, count, inwards):
     """Store the planes that may bound the cell over the face in the room, each as the height below it, m.
 
     Return their number, and the height that the cell does not exceed.
     """
-    facet, found, bound = facet_of(solid, i), 0, math.inf
+    facet, found, bound = facet_of(solid, i, inwards), 0, math.inf
     for j in range(planes + int(solid[0])):
-        n, c = _plane_of(cells, solid, planes, j)
+        n, c = _plane_of(cells, solid, planes, j, inwards)
         away = minus(n, facet.n)
         square = dot(away, away)
         if j == planes + i or square < COPLANAR:
@@ -254,7 +266,7 @@ def _highest(room, count, roof, highest):
 
 
 @kernel
-def press(scene, solid, other, placed, farther, stiffness, damping, owns_flush):
+def press(scene, solid, other, placed, farther, inwards, stiffness, damping, owns_flush):
     """Integrate the pressure on the planes of a body that another one presses on.
 
     Parameters
@@ -265,8 +277,8 @@ def press(scene, solid, other, placed, farther, stiffness, damping, owns_flush):
         Both bodies (layout.py, SOLID).
     placed : Placed
         The other body along the axes of the first one.
-    farther : float
-        Distance added to that of the bodies, m.
+    farther, inwards : float
+        How far the planes of the other body and those of this one lie within their surfaces, m.
     stiffness, damping : float
         N/m3; s, by which the rate of a height counts beside the height.
     owns_flush : bool
@@ -283,13 +295,15 @@ def press(scene, solid, other, placed, farther, stiffness, damping, owns_flush):
     planes, hint = _place_planes(cells, other, placed, farther), -1
     for i in range(int(solid[0])):
         # the face within the other body, kept beside the room
-        facet = facet_of(solid, i)
+        facet = facet_of(solid, i, inwards)
         count, hint = _common_face(room, cells, solid, planes, facet, hint, owns_flush)
-        if count == 0:
+        if inwards != 0.0:
+            count = _within_own(room, solid, i, facet, count, inwards)
+        if count < 3:
             continue
         for k in range(2 * count):
             cells[_FACE + k] = room[k]
-        found, bound = _find_roofs(room, cells, solid, planes, i, count)
+        found, bound = _find_roofs(room, cells, solid, planes, i, count, inwards)
         # the part below each roof
         push, x, y = 0.0, 0.0, 0.0
         for r in range(found):

@@ -19,7 +19,7 @@ from .layout import APART, BY_BODIES, BY_SIDES, CONVEX, DRUMS, JOINED, JOINED_GA
 from .sides import NO_TOUCH, NOTHING, SLACK, Touch, place_of, scaled, sides_of, velocity_of
 
 _stretch, _PER_JOINT = STRETCH.over, MEMORY.per_n
-LEAST_COSINE, MOST_SINE = 0.9, 0.5  # of the axes of drums, and of an axis and the normal of a face, that are parallel
+LEAST_COSINE, MOST_SINE = 0.6, 0.5  # of the axes of drums, and of an axis and the normal of a face, that are parallel
 # of the radii: sides deeper within each other are none that face each other, or do not begin a contact
 DEEP, SHALLOW = 0.1, 1e-6
 LATER = 0.02  # of the radius: overlap of sides beyond which the bodies may press too

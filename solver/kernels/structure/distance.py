@@ -152,7 +152,7 @@ def depth_by_planes(solid, other, placed):
     """Return how deep another body reaches below that plane of a body below which it is the least deep, m."""
     least = math.inf
     for i in range(int(solid[0])):
-        facet = facet_of(solid, i)
+        facet = facet_of(solid, i, 0.0)
         n = facet.n
         own = along(placed.x, placed.y, placed.z, n)
         nearest = corner_along(other, (-own[0], -own[1], -own[2]))

@@ -1,15 +1,16 @@
 """Contact of two drums, and of a drum and a plane face (theory.md section 17).
 
-Along the axis of the first drum, s from its middle, both sides overlap by delta(s). The force per length is stiffness
-times q = delta + damping d(delta)/dt where that is positive. The ends of the loaded interval are in closed form; if the
-end of the other drum or an edge of the face sets one, the energy changes as that end moves, which is a force there.
+Both sides overlap by delta(s), with s along the axis of the drum before a face, or along the bisector of both axes.
+The force per length is stiffness times q = delta + damping d(delta)/dt where that is positive. The ends of the loaded
+interval are in closed form; if an edge of the face or the end of a drum sets one, the energy changes as that end moves,
+which is a force and a couple.
 """
 
 import math
 from typing import NamedTuple
 
 from ..numba_ext.jit import leaf
-from .kinematics import cross, dot, minus, plus, push, standing
+from .kinematics import cross, dot, minus, plus, standing
 from .sides import NOTHING, SLACK, Touch, arms_to, edge_of, push_both, rate_along, scaled, spin_of, velocity_of
 
 PARALLEL = 1e-24  # squared sine of the angle below which axes are parallel
@@ -19,12 +20,187 @@ WEIGHTS = (0.5688888888888889, 0.47862867049936647, 0.47862867049936647, 0.23692
 
 
 class Interval(NamedTuple):
-    """An interval of the axis of the first drum, m from its middle; empty if low > high."""
+    """An interval of s, m; empty if low > high."""
 
     low: float
     high: float
-    by_low: object  # normal of the edge of the other block that ends it there; (0, 0, 0) without one
+    by_low: object  # what ends it there: normal of the edge of a face, (0, 0, 0) without one; the drum, 0 for neither
     by_high: object
+
+
+# --- two drums
+
+
+class _Axes(NamedTuple):
+    """The axes of two drums, seen in planes across their bisector.
+
+    A plane is at s - shift from the middle of the first axis, and at s + shift from that of the other one. There the
+    vector from the other axis to the first one is w = at + s apart, m, and its component along the first axis, minus
+    that along the other one, is lean + s leans.
+    """
+
+    u: object  # unit vectors of the first axis, and of the other one in the same sense
+    v: object
+    apart: object  # u - v
+    more: float  # 1 + u . v
+    shift: float  # m
+    at: object
+    lean: float
+    leans: float
+    level: float  # square of the distance where s = 0, m2
+
+
+@leaf
+def _axes(sides):
+    # both axes in the same sense
+    u = sides.u
+    v = scaled(sides.v, math.copysign(1.0, dot(u, sides.v)))
+    both, apart, more = plus(u, v, 1.0), minus(u, v), 1.0 + dot(u, v)
+    # the plane in the middle between both, and the vector between the axes there
+    shift = 0.5 * dot(sides.between, both) / more
+    at = plus(sides.between, both, -shift)
+    lean, leans = 0.5 * dot(apart, sides.between), 0.5 * dot(apart, apart)
+    return _Axes(u, v, apart, more, shift, at, lean, leans, dot(at, at) - lean * lean)
+
+
+@leaf
+def _distance(axes, s):
+    """Return the distance of the axes in plane s, m: the part of w that is perpendicular to an axis."""
+    return math.sqrt(axes.level + axes.more * (2.0 * axes.lean + axes.leans * s) * s)
+
+
+@leaf
+def _across(axes, s):
+    """Return w, its component along the first axis and the distance of the axes (m) in plane s."""
+    return plus(axes.at, axes.apart, s), axes.lean + s * axes.leans, _distance(axes, s)
+
+
+@leaf
+def _plane_of_end(axes, half, radius, own, way):
+    """Return the plane in which an end of a drum cuts the line of its side that is nearest to the other drum.
+
+    half, radius: of the drum, m; own: 1 for the first drum, -1 for the other one; way: 1 or -1, along its axis.
+    """
+    s = way * half + own * axes.shift
+    return s + radius * (axes.lean + s * axes.leans) / _distance(axes, s)
+
+
+@leaf
+def _beside_drum(axes, pairs, p):
+    """Return the interval of planes between the ends of both drums; each limit by the first drum (1) or the other (-1).
+
+    It has NaN where the axes meet.
+    """
+    low_a = _plane_of_end(axes, pairs.half_a[p], pairs.radius_a[p], 1.0, -1.0)
+    low_b = _plane_of_end(axes, pairs.half_b[p], pairs.radius_b[p], -1.0, -1.0)
+    high_a = _plane_of_end(axes, pairs.half_a[p], pairs.radius_a[p], 1.0, 1.0)
+    high_b = _plane_of_end(axes, pairs.half_b[p], pairs.radius_b[p], -1.0, 1.0)
+    by_low, by_high = 1.0 if low_a > low_b else -1.0, 1.0 if high_a < high_b else -1.0
+    return Interval(max(low_a, low_b), min(high_a, high_b), by_low, by_high)
+
+
+@leaf
+def _nearer_than(axes, part, distance):
+    """Return the sub-interval of planes in which the axes are within `distance` (m) of each other."""
+    beyond = axes.level - distance * distance
+    square, product = axes.more * axes.leans, axes.more * axes.lean
+    # parallel axes: everywhere or nowhere
+    if square <= PARALLEL:
+        return part if beyond < 0.0 else Interval(1.0, -1.0, part.by_low, part.by_high)
+    # roots of the quadratic square s^2 + 2 product s + beyond
+    found = product * product - square * beyond
+    if found <= 0.0:
+        return Interval(1.0, -1.0, part.by_low, part.by_high)
+    far = -(product + math.copysign(math.sqrt(found), product))
+    one, other = far / square, beyond / far
+    low, high = min(one, other), max(one, other)
+    # limits set by the distance are no ends
+    by_low = 0.0 if low > part.low else part.by_low
+    by_high = 0.0 if high < part.high else part.by_high
+    return Interval(max(low, part.low), min(high, part.high), by_low, by_high)
+
+
+@leaf
+def _push_ends_of_drums(scene, sides, axes, pairs, p, part):
+    """Add the forces of the ends of the loaded interval that are ends of a drum; return their sum, N."""
+    reach, total = pairs.radius_a[p] + pairs.radius_b[p], NOTHING
+    for way in (-1.0, 1.0):
+        s, own = (part.low, part.by_low) if way < 0.0 else (part.high, part.by_high)
+        delta = reach - _distance(axes, s)
+        # an overlap at the end of a drum
+        if own != 0.0 and delta > 0.0:
+            half, radius = (pairs.half_a[p], pairs.radius_a[p]) if own > 0.0 else (pairs.half_b[p], pairs.radius_b[p])
+            # how the end moves: derivatives by the motion of the axes in the plane in which it cuts its own axis
+            plane = way * half + own * axes.shift
+            w, lean, rho = _across(axes, plane)
+            slope = lean / rho
+            by_height = 0.5 * own * (1.0 + radius * (axes.leans - axes.more * slope * slope) / rho) / axes.more
+            by_slope = 0.5 * radius * (1.0 + slope * slope) / rho
+            moves = plus(scaled(plus(axes.u, axes.v, 1.0), by_height), axes.apart, by_slope)
+            moves = plus(moves, w, -radius * slope / (rho * rho))
+            # the change of the energy
+            by = -0.5 * way * pairs.stiffness[p] * delta * delta
+            couple = scaled(cross(axes.u, w), by * (by_height + by_slope))
+            push_both(scene, sides, scaled(axes.u, plane - axes.shift), scaled(moves, by), couple)
+            total = plus(total, moves, by)
+    return total
+
+
+@leaf
+def load_drums(scene, phase, pairs, p, sides):
+    """Add the normal forces of two drums; return their contact (`Touch`)."""
+    k, eta, reach = pairs.stiffness[p], pairs.damping[p], pairs.radius_a[p] + pairs.radius_b[p]
+    # the interval in which the drums overlap
+    axes = _axes(sides)
+    part = _nearer_than(axes, _beside_drum(axes, pairs, p), reach + SLACK)
+    total, first, energy, resultant = 0.0, 0.0, 0.0, NOTHING
+    if part.high > part.low:
+        # middle and half length for the quadrature
+        middle, half = 0.5 * (part.high + part.low), 0.5 * (part.high - part.low)
+        # relative velocity of the axes along the interval, linear in s
+        start = scaled(axes.u, -axes.shift)  # the first axis where s = 0
+        on_a, on_b = plus(sides.arm_a, start, 1.0), plus(sides.arm_b, axes.v, axes.shift)
+        moves = minus(velocity_of(scene, phase, sides.a, on_a), velocity_of(scene, phase, sides.b, on_b))
+        turns = minus(cross(spin_of(scene, sides.a), axes.u), cross(spin_of(scene, sides.b), axes.v))
+        # integrate the force by Gauss and Legendre; the last two sums give the couple
+        pushed, times_s, times_lean = NOTHING, NOTHING, NOTHING
+        for g in range(len(NODES)):
+            s = middle + half * NODES[g]
+            w, lean, rho = _across(axes, s)
+            outwards = plus(w, axes.apart, -0.5 * lean)
+            rate = (dot(outwards, moves) + s * dot(outwards, turns) - 0.5 * lean * dot(w, turns)) / rho
+            delta = reach - rho
+            force = k * half * WEIGHTS[g] * max(delta - eta * rate, 0.0)
+            pushed, times_s = plus(pushed, outwards, force / rho), plus(times_s, outwards, s * force / rho)
+            times_lean = plus(times_lean, w, lean * force / rho)
+            total, first = total + force, first + s * force
+            energy += 0.5 * k * half * WEIGHTS[g] * max(delta, 0.0) ** 2
+        # forces of the pressure, then of the ends
+        push_both(scene, sides, start, pushed, cross(axes.u, plus(times_s, times_lean, -0.5)))
+        resultant = plus(pushed, _push_ends_of_drums(scene, sides, axes, pairs, p, part), 1.0)
+    # the centre of the pressure, in the middle of the overlap
+    place = NOTHING
+    if total > 0.0:
+        s = first / total
+        w, _, rho = _across(axes, s)
+        place = plus(scaled(axes.u, s - axes.shift), w, (0.5 * (reach - rho) - pairs.radius_a[p]) / rho)
+    return Touch(total, energy, resultant if total > 0.0 else NOTHING, *arms_to(sides, place))
+
+
+@leaf
+def gap_of_drums(pairs, p, sides):
+    """Return the distance of the sides of two drums, m, negative if they overlap; NaN if not beside each other."""
+    axes = _axes(sides)
+    part = _beside_drum(axes, pairs, p)
+    if not part.low < part.high:
+        return math.nan
+    # the plane in which the axes are nearest to each other
+    s = -axes.lean / axes.leans if axes.leans > PARALLEL else 0.0
+    s = min(max(s, part.low), part.high)
+    return _distance(axes, s) - pairs.radius_a[p] - pairs.radius_b[p]
+
+
+# --- a drum before a face
 
 
 @leaf
@@ -42,149 +218,15 @@ def _cut(part, level, slope, edge):
     return part if level > 0.0 else Interval(1.0, -1.0, part.by_low, part.by_high)
 
 
-# --- two drums
-
-
 @leaf
-def _beside_drum(sides, half_a, half_b):
-    """Return the interval of the axis of the first drum that lies between the ends of both drums."""
-    t0, c = dot(sides.between, sides.v), dot(sides.u, sides.v)
-    part = Interval(-half_a, half_a, NOTHING, NOTHING)
-    # perpendicular axes: all or nothing
-    if abs(c) < ALONG:
-        return part if abs(t0) < half_b else Interval(1.0, -1.0, NOTHING, NOTHING)
-    # clip to both ends of the other drum
-    part = _cut(part, half_b - t0, -c, sides.v)
-    return _cut(part, half_b + t0, c, sides.v)
-
-
-class _Axes(NamedTuple):
-    """The vector across the axis of the other drum, from it to point s of the first axis: at + s along, m."""
-
-    at: object
-    along: object
-    square: float  # along . along; at . along; at . at
-    product: float
-    level: float
-
-
-@leaf
-def _axes(sides):
-    # components perpendicular to the other axis
-    t0, c = dot(sides.between, sides.v), dot(sides.u, sides.v)
-    at, along = plus(sides.between, sides.v, -t0), plus(sides.u, sides.v, -c)
-    return _Axes(at, along, dot(along, along), dot(at, along), dot(at, at))
-
-
-@leaf
-def _nearer_than(axes, part, distance):
-    """Return the sub-interval of the axis within `distance` (m) of the other axis."""
-    beyond = axes.level - distance * distance
-    # parallel axes: everywhere or nowhere
-    if axes.square <= PARALLEL:
-        return part if beyond < 0.0 else Interval(1.0, -1.0, part.by_low, part.by_high)
-    # roots of the quadratic square s^2 + 2 product s + beyond
-    found = axes.product * axes.product - axes.square * beyond
-    if found <= 0.0:
-        return Interval(1.0, -1.0, part.by_low, part.by_high)
-    far = -(axes.product + math.copysign(math.sqrt(found), axes.product))
-    one, other = far / axes.square, beyond / far
-    low, high = min(one, other), max(one, other)
-    # ends set by the distance are no edges
-    by_low = NOTHING if low > part.low else part.by_low
-    by_high = NOTHING if high < part.high else part.by_high
-    return Interval(max(low, part.low), min(high, part.high), by_low, by_high)
-
-
-@leaf
-def _outwards(axes, s):
-    """Return the unit vector and the distance (m) from the axis of the other drum to point s of the first axis."""
-    w = plus(axes.at, axes.along, s)
-    rho = math.sqrt(dot(w, w))
-    return (w[0] / rho, w[1] / rho, w[2] / rho), rho
-
-
-@leaf
-def _push_ends(scene, sides, stiffness, part, at_low, at_high):
-    """Add the forces of those ends of the loaded interval that the other block sets; return their sum, N.
-
-    at_low, at_high: overlap at both ends, m.
-    """
-    total = NOTHING
-    for way in (-1.0, 1.0):
-        s, edge, delta = (part.low, part.by_low, at_low) if way < 0.0 else (part.high, part.by_high, at_high)
-        energy, across = 0.5 * stiffness * delta * delta, dot(sides.u, edge)  # per length, J/m
-        # an overlap at an edge that crosses the axis
-        if delta > 0.0 and abs(across) >= ALONG:
-            push_both(scene, sides, scaled(sides.u, s), scaled(edge, way * energy / across))
-            total = plus(total, edge, way * energy / across)
-    return total
-
-
-@leaf
-def load_drums(scene, phase, pairs, p, sides):
-    """Add the normal forces of two drums; return their contact (`Touch`)."""
-    k, eta, reach = pairs.stiffness[p], pairs.damping[p], pairs.radius_a[p] + pairs.radius_b[p]
-    # the interval in which the drums overlap
-    axes, c, t0 = _axes(sides), dot(sides.u, sides.v), dot(sides.between, sides.v)
-    part = _nearer_than(axes, _beside_drum(sides, pairs.half_a[p], pairs.half_b[p]), reach + SLACK)
-    total, first, energy, resultant = 0.0, 0.0, 0.0, NOTHING
-    if part.high > part.low:
-        # middle and half length for the quadrature
-        middle, half = 0.5 * (part.high + part.low), 0.5 * (part.high - part.low)
-        # relative velocity along the interval, linear in s
-        on_a, on_b, along_b = sides.arm_a, plus(sides.arm_b, sides.v, t0), scaled(sides.v, c)
-        moves = minus(velocity_of(scene, phase, sides.a, on_a), velocity_of(scene, phase, sides.b, on_b))
-        turns = minus(cross(spin_of(scene, sides.a), sides.u), cross(spin_of(scene, sides.b), along_b))
-        # integrate the force by Gauss and Legendre
-        pushed, times_s = NOTHING, NOTHING  # integrals of the force, and of s times the force
-        for g in range(len(NODES)):
-            s = middle + half * NODES[g]
-            n, rho = _outwards(axes, s)
-            delta = reach - rho
-            q = delta - eta * (dot(n, moves) + s * dot(n, turns))
-            force = k * half * WEIGHTS[g] * max(q, 0.0)
-            pushed, times_s = plus(pushed, n, force), plus(times_s, n, s * force)
-            total, first = total + force, first + s * force
-            energy += 0.5 * k * half * WEIGHTS[g] * max(delta, 0.0) ** 2
-        # forces of the pressure, then of the ends
-        push(scene.poses, sides.a, on_a, pushed, cross(sides.u, times_s), 1.0)
-        push(scene.poses, sides.b, on_b, pushed, scaled(cross(along_b, times_s), -1.0), -1.0)
-        at_low, at_high = reach - _outwards(axes, part.low)[1], reach - _outwards(axes, part.high)[1]
-        resultant = plus(pushed, _push_ends(scene, sides, k, part, at_low, at_high), 1.0)
-    # the centre of the pressure
-    place = NOTHING
-    if total > 0.0:
-        s = first / total
-        normal, rho = _outwards(axes, s)
-        place = plus(scaled(sides.u, s), normal, 0.5 * (reach - rho) - pairs.radius_a[p])
-    return Touch(total, energy, resultant if total > 0.0 else NOTHING, *arms_to(sides, place))
-
-
-@leaf
-def gap_of_drums(pairs, p, sides):
-    """Return the distance of the sides of two drums, m, negative if they overlap; NaN if not beside each other."""
-    axes, part = _axes(sides), _beside_drum(sides, pairs.half_a[p], pairs.half_b[p])
-    low, high = part.low, part.high
-    if low >= high:
-        return math.nan
-    # the point of the first axis nearest to the other one
-    s = -axes.product / axes.square if axes.square > PARALLEL else 0.0
-    s = min(max(s, low), high)
-    return _outwards(axes, s)[1] - pairs.radius_a[p] - pairs.radius_b[p]
-
-
-# --- a drum before a face
-
-
-@leaf
-def _before_face(scene, pairs, p, sides, part):
-    """Clip the interval of the axis to the edges of the face."""
-    # the axis in the plane of the face
+def _before_face(scene, pairs, p, sides, line):
+    """Return the interval in which the generatrix nearest to the face lies between the edges of the face."""
+    part = Interval(-pairs.half_a[p], pairs.half_a[p], NOTHING, NOTHING)
+    # the generatrix in the plane of the face
     e1 = standing(scene.poses, sides.b, pairs.e1x[p], pairs.e1y[p], pairs.e1z[p])
-    e2 = cross(sides.v, e1)
-    x0, x1 = dot(sides.between, e1), dot(sides.u, e1)
-    y0, y1 = dot(sides.between, e2), dot(sides.u, e2)
+    e2, start = cross(sides.v, e1), plus(sides.between, line.off, 1.0)
+    x0, x1 = dot(start, e1), dot(sides.u, e1)
+    y0, y1 = dot(start, e2), dot(sides.u, e2)
     # each edge clips it
     for k in range(int(pairs.corners[p])):
         ax, ay, dx, dy = edge_of(scene, pairs, p, k)
@@ -212,15 +254,36 @@ def _lowest(sides, radius):
 
 
 @leaf
+def _push_edges(scene, sides, stiffness, part, off, at_low, at_high):
+    """Add the forces of those ends of the loaded interval that edges of the face set; return their sum, N.
+
+    off: from the axis of the drum to its generatrix, m; at_low, at_high: overlap at both ends, m.
+    """
+    total, c, radius = NOTHING, dot(sides.u, sides.v), max(math.sqrt(dot(off, off)), SLACK)
+    side = cross(off, sides.u)  # along the face and across the generatrix, as long as the radius
+    tilt = c / (radius * max(math.sqrt(max(1.0 - c * c, 0.0)), ALONG))
+    for way in (-1.0, 1.0):
+        s, edge, delta = (part.low, part.by_low, at_low) if way < 0.0 else (part.high, part.by_high, at_high)
+        energy, across = 0.5 * stiffness * delta * delta, dot(sides.u, edge)  # per length, J/m
+        # an overlap at an edge that crosses the generatrix
+        if delta > 0.0 and abs(across) >= ALONG:
+            by = way * energy / across
+            # as the drum turns, another generatrix is nearest; about its own axis nothing turns it
+            couple = plus(scaled(side, across), off, tilt * dot(edge, side))
+            push_both(scene, sides, scaled(sides.u, s), scaled(edge, by), scaled(couple, by))
+            total = plus(total, edge, by)
+    return total
+
+
+@leaf
 def load_drum_before_face(scene, phase, pairs, p, sides):
     """Add the normal forces of a drum and a face; return their contact (`Touch`)."""
     k, eta, half, n = pairs.stiffness[p], pairs.damping[p], pairs.half_a[p], sides.v
     # the interval in which they overlap
     line = _lowest(sides, pairs.radius_a[p])
     total, energy, resultant, place = 0.0, 0.0, NOTHING, NOTHING
-    part = Interval(-half, half, NOTHING, NOTHING)
     if line.at < pairs.radius_a[p] and line.at + abs(line.along) * half > -SLACK:
-        part = _cut(_before_face(scene, pairs, p, sides, part), line.at + SLACK, line.along, NOTHING)
+        part = _cut(_before_face(scene, pairs, p, sides, line), line.at + SLACK, line.along, NOTHING)
         if part.high > part.low:
             # damped overlap, linear in s
             on_a, on_b = arms_to(sides, line.off)
@@ -230,7 +293,7 @@ def load_drum_before_face(scene, phase, pairs, p, sides):
             low, high = part.low, part.high
             # forces of the ends, and the energy
             d0, d1 = max(line.at + line.along * low, 0.0), max(line.at + line.along * high, 0.0)
-            resultant = _push_ends(scene, sides, k, part, d0, d1)
+            resultant = _push_edges(scene, sides, k, part, line.off, d0, d1)
             energy = k * (high - low) * (d0 * d0 + d0 * d1 + d1 * d1) / 6.0
             # force of the pressure, where the damped overlap is positive
             pressed = _cut(part, at, along, NOTHING)
@@ -241,7 +304,7 @@ def load_drum_before_face(scene, phase, pairs, p, sides):
                 total = k * length * mean
                 first = total * middle + k * along * length * length * length / 12.0  # about the middle of the drum
                 place = plus(line.off, sides.u, first / total)
-                push_both(scene, sides, place, scaled(n, total))
+                push_both(scene, sides, place, scaled(n, total), NOTHING)
                 resultant = plus(resultant, n, total)
     return Touch(total, energy, resultant if total > 0.0 else NOTHING, *arms_to(sides, place))
 
@@ -249,8 +312,8 @@ def load_drum_before_face(scene, phase, pairs, p, sides):
 @leaf
 def gap_before_face(scene, pairs, p, sides):
     """Return the distance of the side of a drum from a face, m, negative if they overlap; NaN if not before it."""
-    half, line = pairs.half_a[p], _lowest(sides, pairs.radius_a[p])
-    part = _before_face(scene, pairs, p, sides, Interval(-half, half, NOTHING, NOTHING))
+    line = _lowest(sides, pairs.radius_a[p])
+    part = _before_face(scene, pairs, p, sides, line)
     if part.low >= part.high or line.at >= pairs.radius_a[p]:
         return math.nan
     return -max(line.at + line.along * part.low, line.at + line.along * part.high)

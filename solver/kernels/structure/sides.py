@@ -84,14 +84,14 @@ def arms_to(sides, place):
 
 
 @leaf
-def push_both(scene, sides, place, force):
-    """Add a force, N, to the first body and its opposite to the other one.
+def push_both(scene, sides, place, force, couple):
+    """Add a force, N, and a couple, N m, to the first body and their opposites to the other one.
 
     place: point of action, m from the middle of the first side.
     """
     on_a, on_b = arms_to(sides, place)
-    push(scene.poses, sides.a, on_a, force, NOTHING, 1.0)
-    push(scene.poses, sides.b, on_b, force, NOTHING, -1.0)
+    push(scene.poses, sides.a, on_a, force, couple, 1.0)
+    push(scene.poses, sides.b, on_b, force, scaled(couple, -1.0), -1.0)
 
 
 @leaf

@@ -451,10 +451,13 @@ def _meet_anew(scene, segment, t):
         begin = row(scene, START)
         evaluate_at(scene, segment, begin, rate(scene, 0), t)
         scene.control.released -= energy(scene, _phase(begin, scene.n))
+        # and that with which the bodies of those joints begin to press on each other
         release_pairs(scene, True)
+        meet(scene, t)
         evaluate_at(scene, segment, begin, rate(scene, 0), t)
         scene.control.released += energy(scene, _phase(begin, scene.n))
-    return meet(scene, t) or released
+        return True
+    return meet(scene, t)
 
 
 @kernel

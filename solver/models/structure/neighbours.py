@@ -351,21 +351,27 @@ def _area_of_faces(one: Face, other: Face, deepest: float) -> float:
 
 def _gap_of_drums(a: Side, b: Side) -> tuple[float, float]:
     """Return the distance of the sides of two drums (m), and the length over which they face each other (m)."""
-    between, c = a.middle - b.middle, float(a.axis @ b.axis)
-    # interval of the axis of a before the length of b
-    low, high = -a.half, a.half
-    if abs(c) > 1e-9:
-        ends = sorted((way * b.half - float(between @ b.axis)) / c for way in (-1.0, 1.0))
-        low, high = max(low, ends[0]), min(high, ends[1])
-    elif abs(float(between @ b.axis)) > b.half:
-        return math.inf, 0.0
+    between, axis = a.middle - b.middle, b.axis * math.copysign(1.0, float(a.axis @ b.axis))
+    # both axes in planes across their bisector (theory.md section 17)
+    both, apart = a.axis + axis, a.axis - axis
+    shift = float(between @ both) / float(both @ both)
+    at, lean, leans = between - shift * both, 0.5 * float(apart @ between), 0.5 * float(apart @ apart)
+
+    def across(s: float) -> float:
+        w = at + s * apart
+        return math.sqrt(max(float(w @ w) - (lean + s * leans) ** 2, NEAR * NEAR))
+
+    # planes before the ends of both
+    ends = [
+        [s + side.radius * (lean + s * leans) / across(s) for s in (own * shift - side.half, own * shift + side.half)]
+        for side, own in ((a, 1.0), (b, -1.0))
+    ]
+    low, high = max(ends[0][0], ends[1][0]), min(ends[0][1], ends[1][1])
     if high - low <= LEAST * min(a.half, b.half):
         return math.inf, 0.0
-    # nearest point of that interval to the axis of b
-    at, along = between - float(between @ b.axis) * b.axis, a.axis - c * b.axis
-    square = float(along @ along)
-    s = min(max(-float(at @ along) / square if square > 1e-24 else 0.0, low), high)
-    return float(np.linalg.norm(at + s * along)) - a.radius - b.radius, high - low
+    # the plane in which both are nearest to each other
+    s = min(max(-lean / leans if leans > 1e-24 else 0.0, low), high)
+    return across(s) - a.radius - b.radius, high - low
 
 
 def _gap_before_face(drum: Side, face: Face) -> tuple[float, float] | None:
@@ -373,9 +379,10 @@ def _gap_before_face(drum: Side, face: Face) -> tuple[float, float] | None:
     c = float(drum.axis @ face.normal)
     if face.radius or abs(c) > PARALLEL:
         return None
-    between = drum.middle - face.centre
+    between, sine = drum.middle - face.centre, math.sqrt(1.0 - c * c)
+    between = between - (face.normal - c * drum.axis) * drum.radius / sine
     low, high = -drum.half, drum.half
-    # clip the axis of the drum to the outline of the face
+    # clip the generatrix of the drum that is nearest to the face to its outline
     x, y = between @ face.axes[:, :2], drum.axis @ face.axes[:, :2]
     for a, b in zip(face.outline, np.roll(face.outline, -1, axis=0), strict=True):
         side = b - a
@@ -389,8 +396,8 @@ def _gap_before_face(drum: Side, face: Face) -> tuple[float, float] | None:
     if high - low <= LEAST * drum.half:
         return None
     away = float(between @ face.normal)
-    gap = away + min(low * c, high * c) - drum.radius * math.sqrt(1.0 - c * c)
-    return (gap, high - low) if away > 0.0 else None
+    gap = away + min(low * c, high * c)
+    return (gap, high - low) if away + drum.radius * sine > 0.0 else None
 
 
 def _names(pair: Pair, blocks: tuple[Solid, ...]) -> str:
