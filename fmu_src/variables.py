@@ -253,7 +253,7 @@ def variables(column: Column, record: str = "", reads_files: bool = True, drive:
     names = {BLOCK: numbers, JOINT: numbers, PORT: numbered(PORT, [port.name for port in column.ports])}
     names[BOND] = numbers if column.is_brittle else []
     # outputs, with the inputs that they depend on without delay
-    row, peaks = seen(OUTPUTS, names, lambda unit, i: sizes[unit][i - 1] if unit in sizes else USUAL_RATES[unit])
+    row, peaks = seen(OUTPUTS, names, lambda unit, i: _size(sizes, unit, i))
     row = [replace(output, depends_on=_direct(output.name, column.n)) for output in row]
     moved = driven_outputs(DRIVEN.fields, _DIRECT_OF_BASE) if drive and drive.is_chosen else []
     outputs = [*row, *_split_outputs(column), *moved, *peaks]
@@ -278,6 +278,11 @@ def variables(column: Column, record: str = "", reads_files: bool = True, drive:
 def with_real_outputs(table: list[Variable]) -> list[Variable]:
     """Return the table without outputs that are no reals, for hosts that read every output as one."""
     return [item for item in table if item.causality != "output" or item.kind == "Real"]
+
+
+def _size(sizes: Mapping[str, list[float]], unit: str, i: int) -> float:
+    """Return the typical size of an output of block, joint or port i; there may be more ports than blocks."""
+    return sizes[unit][min(i, len(sizes[unit])) - 1] if unit in sizes else USUAL_RATES[unit]
 
 
 def inputs_of_ports(column: Column) -> list[Variable]:

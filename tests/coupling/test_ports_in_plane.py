@@ -91,6 +91,18 @@ def test_variables_of_ports_and_what_they_depend_on(tmp_path: Path) -> None:
     assert direct["joint[1].N"] == set()
 
 
+def test_a_column_may_have_more_ports_than_blocks(tmp_path: Path) -> None:
+    file = tmp_path / "ports.toml"
+    block = "[[block]]\nwidth = 1.0\ndepth = 1.0\nheight = 2.0\nmass = 1000.0\n"
+    ports = "".join(
+        f'[[port]]\nname = "{name}"\nblock = "block1"\nat = [0.0, {z}]\n' for name, z in zip("ab", (0, 1), strict=True)
+    )
+    file.write_text(f'name = "ports"\n{block}[joint]\nstiffness = 1e9\ndamping = 1e-3\n{ports}', encoding="utf-8")
+    description = read_model_description(str(build_fmu(file, tmp_path / "ports.fmu")))
+    nominals = {item.name: item.nominal for item in description.modelVariables}
+    assert nominals["port[1].x"] == nominals["port[2].x"] == "0.002"  # m, of 2 m
+
+
 @pytest.mark.long  # takes seconds
 def test_an_fmu_has_the_bits_of_the_solver(tmp_path: Path) -> None:
     file, given = shaft(tmp_path), samples()
