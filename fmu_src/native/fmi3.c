@@ -18,6 +18,7 @@ typedef struct {
     fmi3IntermediateUpdateCallback update;
     fmi3InstanceEnvironment environment;
     int logging;
+    bool reads; /* within a step, where the importer may get values and not set them */
     size_t followed; /* inputs that the importer gives within a step, and their slopes */
     Reference inputs[MOST_FOLLOWED], slopes[MOST_FOLLOWED];
     Reference list[]; /* twice core_most() of them: a list of references with arrays written out */
@@ -135,6 +136,7 @@ FMI3_Export fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueRefe
 FMI3_Export fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                                       const fmi3Float64 values[], size_t value_count) {
     WRITE_OUT;
+    if (face->reads) return refuse(face, "value reference %u: no set is requested here within a step", references[0]);
     return (fmi3Status)core_set_reals(face->column, face->list, elements, values);
 }
 
@@ -170,7 +172,9 @@ static Status piece(Face *face, double start, double width, double end) {
         return ST_ERROR;
     Status status = core_step(face->column, start, width);
     if (status != ST_OK) return status;
+    face->reads = true;
     face->update(face->environment, end, false, true, true, false, &early, &when);
+    face->reads = false;
     return ST_OK;
 }
 

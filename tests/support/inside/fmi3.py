@@ -141,6 +141,7 @@ def followed(fmu2: str, fmu3: str, step: float, count: int) -> list[list[float]]
     slopes.
     """
     seen: list[tuple[float, bool, bool, bool]] = []
+    refused: list[str] = []
 
     def give(
         environment: Any, t: float, wanted: bool, allowed: bool, finished: bool, early: bool, request: Any, when: Any
@@ -148,6 +149,11 @@ def followed(fmu2: str, fmu3: str, step: float, count: int) -> list[list[float]]
         seen.append((t, wanted, allowed, early))
         if wanted:
             three.set(base__ax=push(t), base__az=0.1 * push(t))
+        else:
+            try:
+                three.set(base__ax=1.0)
+            except Exception:
+                refused.append(three.said[-1])
 
     folder = unpacked(fmu3)
     references = Instance3(fmu3, folder).references("base.ax", "base.az")
@@ -170,6 +176,8 @@ def followed(fmu2: str, fmu3: str, step: float, count: int) -> list[list[float]]
             two.step(j * fine, fine)
         rows.append([*three.get("block.ux")[:1], *two.get("block[1].ux")])
     assert len(seen) == 2 * per * count
+    assert len(refused) == per * count  # where no set is requested
+    assert all("no set is requested" in said for said in refused)
     assert all(t1 <= t2 for (t1, *_), (t2, *_) in pairwise(seen))
     assert not any(early for *_, early in seen)
     return rows
