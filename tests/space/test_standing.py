@@ -107,3 +107,49 @@ def test_an_arch_that_sags_does_not_stand() -> None:
     assert stepper.observe() < 0.0  # less energy than as built
     thick = arch(30, 10.0, 1.4, 1.0, {"stiffness": 2e10, "damping": 1e-3})
     assert Well(thick).why_it_stands(stepper) == ""
+
+
+def test_a_verdict_does_not_depend_on_the_order_of_the_names_of_a_joint() -> None:
+    """Let a shaft on a plinth begin to fall within the run; listed under its plinth it "stood", its load being that."""
+    plinth = {"name": "plinth", "on": "base", "at": [0.0, 0.0], "width": 1.6, "depth": 1.6, "height": 0.2}
+    shaft = {"name": "shaft", "position": [0.0, 0.0, 0.2], "width": 0.5, "depth": 0.5, "height": 4.0}
+    law = {"stiffness": 1e9, "damping": 1e-3, "friction": 0.7}
+    blocks = [{**one, "density": 2500.0} for one in (plinth, shaft)]
+    t = 0.01 * np.arange(251)
+    for size, verdict in ((2.6, "overturned"), (1.0, "standing")):
+        motion = Motion.from_samples(0.01, np.where(t < 1.2, size * np.sin(2.0 * math.pi * t / 1.2), 0.0))
+        for between in (["shaft", "plinth"], ["plinth", "shaft"]):
+            data = {"name": "pillar", "joints": law, "block": blocks, "joint": [{"between": between}]}
+            response = simulate(Structure.from_dict(data), motion)
+            assert response.verdict == verdict
+            if verdict == "overturned":
+                assert response.overturn_time == pytest.approx(3.202, abs=2e-3)  # s, after the run
+
+
+@pytest.mark.parametrize(
+    ("degrees", "friction", "slide", "stands"),
+    [(10.0, 0.185, 1.0, True), (10.0, 0.185, 1.5, False), (20.0, 0.4, 0.5, True), (20.0, 0.4, 1.0, False)],
+)
+def test_what_slides_down_a_slope_stands_if_it_stops_on_it(
+    degrees: float, friction: float, slide: float, stands: bool
+) -> None:
+    """Start a box with the velocity at which it slides so far by the closed form, and end the run before it does."""
+    angle, length, at_box = math.radians(degrees), 4.0, 1.4
+    down, low = math.cos(angle), math.sin(angle)
+    outline = [[0.0, 0.0], [length * down, 0.0], [length * down, 0.3], [0.0, 0.3 + length * low]]
+    ramp = {"name": "ramp", "shape": "prism", "position": [0.0, 0.0, 0.0], "outline": outline, "depth": 2.0}
+    place = [(length - at_box) * down, 0.0, 0.3 + at_box * low]
+    box = {"name": "box", "position": place, "rotation": [0.0, angle, 0.0], "width": 0.8, "depth": 0.8, "height": 0.4}
+    joints = [{"between": ["ramp", "base"], "friction": 1.5}, {"between": ["box", "ramp"]}]
+    law = {"stiffness": 1e9, "damping": 2e-4, "friction": friction}
+    blocks = [{**one, "density": 2500.0} for one in (ramp, box)]
+    structure = Structure.from_dict({"name": "slope", "joints": law, "block": blocks, "joint": joints})
+    velocity = math.sqrt(2.0 * G * (friction * down - low) * slide)
+    none = np.zeros((2, 3))
+    rest = rest_of(structure).phase[:6].reshape(3, 2).T
+    begin = SpatialState(rest.copy(), none, np.array([[0.0] * 3, [velocity * down, 0.0, -velocity * low]]), none)
+    found = simulate(structure, Motion.from_samples(0.025, np.zeros(3)), initial=begin)
+    assert found.verdict == ("standing" if stands else "overturned")  # on 1.5 and 1.0 m it sinks by half of its height
+    if stands:
+        at_last = simulate(structure, Motion.from_samples(2.5, np.zeros(3)), initial=begin, settle=0.0)
+        assert at_last.slip[-1, 1] == pytest.approx(slide, rel=2e-3)  # measured 4e-4

@@ -155,8 +155,9 @@ def highest_alone(structure: Structure) -> list[Column]:
     joints_of = Counter(number for joint in structure.joints for number in (joint.upper, joint.lower))
     columns: list[Column] = []
     for joint in structure.joints:
-        solid, is_level = structure.blocks[joint.upper], abs(joint.face.normal[2]) >= 1.0 - CLOSE
-        if joints_of[joint.upper] > 1 or joint.bearing is not None or not is_level:
+        carried, is_level = joint.carried(structure.n), abs(joint.face.normal[2]) >= 1.0 - CLOSE
+        solid = structure.blocks[carried]
+        if joints_of[carried] > 1 or joint.bearing is not None or not is_level:
             continue
         with suppress(InputError, IndexError):  # of blocks without faces or sizes of a column
             block = _block(solid, joint)

@@ -19,7 +19,7 @@ from ...kernels.structure import layout as at
 from ..outputs import places_of
 from .blocks.contacts import GROUND
 from .blocks.faces import Face, FloatArray
-from .blocks.parts import SpatialJoint
+from .blocks.parts import LEVEL, SpatialJoint
 from .model import Structure
 from .outputs import OUTPUTS
 from .packing import centroid_of
@@ -98,7 +98,7 @@ class Well:
         self._heights = _heights(structure)
         self._groups = _groups(structure)
         self._alone = _bears_alone(structure)
-        self._upright = np.array([joint.face.normal[2] >= UPRIGHT for joint in structure.joints])
+        self._upright = np.array([abs(joint.face.normal[2]) >= UPRIGHT for joint in structure.joints])
         stepper = SpatialStepper(structure)
         start_from(stepper, rest_of(structure))
         stepper.observe()
@@ -228,9 +228,9 @@ class Well:
         return least
 
     def _height(self, j: int) -> float:
-        """Return the height of the carried centroid above joint j (m), at least the size of its upper block."""
+        """Return the height of the carried centroid above joint j (m), at least the size of the block above."""
         structure = self._structure
-        return max(float(self._heights[j]), structure.blocks[structure.joints[j].upper].size)
+        return max(float(self._heights[j]), structure.blocks[structure.joints[j].carried(structure.n)].size)
 
     def _moments(self, rest: SpatialStepper, left: float) -> FloatArray:
         """Return the force of each joint times its lever about the nearest edge of its contact, N m (joints,).
@@ -253,8 +253,12 @@ class Well:
             # lever of the resultant about the nearest edge
             place = np.array([my[j], -mx[j]]) / carried
             lever = min(reach - float(out @ place) for out, reach in _edges(joint, _slip(rest, j), place))
-            if joint.bed.friction is not None and joint.below is not GROUND:
-                lever -= left / max(joint.bed.friction * carried, math.ulp(0.0))
+            if joint.bed.friction is not None:
+                further = left / max(joint.bed.friction * carried - _downhill(joint) * carried, math.ulp(0.0))
+                lever -= further if joint.below is not GROUND else 0.0
+                down = -1.0 if joint.is_listed_downwards(structure.n) else 1.0
+                if _sunk(joint, down * _slip(rest, j), further) >= structure.blocks[joint.carried(structure.n)].drop:
+                    continue
             settled = carried / (joint.bed.stiffness * joint.moments[0])
             moments[j] = carried * (lever - math.sqrt(8.0 * settled * self._height(j)) / 3.0)
         return moments
@@ -392,12 +396,25 @@ def _edges_of(
     return list(zip(outwards, np.sum(outwards * corners, axis=1).tolist(), strict=True))
 
 
+def _downhill(joint: SpatialJoint) -> float:
+    """Return the force with which the load on a joint pushes down its slope, over the normal force."""
+    upwards = abs(float(joint.face.normal[2]))
+    return math.sqrt(max(0.0, 1.0 - upwards * upwards)) / max(upwards, math.ulp(0.0))
+
+
+def _sunk(joint: SpatialJoint, slip: FloatArray, further: float) -> float:
+    """Return how far the block above has sunk down the slope of its joint by a slip, and by a `further` one, m."""
+    axes = joint.face.axes[2, :2]
+    slope = float(np.hypot(*axes))
+    return further * slope - float(axes @ slip) if slope > LEVEL else -math.inf
+
+
 def _groups(structure: Structure) -> dict[int, list[int]]:
     """Return the bearings between the same two bodies by the first of them: together they act like one joint."""
     found: dict[tuple[int, int], list[int]] = {}
     for j, joint in enumerate(structure.joints):
         if joint.bearing is not None:
-            found.setdefault((joint.upper, joint.lower), []).append(j)
+            found.setdefault((joint.carried(structure.n), joint.carrier(structure.n)), []).append(j)
     return {group[0]: group for group in found.values()}
 
 
@@ -429,17 +446,17 @@ def _heights(structure: Structure) -> FloatArray:
     """
     bears: list[list[int]] = [[] for _ in structure.blocks]  # numbers of the joints under each block
     for j, joint in enumerate(structure.joints):
-        if joint.face.normal[2] > 0.0:
-            bears[joint.upper].append(j)
+        if joint.face.normal[2] > 0.0 or joint.is_listed_downwards(structure.n):
+            bears[joint.carried(structure.n)].append(j)
     carried = np.array([block.mass for block in structure.blocks])
     moment = np.array([block.mass * block.centroid[2] for block in structure.blocks])
     for i in sorted(range(structure.n), key=lambda i: -structure.blocks[i].centroid[2]):
         for j in bears[i]:
-            below = structure.joints[j].lower
+            below = structure.joints[j].carrier(structure.n)
             if below < structure.n:
                 carried[below] += carried[i] / len(bears[i])
                 moment[below] += moment[i] / len(bears[i])
-    uppers = [joint.upper for joint in structure.joints]
+    uppers = [joint.carried(structure.n) for joint in structure.joints]
     places = np.array([joint.face.centre[2] for joint in structure.joints])
     return moment[uppers] / carried[uppers] - places
 

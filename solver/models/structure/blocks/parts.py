@@ -13,6 +13,7 @@ from .faces import Face, FloatArray
 from .polyhedra import Polyhedron
 
 TOLERANCE = 1e-5  # default
+LEVEL = 1e-6  # sine of the angle below which a face is level, or upright
 BASE = "base"  # name of the body that everything stands on
 OF_COLUMN = "column"  # key of the mapping of a column's file, of a structure that is a stack of a column
 BESIDE_COLUMN = ("port", "neighbours")  # the other keys that such a structure may have
@@ -111,6 +112,18 @@ class SpatialJoint:
     below: Face | None = None
     bearing: Bearing | None = None  # acts at the centre of `face`, which has the size of the bearing
     inside: Face | None = None  # area of `face` that a rim leaves open, about the same centre
+
+    def is_listed_downwards(self, base: int) -> bool:
+        """Return True if `lower` is a block that stands on `upper`: a file may name the two in either order."""
+        return bool(self.face.normal[2] < -LEVEL) and self.lower != base
+
+    def carried(self, base: int) -> int:
+        """Return the number of the block above; base: that of the base."""
+        return self.lower if self.is_listed_downwards(base) else self.upper
+
+    def carrier(self, base: int) -> int:
+        """Return the number of the body below."""
+        return self.upper if self.is_listed_downwards(base) else self.lower
 
     @cached_property
     def moments(self) -> tuple[float, float, float, float]:
