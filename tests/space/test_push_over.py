@@ -205,6 +205,27 @@ def test_mortar_that_cracks_at_once_leaves_stones_that_stand() -> None:
     assert found.largest_acceleration > 0.9 * other.largest_acceleration
 
 
+@pytest.mark.parametrize(("cohesions", "courses"), [((1e3, 3e3, 1e4), 6), ((1e3, 3e3, 9e3, 3e4), 10)])
+def test_a_wall_on_feet_bears_what_its_strongest_joint_and_friction_do(
+    cohesions: tuple[float, ...], courses: int
+) -> None:
+    """Compare with mu W + c A of the last foot to fail in shear, as the others slide: measured 3e-5 to 4e-5 less."""
+    feet = len(cohesions)
+    names, wide = [f"foot{i}" for i in range(feet)], {"depth": 0.4, "height": 0.05, "density": 1800.0}
+    blocks: list[dict[str, Any]] = [
+        {"name": name, "on": "base", "at": [i - 0.5 * (feet - 1), 0.0], **wide, "width": 0.4, "height": 0.2}
+        for i, name in enumerate(names)
+    ]
+    for i in range(courses):
+        place = {"on": f"course{i - 1}"} if i else {"position": [0.0, 0.0, 0.2]}
+        blocks.append({"name": f"course{i}", **place, **wide, "width": feet + 0.2})
+    law = {"stiffness": 5e9, "damping": 1e-3, "friction": 0.5, "tensile_strength": 1e6, "cohesion": 1e6}
+    joint = [{"between": ["course0", name], "cohesion": c} for name, c in zip(names, cohesions, strict=True)]
+    found = push_over(Structure.from_dict({"name": "wall", "joints": law, "block": blocks, "joint": joint}))
+    mass = 1800.0 * (feet + 0.2) * 0.4 * 0.05 * courses
+    assert found.largest_acceleration == pytest.approx(0.5 * G + cohesions[-1] * 0.16 / mass, rel=1e-4)
+
+
 def five_stones(heads: list[list[str]], **law: float) -> Structure:
     """Return a wall of two courses of mortar, with head joints between these pairs of stones."""
     size = {"depth": 0.3, "height": 0.25, "density": 2000.0}

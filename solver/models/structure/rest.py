@@ -44,7 +44,9 @@ OF_ONE = 0.1  # of the settlement of a joint under one block: differences for th
 WIDER = 10.0, 100.0, 1000.0  # of them, where neighbours may press
 STALLED = 1e-7  # of the weight: residual at which Newton's method may end between neighbours, whose forces have kinks
 SOFTENING = 1e-4  # of the stiffness in full contact: first addition to a tangent that does not converge
-GRACE, GRACES = 1.01, 10  # growth of the residual that steps may cause where a joint begins to slide, and their number
+# growth of the residual that steps may cause where a joint begins to slide, since it was to bear a part of the load of
+# all blocks above it, and their number
+GRACE, GRACES = 2.0, 10
 ITERATIONS = 4  # inverse iterations to the first mode, from a sway of the structure
 
 
@@ -402,7 +404,7 @@ def balance(
             move(stepper, change)
             now, lower = residual_of(stepper, base)
             new = largest_of(now, per)
-        # accept a residual of rounding errors, a smaller one, some hardly larger ones, or a lower energy; else stiffen
+        # accept a residual of rounding errors, a smaller one, a few larger ones, or a lower energy; else stiffen
         if new >= size and size <= _rounding(before, linear, per):
             stepper.phase[:] = before
             return True
