@@ -73,7 +73,8 @@ def distance(lean: Lean, radii: tuple[float, ...]) -> float:
     return float(np.linalg.norm(ends[0] - ends[1]))
 
 
-@pytest.mark.parametrize(("most", "error"), [(0.1, 1e-4), (0.22, 3e-4), (0.45, 3e-3)])
+# measured: 1.3e-6, 2.8e-5, 4.9e-4 m
+@pytest.mark.parametrize(("most", "error"), [(0.1, 1e-5), (0.22, 1e-4), (0.45, 1.5e-3)])
 def test_the_gap_is_the_distance_whichever_drum_is_first(most: float, error: float) -> None:
     found = 0
     for seed in range(10):
@@ -97,7 +98,7 @@ def test_the_gap_before_a_face_is_the_distance_from_the_line_nearest_to_it() -> 
         truth = distance(lean, (0.0, 0.5))
         for turned in (False, True):
             gap = row_of(lean.stepper((BOX, SLIM), turned), "gap")[0]
-            assert gap == pytest.approx(truth, rel=0.15, abs=1e-6)
+            assert gap == pytest.approx(truth, rel=0.1, abs=1e-6)  # measured 4.6 %, at the edge above
 
 
 @pytest.mark.parametrize(("shapes", "near"), [((WIDE, SLIM), 0.1), ((BOX, SLIM), 0.3)], ids=["drums", "drum and face"])

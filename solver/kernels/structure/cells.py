@@ -96,11 +96,9 @@ def _over(facet, n, c, factor):
 
 
 @leaf
-def _plane_of(cells, solid, planes, j, inwards):
-    """Return normal and distance (m) of plane j: first those of the other body, then those of the first one."""
-    if j < planes:
-        return _normal(cells, j), cells[4 * j + 3]
-    k = _place_of(solid, j - planes)
+def _plane_of(solid, i, inwards):
+    """Return normal and distance (m) of plane i of a body, `inwards` m within its surface."""
+    k = _place_of(solid, i)
     return (solid[k], solid[k + 1], solid[k + 2]), solid[k + 3] - inwards
 
 
@@ -146,22 +144,23 @@ def _within_own(room, solid, i, facet, count, inwards):
     """Clip the face in the room to that of a body whose planes have moved inwards, m; return its number of corners."""
     for j in range(int(solid[0])):
         if j != i and count > 0:
-            beside = facet_of(solid, j, inwards)
-            away = minus(beside.n, facet.n)
+            n, c = _plane_of(solid, j, inwards)
+            away = minus(n, facet.n)
             if dot(away, away) >= COPLANAR:
-                count = cut(room, count, _over(facet, beside.n, beside.c, 1.0))
+                count = cut(room, count, _over(facet, n, c, 1.0))
     return count
 
 
 @kernel
-def _find_roofs(room, cells, solid, planes, i, count, inwards):
+def _find_roofs(room, cells, solid, planes, i, facet, count, inwards):
     """Store the planes that may bound the cell over the face in the room, each as the height below it, m.
 
     Return their number, and the height that the cell does not exceed.
     """
-    facet, found, bound = facet_of(solid, i, inwards), 0, math.inf
+    found, bound = 0, math.inf
     for j in range(planes + int(solid[0])):
-        n, c = _plane_of(cells, solid, planes, j, inwards)
+        # planes of the other body first, then those of the first one
+        n, c = (_normal(cells, j), cells[4 * j + 3]) if j < planes else _plane_of(solid, j - planes, inwards)
         away = minus(n, facet.n)
         square = dot(away, away)
         if j == planes + i or square < COPLANAR:
@@ -303,7 +302,7 @@ def press(scene, solid, other, placed, farther, inwards, stiffness, damping, own
             continue
         for k in range(2 * count):
             cells[_FACE + k] = room[k]
-        found, bound = _find_roofs(room, cells, solid, planes, i, count, inwards)
+        found, bound = _find_roofs(room, cells, solid, planes, i, facet, count, inwards)
         # the part below each roof
         push, x, y = 0.0, 0.0, 0.0
         for r in range(found):

@@ -19,13 +19,22 @@ NODES = (0.0, 0.5384693101056831, -0.5384693101056831, 0.906179845938664, -0.906
 WEIGHTS = (0.5688888888888889, 0.47862867049936647, 0.47862867049936647, 0.23692688505618908, 0.23692688505618908)
 
 
-class Interval(NamedTuple):
-    """An interval of s, m; empty if low > high."""
+class Beside(NamedTuple):
+    """An interval of s between two drums, m; empty if low > high."""
 
     low: float
     high: float
-    by_low: object  # what ends it there: normal of the edge of a face, (0, 0, 0) without one; the drum, 0 for neither
-    by_high: object
+    end_low: float  # whose end limits it there: 1 for the first drum, -1 for the other one, 0 for neither
+    end_high: float
+
+
+class Before(NamedTuple):
+    """An interval of s of a drum before a face, m; empty if low > high."""
+
+    low: float
+    high: float
+    edge_low: object  # outward normal of the edge of the face that limits it there, (0, 0, 0) without one
+    edge_high: object
 
 
 # --- two drums
@@ -87,16 +96,13 @@ def _plane_of_end(axes, half, radius, own, way):
 
 @leaf
 def _beside_drum(axes, pairs, p):
-    """Return the interval of planes between the ends of both drums; each limit by the first drum (1) or the other (-1).
-
-    It has NaN where the axes meet.
-    """
+    """Return the interval of planes between the ends of both drums; it has NaN where the axes meet."""
     low_a = _plane_of_end(axes, pairs.half_a[p], pairs.radius_a[p], 1.0, -1.0)
     low_b = _plane_of_end(axes, pairs.half_b[p], pairs.radius_b[p], -1.0, -1.0)
     high_a = _plane_of_end(axes, pairs.half_a[p], pairs.radius_a[p], 1.0, 1.0)
     high_b = _plane_of_end(axes, pairs.half_b[p], pairs.radius_b[p], -1.0, 1.0)
-    by_low, by_high = 1.0 if low_a > low_b else -1.0, 1.0 if high_a < high_b else -1.0
-    return Interval(max(low_a, low_b), min(high_a, high_b), by_low, by_high)
+    end_low, end_high = 1.0 if low_a > low_b else -1.0, 1.0 if high_a < high_b else -1.0
+    return Beside(max(low_a, low_b), min(high_a, high_b), end_low, end_high)
 
 
 @leaf
@@ -106,18 +112,18 @@ def _nearer_than(axes, part, distance):
     square, product = axes.more * axes.leans, axes.more * axes.lean
     # parallel axes: everywhere or nowhere
     if square <= PARALLEL:
-        return part if beyond < 0.0 else Interval(1.0, -1.0, part.by_low, part.by_high)
+        return part if beyond < 0.0 else Beside(1.0, -1.0, 0.0, 0.0)
     # roots of the quadratic square s^2 + 2 product s + beyond
     found = product * product - square * beyond
     if found <= 0.0:
-        return Interval(1.0, -1.0, part.by_low, part.by_high)
+        return Beside(1.0, -1.0, 0.0, 0.0)
     far = -(product + math.copysign(math.sqrt(found), product))
     one, other = far / square, beyond / far
     low, high = min(one, other), max(one, other)
     # limits set by the distance are no ends
-    by_low = 0.0 if low > part.low else part.by_low
-    by_high = 0.0 if high < part.high else part.by_high
-    return Interval(max(low, part.low), min(high, part.high), by_low, by_high)
+    end_low = 0.0 if low > part.low else part.end_low
+    end_high = 0.0 if high < part.high else part.end_high
+    return Beside(max(low, part.low), min(high, part.high), end_low, end_high)
 
 
 @leaf
@@ -125,7 +131,7 @@ def _push_ends_of_drums(scene, sides, axes, pairs, p, part):
     """Add the forces of the ends of the loaded interval that are ends of a drum; return their sum, N."""
     reach, total = pairs.radius_a[p] + pairs.radius_b[p], NOTHING
     for way in (-1.0, 1.0):
-        s, own = (part.low, part.by_low) if way < 0.0 else (part.high, part.by_high)
+        s, own = (part.low, part.end_low) if way < 0.0 else (part.high, part.end_high)
         delta = reach - _distance(axes, s)
         # an overlap at the end of a drum
         if own != 0.0 and delta > 0.0:
@@ -209,19 +215,19 @@ def _cut(part, level, slope, edge):
     # a zero before which the function is negative
     if slope > 0.0:
         s = -level / slope
-        return Interval(s, part.high, edge, part.by_high) if s > part.low else part
+        return Before(s, part.high, edge, part.edge_high) if s > part.low else part
     # a zero behind which it is negative
     if slope < 0.0:
         s = -level / slope
-        return Interval(part.low, s, part.by_low, edge) if s < part.high else part
+        return Before(part.low, s, part.edge_low, edge) if s < part.high else part
     # a constant: the whole interval or nothing
-    return part if level > 0.0 else Interval(1.0, -1.0, part.by_low, part.by_high)
+    return part if level > 0.0 else Before(1.0, -1.0, NOTHING, NOTHING)
 
 
 @leaf
 def _before_face(scene, pairs, p, sides, line):
     """Return the interval in which the generatrix nearest to the face lies between the edges of the face."""
-    part = Interval(-pairs.half_a[p], pairs.half_a[p], NOTHING, NOTHING)
+    part = Before(-pairs.half_a[p], pairs.half_a[p], NOTHING, NOTHING)
     # the generatrix in the plane of the face
     e1 = standing(scene.poses, sides.b, pairs.e1x[p], pairs.e1y[p], pairs.e1z[p])
     e2, start = cross(sides.v, e1), plus(sides.between, line.off, 1.0)
@@ -263,7 +269,7 @@ def _push_edges(scene, sides, stiffness, part, off, at_low, at_high):
     side = cross(off, sides.u)  # along the face and across the generatrix, as long as the radius
     tilt = c / (radius * max(math.sqrt(max(1.0 - c * c, 0.0)), ALONG))
     for way in (-1.0, 1.0):
-        s, edge, delta = (part.low, part.by_low, at_low) if way < 0.0 else (part.high, part.by_high, at_high)
+        s, edge, delta = (part.low, part.edge_low, at_low) if way < 0.0 else (part.high, part.edge_high, at_high)
         energy, across = 0.5 * stiffness * delta * delta, dot(sides.u, edge)  # per length, J/m
         # an overlap at an edge that crosses the generatrix
         if delta > 0.0 and abs(across) >= ALONG:

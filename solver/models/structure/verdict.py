@@ -254,7 +254,7 @@ class Well:
             place = np.array([my[j], -mx[j]]) / carried
             lever = min(reach - float(out @ place) for out, reach in _edges(joint, _slip(rest, j), place))
             if joint.bed.friction is not None:
-                further = left / max(joint.bed.friction * carried - _downhill(joint) * carried, math.ulp(0.0))
+                further = left / max((joint.bed.friction - _downhill(joint)) * carried, math.ulp(0.0))
                 lever -= further if joint.below is not GROUND else 0.0
                 down = -1.0 if joint.is_listed_downwards(structure.n) else 1.0
                 if _sunk(joint, down * _slip(rest, j), further) >= structure.blocks[joint.carried(structure.n)].drop:
