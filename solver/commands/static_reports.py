@@ -87,7 +87,7 @@ def push_over_report(found: PushOver) -> str:
     if found.jumps.size:
         pushes = ", ".join(_shown(found, push) for push in found.jumps)
         bears = "a tie, a neighbour, a ring or a cracked joint"
-        lines.append(f"jumps at {pushes} {unit} to where {bears} bears it; impacts do not count")
+        lines.append(f"jumps at {pushes} {unit} to where {bears} bears it; impacts and overshoots do not count")
     least = int(np.argmin(found.contact[-1]))
     if math.isfinite(found.uplift):
         first = f"{found.uplift_joint} opens first, at {_shown(found, found.uplift)} {unit}"

@@ -26,6 +26,7 @@ from multiblock import (
     natural_modes,
     push_over,
     simulate,
+    wall,
 )
 from solver.commands.command_line import main
 from solver.commands.static_reports import push_over_report
@@ -257,6 +258,33 @@ def test_a_wall_of_mortar_balances_what_it_stands_in_a_slow_motion(
         ramp = Motion.from_samples(0.1, -part * largest * np.minimum(time / 6.0, 1.0))
         moved = np.max(np.abs(simulate(wall, ramp, settle=0).ux[-1]))
         assert (moved < 1e-3) == (part < 1.0)  # measured 0.05 mm below, 0.8 and 4.5 m above
+
+
+def test_a_bond_that_breaks_suddenly_is_a_jump() -> None:
+    """Check that a hardly damped wall falls beyond a jump, another one at the largest push, mu + c A / W.
+
+    The first bond to break leaves 27 % of the weight to the other one, which is sheared to 83 % of what it bears.
+    """
+    law = {"stiffness": 1e10, "friction": 0.3, "tensile_strength": 1e4, "cohesion": 2e4}
+    time = np.linspace(0.0, 8.0, 81)
+    for damping, stands in ((1e-4, (0.98, 1.02)), (5e-4, (1.02, 1.15))):  # 1.6 and 8 % of critical damping
+        stones = wall(3, 2, (0.6, 0.3, 0.3), {**law, "damping": damping})
+        found = push_over(stones)
+        (jump,) = found.jumps
+        weight, area = stones.weight, stones.joints[1].moments[0]
+        assert found.largest_acceleration == pytest.approx((0.3 + 2e4 * area / weight) * G, rel=1e-3)
+        assert "jumps at" in push_over_report(found)
+        for part, falls in zip(stands, (False, damping < 2e-4), strict=True):
+            ramp = Motion.from_samples(0.1, -part * jump * np.minimum(time / 6.0, 1.0))
+            moved = np.max(np.abs(simulate(stones, ramp, settle=0).ux[-1]))
+            assert (moved > 1.0) == falls  # measured 37 m, else 0.02 mm
+
+
+def test_what_opens_and_slides_first_is_a_joint_that_bears_at_rest() -> None:
+    """Check a dry wall, whose head joints open and slide under any push."""
+    found = push_over(wall(4, 3, (0.5, 0.25, 0.25), {"stiffness": 1e10, "damping": 1e-3, "friction": 0.4}))
+    assert min(found.uplift, found.sliding) > 0.1 * G  # measured 0.171 g, of one of two beds; head joints 4e-7 g
+    assert {found.uplift_joint, found.sliding_joint} == {"stone4.3-stone3.2"}
 
 
 @pytest.mark.parametrize(("strength", "degrees"), [(4e4, 45.0), (4e4, 70.0), (1.4e3, 20.0), (1.4e3, 45.0)])

@@ -71,6 +71,9 @@ LOST = "no balance is found beyond it"
 FURTHER, FOLLOWED = "it was not pushed further than", "the path was not followed further than"
 TURN, RESOLVED = 0.9, 1e-7  # least cosine of the angle between consecutive steps; steps whose direction is no rounding
 OPEN, SLID = 1e-9, 1e-9  # of the contact, of the largest displacement: above it a joint is open, or has slid
+BORNE = 1e-6  # of the weight: a joint with a smaller normal force at rest bears nothing
+# a bond breaks suddenly if that leaves a larger residual, of the weight; loss of its share that counts between places
+SUDDEN, LOSES = 1e-3, 1e-3
 
 
 def has_opened(contact: FloatArray, at_rest: FloatArray) -> NDArray[np.bool_]:
@@ -83,6 +86,11 @@ def has_slid(slip: FloatArray, contact: FloatArray, moved: FloatArray) -> NDArra
     return (np.abs(slip) > SLID * moved) & (contact > OPEN)
 
 
+def bears_at_rest(normal: FloatArray, weight: float) -> NDArray[np.bool_]:
+    """Return the mask of joints with a normal force at rest (N); head joints of a wall open or slide at any push."""
+    return np.abs(normal) > BORNE * weight
+
+
 class Place(NamedTuple):
     push: float  # m/s2
     row: FloatArray
@@ -90,6 +98,7 @@ class Place(NamedTuple):
     ahead: FloatArray  # (6 n + 1,), direction of the path in the measure
     step: float  # from the place before, along the path
     secant: FloatArray  # direction from the place before: not changed by the tangents of pairs that hardly touch
+    jumped: bool = False  # whether a bond has broken suddenly since the place before
 
 
 class _EventFlags(NamedTuple):
@@ -100,6 +109,7 @@ class _EventFlags(NamedTuple):
     slid: bool
     beyond: bool  # the capacity of a bearing
     reached: bool  # the push at which the path ends
+    jumped: bool  # over a bond that breaks suddenly
 
 
 def rest_under(structure: Structure, loads: FloatArray) -> FloatArray:
@@ -152,17 +162,17 @@ class EquilibriumPath:
         ahead = np.append(linear / self.unit[0], 1.0)
         ahead /= np.linalg.norm(ahead)
         places = places_of(OUTPUTS, structure.sizes)
-        self.contact, self.slip, self.moved = places["contact"], places["slip"], places["d"]
+        self.contact, self.slip, self.moved, self.normal = (places[key] for key in ("contact", "slip", "d", "N"))
         self.tie, self.gap, self.bond = places["tie"], places["gap"], places["bond"]
         bearings = [joint.bearing for joint in structure.bearings]
         self.capacity = np.array([math.inf if bearing is None else bearing.capacity for bearing in bearings])
         self.ring = np.array([math.inf if bearing is None else bearing.ring for bearing in bearings])
         self.places = [Place(0.0, rest.row.copy(), rest.phase.copy(), ahead, 0.0, ahead)]
-        self.jumps: list[float] = []  # largest pushes beyond which places are left out
+        self.jumps: list[float] = []  # pushes beyond which places are left out, or a bond breaks suddenly
 
     def follow(self) -> str:
         """Add the points up to the largest push; return the reason why the path ends."""
-        seen = _EventFlags(True, False, False, False, False)
+        seen = _EventFlags(True, False, False, False, False, False)
         step, gone, narrow, seeking, sought, lost = STEP, 0.0, 0.0, False, 0, 0
         while len(self.places) < MOST_PLACES:
             last = self.places[-1]
@@ -174,7 +184,7 @@ class EquilibriumPath:
                 place = self._beside(last, lost)
                 if place is None:
                     return LOST
-                self.places.append(place)
+                self._add(place)
                 step, narrow, seeking, lost = STEP, 0.0, False, lost + 1
                 continue
             now = self._seen(place, last, seen)
@@ -190,11 +200,11 @@ class EquilibriumPath:
                 place = self._beside_largest(lost)
                 if place is None:
                     return FALLS
-                self.places.append(place)
+                self._add(place)
                 step, narrow, seeking, lost = STEP, 0.0, False, lost + 1
                 continue
             if now.reached:
-                self.places.append(place)
+                self._add(place)
                 size, unit = push_unit(self.loads is not None)
                 return f"{FURTHER} {self.largest / size:.5g} {unit}"
             # growth that is lost in the rounding of short steps
@@ -202,13 +212,12 @@ class EquilibriumPath:
             is_lost = not now.grows or sought > MOST_SOUGHT
             longer = 0.0 if falls else self._growing_step(place, step) if is_lost else step
             if not falls:
-                self.places.append(place)
+                self._add(place)
             if not longer:
                 beyond = self._regained(last, place, gone)
                 if isinstance(beyond, str):
                     return beyond
-                self.jumps.append(self.places[-1].push)
-                self.places.append(beyond)
+                self._add(beyond._replace(jumped=True))
                 step, narrow, seeking, lost = beyond.step or STEP, 0.0, False, 0
                 continue
             lost = 0
@@ -216,11 +225,17 @@ class EquilibriumPath:
                 step, seeking, now = longer, False, now._replace(grows=True)
             if now != seen or not seeking:
                 narrow, seeking = 0.0, False
-            seen = now
+            seen = now._replace(jumped=False)
             gone += step
             if not seeking:
                 step = min(2.0 * step, max(STEP, GROWTH * gone))
         return f"{FOLLOWED} {MOST_PLACES} places"
+
+    def _add(self, place: Place) -> None:
+        """Add a place, and the push before it if the path jumps to it."""
+        if place.jumped:
+            self.jumps.append(self.places[-1].push)
+        self.places.append(place)
 
     def _regained(self, last: Place, place: Place, gone: float) -> Place | str:
         """Return a place beyond one whose push does not grow, at which it exceeds the largest push so far.
@@ -293,9 +308,13 @@ class EquilibriumPath:
             delta, base = fine * self.close * self.per, self._push(push)
             found = settle(stepper, linear, delta, CLOSE * self.weight, base)
             if found and self._distance(stepper.row, last.row) <= FAR:
-                secant = self._secant(last, push)
-                return Place(push, stepper.row.copy(), stepper.phase.copy(), secant, 0.0, secant)
+                secant, breaks = self._secant(last, push), self._breaks(last)
+                return Place(push, stepper.row.copy(), stepper.phase.copy(), secant, 0.0, secant, breaks)
         return None
+
+    def _breaks(self, last: Place) -> bool:
+        """Return True if a bond has lost a share of its area since a place."""
+        return bool(np.any(self.stepper.row[self.bond] < last.row[self.bond] - LOSES))
 
     def _secant(self, last: Place, push: float) -> FloatArray:
         """Return the direction from a place to the present phase, under a push."""
@@ -355,15 +374,16 @@ class EquilibriumPath:
     def _seen(self, place: Place, last: Place, before: _EventFlags) -> _EventFlags:
         rest, row = self.places[0].row, place.row
         contact, slip, moved = self.contact, self.slip, slice(0, 3 * self.stepper.structure.n)
+        largest, bears = np.max(np.abs(row[moved] - rest[moved])), bears_at_rest(rest[self.normal], self.weight)
         # the tangent alone is steep again where something has just broken
         least = 0.0 if place.push > last.push * (1.0 + LEAST_GROWTH) else STEEP
         return _EventFlags(
             place.ahead[-1] > least and not self._falls(place, last),
-            before.opened or bool(np.any(has_opened(row[contact], rest[contact]))),
-            before.slid
-            or bool(np.any(has_slid(row[slip] - rest[slip], row[contact], np.max(np.abs(row[moved] - rest[moved]))))),
+            before.opened or bool(np.any(bears & has_opened(row[contact], rest[contact]))),
+            before.slid or bool(np.any(bears & has_slid(row[slip] - rest[slip], row[contact], largest))),
             bool(np.any(row[self.moved] > self.capacity)),
             place.push >= self.largest,
+            place.jumped,
         )
 
     def _beyond(self, place: Place) -> str:
@@ -409,7 +429,7 @@ class EquilibriumPath:
         most = float(np.max(np.abs(last.phase[: size // 2])))
         delta = max(min(DIFFERENCE * abs(step) * float(lengths[0]), self.close), ROUNDED * most) * self.per
         # Newton's method, then the direction of the path at the new point
-        iterations, rounds, left, right = 0, 0, math.inf, np.zeros(size + 1)
+        iterations, rounds, left, right, jumped = 0, 0, math.inf, np.zeros(size + 1), False
         while True:
             right[:size], before = self._residual(push), left
             left = self._size(right[:size])
@@ -418,8 +438,9 @@ class EquilibriumPath:
             matrix[:size, :size] = stepper.stiffness(delta)
             if arrived and self.breaks:  # bonds that break and pairs that meet here leave it without balance
                 self._remember(push)
-                if self._size(self._residual(push)) > ROUGH:
+                if (after := self._size(self._residual(push))) > ROUGH:
                     left, iterations, rounds = math.inf, 0, rounds + 1
+                    jumped = jumped or (after > SUDDEN and self._breaks(last))
                     if rounds > BREAKS:
                         return None
                     continue
@@ -439,4 +460,4 @@ class EquilibriumPath:
             move(stepper, np.asarray(change[:-1], dtype=np.float64))
         self._remember(push)
         ahead, secant = scaled / np.linalg.norm(scaled), self._secant(last, push)
-        return Place(push, stepper.row.copy(), stepper.phase.copy(), ahead, step, secant)
+        return Place(push, stepper.row.copy(), stepper.phase.copy(), ahead, step, secant, jumped)

@@ -16,7 +16,7 @@ from ...ground.loads import pattern_of, push_unit
 from ..outputs import DIGITS
 from ..pictures import draw
 from .blocks.faces import FloatArray
-from .equilibria import FELL, FOLLOWED, FURTHER, LOST, EquilibriumPath, Place, has_opened, has_slid
+from .equilibria import FELL, FOLLOWED, FURTHER, LOST, EquilibriumPath, Place, bears_at_rest, has_opened, has_slid
 from .model import Structure
 from .outputs import StructureHistories
 
@@ -39,13 +39,13 @@ class PushOver(StructureHistories, NotebookRepr):
     acceleration
         (rows,) horizontal push over the mass, m/s2; the first is 0.
     uplift, sliding
-        Push at which the first joint that was closed at rest opens, and at which the first one slides, m/s2; NaN if
-        none.
+        Push at which the first of the joints that bear at rest opens, if it was closed, and at which the first one
+        slides, m/s2; NaN if none.
     uplift_joint, sliding_joint
         Names of these joints.
     jumps
         Pushes beyond which it tips, slides or cracks on until a slack tie, a neighbour, the ring of a bearing or what a
-        crack has left bears it, m/s2.
+        crack has left bears it, or at which a bond breaks suddenly, m/s2.
     ends
         Reason why the path ends.
     pattern
@@ -70,7 +70,7 @@ class PushOver(StructureHistories, NotebookRepr):
         self.ends = ""
 
     def _first(self, found: NDArray[np.bool_]) -> tuple[float, str]:
-        rows, joints = np.nonzero(found)
+        rows, joints = np.nonzero(found & bears_at_rest(self.N[0], self.model.weight))
         if not rows.size:
             return math.nan, ""
         return float(self.acceleration[rows[0]]), self.model.joint_names[joints[0]]
@@ -154,8 +154,10 @@ def push_over(
 
     Beyond a largest push the structure tips, slides or cracks on, perhaps until a slack tie, a neighbour, the ring of
     a bearing or what a crack has left bears it. Then the path jumps to the place at which it balances more than that
-    push, and goes on to the largest push of all. It is that under a slowly growing push if the impact at the end of a
-    jump overturns nothing: its energy does not count.
+    push, and goes on to the largest push of all. A bond that breaks suddenly, and leaves its force to others, is a jump
+    too. The largest push is that under a slowly growing one if neither the impact at the end of a jump nor the
+    overshoot after it breaks or overturns anything: that energy does not count. Of walls of mortar with 1.6 % of
+    critical damping some fell 17 % below it, with 3 % none.
 
     Parameters
     ----------
