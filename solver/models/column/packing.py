@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -227,10 +226,12 @@ def set_initial(column: Column, state: FloatArray, initial: InitialState) -> Non
     _within("opening", np.minimum(opening, 0.0), heights, "no deeper than the block is high, in m")
     opening_rate = _given("opening_rate", initial.opening_rate, np.zeros(n))
     # slips, relative to the offsets as built
+    never = np.array([block.joint.friction is None for block in column.blocks])
+    whole = np.array([block.joint.is_brittle for block in column.blocks])
     for key in ("slip", "slip_rate"):
         given = _given(key, getattr(initial, key), np.zeros(n))
-        free = [math.inf if block.joint.friction is not None else 0.0 for block in column.blocks]
-        _within(key, given, np.array(free), "zero where the joint has no friction: it never slides")
+        _within(key, given, np.where(never, 0.0, np.inf), "zero where the joint has no friction: it never slides")
+        _within(key, given, np.where(whole, 0.0, np.inf), "zero where the joint is bonded: it slides once it breaks")
         getattr(phase, key)[:] = given
     phase.slip += np.array([block.joint.offset or 0.0 for block in column.blocks])
     phase.sliding[:] = np.sign(phase.slip_rate)

@@ -78,13 +78,18 @@ def _rest_of(
 ) -> SpatialRest:
     """Compute the rest from the parts of a structure: the settings of a run do not affect it."""
     structure = Structure("structure", blocks, joints, ties, g, ports=ports, neighbours=neighbours)
+    if not joints:
+        raise InputError("all blocks hang by ties, at least one must stand on a joint or a bearing")
     # the linear solution is the first guess and the scale of the differences
     linear = full_stiffness(structure)
+    load, drawn = weights(structure), any(tie.pretension for tie in structure.ties)
     if not structure.weight > 0.0:
-        return _finished(SpatialStepper(structure), linear)
+        if not drawn:
+            return _finished(SpatialStepper(structure), linear)
+        load, _ = residual_of(SpatialStepper(structure))  # by the pretensions alone
     slides = any(joint.bed.friction is not None for joint in structure.joints)
     try:
-        settlement: FloatArray = np.linalg.solve(linear, weights(structure)).astype(np.float64)
+        settlement: FloatArray = np.linalg.solve(linear, load).astype(np.float64)
     except np.linalg.LinAlgError:
         raise InputError("some block is free to move") from None
     size = float(np.max(np.abs(settlement)))
@@ -95,7 +100,7 @@ def _rest_of(
     for delta, loads in product(deltas, LOADS if slides else (1,)):
         stepper = _loaded(structure, linear, settlement, delta, loads)
         if stepper is not None:
-            if _rounding(stepper.phase, linear, delta / delta[0]) > ROUGH * structure.weight:
+            if _rounding(stepper.phase, linear, delta / delta[0]) > ROUGH * borne(structure):
                 raise InputError(TOO_FAR_APART)
             sticks = sticking(stepper)
             tangents = [np.minimum(one, close) for one in (delta, *deltas[1:])]
@@ -107,13 +112,18 @@ def _rest_of(
     raise NoRestError(f"no rest found, it does not stand under its weight{apart}")
 
 
+def borne(structure: Structure) -> float:
+    """Return the scale of the forces at rest: the weight, without gravity the sum of the pretensions, N."""
+    return structure.weight or sum(tie.pretension for tie in structure.ties)
+
+
 def _parts_of(structure: Structure, settlement: float) -> list[float]:
     """Return the fractions of the settlement from which differences for the tangent are made, the largest first.
 
     A stiff joint between soft ones opens under a displacement that is small for the others.
     """
     stiffest = max(joint.bed.stiffness * joint.moments[0] for joint in structure.joints)
-    ratio = settlement * stiffest / structure.weight
+    ratio = settlement * stiffest / borne(structure)
     return [1.0, *(0.01**k for k in range(1, MOST_PARTS) if 10.0 ** (2 * k - 1) < ratio)]
 
 
@@ -129,7 +139,7 @@ def _loaded(
         # the same part of the weight and of pretensions
         stepper.model.settings.gravity = structure.g * step / loads
         ties.length[: len(drawn)] = length + (1.0 - step / loads) * drawn if step < loads else length
-        if not settle(stepper, linear, delta, CLOSE * structure.weight):
+        if not settle(stepper, linear, delta, CLOSE * borne(structure)):
             return None
     return stepper
 
@@ -357,7 +367,7 @@ def settle(
             left = largest_of(residual_of(stepper, base)[0], delta / delta[0])
             if left <= close:
                 break
-    return left <= ROUGH * structure.weight
+    return left <= ROUGH * borne(structure)
 
 
 def balance(
@@ -419,7 +429,7 @@ def balance(
             softening = max(SOFTENING, 4.0 * softening)
             if softening > 1e3:
                 break
-    return bool(stepper.structure.neighbours) and size <= STALLED * stepper.structure.weight
+    return bool(stepper.structure.neighbours) and size <= STALLED * borne(stepper.structure)
 
 
 def _rounding(phase: FloatArray, linear: FloatArray, per: FloatArray) -> float:

@@ -19,6 +19,8 @@ from ..ports import Released
 from ..protocol import RunPlan, Verdict, output_times
 from ..still_base import conclude, settled
 from .blocks.faces import FloatArray
+from .blocks.parts import SpatialJoint
+from .blocks.shapes import rotation_matrix
 from .equilibria import rest_under
 from .modal_data import modal_data_of
 from .model import Structure
@@ -27,6 +29,7 @@ from .rest import rest_of, start_from
 from .stepper import SpatialStepper
 from .verdict import RESTING, next_look, potential_well_of, reason_for_leaning
 
+OPEN = 1e-6  # of the largest block: an initial opening above it is none of rounding
 TWISTS = 6  # iterations for an initial twist: each reduces the error to its cube over 24
 COUNTED = ("steps", "elastic_steps", "stabilized_steps", "rejected", "evaluations", "looks")
 
@@ -54,7 +57,8 @@ Callback = Callable[[float, SpatialGlance], object]
 class SpatialState(NamedTuple):
     """The initial displacement m, rotation rad (axis times angle), velocity m/s and spin rad/s, (n, 3) each.
 
-    They are those of the blocks relative to the structure as built and without weight, along the axes of the base.
+    They are those of the blocks relative to the structure as built and without weight, along the axes of the base. A
+    closed joint with friction has slid to where it is displaced; without, or with a bond, it is deformed elastically.
     """
 
     displacement: FloatArray
@@ -189,10 +193,32 @@ def set_initial(stepper: SpatialStepper, initial: SpatialState) -> None:
     across = np.cross(q, spin)  # into the axes of the body
     see.wx[:], see.wy[:], see.wz[:] = (spin - 2.0 * (see.q0[:, None] * across - np.cross(q, across))).T
     found = at.WORK.see(stepper.arrays.work, stepper.sizes).resultants
-    for _ in range(TWISTS):  # joints begin without elastic slip
+    # joints that may have slid, or are open in the middle, begin without elastic slip
+    structure = stepper.structure
+    slides = np.array([_may_have_slid(joint) for joint in structure.joints], dtype=bool)
+    slides |= _openings(structure, initial) > OPEN * max(block.size for block in structure.blocks)
+    for _ in range(TWISTS):
         stepper.observe(keep=False)
         for k in (1, 2, 3):
-            getattr(stepper.slips, f"p{k}")[:] = getattr(found, f"s{k}")
+            getattr(stepper.slips, f"p{k}")[slides] = getattr(found, f"s{k}")[slides]
+
+
+def _openings(structure: Structure, initial: SpatialState) -> FloatArray:
+    """Return the distance of both faces of each joint in the middle, m (joints,), negative where they overlap."""
+    n, found = structure.n, np.empty(len(structure.joints))
+    turns = [rotation_matrix(vector) - np.eye(3) for vector in np.asarray(initial.rotation)]
+    for j, joint in enumerate(structure.joints):
+        face, moved = joint.face, np.zeros((2, 3))
+        for k, body in enumerate((joint.upper, joint.lower)):
+            if body < n:
+                moved[k] = initial.displacement[body] + turns[body] @ (face.centre - structure.blocks[body].centroid)
+        found[j] = (moved[0] - moved[1]) @ face.axes[:, 2]
+    return found
+
+
+def _may_have_slid(joint: SpatialJoint) -> bool:
+    """Return False for a joint that never slides, or that is bonded: where it is displaced it is deformed."""
+    return joint.bearing is not None or not (joint.bed.friction is None or joint.bed.is_bonded)
 
 
 class _SpatialSettling:

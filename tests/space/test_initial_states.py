@@ -1,0 +1,90 @@
+"""Where a run in space begins: a displaced joint that never slides or is bonded, pretensions without weight."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from multiblock import Column, InitialState, InputError, Motion, SpatialState, Structure, simulate, simulate_many
+
+MASS, STIFFNESS, RATIO, G = 2500.0, 1e9, 0.4, 9.80665
+STILL = Motion.from_samples(0.05, np.zeros(21))
+SIZE = {"width": 1.0, "depth": 1.0, "height": 0.5, "mass": MASS}
+
+
+def slab(**joint: float) -> Structure:
+    """Return a block of 1 m2 on the base."""
+    block = {"name": "slab", "on": "base", **SIZE}
+    return Structure.from_dict(
+        {"name": "slab", "joints": {"stiffness": STIFFNESS, "damping": 1e-3, **joint}, "block": [block]}
+    )
+
+
+def moved_by(slip: float) -> SpatialState:
+    """Return a block at its rest under weight but for a displacement along x, m."""
+    none = np.zeros((1, 3))
+    return SpatialState(np.array([[slip, 0.0, -MASS * G / STIFFNESS]]), none, none, none)
+
+
+@pytest.mark.parametrize("slip", [1e-6, 1e-4])
+def test_a_displaced_joint_that_never_slides_is_deformed_and_springs_back(slip: float) -> None:
+    """Compare with a spring: its force and energy, and after the time that damping needs the place as built."""
+    found = simulate(slab(), STILL, initial=moved_by(slip), settle=0.0)
+    assert abs(found.Tx[0, 0]) == pytest.approx(RATIO * STIFFNESS * slip, rel=1e-9)
+    assert found.energy[0] == pytest.approx(0.5 * RATIO * STIFFNESS * slip**2, rel=1e-6)
+    assert abs(found.ux[-1, 0]) < 1e-3 * slip
+    assert np.all(found.slip == 0.0)
+
+
+def test_a_displaced_bond_breaks_where_it_bears_less() -> None:
+    """Displace a bond within its shear strength, and beyond it: then friction holds what is left of it."""
+    mortar = {"friction": 0.6, "tensile_strength": 1e6, "cohesion": 5e4}
+    bears = 0.6 * MASS * G + 5e4  # N
+    for part in (0.9, 1.1):
+        slip = part * bears / (RATIO * STIFFNESS)
+        found = simulate(slab(**mortar), STILL, initial=moved_by(slip), settle=0.0)
+        assert found.bond[-1, 0] == (1.0 if part < 1.0 else 0.0)
+        assert (found.slip[-1, 0] > 0.0) == (part > 1.0)
+    # with friction alone it has slid there
+    dry = simulate(slab(friction=0.6), STILL, initial=moved_by(0.01), settle=0.0)
+    assert dry.slip[-1, 0] == pytest.approx(0.01, rel=1e-3)
+
+
+def test_a_column_refuses_an_initial_slip_of_a_bond() -> None:
+    joint = {"stiffness": STIFFNESS, "damping": 1e-4, "friction": 0.6, "tensile_strength": 5e4, "cohesion": 5e4}
+    column = Column.from_dict({"name": "slab", "joint": joint, "block": [SIZE]})
+    for state in (InitialState(slip=[0.01]), InitialState(slip_rate=[0.1])):
+        with pytest.raises(InputError, match=r"\[0\] = 0\.\d+: must be zero where the joint is bonded"):
+            simulate(column, STILL, initial=state)
+
+
+@pytest.mark.parametrize("friction", [{}, {"friction": 0.6}], ids=["sticks", "may slide"])
+@pytest.mark.parametrize("g", [0.0, 1e-3])
+def test_a_block_clamped_by_a_tie_begins_at_rest_with_and_without_weight(g: float, friction: dict[str, float]) -> None:
+    """Compare the settlement, (pretension + weight) / (k A + K)."""
+    pull, tie = 1e5, 1e6
+    ends = {"from": [0.0, 0.0, 0.25], "to": [0.0, 0.0, -1.0]}
+    data: dict[str, Any] = slab(**friction).to_dict() | {"g": g}
+    data["tie"] = [{"between": ["slab", "base"], "stiffness": tie, "damping": 1e3, "pretension": pull, **ends}]
+    clamped = Structure.from_dict(data)
+    settled = -(pull + MASS * g) / (STIFFNESS + tie)
+    found = simulate(clamped, STILL, settle=0.0)
+    assert found.uz == pytest.approx(settled, rel=1e-9)
+    assert found.peaks["N"][0] == pytest.approx(-STIFFNESS * settled, rel=1e-9)
+    assert abs(found.energy[-1]) < 1e-9 * pull * abs(settled)
+    assert simulate_many(clamped, STILL, keep=["peak_uz"])["peak_uz"] == pytest.approx(-settled, rel=1e-6)
+
+
+def test_blocks_that_hang_by_ties_alone_are_refused() -> None:
+    around = [(math.cos(a), math.sin(a)) for a in np.linspace(0.0, 5.0, 6)]
+    data: dict[str, Any] = {"name": "hung", "joints": {"stiffness": STIFFNESS, "damping": 1e-4}}
+    data["block"] = [{"name": "slab", "position": [0.0, 0.0, 2.0], **SIZE}]
+    data["tie"] = [
+        {"between": ["slab", "base"], "from": [0.5 * x, 0.5 * y, 0.2], "to": [2.0 * y, x, 5.0], "stiffness": 1e6}
+        for x, y in around
+    ]
+    with pytest.raises(InputError, match="at least one must stand on a joint or a bearing"):
+        simulate(Structure.from_dict(data), STILL)
