@@ -163,6 +163,44 @@ def test_round_faces_against_quadrature(name: str, seed: int) -> None:
     assert np.max(np.abs(found - expected)) <= 1e-12  # measured 2e-14; the scale of the numbers is 1
 
 
+HOLLOW = {
+    "thin rings": ({**DRUM, "diameter": 1.0, "bore": 0.8}, {**DRUM, "diameter": 1.0, "bore": 0.8}),
+    "a drum on a ring": ({**DRUM, "diameter": 0.7}, {**DRUM, "diameter": 1.0, "bore": 0.5}),
+    "a thin ring on a box": ({**DRUM, "diameter": 1.0, "bore": 0.8}, {**BOX, "width": 1.0, "depth": 1.1}),
+}
+
+
+@pytest.mark.parametrize("name", HOLLOW)
+def test_the_largest_pressure_beside_a_bore_is_that_of_the_edges(name: str) -> None:
+    """Compare with the largest q at points along the edges of both faces that lie on the other one."""
+    angle, within, rng = np.linspace(0.0, 2.0 * math.pi, 200001), 1.0 + 1e-9, np.random.default_rng(2)
+    structure, shapes = two(*HOLLOW[name]), HOLLOW[name]
+    for _ in range(10):
+        slips = np.array([*rng.uniform(-0.3, 0.3, 2), 0.0])
+        p = rng.normal(size=3) * (0.2, 2.0, 2.0)
+        largest = 0.0
+        for k, half in ((0, 0.5), (1, -0.5)):
+            for _, radius in sections(shapes[k]):
+                if radius:
+                    edge = radius * np.column_stack([np.cos(angle), np.sin(angle)])
+                else:
+                    sides = 0.5 * np.array([shapes[k]["width"], shapes[k]["depth"]])
+                    corners = sides * [[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]
+                    edge = np.column_stack([np.interp(angle, np.linspace(0.0, 2.0 * math.pi, 5), c) for c in corners.T])
+                edge = edge + half * slips[:2]
+                on = np.ones(len(edge), dtype=bool)
+                for shape, moves in zip(shapes, (0.5, -0.5), strict=True):
+                    place = edge - moves * slips[:2]
+                    if shape["shape"] == "box":
+                        on &= np.all(np.abs(place) <= 0.5 * within * np.array([shape["width"], shape["depth"]]), axis=1)
+                    else:
+                        far = np.hypot(*place.T)
+                        on &= (far <= 0.5 * within * shape["diameter"]) & (far * within >= 0.5 * shape.get("bore", 0.0))
+                largest = max(largest, float(np.max((p[0] + edge @ p[1:])[on], initial=0.0)))
+        found = bed(structure, slips, p, p)
+        assert found[4] == pytest.approx(largest if found[0] > 0.0 else 0.0, abs=2e-4)  # of a point 3e-5 m away
+
+
 def check_lanes(structure: Structure) -> None:
     """Assert that beds in lanes are those of each: slips of 1e-6 to 0.3 m, planes that cut or not, a lane at rest."""
     rng = np.random.default_rng(7)
@@ -177,9 +215,9 @@ def check_lanes(structure: Structure) -> None:
 
 
 @pytest.mark.long  # takes 10 s and more
-@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("name", SHAPES | HOLLOW)
 def test_beds_in_lanes_are_those_of_each_to_the_last_bit(name: str) -> None:
-    check_lanes(two(*SHAPES[name]))
+    check_lanes(two(*(SHAPES | HOLLOW)[name]))
 
 
 def check_forces(structure: Structure) -> None:

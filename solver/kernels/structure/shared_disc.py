@@ -18,6 +18,7 @@ BOX = 2.0  # half width of the square about a disc, over its radius
 NEARLY = 1.0 - 1e-15  # squared distance of a chord from the centre, over the squared radius, from which there is none
 NOWHERE = (0.0, 0.0, 0.0)
 NEAR = 1e-14  # distance of the centres of concentric discs, at most, over the radius
+WITHIN = 1.0 + 1e-9  # factor on the radii of a ring that has a point of its edge
 
 
 @leaf
@@ -228,6 +229,106 @@ def _of_faces(room, above, below, outer_a, outer_b, p, q):
     return _of_disc(room, count, x, y, radius, q), NOWHERE
 
 
+# --- the largest pressure over a bore
+
+
+@leaf
+def _is_on_ring(face, x, y):
+    """Return True if a point lies on a ring or disc, or on its edge."""
+    cx, cy = centre_of(face)
+    square = (x - cx) * (x - cx) + (y - cy) * (y - cy)
+    outer, inner = WITHIN * face.record.outer, face.record.inner
+    return square <= outer * outer and square * (WITHIN * WITHIN) >= inner * inner
+
+
+@leaf
+def _is_on(room, count, face, x, y):
+    """Return True if a point lies on a face; of a polygon with the corners in the room."""
+    if is_round(face):
+        return _is_on_ring(face, x, y)
+    for k in range(count):
+        after = k + 1 if k + 1 < count else 0
+        ax, ay = room[2 * k] - x, room[2 * k + 1] - y
+        bx, by = room[2 * after] - x, room[2 * after + 1] - y
+        if ax * by - ay * bx < 0.0:
+            return False
+    return True
+
+
+@leaf
+def _or_there(largest, ring, p, q, x, y):
+    """Return the larger one of `largest` and of q at a point on a ring; infinity if q is larger where p is negative."""
+    there = value(q, x, y)
+    if not there > largest or not _is_on_ring(ring, x, y):
+        return largest
+    return there if value(p, x, y) >= 0.0 else math.inf
+
+
+@kernel
+def _largest_on_side(largest, ring, radius, p, q, x, y, dx, dy):
+    """Return `largest`, or q where a side from (x, y) along (dx, dy) crosses a circle of a ring, if it is larger."""
+    cx, cy = centre_of(ring)
+    square, middle = dx * dx + dy * dy, (cx - x) * dx + (cy - y) * dy
+    left = middle * middle - square * ((x - cx) * (x - cx) + (y - cy) * (y - cy) - radius * radius)
+    if square > 0.0 and left >= 0.0:
+        for way in (-1.0, 1.0):
+            part = (middle + way * math.sqrt(left)) / square
+            if 0.0 <= part <= 1.0:
+                largest = _or_there(largest, ring, p, q, x + part * dx, y + part * dy)
+    return largest
+
+
+@kernel
+def _largest_at_crossings(largest, ring, other, radius, other_radius, p, q):
+    """Return `largest`, or q where circles of two rings cross on both of them, if it is larger."""
+    (ax, ay), (bx, by) = centre_of(ring), centre_of(other)
+    dx, dy = bx - ax, by - ay
+    square = dx * dx + dy * dy
+    if radius > 0.0 and other_radius > 0.0 and square > 0.0:
+        # along the line of centres, and across it
+        part = 0.5 * (square + (radius - other_radius) * (radius + other_radius)) / square
+        left = radius * radius / square - part * part
+        if left >= 0.0:
+            for way in (-1.0, 1.0):
+                across = way * math.sqrt(left)
+                x, y = ax + part * dx - across * dy, ay + part * dy + across * dx
+                if _is_on_ring(other, x, y):
+                    largest = _or_there(largest, ring, p, q, x, y)
+    return largest
+
+
+@kernel
+def largest_beside_bores(room, above, below, p, q, outside):
+    """Return the largest q (m) over the intersection of two faces with a bore, at most that without bores, `outside`.
+
+    A linear function is largest at the top of an outer circle, at a corner or where two edges cross: at a bore alone it
+    grows along the edge. Where q is larger beyond the line p = 0 the answer is `outside`.
+    """
+    ring, other = (above, below) if is_round(above) else (below, above)
+    count, largest, slope = 0 if is_round(other) else put_corners(room, other), 0.0, slope_of(q)
+    # tops of the outer circles
+    if slope > 0.0:
+        for k in range(2):
+            face = ring if k == 0 else other
+            if is_round(face):
+                x, y = centre_of(face)
+                x, y = x + face.record.outer * q.along_x / slope, y + face.record.outer * q.along_y / slope
+                if _is_on(room, count, other, x, y):
+                    largest = _or_there(largest, ring, p, q, x, y)
+    # where circles cross; or corners of a polygon, and where its sides cross circles
+    for k in range(2):
+        radius = ring.record.outer if k == 0 else ring.record.inner
+        if is_round(other):
+            largest = _largest_at_crossings(largest, ring, other, radius, other.record.outer, p, q)
+            largest = _largest_at_crossings(largest, ring, other, radius, other.record.inner, p, q)
+        for i in range(count):
+            after = i + 1 if i + 1 < count else 0
+            x, y = room[2 * i], room[2 * i + 1]
+            dx, dy = room[2 * after] - x, room[2 * after + 1] - y
+            largest = _largest_on_side(_or_there(largest, ring, p, q, x, y), ring, radius, p, q, x, y, dx, dy)
+    return min(largest, outside)
+
+
 @kernel
 def disc_bed(room, corners, slips, j, at_above, at_below, p, q):
     """Return the bed of two faces of joint j, and the integral of p q n along the edges of the lower one.
@@ -248,7 +349,13 @@ def disc_bed(room, corners, slips, j, at_above, at_below, p, q):
         part, edges = _of_faces(room, above, below, a, b, p, q)
         bed = _add_bed(bed, sign, part)
         along_x, along_y, moment = along_x + sign * edges[0], along_y + sign * edges[1], moment + sign * edges[2]
-    return bed if bed.force > 0.0 else nothing(q), (along_x, along_y, moment)
+    if not bed.force > 0.0:
+        return nothing(q), (along_x, along_y, moment)
+    # the point with the largest q may lie in a bore
+    if above.record.inner > 0.0 or below.record.inner > 0.0:
+        largest = largest_beside_bores(room, above, below, p, q, bed.largest)
+        bed = Bed(bed.force, bed.first_x, bed.first_y, bed.area, largest)
+    return bed, (along_x, along_y, moment)
 
 
 @kernel

@@ -20,7 +20,7 @@ from .bed import Bed, Plane, add, chosen, nothing, plane_of_lane, triangle, valu
 from .clipping import cut
 from .disc import slope_of, whole_disc, with_segment
 from .placed_face import centre_of, corners_of_faces, is_round, placed, put_corners, rows_of_lane
-from .shared_disc import NEARLY, cuts_disc, differ, disc_bed
+from .shared_disc import NEARLY, cuts_disc, differ, disc_bed, largest_beside_bores
 
 
 @by_width
@@ -107,11 +107,29 @@ def _disc_on_polygon(scene, j, section, slid, p, q):
             # add the disc, subtract the bore
             part, sign = _of_discs(scene.room, counts, most, x, y, radius, q), -1.0 if hollow == 1 else 1.0
             largest = found.largest if hollow == 1 else part.largest
+            if hollow == 1:
+                largest = _beside_bores(
+                    scene, j, section, there & (found.force + sign * part.force > 0.0), p, q, largest
+                )
             found = add(
                 found, counts > 0.0, sign * part.area, sign * part.force, sign * part.first_x, sign * part.first_y
             )
             found = Bed(found.force, found.first_x, found.first_y, found.area, largest)
     return chosen(found.force > 0.0, found, nothing(p))
+
+
+@kernel
+def _beside_bores(scene, j, section, those, p, q, outside):
+    """Return the largest q of a ring and a polygon in the lanes of a mask, as `largest_beside_bores`."""
+    largest = outside
+    for k in range(WIDTH):
+        if (bits(those) >> k) & 1:
+            room, corners, slips = rows_of_lane(scene, k)
+            above, below = placed(corners, section.above, slips, j, 0.5), placed(corners, section.below, slips, j, -0.5)
+            planes = plane_of_lane(p, k), plane_of_lane(q, k)
+            one = largest_beside_bores(room, above, below, *planes, lane(outside, k))
+            largest = with_lane(largest, k, one)
+    return largest
 
 
 @leaf
