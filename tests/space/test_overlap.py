@@ -185,7 +185,7 @@ def test_the_largest_pressure_beside_a_bore_is_that_of_the_edges(name: str) -> N
                     edge = radius * np.column_stack([np.cos(angle), np.sin(angle)])
                 else:
                     sides = 0.5 * np.array([shapes[k]["width"], shapes[k]["depth"]])
-                    corners = sides * [[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]
+                    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]]) * sides
                     edge = np.column_stack([np.interp(angle, np.linspace(0.0, 2.0 * math.pi, 5), c) for c in corners.T])
                 edge = edge + half * slips[:2]
                 on = np.ones(len(edge), dtype=bool)
