@@ -163,7 +163,7 @@ def test_round_faces_against_quadrature(name: str, seed: int) -> None:
     assert np.max(np.abs(found - expected)) <= 1e-12  # measured 2e-14; the scale of the numbers is 1
 
 
-HOLLOW = {
+HOLLOW: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "thin rings": ({**DRUM, "diameter": 1.0, "bore": 0.8}, {**DRUM, "diameter": 1.0, "bore": 0.8}),
     "a drum on a ring": ({**DRUM, "diameter": 0.7}, {**DRUM, "diameter": 1.0, "bore": 0.5}),
     "a thin ring on a box": ({**DRUM, "diameter": 1.0, "bore": 0.8}, {**BOX, "width": 1.0, "depth": 1.1}),
@@ -182,7 +182,7 @@ def test_the_largest_pressure_beside_a_bore_is_that_of_the_edges(name: str) -> N
         for k, half in ((0, 0.5), (1, -0.5)):
             for _, radius in sections(shapes[k]):
                 if radius:
-                    edge = radius * np.column_stack([np.cos(angle), np.sin(angle)])
+                    edge = np.column_stack([np.cos(angle), np.sin(angle)]) * radius
                 else:
                     sides = 0.5 * np.array([shapes[k]["width"], shapes[k]["depth"]])
                     corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]]) * sides
