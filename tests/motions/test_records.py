@@ -85,6 +85,16 @@ def test_a_third_plain_column_is_vertical(tmp_path: Path) -> None:
     np.testing.assert_array_equal(motion.az, [0.2, 0.4, 0.6])
 
 
+@pytest.mark.parametrize("count", [57, 29, 200])
+def test_a_duration_of_knet_that_is_not_whole_in_float64_gives_its_samples(tmp_path: Path, count: int) -> None:
+    """Check 57 samples of 0.57 s at 100 Hz: the product is 56.99999999999999 in float64."""
+    head, counts = knet().split("Memo.\n")
+    rows = "\n".join(counts.split()[:count])
+    path = tmp_path / "record"
+    path.write_text(f"{head.replace('Time(s)  2', f'Time(s)  {count / 100}')}Memo.\n{rows}\n")
+    assert len(read_record(path).ax) == count
+
+
 @pytest.mark.parametrize(
     ("text", "given", "said"),
     [
@@ -167,6 +177,7 @@ def test_a_third_plain_column_is_vertical(tmp_path: Path) -> None:
             "line 45: no sampling interval: value 34 of the real header",
         ),
         (cosmos_v2().replace("     200 acc", "     208 acc"), {}, "200 samples found, must be 208 as line 45 says"),
+        (knet().replace("Time(s)  2", "Time(s)  2.004"), {}, "200 samples found, must be 200.4 as lines 11 and 12 say"),
         (cosmos_v2().replace("acceleration pts", "velocity pts"), {}, "no block of accelerations, must have one"),
         (
             cosmos_v1c()

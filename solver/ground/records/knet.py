@@ -14,6 +14,7 @@ from .units import factor_of
 NAME = "K-NET ASCII"
 _HEADER = 17  # lines
 _FREQUENCY, _DURATION, _SCALE = 10, 11, 13  # lines, from 0
+_WHOLE = 1e-6  # samples, by which the product of frequency and duration may differ from a whole number
 _TITLE = (("Origin Time", 0), ("Station Code", 5), ("Dir.", 12))
 _VALUE = {
     _FREQUENCY: re.compile(r"Sampling Freq\S*\s+([\d.]+)\s*Hz\s*$", re.IGNORECASE),
@@ -49,9 +50,9 @@ def read(lines: list[str]) -> Record:
     # the samples
     samples = np.array(rows_of_numbers(lines, _HEADER))
     wanted = per_second * _positive(lines, _DURATION, duration)
-    if len(samples) != wanted:
+    if abs(len(samples) - wanted) > _WHOLE:
         raise InputError(
-            f"{len(samples)} samples found, must be {wanted:g} as lines {_FREQUENCY + 1} and {_DURATION + 1} say"
+            f"{len(samples)} samples found, must be {wanted:.10g} as lines {_FREQUENCY + 1} and {_DURATION + 1} say"
         )
     # the zero of the recorder
     mean = float(np.mean(samples))
