@@ -95,6 +95,12 @@ def test_a_duration_of_knet_that_is_not_whole_in_float64_gives_its_samples(tmp_p
     assert len(read_record(path).ax) == count
 
 
+def test_a_key_of_esm_may_be_repeated_with_its_value(tmp_path: Path) -> None:
+    path = tmp_path / "record"
+    path.write_text(esm().replace("UNITS: cm/s^2", "UNITS: cm/s^2\nUNITS:  cm/s^2"))
+    np.testing.assert_allclose(read_record(path).ax, SAMPLES, rtol=0.0, atol=1e-8)
+
+
 @pytest.mark.parametrize(
     ("text", "given", "said"),
     [
@@ -146,6 +152,17 @@ def test_a_duration_of_knet_that_is_not_whole_in_float64_gives_its_samples(tmp_p
         (esm().replace("UNITS: cm/s^2", "UNITS: mm/s^2"), {}, "line 13: units = 'mm/s^2': must be g, m/s2 or cm/s2"),
         (esm().replace("UNITS: cm/s^2", "UNITS: "), {}, "line 13: units = '': must be g, m/s2 or cm/s2"),
         (esm().replace("UNITS", "UNIT"), {}, "UNITS: is missing in the header, which ends before line 19"),
+        (esm().replace("DATA_TYPE", "TYPE"), {}, "DATA_TYPE: is missing in the header, which ends before line 19"),
+        (
+            esm().replace("UNITS: cm/s^2", "UNITS: cm/s^2\nUNITS: g"),
+            {},
+            "line 14: UNITS = 'g': must be 'cm/s^2' as in line 13",
+        ),
+        (
+            esm().replace("NDATA", "SAMPLING_INTERVAL_S: 0.005\nNDATA"),
+            {},
+            "line 11: SAMPLING_INTERVAL_S = '0.005': must be '0.010000' as in line 10",
+        ),
         (esm().replace(": ACCELERATION", ": VELOCITY"), {}, "line 17: DATA_TYPE = 'VELOCITY': must be ACCELERATION"),
         (esm().replace("NDATA: 200", "NDATA: 201"), {}, "200 samples found, must be 201 as NDATA says in line 11"),
         (esm().replace("S: 0.010000", "S: "), {}, "line 10: '': must be a finite number"),
@@ -160,6 +177,7 @@ def test_a_duration_of_knet_that_is_not_whole_in_float64_gives_its_samples(tmp_p
         (knet().replace("(gal)/6", "(V)/6"), {}, "line 14: units = 'V': must be g, m/s2 or cm/s2"),
         (knet().replace("/6182761", "/0"), {}, "line 14: 'Scale Factor      3920(gal)/0': must be like"),
         (knet().replace("Time(s)  2", "Time(s)  3"), {}, "200 samples found, must be 300 as lines 11 and 12 say"),
+        (knet().replace("Time(s)  2", "Time(s)  2.004"), {}, "200 samples found, must be 200.4 as lines 11 and 12 say"),
         (knet().replace("Memo.\n", ""), {}, "line 17: must begin with 'Memo', the last of 17 header lines"),
         (knet().replace("     8003", "     8oo3", 1), {}, "line 39: '8oo3': must be a finite number"),
         # COSMOS
@@ -177,7 +195,6 @@ def test_a_duration_of_knet_that_is_not_whole_in_float64_gives_its_samples(tmp_p
             "line 45: no sampling interval: value 34 of the real header",
         ),
         (cosmos_v2().replace("     200 acc", "     208 acc"), {}, "200 samples found, must be 208 as line 45 says"),
-        (knet().replace("Time(s)  2", "Time(s)  2.004"), {}, "200 samples found, must be 200.4 as lines 11 and 12 say"),
         (cosmos_v2().replace("acceleration pts", "velocity pts"), {}, "no block of accelerations, must have one"),
         (
             cosmos_v1c()

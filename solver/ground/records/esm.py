@@ -11,6 +11,7 @@ from .units import factor_of
 
 NAME = "ESM ASCII"
 _STEP, _COUNT, _UNITS, _TYPE = "SAMPLING_INTERVAL_S", "NDATA", "UNITS", "DATA_TYPE"
+_NEEDED = (_STEP, _COUNT, _UNITS, _TYPE)
 _PAIR = re.compile(r"\s*([A-Z][A-Z0-9_/^()\-]*)\s*:(.*)")  # a sample does not begin with a letter
 
 
@@ -30,11 +31,14 @@ def read(lines: list[str]) -> Record:
         pair = _PAIR.match(text)
         if pair is None:
             break
-        header.setdefault(pair[1], (first + 1, pair[2].strip()))
-    for key in (_STEP, _COUNT, _UNITS):
+        value = pair[2].strip()
+        line, before = header.setdefault(pair[1], (first + 1, value))
+        if pair[1] in _NEEDED and value != before:
+            raise InputError(f"line {first + 1}: {pair[1]} = {value[:80]!r}: must be {before[:80]!r} as in line {line}")
+    for key in _NEEDED:
         if key not in header:
             raise InputError(f"{key}: is missing in the header, which ends before line {first + 1}")
-    line, kind = header.get(_TYPE, (0, "ACCELERATION"))
+    line, kind = header[_TYPE]
     if kind.upper() != "ACCELERATION":
         raise InputError(f"line {line}: {_TYPE} = {kind[:80]!r}: must be ACCELERATION")
     line, units = header[_UNITS]
