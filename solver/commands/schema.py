@@ -21,6 +21,7 @@ from ..models.column.settings import FORMULATIONS, INTEGRATORS, SKIPS, Settings
 from ..models.structure import bearing_tables, hull_tables, neighbours
 from ..models.structure import file as structure_file
 from ..models.structure.blocks.meshes import UP
+from ..models.structure.blocks.outlines import MOST_CORNERS
 from ..models.structure.blocks.parts import BESIDE_COLUMN, TOLERANCE
 from ..models.structure.kind import STRUCTURES
 from ..studies import definition, distributions, motions
@@ -59,6 +60,11 @@ def several(items: Schema, least: int = 0, most: int | None = None) -> Schema:
 def vector(count: int) -> Schema:
     """Return the schema of a list of `count` numbers."""
     return several(NUMBER, count, count)
+
+
+def one_or_several(item: Schema, least: int = 1, most: int | None = None) -> Schema:
+    """Return the schema of a list that is an item, itself a list, or a list of such items."""
+    return {"type": "array", "anyOf": [item, several(item, least, most)]}
 
 
 def table(
@@ -169,9 +175,9 @@ def _block_in_space(law: Schema) -> Schema:
         "outline": several(vector(2), 3),
         "points": several(vector(3), 4),
         "faces": several(several(whole(0), 3)),
-        "foot": {"type": "array"},
+        "foot": one_or_several(several(vector(2), 3, MOST_CORNERS + 1), 0, hull_tables.MOST_FEET),
         "feet": whole(1, hull_tables.MOST_FEET),
-        "parts": {"type": ["integer", "array"]},
+        "parts": whole(1, hull_tables.MOST_PARTS) | {"type": ["integer", "array"], "items": whole(4)},
         "inertia": vector(6),
         "up": one_of(UP),
         "repair": FLAG,
@@ -193,8 +199,9 @@ def _bearing(forms: Mapping[str, Schema]) -> Schema:
         kind: ((*place, *needed, *own, *others, *beside), ("between", "at", *needed, *own))
         for kind, (own, others) in kinds.items()
     }
-    radius = number(*bearing_tables.RANGES["radius"]) | {"type": ["number", "array"], "items": NUMBER}
-    own_forms = {"kind": one_of(kinds), "at": {"type": "array"}, "radius": radius, "tension": FLAG}
+    radius = number(*bearing_tables.RANGES["radius"])
+    radius = several(radius, 2, 2) | radius | {"type": ["number", "array"]}
+    own_forms = {"kind": one_of(kinds), "at": one_or_several(vector(3)), "radius": radius, "tension": FLAG}
     keys = dict.fromkeys(key for allowed, _ in cases.values() for key in allowed)
     return table(keys, {**forms, **own_forms}, ("kind",), bearing_tables.RANGES) | by_word("kind", cases)
 

@@ -71,6 +71,54 @@ def test_a_wrong_file_is_not_valid(tmp_path: Path, file: str, old: str, new: str
         READERS[kind](tmp_path / "wrong.toml")
 
 
+@pytest.mark.parametrize(
+    ("at", "is_valid"),
+    [
+        ([0.0, 0.0, 0.3], True),
+        ([[0.0, 0.0, 0.3]], True),
+        ([[-1.0, 0.0, 0.3], [1.0, 0.0, 0.3]], True),
+        ([], False),
+        ([0.0, 0.3], False),
+        (["base", [0.0, 0.0, 0.3]], False),
+        ([1.5, [0.0, 0.0, 0.3]], False),
+        ([[0.0, 0.0, 0.3], 1.5], False),
+        ([["0.0", "0.0", "0.3"]], False),
+        ([[0.0, 0.0, 0.3, 0.0]], False),
+    ],
+)
+def test_places_of_bearings_are_valid_where_the_program_reads_them(at: Any, is_valid: bool) -> None:
+    data = tomllib.loads((ROOT / "examples" / "bearings" / "pendulum-bdqz1000.toml").read_text(encoding="utf-8"))
+    data["bearing"][0]["at"] = at
+    assert [line.startswith("$.bearing[0].at: ") for line in faults("structure", data)] == [True] * (not is_valid)
+    if is_valid:
+        assert len(Structure.from_dict(data).bearings) == (1 if isinstance(at[0], float) else len(at))
+    else:
+        with pytest.raises(InputError, match=r"bearing\[1\]\.at"):
+            Structure.from_dict(data)
+
+
+@pytest.mark.parametrize(
+    ("foot", "is_valid"),
+    [
+        ([[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1]], True),
+        ([[[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1]], [[-0.3, 0.2], [0.3, 0.2], [0.0, 0.3]]], True),
+        ([[-0.1, -0.1], [0.1, -0.1]], False),
+        ([[-0.1, -0.1], [0.1, -0.1], "base"], False),
+        ([[-0.1, -0.1, 0.0], [0.1, -0.1, 0.0], [0.1, 0.1, 0.0]], False),
+    ],
+)
+def test_feet_are_valid_where_the_program_reads_them(foot: Any, is_valid: bool) -> None:
+    points = [[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (0.0, 1.0)]
+    block = {"shape": "hull", "points": points, "on": "base", "density": 2e3, "foot": foot}
+    data = {"name": "statue", "joints": {"stiffness": 1e9, "damping": 1e-3}, "block": [block]}
+    assert [line.startswith("$.block[0].foot: ") for line in faults("structure", data)] == [True] * (not is_valid)
+    if is_valid:
+        Structure.from_dict(data)
+    else:
+        with pytest.raises(InputError, match=r"block\[1\]\.foot"):
+            Structure.from_dict(data)
+
+
 def properties(part: Any) -> Iterator[tuple[str, Any]]:
     """Yield each key with its schema, of all tables."""
     for name, value in part.items() if isinstance(part, dict) else enumerate(part) if isinstance(part, list) else ():
