@@ -21,10 +21,13 @@ SEPARATORS = (";", "\t", ",")
 COMMENTS = ("#", "%", "!", "//")
 MOST_ROUNDED = 1e-9  # of the shortest step: times with a larger rounding error in float64 are shifted to begin at 0
 FEWEST_OF_MANY = 4  # least number of rows to tell columns with times from samples row by row
-_EMPTY = re.compile(r"[,;]\s*[,;]\s*[^\s,;]")  # marks at the end of a row separate nothing
+_EMPTY = re.compile(r"(?:[,;]\s*[,;]|\t *\t)\s*[^\s,;]")  # marks at the end of a row separate nothing
 _UNIT = re.compile(r"[(\[]([^)\]]*)[)\]]")
 _WORD = re.compile(r"[\s,;]*([^\s,;]*)")
 _COMMAS = re.compile(r"[+-]?\d*,\d+(?:[EeDd][+-]?\d+)?(?:,[+-]?\d*,\d+(?:[EeDd][+-]?\d+)?)*", re.ASCII)
+_INSIDE = re.compile(r"[-+.,\dEeDd]*\d,\d[-+.,\dEeDd]*", re.ASCII)  # a comma between two digits
+_LONE = re.compile(r"[^\s,;]+(?:,[^\s,;]+)*,?")  # numbers that only commas separate
+_APART = re.compile(r";|[\d.]\s+[-+.\d]", re.ASCII)  # a separator other than a comma
 
 
 @dataclass(frozen=True)
@@ -81,24 +84,26 @@ def table_of(lines: Sequence[str], names: Sequence[str] = ()) -> TextTable:
 
 
 def check_no_decimal_commas(rows: Iterable[tuple[int, str]]) -> None:
-    """Raise InputError if the commas of rows without a header, (line, text), are those of decimal fractions.
+    """Raise InputError if the commas of rows without a header, (line, text), belong to numbers.
 
-    A comma between two digits is decimal if another mark or a blank separates the numbers too, or if no row has a
-    decimal point and every second number lacks a sign.
+    A comma between two digits is a decimal one, or one of thousands, if `;` or blanks without a comma separate numbers
+    of the row too, or if rows of a single number have none. Without decimal points anywhere it also is where the row
+    has blanks, or where every second number lacks a sign.
     """
-    rows = list(rows)
-    points = any("." in row for _, row in rows)
-    every = not points and all(_COMMAS.fullmatch(row.strip()) for _, row in rows)
+    rows = [(line, row.strip(" \t;")) for line, row in rows]
+    every = not any("." in row for _, row in rows) and all(_COMMAS.fullmatch(row) or "," not in row for _, row in rows)
+    # of lone words all but the last row, which may be truncated, have commas or none has
+    alone = all(_LONE.fullmatch(row) for _, row in rows)
+    every = every or (alone and any("," not in row for _, row in rows[:-1]))
     for line, row in rows:
-        words = re.split(r"[;\s]+", row.strip(" \t;"))
+        words, apart = re.split(r"[;\s]+", row), _APART.search(row)
         for word in words:
-            decimal = _COMMAS.fullmatch(word) and (every or (len(words) > 1 and word.count(",") == 1))
-            if decimal and "." not in row:
+            is_inside = _INSIDE.fullmatch(word)
+            decimal = _COMMAS.fullmatch(word) and (is_inside or "." not in row)
+            if (is_inside and (every or apart)) or (decimal and (every or (len(words) > 1 and word.count(",") == 1))):
                 part = re.match(r"[^,]*,[^,]*", word)
-                raise InputError(
-                    f"line {line}: {with_point(part[0] if part else word)}; "
-                    "put a blank after commas that separate numbers"
-                )
+                said = with_point(part[0] if part else word) or f"{shown(word)}: must have no comma within a number"
+                raise InputError(f"line {line}: {said}; put a blank after commas that separate numbers")
 
 
 def increases_as_times(rows: Sequence[Sequence[float]]) -> bool:

@@ -39,6 +39,7 @@ def read(tmp_path: Path, text: str, **given: Any) -> Motion:
         (rows_of(TIME, IN_G).replace(".", ","), {"dt": DT}),
         (rows_of(TIME, IN_G, mark=",").replace(".", ","), {"dt": DT}),
         ("0;0,1\n0,01;0\n0,02;-1,5E-02\n", {}),
+        ("0 ,1\n1 ,5\n", {}),
     ],
 )
 def test_decimal_commas_are_refused_where_they_are(tmp_path: Path, text: str, given: dict[str, float]) -> None:
@@ -52,6 +53,59 @@ def test_commas_between_columns_stay(tmp_path: Path, text: str) -> None:
     motion = read(tmp_path, text, units="m/s2")
     np.testing.assert_array_equal(motion.time, [0.0, 1.0])
     assert motion.ax[1] in (-2.0, 2.0, 15.0)
+
+
+@pytest.mark.parametrize("mark", [" ", ";", "\t"])
+@pytest.mark.parametrize("value", ["12,5", "-14,9", "1,2e-1", "1,100.5", "-1,250", "1,234,567.5", "1.100,5"])
+def test_commas_of_numbers_are_refused_beside_points(tmp_path: Path, mark: str, value: str) -> None:
+    """Refuse 12,5 whatever has a point in the row: it was read as ax = 12 and az = 5."""
+    text = f"0.00{mark}1.5\n0.01{mark}{value}\n0.02{mark}2.5\n"
+    for given in ({}, {"dt": DT}):
+        with pytest.raises(InputError, match=r"line 2: .*(decimal comma|must have no comma within a number)"):
+            read(tmp_path, text, units="cm/s2", **given)
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("900.5\n1,100.5\n-1,250.0\n800.0\n", 2),
+        ("0.5\n1,5\n-2,5\n", 2),
+        ("0,5\n1\n-2,5\n", 1),
+        ("0,5\n-1,5\n2\n", 1),
+        ("0.5\n1.5\n2,5\n", 3),
+    ],
+)
+def test_commas_of_single_numbers_are_refused(tmp_path: Path, text: str, line: int) -> None:
+    """Refuse four rows of one value each that were read as five or six samples."""
+    with pytest.raises(InputError, match=rf"line {line}: .*(decimal comma|must have no comma within a number)"):
+        read(tmp_path, text, units="cm/s2", dt=DT)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "0.00,0.1,0.2\n0.01,0.3,0.4\n",
+        "0.00, 0.1, 0.2\n0.01, 0.3, 0.4\n",
+        "0.00, 0.1, 0.2, \n0.01, 0.3, 0.4,\n",
+        "0.00 , 0.1 , 0.2\n0.01 ,0.3 ,0.4\n",
+        "  0.00,   0.1,0.2   \n  0.01,0.3,   0.4   \n",
+        "0.00,\t0.1,\t0.2\n0.01\t0.3 \t 0.4\n",
+        "0;0.1;0.2;\n0.01;.3;4E-1\n",
+    ],
+)
+def test_three_columns_are_read_with_every_separator(tmp_path: Path, text: str) -> None:
+    motion = read(tmp_path, text, units="m/s2")
+    assert [motion.time.tolist(), motion.ax.tolist(), motion.az.tolist()] == [[0.0, 0.01], [0.1, 0.3], [0.2, 0.4]]
+
+
+def test_rows_of_samples_between_commas_may_end_early(tmp_path: Path) -> None:
+    assert len(read(tmp_path, "0.1,1.2\n-0.3,0.4\n0.5\n", units="m/s2", dt=DT).ax) == 5
+
+
+@pytest.mark.parametrize("empty", ["\t\t", "\t \t", ",,", "; ;"])
+def test_a_field_without_a_number_is_refused(tmp_path: Path, empty: str) -> None:
+    with pytest.raises(InputError, match=r"line 2: '0\.01.*': has no number between two separators, must have one"):
+        read(tmp_path, f"0.00{empty[0]}0.1\n0.01{empty}0.1\n", units="m/s2")
 
 
 def test_every_command_reads_tables_alike(tmp_path: Path) -> None:
