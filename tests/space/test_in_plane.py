@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -45,6 +46,30 @@ def test_the_response_is_that_of_the_column() -> None:
     top = spatial.displacement("b2", (0.0, 0.0, 0.5 * 4.69))[:, 0]
     # the shear of the joints moves the top by 1e-4 of the peak: measured 1.1e-4
     assert np.max(np.abs(top - planar.ux[:, 0])) <= 3e-4 * planar.peak_top_ux[0]
+
+
+@pytest.mark.parametrize("at", [[7.3, -4.1], [-2.0, 0.0], [0.0, 1e3]])
+def test_a_stack_away_from_the_origin_is_the_same_column(at: list[float]) -> None:
+    """Compare with the stack at the origin, to the bit; its joint may be listed, in either order."""
+    low = {"name": "a", "on": "base", "width": 0.9, "depth": 0.6, "height": 1.0, "density": 2000.0}
+    drum = {"name": "b", "shape": "drum", "diameter": 0.5, "top_diameter": 0.4, "height": 1.2, "density": 2500.0}
+    data = {"name": "two", "joints": {"stiffness": 1e9, "damping": 1e-3, "friction": 0.6}}
+    central = column_of(Structure.from_dict({**data, "block": [low, drum | {"on": "a"}]}))
+    assert central is not None
+    placed, above = low | {"at": at}, drum | {"position": [*at, 1.0]}
+    own = {"at": [*at, 1.0], "normal": [0.0, 0.0, -1.0], "section": "circle", "diameter": 0.5}
+    cases: list[tuple[list[Any], list[Any]]] = [
+        ([placed, drum | {"on": "a"}], []),
+        ([placed, above], [{"between": ["b", "a"]}]),
+        ([placed, above], [{"between": ["a", "b"]}]),
+        ([above, placed], [{"between": ["a", "b"], **own}]),
+    ]
+    for blocks, joint in cases:
+        found = column_of(Structure.from_dict({**data, "block": blocks, "joint": joint}))
+        assert found is not None
+        assert found.to_dict() == central.to_dict()
+    aside = [placed, drum | {"on": "a", "at": [at[0] + 0.1, at[1]]}]
+    assert column_of(Structure.from_dict({**data, "block": aside})) is None
 
 
 def test_what_is_no_column_is_solved_in_space() -> None:

@@ -120,20 +120,25 @@ def column_of(structure: Structure) -> Column | None:
     """Return the column whose stack (`Structure.stack`) is this structure; None if there is none.
 
     The structure must consist of boxes or drums, each centred on the one below, without ties, bearings, neighbours or
-    bonds. A structure is elastic along its joints and a column is rigid: a run of the column neglects that.
+    bonds. A structure is elastic along its joints and a column is rigid: a run of the column neglects that. The axis of
+    the column is that of the lowest block, wherever it stands.
     """
     # blocks from the top, each on one joint to the next block
     order = np.argsort([-float(block.centroid[2]) for block in structure.blocks], kind="stable")
     solids = [structure.blocks[i] for i in order]
-    under = {joint.upper: joint for joint in structure.joints}
+    under = {joint.carried(structure.n): joint for joint in structure.joints}
     if structure.ties or structure.bearings or structure.neighbours or structure.bonds:
         return None
     if not len(under) == len(structure.joints) == structure.n:
         return None
     joints = [under[i] for i in order]
     lowers = [*order[1:], structure.n]
-    if any(joint.lower != lower for joint, lower in zip(joints, lowers, strict=True)):
+    if any(joint.carrier(structure.n) != lower for joint, lower in zip(joints, lowers, strict=True)):
         return None
+    # shift the axis of the lowest block to the origin
+    by = np.append(-solids[-1].centroid[:2], 0.0)
+    solids = [_moved(solid, by) for solid in solids]
+    joints = [replace(joint, face=replace(joint.face, centre=joint.face.centre + by)) for joint in joints]
     # build the column and compare its stack with the structure
     settings = Settings(tolerance=structure.tolerance, without=structure.without)
     try:
@@ -145,6 +150,12 @@ def column_of(structure: Structure) -> Column | None:
     same = all(map(_same_solid, again["blocks"], solids))
     same = same and all(_same_face(a.face, b.face) for a, b in zip(again["joints"], joints, strict=True))
     return column if same else None
+
+
+def _moved(solid: Solid, by: FloatArray) -> Solid:
+    """Return a block with its centroid and faces moved by a vector (m)."""
+    faces = tuple(replace(face, centre=face.centre + by) for face in solid.faces)
+    return replace(solid, centroid=solid.centroid + by, faces=faces)
 
 
 def highest_alone(structure: Structure) -> list[Column]:
