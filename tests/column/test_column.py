@@ -388,6 +388,25 @@ def test_keys_that_no_block_uses_are_warned_of(tmp_path: Path) -> None:
     assert said == "joint.damping: no block uses it, each has a joint.damping of its own"
 
 
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ('joint = { section = "ball" }', "joint.section = 'ball': must be one of rectangle"),
+        ("joint = { section = 3 }", "joint.section = 3: must be one of rectangle"),
+        ('joint = { strips = "wide" }', "joint.strips = 'wide': must be a list of 1 to"),
+        ("joint = { strips = [0.1, -0.1] }", "joint.strips[1] = -0.1: must be a depth in m"),
+        ('material = "marbel"', "material = 'marbel': must be one of"),
+    ],
+)
+def test_defaults_that_every_block_overrides_are_checked(tmp_path: Path, line: str, said: str) -> None:
+    """Check the words of the common joint and the material, which only blocks without their own used."""
+    own = 'material = "marble"\nwidth = 1.0\ndepth = 1.0\n'
+    own += 'joint = { section = "strips", strips = [0.5, 0.0, 0.5], stiffness = 1e10, damping = 1e-3 }\n'
+    with pytest.raises(InputError) as caught:
+        from_text(tmp_path, f'name = "a"\n{line}\n[[block]]\nheight = 1.0\n{own}')
+    assert str(caught.value).startswith(f"{tmp_path / 'column.toml'}: {said}")
+
+
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"absent\.toml: No such file or directory$"):
         Column.from_toml(tmp_path / "absent.toml")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import multiprocessing
+import tomllib
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -140,7 +141,7 @@ WRONG = [
     (("block", 0, "hight"), 1.0, "block[1].hight: unknown key"),
     (("block", 0, "density"), None, "block[1].density: must be given"),
     (("joints", "stiffness"), None, "block[1].joint.stiffness: missing"),
-    (("joints", "shear_ratio"), 0.0, "block[1].joint.shear_ratio = 0.0"),
+    (("joints", "shear_ratio"), 0.0, "joints.shear_ratio = 0.0"),
     (("block", 0, "shape"), "ball", "block[1].shape = 'ball'"),
     (("block", 0, "mass"), 1.0, "block[1].density: must be given"),
     (("tie",), [{"between": ["left", "left"], "from": [0, 0, 0], "to": [0, 0, 0], "stiffness": 1.0}], "two different"),
@@ -238,6 +239,34 @@ def test_wrong_values_are_named_in_one_line(place: tuple[Any, ...], value: Any, 
         Structure.from_dict(data)
     assert line in str(error.value)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("word", "value"),
+    [("stiffness", "soft"), ("damping", -5), ("friction", [1]), ("rim", 0.0), ("tensile_strength", "1e5")],
+)
+@pytest.mark.parametrize("key", ["joints", "joint", "block[1].joint"])
+def test_a_law_that_no_joint_uses_is_checked(key: str, word: str, value: Any) -> None:
+    """Check the defaults where every joint has keys of its own, and the law of a block that stands on nothing."""
+    block = {"name": "a", "width": 0.5, "depth": 0.5, "height": 2.0, "density": 2000.0}
+    own = {**LAW, "friction": 0.5, word: value if key == "block[1].joint" else 0.1}
+    data: dict[str, Any] = {"name": "t", "block": [block | {"on": "base", "joint": {**LAW, "friction": 0.5}}]}
+    if key == "block[1].joint":
+        joint = {"between": ["a", "base"], **LAW}
+        data |= {"block": [block | {"position": [0.0, 0.0, 0.0], "joint": own}], "joint": [joint]}
+    else:
+        data[key] = {word: value}
+    with pytest.raises(InputError) as error:
+        Structure.from_dict(data)
+    assert str(error.value).startswith(f"{key}.{word} = {value!r}: must be ")
+
+
+def test_defaults_of_joints_are_checked_beside_bearings_alone() -> None:
+    path = next((ROOT / "examples" / "bearings").glob("pendulum*.toml"))
+    data = tomllib.loads(path.read_text(encoding="utf-8"))
+    assert "joint" not in data
+    with pytest.raises(InputError, match=r"^joints\.damping = -5: must be "):
+        Structure.from_dict({**data, "joints": {"damping": -5}})
 
 
 def test_a_block_that_nothing_holds_is_refused() -> None:

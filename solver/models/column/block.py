@@ -368,14 +368,20 @@ def _check_strips(key: str, block: Block) -> None:
         if strips is not None:
             raise InputError(f'{key} = {shown(strips)}: must be left out, or section = "strips"')
         return
-    if not isinstance(strips, tuple) or not 1 <= len(strips) <= MOST_STRIPS:
+    for k, depth in enumerate(check_depths(key, strips)):
+        if depth > block.depth:
+            raise InputError(f"{key}[{k}] = {shown(depth)}: {STRIP_RELATION} = {shown(block.depth)} m")
+
+
+def check_depths(key: str, strips: object) -> Sequence[float]:
+    """Return the depths of strips (m). Raises InputError."""
+    if not isinstance(strips, (list, tuple)) or not 1 <= len(strips) <= MOST_STRIPS:
         raise InputError(f"{key} = {shown(strips)}: must be a list of 1 to {MOST_STRIPS} depths in m")
     for k, depth in enumerate(strips):
         check_number(f"{key}[{k}]", depth, (0.0, LENGTH[0][1]), "a depth in m, from 0 to that of the block")
-        if depth > block.depth:
-            raise InputError(f"{key}[{k}] = {shown(depth)}: {STRIP_RELATION} = {shown(block.depth)} m")
     if not any(strips):
         raise InputError(f"{key}: all zero, must have a depth somewhere")
+    return strips
 
 
 def _resolved(block: Block, rule: Rule) -> object:

@@ -12,8 +12,9 @@ import numpy as np
 from ...common.errors import InputError, InputWarning, check_number, check_whole, shown
 from ...common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice, check_keys
 from ...common.tables import PLACE, check_table
+from ...kernels.column.sections.faces import SECTIONS
 from ..ports import ports_from
-from .block import BLOCK_SECTIONS, Block, Given, Joint, Load, check_block
+from .block import BLOCK_SECTIONS, Block, Given, Joint, Load, check_block, check_depths
 from .materials import MATERIALS, Material
 from .settings import WITHOUT_STEP, Settings
 
@@ -55,6 +56,10 @@ def parts_from(data: Mapping[str, Any]) -> dict[str, Any]:
     for key, value in joint_defaults.items():  # checked here to report the key that the user wrote
         if key not in _WORDS:
             check(f"joint.{key}", value)
+    if "section" in joint_defaults:
+        check_choice("joint.section", joint_defaults["section"], tuple(SECTIONS))
+    if "strips" in joint_defaults:
+        check_depths("joint.strips", joint_defaults["strips"])
     blocks = _blocks_from(data, joint_defaults)
     for line in _unused(data, blocks):
         warnings.warn(line, InputWarning, stacklevel=4)
@@ -125,7 +130,7 @@ def _blocks_from(data: Mapping[str, Any], joint_defaults: Mapping[str, Any]) -> 
         check_keys(f"{key}.", table, _BLOCK_KEYS)
         meaning = f"a whole number from 1 to {MAX_BLOCKS}"
         tables += [(key, table)] * check_whole(f"{key}.repeat", times, 1, MAX_BLOCKS, meaning)
-    profile = _profile_from(data)
+    profile, usual = _profile_from(data), _material("material", data)
     blocks: list[Block] = []
     foot = 0.0  # height of the bottom face above the base
     for key, table in reversed(tables):
@@ -133,7 +138,7 @@ def _blocks_from(data: Mapping[str, Any], joint_defaults: Mapping[str, Any]) -> 
         if profile and _takes_profile(table):
             height = _number(key, table, "height")
             given["diameter"], given["top_diameter"] = np.interp([foot, foot + height], *profile).tolist()
-        material = _material(f"{key}.material", table) or _material("material", data)
+        material = _material(f"{key}.material", table) or usual
         blocks.append(_block_from(key, given, joint_defaults, material))
         foot += blocks[-1].height
     return tuple(reversed(blocks))

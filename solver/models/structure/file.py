@@ -224,6 +224,7 @@ class _Solids:
         # law of its joints, supports, shape
         own = table.get("joint", {})
         check_table(f"{key}.joint.", own, _LAW)
+        _law_numbers(f"{key}.joint", own)  # also of a block with a position, whose listed joints do not use them
         supports = self._named(key, table)
         solid = _solid_from(key, name, shape, table, self._place(key, table, supports), surface)
         self.numbers[name] = len(self.found)
@@ -319,16 +320,19 @@ def _joint_tables(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[Mapp
             raise InputError("joints: must be left out beside the table joint, which says the same")
         given, defaults = [], given
     check_table("joint.", defaults, _LAW)
+    _law_numbers("joint" if defaults is data.get("joint") else "joints", defaults)  # also if no joint uses them
     return defaults, tables_in("joint", {"joint": given}, 0)
+
+
+def _law_numbers(key: str, table: Mapping[str, Any]) -> dict[str, float]:
+    """Return the numbers of the law of a joint that a table has. Raises InputError for one that is out of range."""
+    ranges = {word: OWN_RANGES.get(word) or NUMBERS[word] for word in _LAW if word in table}
+    return {word: check_number(f"{key}.{word}", table[word], *ranges[word]) for word in ranges}
 
 
 def bed_from(key: str, table: Mapping[str, Any]) -> JointLaw:
     """Return the law of a joint from its keys. Raises InputError."""
-    found: dict[str, Any] = {}
-    for word in _LAW:
-        if word in table:
-            limits, meaning = OWN_RANGES.get(word) or NUMBERS[word]
-            found[word] = check_number(f"{key}.{word}", table[word], limits, meaning)
+    found: dict[str, Any] = _law_numbers(key, table)
     # keys that are required, and keys that exclude or require each other
     for word in ("stiffness", "damping"):
         if word not in found:
