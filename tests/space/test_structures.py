@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import multiprocessing
+import re
 import tomllib
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
@@ -14,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.spatial import ConvexHull
 from support.fmus import ROOT
 from support.probe import G, random_column
 from support.structures import MODULUS, run, stack, with_law
@@ -35,6 +37,7 @@ from solver.commands.command_line import main
 from solver.models.outputs import places_of
 from solver.models.structure.blocks import contacts, faces
 from solver.models.structure.blocks.faces import clipped, polygon_moments
+from solver.models.structure.blocks.outlines import hull_in_plane
 from solver.models.structure.blocks.shapes import rotation_matrix
 from solver.models.structure.outputs import OUTPUTS
 from solver.models.structure.rest import rest_of, start_from
@@ -267,6 +270,80 @@ def test_defaults_of_joints_are_checked_beside_bearings_alone() -> None:
     assert "joint" not in data
     with pytest.raises(InputError, match=r"^joints\.damping = -5: must be "):
         Structure.from_dict({**data, "joints": {"damping": -5}})
+
+
+BOX = {"name": "a", "width": 0.5, "depth": 0.4, "height": 2.0, "density": 2000.0, "position": [0.0, 0.0, 0.0]}
+TURNED = {**BOX, "rotation": [0.0, 0.0, 0.25 * math.pi]}
+UPRIGHT = {"name": "a", "shape": "drum", "diameter": 0.5, "height": 1.0, "density": 2000.0, "position": [0.0, 0.0, 0.0]}
+WEDGE = {"name": "a", "shape": "prism", "depth": 1.0, "density": 2000.0, "position": [0.0, 0.0, 0.0]}
+WEDGE["outline"] = [[0.0, 0.0], [1.0, 0.5], [0.8, 1.5], [-0.2, 1.0]]
+RECTANGLE, CIRCLE = {"section": "rectangle", "depth": 0.4}, {"section": "circle"}
+DIAGONAL = 0.9 * math.sqrt(0.5)  # m, the extent of the turned box along x: (0.5 + 0.4) / sqrt(2)
+
+
+@pytest.mark.parametrize(
+    ("block", "section", "beyond", "wide"),
+    [
+        (BOX, {**RECTANGLE, "width": 0.5}, 0.0, 0.0),
+        (BOX, {**RECTANGLE, "width": 0.3, "at": [0.1, 0.0, 0.0]}, 0.0, 0.0),
+        (BOX, {**RECTANGLE, "width": 0.5, "at": [0.0, 0.0, 1.0]}, 0.0, 0.0),
+        (BOX, {**RECTANGLE, "width": 5.0}, 2.25, 0.5),
+        (BOX, {**RECTANGLE, "width": 0.501}, 0.0005, 0.5),
+        (BOX, {**RECTANGLE, "width": 0.5, "at": [0.2, 0.0, 0.0]}, 0.2, 0.5),
+        (BOX, {**RECTANGLE, "width": 0.5, "depth": 0.6}, 0.1, 0.4),
+        (BOX, {**CIRCLE, "diameter": 0.4}, 0.0, 0.0),
+        (BOX, {**CIRCLE, "diameter": 0.5}, 0.05, 0.4),
+        (BOX, {"section": "ring", "diameter": 0.6, "bore": 0.2}, 0.1, 0.4),
+        (BOX, {"section": "polygon", "outline": [[0.0, -0.2], [0.25, 0.2], [-0.25, 0.2]]}, 0.0, 0.0),
+        (BOX, {"section": "polygon", "outline": [[0.0, -0.2], [0.35, 0.2], [-0.25, 0.2]]}, 0.1, 0.5),
+        (TURNED, {**RECTANGLE, "width": DIAGONAL, "depth": 0.01}, 0.025 + 0.005 * math.sqrt(0.5), 0.4),
+        (TURNED, {**RECTANGLE, "width": 0.2, "depth": 0.2}, 0.0, 0.0),
+        (UPRIGHT, {**CIRCLE, "diameter": 0.5}, 0.0, 0.0),
+        (UPRIGHT, {**CIRCLE, "diameter": 0.5, "at": [0.05, 0.0, 0.0]}, 0.05, 0.5),
+        (UPRIGHT, {**RECTANGLE, "width": 0.3, "depth": 0.4}, 0.0, 0.0),
+        (UPRIGHT, {**RECTANGLE, "width": 0.5, "depth": 0.5}, 0.25 * (math.sqrt(2.0) - 1.0), 0.5),
+        # the lower side of a wedge, from (0, 0) to (1, 0.5), of length 1.118 m, and its whole outline across
+        (WEDGE, {**RECTANGLE, "width": 1.118, "at": [0.5, 0.0, 0.25], "normal": [-0.5, 0.0, 1.0]}, 0.0, 0.0),
+        (WEDGE, {**RECTANGLE, "width": 1.5, "at": [0.5, 0.0, 0.25], "normal": [-0.5, 0.0, 1.0]}, 0.191, 1.386),
+    ],
+)
+def test_a_section_lies_on_its_block(
+    block: dict[str, Any], section: dict[str, Any], beyond: float, wide: float
+) -> None:
+    """Compare with lengths by hand: by how much it reaches beyond the block, and the block's width there."""
+    joint = {"between": ["a", "base"], "at": [0.0, 0.0, 0.0], **section}
+    data = {"name": "t", "joints": LAW, "block": [block], "joint": [joint]}
+    if not beyond:
+        assert len(Structure.from_dict(data).joints) == 1
+        return
+    said = r"joint\[1\]\.section: is \S+ m wide and reaches (\S+) m beyond a, which is (\S+) m wide there, .* lie on it"
+    with pytest.raises(InputError, match=f"^{said}$") as caught:
+        Structure.from_dict(data)
+    found = re.fullmatch(said, str(caught.value))
+    assert found is not None
+    assert [float(found[1]), float(found[2])] == pytest.approx([beyond, wide], rel=1e-3)
+
+
+def test_a_section_lies_on_both_blocks() -> None:
+    lower = {**BOX, "name": "low", "width": 0.3, "height": 1.0, "on": "base"}
+    del lower["position"]
+    joint = {"between": ["a", "low"], "at": [0.0, 0.0, 1.0], **RECTANGLE, "width": 0.3}
+    data = {"name": "t", "joints": LAW, "block": [lower, {**BOX, "position": [0.0, 0.0, 1.0]}], "joint": [joint]}
+    assert len(Structure.from_dict(data).joints) == 2
+    joint["width"] = 0.5
+    with pytest.raises(InputError, match=r"^joint\[1\]\.section: is 0\.5 m wide and reaches 0\.1 m beyond low, which"):
+        Structure.from_dict(data)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3, 1.0])
+def test_the_hull_of_points_in_a_plane_is_that_of_qhull(turn: float) -> None:
+    """Compare areas; corners that coincide but for rounding, as those of the faces of a block, are one."""
+    grid = np.array([[x, y] for x in (-0.5, 0.0, 0.5) for y in (-0.2, 0.0, 0.2)] * 3)
+    cloud = np.random.default_rng(1).standard_normal((200, 2))
+    axes = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
+    for points in (grid @ axes + 1e-17, cloud @ axes):
+        found = hull_in_plane(points)
+        assert polygon_moments(found)[0] == pytest.approx(ConvexHull(points).volume, rel=1e-12)
 
 
 def test_a_block_that_nothing_holds_is_refused() -> None:

@@ -71,3 +71,20 @@ def is_convex(outline: FloatArray) -> bool:
     after = np.roll(side, -1, axis=0)
     turns = np.arctan2(side[:, 0] * after[:, 1] - side[:, 1] * after[:, 0], np.sum(side * after, axis=1))
     return bool(np.min(turns) > 0.0) and abs(float(np.sum(turns)) - 2.0 * math.pi) < 1e-6
+
+
+def hull_in_plane(points: FloatArray) -> FloatArray:
+    """Return the corners of the convex hull of points in a plane (points, 2), anticlockwise, by monotone chains."""
+    ordered = sorted(set(map(tuple, points.tolist())))
+    found: list[tuple[float, ...]] = []
+    for chain in (ordered, ordered[::-1]):
+        first = len(found)
+        for x, y in chain:
+            while len(found) > first + 1:
+                (x0, y0), (x1, y1) = found[-2:]
+                if (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0) > 0.0:
+                    break
+                found.pop()
+            found.append((x, y))
+        found.pop()  # begins the other chain
+    return np.array(found)

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ....common.errors import InputError
-from .faces import NEAR, Face, shared
+from .faces import NEAR, Face, FloatArray, shared
+from .outlines import hull_in_plane
 from .parts import BASE, Solid, SpatialJoint
 
 SAME = 1e-6  # of the size of a block: places closer than this are one
+RIM = 360  # points of a round rim
 BEYOND = 0.1  # of the diagonal of a block: largest distance of the centre of a joint from the box around it
 
 
@@ -27,12 +31,13 @@ def check_places(keys: Sequence[str], blocks: Sequence[Solid]) -> None:
 
 
 def check_joints(blocks: Sequence[Solid], joints: Sequence[SpatialJoint]) -> None:
-    """Raise InputError for a joint away from its blocks, and for two joints of a pair that share an area."""
+    """Raise InputError for a joint away from or wider than its blocks, and for two of a pair that share an area."""
     pairs: dict[tuple[int, int], list[SpatialJoint]] = defaultdict(list)
     for joint in joints:
         for body in (joint.upper, joint.lower):
             if body < len(blocks):
                 _check_near(joint, blocks[body])
+                _check_within(joint, blocks[body])
         pairs[min(joint.upper, joint.lower), max(joint.upper, joint.lower)].append(joint)
     names = [*(block.name for block in blocks), BASE]
     for (one, other), found in pairs.items():
@@ -54,6 +59,37 @@ def _check_near(joint: SpatialJoint, block: Solid) -> None:
     far, most = float(np.linalg.norm(outside)), BEYOND * float(np.linalg.norm(high - low))
     if far > most:
         raise InputError(f"{joint.key}.at: is {far:.4g} m away from {block.name}, must be {most:.4g} m at most")
+
+
+def _check_within(joint: SpatialJoint, block: Solid) -> None:
+    """Raise InputError for a section that reaches beyond the outline of a block, seen along the normal of the joint.
+
+    A joint of faces that touch lies within them; the force of a bearing acts at a point.
+    """
+    if joint.above is not None or joint.bearing is not None:
+        return
+    flat = joint.face.axes[:, :2]
+    section = (joint.face.points(RIM) - joint.face.centre) @ flat
+    corners = (np.concatenate([_around(face) for face in block.faces]) - joint.face.centre) @ flat
+    # extents along the normals of the sides of the outline
+    outline = hull_in_plane(corners)
+    sides = np.roll(outline, -1, axis=0) - outline
+    normals = np.column_stack([sides[:, 1], -sides[:, 0]]) / np.hypot(*sides.T)[:, None]
+    own, most = section @ normals.T, outline @ normals.T
+    beyond = np.max(own, axis=0) - np.max(most, axis=0)
+    k = int(np.argmax(beyond))
+    if beyond[k] > SAME * max(joint.face.size, block.reach):
+        wide, most_wide = float(np.ptp(own[:, k])), float(np.ptp(most[:, k]))
+        raise InputError(
+            f"{joint.key}.section: is {wide:.4g} m wide and reaches {beyond[k]:.4g} m beyond {block.name}, which is "
+            f"{most_wide:.4g} m wide there, must lie on it"
+        )
+
+
+def _around(face: Face) -> FloatArray:
+    """Return the corners of a face (corners, 3), m; of a round one those of a polygon around it."""
+    wide = replace(face, radius=face.radius / math.cos(math.pi / RIM)) if face.radius else face
+    return wide.points(RIM)
 
 
 def _overlap(one: Face, other: Face, key: str) -> bool:
