@@ -243,7 +243,9 @@ def _derivatives(driven: Any, model: Model, t: float) -> Numbers:
     row, other = np.zeros((2, driven.seen.size))
     if isinstance(model, Structure):
         seeds = np.ones(driven._inputs.size)
-        structures.rates(*driven.arrays, t, *driven.record, 1.0, row, np.zeros(row.size))
+        record = driven.record
+        lines = record[: record._fields.index("held")]  # neither held samples nor loads
+        structures.rates(*driven.arrays, t, *lines, row, np.zeros(row.size))
         structures.feedthrough(*driven.arrays, seeds, 0.0, t, other, np.zeros(row.size))
         return [row.copy(), other.copy()]
     if model.settings.formulation != "exact" or model.ports:
@@ -251,9 +253,9 @@ def _derivatives(driven: Any, model: Model, t: float) -> Numbers:
     none, split, other_split = np.zeros(0), np.zeros(row.size), np.zeros(row.size)
     seeds = np.ones(len(BASE_INPUTS.fields) + len(BODY.fields))
     given, rooms = (none, none, none, 1.0), (row, split, other, other_split)
-    ENTRIES["column", "rates"](model.n, *driven.arrays, t, *given, *rooms)
+    ENTRIES["column_driven", "rates"](model.n, *driven.arrays, t, *given, *rooms)
     rates = row.copy()
-    ENTRIES["column", "feedthrough"](model.n, *driven.arrays, seeds, seeds, 0.0, t, *given, *rooms)
+    ENTRIES["column_driven", "feedthrough"](model.n, *driven.arrays, seeds, seeds, 0.0, t, *given, *rooms)
     return [rates, row.copy()]
 
 

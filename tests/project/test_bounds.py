@@ -86,6 +86,13 @@ def test_an_array_that_is_too_short_for_an_entry_is_said() -> None:
     assert last.endswith(": element 3 of 3")
 
 
+@pytest.mark.long  # takes seconds
+@pytest.mark.parametrize("kind", scenes.KINDS)
+def test_the_scenes_of_the_campaign_give_the_same_bits_twice(kind: str) -> None:
+    for number in range(5):
+        assert scenes.digest(kind, 7, number) == scenes.digest(kind, 7, number)
+
+
 @pytest.mark.campaign  # compiles kernels twice
 def test_a_run_has_the_same_bits_with_checks() -> None:
     assert elsewhere("simulate", str(DAMPED), **bounds.CHECKED) == elsewhere("simulate", str(DAMPED))
