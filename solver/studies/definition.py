@@ -159,6 +159,8 @@ class Study(NotebookRepr):
         # each varied name must belong to intensity, motions or models
         for name in (*self.grid, *self.random):
             if name == INTENSITY:
+                if name in self.random and self.random[name].relative:
+                    raise InputError(f"random.{name}.relative: must be left out, a motion has no {name} to multiply")
                 if self.measure is None:
                     raise InputError(f"intensity.measure: missing, {INTENSITY} is varied")
             elif name.startswith(OF_MOTION):
@@ -174,6 +176,9 @@ class Study(NotebookRepr):
             elif name == SLENDERNESS:
                 for column in self.columns:  # raises where an inertia would not follow
                     column.kind.with_numbers(column, {name: (1.0, True)})
+            elif not all(column.kind.numbers_of(column, name) for column in self.columns):
+                raise InputError(f"{name}: must be left out, a model has none")
+        self._check_overlaps()
         for name, values in self.grid.items():
             if not values:
                 raise InputError(f"grid.{name}: is empty, must be a list of numbers")
@@ -184,6 +189,21 @@ class Study(NotebookRepr):
         for name, parameter in self.random.items():
             if parameter.each and len({len(column.kind.numbers_of(column, name)) for column in self.columns}) > 1:
                 raise InputError(f"random.{name}.each: must be left out for columns of different numbers of blocks")
+
+    def _check_overlaps(self) -> None:
+        """Raise InputError if two varied names set the same number; relative ones multiply it, in any order."""
+        keys = {name: f"grid.{name}" for name in self.grid}
+        keys |= {name: f"random.{name}" for name, parameter in self.random.items() if not parameter.relative}
+        sizes = {f"{OF_MOTION}{size}" for shaking in self.motions if (size := shaking.amplitude)}
+        for name in sizes & {*self.grid, *self.random}:
+            if INTENSITY in (*self.grid, *self.random):
+                raise InputError(f"{name}: must be left out where {INTENSITY} is varied, which sets it")
+        for column in self.columns:
+            setting: dict[str, str] = {}  # names that set each number
+            for name, key in keys.items():
+                for place in column.kind.places_of(column, name):
+                    if setting.setdefault(place, key) != key:
+                        raise InputError(f"{key}: sets {place} as {setting[place]} does, must be relative or left out")
 
     def _facts(self) -> tuple[str, ...]:
         numbers = {"run": self.runs, "column": len(self.columns), "motion": len(self.motions), "sample": self.samples}
@@ -267,10 +287,13 @@ class Study(NotebookRepr):
         names = [name for name in self.varied if name.startswith(OF_MOTION)]
         return {name: (name.removeprefix(OF_MOTION), self._relative(name)) for name in names}
 
+    @cached_property
+    def _parameters(self) -> dict[str, Random]:
+        """The random parameters by the names of their numbers; the names of the grid have none."""
+        return {each: parameter for name, parameter in self.random.items() for each in self._each(name)}
+
     def _relative(self, name: str) -> bool:
-        part, _, key = name.partition(".")  # a number of one block may follow from that of all
-        parameter = self.random.get(name) or self.random.get(f"{part.partition('[')[0]}.{key}")
-        return parameter is not None and parameter.relative
+        return name in self._parameters and self._parameters[name].relative
 
     def _numbers(self, values: Mapping[str, float], shaking: Shaking) -> dict[str, float]:
         """Return the varied numbers of a motion, by its keys."""

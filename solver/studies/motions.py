@@ -239,6 +239,11 @@ class Shaking:
         scale = 1.0 if factor is None else factor
         return motion.with_loads({port: load.scaled(scale) for port, load in loads.items()}) if loads else motion
 
+    @property
+    def amplitude(self) -> str:
+        """The number of its formula that sets its size; "" for a record and where the size is fixed."""
+        return FORMULAS[self.formula].amplitude if self.formula else ""
+
     @staticmethod
     def numbers_of(formula: str) -> set[str]:
         """Return the names of the numbers that a study may set or vary."""

@@ -269,6 +269,77 @@ def test_a_tilted_base_is_gravity_turned() -> None:
     assert response.ux[-1, 0] > 0.0  # clockwise
 
 
+def vary(folder: Path, changes: dict[str, Any], model: str = "column = 'block.toml'") -> Study:
+    """Return a study of one run under a pulse of 3 m/s2 with other tables."""
+    text = f'name = "one"\nkind = "sweep"\n{model}\n'
+    pulse = {"formula": "ricker", "frequency": 1.0, "amplitude": 3.0}
+    return Study.from_dict({**tomllib.loads(text), "motion": [pulse], **changes}, folder)
+
+
+def drawn(median: float, relative: bool = False, each: bool = False) -> dict[str, Any]:
+    """Return the table of a random number that hardly varies."""
+    table = {"distribution": "lognormal", "median": median, "deviation": 1e-12}
+    return {**table, "relative": relative, "each": each}
+
+
+STEPS = "name = 'steps'\n[joint]\nstiffness = 1e9\ndamping = 1e-3\n" + 3 * (
+    "[[block]]\nheight = 1.0\nwidth = 1.0\ndepth = 1.0\nmass = 2500.0\n"
+)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_factors_multiply_what_the_grid_and_other_parameters_set(folder: Path, order: int) -> None:
+    (folder / "block.toml").write_text(STEPS, encoding="utf-8")
+    random = {"joint.damping": drawn(2.0, True), "joint[1].damping": drawn(7e-3), "joint.stiffness": drawn(3.0, True)}
+    random["joint[1].stiffness"] = drawn(5.0, True)
+    grid = {"joint[3].damping": [5e-3], "block[2].height": [1.5]}
+    table = {"grid": grid, "random": dict([*random.items()][::order]) | {"block.height": drawn(2.0, True)}}
+    blocks = vary(folder, table).run(0).run.model.blocks
+    for found, wanted in (
+        ([block.joint.damping for block in blocks], [14e-3, 2e-3, 10e-3]),
+        ([block.joint.stiffness for block in blocks], [15e9, 3e9, 3e9]),
+        ([block.height for block in blocks], [2.0, 3.0, 2.0]),
+    ):
+        assert found == pytest.approx(wanted, rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("grid", "random", "message"),
+    [
+        (("joint[3].stiffness",), ("joint.stiffness",), "sets joint[3].stiffness as grid.joint[3].stiffness does"),
+        ((), ("joint[2].width", "joint.width"), "sets joint[2].width as random.joint[2].width does"),
+        ((), ("block.mass", "block[1].density"), "sets block[1].density as random.block.mass does"),
+        (("column.slenderness", "block.width"), (), "sets block[1].width as grid.column.slenderness does"),
+        (("motion.amplitude", "intensity"), (), "motion.amplitude: must be left out where intensity is varied"),
+        (("intensity",), ("motion.amplitude",), "motion.amplitude: must be left out where intensity is varied"),
+    ],
+)
+def test_two_names_of_one_number_are_refused(
+    folder: Path, grid: tuple[str, ...], random: tuple[str, ...], message: str
+) -> None:
+    (folder / "block.toml").write_text(STEPS, encoding="utf-8")
+    table = {"grid": {name: [1.0] for name in grid}, "random": {name: drawn(1.0) for name in random}}
+    with pytest.raises(InputError, match=re.escape(message)):
+        vary(folder, {**table, "intensity": {"measure": "pga"}})
+    for name in (*grid, *random):  # one of them alone is valid
+        one = {"grid": {name: [1.0]}} if name in grid else {"random": {name: drawn(1.0)}}
+        vary(folder, {**one, "intensity": {"measure": "pga"}})
+
+
+def test_a_diameter_is_width_and_depth(folder: Path) -> None:
+    round_one = STEPS.replace("width = 1.0\ndepth = 1.0\n", 'section = "circle"\ndiameter = 1.0\n')
+    (folder / "block.toml").write_text(round_one, encoding="utf-8")
+    vary(folder, {"grid": {"block.diameter": [1.0], "joint.diameter": [0.9]}})
+    with pytest.raises(InputError, match=r"sets block\[1\].depth as grid.block.diameter does"):
+        vary(folder, {"grid": {"block.diameter": [1.0], "block[1].depth": [0.9]}})
+
+
+def test_an_intensity_has_no_factor(folder: Path) -> None:
+    table = {"random": {"intensity": drawn(1.0, True)}, "intensity": {"measure": "pga"}}
+    with pytest.raises(InputError, match=r"random.intensity.relative: must be left out"):
+        vary(folder, table)
+
+
 def test_axis() -> None:
     assert axis("grid.g", [1, 2.5]) == (1.0, 2.5)
     assert axis("grid.g", {"from": 0.25, "to": 1.0, "count": 4}) == (0.25, 0.5, 0.75, 1.0)

@@ -312,6 +312,49 @@ def test_wrong_names(name: str, relative: bool, message: str) -> None:
     assert message in str(error.value)
 
 
+def single(name: str, each: bool, relative: bool = False, **changes: Any) -> Study:
+    """Return a study of one run that varies one number, lognormal with median 2."""
+    random = {"distribution": "lognormal", "median": 2.0, "deviation": 1e-12, "relative": relative, "each": each}
+    path = str(EXAMPLES / "structures" / changes.pop("of", "trilith.toml"))
+    without = {"samples": 1, "keep": ["peak_u", "verdict"], "grid": {}, "structure": path}
+    without["motion"] = [{"formula": "ricker", "frequency": 1.0, "amplitude": 1.0}]
+    return Study.from_dict({**STUDY, **without, "random": {name: random}, **changes})
+
+
+@pytest.mark.parametrize("each", [False, True])
+def test_a_factor_on_the_gaps_of_pairs(each: bool) -> None:
+    found: Any = single("neighbours.pair.gap", each, True, of="cask-row.toml").run(0).run.model
+    pairs = found.to_dict()["neighbours"]["pair"]
+    assert [pair["gap"] for pair in pairs] == pytest.approx([0.4, 0.4, 0.4], rel=1e-10)  # the file has 0.2 m
+    with pytest.raises(InputError, match="friction: the file has none that could be multiplied"):
+        single("neighbours.pair.friction", each, True, of="cask-row.toml").run(0)
+
+
+def test_each_coordinate_and_none_of_no_ties() -> None:
+    found: Any = single("block.at[2]", True).run(0).run.model
+    assert [block["at"] for block in found.to_dict()["block"]] == [[x, pytest.approx(2.0)] for x in (0.0, 3.0, 1.5)]
+    for name in ("tie.yield", "bearing.friction", "neighbours.pair.gap"):
+        for each in (False, True):
+            with pytest.raises(InputError, match=f"{name}: must be left out, a model has none"):
+                single(name, each)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "place"),
+    [
+        ("joint[beam-left].friction", "joint[3].friction", "joint[3].friction"),
+        ("block[left].mass", "block.density", "block[1].density"),
+        ("block[left].at[1]", "block[1].at[1]", "block[1].at[1]"),
+        ("neighbours.pair.restitution", "neighbours.pair[2].damping", "neighbours.pair[2].damping"),
+    ],
+)
+def test_two_names_of_one_number_in_space(one: str, other: str, place: str) -> None:
+    of = "cask-row.toml" if one.startswith("neighbours") else "trilith.toml"
+    with pytest.raises(InputError, match=re.escape(f"random.{other}: sets {place} as grid.{one} does")):
+        single(other, False, of=of, grid={one: [0.5]})
+    single(other, False, True, of=of, grid={one: [0.5]})
+
+
 def test_what_goes_together(study: Study, tmp_path: Path) -> None:
     column = Column.from_toml(EXAMPLES / "columns" / "doric.toml")
     with pytest.raises(InputError, match="must all be columns, or all structures"):

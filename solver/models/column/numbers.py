@@ -47,17 +47,32 @@ def single_names(name: str, blocks: int) -> list[str]:
     return [f"{found[0]}[{i}].{found[2]}" for i in range(1, blocks + 1)]
 
 
+def places_of(column: Column, name: str) -> list[str]:
+    """Return the numbers that a name sets: of a diameter width and depth, of a mass the density."""
+    blocks = _to_dict(column, tuple(block.given for block in column.blocks))["block"]
+    if name == SLENDERNESS:
+        keys = ("width", "depth", "height")
+        return [f"block[{i}].{key}" for i in range(1, column.n + 1) for key in keys]
+    found = _parts(name)
+    if found is None:
+        return [name]
+    which = [i for i in range(1, column.n + 1) if found[1] in (0, i)]
+    tables = {i: blocks[i - 1] if found[0] == "block" else blocks[i - 1]["joint"] for i in which}
+    keyed = [(i, key) for i, table in tables.items() for key in _keys(found[2], table, blocks[i - 1])]
+    return [f"{found[0]}[{i}].{'density' if key == 'mass' else key}" for i, key in keyed]
+
+
 def column_with(column: Column, values: Mapping[str, tuple[float, bool]]) -> Column:
     """Return the column with other numbers, by name: the number, and whether it is a factor on the present value.
 
-    Shapes are set first, then the others in their order. Raises InputError if a name or number is invalid.
+    Shapes are set first, then numbers, then factors. Raises InputError if a name or number is invalid.
     """
     if not values:
         return column
     if all(name == _TOLERANCE or _joint_number(name) in _OWN for name in values):
         return _with_own(column, values)
     data = _written(column)
-    for name in sorted(values, key=lambda name: name not in SHAPES):
+    for name in sorted(values, key=lambda name: (name not in SHAPES, values[name][1])):
         number, relative = values[name]
         _set(data, name, number, relative)
     return Column.from_dict(data)
@@ -91,7 +106,7 @@ def _joint_number(name: str) -> str:
 def _with_own(column: Column, values: Mapping[str, tuple[float, bool]]) -> Column:
     """Return the column with independent numbers changed, without the conversion to a dict and back."""
     own = {key: [getattr(block.joint, key) for block in column.blocks] for key in _OWN}
-    for name, (number, relative) in values.items():
+    for name, (number, relative) in sorted(values.items(), key=lambda item: item[1][1]):  # factors last
         if name == _TOLERANCE:
             column = column.with_settings(tolerance=number * column.settings.tolerance if relative else number)
             continue

@@ -41,6 +41,10 @@ _LENGTHS = (
 )
 
 
+# keys that exclude each other, and the one that stands for both
+_SAME = {"mass": "density", "restitution": "damping"}
+
+
 class Named(NamedTuple):
     """A dotted name in its parts."""
 
@@ -72,7 +76,23 @@ def single_names_in_space(name: str, structure: Structure) -> list[str]:
     found = _named(name)
     if found is None or found.which:
         return [name]
-    return [f"{found.kind}[{k}].{found.key}" for k in range(1, len(_names(found.kind, structure)) + 1)]
+    key = f"{found.key}[{found.coordinate}]" if found.coordinate else found.key
+    return [f"{found.kind}[{k}].{key}" for k in range(1, len(_names(found.kind, structure)) + 1)]
+
+
+def places_in_space(name: str, structure: Structure) -> list[str]:
+    """Return the numbers that a name sets, of blocks and joints by their numbers.
+
+    Those that exclude each other, mass and density, restitution and damping, are one number.
+    """
+    places = []
+    for single in single_names_in_space(name, structure):
+        found = _named(single)
+        if found is not None and found.which in (names := _names(found.kind, structure)):
+            single = single.replace(f"[{found.which}]", f"[{names.index(found.which) + 1}]", 1)
+        before, _, key = single.rpartition(".")
+        places.append(f"{before}.{_SAME.get(key, key)}" if before else key)
+    return places
 
 
 def unit_in_space(name: str) -> str:
@@ -83,19 +103,21 @@ def unit_in_space(name: str) -> str:
 def structure_with(structure: Structure, values: Mapping[str, tuple[float, bool]]) -> Structure:
     """Return the structure with other numbers, by name: the number, and whether it is a factor on the present value.
 
-    The size is set first, then the others in their order. Raises InputError if a name or number is wrong.
+    The size is set first, then numbers, then factors. Raises InputError if a name or number is wrong.
     """
     if not values:
         return structure
     # laws of joints are set on the joints, which may come from several tables; all else in the file
+    order = sorted(values, key=lambda name: (name != SIZE, values[name][1]))
     beds = {name for name in values if (found := _named(name)) is not None and found.kind == "joint"}
     if beds != values.keys():
         data = structure.to_dict()
-        for name in sorted(values.keys() - beds, key=lambda name: (name != SIZE, list(values).index(name))):
-            _set(data, structure, name, *values[name])
+        for name in order:
+            if name not in beds:
+                _set(data, structure, name, *values[name])
         structure = Structure.from_dict(data)
     joints = list(structure.joints)
-    for name in values:
+    for name in order:
         if name in beds:
             for j in _which(name, structure):
                 joints[j] = replace(joints[j], bed=_bed_with(joints[j].bed, name, *values[name]))
