@@ -194,16 +194,30 @@ class Study(NotebookRepr):
         """Raise InputError if two varied names set the same number; relative ones multiply it, in any order."""
         keys = {name: f"grid.{name}" for name in self.grid}
         keys |= {name: f"random.{name}" for name, parameter in self.random.items() if not parameter.relative}
-        sizes = {f"{OF_MOTION}{size}" for shaking in self.motions if (size := shaking.amplitude)}
-        for name in sizes & {*self.grid, *self.random}:
-            if INTENSITY in (*self.grid, *self.random):
-                raise InputError(f"{name}: must be left out where {INTENSITY} is varied, which sets it")
+        if INTENSITY in (*self.grid, *self.random):
+            self._check_scales()
         for column in self.columns:
             setting: dict[str, str] = {}  # names that set each number
             for name, key in keys.items():
                 for place in column.kind.places_of(column, name):
                     if setting.setdefault(place, key) != key:
                         raise InputError(f"{key}: sets {place} as {setting[place]} does, must be relative or left out")
+
+    def _check_scales(self) -> None:
+        """Raise InputError if the size of a motion is set beside its intensity."""
+        sizes = {f"{OF_MOTION}{size}" for shaking in self.motions if (size := shaking.amplitude)}
+        for name in sizes & {*self.grid, *self.random}:
+            raise InputError(f"{name}: must be left out where {INTENSITY} is varied, which sets it")
+        name = f"{OF_MOTION}scale"
+        scales: dict[str, Sequence[float]] = {
+            f"motion[{k}].scale": [one.numbers.get("scale", 1.0)] for k, one in enumerate(self.motions, start=1)
+        }
+        scales[f"grid.{name}"] = self.grid.get(name, ())
+        if name in self.random:
+            scales[f"random.{name}"] = dict(self.random[name].distribution.numbers).get("values", (math.nan,))
+        for key, values in scales.items():
+            if not {1.0, -1.0}.issuperset(values):
+                raise InputError(f"{key}: must be 1, or -1 to reverse the motion, where {INTENSITY} is varied")
 
     def _facts(self) -> tuple[str, ...]:
         numbers = {"run": self.runs, "column": len(self.columns), "motion": len(self.motions), "sample": self.samples}

@@ -326,6 +326,27 @@ def test_two_names_of_one_number_are_refused(
         vary(folder, {**one, "intensity": {"measure": "pga"}})
 
 
+@pytest.mark.parametrize("place", ["motion", "grid", "random"])
+def test_an_intensity_is_that_of_the_motion_as_run(folder: Path, place: str) -> None:
+    """The sign of a motion may vary beside its intensity, a factor would make the intensity another one."""
+
+    def scaled(*values: float) -> Study:
+        choice = {"distribution": "choice", "values": list(values)}
+        pulse = {"formula": "ricker", "frequency": 1.0, "scale": values[0] if place == "motion" else 1.0}
+        grid = {"intensity": [0.1, 0.3]} | ({"motion.scale": list(values)} if place == "grid" else {})
+        random = {"motion.scale": choice} if place == "random" else {}
+        table = {"motion": [pulse], "grid": grid, "random": random, "intensity": {"measure": "pga"}}
+        return vary(folder, {**table, "kind": "ida"})
+
+    study = scaled(-1.0, 1.0)
+    for number in range(study.runs):
+        planned = study.run(number)
+        assert planned.run.motion.pga == pytest.approx(STANDARD_GRAVITY * planned.values["intensity"], rel=1e-12)
+    key = r"motion\[1\].scale" if place == "motion" else f"{place}.motion.scale"
+    with pytest.raises(InputError, match=f"{key}: must be 1, or -1 to reverse the motion, where intensity is varied"):
+        scaled(2.0, 1.0)
+
+
 def test_a_diameter_is_width_and_depth(folder: Path) -> None:
     round_one = STEPS.replace("width = 1.0\ndepth = 1.0\n", 'section = "circle"\ndiameter = 1.0\n')
     (folder / "block.toml").write_text(round_one, encoding="utf-8")
