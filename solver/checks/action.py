@@ -229,11 +229,12 @@ def _following(
 ) -> Action:
     """Return an action whose spectra follow the target: the given motions scaled, or artificial ones.
 
-    The default range of periods begins at `shortest` (s); `longest` (s) extends it, up to where spectra of codes end.
+    The default range of periods begins at `shortest` (s), SHORTEST at least; `longest` (s) extends it, up to where
+    spectra of codes end.
     """
     own = subject.period
     # range of periods that the motions must follow
-    usual = (shortest, max(LONGEST_PART * own, min(longest, LONGEST_PERIOD)))
+    usual = (max(shortest, SHORTEST), max(LONGEST_PART * own, min(longest, LONGEST_PERIOD)))
     low, high = usual if level.periods is None else level.periods
     if high > target.longest:
         raise InputError(

@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 from ..checks.action import LONGEST_PART, LONGEST_PERIOD, SHORTEST_PART, Action, Level, Motions, action_on
+from ..checks.artificial import SHORTEST
 from ..checks.check import motion_digest
 from ..checks.limits import Plan
 from ..checks.margin import margin_of
@@ -87,7 +88,8 @@ def common_action(subjects: Sequence[Subject], motions: Motions, level: Level, b
         firsts = [one.period for one in subjects]
         firsts += [period for period in (building.periods if building else ()) if period >= RIGID]
         longest = max(LONGEST_PART * max(firsts), *(max(one.longest, one.isolated) for one in subjects))
-        level = replace(level, periods=(SHORTEST_PART * min(firsts), min(longest, LONGEST_PERIOD)))
+        shortest = max(SHORTEST, SHORTEST_PART * min(firsts))
+        level = replace(level, periods=(shortest, min(longest, LONGEST_PERIOD)))
     return action_on(subjects[0], motions, level)
 
 

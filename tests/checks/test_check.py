@@ -26,7 +26,7 @@ from multiblock import (
     spectrum,
     wavelets,
 )
-from solver.checks.action import Action
+from solver.checks.action import ARTIFICIAL, Action, Level, action_on
 from solver.checks.answer import margin_sentence, verdict_sentence
 from solver.checks.check import checked, write_checks
 from solver.checks.limits import TOLERANCE
@@ -37,6 +37,7 @@ from solver.checks.subject import subject_of
 from solver.checks.table import Row, overturning
 from solver.checks.verdicts import Verdicts
 from solver.commands.check_report import check_lines
+from solver.gallery.survey import common_action
 from solver.models.protocol import SETTLE
 
 G = 9.80665
@@ -328,6 +329,19 @@ def test_contradictions_are_refused(words: dict[str, Any], message: str) -> None
 def test_vertical_components_that_are_missing_are_refused(words: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         check(BLOCK, {"2.0 Hz": PULSES["2.0 Hz"]}, **words)
+
+
+def test_the_range_of_a_fit_begins_at_four_samples_for_records_too() -> None:
+    """Check a stiff block, 0.2 T1 of which is 5 ms; a range that is given stays as it is."""
+    stiff = Column("stiff", (Block(0.5, 0.5, 0.5, 300.0, Joint(5e9, 2e-3)),))
+    level = Level(spectra.eurocode8(0.05 * G, "A"), None, None, None, None, 0.9, ARTIFICIAL, False, 0)
+    subject = subject_of(stiff)
+    assert 0.2 * subject.period < 0.01
+    for made in (action_on(subject, PULSES, level), common_action([subject], PULSES, level, None)):
+        assert made.periods is not None
+        assert made.periods[0] == 0.04
+    made = action_on(subject, PULSES, replace(level, periods=(0.01, 1.0)))
+    assert made.periods == (0.01, 1.0)
 
 
 @pytest.mark.long  # takes seconds
