@@ -23,8 +23,8 @@ from .spectra import DAMPING, FloatArray, Spectral, TargetSpectrum
 
 FEWEST, MEAN_FROM = 3, 7  # least numbers of motions, and of those whose mean counts: EN 1998-1, 4.3.3.4.3(3)
 LEAST_PART = 0.9  # least ratio of the mean spectrum to the target: EN 1998-1, 3.2.3.1.2(4)
-MOST_RAISED = 1.15  # largest factor on artificial motions; for spectra of codes a single motion needs 1.07
-PERIODS_OF_FIT = 40
+MOST_RAISED = 1.2  # largest factor on artificial motions; for spectra of codes a single motion needs 1.16
+PERIODS_OF_FIT, FINER = 40, 5  # periods of the means of single motions; intervals between two of them for the least
 # on records, and their inverses: beyond the first a caution, beyond the second an error
 USUAL_FACTOR, MOST_FACTOR = 10.0, 100.0
 VERTICAL_RANGE = (0.05, 1.0)  # s, range of the fit of vertical components: plateau and next branch of the codes
@@ -180,7 +180,7 @@ class Fit:
     @cached_property
     def periods(self) -> FloatArray:
         """The periods at which spectra are compared (s)."""
-        return np.geomspace(*self.range, PERIODS_OF_FIT)
+        return np.geomspace(*self.range, FINER * (PERIODS_OF_FIT - 1) + 1)
 
     @cached_property
     def ratios(self) -> FloatArray:
@@ -197,7 +197,7 @@ class Fit:
         First each motion is scaled to a geometric mean ratio of 1; then all by one common factor, not below 1, so that
         the mean of their spectra is nowhere below `least` times the target.
         """
-        own = np.exp(-np.mean(np.log(self.ratios), axis=1))
+        own = np.exp(-np.mean(np.log(self.ratios[:, ::FINER]), axis=1))
         common = self.common(least, own)
         return [float(common * factor) for factor in own]
 
