@@ -267,7 +267,7 @@ class Study(NotebookRepr):
         """Return the run of a number, from 0. Raises InputError if a value does not suit the column or the motion."""
         values = self.values(number)
         column = _column(self, int(values["column"]), tuple([values[name] for name in self._of_columns]))
-        motion, base, measures = self._shaken(values)
+        motion, base, measures = self._shaken(values, column.g)
         duration = motion.duration
         if self.duration is not None:
             duration = self.duration + (motion.duration - base.duration)  # plus the time in which the base is tilted
@@ -321,10 +321,11 @@ class Study(NotebookRepr):
             found[key] = value
         return found
 
-    def _shaken(self, values: Mapping[str, float]) -> tuple[Motion, Motion, dict[str, float]]:
+    def _shaken(self, values: Mapping[str, float], g: float) -> tuple[Motion, Motion, dict[str, float]]:
         """Return the motion as run, the motion before scaling and tilting, and the measures of the motion as run.
 
-        On a floor the measures are those of the ground, the two motions those of the floor.
+        On a floor the measures are those of the ground, the two motions those of the floor. `g` is the gravity of the
+        model, m/s2.
         """
         # the motion before scaling, and its measures
         which = int(values["motion"])
@@ -349,7 +350,7 @@ class Study(NotebookRepr):
         else:
             base = _on_floor(self, which, shape, INTENSITY in values, direction)
             motion = base.scaled(factor)
-        motion = tilted(motion, given.get("tilt", 0.0))
+        motion = tilted(motion, given.get("tilt", 0.0), g)
         motion = shaking.with_loads(motion, base, given.get(LOAD_SCALE))
         return motion, base, {name: size * value for name, value in measures.items()}
 

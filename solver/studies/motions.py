@@ -325,11 +325,12 @@ def _on_floor(key: str, table: Mapping[str, Any], folder: Path) -> tuple[Buildin
     return building, building.checked(table["floor"], f"{key}.floor")
 
 
-def tilted(motion: Motion, angle: float) -> Motion:
+def tilted(motion: Motion, angle: float, g: float = STANDARD_GRAVITY) -> Motion:
     """Return the motion on a base that leans clockwise by `angle` (rad), as gravity acts on a column on it.
 
     The base leans over smoothly in the 5 s before the motion. In a frame that leans by psi, gravity is rotated by psi:
-    a base acceleration of -g sin(psi) along and -g (1 - cos(psi)) across. Raises InputError for held samples.
+    a base acceleration of -g sin(psi) along and -g (1 - cos(psi)) across, by the gravity `g` of the model (m/s2).
+    Raises InputError for held samples.
     """
     if angle == 0.0:
         return motion
@@ -339,7 +340,7 @@ def tilted(motion: Motion, angle: float) -> Motion:
     # lean over with half a cosine, then add the constant acceleration
     part = np.arange(PER_LEAN) / PER_LEAN
     rise = 0.5 * (1.0 - np.cos(np.pi * part))
-    ax, az = -STANDARD_GRAVITY * math.sin(angle), -STANDARD_GRAVITY * (1.0 - math.cos(angle))
+    ax, az = -g * math.sin(angle), -g * (1.0 - math.cos(angle))
     time = np.concatenate([motion.start - LEAN_IN * (1.0 - part), motion.time])
     return Motion(
         time,

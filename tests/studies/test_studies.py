@@ -269,6 +269,18 @@ def test_a_tilted_base_is_gravity_turned() -> None:
     assert response.ux[-1, 0] > 0.0  # clockwise
 
 
+def test_a_tilted_base_turns_the_gravity_of_the_model(folder: Path) -> None:
+    """Check the force along the joint, m g sin(psi) on the moon, given and varied."""
+    (folder / "block.toml").write_text("g = 1.62\n" + STEPS, encoding="utf-8")
+    (folder / "still.csv").write_text("0.0, 0.0\n1.0, 0.0\n", encoding="utf-8")
+    table = {"motion": [{"record": "still.csv", "units": "g", "tilt": 0.02}]}
+    for grid, g in (({}, 1.62), ({"g": [3.7]}, 3.7)):
+        column, motion, duration = vary(folder, {**table, "grid": grid}).run(0).run
+        response = simulate(column, motion, duration, settle=0.0)
+        assert response.S[-1, -1] == pytest.approx(7500.0 * g * math.sin(0.02), rel=2e-3)
+        assert response.N[-1, -1] == pytest.approx(7500.0 * g * math.cos(0.02), rel=1e-4)
+
+
 def vary(folder: Path, changes: dict[str, Any], model: str = "column = 'block.toml'") -> Study:
     """Return a study of one run under a pulse of 3 m/s2 with other tables."""
     text = f'name = "one"\nkind = "sweep"\n{model}\n'
