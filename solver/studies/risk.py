@@ -32,7 +32,10 @@ EDGES = tuple(float(f"{part}e{power}") for power in range(-4, 4) for part in (1,
 LEAST_SHARE = 0.01
 RISK_NOTE = "bounds: 95 % confidence of the fragility; the hazard is taken as given"
 PER_ONE = re.compile(r"1\s*/|\^?-1\b")  # as in 1/year, year^-1
-OTHER_UNITS = re.compile(r"%|percent|\d|\b(log|ln|day|month)")  # of a heading that is not 1/year or years
+# of a heading that is not 1/year or years
+OTHER_UNITS = re.compile(
+    r"%|percent|\d|\b(log|ln|hour|dai|day|week|month|quarter|decad|centur|millenn|k(a|yr?|years?)\b)"
+)
 COLUMNS = ("failure", "from", "to", "share", "rate", "rate_low", "rate_high", "years", "probability", "low", "high")
 
 
@@ -124,7 +127,7 @@ class Hazard:
             if named is not None and measure is not None and named != Measure.from_text("measure", measure):
                 raise InputError(f"column 1 = {first!r}: must be {measure}, or intensity")
             words = re.sub("[^a-z]+", " ", second.lower()).split()
-            other = OTHER_UNITS.search(PER_ONE.sub("", second.lower()))
+            other = OTHER_UNITS.search(PER_ONE.sub("", second.lower().replace("_", " ")))
             if other or (words[:2] != ["return", "period"] and "rate" not in words):
                 raise InputError(f"column 2 = {second!r}: must be rate (1/year) or return_period (years)")
             intensity, values = np.array(rest, dtype=np.float64).reshape(-1, 2).T

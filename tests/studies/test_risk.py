@@ -189,6 +189,17 @@ def test_tables_are_read(tmp_path: Path) -> None:
         ("pga,rate (%/year)\n0.1,10\n0.2,5\n", "column 2 = 'rate (%/year)': must be rate (1/year)"),
         ("pga,rate in 50 years\n0.1,0.1\n0.2,0.05\n", "column 2 = 'rate in 50 years': must be rate"),
         ("pga,return_period (days)\n0.1,100\n0.2,500\n", "column 2 = 'return_period (days)': must be rate"),
+        *(
+            (f"pga,{name}\n0.1,1\n0.2,0.5\n", f"column 2 = {name!r}: must be rate (1/year)")
+            for name in (
+                "rate per century",
+                "daily rate",
+                "weekly rate",
+                "rate per decade",
+                "rate_per_day",
+                "rate 1/ka",
+            )
+        ),
         ("acceleration,rate\n0.1,0.1\n0.2,0.05\n", "column 1 = 'acceleration': must be pga, pgv, sa"),
         ("sa,rate\n0.1,0.1\n0.2,0.05\n", "column 1 = 'sa': must be pga"),
         ("sa(1.2.3),rate\n0.1,0.1\n0.2,0.05\n", "must have a period in s"),
