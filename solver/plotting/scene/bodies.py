@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import singledispatch
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from ...common.errors import InputError
 from ...kernels.column.sections.faces import SECTIONS
 from ...models.column.block import Block
 from ...models.column.model import Column
+from ...models.structure.blocks.contacts import GROUND
 from ...models.structure.blocks.faces import Face, FloatArray
 from ...models.structure.blocks.parts import Solid, SpatialJoint
 from ...models.structure.model import Structure
@@ -48,6 +49,13 @@ class SceneBody:
     tilt: float = 0.0  # rad, of the block as built
 
 
+class Rims(NamedTuple):
+    """A face: its rim, (points, 3) m from the centroid of the upper body as built, and that of its hole, or empty."""
+
+    points: FloatArray
+    hole: FloatArray
+
+
 @dataclass(frozen=True, eq=False)
 class SceneContact:
     """The face of a joint, (points, 3) m from the centroid of its upper body as built, anticlockwise from above."""
@@ -59,6 +67,9 @@ class SceneContact:
     hole: FloatArray  # the inner rim, empty without one
     stiffness: float  # N/m3
     at_point: bool = False  # a bearing, which bears at its centre
+    rim: float = 0.0  # m, width of the band along the edges in which the faces touch; 0: all over
+    above: Rims | None = None  # the face of the upper body, which bounds the contact after a slip; None: `points`
+    under: Rims | None = None  # that of the lower body; None: unbounded
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,10 +178,18 @@ def _of_structure(structure: Structure) -> tuple[tuple[SceneBody, ...], tuple[Sc
 
 
 def _contact(name: str, joint: SpatialJoint, centroid: FloatArray) -> SceneContact:
-    face = joint.face
-    hole = _inner(face) - centroid if face.bore else np.empty((0, 3))
-    points, at_point = face.points(SIDES) - centroid, joint.bearing is not None
-    return SceneContact(name, joint.upper, joint.lower, points, hole, joint.bed.stiffness, at_point)
+    def rims(face: Face) -> Rims:
+        hole = _inner(face) - centroid if face.bore else np.empty((0, 3))
+        return Rims(face.points(SIDES) - centroid, hole)
+
+    face, at_point = joint.face, joint.bearing is not None
+    made = SceneContact(
+        name, joint.upper, joint.lower, *rims(face), joint.bed.stiffness, at_point, joint.bed.rim or 0.0
+    )
+    if joint.bed.friction is None or at_point:
+        return made
+    under = joint.below or face
+    return replace(made, above=rims(joint.above or face), under=None if under is GROUND else rims(under))
 
 
 def surfaces(block: Solid) -> tuple[Surface, ...]:
@@ -225,6 +244,7 @@ def normal_of(points: FloatArray) -> FloatArray:
 def _of_column(column: Column) -> tuple[tuple[SceneBody, ...], tuple[SceneContact, ...]]:
     bodies, contacts = [], []
     foot = np.zeros(3)  # centre of the bottom face as built
+    top: Rims | None = None  # of the block below, from the origin; None: the base
     for i in range(column.n - 1, -1, -1):
         block = column.blocks[i]
         lean = block.joint.inclination or 0.0
@@ -233,18 +253,22 @@ def _of_column(column: Column) -> tuple[tuple[SceneBody, ...], tuple[SceneContac
         foot = foot + (block.joint.offset or 0.0) * np.array([math.cos(lean), 0.0, -math.sin(lean)])
         up = np.array([math.sin(tilt), 0.0, math.cos(tilt)])
         rise = block.resolved_centroid
-        made, rims = _of_block(block, tilt, lean - tilt, lean_above - tilt)
+        made, rims, upper = _of_block(block, tilt, lean - tilt, lean_above - tilt)
         centroid = foot + rise * up
         bodies.append(SceneBody(f"block {i + 1}", centroid, made, False, block.height - rise, tilt))
-        contacts.append(SceneContact(f"joint {i + 1}", i, i + 1, *rims, block.joint.stiffness))
+        under = None if top is None else Rims(*(ring - centroid for ring in top))
+        rim = block.joint.rim or 0.0
+        contacts.append(SceneContact(f"joint {i + 1}", i, i + 1, *rims, block.joint.stiffness, rim=rim, under=under))
+        top = Rims(*(centroid + ring for ring in upper))
         foot = foot + block.height * up
     return tuple(bodies[::-1]), tuple(contacts[::-1])
 
 
-def _of_block(
-    block: Block, tilt: float, below: float, above: float
-) -> tuple[tuple[Surface, ...], tuple[FloatArray, FloatArray]]:
-    """Return the surface of a column's block and the rims of its joint; `below`, `above`: angles of its faces, rad."""
+def _of_block(block: Block, tilt: float, below: float, above: float) -> tuple[tuple[Surface, ...], Rims, Rims]:
+    """Return the surface of a column's block, the rims of its joint and of its top.
+
+    below, above: angles of its faces, rad.
+    """
     ends = (block.width, block.depth), (block.top_width or block.width, block.top_depth or block.depth)
     own, joint = (OUTLINES[SECTIONS[int(code)]] for code in (block.shape[0], block.joint_section))
     heights = -block.resolved_centroid, block.height - block.resolved_centroid
@@ -262,4 +286,5 @@ def _of_block(
     bore = [ring(hole, hole, z, o) for z, o in zip(heights, (below, above), strict=True)] if hole else []
     rim = ring(block.joint_width, block.joint_depth, heights[0], below, joint)
     inner = ring(block.joint_bore, block.joint_bore, heights[0], below) if block.joint_bore else np.empty((0, 3))
-    return _between(low, high, bore, edged=own is SQUARE), (rim, inner)
+    top = Rims(high, bore[1] if bore else np.empty((0, 3)))
+    return _between(low, high, bore, edged=own is SQUARE), Rims(rim, inner), top

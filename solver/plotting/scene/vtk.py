@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import base64
+import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...common.errors import POSITIVE, InputError, check_number
 from ...models.outputs import BLOCK, JOINT
-from ...models.structure.blocks.faces import FloatArray
+from ...models.structure.blocks.faces import Face, FloatArray, clipped, inset, outside_parts, without_doubles
 from ...models.structure.blocks.shapes import turned
-from .bodies import Scene, SceneContact, normal_of, scene_of
+from .bodies import Rims, Scene, SceneContact, normal_of, scene_of
 
 POLYGON = 7  # VTK cell type
+ROUNDING = 1e-12  # of the size of a polygon: a distance from its edges that does not count
 NAMES = {"float64": "Float64", "int64": "Int64", "uint8": "UInt8"}
 PAGE = """<?xml version="1.0"?>
 <VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt32">
@@ -44,9 +46,10 @@ def write_vtk(response: Any, folder: str | os.PathLike[str], fps: float) -> None
     scene = scene_of(response, fps)
     where.mkdir(parents=True, exist_ok=True)
     outputs = {owner: _histories(response, owner) for owner in (BLOCK, JOINT)}
+    slips = outputs[JOINT].get("slip", np.zeros((len(response.time), len(scene.contacts))))
     for k, row in enumerate(scene.rows):
         _write_cells(where / f"blocks_{k:05d}.vtu", *_blocks(scene, k), BLOCK, outputs[BLOCK], row)
-        _write_cells(where / f"joints_{k:05d}.vtu", *_joints(scene, k), JOINT, outputs[JOINT], row)
+        _write_cells(where / f"joints_{k:05d}.vtu", *_joints(scene, k, slips[row]), JOINT, outputs[JOINT], row)
     if scene.walls:
         walls = [wall.centroid + wall.surfaces[0].points for wall in scene.walls]
         _write_cells(where / "walls.vtu", walls, range(len(walls)), {}, "wall", {}, 0)
@@ -72,25 +75,161 @@ def _blocks(scene: Scene, k: int) -> tuple[list[FloatArray], list[int], dict[str
     return found, owners, {}
 
 
-def _joints(scene: Scene, k: int) -> tuple[list[FloatArray], list[int], dict[str, FloatArray]]:
-    """Return the compressed parts of the joints as polygons, m, their joints, and the pressure at corners, Pa."""
+def _joints(scene: Scene, k: int, slips: FloatArray) -> tuple[list[FloatArray], list[int], dict[str, FloatArray]]:
+    """Return the compressed parts of the joints as polygons, m, their joints, and the pressure at corners, Pa.
+
+    slips: sizes of the slips of the joints, m.
+    """
     found, owners, pressures = [], [], []
     for j, contact in enumerate(scene.contacts):
-        for piece in _pieces(contact):
-            points, closed = _loaded(scene, k, contact, scene.bodies[contact.body].centroid + piece)
-            if len(points) > 2:
-                found.append(points)
+        shift, centroid = _shift(scene, k, contact, float(abs(slips[j]))), scene.bodies[contact.body].centroid
+        normal = _normal(scene, k, contact)
+        upper, lower = _placed_parts(scene, k, contact, list(_shared(contact, shift, centroid)))
+        for points, below in zip(upper, lower, strict=True):
+            part, closed = _loaded(points, (below - points) @ normal, contact.at_point)
+            if len(part) > 2:
+                found.append(part)
                 owners.append(j)
                 pressures.append(contact.stiffness * closed)
     return found, owners, {"pressure": np.concatenate(pressures) if pressures else np.empty(0)}
 
 
-def _pieces(contact: SceneContact) -> list[FloatArray]:
-    """Return convex polygons that make up the face of a joint."""
-    outer, inner = contact.points, contact.hole
-    if not len(inner):
-        return [outer]
-    return [np.array([outer[k - 1], outer[k], inner[k], inner[k - 1]]) for k in range(len(outer))]
+class _Shift(NamedTuple):
+    """The place of the upper face of a joint over the lower one, along axes of the joint as built."""
+
+    centre: FloatArray  # (3,) m, as built
+    axes: FloatArray  # (3, 2)
+    twist: FloatArray  # (2, 2)
+    slip: FloatArray  # (2,) m
+
+    def flat(self, points: FloatArray) -> FloatArray:
+        """Return points as built along the axes, (points, 2) m."""
+        found: FloatArray = (points - self.centre) @ self.axes
+        return found
+
+    def upper(self, flat: FloatArray) -> FloatArray:
+        """Return the points of the upper face as built that lie over points of the lower one."""
+        return self.lower((flat - self.slip) @ self.twist)
+
+    def lower(self, flat: FloatArray) -> FloatArray:
+        """Return the points as built of points along the axes, (points, 3) m."""
+        found: FloatArray = self.centre + flat @ self.axes.T
+        return found
+
+
+def _shift(scene: Scene, k: int, contact: SceneContact, slip: float) -> _Shift:
+    """Return the shift of a joint at an instant from its slip (m), whose direction is that between the bodies."""
+    points, built = scene.bodies[contact.body].centroid + contact.points, normal_of(contact.points)
+    centre, along = np.mean(points, axis=0), points[1] - points[0]
+    along = along / np.linalg.norm(along)
+    axes = np.column_stack([along, np.cross(built, along)])
+    if not slip > 0.0 or contact.at_point:
+        return _Shift(centre, axes, np.eye(2), np.zeros(2))
+    # twist of the upper body relative to the lower one about the normal
+    (a, u), (b, v) = (_quaternion(_turn(scene, k, body)) for body in (contact.body, contact.below))
+    twist = 2.0 * math.atan2(float((b * u - a * v - np.cross(v, u)) @ built), float(a * b + u @ v))
+    # slip of the centres along the axes half-way between both bodies, then along those of the lower one
+    moved = _placed(scene, k, contact.body, centre[None]) - _placed(scene, k, contact.below, centre[None])
+    between = 2.0 * axes + turned(_turn(scene, k, contact.body), axes.T).T
+    between = between + turned(_turn(scene, k, contact.below), axes.T).T
+    found = moved[0] @ (between / np.linalg.norm(between, axis=0))
+    found = found * min(1.0, slip / max(float(np.hypot(*found)), 1e-300))  # the rest is elastic
+    return _Shift(centre, axes, _rotation(twist), _rotation(0.5 * twist) @ found)
+
+
+def _turn(scene: Scene, k: int, i: int) -> FloatArray:
+    """Return the rotation vector of a body at an instant, rad; zero for the base."""
+    found: FloatArray = scene.turn[k, i] if i < len(scene.bodies) else np.zeros(3)
+    return found
+
+
+def _quaternion(turn: FloatArray) -> tuple[float, FloatArray]:
+    """Return the scalar and the vector of the unit quaternion of a rotation vector (rad)."""
+    half = 0.5 * float(np.linalg.norm(turn))
+    return math.cos(half), 0.5 * np.sinc(half / np.pi) * turn
+
+
+def _rotation(angle: float) -> FloatArray:
+    cos, sin = math.cos(angle), math.sin(angle)
+    return np.array([[cos, -sin], [sin, cos]])
+
+
+def _shared(contact: SceneContact, shift: _Shift, centroid: FloatArray) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Yield convex polygons of the bearing area as built: on the upper face, and below them on the lower one, m."""
+    slipped = bool(np.any(shift.slip))
+    above = contact.above if slipped and contact.above is not None else Rims(contact.points, contact.hole)
+    faces = [[_anticlockwise(shift.flat(centroid + ring) @ shift.twist.T + shift.slip) for ring in above]]
+    if contact.under is not None:
+        faces.append([_anticlockwise(shift.flat(centroid + ring)) for ring in contact.under])
+    holes = [hole for _, hole in faces if len(hole)]
+    # a ring is cut into convex pieces between its rims
+    (outer, inner), *unders = faces
+    pieces = [np.array([outer[k - 1], outer[k], inner[k], inner[k - 1]]) for k in range(len(inner))] or [outer]
+    parts = _without([_common([piece, *(rim for rim, _ in unders)]) for piece in pieces], [hole for _, hole in unders])
+    # a rim leaves the common inside of both faces open, but for the rims of their holes
+    if contact.rim:
+        inside = _common([_inset(rim, contact.rim) for rim, _ in faces])
+        within = [part for part in (_common([part, inside]) for part in parts) if len(part)]
+        parts = _without(parts, [inside])
+        for hole in (_outset(hole, contact.rim) for hole in holes):
+            parts += [_common([part, hole]) for part in within]
+            within = _without(within, [hole])
+    for part in parts:
+        if len(part):
+            yield shift.upper(part), shift.lower(part)
+
+
+def _anticlockwise(flat: FloatArray) -> FloatArray:
+    x, y = (flat - flat[:1]).T
+    return flat if float(np.sum(x[1:-1] * y[2:] - y[1:-1] * x[2:])) > 0.0 else flat[::-1]
+
+
+def _common(polygons: Sequence[FloatArray]) -> FloatArray:
+    """Return what convex polygons share, anticlockwise; empty if they do not overlap."""
+    first, *others = polygons
+    for other in others:
+        if len(first) and len(other):
+            outside = _outside(other, -ROUNDING)
+            values = outside[:, :1] + outside[:, 1:] @ first.T
+            if np.any(np.all(values >= 0.0, axis=1)):
+                first = first[:0]
+            elif np.any(values > 0.0):
+                first = without_doubles(clipped(first, other))
+        else:
+            first = first[:0]
+    return first if len(first) > 2 else first[:0]
+
+
+def _outside(polygon: FloatArray, margin: float) -> FloatArray:
+    """Return linear functions, one of which is positive outside a convex polygon, as of `outside_parts`.
+
+    Points farther inside than `margin` of its size lie within.
+    """
+    side = np.roll(polygon, -1, axis=0) - polygon
+    outwards = np.column_stack([side[:, 1], -side[:, 0]])
+    at = margin * float(np.max(np.abs(polygon))) * np.hypot(*side.T) - np.sum(outwards * polygon, axis=1)
+    return np.column_stack([at, outwards])
+
+
+def _without(parts: Sequence[FloatArray], holes: Sequence[FloatArray]) -> list[FloatArray]:
+    """Return the parts of convex polygons outside some convex holes, as convex polygons."""
+    found = [part for part in parts if len(part)]
+    for hole in (hole for hole in holes if len(hole)):
+        outside = _outside(hole, ROUNDING)
+        found = [piece for part in found for piece in outside_parts(part, outside)]
+    return found
+
+
+def _inset(flat: FloatArray, rim: float) -> FloatArray:
+    """Return the part of a convex polygon farther than `rim` (m) from its edges; empty if there is none."""
+    found = inset(Face(np.zeros(3), np.eye(3), flat), rim)
+    return np.empty((0, 2)) if found is None else found.outline
+
+
+def _outset(circle: FloatArray, rim: float) -> FloatArray:
+    """Return the polygon of a circle whose radius is larger by `rim` (m)."""
+    centre = np.mean(circle, axis=0)
+    return centre + (circle - centre) * (1.0 + rim / float(np.linalg.norm(circle[0] - centre)))
 
 
 def _placed(scene: Scene, k: int, i: int, points: FloatArray) -> FloatArray:
@@ -101,19 +240,40 @@ def _placed(scene: Scene, k: int, i: int, points: FloatArray) -> FloatArray:
     return found
 
 
-def _loaded(scene: Scene, k: int, contact: SceneContact, piece: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _placed_parts(
+    scene: Scene, k: int, contact: SceneContact, parts: Sequence[tuple[FloatArray, FloatArray]]
+) -> list[list[FloatArray]]:
+    """Return the polygons on the upper face and those below them on the lower one at their places at an instant, m."""
+    ends, bodies = np.cumsum([len(upper) for upper, _ in parts])[:-1], (contact.body, contact.below)
+    if not parts:
+        return [[], []]
+    return [
+        np.split(_placed(scene, k, body, np.concatenate(polygons)), ends)
+        for body, polygons in zip(bodies, zip(*parts, strict=True), strict=True)
+    ]
+
+
+def _normal(scene: Scene, k: int, contact: SceneContact) -> FloatArray:
+    """Return the mean of the normals of both faces, along which a joint opens (theory.md section 13), (3,)."""
+    built = normal_of(contact.points)
+    normal = 2.0 * built + turned(_turn(scene, k, contact.body), built) + turned(_turn(scene, k, contact.below), built)
+    found: FloatArray = normal / np.linalg.norm(normal)
+    return found
+
+
+def _loaded(points: FloatArray, closed: FloatArray, at_point: bool) -> tuple[FloatArray, FloatArray]:
     """Return the part of a polygon of the upper face that penetrates the lower one, m, and its depth at the corners, m.
 
-    A joint opens along the mean of both faces' normals (theory.md section 13).
+    Parameters
+    ----------
+    points : (corners, 3) float
+        The polygon, m.
+    closed : (corners,) float
+        The depths at its corners, m.
+    at_point : bool
+        Whether the joint is a bearing, whose depth is that at its centre.
     """
-    # closure of the joint at the corners along the mean normal
-    built, below = normal_of(contact.points), contact.below
-    normal = 2.0 * built + turned(scene.turn[k, contact.body], built)
-    if below < len(scene.bodies):
-        normal = normal + turned(scene.turn[k, below], built)
-    points = _placed(scene, k, contact.body, piece)
-    closed = (_placed(scene, k, below, piece) - points) @ normal / np.linalg.norm(normal)
-    if contact.at_point:
+    if at_point:
         closed = np.full(len(points), np.mean(closed))
     found, depths = [], []
     # clip the polygon at zero closure
