@@ -133,10 +133,11 @@ def simulate(
     Mx, My, Mz, N m; in its plane a column has Fx, Fz, My) -> a number, constant over the run, or (times,
     values). release: port -> component -> number: rest under these loads, removed at the start.
 
-    Accuracy; None keeps the setting of the column. tolerance: relative to the peak. formulation, integrator, step (s):
-    structures have none of these. without: names of settings.SKIPS, shortcuts that are switched off; "peaks": only
-    those of ux are kept. plane: "auto" gives the Response of a column, with joints rigid along themselves, for a
-    structure that is one, begins at rest and is shaken in the plane x, z alone (models/structure/stack.py).
+    Accuracy; None keeps the setting of the column. tolerance: relative to the peak; not used by "paper".
+    formulation, integrator, step (s): structures have none of these. without: names of settings.SKIPS, shortcuts that
+    are switched off; "peaks": only those of ux are kept. plane: "auto" gives the Response of a column, with joints
+    rigid along themselves, for a structure that is one, begins at rest and is shaken in the plane x, z alone
+    (models/structure/stack.py).
 
     Output. output_step: s between the rows of the response; None: 0.005. It has no influence on the steps, and the
     peaks are those of the motion between the rows as well. callback: called as callback(t, Glance), of run.py of the
