@@ -60,18 +60,19 @@ def rest_in_space_report(found: PushOver) -> str:
         lines.append("ties: forces (kN) " + ", ".join(f"{1e-3 * force:.4g}" for force in found.tie[0]))
     # head of the table of pushes
     unit = "g" if found.pattern is None else "1"
-    pushed = f"first opening ({unit})  first sliding ({unit})  largest ({unit})  which moves (mm)"
+    pushed = f"first opening ({unit})  first sliding ({unit})  first jump ({unit})  largest ({unit})  which moves (mm)"
     lines.append(f"push towards (deg)  {pushed}")
     return "\n".join(lines)
 
 
 def push_line(found: PushOver) -> str:
     """Return the row of one direction in the table of pushes."""
-    opens, slides = (_shown(found, push) for push in (found.uplift, found.sliding))
+    jump = float(found.jumps[0]) if found.jumps.size else math.nan
+    opens, slides, jumps = (_shown(found, push) for push in (found.uplift, found.sliding, jump))
     moved = f"{found.model.names[found.moves_most]} {1e3 * found.moved[-1]:.4g}"
     largest = _shown(found, found.largest_acceleration)
     towards = f"{math.degrees(found.direction):.4g}" if found.pattern is None else "pattern"
-    return f"{towards:>18s}  {opens:>17s}  {slides:>17s}  {largest:>11s}  {moved}"
+    return f"{towards:>18s}  {opens:>17s}  {slides:>17s}  {jumps:>14s}  {largest:>11s}  {moved}"
 
 
 def push_over_report(found: PushOver) -> str:
