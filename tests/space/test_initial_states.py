@@ -39,6 +39,26 @@ def test_a_displaced_joint_that_never_slides_is_deformed_and_springs_back(slip: 
     assert np.all(found.slip == 0.0)
 
 
+@pytest.mark.parametrize("raised", [1e-6, 1e-4])
+def test_a_displaced_bond_that_is_pulled_is_deformed(raised: float) -> None:
+    strong = slab(friction=0.6, tensile_strength=5e6, cohesion=5e6)
+    none, slip = np.zeros((1, 3)), 1e-4
+    found = simulate(strong, STILL, initial=SpatialState(np.array([[slip, 0.0, raised]]), none, none, none), settle=0.0)
+    assert found.N[0, 0] == pytest.approx(-STIFFNESS * raised)
+    assert abs(found.Tx[0, 0]) == pytest.approx(RATIO * STIFFNESS * slip)
+
+
+def test_a_displaced_joint_that_is_partly_open_is_deformed() -> None:
+    """Let a block stand near its edge, beside its place as built."""
+    none, slip, turn = np.zeros((1, 3)), 1e-4, 1e-4
+    place = np.array([[slip + 0.25 * turn, 0.0, 0.4 * turn]])
+    state = SpatialState(place, np.array([[0.0, turn, 0.0]]), none, none)
+    found = simulate(slab(), STILL, initial=state, settle=0.0)
+    assert found.N[0, 0] > 0.0
+    assert 0.05 < found.contact[0, 0] < 0.5
+    assert abs(found.Tx[0, 0]) == pytest.approx(RATIO * STIFFNESS * slip, rel=1e-3)
+
+
 def test_a_displaced_bond_breaks_where_it_bears_less() -> None:
     """Displace a bond within its shear strength, and beyond it: then friction holds what is left of it."""
     mortar = {"friction": 0.6, "tensile_strength": 1e6, "cohesion": 5e4}

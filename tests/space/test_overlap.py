@@ -175,6 +175,9 @@ def test_the_largest_pressure_beside_a_bore_is_that_of_the_edges(name: str) -> N
     """Compare with the largest q at points along the edges of both faces that lie on the other one."""
     angle, within, rng = np.linspace(0.0, 2.0 * math.pi, 200001), 1.0 + 1e-9, np.random.default_rng(2)
     structure, shapes = two(*HOLLOW[name]), HOLLOW[name]
+    uniform = np.array([0.3, 0.0, 0.0])
+    for slips in (np.array([0.01, 0.0, 0.0]), np.array([0.0, 0.0, 0.3])):
+        assert bed(structure, slips, uniform, uniform)[4] == 0.3
     for _ in range(10):
         slips = np.array([*rng.uniform(-0.3, 0.3, 2), 0.0])
         p = rng.normal(size=3) * (0.2, 2.0, 2.0)

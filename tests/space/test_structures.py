@@ -302,9 +302,12 @@ DIAGONAL = 0.9 * math.sqrt(0.5)  # m, the extent of the turned box along x: (0.5
         (UPRIGHT, {**CIRCLE, "diameter": 0.5, "at": [0.05, 0.0, 0.0]}, 0.05, 0.5),
         (UPRIGHT, {**RECTANGLE, "width": 0.3, "depth": 0.4}, 0.0, 0.0),
         (UPRIGHT, {**RECTANGLE, "width": 0.5, "depth": 0.5}, 0.25 * (math.sqrt(2.0) - 1.0), 0.5),
-        # the lower side of a wedge, from (0, 0) to (1, 0.5), of length 1.118 m, and its whole outline across
+        # the top of a tapered box, and its outline below
+        ({**BOX, "top_width": 0.2}, {**RECTANGLE, "width": 0.4, "at": [0.0, 0.0, 2.0]}, 0.1, 0.2),
+        ({**BOX, "top_width": 0.2}, {**RECTANGLE, "width": 0.4, "at": [0.0, 0.0, 0.5]}, 0.0, 0.0),
+        # the lower side of a wedge, from (0, 0) to (1, 0.5), of length 1.118 m
         (WEDGE, {**RECTANGLE, "width": 1.118, "at": [0.5, 0.0, 0.25], "normal": [-0.5, 0.0, 1.0]}, 0.0, 0.0),
-        (WEDGE, {**RECTANGLE, "width": 1.5, "at": [0.5, 0.0, 0.25], "normal": [-0.5, 0.0, 1.0]}, 0.191, 1.386),
+        (WEDGE, {**RECTANGLE, "width": 1.5, "at": [0.5, 0.0, 0.25], "normal": [-0.5, 0.0, 1.0]}, 0.191, 1.118),
     ],
 )
 def test_a_section_lies_on_its_block(

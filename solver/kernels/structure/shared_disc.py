@@ -302,7 +302,7 @@ def largest_beside_bores(room, above, below, p, q, outside):
     """Return the largest q (m) over the intersection of two faces with a bore, at most that without bores, `outside`.
 
     A linear function is largest at the top of an outer circle, at a corner or where two edges cross: at a bore alone it
-    grows along the edge. Where q is larger beyond the line p = 0 the answer is `outside`.
+    grows along the edge. Where q is uniform, or larger beyond the line p = 0, the answer is `outside`.
     """
     ring, other = (above, below) if is_round(above) else (below, above)
     count, largest, slope = 0 if is_round(other) else put_corners(room, other), 0.0, slope_of(q)
@@ -326,7 +326,7 @@ def largest_beside_bores(room, above, below, p, q, outside):
             x, y = room[2 * i], room[2 * i + 1]
             dx, dy = room[2 * after] - x, room[2 * after + 1] - y
             largest = _largest_on_side(_or_there(largest, ring, p, q, x, y), ring, radius, p, q, x, y, dx, dy)
-    return min(largest, outside)
+    return min(largest, outside) if largest > 0.0 and slope > 0.0 else outside
 
 
 @kernel

@@ -29,7 +29,9 @@ from .rest import rest_of, start_from
 from .stepper import SpatialStepper
 from .verdict import RESTING, next_look, potential_well_of, reason_for_leaning
 
-OPEN = 1e-6  # of the largest block: an initial opening above it is none of rounding
+# of a joint that has lifted off: least opening in the middle, of the largest block, and largest overlap, of that
+OPEN, TOUCHES = 1e-6, 1e-3
+RIM = 360  # points of a round face
 TWISTS = 6  # iterations for an initial twist: each reduces the error to its cube over 24
 COUNTED = ("steps", "elastic_steps", "stabilized_steps", "rejected", "evaluations", "looks")
 
@@ -58,7 +60,8 @@ class SpatialState(NamedTuple):
     """The initial displacement m, rotation rad (axis times angle), velocity m/s and spin rad/s, (n, 3) each.
 
     They are those of the blocks relative to the structure as built and without weight, along the axes of the base. A
-    closed joint with friction has slid to where it is displaced; without, or with a bond, it is deformed elastically.
+    joint with friction has slid to where it is displaced, as has one that has lifted off; one without friction that
+    touches anywhere, or with a bond, is deformed elastically.
     """
 
     displacement: FloatArray
@@ -193,27 +196,32 @@ def set_initial(stepper: SpatialStepper, initial: SpatialState) -> None:
     across = np.cross(q, spin)  # into the axes of the body
     see.wx[:], see.wy[:], see.wz[:] = (spin - 2.0 * (see.q0[:, None] * across - np.cross(q, across))).T
     found = at.WORK.see(stepper.arrays.work, stepper.sizes).resultants
-    # joints that may have slid, or are open in the middle, begin without elastic slip
     structure = stepper.structure
-    slides = np.array([_may_have_slid(joint) for joint in structure.joints], dtype=bool)
-    slides |= _openings(structure, initial) > OPEN * max(block.size for block in structure.blocks)
-    for _ in range(TWISTS):
+    for _ in range(TWISTS):  # joints begin without elastic slip
         stepper.observe(keep=False)
         for k in (1, 2, 3):
-            getattr(stepper.slips, f"p{k}")[slides] = getattr(found, f"s{k}")[slides]
-
-
-def _openings(structure: Structure, initial: SpatialState) -> FloatArray:
-    """Return the distance of both faces of each joint in the middle, m (joints,), negative where they overlap."""
-    n, found = structure.n, np.empty(len(structure.joints))
-    turns = [rotation_matrix(vector) - np.eye(3) for vector in np.asarray(initial.rotation)]
+            getattr(stepper.slips, f"p{k}")[:] = getattr(found, f"s{k}")
+    # but for those that cannot have slid, unless they have lifted off
     for j, joint in enumerate(structure.joints):
-        face, moved = joint.face, np.zeros((2, 3))
-        for k, body in enumerate((joint.upper, joint.lower)):
-            if body < n:
-                moved[k] = initial.displacement[body] + turns[body] @ (face.centre - structure.blocks[body].centroid)
-        found[j] = (moved[0] - moved[1]) @ face.axes[:, 2]
-    return found
+        if not _may_have_slid(joint) and (joint.bed.is_bonded or not _is_lifted(structure, joint, initial)):
+            for k in (1, 2, 3):
+                getattr(stepper.slips, f"p{k}")[j] = 0.0
+
+
+def _is_lifted(structure: Structure, joint: SpatialJoint, initial: SpatialState) -> bool:
+    """Return True if the upper face of a joint is above the lower one, touches at most and is apart in the middle."""
+    face, ends = joint.face, []
+    for body in (joint.upper, joint.lower):
+        turn, move, centroid = np.eye(3), np.zeros(3), np.zeros(3)
+        if body < structure.n:
+            turn, move = rotation_matrix(initial.rotation[body]), np.asarray(initial.displacement[body])
+            centroid = structure.blocks[body].centroid
+        ends.append((turn, centroid + move - turn @ centroid))
+    (turn, move), (lower, moved) = ends
+    points = np.concatenate([face.centre[None], face.points(RIM)]) @ turn.T + move
+    gaps = (points - (lower @ face.centre + moved)) @ (lower @ face.normal)
+    most = OPEN * max(block.size for block in structure.blocks)
+    return bool(gaps[0] > most and np.min(gaps) > -TOUCHES * most)
 
 
 def _may_have_slid(joint: SpatialJoint) -> bool:

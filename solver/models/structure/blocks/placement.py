@@ -62,15 +62,17 @@ def _check_near(joint: SpatialJoint, block: Solid) -> None:
 
 
 def _check_within(joint: SpatialJoint, block: Solid) -> None:
-    """Raise InputError for a section that reaches beyond the outline of a block, seen along the normal of the joint.
+    """Raise InputError for a section that reaches beyond a block, seen along the normal of the joint.
 
-    A joint of faces that touch lies within them; the force of a bearing acts at a point.
+    It must lie on the faces of the block in its plane, without one on the outline of the whole block. A joint of faces
+    that touch lies within them; the force of a bearing acts at a point.
     """
     if joint.above is not None or joint.bearing is not None:
         return
     flat = joint.face.axes[:, :2]
     section = (joint.face.points(RIM) - joint.face.centre) @ flat
-    corners = (np.concatenate([_around(face) for face in block.faces]) - joint.face.centre) @ flat
+    level = [face for face in block.faces if _is_in_plane(face, joint.face, block.reach)]
+    corners = (np.concatenate([_around(face) for face in level or block.faces]) - joint.face.centre) @ flat
     # extents along the normals of the sides of the outline
     outline = hull_in_plane(corners)
     sides = np.roll(outline, -1, axis=0) - outline
@@ -84,6 +86,12 @@ def _check_within(joint: SpatialJoint, block: Solid) -> None:
             f"{joint.key}.section: is {wide:.4g} m wide and reaches {beyond[k]:.4g} m beyond {block.name}, which is "
             f"{most_wide:.4g} m wide there, must lie on it"
         )
+
+
+def _is_in_plane(face: Face, other: Face, size: float) -> bool:
+    """Return True if two faces lie in one plane, whichever way their normals point."""
+    off = abs(float((face.centre - other.centre) @ other.normal))
+    return abs(float(face.normal @ other.normal)) >= 1.0 - NEAR and off <= SAME * size
 
 
 def _around(face: Face) -> FloatArray:
