@@ -52,9 +52,7 @@ def _reason_against_modes(structure: Structure, rest: SpatialRest) -> str:
     first = len(at.OF_BLOCK) * n + at.OF_JOINT.index("contact") * m
     if n > MOST:
         return f"more than {MOST} blocks"
-    if not structure.weight > 0.0:
-        return "it has no weight"
-    if np.any(rest.row[first : first + m] < 1.0):
+    if not structure.weight > 0.0 or np.any(rest.row[first : first + m] < 1.0):
         return "no rest in full contact"
     return "a joint slides at rest" if _gives_way(structure, rest) else ""
 
