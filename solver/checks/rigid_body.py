@@ -1,6 +1,7 @@
 """The approximate method for an unanchored rigid body: ASCE/SEI 43-05, appendix A.
 
-The part of the column above one joint is a single rigid body, of half width b and with its centroid at a height h.
+The part of the column above one joint is a single rigid body, of half width b and with its centroid at a height h; off
+its axis b is to the edge that the lesser push turns it about, on both sides.
 Rocking (A.2): an oscillator with the energy of the body rotated by theta, damped by Housner's impacts, two per cycle.
 Sliding (A.1): an oscillator whose strength is twice the friction force. The corrections of A.2 for vertical motion (FV)
 and of A.1 for the second horizontal component (FH) are left out: the model is planar.
@@ -25,7 +26,7 @@ SLOWEST, FASTEST = 0.05, 33.0  # Hz, range of frequencies for sliding
 class RigidBody(RigidPart):
     """The part of a column above a joint, as one rigid body that rocks.
 
-    Its restitution is C_R = 1 - 2 a^2 / C_I, with a = b / h and C_I = I / (M h^2).
+    On its axis the restitution is C_R = 1 - 2 a^2 / C_I, with a = b / h and C_I = I / (M h^2).
     """
 
     @property

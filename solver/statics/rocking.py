@@ -10,7 +10,7 @@ import numpy as np
 from ..common.errors import POSITIVE, InputError, SolverError, check_number, check_type
 from ..kernels.column.sections.faces import is_round
 from ..models.column.block import Block
-from ..models.column.contact import Contact
+from ..models.column.contact import Contact, contacts_of
 from ..models.column.kinematics import chain_of
 from ..models.column.linearization import undamped
 from ..models.column.model import Column
@@ -27,36 +27,67 @@ LONGEST = 100.0  # longest simulated time, over that in which the column falls
 
 
 class RigidPart(NamedTuple):
-    """The part of a column above a joint, as one straight rigid body."""
+    """The part of a column above a joint as built, as one rigid body on the edge about which it turns first."""
 
     joint: int  # from the top, 1 is the highest
     mass: float  # kg
-    half_width: float  # m, from below the centroid to the nearer edge of the joint's contact
-    centroid: float  # m, above the joint
+    half_width: float  # m, horizontally from the edge of the joint's contact to the centroid
+    centroid: float  # m, above the edge
     inertia: float  # kg m2, about the edge
+    # root of the energy that an impact keeps, by angular momentum about the new edge, from either edge to the other; on
+    # the axis it is Housner's ratio of the rotation rates
+    restitution: float
 
     @property
     def slenderness(self) -> float:
         """Half the width over the height of the centroid."""
         return self.half_width / self.centroid
 
-    @property
-    def restitution(self) -> float:
-        """Housner's ratio of the rotation rates after and before an impact, by angular momentum about the new edge."""
-        return 1.0 - 2.0 * self.mass * self.half_width**2 / self.inertia
-
 
 def parts_above(column: Column) -> list[RigidPart]:
     """Return the part above each joint, the top joint first."""
     found: list[RigidPart] = []
-    mass = height = inertia = 0.0  # of the part above: height of its centroid, inertia about the centroid
-    for number, (block, contact) in enumerate(zip(column.blocks, column.contacts, strict=True), start=1):
-        both, own, raised = mass + block.mass, block.resolved_centroid, height + block.height
-        middle = (mass * raised + block.mass * own) / both
-        inertia += block.resolved_inertia + mass * (raised - middle) ** 2 + block.mass * (own - middle) ** 2
-        mass, height = both, middle
-        half = min(-contact.left, contact.right)
-        found.append(RigidPart(number, mass, half, height, inertia + mass * (height**2 + half**2)))
+    mass = inertia = 0.0  # of the part above: inertia about the centroid
+    x = z = 0.0  # of its centroid, from the middle of the bottom face of its lowest block
+    slipped, slope = 0.0, 0.0  # of the joint under it: offset and inclination
+    for number, (block, (left, right)) in enumerate(zip(column.blocks, _edges(column), strict=True), start=1):
+        lean = block.joint.inclination or 0.0
+        turned, own = lean + (block.tilt or 0.0), block.resolved_centroid
+        x += slipped * math.cos(slope) + block.height * math.sin(turned)
+        z += block.height * math.cos(turned) - slipped * math.sin(slope)
+        # centroid of both
+        own_x, own_z, both = own * math.sin(turned), own * math.cos(turned), mass + block.mass
+        middle_x, middle_z = ((mass * a + block.mass * b) / both for a, b in ((x, own_x), (z, own_z)))
+        inertia += block.resolved_inertia
+        inertia += mass * ((x - middle_x) ** 2 + (z - middle_z) ** 2)
+        inertia += block.mass * ((own_x - middle_x) ** 2 + (own_z - middle_z) ** 2)
+        mass, x, z, slipped, slope = both, middle_x, middle_z, block.joint.offset or 0.0, lean
+        # inwards from each edge, and up
+        arms = [
+            (way * (x - edge * math.cos(lean)), z + edge * math.sin(lean)) for way, edge in ((1, left), (-1, right))
+        ]
+        found.append(_part_on_edges(number, mass, inertia, arms))
+    return found
+
+
+def _part_on_edges(number: int, mass: float, inertia: float, arms: list[tuple[float, float]]) -> RigidPart:
+    """Return the part above a joint, from the places of its centroid inwards from each of the two edges and above it.
+
+    `inertia` is about the centroid.
+    """
+    (half, height), (other, above) = sorted(arms, key=lambda arm: arm[0] / arm[1])
+    near, far = inertia + mass * (height**2 + half**2), inertia + mass * (above**2 + other**2)
+    kept = (inertia + mass * (height * above - half * other)) / math.sqrt(near * far)
+    return RigidPart(number, mass, half, height, near, kept)
+
+
+def _edges(column: Column) -> list[tuple[float, float]]:
+    """Return the ends of the contact under each block as built (m), from the middle of its bottom face."""
+    found = []
+    for block, below in zip(column.blocks, (*column.blocks[1:], None), strict=True):
+        (own,), middle = contacts_of((block,)), -(block.joint.offset or 0.0)
+        half = math.inf if below is None else 0.5 * below.top_face.width
+        found.append((max(own.left, middle - half), min(own.right, middle + half)))
     return found
 
 
@@ -70,7 +101,8 @@ def housner_restitution(column: Column) -> float:
     """Return the ratio of the rotation rates after and before an impact of Housner's rigid block (1963).
 
     The block is the part that rocks: 1 - 2 m c^2 / I, with c half the width of the joint under the part and I its
-    moment of inertia about an edge. For a homogeneous rectangle this is 1 - 1.5 sin^2(alpha).
+    moment of inertia about an edge. For a homogeneous rectangle this is 1 - 1.5 sin^2(alpha). Off the axis it is the
+    geometric mean of the ratios of both impacts, the root of the energy that each keeps.
     """
     return rocking_part(column).restitution
 

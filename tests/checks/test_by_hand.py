@@ -1,6 +1,7 @@
 """The methods by hand against closed forms of a rigid block, and against each other."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -78,6 +79,40 @@ def test_parts_of_a_stack_are_the_bodies_of_one_block() -> None:
     a = one.slenderness
     assert one.inertia / (one.mass * one.centroid**2) == pytest.approx(4.0 / 3.0 * (1.0 + a * a), rel=1e-12)
     assert one.restitution == pytest.approx(housner_restitution(column(1, height=3.0)), rel=1e-9)
+
+
+def test_a_part_off_its_axis_turns_about_the_nearer_edge_of_what_bears() -> None:
+    """Check a block 0.3 m over the edge: b = 0.1 m at h = 1 m, 0.4 m on the other side, and an impact between them."""
+    upper = Block(2.0, 0.8, 0.8, 3000.0, Joint(STIFF, 1e-4, offset=0.3))
+    pedestal = Block(0.5, 0.8, 0.8, 750.0, Joint(STIFF, 1e-4))
+    for sign in (1.0, -1.0):
+        aside = replace(upper, joint=replace(upper.joint, offset=0.3 * sign))
+        both = Column("aside", (aside, pedestal))
+        body = governing_body(both)
+        assert body.joint == 1
+        assert body.centroid == pytest.approx(1.0, rel=1e-12)
+        assert body.slenderness == pytest.approx(0.1, rel=1e-12)
+        about = 3000.0 * (2.0**2 + 0.8**2) / 12.0 + 3000.0 * np.array([0.1**2 + 1.0, 0.4**2 + 1.0, 1.0 - 0.04])
+        kept = about[2] / math.sqrt(about[0] * about[1])
+        assert housner_restitution(both) == pytest.approx(kept, rel=1e-12)
+        # both together: centroid (2 * 0.3) / 2.5 = 0.24 m aside, at (2 * 1.5 + 0.5 * 0.25) / 2.5 = 1.25 m
+        assert parts_above(both)[1].slenderness == pytest.approx((0.4 - 0.24) / 1.25, rel=1e-12)
+        assert body.rotation(spectra.eurocode8(0.099 * G, "A"), G) == 0.0
+        assert body.rotation(spectra.eurocode8(0.6 * G, "C"), G) == math.inf
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_parts_that_lean_begin_to_rock_under_the_least_push_of_the_curve(sign: float) -> None:
+    joint = Joint(STIFF, 1e-4)
+    turned = Block(2.0, 0.8, 0.8, 3000.0, replace(joint, inclination=0.05 * sign, offset=0.02 * sign), tilt=0.03 * sign)
+    strips = (0.8, 0.8, 0.8, 0.8, 0.8, 0.8, 0.8, 0.0)[:: int(sign)]
+    chipped = Block(2.0, 0.8, 0.8, 3000.0, replace(joint, section="strips", strips=strips))
+    sloping = Block(0.5, 0.8, 0.8, 750.0, replace(joint, inclination=-0.02 * sign))
+    for blocks in ((turned, sloping), (turned,), (chipped, sloping), (chipped,)):
+        leaning = Column("leaning", blocks)
+        assert governing_body(leaning).slenderness == pytest.approx(mechanism(leaning).alpha0, rel=8e-3)
+    # hand value: a strip of 0.1 m is missing, so b = 0.3 m at h = 1 m
+    assert governing_body(Column("chipped", (chipped,))).slenderness == pytest.approx(0.3, rel=1e-12)
 
 
 def test_capacity_and_frequency_have_the_energy_of_the_turned_block() -> None:
