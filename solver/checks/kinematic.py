@@ -15,7 +15,7 @@ import numpy as np
 
 from ..common.errors import check_number
 from ..models.column.model import Column
-from ..statics.capacity import CapacityCurve, capacity_curve
+from ..statics.capacity import CapacityCurve, curves_each_way
 from .spectra import FloatArray, Spectral
 
 CONFIDENCE_FACTOR = 1.35  # of knowledge level LC1, which applies where the crushing strength is left out: C8.7.1.2.1.3
@@ -156,5 +156,4 @@ def mechanism(column: Column, confidence_factor: float = CONFIDENCE_FACTOR) -> M
     Raises InputError and SolverError as `capacity_curve` does.
     """
     factor = check_confidence_factor(confidence_factor)
-    curves = [capacity_curve(column, direction) for direction in ((1, -1) if column.off_axis else (1,))]
-    return Mechanism(min(curves, key=lambda curve: curve.largest_acceleration), factor)
+    return Mechanism(curves_each_way(column)[0], factor)

@@ -102,8 +102,11 @@ def strongly_damped_lines(ratios: FloatArray) -> list[str]:
     ]
 
 
-def statics_report(rest: Rest, curve: CapacityCurve) -> str:
-    """Return a table of the joints at rest with the push that opens each, and the largest push that is balanced."""
+def statics_report(rest: Rest, curve: CapacityCurve, other: CapacityCurve | None = None) -> str:
+    """Return a table of the joints at rest with the push that opens each, and the largest push that is balanced.
+
+    `other` is the curve towards the stronger side of a column off its axis.
+    """
     (g, unit), strongest = curve.unit, curve.strongest
     steady = "a steady " if curve.pattern is None else ""
     lines = [
@@ -126,6 +129,14 @@ def statics_report(rest: Rest, curve: CapacityCurve) -> str:
             f"{1e-3 * curve.base_shear[strongest]:.5g} kN, moment {1e-3 * curve.base_moment[strongest]:.5g} kN m, "
             f"largest stress {1e-6 * float(np.max(curve.sigma_max[strongest])):.4g} MPa; top at "
             f"{1e3 * abs(float(curve.ux[strongest, 0])):.5g} mm",
+            *(
+                [
+                    f"table and pushes are towards {curve.towards}, the weaker side; towards {other.towards} it "
+                    f"balances {other.largest_acceleration / g:.5g} {unit} {other.limit}"
+                ]
+                if other is not None
+                else []
+            ),
             *(
                 [f"pushes and openings are {WITHOUT_BONDS}; --space pushes it with them"]
                 if rest.model.is_brittle

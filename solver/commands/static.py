@@ -16,7 +16,7 @@ from ..models.structure.model import Structure
 from ..models.structure.modes import SpatialModes, modes_in_space
 from ..models.structure.push import PushOver, push_over
 from ..models.structure.rest import known_warnings_in_space
-from ..statics.capacity import CapacityCurve, capacity_curve, rest_of
+from ..statics.capacity import CapacityCurve, capacity_curve, curves_each_way, rest_of
 from .command_files import (
     PICTURES,
     add_force,
@@ -97,9 +97,10 @@ def _statics(options: argparse.Namespace) -> None:
                     f"--{key}: is for structures in space, a column is pushed in its plane; --space pushes it in space"
                 )
         with reading(options.column):
-            curve = capacity_curve(subject, pattern=_pattern(options))
-            rest = rest_of(subject)
-        print(statics_report(rest, curve))
+            pattern = _pattern(options)
+            curves = curves_each_way(subject) if pattern is None else [capacity_curve(subject, pattern=pattern)]
+            rest, curve = rest_of(subject), curves[0]
+        print(statics_report(rest, *curves))
     write_outputs(((options.output, curve.to_csv), (options.plot, curve.plot)))
 
 

@@ -86,6 +86,11 @@ class CapacityCurve(Framed):
         return push_unit(self.pattern is not None)
 
     @property
+    def towards(self) -> str:
+        """The side to which the column is pushed, "+x" or "-x"."""
+        return "+x" if self.direction > 0 else "-x"
+
+    @property
     def strongest(self) -> int:
         """The row of the largest acceleration."""
         return int(np.argmax(self.acceleration))
@@ -154,6 +159,16 @@ def uplift_accelerations(column: Column) -> FloatArray:
     It is NaN for a joint that stays closed until the column topples. Raises as `capacity_curve` does.
     """
     return capacity_curve(column).uplift
+
+
+def curves_each_way(column: Column) -> list[CapacityCurve]:
+    """Return the curve towards each side, the weaker first, or the one curve of a column on its axis.
+
+    Warns and raises as `capacity_curve` does.
+    """
+    check_type("column", column, Column)
+    curves = [capacity_curve(column, direction) for direction in ((1, -1) if column.off_axis else (1,))]
+    return sorted(curves, key=lambda curve: curve.largest_acceleration)
 
 
 def capacity_curve(column: Column, direction: int = 1, pattern: Mapping[str, float] | None = None) -> CapacityCurve:

@@ -96,6 +96,7 @@ def plot_capacity(curve: CapacityCurve, path: str | os.PathLike[str] | None = No
     steady = "a steady acceleration" if curve.pattern is None else "loads"
     unit, named = curve.unit
     push = f"{curve.largest_acceleration / unit:.4g} {named}, the top moved by {length(float(top[strongest]))}"
+    steady += f" towards {curve.towards}" if curve.pattern is None and curve.model.off_axis else ""
     header(figure, f"{curve.model.name}: balance under {steady}", f"It balances {curve.limit} {push}.")
     return save(figure, path)
 

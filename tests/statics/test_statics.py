@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -376,3 +377,34 @@ def test_loads_that_lift_or_press_a_column_have_a_curve(
         # the weight of the block: measured 3e-6, in space 2e-16
         assert curve.largest_acceleration == pytest.approx(factor, rel=1e-5)
         assert path.largest_acceleration == pytest.approx(factor, rel=1e-9)
+
+
+def test_a_column_off_its_axis_is_pushed_to_its_weaker_side(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Check a block 0.1 m over an edge: rigid, it balances b / h = 0.3 and 0.4 g; its mirror image prints the same."""
+    found = []
+    for sign, weaker, stronger in ((1.0, "+x", "-x"), (-1.0, "-x", "+x")):
+        file, table, picture = (tmp_path / f"aside.{kind}" for kind in ("toml", "csv", "svg"))
+        file.write_text(
+            'name = "aside"\njoint = {stiffness = 1e13, damping = 1e-4}\n'
+            f"[[block]]\nheight = 2.0\nwidth = 0.8\ndepth = 0.8\nmass = 3000.0\njoint = {{offset = {0.1 * sign}}}\n"
+            "[[block]]\nheight = 0.5\nwidth = 3.0\ndepth = 3.0\ntop_width = 0.8\ntop_depth = 0.8\nmass = 5000.0\n",
+            encoding="utf-8",
+        )
+        assert main(["statics", str(file), "-o", str(table), "--plot", str(picture), "--force"]) == 0
+        said = capsys.readouterr().out
+        sides = re.escape(f"towards {weaker}, the weaker side; towards {stronger} it balances ")
+        other = re.search(f"{sides}(.*) g at most", said)
+        push = re.search(r"balances a steady (.*) g at most: base shear", said)
+        assert push is not None
+        assert other is not None
+        assert float(push[1]) == pytest.approx(0.3, rel=1e-2)  # measured: 6e-3 less
+        assert float(other[1]) == pytest.approx(0.4, rel=1e-2)
+        with table.open(encoding="utf-8", newline="") as rows:
+            written = max(float(row["acceleration"]) for row in csv.DictReader(rows))
+        assert written / G == pytest.approx(float(push[1]), rel=1e-4)
+        assert f"towards {weaker}" in picture.read_text(encoding="utf-8")
+        found.append(said.replace(weaker, "weaker").replace(stronger, "stronger"))
+    assert found[0] == found[1]
+    # on its axis it is the same either way
+    assert main(["statics", str(COLUMNS / "phocas-damped.toml")]) == 0
+    assert "towards" not in capsys.readouterr().out
