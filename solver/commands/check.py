@@ -40,6 +40,7 @@ from .motion_options import (
     file_line,
     floor_of,
     in_g,
+    pga_of,
     read_with_options,
 )
 from .progress import PlainLine, RunsLine
@@ -324,7 +325,7 @@ def level_of(options: argparse.Namespace) -> Level:
     return Level(
         target=target_of(options),
         below=below_of(options),
-        pga=in_g("--pga", options.pga),
+        pga=pga_of(options),
         vertical_pga=in_g("--vertical-pga", options.vertical_pga),
         sa=in_g("--sa", options.sa),
         periods=None if options.periods is None else (options.periods[0], options.periods[1]),

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ..common.errors import POSITIVE, InputError, check_number, reading
 from ..common.files import printable
+from ..common.plausible import MOST_SHAKEN, warn_of
 from ..ground.building import Building, floor_motion
 from ..ground.motion import STANDARD_GRAVITY, Motion, peaks_in_g
 from ..ground.records import NAMES, Record, format_of, read_record
@@ -85,7 +86,7 @@ def motion_of(options: argparse.Namespace) -> tuple[Motion, list[str]]:
         if options.motion is not None:
             raise InputError(f"{options.motion}: must be left out, or --wavelet")
         motion, lines = _wavelet(options), []
-    if (pga := in_g("--pga", options.pga)) is not None:
+    if (pga := pga_of(options)) is not None:
         motion = motion.scaled_to(pga)
     elif options.scale is not None:
         motion = motion.scaled(options.scale)
@@ -101,6 +102,20 @@ def motion_of(options: argparse.Namespace) -> tuple[Motion, list[str]]:
 def in_g(key: str, value: float | None) -> float | None:
     """Convert an acceleration from g to m/s2; None stays None. Raises InputError unless it is positive."""
     return None if value is None else STANDARD_GRAVITY * check_number(key, value, POSITIVE, "a positive number in g")
+
+
+def pga_of(options: argparse.Namespace) -> float | None:
+    """Return --pga in m/s2; None without. Warns (InputWarning) as `warn_of_ground` does. Raises InputError."""
+    pga = in_g("--pga", options.pga)
+    warn_of_ground("--pga", options.pga)
+    return pga
+
+
+def warn_of_ground(key: str, value: float | None) -> None:
+    """Warn (InputWarning) if an acceleration of the ground, in g, seems to be in m/s2."""
+    if value is not None and value > MOST_SHAKEN:
+        as_meant = f"{value:g} m/s2 is {value / STANDARD_GRAVITY:.3g} g"
+        warn_of([f"{key} = {value:g}: is in g, should be {MOST_SHAKEN:g} at most; {as_meant}"])
 
 
 def read_with_options(path: Path, options: argparse.Namespace, channel: int | None) -> tuple[Record, Motion]:

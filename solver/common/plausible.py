@@ -16,6 +16,7 @@ DENSITIES = (500.0, 12000.0)  # kg/m3, from wood to lead
 MOST_DAMPED = 0.2  # damping ratio of the first mode; dry joints have some percent
 MOST_DAMPED_ON_RIMS = 1.0  # the same, with contact along rims, whose damping is critical as a block stands on its edge
 MOST_FRICTION = 1.5  # rough stone on stone has some 0.8
+MOST_SHAKEN = 1.5  # g, the largest acceleration of the ground; hardly a record or code has more
 GRAVITIES = (9.7, 9.9)  # m/s2, on Earth; zero is accepted as intended
 HIGHEST = 30.0  # m, of one block
 UNITS_OF_STIFFNESS = "stiffness is in N/m3: 1 kgf/cm3 = 9.80665e6 N/m3, 1 MPa/mm = 1e9 N/m3"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import argparse
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +11,8 @@ import pytest
 from support.columns import BLOCK
 from support.record_files import DT, SAMPLES, G, at2, cosmos_v2, knet, plain
 
-from multiblock import Building, Motion, floor_motion
+from multiblock import Building, InputWarning, Motion, floor_motion
+from solver.commands.check import add_action, level_of
 from solver.commands.command_line import main
 from solver.ground import wavelets
 from solver.ground.intensity import intensity, spectrum
@@ -105,6 +108,28 @@ def test_wavelets_by_name(folder: Path, line: str, motion: Motion) -> None:
     assert made.pga == pytest.approx(0.3 * G, rel=1e-15)
     np.testing.assert_array_equal(made.ax, motion.scaled_to(0.3 * G).ax)
     np.testing.assert_array_equal(made.time, motion.time)
+
+
+def test_accelerations_of_the_ground_in_m_per_s2_are_noticed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Check that 2.94 and 2.45 m/s2, 0.3 and 0.25 g, are named as such, and that 1.5 g is not."""
+    for pga, said in (("2.94", "--pga = 2.94: is in g, should be 1.5 at most; 2.94 m/s2 is 0.3 g\n"), ("1.5", "")):
+        motion = converted(f"--wavelet ricker --frequency 2 --pga {pga}")
+        assert motion.pga == pytest.approx(float(pga) * G, rel=1e-12)
+        printed = capsys.readouterr().err
+        assert said in printed
+        assert ("is in g" in printed) == bool(said)
+    parser = argparse.ArgumentParser()
+    add_action(parser)
+    for words, said in (
+        ("--spectrum ec8 --ag 2.45 --soil B", "--ag = 2.45: is in g, should be 1.5 at most; 2.45 m/s2 is 0.25 g"),
+        ("--pga 2.94", "--pga = 2.94: is in g, should be 1.5 at most; 2.94 m/s2 is 0.3 g"),
+    ):
+        with pytest.warns(InputWarning) as caught:
+            level_of(parser.parse_args(["motion.csv", *words.split()]))
+        assert [str(one.message) for one in caught] == [said]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        level_of(parser.parse_args(["motion.csv", *["--spectrum", "ec8", "--ag", "0.25", "--soil", "B"]]))
 
 
 def test_simulate_says_what_the_file_was_taken_for(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
