@@ -60,7 +60,7 @@ def test_a_displaced_joint_that_is_partly_open_is_deformed() -> None:
 
 
 def test_a_displaced_bond_breaks_where_it_bears_less() -> None:
-    """Displace a bond within its shear strength, and beyond it: then friction holds what is left of it."""
+    """Move a bond within its shear strength, and beyond it: then friction holds what is left of it."""
     mortar = {"friction": 0.6, "tensile_strength": 1e6, "cohesion": 5e4}
     bears = 0.6 * MASS * G + 5e4  # N
     for part in (0.9, 1.1):

@@ -340,7 +340,7 @@ def test_two_names_of_one_number_are_refused(
 
 @pytest.mark.parametrize("place", ["motion", "grid", "random"])
 def test_an_intensity_is_that_of_the_motion_as_run(folder: Path, place: str) -> None:
-    """The sign of a motion may vary beside its intensity, a factor would make the intensity another one."""
+    """Check that the sign of a motion may vary beside its intensity; a factor would change the intensity."""
 
     def scaled(*values: float) -> Study:
         choice = {"distribution": "choice", "values": list(values)}
