@@ -388,7 +388,7 @@ class Kind:
         """Return the names of the single numbers that a name refers to, one for each block, joint or tie."""
         return [name]
 
-    def places_of(self, model: Any, name: str) -> list[str]:
+    def numbers_set(self, model: Any, name: str) -> list[str]:
         """Return the numbers that a name sets, each by one name only; mass and density of a block are one number."""
         return self.numbers_of(model, name)
 

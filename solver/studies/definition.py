@@ -199,7 +199,7 @@ class Study(NotebookRepr):
         for column in self.columns:
             setting: dict[str, str] = {}  # names that set each number
             for name, key in keys.items():
-                for place in column.kind.places_of(column, name):
+                for place in column.kind.numbers_set(column, name):
                     if setting.setdefault(place, key) != key:
                         raise InputError(f"{key}: sets {place} as {setting[place]} does, must be relative or left out")
 

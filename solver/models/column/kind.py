@@ -23,7 +23,7 @@ from .kinematics import Chain, chain_of
 from .lane_policy import HELD, IN_LANES, first_step_of, kind_of, reason_against_lanes
 from .lanes import LaneKernels, follow_in_lanes, lanes_of, load_kernels
 from .model import Column
-from .numbers import column_with, is_of_column, places_of, single_names
+from .numbers import column_with, is_of_column, numbers_set, single_names
 from .outputs import KEPT, KEYS, OUTPUTS, WATCHED
 from .packing import FloatArray
 from .response import Response
@@ -171,8 +171,8 @@ class Columns(Kind):
     def numbers_of(self, model: Column, name: str) -> list[str]:
         return single_names(name, model.n)
 
-    def places_of(self, model: Column, name: str) -> list[str]:
-        return places_of(model, name)
+    def numbers_set(self, model: Column, name: str) -> list[str]:
+        return numbers_set(model, name)
 
     def with_numbers(self, model: Column, values: Mapping[str, tuple[float, bool]]) -> Column:
         return column_with(model, values)

@@ -47,7 +47,7 @@ def single_names(name: str, blocks: int) -> list[str]:
     return [f"{found[0]}[{i}].{found[2]}" for i in range(1, blocks + 1)]
 
 
-def places_of(column: Column, name: str) -> list[str]:
+def numbers_set(column: Column, name: str) -> list[str]:
     """Return the numbers that a name sets: of a diameter width and depth, of a mass the density."""
     blocks = _to_dict(column, tuple(block.given for block in column.blocks))["block"]
     if name == SLENDERNESS:

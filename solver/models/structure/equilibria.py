@@ -162,7 +162,8 @@ class EquilibriumPath:
         ahead = np.append(linear / self.unit[0], 1.0)
         ahead /= np.linalg.norm(ahead)
         places = places_of(OUTPUTS, structure.sizes)
-        self.contact, self.slip, self.moved, self.normal = (places[key] for key in ("contact", "slip", "d", "N"))
+        self.contact, self.slip, self.moved = places["contact"], places["slip"], places["d"]
+        self.bears = bears_at_rest(rest.row[places["N"]], structure.weight)
         self.tie, self.gap, self.bond = places["tie"], places["gap"], places["bond"]
         bearings = [joint.bearing for joint in structure.bearings]
         self.capacity = np.array([math.inf if bearing is None else bearing.capacity for bearing in bearings])
@@ -374,7 +375,7 @@ class EquilibriumPath:
     def _seen(self, place: Place, last: Place, before: _EventFlags) -> _EventFlags:
         rest, row = self.places[0].row, place.row
         contact, slip, moved = self.contact, self.slip, slice(0, 3 * self.stepper.structure.n)
-        largest, bears = np.max(np.abs(row[moved] - rest[moved])), bears_at_rest(rest[self.normal], self.weight)
+        largest, bears = np.max(np.abs(row[moved] - rest[moved])), self.bears
         # the tangent alone is steep again where something has just broken
         least = 0.0 if place.push > last.push * (1.0 + LEAST_GROWTH) else STEEP
         return _EventFlags(

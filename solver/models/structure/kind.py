@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...ground.motion import Motion
 from ..column.model import Column
-from ..column.numbers import SIZE, SLENDERNESS, column_with, is_of_column, places_of
+from ..column.numbers import SIZE, SLENDERNESS, column_with, is_of_column, numbers_set
 from ..protocol import LOADED, SETTLE, Kind, Lanes, NoRestError, Run, RunPlan, Work, output_times, table_entry
 from ..uncertainty import Varied
 from .blocks.faces import FloatArray
@@ -21,7 +21,7 @@ from .model import Structure
 from .numbers import (
     is_of_neighbours,
     is_of_structure,
-    places_in_space,
+    numbers_set_in_space,
     resize,
     single_names_in_space,
     structure_with,
@@ -153,10 +153,10 @@ class Structures(Kind):
     def numbers_of(self, model: Structure, name: str) -> list[str]:
         return single_names_in_space(name, model)
 
-    def places_of(self, model: Structure, name: str) -> list[str]:
+    def numbers_set(self, model: Structure, name: str) -> list[str]:
         if model.is_stack and not _is_of_space(name):
-            return places_of(Column.from_dict(model.to_dict()[OF_COLUMN]), name)
-        return places_in_space(name, model)
+            return numbers_set(Column.from_dict(model.to_dict()[OF_COLUMN]), name)
+        return numbers_set_in_space(name, model)
 
     def with_numbers(self, model: Structure, values: Mapping[str, tuple[float, bool]]) -> Structure:
         if model.is_stack:

@@ -80,7 +80,7 @@ def single_names_in_space(name: str, structure: Structure) -> list[str]:
     return [f"{found.kind}[{k}].{key}" for k in range(1, len(_names(found.kind, structure)) + 1)]
 
 
-def places_in_space(name: str, structure: Structure) -> list[str]:
+def numbers_set_in_space(name: str, structure: Structure) -> list[str]:
     """Return the numbers that a name sets, of blocks and joints by their numbers.
 
     Those that exclude each other, mass and density, restitution and damping, are one number.

@@ -82,11 +82,10 @@ def _rest_of(
         raise InputError("all blocks hang by ties, at least one must stand on a joint or a bearing")
     # the linear solution is the first guess and the scale of the differences
     linear = full_stiffness(structure)
-    load, drawn = weights(structure), any(tie.pretension for tie in structure.ties)
-    if not structure.weight > 0.0:
-        if not drawn:
-            return _finished(SpatialStepper(structure), linear)
-        load, _ = residual_of(SpatialStepper(structure))  # by the pretensions alone
+    if not force_scale(structure) > 0.0:
+        return _finished(SpatialStepper(structure), linear)
+    # the weight, without gravity the pretensions
+    load = weights(structure) if structure.weight > 0.0 else residual_of(SpatialStepper(structure))[0]
     slides = any(joint.bed.friction is not None for joint in structure.joints)
     try:
         settlement: FloatArray = np.linalg.solve(linear, load).astype(np.float64)
@@ -100,7 +99,7 @@ def _rest_of(
     for delta, loads in product(deltas, LOADS if slides else (1,)):
         stepper = _loaded(structure, linear, settlement, delta, loads)
         if stepper is not None:
-            if _rounding(stepper.phase, linear, delta / delta[0]) > ROUGH * borne(structure):
+            if _rounding(stepper.phase, linear, delta / delta[0]) > ROUGH * force_scale(structure):
                 raise InputError(TOO_FAR_APART)
             sticks = sticking(stepper)
             tangents = [np.minimum(one, close) for one in (delta, *deltas[1:])]
@@ -112,7 +111,7 @@ def _rest_of(
     raise NoRestError(f"no rest found, it does not stand under its weight{apart}")
 
 
-def borne(structure: Structure) -> float:
+def force_scale(structure: Structure) -> float:
     """Return the scale of the forces at rest: the weight, without gravity the sum of the pretensions, N."""
     return structure.weight or sum(tie.pretension for tie in structure.ties)
 
@@ -123,7 +122,7 @@ def _parts_of(structure: Structure, settlement: float) -> list[float]:
     A stiff joint between soft ones opens under a displacement that is small for the others.
     """
     stiffest = max(joint.bed.stiffness * joint.moments[0] for joint in structure.joints)
-    ratio = settlement * stiffest / borne(structure)
+    ratio = settlement * stiffest / force_scale(structure)
     return [1.0, *(0.01**k for k in range(1, MOST_PARTS) if 10.0 ** (2 * k - 1) < ratio)]
 
 
@@ -139,7 +138,7 @@ def _loaded(
         # the same part of the weight and of pretensions
         stepper.model.settings.gravity = structure.g * step / loads
         ties.length[: len(drawn)] = length + (1.0 - step / loads) * drawn if step < loads else length
-        if not settle(stepper, linear, delta, CLOSE * borne(structure)):
+        if not settle(stepper, linear, delta, CLOSE * force_scale(structure)):
             return None
     return stepper
 
@@ -367,7 +366,7 @@ def settle(
             left = largest_of(residual_of(stepper, base)[0], delta / delta[0])
             if left <= close:
                 break
-    return left <= ROUGH * borne(structure)
+    return left <= ROUGH * force_scale(structure)
 
 
 def balance(
@@ -429,7 +428,7 @@ def balance(
             softening = max(SOFTENING, 4.0 * softening)
             if softening > 1e3:
                 break
-    return bool(stepper.structure.neighbours) and size <= STALLED * borne(stepper.structure)
+    return bool(stepper.structure.neighbours) and size <= STALLED * force_scale(stepper.structure)
 
 
 def _rounding(phase: FloatArray, linear: FloatArray, per: FloatArray) -> float:

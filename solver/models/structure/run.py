@@ -20,6 +20,7 @@ from ..protocol import RunPlan, Verdict, output_times
 from ..still_base import conclude, settled
 from .blocks.faces import FloatArray
 from .blocks.parts import SpatialJoint
+from .blocks.placement import RIM
 from .blocks.shapes import rotation_matrix
 from .equilibria import rest_under
 from .modal_data import modal_data_of
@@ -31,7 +32,6 @@ from .verdict import RESTING, next_look, potential_well_of, reason_for_leaning
 
 # of a joint that has lifted off: least opening in the middle, of the largest block, and largest overlap, of that
 OPEN, TOUCHES = 1e-6, 1e-3
-RIM = 360  # points of a round face
 TWISTS = 6  # iterations for an initial twist: each reduces the error to its cube over 24
 COUNTED = ("steps", "elastic_steps", "stabilized_steps", "rejected", "evaluations", "looks")
 

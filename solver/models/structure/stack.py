@@ -137,7 +137,7 @@ def column_of(structure: Structure) -> Column | None:
         return None
     # shift the axis of the lowest block to the origin
     by = np.append(-solids[-1].centroid[:2], 0.0)
-    solids = [_moved(solid, by) for solid in solids]
+    solids = [placed(solid, by, np.eye(3)) for solid in solids]
     joints = [replace(joint, face=replace(joint.face, centre=joint.face.centre + by)) for joint in joints]
     # build the column and compare its stack with the structure
     settings = Settings(tolerance=structure.tolerance, without=structure.without)
@@ -150,12 +150,6 @@ def column_of(structure: Structure) -> Column | None:
     same = all(map(_same_solid, again["blocks"], solids))
     same = same and all(_same_face(a.face, b.face) for a, b in zip(again["joints"], joints, strict=True))
     return column if same else None
-
-
-def _moved(solid: Solid, by: FloatArray) -> Solid:
-    """Return a block with its centroid and faces moved by a vector (m)."""
-    faces = tuple(replace(face, centre=face.centre + by) for face in solid.faces)
-    return replace(solid, centroid=solid.centroid + by, faces=faces)
 
 
 def highest_alone(structure: Structure) -> list[Column]:

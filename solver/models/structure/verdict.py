@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...kernels.structure import layout as at
 from ..outputs import places_of
 from .blocks.contacts import GROUND
-from .blocks.faces import Face, FloatArray
+from .blocks.faces import Face, FloatArray, outward_normals
 from .blocks.parts import LEVEL, SpatialJoint
 from .model import Structure
 from .outputs import OUTPUTS
@@ -391,8 +391,7 @@ def _edges_of(
         angles = np.linspace(0.0, 2.0 * math.pi, DIRECTIONS, endpoint=False)
         return [(out, face.radius + float(out @ centre)) for out in np.column_stack([np.cos(angles), np.sin(angles)])]
     corners = face.seen_from(seen_from) + moved
-    side = np.roll(corners, -1, axis=0) - corners
-    outwards = np.column_stack([side[:, 1], -side[:, 0]]) / np.hypot(*side.T)[:, None]
+    outwards = outward_normals(corners)
     return list(zip(outwards, np.sum(outwards * corners, axis=1).tolist(), strict=True))
 
 

@@ -16,6 +16,7 @@ from ...models.outputs import BLOCK, JOINT
 from ...models.structure.blocks.faces import Face, FloatArray, clipped, inset, outside_parts, without_doubles
 from ...models.structure.blocks.shapes import turned
 from .bodies import Rims, Scene, SceneContact, normal_of, scene_of
+from .gltf import quaternions
 
 POLYGON = 7  # VTK cell type
 ROUNDING = 1e-12  # of the size of a polygon: a distance from its edges that does not count
@@ -126,8 +127,9 @@ def _shift(scene: Scene, k: int, contact: SceneContact, slip: float) -> _Shift:
     if not slip > 0.0 or contact.at_point:
         return _Shift(centre, axes, np.eye(2), np.zeros(2))
     # twist of the upper body relative to the lower one about the normal
-    (a, u), (b, v) = (_quaternion(_turn(scene, k, body)) for body in (contact.body, contact.below))
-    twist = 2.0 * math.atan2(float((b * u - a * v - np.cross(v, u)) @ built), float(a * b + u @ v))
+    u, v = (quaternions(_turn(scene, k, body)) for body in (contact.body, contact.below))
+    vector = v[3] * u[:3] - u[3] * v[:3] - np.cross(v[:3], u[:3])
+    twist = 2.0 * math.atan2(float(vector @ built), float(u @ v))
     # slip of the centres along the axes half-way between both bodies, then along those of the lower one
     moved = _placed(scene, k, contact.body, centre[None]) - _placed(scene, k, contact.below, centre[None])
     between = 2.0 * axes + turned(_turn(scene, k, contact.body), axes.T).T
@@ -141,12 +143,6 @@ def _turn(scene: Scene, k: int, i: int) -> FloatArray:
     """Return the rotation vector of a body at an instant, rad; zero for the base."""
     found: FloatArray = scene.turn[k, i] if i < len(scene.bodies) else np.zeros(3)
     return found
-
-
-def _quaternion(turn: FloatArray) -> tuple[float, FloatArray]:
-    """Return the scalar and the vector of the unit quaternion of a rotation vector (rad)."""
-    half = 0.5 * float(np.linalg.norm(turn))
-    return math.cos(half), 0.5 * np.sinc(half / np.pi) * turn
 
 
 def _rotation(angle: float) -> FloatArray:

@@ -120,6 +120,13 @@ def edge_distance(outline: FloatArray) -> float:
     return float(np.min((outline[:, 0] * sides[:, 1] - outline[:, 1] * sides[:, 0]) / np.hypot(*sides.T)))
 
 
+def outward_normals(outline: FloatArray) -> FloatArray:
+    """Return the unit normals of the sides of an anticlockwise polygon, (corners, 2), each from its corner on."""
+    side = np.roll(outline, -1, axis=0) - outline
+    found: FloatArray = np.column_stack([side[:, 1], -side[:, 0]]) / np.hypot(*side.T)[:, None]
+    return found
+
+
 def clipped(corners: FloatArray, by: FloatArray) -> FloatArray:
     """Clip a convex polygon to another one, both anticlockwise; empty if they do not overlap."""
     left = corners.tolist()

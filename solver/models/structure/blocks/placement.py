@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from ....common.errors import InputError
-from .faces import NEAR, Face, FloatArray, shared
+from .faces import NEAR, Face, FloatArray, outward_normals, shared
 from .outlines import hull_in_plane
 from .parts import BASE, Solid, SpatialJoint
 
@@ -75,8 +75,7 @@ def _check_within(joint: SpatialJoint, block: Solid) -> None:
     corners = (np.concatenate([_around(face) for face in level or block.faces]) - joint.face.centre) @ flat
     # extents along the normals of the sides of the outline
     outline = hull_in_plane(corners)
-    sides = np.roll(outline, -1, axis=0) - outline
-    normals = np.column_stack([sides[:, 1], -sides[:, 0]]) / np.hypot(*sides.T)[:, None]
+    normals = outward_normals(outline)
     own, most = section @ normals.T, outline @ normals.T
     beyond = np.max(own, axis=0) - np.max(most, axis=0)
     k = int(np.argmax(beyond))
