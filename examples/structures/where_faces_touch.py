@@ -8,7 +8,7 @@ EN 1998-1 on soil B with AG times g on rock (0.25 unless given), seven of them, 
 table: in the plane, then in space under two components.
 """
 
-import sys
+import argparse
 import warnings
 from typing import Any
 
@@ -79,7 +79,9 @@ def cells(found: Check) -> list[str]:
 def main() -> None:
     """Print a table of the three for each acceleration."""
     warnings.simplefilter("ignore", InputWarning)  # of damping: varied values are beyond the usual range
-    for ag in [float(text) for text in sys.argv[1:]] or [0.25]:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("ag", nargs="*", type=float, default=[0.25], metavar="AG", help="on rock, in g (0.25)")
+    for ag in parser.parse_args().ag:
         target = spectra.eurocode8(ag * G, "B")
         print(f"| a_g = {ag:g} g | restitution | fall, plane | from, times | fall, space | from, times |")
         print("|---|---|---|---|---|---|")

@@ -24,6 +24,10 @@ class InputError(ValueError):
     """A user's mistake: one line with the file (if any), the key, the value and the valid values."""
 
 
+class UnknownKeyError(InputError):
+    """A key that a table cannot have, or a name of what a model does not have."""
+
+
 class InputWarning(UserWarning):
     """A value that is used as given but is probably unintended or unreliable: one line that gives the reason."""
 

@@ -17,6 +17,9 @@ MOST_DAMPED = 0.2  # damping ratio of the first mode; dry joints have some perce
 MOST_DAMPED_ON_RIMS = 1.0  # the same, with contact along rims, whose damping is critical as a block stands on its edge
 MOST_FRICTION = 1.5  # rough stone on stone has some 0.8
 MOST_SHAKEN = 1.5  # g, the largest acceleration of the ground; hardly a record or code has more
+# the largest intensity of the ground on record, about: pga and the spectral measures in g, pgv in m/s
+MOST_INTENSE = {"pga": 3.0, "pgv": 4.0}
+MOST_SPECTRAL = 9.0
 GRAVITIES = (9.7, 9.9)  # m/s2, on Earth; zero is accepted as intended
 HIGHEST = 30.0  # m, of one block
 UNITS_OF_STIFFNESS = "stiffness is in N/m3: 1 kgf/cm3 = 9.80665e6 N/m3, 1 MPa/mm = 1e9 N/m3"
@@ -65,6 +68,14 @@ def warn_of(lines: Iterable[str]) -> None:
     """Warn (InputWarning) with each line."""
     for line in lines:
         warnings.warn(line, InputWarning, stacklevel=4)
+
+
+def warn_of_intensity(key: str, measure: str, value: float, part: float = 1.0) -> None:
+    """Warn (InputWarning) of an intensity beyond a part of the largest one on record; `key` begins the line."""
+    most = part * MOST_INTENSE.get(measure, MOST_SPECTRAL)
+    if value > most:
+        unit = "m/s" if measure == "pgv" else "g"
+        warn_of([f"{key}: reaches {value:.4g} {unit}, should be {most:g} {unit} at most; {measure} is in {unit}"])
 
 
 def warn_of_first(lines: Iterable[Sequence[str]]) -> None:

@@ -7,7 +7,7 @@ import re
 import sys
 from collections.abc import Collection, Iterable, Mapping
 
-from .errors import InputError, check_number, shown
+from .errors import InputError, UnknownKeyError, check_number, shown
 
 MAX_BLOCKS = 1000
 
@@ -73,7 +73,7 @@ def check_choice(key: str, value: object, known: Collection[str]) -> str:
 
 
 def check_keys(prefix: str, table: Iterable[str], known: Collection[str], of: str = "") -> None:
-    """Raise InputError for the first key of a table that is not among the known ones.
+    """Raise UnknownKeyError for the first key of a table that is not among the known ones.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def check_keys(prefix: str, table: Iterable[str], known: Collection[str], of: st
     for key in table:
         if key not in known:
             written = repr(key).strip("'\"")  # a quoted key of TOML may hold anything, even a line break
-            raise InputError(f"{prefix}{written}: unknown key{of}, must be one of {listed(known, key)}")
+            raise UnknownKeyError(f"{prefix}{written}: unknown key{of}, must be one of {listed(known, key)}")
 
 
 def listed(known: Collection[str], value: object) -> str:

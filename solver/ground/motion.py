@@ -27,6 +27,7 @@ from .records.record import FloatArray
 
 # g; no record has more: 2.7 horizontally (Tsukidate, 2011), 3.9 vertically (Ichinoseki-West, 2008)
 STRONGEST = {"ax": 3.0, "ay": 3.0, "az": 4.0}
+ROUNDED = 1e-15  # of the sine of an angle of a radian
 LARGEST = 1e6  # m/s2: a larger acceleration is a mistake of units, and no column can be followed under it
 ACCELERATION = (-LARGEST, LARGEST), "a finite acceleration in m/s2, at most 1e6 either way"
 MOST_CYCLES = 1e6  # limit for the search of the crests of a harmonic
@@ -241,7 +242,10 @@ class Motion(Framed, NotebookRepr):
         angle = check_number("angle", angle, FINITE, "an angle in rad")
         if angle == 0.0:
             return self
-        c, s = math.cos(angle), math.sin(angle)
+        # without the rounding of quarter turns, which would leave a component across the plane
+        c, s = (
+            0.0 if abs(part) < ROUNDED * max(1.0, abs(angle)) else part for part in (math.cos(angle), math.sin(angle))
+        )
         return replace(
             self,
             ax=c * self.ax - s * self.ay,

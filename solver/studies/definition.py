@@ -19,7 +19,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import __version__
-from ..common.errors import FINITE, POSITIVE, InputError, check_number, check_whole, needing, reading, shown
+from ..common.errors import (
+    FINITE,
+    POSITIVE,
+    InputError,
+    UnknownKeyError,
+    check_number,
+    check_whole,
+    needing,
+    reading,
+    shown,
+)
 from ..common.files import check_file_name, toml_of
 from ..common.notebook import NotebookRepr, counted
 from ..common.ranges import check_choice, check_keys
@@ -137,6 +147,8 @@ class Study(NotebookRepr):
         object.__setattr__(self, "keep", tuple(self.keep) or always)
         for name in self.keep:
             check_choice("keep", name, tuple(kind.kept))
+            if self.keep.count(name) > 1:
+                raise InputError(f"keep: {name} must be there once")
         for name in always:
             if name not in self.keep:
                 raise InputError(f"keep: must have {name}, which every picture and table needs")
@@ -178,10 +190,14 @@ class Study(NotebookRepr):
                     column.kind.with_numbers(column, {name: (1.0, True)})
             elif not all(column.kind.numbers_of(column, name) for column in self.columns):
                 raise InputError(f"{name}: must be left out, a model has none")
+            else:
+                self._check_there(name)
         self._check_overlaps()
         for name, values in self.grid.items():
             if not values:
                 raise InputError(f"grid.{name}: is empty, must be a list of numbers")
+            if len(set(values)) < len(values):
+                raise InputError(f"grid.{name}: has a value twice, must have each once")
             if name == INTENSITY and min(values) < 0.0:
                 raise InputError(f"grid.{name} = {min(values):g}: must be zero or positive; motion.scale = -1 reverses")
         if not self.random and self.samples != 1:
@@ -189,6 +205,16 @@ class Study(NotebookRepr):
         for name, parameter in self.random.items():
             if parameter.each and len({len(column.kind.numbers_of(column, name)) for column in self.columns}) > 1:
                 raise InputError(f"random.{name}.each: must be left out for columns of different numbers of blocks")
+
+    def _check_there(self, name: str) -> None:
+        """Raise InputError if a model has no number of this name; whether a value suits it is not checked."""
+        for column in self.columns:
+            try:
+                column.kind.with_numbers(column, {name: (1.0, False)})
+            except UnknownKeyError as error:
+                raise InputError(f"{name}: {str(error).removeprefix(f'{name}: ')}") from None
+            except InputError:  # of the value
+                pass
 
     def _check_overlaps(self) -> None:
         """Raise InputError if two varied names set the same number; relative ones multiply it, in any order."""
@@ -256,6 +282,14 @@ class Study(NotebookRepr):
     def varied(self) -> tuple[str, ...]:
         """The names of the numbers that define a run; `column` and `motion` are indices from 0."""
         return ("column", "motion", *self.grid, *(each for name in self.random for each in self._each(name)))
+
+    @property
+    def usual_intensity(self) -> float:
+        """The largest intensity of the grid, or the median of the drawn ones; 0 if none is varied."""
+        if INTENSITY not in self.random:
+            return max(self.grid.get(INTENSITY, (0.0,)))
+        place = self.varied.index(INTENSITY) - len(self.shape) + 1
+        return float(np.median(_drawn_of(self)[:, place]))
 
     @property
     def measured(self) -> tuple[str, ...]:

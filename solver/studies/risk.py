@@ -17,6 +17,7 @@ from ..common.digits import percent
 from ..common.errors import POSITIVE, InputError, check_number, check_type, needing, reading
 from ..common.files import MOST_RECORD, content_of, write_table
 from ..common.notebook import NotebookRepr
+from ..common.plausible import warn_of_intensity
 from ..common.tables import numbers_of
 from ..models.pictures import draw
 from ..models.protocol import FloatArray
@@ -30,6 +31,7 @@ YEARS = 50.0
 # intensities between which shares of the rate are given: those with more than LEAST_SHARE on either side
 EDGES = tuple(float(f"{part}e{power}") for power in range(-4, 4) for part in (1, 1.5, 2, 3, 4, 5, 7))
 LEAST_SHARE = 0.01
+OFTEN = 1e-3  # 1/year
 RISK_NOTE = "bounds: 95 % confidence of the fragility; the hazard is taken as given"
 PER_ONE = re.compile(r"1\s*/|\^?-1\b")  # as in 1/year, year^-1
 # of a heading that is not 1/year or years
@@ -67,7 +69,9 @@ class Hazard:
         """Return the power law of a slope through an intensity of a return period (years). Raises InputError."""
         given = {"slope": slope, "intensity": intensity, "return_period": return_period}
         k, s, years = (check_number(key, value, POSITIVE, "a positive number") for key, value in given.items())
-        return cls(Measure.from_text("measure", measure), np.array([s]), np.array([1.0 / years]), np.array([k, k]))
+        found = cls(Measure.from_text("measure", measure), np.array([s]), np.array([1.0 / years]), np.array([k, k]))
+        found._check_unit()
+        return found
 
     @classmethod
     def from_table(cls, measure: str, intensity: ArrayLike, rate: ArrayLike) -> Hazard:
@@ -103,7 +107,15 @@ class Hazard:
             raise InputError(f"hazard: rate {here}, {after}: must fall as the intensity grows")
         between = np.diff(np.log(h[::-1]))[::-1] / np.diff(np.log(s))
         slopes = np.concatenate([between[:1], between, between[-1:]])
-        return cls(Measure.from_text("measure", measure), s, h, slopes)
+        found = cls(Measure.from_text("measure", measure), s, h, slopes)
+        found._check_unit()
+        return found
+
+    def _check_unit(self) -> None:
+        """Warn (InputWarning) of half the largest intensity on record more often than once in 1,000 years."""
+        often = self.intensity[self.rate >= OFTEN]
+        if len(often):
+            warn_of_intensity("hazard: once in 1,000 years", self.measure.name, float(often[-1]), 0.5)
 
     @classmethod
     def from_csv(cls, path: str | os.PathLike[str], measure: str | None = None) -> Hazard:

@@ -1,5 +1,6 @@
 """A base motion is what its source says, or one line about what is wrong with the source."""
 
+import math
 import re
 import warnings
 from collections.abc import Callable
@@ -117,6 +118,10 @@ def test_harmonic_scales_and_mirrors() -> None:
     motion = Motion.harmonic(1.0, 2.0, 3.0)
     assert motion.scaled(3.0).amplitude == 3.0
     assert motion.mirrored().amplitude == -1.0
+    for half_turns in range(-5, 6):
+        turned = motion.turned(half_turns * math.pi)
+        assert (turned.amplitude, turned.amplitude_y) == (1.0 if half_turns % 2 == 0 else -1.0, 0.0)
+    assert motion.turned(0.5 * math.pi).amplitude == 0.0
 
 
 def test_a_motion_keeps_its_name(tmp_path: Path) -> None:

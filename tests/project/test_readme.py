@@ -62,7 +62,7 @@ def test_shell_commands(checkout: Path, monkeypatch: pytest.MonkeyPatch) -> None
     result = read_results(checkout / "shaken.csv")
     assert result["time"][-1] == pytest.approx(30.0)
     assert np.max(np.abs(result["block[1].ux"])) > 1e-3
-    for name in ("response.csv", "response.png", "report.html"):
+    for name in ("pillar.csv", "pillar.png", "report.html"):
         assert (checkout / name).stat().st_size > 5_000, name
 
 

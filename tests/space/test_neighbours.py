@@ -82,6 +82,10 @@ def test_walls() -> None:
         ({"restitution": 0.5}, r"neighbours.restitution: must be left out beside damping"),
         ({"speed": 1.0}, r"neighbours.speed: unknown"),
         ({"pair": [{"between": ["b0", "b9"]}]}, r"neighbours.pair\[1\].between: 'b9' must be the name of a block"),
+        (
+            {"pair": [{"between": ["b0", "b1"], "gap": 0.1}, {"between": ["b1", "b0"], "gap": 0.2}]},
+            r"neighbours.pair\[2\].between: is the pair of neighbours.pair\[1\], must be given once",
+        ),
         ({"pair": [{"between": ["b0"]}]}, r"neighbours.pair\[1\].between = \['b0'\]: must be two names of blocks"),
         ({"pair": [{"between": ["b0", "b1"], "gap": -1}]}, r"neighbours.pair\[1\].gap = -1: must be a length in m"),
         ({"pair": {}}, r"neighbours.pair: must be one table \[\[neighbours.pair\]\] for each"),

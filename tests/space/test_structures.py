@@ -184,6 +184,13 @@ def test_an_outline_may_end_where_it_begins() -> None:
     assert Structure.from_dict(closed).weight == Structure.from_dict(data).weight
 
 
+@pytest.mark.parametrize("word", ["joints", "tie"])
+def test_a_table_of_structures_in_the_file_of_a_column_is_named(word: str) -> None:
+    data: dict[str, Any] = {"name": "pillar", "block": [{"width": 1.0, "depth": 1.0, "height": 2.0, "density": 2e3}]}
+    with pytest.raises(InputError, match=f"^{word}: is of a structure, whose blocks have on or position"):
+        Structure.from_dict(data | {word: {"joints": LAW, "tie": []}[word]})
+
+
 def test_two_joints_of_a_pair_at_different_places_are_two() -> None:
     pads = [{**PATCH, "between": ["beam", "left"], "at": [x, 0.0, 4.0], "width": 0.2} for x in (-0.2, 0.2)]
     data = copy.deepcopy(TRILITH) | {"joint": pads}

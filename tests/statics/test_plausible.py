@@ -105,6 +105,23 @@ def test_runs_warn_once_wherever_they_are_made() -> None:
             assert any("motion.ax: reaches 5.099 g" in line for line in said)
 
 
+def test_studies_in_other_units_are_warned_of() -> None:
+    """Check levels of 0.3 g in m/s2, and drawn ones whose median is."""
+    drawn = {"distribution": "lognormal", "median": 4.0, "deviation": 0.2}
+    for varied in ({"grid": {"intensity": [1.47, 4.0]}}, {"random": {"intensity": drawn}, "samples": 40}):
+        motion = {"formula": "harmonic", "frequency": 2.0, "duration": 0.01}
+        data = {
+            "name": "odd",
+            "kind": "fragility",
+            "column": str(ROOT / "examples" / "columns" / "phocas.toml"),
+            "motion": [motion],
+            "duration": 0.01,
+        }
+        study = Study.from_dict(data | {"intensity": {"measure": "pga"}} | varied)
+        with pytest.warns(InputWarning, match=r"^intensity: reaches [34].* g, should be 3 g at most; pga is in g"):
+            run_study(study, threads=1)
+
+
 def test_studies_warn_of_structures_too(tmp_path: Path) -> None:
     blocks = '[[block]]\nname = "stone"\non = "base"\nwidth = 0.9\ndepth = 0.9\nheight = 1.0\ndensity = 2.7\n'
     (tmp_path / "one.toml").write_text(f'name = "one"\njoints = {{stiffness = 1e9, damping = 0.0}}\n{blocks}')

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import warnings
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from solver import InputError
+from solver import InputError, InputWarning
 from solver.commands.command_line import main
 from solver.studies import Hazard, Measure, Study, fit_fragility, risk, run_study
 from solver.studies.risk import rates_between, risk_text
@@ -126,6 +127,19 @@ def test_bounds_are_those_of_the_fragility() -> None:
     wider = risk(curve(0.5, 0.3, curves, [[0.2, 0.3], [0.5, 0.3]]), hazard)
     assert wider.rate_bounds == pytest.approx((low, rate_of_power_law(2.0, 0.2, 0.3)), rel=1e-9)
     assert wider.probability_bounds[0] < wider.probability < wider.probability_bounds[1]
+
+
+@pytest.mark.parametrize(("measure", "factor"), [("pga", 9.80665), ("sa(0.5)", 980.665), ("pgv", 100.0)])
+def test_a_hazard_in_other_units_is_warned_of(measure: str, factor: float) -> None:
+    intensity, rate = np.array([0.1, 0.25, 0.5]), [1e-2, 2.1e-3, 4e-4]
+    with pytest.warns(InputWarning, match=rf"^hazard: .* should be .* at most; {measure[:2]}.* is in "):
+        Hazard.from_table(measure, factor * intensity, rate)
+    with pytest.warns(InputWarning, match="^hazard: once in 1,000 years: reaches"):
+        Hazard.power_law(measure, 2.5, 0.25 * factor, 475.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        Hazard.from_table(measure, intensity, rate)
+        Hazard.power_law(measure, 2.5, 0.25, 475.0)
 
 
 def test_a_bound_above_the_rates_of_a_table_is_none() -> None:

@@ -402,6 +402,10 @@ def test_axis() -> None:
         ("tolerance = 1e-3", "tolerance = 1", "tolerance = 1"),
         ('"verdict", "overturn_time"', '"verdict", "overturned"', "keep = 'overturned': must be one of peak_ux"),
         ('"verdict", "overturn_time"', '"overturn_time"', "keep: must have verdict"),
+        ('"verdict", "overturn_time"', '"verdict", "verdict"', "keep: verdict must be there once"),
+        ("intensity = [0.2, 0.6]", "intensity = [0.6, 0.2, 0.6]", "grid.intensity: has a value twice"),
+        ("joint.stiffness", "joint.stifness", r"joint.stifness: block\[1\].joint.stifness: unknown key, must be one"),
+        ("joint.stiffness", "joint[2].stiffness", r"joint\[2\].stiffness: there are 1 blocks"),
     ],
 )
 def test_a_wrong_study_is_refused_in_one_line(folder: Path, old: str, new: str, message: str) -> None:

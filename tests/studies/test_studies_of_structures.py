@@ -330,6 +330,21 @@ def test_a_factor_on_the_gaps_of_pairs(each: bool) -> None:
         single("neighbours.pair.friction", each, True, of="cask-row.toml").run(0)
 
 
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("neighbours.pair.gop", r"neighbours.pair.gop: neighbours.pair\[1\].gop: unknown key"),
+        ("neighbours.pair[4].gap", r"neighbours.pair\[4\].gap: no such table"),
+        ("neighbours.frction", "neighbours.frction: unknown key"),
+        ("block[none].height", r"block\[none\].height: no such block, must be one of"),
+        ("block.heigt", r"block.heigt: block\[.*\].heigt: unknown key"),
+    ],
+)
+def test_names_of_no_number_are_refused_before_any_run(name: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        single(name, False, of="cask-row.toml")
+
+
 def test_each_coordinate_and_none_of_no_ties() -> None:
     found: Any = single("block.at[2]", True).run(0).run.model
     assert [block["at"] for block in found.to_dict()["block"]] == [[x, pytest.approx(2.0)] for x in (0.0, 3.0, 1.5)]

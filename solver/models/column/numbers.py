@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
-from ...common.errors import POSITIVE, InputError, check_number
+from ...common.errors import POSITIVE, InputError, UnknownKeyError, check_number
 from ...common.ranges import NUMBERS, lengths_in
 from .block import Given
 from .file import ROUND
@@ -119,14 +119,14 @@ def _with_own(column: Column, values: Mapping[str, tuple[float, bool]]) -> Colum
 def _which(name: str, blocks: int) -> range:
     """Return the indices of the blocks that a name refers to.
 
-    Raises InputError if there are fewer blocks.
+    Raises UnknownKeyError if there are fewer blocks.
     """
     found = _parts(name)
     if found is None or not found[1]:
         return range(blocks)
     number = found[1]
     if number > blocks:
-        raise InputError(f"{name}: there are {blocks} blocks")
+        raise UnknownKeyError(f"{name}: there are {blocks} blocks")
     return range(number - 1, number)
 
 

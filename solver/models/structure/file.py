@@ -77,6 +77,9 @@ def parts_from(data: Mapping[str, Any], surfaces: Mapping[int, FloatArray]) -> d
     solids = _Solids()
     joints: list[SpatialJoint] = []
     tables = tables_in("block", data)
+    for word in ("joints", "tie"):
+        if word in data and OF_COLUMN not in data and not has_blocks_in_space(data):
+            raise InputError(f"{word}: is of a structure, whose blocks have on or position; a column has [joint]")
     count = sum(_times(f"block[{number}]", table) for number, table in enumerate(tables, start=1))
     if count > MAX_BLOCKS:
         raise InputError(f"block: {count} blocks, must be 1 to {MAX_BLOCKS}")

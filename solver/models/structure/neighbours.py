@@ -85,7 +85,10 @@ def neighbours_from(
     for number, part in enumerate(tables_in("neighbours.pair", table, 0), start=1):
         key = f"neighbours.pair[{number}]"
         check_keys(f"{key}.", part, _OF_PAIR)
-        declared[_between(key, part, blocks)] = key, _numbers(key, part, _OF_PAIR[1:])
+        both = _between(key, part, blocks)
+        if both in declared:
+            raise InputError(f"{key}.between: is the pair of {declared[both][0]}, must be given once")
+        declared[both] = key, _numbers(key, part, _OF_PAIR[1:])
     tables = tables_in("neighbours.wall", table, 0)
     walls = [_wall(f"neighbours.wall[{number}]", part) for number, part in enumerate(tables, start=1)]
     # pairs of blocks within the reach, or declared

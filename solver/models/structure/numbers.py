@@ -19,7 +19,7 @@ from dataclasses import asdict, replace
 from functools import lru_cache
 from typing import Any, NamedTuple
 
-from ...common.errors import POSITIVE, InputError, check_number
+from ...common.errors import POSITIVE, InputError, UnknownKeyError, check_number
 from ...common.ranges import NUMBERS, lengths_in
 from ..column.numbers import varied
 from .bearing_tables import RANGES as OF_BEARINGS
@@ -141,7 +141,7 @@ def _names(kind: str, structure: Structure) -> Sequence[str]:
 
 
 def _which(name: str, structure: Structure) -> Sequence[int]:
-    """Return the indices of what a name refers to. Raises InputError if there is no such block, joint or tie."""
+    """Return the indices of what a name refers to. Raises UnknownKeyError if there is none."""
     found = _named(name)
     assert found is not None
     names = _names(found.kind, structure)
@@ -152,7 +152,7 @@ def _which(name: str, structure: Structure) -> Sequence[int]:
     if found.which.isdigit() and 1 <= int(found.which) <= len(names):
         return [int(found.which) - 1]
     listed = f"{', '.join(names[:8])}{', ...' if len(names) > 8 else ''}" or "there is none"
-    raise InputError(f"{name}: no such {found.kind}, must be one of {listed}, or a number from 1 to {len(names)}")
+    raise UnknownKeyError(f"{name}: no such {found.kind}, must be one of {listed}, or a number from 1 to {len(names)}")
 
 
 def _set(data: dict[str, Any], structure: Structure, name: str, number: float, relative: bool) -> None:
@@ -194,7 +194,7 @@ def _set_neighbour_number(data: dict[str, Any], name: str, found: re.Match[str],
     if found[2]:
         tables = tables[int(found[2]) - 1 :][:1]
     if not tables:
-        raise InputError(f"{name}: no such table, must be in the file, [[neighbours.pair]] by its number from 1")
+        raise UnknownKeyError(f"{name}: no such table, must be in the file, [[neighbours.pair]] by its number from 1")
     key = found[3]
     for table in tables:
         table[key] = varied(name, table.get(key), number, relative)

@@ -232,7 +232,7 @@ def _may_have_slid(joint: SpatialJoint) -> bool:
 class _SpatialSettling:
     """A structure on a still base after its run (still_base.py)."""
 
-    unclear = "has the energy to fall"
+    unclear = "may have the energy to fall"
 
     def __init__(self, stepper: SpatialStepper) -> None:
         self._stepper = stepper
