@@ -109,6 +109,17 @@ def test_a_wall_moves_with_the_base(shape: dict[str, Any]) -> None:
     assert stepper.see.vx[0] == pytest.approx(-0.6, abs=1e-3 if shape is BOX else 1e-5)  # measured 4e-4, 2e-6
 
 
+@pytest.mark.parametrize("more", [{}, {"pair": [{"between": ["b0", "b1"], "friction": 0.1}]}], ids=["all", "listed"])
+def test_a_block_meets_a_wall_whatever_pairs_are_listed(more: dict[str, Any]) -> None:
+    data = structure(BOX, BOX, apart=5.0, restitution=0.6).to_dict()
+    wall = {"at": [1.0, 0.0, 0.0], "normal": [-1.0, 0.0], "width": 4.0, "height": 9.0}
+    law = {key: value for key, value in data["neighbours"].items() if key != "reach"}
+    made = Structure.from_dict({**data, "neighbours": {**law, "wall": [wall], **more}})
+    stepper = thrown(made, [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    follow(stepper, 0.8)
+    assert stepper.see.vx[0] == pytest.approx(-0.6, abs=1e-3)
+
+
 def test_a_block_before_a_wall_returns_in_a_quarter_of_housners_period() -> None:
     """Check that leaned away from a wall and let go, it is upright again, and hits, after acosh(1 / (1 - theta /
     alpha)) / p.

@@ -94,7 +94,7 @@ def neighbours_from(
     # pairs of blocks within the reach, or declared
     joined = {frozenset((joint.upper, joint.lower)) for joint in joints}
     reach = given.get("reach", -1.0 if declared else math.inf)
-    reach = math.inf if after_fall else reach
+    reach, to_walls = (math.inf,) * 2 if after_fall else (reach, given.get("reach", math.inf))
     bodies, found = [_bodies_of(block) for block in blocks], []
     _refuse_overlaps(blocks, joints, {pair for pair, (_, own) in declared.items() if "gap" in own})
     near = _near(blocks, reach)
@@ -118,7 +118,7 @@ def neighbours_from(
     # blocks and walls
     for one, block in enumerate(blocks):
         for number, wall in enumerate(walls, start=1):
-            for pair in _pairs_before(block, bodies[one], one, wall, len(blocks), reach):
+            for pair in _pairs_before(block, bodies[one], one, wall, len(blocks), to_walls):
                 found.append(_with_law("neighbours", replace(pair, wall=number), given, blocks))
     if len(found) > MOST:
         raise InputError(f"neighbours.reach: {len(found)} pairs of bodies lie within it, must be at most {MOST}")
