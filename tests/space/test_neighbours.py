@@ -71,6 +71,34 @@ def test_walls() -> None:
     assert pair.gap == pytest.approx(math.sqrt(0.98) - 0.5, rel=1e-12)
 
 
+def test_blocks_that_reach_into_a_wall_are_refused_and_those_behind_or_beside_it_are_not() -> None:
+    """Compare with intervals along the normal and the width; of a turned box with its diagonal."""
+    half, wide = 0.5 * BOX["width"], 1.0  # m
+    diagonal = 0.5 * math.hypot(BOX["width"], BOX["depth"])
+    for shape, reach in ((BOX, half), (DRUM, half), ({**BOX, "rotation": [0.0, 0.0, 0.5]}, None)):
+        angle = math.atan2(BOX["depth"], BOX["width"])
+        before = diagonal * math.cos(angle - 0.5) if reach is None else reach
+        for into in (0.002, 0.3, 2.0 * before - 0.002):
+            wall = {**WALL, "at": [into - before, 0.0, 0.0]}
+            names, deep = "neighbours: b0 and wall 1 overlap by", f"{1e3 * into:.3g} mm as built, must stand apart$"
+            # of the deepest an edge of the wall is nearer
+            with pytest.raises(InputError, match=f"{names} {deep if into == 0.002 else ''}"):
+                Structure.from_dict(described(shape, wall=[wall]))
+        for place, count in ((-before, 1), (5e-5 - before, 1), (before, 0), (before + 0.1, 0)):
+            wall = {**WALL, "at": [place, 0.0, 0.0]}
+            made = Structure.from_dict(described(shape, reach=None, wall=[wall]))
+            assert len(made.neighbours) == count
+    for y, fits in ((wide + 0.751, True), (wide + 0.745, False), (-wide - 0.751, True)):
+        wall = {**WALL, "at": [0.1, y, 0.0]}
+        if fits:
+            assert Structure.from_dict(described(BOX, wall=[wall])).neighbours == ()
+            continue
+        with pytest.raises(InputError, match="b0 and wall 1 overlap by 5 mm"):
+            Structure.from_dict(described(BOX, wall=[wall]))
+    above = {**WALL, "at": [0.1, 0.0, BOX["height"]]}
+    assert Structure.from_dict(described(BOX, wall=[above])).neighbours == ()
+
+
 @pytest.mark.parametrize(
     ("changed", "message"),
     [

@@ -18,7 +18,7 @@ from .blocks.contacts import GROUND
 from .blocks.faces import Face, clipped, polygon_moments
 from .blocks.parts import BASE, Pair, Side, Solid, SpatialJoint
 from .blocks.polyhedra import Polyhedron, polyhedron_of, slab_behind
-from .blocks.shapes import rectangle
+from .blocks.shapes import box, placed, rectangle
 from .convex import TOUCH, ConvexPart, built_overlaps, distance, hulls_of, touching
 
 _REACH = (0.0, 1e6), "a length in m, zero or positive: blocks within it may meet"
@@ -284,8 +284,14 @@ def _before_faces(
 
 
 def _pairs_before(block: Solid, bodies: list[_Body], one: int, wall: Face, base: int, reach: float) -> list[Pair]:
-    """Return the pairs of the convex bodies of a block with a wall before which they stand within a reach (m)."""
-    drum, slab, found = side_of_drum(block), slab_behind(wall), []
+    """Return the pairs of the convex bodies of a block with a wall before which they stand within a reach (m).
+
+    None for a block behind the plane of the wall. The gap of a body that overlaps the wall is negative.
+    """
+    drum, slab, found, still = side_of_drum(block), slab_behind(wall), [], np.zeros((1, 3))
+    front = max(float(body.part.extent(still, wall.normal[None, None])[1][0, 0]) for body in bodies)
+    if front + float((block.centroid - wall.centre) @ wall.normal) <= touching(block):
+        return []
     for body in bodies:
         both = body.polyhedron, slab
         pairs = _before_faces(one, base, both, drum, (wall,)) if drum else []
@@ -296,12 +302,26 @@ def _pairs_before(block: Solid, bodies: list[_Body], one: int, wall: Face, base:
             beside = np.maximum(np.maximum(low[:2] - half, -half - high[:2]), 0.0)
             gap = float(np.hypot(low[2], np.hypot(*beside))) if np.any(beside) else float(low[2])
             if low[2] < -touching(block):
-                continue
+                solid = _solid_behind(wall)
+                away = (solid.centroid - block.centroid)[None]
+                gap = float(distance(body.part, ConvexPart(solid), still, still, away)[0])
+                if gap >= -touching(block):  # beside the wall
+                    continue
             area = _facing_area(body.part.faces, (wall,), TOUCH)
             size = area or both[0].mean_area
             pairs = [Pair(one, base, both, gap, size, beside=wall, faces=area > 0.0)]
         found += [pair for pair in pairs if pair.gap <= reach]
     return found
+
+
+def _solid_behind(wall: Face) -> Solid:
+    """Return the solid of `slab_behind`."""
+    width, height = np.ptp(wall.outline, axis=0).tolist()
+    thick, (first, second, third) = max(width, height), wall.axes.T
+    turn = np.column_stack([first, -third, second])
+    return placed(
+        box("wall", *((width, thick),) * 2, height, 1.0), wall.centre - 0.5 * (thick * third + height * second), turn
+    )
 
 
 def _pairs_after_fall(
@@ -425,7 +445,7 @@ def _with_law(key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Soli
         raise InputError(f"{key}.damping: missing, must be {NUMBERS['damping'][1]}, or a restitution: {names} may meet")
     if "gap" not in law and pair.gap < -touching(*(blocks[i] for i in (pair.one, pair.other) if i < len(blocks))):
         deep = f"{-1e3 * pair.gap:.3g} mm as built"
-        raise InputError(f"{key}: {names} overlap by {deep}, must stand apart, or have a gap")
+        raise InputError(f"{key}: {names} overlap by {deep}, must stand apart{'' if pair.wall else ', or have a gap'}")
     # damping, from the restitution with the reduced mass of both blocks if needed
     stiffness = law[of_kind] * pair.size
     if "damping" in law:
