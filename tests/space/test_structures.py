@@ -24,6 +24,7 @@ from multiblock import (
     Column,
     InputError,
     Motion,
+    SpatialState,
     Spread,
     Structure,
     arch,
@@ -163,6 +164,7 @@ WRONG = [
     (("joint",), [{"between": ["left", "base"], "width": 1.0}], "joint[1].width: must be left out, or at given"),
     (("joint",), [{**PATCH, "section": "circle", "diameter": 0.5}], "joint[1].width: must be left out, a circle has"),
     (("joint",), [{**PATCH, "at": [0.0, 0.0, -5.0]}], "joint[1].at: is 5 m away from left"),
+    (("joint",), [{"between": ["left", "base"], "at": [0.0, 0.0, 0.1]}], "joint[1]: left and base share no face"),
     (("block", 1, "at"), [0.0, 0.0], "block[2]: right fills the same place as left"),
     (("block", 1, "at"), [1e308, 0.0], "block[2].at[0] = 1e+308: must be a length"),
     (("block", 0, "rotation"), [0.0, 0.0, 90.0], "block[1].rotation[2] = 90.0: must be an angle in rad"),
@@ -419,6 +421,22 @@ def test_colonnade_arch_and_wall_stand() -> None:
         assert rest_of(structure).row[-4] == pytest.approx(-structure.weight, rel=1e-9)
     assert len(structures[0].ties) == 1
     assert len(structures[2].joints) == 4 + 2 * (8 + 0) + 8 + 3 + 4 + 3 + 4
+
+
+@pytest.mark.parametrize("rim", [{}, {"rim": 0.1}], ids=["faces", "rims"])
+@pytest.mark.parametrize("angle", [math.pi, 2.6])
+def test_an_arch_that_has_slid_bears_as_at_its_place(angle: float, rim: dict[str, float]) -> None:
+    """Move it by a quarter of its depth: the base goes on beyond the springers, so nothing else changes."""
+    made = arch(7, 2.0, 0.6, 0.8, {**LAW, "damping": 2e-3, "friction": 0.6, **rim}, angle)
+    none, still = np.zeros((7, 3)), Motion.from_samples(0.5, np.zeros(3))
+    states = [SpatialState(none + np.array([0.0, y, 0.0]), none, none, none) for y in (0.0, 0.2)]
+    here, there = (simulate(made, still, initial=state, settle=0.0) for state in states)
+    assert there.slip[-1, [0, 7]] == pytest.approx(0.2, rel=1e-6)
+    assert there.uy[-1] == pytest.approx(0.2, rel=1e-6)
+    assert there.contact[-1] == pytest.approx(here.contact[-1], abs=1e-6)
+    assert there.N[-1] == pytest.approx(here.N[-1], rel=1e-6)
+    assert made.joint_names[0] == "voussoir1-base"
+    assert Structure.from_dict(made.to_dict()).joints[7].moments == made.joints[7].moments
 
 
 def test_a_rod_stretches_as_hookes_law_has_it_and_yields() -> None:

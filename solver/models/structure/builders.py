@@ -172,23 +172,13 @@ def arch(
         }
         for k in range(count)
     ]
-    joints = []
-    # a joint at each ray
-    for k, way in enumerate(ways):
-        upper = f"voussoir{k + 1}" if k < count else f"voussoir{count}"
-        lower = f"voussoir{k}" if 0 < k < count else "base"
-        along = np.array([-way[1], way[0]]) * (1.0 if k < count else -1.0)
-        place = radius * way
-        joints.append(
-            {
-                "between": [upper, lower],
-                "at": [float(place[0]), 0.0, float(place[1])],
-                "normal": [float(along[0]), 0.0, float(along[1])],
-                "section": "rectangle",
-                "width": thickness,
-                "depth": depth,
-            }
-        )
+    # joints between voussoirs, and with a plane of the base at each end
+    joints: list[dict[str, Any]] = [{"between": [f"voussoir{k + 1}", f"voussoir{k}"]} for k in range(1, count)]
+    ends = []
+    for k, way, sign in ((1, ways[0], 1.0), (count, ways[-1], -1.0)):
+        at, normal = [radius * float(way[0]), 0.0, radius * float(way[1])], [-sign * float(way[1]), 0.0]
+        ends.append({"between": [f"voussoir{k}", "base"], "at": at, "normal": [*normal, sign * float(way[0])]})
+    joints = [ends[0], *joints, ends[1]]
     return Structure.from_dict({"name": name, "joints": joint, "block": blocks, "joint": joints})
 
 

@@ -17,7 +17,7 @@ from ..column.file import has_blocks_in_space
 from ..ports import Port, ports_from
 from .bearing_tables import bearings_from
 from .bearing_tables import check_table as check_bearing
-from .blocks.contacts import axes_of, joints_between, with_rim
+from .blocks.contacts import GROUND, axes_of, joints_between, with_rim
 from .blocks.faces import Face, FloatArray, polygon_moments
 from .blocks.outlines import MEANING, MOST_CORNERS, outline_of
 from .blocks.parts import BASE, BESIDE_COLUMN, OF_COLUMN, TOLERANCE, JointLaw, Solid, SpatialJoint, Tie
@@ -360,8 +360,12 @@ def _joints_from(
             if word in table:
                 raise InputError(f"{key}.{word}: must be left out, or at given with it: the faces that touch are taken")
         return joints_between(blocks, upper, lower, bed, key, sides=True)
-    # a joint with its own position and section
     place, frame = vector_of(f"{key}.at", table["at"], 3), _frame(key, table)
+    # an inclined plane of the base
+    if lower == len(blocks) and not set(_PATCH[1:]) & table.keys():
+        plane = Face(place, frame, GROUND.outline)
+        return joints_between(blocks, upper, lower, bed, key, sides=True, ground=plane)
+    # a joint with its own position and section
     section = table.get("section", "rectangle")
     check_choice(f"{key}.section", section, tuple(_OF_SECTION))
     for word in ("width", "depth", "diameter", "bore", "outline"):

@@ -14,7 +14,7 @@ from ...kernels.structure import layout as at
 from ...kernels.structure.modal_layout import AXES, MODAL_ROOM
 from ..column.packing import Arrays as Arrays
 from ..ports import Port
-from .blocks.contacts import GROUND, inside_of
+from .blocks.contacts import inside_of, is_endless
 from .blocks.faces import Face, FloatArray, edge_distance, polygon_moments
 from .blocks.parts import Pair, Side, Solid, SpatialJoint, Tie
 
@@ -267,7 +267,7 @@ def _inside_of(joint: SpatialJoint) -> tuple[FloatArray, ...]:
 
 def _face_of(joint: SpatialJoint, face: Face) -> FloatArray:
     """Return the record of a face along the axes of a joint, from its centre."""
-    if face is GROUND:
+    if is_endless(face):
         return np.array([0.0, 0.0, 0.0, math.inf, 0.0])
     if face.radius:
         x, y = (face.centre - joint.face.centre) @ joint.face.axes[:, :2]

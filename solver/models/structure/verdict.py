@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...kernels.structure import layout as at
 from ..outputs import places_of
-from .blocks.contacts import GROUND
+from .blocks.contacts import is_endless
 from .blocks.faces import Face, FloatArray, outward_normals
 from .blocks.parts import LEVEL, SpatialJoint
 from .model import Structure
@@ -255,7 +255,7 @@ class Well:
             lever = min(reach - float(out @ place) for out, reach in _edges(joint, _slip(rest, j), place))
             if joint.bed.friction is not None:
                 further = left / max((joint.bed.friction - _downhill(joint)) * carried, math.ulp(0.0))
-                lever -= further if joint.below is not GROUND else 0.0
+                lever -= 0.0 if is_endless(joint.below or joint.face) else further
                 down = -1.0 if joint.is_listed_downwards(structure.n) else 1.0
                 if _sunk(joint, down * _slip(rest, j), further) >= structure.blocks[joint.carried(structure.n)].drop:
                     continue

@@ -15,7 +15,7 @@ from ...common.errors import InputError
 from ...kernels.column.sections.faces import SECTIONS
 from ...models.column.block import Block
 from ...models.column.model import Column
-from ...models.structure.blocks.contacts import GROUND
+from ...models.structure.blocks.contacts import is_endless
 from ...models.structure.blocks.faces import Face, FloatArray
 from ...models.structure.blocks.parts import Solid, SpatialJoint
 from ...models.structure.model import Structure
@@ -189,7 +189,7 @@ def _contact(name: str, joint: SpatialJoint, centroid: FloatArray) -> SceneConta
     if joint.bed.friction is None or at_point:
         return made
     under = joint.below or face
-    return replace(made, above=rims(joint.above or face), under=None if under is GROUND else rims(under))
+    return replace(made, above=rims(joint.above or face), under=None if is_endless(under) else rims(under))
 
 
 def surfaces(block: Solid) -> tuple[Surface, ...]:

@@ -17,15 +17,26 @@ ENDLESS = 1e4  # m, side of the square that stands for the base
 GROUND = Face(np.zeros(3), np.eye(3), rectangle(ENDLESS, ENDLESS))
 
 
+def is_endless(face: Face) -> bool:
+    """Return True for a plane of the base."""
+    return not face.radius and np.array_equal(face.outline, GROUND.outline)
+
+
 def joints_between(
-    solids: tuple[Solid, ...], upper: int, lower: int, bed: JointLaw, key: str, sides: bool = False
+    solids: tuple[Solid, ...],
+    upper: int,
+    lower: int,
+    bed: JointLaw,
+    key: str,
+    sides: bool = False,
+    ground: Face = GROUND,
 ) -> list[SpatialJoint]:
-    """Return the joints of all pairs of faces that two bodies share; the base is body `len(solids)`.
+    """Return the joints of all pairs of faces that two bodies share; the base is body `len(solids)`, its face `ground`.
 
     Faces on top of the lower body count; others only if there are none on top, or with `sides`. `key` names the table
     of the joints in messages. Raises InputError if the bodies share no face.
     """
-    below = (GROUND,) if lower == len(solids) else solids[lower].faces
+    below = (ground,) if lower == len(solids) else solids[lower].faces
     above = solids[upper].faces
     found = [(face, a, b) for a, b in facing(above, below, FACING) if (face := shared(a, b, key)) is not None]
     if not sides:  # a block on another one touches it from above
@@ -65,7 +76,7 @@ def with_rim(joint: SpatialJoint) -> SpatialJoint:
 
 def inside_of(face: Face, rim: float) -> Face | None:
     """Return the inside of a face that touches in a rim of this width (m); None if all of it touches."""
-    return face if face is GROUND else inset(face, rim)
+    return face if is_endless(face) else inset(face, rim)
 
 
 def facing(above: Sequence[Face], below: Sequence[Face], cosine: float) -> list[tuple[Face, Face]]:
