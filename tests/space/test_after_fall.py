@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from support.fmus import ROOT
 
+from multiblock import InputWarning, SpatialState
 from solver import Column, Motion, simulate
 from solver.commands.structure import summary
 from solver.common.errors import InputError
 from solver.ground import wavelets
+from solver.kernels.structure.layout import JOINED_GAP
 from solver.models.structure.blocks.shapes import turned
 from solver.models.structure.convex import distance, hulls_of
 from solver.models.structure.model import Structure
@@ -224,6 +228,47 @@ def test_a_run_whose_fall_is_late_goes_on_beyond_its_end() -> None:
     some = simulate(SHOWCASE, motion, after_fall=3.0, ensemble=3).ensemble
     assert some is not None
     assert some.ux.shape[1] == rows
+
+
+def beyond_reach(after_fall: float, speed: float) -> SpatialResponse:
+    """Return the run of a cube that slides without friction towards another one and a wall, and of a post that falls.
+
+    The cubes, 0.8 m apart, and the wall, 2 m farther, are beyond the reach; the restitution is 0.5.
+    """
+    sizes = {"on": "base", "width": 0.5, "depth": 0.5, "height": 0.5, "density": 2000.0}
+    cubes = [{"name": name, "at": [x, 0.0], **sizes} for name, x in (("a", 0.0), ("c", 1.3))]
+    post = {**sizes, "name": "post", "at": [0.0, 20.0], "width": 0.3, "depth": 0.3, "height": 2.0}
+    wall = {"at": [3.55, 0.0, 0.0], "normal": [-1.0, 0.0], "width": 4.0, "height": 3.0}
+    law = {"stiffness": 1e8, "restitution": 0.5, "friction": 0.0, "reach": 0.1, "wall": [wall]}
+    joints = {"stiffness": 1e9, "damping": 2e-3, "friction": 1e-6}
+    data = {"name": "three", "joints": joints, "neighbours": law, "block": [*cubes, post]}
+    none, velocity, tilt = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3))
+    velocity[0, 0], tilt[2, 0] = speed, 0.2
+    start = SpatialState(none, tilt, velocity, none)
+    still = Motion.from_samples(0.5, np.zeros(3))
+    options: dict[str, Any] = {"duration": 3.0, "initial": start, "settle": 0.0, "tolerance": 1e-7}
+    found: SpatialResponse = simulate(Structure.from_dict(data), still, after_fall=after_fall, **options)
+    return found
+
+
+def test_pairs_beyond_the_reach_meet_only_after_the_fall() -> None:
+    """Compare with the run that ends there while the cubes pass each other; afterwards with central impacts."""
+    with pytest.warns(InputWarning, match="a and c pass into each other"):
+        passes, ends = (beyond_reach(after, 3.0) for after in (4.0, 0.0))
+    assert passes.verdict == ends.verdict == "overturned"
+    assert (passes.overturn_time, passes.what_fell) == (ends.overturn_time, ends.what_fell)
+    before = passes.time < passes.overturn_time
+    assert np.array_equal(passes.ux[before[: len(passes.time)]], ends.ux[ends.time < ends.overturn_time])
+    assert passes.overlap.depth == ends.overlap.depth > 0.3  # m
+    # at 0.4 m/s a meets c 2 s after the start: v (1 - e) / 2 and v (1 + e) / 2 remain
+    meets = beyond_reach(6.0, 0.4)
+    assert meets.overturn_time < 1.5
+    assert meets.overlap == Overlap()
+    assert np.all(meets.gap[meets.time < meets.overturn_time - 0.01] == JOINED_GAP)
+    (hit,) = (one for one in meets.impacts if one.between == "a-c")
+    assert hit.first == pytest.approx(2.0, abs=0.01)
+    late = (meets.time > 2.5) & (meets.time < 3.0)
+    assert meets.velocity[late][:, :2, 0] == pytest.approx(np.tile([0.1, 0.3], (int(np.sum(late)), 1)), abs=2e-3)
 
 
 def on_rubber(post: bool = True, **bearing: float) -> Structure:

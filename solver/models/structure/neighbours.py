@@ -73,7 +73,8 @@ def neighbours_from(
     """Return the pairs that the table `neighbours` of a structure's file describes; empty without one.
 
     Blocks with a joint between them are no neighbours. After a fall all pairs are, at any distance, and each block with
-    the ground. Raises InputError if a key or a value is wrong, or if blocks overlap as built.
+    the ground; until then those beyond the reach do not meet, and those with a joint until it has ended. Raises
+    InputError if a key or a value is wrong, or if blocks overlap as built.
     """
     if "neighbours" not in data:
         return ()
@@ -94,10 +95,10 @@ def neighbours_from(
     # pairs of blocks within the reach, or declared
     joined = {frozenset((joint.upper, joint.lower)) for joint in joints}
     reach = given.get("reach", -1.0 if declared else math.inf)
-    reach, to_walls = (math.inf,) * 2 if after_fall else (reach, given.get("reach", math.inf))
+    to_walls = given.get("reach", math.inf)
     bodies, found = [_bodies_of(block) for block in blocks], []
     _refuse_overlaps(blocks, joints, {pair for pair, (_, own) in declared.items() if "gap" in own})
-    near = _near(blocks, reach)
+    near = _near(blocks, math.inf if after_fall else reach)
     for one in range(len(blocks)):
         for other in range(one + 1, len(blocks)):
             key, own = declared.pop((one, other), ("", {}))
@@ -107,19 +108,23 @@ def neighbours_from(
                 if key:
                     raise InputError(f"{key}.between: must be two blocks without a joint between them")
                 continue
-            within = math.inf if key else reach
+            within = math.inf if key or after_fall else reach
             deepest = _deepest(blocks, one, other, own)
             pairs = _pairs_between(blocks, bodies, one, other, within, deepest)
+            late = not key and min((pair.gap for pair in pairs), default=reach) > reach
             if "gap" in own:
                 pairs = _moved_to(own["gap"], pairs, blocks, (*bodies[one], *bodies[other]))
-            found += [_with_law(key or "neighbours", pair, {**_law(given, own), **own}, blocks) for pair in pairs]
+            made = [_with_law(key or "neighbours", pair, {**_law(given, own), **own}, blocks) for pair in pairs]
+            found += [replace(pair, joined=late) for pair in made]
     if after_fall:
         found += _pairs_after_fall(blocks, bodies, joined, given)
     # blocks and walls
     for one, block in enumerate(blocks):
         for number, wall in enumerate(walls, start=1):
-            for pair in _pairs_before(block, bodies[one], one, wall, len(blocks), to_walls):
-                found.append(_with_law("neighbours", replace(pair, wall=number), given, blocks))
+            within = math.inf if after_fall else to_walls
+            for pair in _pairs_before(block, bodies[one], one, wall, len(blocks), within):
+                pair = replace(pair, wall=number, joined=pair.gap > to_walls)
+                found.append(_with_law("neighbours", pair, given, blocks))
     if len(found) > MOST:
         raise InputError(f"neighbours.reach: {len(found)} pairs of bodies lie within it, must be at most {MOST}")
     return tuple(found)

@@ -56,7 +56,7 @@ class StructureHistories(Histories):
     gap = Output(
         CONTACT,
         "m",
-        "Distance of {it}, below 0 while they press on each other, 1e6 while a joint connects them",
+        "Distance of {it}, below 0 while they press on each other, 1e6 while they cannot meet",
         by_least=True,
     )
     hit = Output(CONTACT, "N", "Force across of {it}, compression", 0.0, name="force")

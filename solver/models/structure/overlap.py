@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...kernels.structure.layout import JOINED_GAP
 from .blocks.faces import Face, FloatArray
 from .blocks.parts import BASE, SpatialJoint
 from .blocks.shapes import turned
@@ -68,7 +69,8 @@ def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHisto
     u = np.stack([rows.ux, rows.uy, rows.uz], axis=-1)
     rotation = rows.rotation
     there = np.isfinite(u).all(axis=(1, 2)) & np.isfinite(rotation).all(axis=(1, 2))
-    meet = {frozenset((pair.one, pair.other)) for pair in structure.neighbours}
+    # the first of the pairs of two blocks; some meet only after a fall
+    meet = {frozenset((pair.one, pair.other)): k for k, pair in reversed([*enumerate(structure.neighbours)])}
     time, u, rotation = time[there], u[there], rotation[there]
     if not len(time):
         return Overlap()
@@ -83,12 +85,15 @@ def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHisto
     for i, j in np.argwhere(near_as_built(structure.blocks, structure.joints, most[:, None] + most[None])):
         between, moved = structure.blocks[j].centroid - structure.blocks[i].centroid, u[:, j] - u[:, i]
         far = np.linalg.norm(moved, axis=1) + turning[:, i] + turning[:, j]
-        if frozenset((int(i), int(j))) in meet:
-            continue
+        k, unmet = meet.get(frozenset((int(i), int(j)))), np.ones(len(time), dtype=np.bool_)
+        if k is not None:
+            if not structure.neighbours[k].joined:
+                continue
+            unmet = rows.gap[there, k] == JOINED_GAP
         for one, other in product(hulls[i], hulls[j]):
             still = np.zeros((1, 3))
             built = float(distance(one, other, still, still, between[None])[0])
-            near = np.flatnonzero(far >= built)
+            near = np.flatnonzero(unmet & (far >= built))
             least = max(found.depth, TOUCH)
             places = rotation[near, i], rotation[near, j], between + moved[near]
             depth, row = _deepest_row(one, other, places, min(built, 0.0), least)

@@ -174,7 +174,7 @@ class Pair:
     friction: float = 0.0
     shear: float = 0.0  # N/m, stiffness along the contact
     wall: int = 0  # number of the wall, from 1, where the other one is the base
-    joined: bool = False  # joints connect both; they meet only after a fall, once these have ended
+    joined: bool = False  # they meet only after a fall, once all joints between both have ended
 
     @property
     def beyond(self) -> float:
