@@ -61,7 +61,7 @@ class InSpace(Subject):
 
     @property
     def neighbours(self) -> tuple[str, ...]:
-        return self.model.contact_names
+        return self.model.pair_names
 
     @property
     def bonds(self) -> tuple[str, ...]:

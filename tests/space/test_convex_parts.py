@@ -12,7 +12,7 @@ import pytest
 from space.test_contact import STILL, follow
 from support.fmus import ROOT
 
-from multiblock import InputError, Structure
+from multiblock import InputError, Structure, simulate
 from solver.models.structure.blocks.faces import FloatArray
 from solver.models.structure.blocks.hulls import bulk_of, convex_surface, hull_of
 from solver.models.structure.hull_tables import solid_from_hull, with_hulls
@@ -126,6 +126,29 @@ def test_what_hits_the_shaft_in_line_with_the_centroid_parts_by_the_restitution(
     one, other = (block.mass for block in made.blocks[-2:])
     assert one * after[0] + other * after[1] == pytest.approx(-2.0 * other, rel=1e-12)
     assert hits(stepper) > 1e4
+
+
+def test_each_part_that_meets_has_columns_of_its_own(tmp_path: Path) -> None:
+    """Check that the names differ and stand over their columns, and that the impact is that of both bodies."""
+    stone = {**STONE, "file": file_of(tmp_path, *ELL), "parts": 8}
+    made = beside(stone, BOX, (1.3, 0.3, 0.4), restitution=0.5)
+    assert [name for name in made.contact_names if "other" in name and "stone" in name] == [
+        "stone-other.1",
+        "stone-other.2",
+    ]
+    assert len(set(made.contact_names)) == len(made.neighbours)
+    none, speed = np.zeros((3, 3)), np.zeros((3, 3))
+    speed[2, 0] = -2.0
+    found = simulate(made, STILL, initial=SpatialState(none, none, speed, none), settle=0.0)
+    found.to_csv(tmp_path / "run.csv")
+    with open(tmp_path / "run.csv", encoding="utf-8") as file:
+        head = file.readline().strip().split(",")
+        rows = np.loadtxt(file, delimiter=",")
+    assert len(set(head)) == len(head)
+    for k, name in enumerate(made.contact_names):
+        assert rows[:, head.index(f"contact[{name}].gap")] == pytest.approx(found.gap[:, k], rel=1e-6)
+    (hit,) = (one for one in found.impacts if one.between == "stone-other")
+    assert hit.force == np.max(found.peaks["hit"]) > 1e4
 
 
 def test_the_shaft_is_hit_as_if_it_were_alone(tmp_path: Path) -> None:

@@ -46,6 +46,15 @@ LEAST_LENGTH = 1e-6  # m, of a tie
 SKIPS = ("peaks", "elastic", "stabilized")
 
 
+def _numbered(names: Sequence[str]) -> tuple[str, ...]:
+    """Append numbers from 1 to names that occur more than once."""
+    several, so_far, found = Counter(names), Counter[str](), []
+    for name in names:
+        so_far[name] += 1
+        found.append(name if several[name] == 1 else f"{name}.{so_far[name]}")
+    return tuple(found)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Structure(NotebookRepr):
     """Rigid blocks in space with joints between their faces, and ties.
@@ -169,12 +178,7 @@ class Structure(NotebookRepr):
     def joint_names(self) -> tuple[str, ...]:
         """The names of the joints: upper and lower body, with a number where two bodies have several joints."""
         names = (*self.names, BASE)
-        plain = [f"{names[joint.upper]}-{names[joint.lower]}" for joint in self.joints]
-        several, so_far, found = Counter(plain), Counter[str](), []
-        for name in plain:
-            so_far[name] += 1
-            found.append(name if several[name] == 1 else f"{name}.{so_far[name]}")
-        return tuple(found)
+        return _numbered([f"{names[joint.upper]}-{names[joint.lower]}" for joint in self.joints])
 
     @cached_property
     def bearings(self) -> tuple[SpatialJoint, ...]:
@@ -198,7 +202,12 @@ class Structure(NotebookRepr):
 
     @cached_property
     def contact_names(self) -> tuple[str, ...]:
-        """The names of the pairs of neighbours."""
+        """The names of the pairs of neighbours, with a number where two bodies meet in several parts or sides."""
+        return _numbered(self.pair_names)
+
+    @cached_property
+    def pair_names(self) -> tuple[str, ...]:
+        """The names of both bodies of each pair of neighbours."""
         return tuple(
             f"{self.names[pair.one]}-{f'wall {pair.wall}' if pair.wall else (*self.names, BASE)[pair.other]}"
             for pair in self.neighbours

@@ -143,7 +143,7 @@ def touching(structure: Structure, rest: SpatialRest) -> NDArray[np.bool_]:
 def _check_gaps(structure: Structure, rest: SpatialRest) -> None:
     """Raise InputError for neighbours that touch at rest: their contact resists in one direction only."""
     touch = touching(structure, rest).tolist()
-    for name, pair, touches in zip(structure.contact_names, structure.neighbours, touch, strict=True):
+    for name, pair, touches in zip(structure.pair_names, structure.neighbours, touch, strict=True):
         if touches:
             one, other = structure.names[pair.one], name.removeprefix(f"{structure.names[pair.one]}-")
             raise InputError(

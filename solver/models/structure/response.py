@@ -43,7 +43,7 @@ class Moved(NamedTuple):
 class Impact(NamedTuple):
     """The contact of two neighbours in a run."""
 
-    between: str  # their names, as in `contact_names`
+    between: str  # their names, as in `pair_names`
     gap: float  # m, the least; below 0 they press on each other
     force: float  # N, the largest across
     first: float  # s, of the first row with a force; NaN without one
@@ -147,7 +147,7 @@ class SpatialResponse(StructureHistories, Result):
     def impacts(self) -> tuple[Impact, ...]:
         """The contacts of neighbours, one for each two bodies, in the order in which they first touch."""
         found: dict[str, Impact] = {}
-        peaks = zip(self.model.contact_names, self.peaks["gap"].tolist(), self.peaks["hit"].tolist(), strict=True)
+        peaks = zip(self.model.pair_names, self.peaks["gap"].tolist(), self.peaks["hit"].tolist(), strict=True)
         for k, (name, gap, force) in enumerate(peaks):
             met, first, _ = self._touched[:, k].tolist()
             one = Impact(name, gap, force, first if met else math.nan, self._energy_of_hit(k))
