@@ -17,6 +17,7 @@ from solver.kernels.structure.layout import JOINED_GAP
 from solver.models.structure.blocks.shapes import turned
 from solver.models.structure.convex import distance, hulls_of
 from solver.models.structure.model import Structure
+from solver.models.structure.neighbours import damping_of, restitution_of
 from solver.models.structure.overlap import Overlap
 from solver.models.structure.response import SpatialResponse
 
@@ -269,6 +270,25 @@ def test_pairs_beyond_the_reach_meet_only_after_the_fall() -> None:
     assert hit.first == pytest.approx(2.0, abs=0.01)
     late = (meets.time > 2.5) & (meets.time < 3.0)
     assert meets.velocity[late][:, :2, 0] == pytest.approx(np.tile([0.1, 0.3], (int(np.sum(late)), 1)), abs=2e-3)
+
+
+@pytest.mark.parametrize(("wanted", "page"), [(0.2, 0.25), (0.5, 0.56)])
+def test_a_cube_bounces_on_the_ground_as_its_page_says(wanted: float, page: float) -> None:
+    """Compare with the closed form on its face, two thirds of the quarter of its surface that the damping is for."""
+    side, mass, stiffness = 0.5, 250.0, 1e10
+    law = {"stiffness": stiffness, "restitution": wanted, "friction": 0.0}
+    block = {"name": "cube", "on": "base", "width": side, "depth": side, "height": side, "mass": mass}
+    data = {"name": "drop", "joints": {"stiffness": 1e9, "damping": 1e-3}, "neighbours": law, "block": [block]}
+    none = np.zeros((1, 3))
+    start = SpatialState(none + np.array([0.0, 0.0, 1.0]), none + np.array([0.0, 0.5 * np.pi, 0.0]), none, none)
+    options: dict[str, Any] = {"initial": start, "settle": 0.0, "tolerance": 1e-6, "output_step": 1e-3}
+    found = simulate(Structure.from_dict(data), Motion.from_samples(0.5, np.zeros(2)), after_fall=0.6, **options)
+    vz = found.velocity[:, 0, 2]
+    assert np.min(vz) == pytest.approx(-np.sqrt(2.0 * G), abs=0.02)  # m/s: rows are 1 ms apart
+    bounce = float(np.max(vz)) / np.sqrt(2.0 * G)
+    damping = damping_of(wanted, mass, stiffness * 1.5 * side**2)
+    assert bounce == pytest.approx(restitution_of(damping, mass, stiffness * side**2), abs=5e-3)
+    assert bounce == pytest.approx(page, abs=0.01)
 
 
 def on_rubber(post: bool = True, **bearing: float) -> Structure:
