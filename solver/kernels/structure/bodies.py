@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 from ..numba_ext.jit import kernel, leaf
 from .cells import Placed, facet_of, press
-from .distance import corner_along, depth_by_planes, distance
+from .distance import corner_along, depth_by_planes, distance, is_within
 from .kinematics import along, dot, minus, out_of, plus, push, seen_from, standing
 from .layout import SOLID
-from .sides import NO_TOUCH, NOTHING, Touch, place_of, scaled, spin_of, velocity_of
+from .sides import NO_TOUCH, NOTHING, SLACK, Touch, place_of, scaled, spin_of, velocity_of
 
 _solid = SOLID.over
 PARALLEL = 1e-12  # squared sine of the angle below which axes are parallel
@@ -115,12 +115,32 @@ def gap_of_bodies(scene, phase, pairs, p, farther, highest):
         hits.nx[p], hits.ny[p], hits.nz[p] = scaled(n, 1.0 / away)
         return farther + away
     highest = press(scene, both.solid, both.other, placed, farther, 0.0, 1.0, 0.0, False).highest
-    if highest > 0.0 or farther <= 0.0:
+    if highest > 0.0:
         return -2.0 * highest
-    # bodies that count as farther apart
+    # bodies that count as farther apart, or one wholly within the other, whose surfaces do not cross
     back = placed_of(scene, phase, both.opposite, both.own)
     depth = min(depth_by_planes(both.solid, both.other, placed), depth_by_planes(both.other, both.solid, back))
+    if is_within(both.solid, both.other, placed, SLACK) or is_within(both.other, both.solid, back, SLACK):
+        return farther - depth
     return max(farther - depth, 0.0)
+
+
+@kernel
+def _thickness(solid):
+    """Return the least width of a body across one of its planes, m."""
+    least = math.inf
+    for i in range(int(solid[0])):
+        facet = facet_of(solid, i, 0.0)
+        back = scaled(facet.n, -1.0)
+        least = min(least, facet.c + dot(back, corner_along(solid, back)))
+    return least
+
+
+@kernel
+def path_through(scene, pairs, p):
+    """Return the path, m, on which the bodies of pair p overlap where one passes straight through the other."""
+    both = bodies_of(scene, pairs, p)
+    return _thickness(both.solid) + _thickness(both.other)
 
 
 @leaf

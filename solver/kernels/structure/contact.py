@@ -265,8 +265,19 @@ def may_be_least(scene, p, least):
 
 
 @leaf
+def _square_between(scene, phase, pairs, p):
+    """Return the squared distance of the centroids of pair p, m2."""
+    between = minus(place_of(scene, phase, int(pairs.one[p])), place_of(scene, phase, int(pairs.other[p])))
+    return dot(between, between)
+
+
+@leaf
 def is_near(scene, phase, pairs, p):
     """Return True if the bounding spheres of both blocks of pair p overlap."""
-    # distance of the centroids against both radii
-    between = minus(place_of(scene, phase, int(pairs.one[p])), place_of(scene, phase, int(pairs.other[p])))
-    return dot(between, between) < pairs.reach[p] * pairs.reach[p]
+    return _square_between(scene, phase, pairs, p) < pairs.reach[p] * pairs.reach[p]
+
+
+@leaf
+def gap_of_spheres(scene, phase, pairs, p):
+    """Return the distance of the bounding spheres of both blocks of pair p, m."""
+    return math.sqrt(_square_between(scene, phase, pairs, p)) - pairs.reach[p]

@@ -159,3 +159,15 @@ def depth_by_planes(solid, other, placed):
         reached = plus(placed.at, out_of(placed.x, placed.y, placed.z, nearest), 1.0)
         least = min(least, facet.c - dot(n, reached))
     return least
+
+
+@kernel
+def is_within(solid, other, placed, margin):
+    """Return True if another body lies wholly within a body, but for a margin, m."""
+    for i in range(int(solid[0])):
+        facet = facet_of(solid, i, 0.0)
+        highest = corner_along(other, along(placed.x, placed.y, placed.z, facet.n))
+        reached = plus(placed.at, out_of(placed.x, placed.y, placed.z, highest), 1.0)
+        if dot(facet.n, reached) > facet.c + margin:
+            return False
+    return True

@@ -7,7 +7,8 @@ from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, index_of, square_root, where, zero_like
 from ..numba_ext.numbers import half_sine_cosine
 
-TIPPED = 0.5  # squared sine of half the tilt of two faces, 90 degrees, beyond which a joint has no meaning
+# squared sine of half the tilt of two faces, from 90 degrees but for rounding, beyond which a joint has no meaning
+TIPPED = 0.5 - 1e-12
 
 
 @kernel

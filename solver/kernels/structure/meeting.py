@@ -7,6 +7,7 @@ from ..numba_ext.lanes import lesser, where, zero_like
 from ..numba_ext.views import copy
 from .attempt import attempt, rate
 from .bearing import travel_left
+from .bodies import path_through
 from .contact import (
     DEEP,
     SHALLOW,
@@ -14,6 +15,7 @@ from .contact import (
     forget_directions,
     forget_known_gaps,
     gap_of,
+    gap_of_spheres,
     gap_or_bound,
     is_near,
     keep_gap,
@@ -25,11 +27,12 @@ from .evaluate import moving
 from .kinematics import dot, pose_two, relative_motion, tilt_square
 from .layout import APART, JOINED, PHASE, POINT
 from .sides import SLACK
-from .watch import BETWEEN, END, START, pose_between, row
+from .watch import BETWEEN, END, START, pose_between, row, way_of
 
 _phase, _PER_BODY = PHASE.over, PHASE.per_n
 CLOSED = 0.25 * SLACK  # m: the gap at which a step ends
 MOST = 60  # most iterations
+MOST_LOOKS = 10000.0  # most instants of a step at which a pair is looked at
 # of a step: least part up to a gap that closes. The distance of drums jumps where their axes become parallel enough for
 # sides, and a shorter step might not reach beyond
 LEAST_PART = 1e-6
@@ -178,9 +181,12 @@ def until_closed(scene, segment, t, h):
     kept, phase, part = kept_in(scene, START), _phase(row(scene, END), scene.n), 1.0
     # the first gap to close
     for p in range(scene.extras.met):
-        if _may_meet(scene, phase, p, kept.touches[p]):
-            gap = _gap_or_bound(scene, END, p)
-            keep_gap(scene, p, gap)
+        if kept.touches[p] == APART and may_be_least(scene, p, SLACK):
+            if is_near(scene, phase, scene.extras.pairs, p):
+                gap = _gap_or_bound(scene, END, p)
+                keep_gap(scene, p, gap)
+            else:
+                gap = gap_of_spheres(scene, phase, scene.extras.pairs, p)
             part = min(part, closing(scene, h, p, gap))
     # the first bond to break
     part = min(part, until_broken(scene, h, True))
@@ -200,16 +206,44 @@ def gap_at(scene, h, s, p):
 
 
 @kernel
-def closing(scene, h, p, below):
-    """Return the fraction of the step after which the gap of pair p closes, by false position; 1 if it ends open.
+def _passed(scene, h, p, gap):
+    """Return a fraction of the step at which the bodies of pair p overlap, and their gap, m; 1 and `gap` if none.
 
-    below: the gap at the end of the step, m.
+    Bodies that are apart at the end may have passed through each other on a path as long as they are thick. gap: at
+    the end, or a lower bound of it, m.
     """
-    # still open at the end
+    pairs = scene.extras.pairs
+    one, other = int(pairs.one[p]), int(pairs.other[p])
+    path = way_of(scene, h, one) + way_of(scene, h, other)
+    if not path > gap:
+        return 1.0, gap
+    # instants between which they move about half of that; `path` is twice the way
+    count = int(min(path / path_through(scene, pairs, p), MOST_LOOKS)) + 1
+    for k in range(1, count):
+        phase = pose_between(scene, h, k / count, one, other)
+        if is_near(scene, phase, pairs, p):
+            found = gap_of(scene, phase, pairs, p, APART, 0.0)
+            if found < 0.0:
+                return k / count, found
+    if count > 1:
+        _place(scene, END, p)  # restores the pose of its bodies at the end
+    return 1.0, gap
+
+
+@kernel
+def closing(scene, h, p, below):
+    """Return the fraction of the step after which the gap of pair p closes, by false position; 1 if it stays open.
+
+    below: the gap at the end of the step, or a lower bound of it, m.
+    """
+    # open at the end, and before
+    low, high = 0.0, 1.0
     if below >= 0.0:
-        return 1.0
+        high, below = _passed(scene, h, p, below)
+        if below >= 0.0:
+            return 1.0
     # already closed at the start
-    low, above, high = 0.0, gap_in(scene, START, p), 1.0
+    above = gap_in(scene, START, p)
     if above <= 0.0:
         gap_in(scene, END, p)  # restores the pose of its bodies at the end
         return 1.0

@@ -210,6 +210,12 @@ def end_after_fall(scene):
 def _begin(scene, segment, t, phase):
     """Evaluate the phase from which the steps start; the first call sets scales and the first step."""
     control, counts, settings = scene.control, scene.counts, scene.settings
+    # a state that has fallen begins without the joints that have come apart
+    if counts.started == 0 and settings.after_fall > 0.0:
+        block = int(fallen(scene, phase))
+        if block > 0:
+            counts.fallen, control.fall_time = block, t
+            release_pairs(scene, True)
     meet(scene, t)
     evaluate_at(scene, segment, row(scene, START), rate(scene, 0), t)
     keep_slides(scene, True)

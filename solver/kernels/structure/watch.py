@@ -17,7 +17,7 @@ from ..engine.peaks import (
     vertex,
 )
 from ..numba_ext.jit import kernel, leaf
-from ..numba_ext.lanes import any_of, index_of, square_root
+from ..numba_ext.lanes import any_of, index_of, square_root, zero_like
 from .contact import keep_gaps
 from .evaluate import evaluate_state, moving, show, show_block, show_joint
 from .extras import first_gap, taken_at
@@ -249,18 +249,25 @@ def _allow_extras(scene, allowed, first):
 
 
 @kernel
+def way_of(scene, h, i):
+    """Return more than any point of a body moves in a step of h s, m: twice the mean of both ends; 0 of the base."""
+    way = zero_like(h)
+    if i < scene.n:
+        for k in (START, END):
+            phase = _phase(row(scene, k), scene.n)
+            v = phase.vx[i] * phase.vx[i] + phase.vy[i] * phase.vy[i] + phase.vz[i] * phase.vz[i]
+            w = phase.wx[i] * phase.wx[i] + phase.wy[i] * phase.wy[i] + phase.wz[i] * phase.wz[i]
+            way += h * (square_root(v) + scene.bodies.reach[i] * square_root(w))
+    return way
+
+
+@kernel
 def travel(scene, h):
     """Add to the ways of all bodies more than any of their points moves in a step of h s, m, if there are pairs."""
     if scene.extras.met == 0:
         return
-    begin, end = _phase(row(scene, START), scene.n), _phase(row(scene, END), scene.n)
     for i in range(scene.n):
-        reach, ways = scene.bodies.reach[i], scene.poses.way
-        # twice the mean of both ends
-        for phase in (begin, end):
-            v = phase.vx[i] * phase.vx[i] + phase.vy[i] * phase.vy[i] + phase.vz[i] * phase.vz[i]
-            w = phase.wx[i] * phase.wx[i] + phase.wy[i] * phase.wy[i] + phase.wz[i] * phase.wz[i]
-            ways[i] += h * (square_root(v) + reach * square_root(w))
+        scene.poses.way[i] += way_of(scene, h, i)
 
 
 @kernel
