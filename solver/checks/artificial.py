@@ -30,7 +30,7 @@ PERIODS = np.geomspace(SHORTEST, 5.0, 80)  # s, at which the spectrum is compare
 def artificial_motions(target: Spectral, count: int, seed: int = 0, length: float = LENGTH) -> dict[str, Motion]:
     """Return artificial motions whose spectra of 5 % damping follow a target.
 
-    Between 0.05 and 4 s a spectrum stays within about 10 % of the target (tests/checks).
+    Between 0.05 and 4 s a spectrum stays within about 20 % of the target.
 
     Parameters
     ----------
