@@ -20,7 +20,6 @@ from solver.models.structure.model import Structure
 from solver.models.structure.neighbours import damping_of, restitution_of
 from solver.models.structure.overlap import Overlap
 from solver.models.structure.response import SpatialResponse
-from solver.models.structure.run import SpatialState
 
 G = 9.80665
 DOMINOES = Structure.from_toml(ROOT / "examples" / "structures" / "dominoes.toml")
