@@ -306,27 +306,31 @@ def largest_beside_bores(room, above, below, p, q, outside):
     """
     ring, other = (above, below) if is_round(above) else (below, above)
     count, largest, slope = 0 if is_round(other) else put_corners(room, other), 0.0, slope_of(q)
+    if not slope > 0.0:
+        return outside
     # tops of the outer circles
-    if slope > 0.0:
-        for k in range(2):
-            face = ring if k == 0 else other
-            if is_round(face):
-                x, y = centre_of(face)
-                x, y = x + face.record.outer * q.along_x / slope, y + face.record.outer * q.along_y / slope
-                if _is_on(room, count, other, x, y):
-                    largest = _or_there(largest, ring, p, q, x, y)
-    # where circles cross; or corners of a polygon, and where its sides cross circles
     for k in range(2):
-        radius = ring.record.outer if k == 0 else ring.record.inner
-        if is_round(other):
+        face = ring if k == 0 else other
+        if is_round(face):
+            x, y = centre_of(face)
+            x, y = x + face.record.outer * q.along_x / slope, y + face.record.outer * q.along_y / slope
+            if _is_on(room, count, other, x, y):
+                largest = _or_there(largest, ring, p, q, x, y)
+    # where circles cross
+    radii = ring.record.outer, ring.record.inner
+    if is_round(other):
+        for radius in radii:
             largest = _largest_at_crossings(largest, ring, other, radius, other.record.outer, p, q)
             largest = _largest_at_crossings(largest, ring, other, radius, other.record.inner, p, q)
-        for i in range(count):
-            after = i + 1 if i + 1 < count else 0
-            x, y = room[2 * i], room[2 * i + 1]
-            dx, dy = room[2 * after] - x, room[2 * after + 1] - y
-            largest = _largest_on_side(_or_there(largest, ring, p, q, x, y), ring, radius, p, q, x, y, dx, dy)
-    return min(largest, outside) if largest > 0.0 and slope > 0.0 else outside
+    # or corners of a polygon, and where its sides cross circles
+    for i in range(count):
+        after = i + 1 if i + 1 < count else 0
+        x, y = room[2 * i], room[2 * i + 1]
+        dx, dy = room[2 * after] - x, room[2 * after + 1] - y
+        largest = _or_there(largest, ring, p, q, x, y)
+        for radius in radii:
+            largest = _largest_on_side(largest, ring, radius, p, q, x, y, dx, dy)
+    return min(largest, outside) if largest > 0.0 else outside
 
 
 @kernel

@@ -121,9 +121,9 @@ def _disc_on_polygon(scene, j, section, slid, p, q):
 @kernel
 def _beside_bores(scene, j, section, those, p, q, outside):
     """Return the largest q of a ring and a polygon in the lanes of a mask, as `largest_beside_bores`."""
-    largest = outside
+    largest, which = outside, bits(those)
     for k in range(WIDTH):
-        if (bits(those) >> k) & 1:
+        if (which >> k) & 1:
             room, corners, slips = rows_of_lane(scene, k)
             above, below = placed(corners, section.above, slips, j, 0.5), placed(corners, section.below, slips, j, -0.5)
             planes = plane_of_lane(p, k), plane_of_lane(q, k)
