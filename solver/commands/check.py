@@ -22,6 +22,7 @@ from ..checks.subject import Subject, subject_of
 from ..checks.variants import directions
 from ..common.errors import InputError, needing, reading
 from ..common.files import check_outputs, printable
+from ..common.plausible import MOST_SPECTRAL
 from ..common.ranges import listed
 from ..ground.building import Building
 from ..ground.motion import Motion
@@ -39,7 +40,7 @@ from .motion_options import (
     check_file_options,
     file_line,
     floor_of,
-    in_g,
+    of_ground,
     pga_of,
     read_with_options,
 )
@@ -326,8 +327,8 @@ def level_of(options: argparse.Namespace) -> Level:
         target=target_of(options),
         below=below_of(options),
         pga=pga_of(options),
-        vertical_pga=in_g("--vertical-pga", options.vertical_pga),
-        sa=in_g("--sa", options.sa),
+        vertical_pga=of_ground("--vertical-pga", options.vertical_pga),
+        sa=of_ground("--sa", options.sa, 0.5 * MOST_SPECTRAL),
         periods=None if options.periods is None else (options.periods[0], options.periods[1]),
         least=options.least,
         artificial=options.artificial,

@@ -99,23 +99,23 @@ def motion_of(options: argparse.Namespace) -> tuple[Motion, list[str]]:
     ]
 
 
-def in_g(key: str, value: float | None) -> float | None:
-    """Convert an acceleration from g to m/s2; None stays None. Raises InputError unless it is positive."""
-    return None if value is None else STANDARD_GRAVITY * check_number(key, value, POSITIVE, "a positive number in g")
-
-
 def pga_of(options: argparse.Namespace) -> float | None:
-    """Return --pga in m/s2; None without. Warns (InputWarning) as `warn_of_ground` does. Raises InputError."""
-    pga = in_g("--pga", options.pga)
-    warn_of_ground("--pga", options.pga)
-    return pga
+    """Return --pga in m/s2; None without. Warns (InputWarning) as `of_ground` does. Raises InputError."""
+    return of_ground("--pga", options.pga)
 
 
-def warn_of_ground(key: str, value: float | None) -> None:
-    """Warn (InputWarning) if an acceleration of the ground, in g, seems to be in m/s2."""
-    if value is not None and value > MOST_SHAKEN:
+def of_ground(key: str, value: float | None, most: float = MOST_SHAKEN) -> float | None:
+    """Return an acceleration of the ground or of its spectrum, given in g, in m/s2; None without.
+
+    Warns (InputWarning) beyond `most`, g, as if it were in m/s2. Raises InputError unless it is positive.
+    """
+    if value is None:
+        return None
+    found = STANDARD_GRAVITY * check_number(key, value, POSITIVE, "a positive number in g")
+    if value > most:
         as_meant = f"{value:g} m/s2 is {value / STANDARD_GRAVITY:.3g} g"
-        warn_of([f"{key} = {value:g}: is in g, should be {MOST_SHAKEN:g} at most; {as_meant}"])
+        warn_of([f"{key} = {value:g}: is in g, should be {most:g} at most; {as_meant}"])
+    return found
 
 
 def read_with_options(path: Path, options: argparse.Namespace, channel: int | None) -> tuple[Record, Motion]:

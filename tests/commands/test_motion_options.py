@@ -123,6 +123,8 @@ def test_accelerations_of_the_ground_in_m_per_s2_are_noticed(folder: Path, capsy
     for words, said in (
         ("--spectrum ec8 --ag 2.45 --soil B", "--ag = 2.45: is in g, should be 1.5 at most; 2.45 m/s2 is 0.25 g"),
         ("--pga 2.94", "--pga = 2.94: is in g, should be 1.5 at most; 2.94 m/s2 is 0.3 g"),
+        ("--pga 0.3 --vertical-pga 1.96", "--vertical-pga = 1.96: is in g, should be 1.5 at most; 1.96 m/s2 is 0.2 g"),
+        ("--sa 6.86", "--sa = 6.86: is in g, should be 4.5 at most; 6.86 m/s2 is 0.7 g"),
     ):
         with pytest.warns(InputWarning) as caught:
             level_of(parser.parse_args(["motion.csv", *words.split()]))
