@@ -39,6 +39,7 @@ LEAST_PART = 1e-6
 SHORTLY = 1e-6  # s: difference by which the rate of a gap is found
 # after a fall a joint ends at a squared sine of half its tilt, 45 degrees, or a displacement over the size of its block
 MOST_TILT, LEAST_ARM = 0.1464, 0.1
+DEEPEST = 0.02  # of the size of a block: an overlap with the ground beyond that of the edge of a joint
 
 
 @leaf
@@ -92,14 +93,68 @@ def note_first(scene, t):
 
 @kernel
 def release_pairs(scene, ends):
-    """Return True if the joints of a pair have come apart; `ends`: let them end, and the pair meet."""
+    """Return True if the joints of a pair have come apart; `ends`: let them end, and the pair meet.
+
+    Bodies without a joint that have passed into each other meet only once they are apart again.
+    """
     kept, phase, found = kept_in(scene, START), _phase(row(scene, START), scene.n), False
     for p in range(scene.extras.met):
         if kept.touches[p] == JOINED and _is_apart(scene, phase, p):
+            if _joint_between(scene, p) < 0 and _bodies_gap(scene, phase, p) < 0.0:
+                continue
             found = True
             if ends:
                 kept.touches[p] = APART
     return found
+
+
+@kernel
+def toppled(scene, phase):
+    """Return the number, from 1, of a block in a run that goes on after a fall that has toppled; 0 if there is none.
+
+    Its joint with the base is tilted beyond its end, and another part of it than its foot reaches into the ground.
+    """
+    for p in range(scene.extras.met):
+        block = int(scene.extras.pairs.one[p])
+        if _is_tilted(scene, phase, p) and _bodies_gap(scene, phase, p) < -DEEPEST * scene.bodies.size[block]:
+            return block + 1
+    return 0
+
+
+@kernel
+def release_flying(scene, phase):
+    """Let the joints with the base end of blocks that are in the air, tilted beyond the end of these joints."""
+    for p in range(scene.extras.met):
+        if _is_tilted(scene, phase, p) and _bodies_gap(scene, phase, p) > SLACK:
+            kept_in(scene, START).touches[p] = APART
+
+
+@kernel
+def _is_tilted(scene, phase, p):
+    """Return True if pair p is one with the ground, and a joint of it with the base is tilted beyond its end."""
+    if kept_in(scene, START).touches[p] != JOINED or int(scene.extras.pairs.other[p]) != scene.n:
+        return False
+    joint = _joint_between(scene, p)
+    return joint >= 0 and tilt_square(scene, phase, joint) > MOST_TILT
+
+
+@kernel
+def _joint_between(scene, p):
+    """Return the index of a joint between the bodies of pair p; -1 if there is none."""
+    one, other = scene.extras.pairs.one[p], scene.extras.pairs.other[p]
+    for j in range(scene.m):
+        a, b = scene.joints.upper[j], scene.joints.lower[j]
+        if (a == one and b == other) or (a == other and b == one):
+            return j
+    return -1
+
+
+@kernel
+def _bodies_gap(scene, phase, p):
+    """Return the gap of the bodies of pair p, m, whether joints connect them or not."""
+    pairs = scene.extras.pairs
+    pose_two(scene, phase, int(pairs.one[p]), int(pairs.other[p]))
+    return gap_of(scene, phase, pairs, p, APART, 0.0)
 
 
 @kernel

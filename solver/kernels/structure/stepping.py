@@ -38,7 +38,16 @@ from .evaluate import energy, evaluate_state, moving, recall, show
 from .extras import is_loaded, let_go
 from .kinematics import tilt_left
 from .layout import MEMORY, OK, PAUSED, PHASE, STAGES, STEP_TOO_SMALL
-from .meeting import keep_slides, longest_touching, meet, note_first, release_pairs, until_closed
+from .meeting import (
+    keep_slides,
+    longest_touching,
+    meet,
+    note_first,
+    release_flying,
+    release_pairs,
+    toppled,
+    until_closed,
+)
 from .modal_layout import data_of
 from .watch import BETWEEN, END, STAGE, START, clear_peaks, look, raise_peaks, row, seen, track_peaks, travel
 
@@ -212,10 +221,12 @@ def _begin(scene, segment, t, phase):
     control, counts, settings = scene.control, scene.counts, scene.settings
     # a state that has fallen begins without the joints that have come apart
     if counts.started == 0 and settings.after_fall > 0.0:
-        block = int(fallen(scene, phase))
+        block = max(int(fallen(scene, phase)), toppled(scene, phase))
         if block > 0:
             counts.fallen, control.fall_time = block, t
             release_pairs(scene, True)
+        else:
+            release_flying(scene, phase)
     meet(scene, t)
     evaluate_at(scene, segment, row(scene, START), rate(scene, 0), t)
     keep_slides(scene, True)
@@ -249,6 +260,8 @@ def _finish(scene, watch, segment, t, h, by_modes):
     keep_slides(scene, True)
     _take_stock(scene, phase)
     block = int(fallen(scene, phase))
+    if block == 0 and scene.counts.fallen == 0 and scene.settings.after_fall > 0.0:
+        block = toppled(scene, phase)
     falls = block > 0 and scene.counts.fallen == 0
     if falls:
         scene.counts.left = left_bearing(scene, block)

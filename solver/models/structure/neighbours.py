@@ -121,10 +121,12 @@ def neighbours_from(
     # blocks and walls
     for one, block in enumerate(blocks):
         for number, wall in enumerate(walls, start=1):
-            within = math.inf if after_fall else to_walls
-            for pair in _pairs_before(block, bodies[one], one, wall, len(blocks), within):
-                pair = replace(pair, wall=number, joined=pair.gap > to_walls)
-                found.append(_with_law("neighbours", pair, given, blocks))
+            pairs = _pairs_before(block, bodies[one], one, wall, len(blocks))
+            # the reach is that of the block, of all its bodies
+            late = min((pair.gap for pair in pairs), default=0.0) > to_walls
+            if after_fall or not late:
+                numbered = (replace(pair, wall=number, joined=late) for pair in pairs)
+                found += [_with_law("neighbours", pair, given, blocks) for pair in numbered]
     if len(found) > MOST:
         raise InputError(f"neighbours.reach: {len(found)} pairs of bodies lie within it, must be at most {MOST}")
     return tuple(found)
@@ -288,8 +290,8 @@ def _before_faces(
     return [Pair(one, other, both, *gap, drum, face, presses=k == 0) for k, (face, gap) in enumerate(gaps)]
 
 
-def _pairs_before(block: Solid, bodies: list[_Body], one: int, wall: Face, base: int, reach: float) -> list[Pair]:
-    """Return the pairs of the convex bodies of a block with a wall before which they stand within a reach (m).
+def _pairs_before(block: Solid, bodies: list[_Body], one: int, wall: Face, base: int) -> list[Pair]:
+    """Return the pairs of the convex bodies of a block with a wall before which they stand.
 
     None for a block behind the plane of the wall. The gap of a body that overlaps the wall is negative.
     """
@@ -315,7 +317,7 @@ def _pairs_before(block: Solid, bodies: list[_Body], one: int, wall: Face, base:
             area = _facing_area(body.part.faces, (wall,), TOUCH)
             size = area or both[0].mean_area
             pairs = [Pair(one, base, both, gap, size, beside=wall, faces=area > 0.0)]
-        found += [pair for pair in pairs if pair.gap <= reach]
+        found += pairs
     return found
 
 
