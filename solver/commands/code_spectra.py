@@ -10,7 +10,7 @@ from ..checks.spectra import SOILS, TargetSpectrum, eurocode8, ntc2018, spectrum
 from ..common.errors import InputError, check_number
 from ..common.ranges import suggestion
 from ..ground.motion import STANDARD_GRAVITY
-from .motion_options import of_ground
+from .motion_options import warn_of_ground
 
 
 class Option(NamedTuple):
@@ -104,8 +104,8 @@ def _spectrum(
             raise InputError(f"--{option.name} {value}: is for --spectrum {' or '.join(codes)}")
         if value is not None and option.limits is not None:
             check_number(f"--{option.name}", value, *option.limits)
-        if option is AG and not is_below:
-            of_ground("--ag", value)
+        if option is AG and value is not None and not is_below:
+            warn_of_ground("--ag", value)
         if value is not None and not is_below:
             given[option.argument or option.name] = value * option.factor if option.factor != 1.0 else value
     if code:

@@ -100,22 +100,27 @@ def motion_of(options: argparse.Namespace) -> tuple[Motion, list[str]]:
 
 
 def pga_of(options: argparse.Namespace) -> float | None:
-    """Return --pga in m/s2; None without. Warns (InputWarning) as `of_ground` does. Raises InputError."""
+    """Return --pga in m/s2; None without. Warns as `warn_of_ground`. Raises InputError."""
     return of_ground("--pga", options.pga)
 
 
 def of_ground(key: str, value: float | None, most: float = MOST_SHAKEN) -> float | None:
     """Return an acceleration of the ground or of its spectrum, given in g, in m/s2; None without.
 
-    Warns (InputWarning) beyond `most`, g, as if it were in m/s2. Raises InputError unless it is positive.
+    Warns as `warn_of_ground`. Raises InputError unless it is positive.
     """
     if value is None:
         return None
     found = STANDARD_GRAVITY * check_number(key, value, POSITIVE, "a positive number in g")
+    warn_of_ground(key, value, most)
+    return found
+
+
+def warn_of_ground(key: str, value: float, most: float = MOST_SHAKEN) -> None:
+    """Warn (InputWarning) of an acceleration beyond `most`, both in g, as if it were in m/s2."""
     if value > most:
         as_meant = f"{value:g} m/s2 is {value / STANDARD_GRAVITY:.3g} g"
         warn_of([f"{key} = {value:g}: is in g, should be {most:g} at most; {as_meant}"])
-    return found
 
 
 def read_with_options(path: Path, options: argparse.Namespace, channel: int | None) -> tuple[Record, Motion]:

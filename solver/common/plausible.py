@@ -70,14 +70,6 @@ def warn_of(lines: Iterable[str]) -> None:
         warnings.warn(line, InputWarning, stacklevel=4)
 
 
-def warn_of_intensity(key: str, measure: str, value: float, part: float = 1.0) -> None:
-    """Warn (InputWarning) of an intensity beyond a part of the largest one on record; `key` begins the line."""
-    most = part * MOST_INTENSE.get(measure, MOST_SPECTRAL)
-    if value > most:
-        unit = "m/s" if measure == "pgv" else "g"
-        warn_of([f"{key}: reaches {value:.4g} {unit}, should be {most:g} {unit} at most; {measure} is in {unit}"])
-
-
 def warn_of_first(lines: Iterable[Sequence[str]]) -> None:
     """Warn (InputWarning) of the first of many columns that has lines; `lines` holds those of each."""
     for number, found in enumerate(lines):

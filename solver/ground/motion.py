@@ -16,7 +16,7 @@ from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, InputWar
 from ..common.files import printable, whole_file
 from ..common.frames import Frame, Framed
 from ..common.notebook import NotebookRepr, counted, history
-from ..common.plausible import warn_of
+from ..common.plausible import MOST_INTENSE, warn_of
 from ..common.ranges import has_masked
 from ..common.text import lines_of
 from .loads import Load
@@ -26,7 +26,7 @@ from .records.columns import LEAD, SLOPES, read_csv
 from .records.record import FloatArray
 
 # g; no record has more: 2.7 horizontally (Tsukidate, 2011), 3.9 vertically (Ichinoseki-West, 2008)
-STRONGEST = {"ax": 3.0, "ay": 3.0, "az": 4.0}
+STRONGEST = {"ax": MOST_INTENSE["pga"], "ay": MOST_INTENSE["pga"], "az": 4.0}
 ROUNDED = 1e-15  # of the sine of an angle of a radian
 LARGEST = 1e6  # m/s2: a larger acceleration is a mistake of units, and no column can be followed under it
 ACCELERATION = (-LARGEST, LARGEST), "a finite acceleration in m/s2, at most 1e6 either way"

@@ -14,7 +14,7 @@ from typing import Any
 
 from ..common.errors import InputError, SolverError, check_type, reading
 from ..common.executors import TRIES, cores, error_text, sent_out, workers_of
-from ..common.plausible import warn_of_first, warn_of_intensity
+from ..common.plausible import warn_of_first
 from ..ground.motion import check_loads, check_strength
 from ..runs.many import estimated_cost
 from ..runs.pace import CHUNK_SECONDS, Pace
@@ -83,7 +83,7 @@ def run_study(
     # warn of unlikely columns, records and loads
     warn_of_first(subject.kind.warnings(subject) for subject in study.columns)
     if study.measure is not None:
-        warn_of_intensity("intensity", study.measure.name, study.usual_intensity)
+        study.measure.warn_of_largest("intensity", study.usual_intensity)
     for number, shaking in enumerate(study.motions):
         if shaking.record is not None and study.measure is None and "scale" not in shaking.numbers:
             check_strength(shaking.record)

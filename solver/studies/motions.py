@@ -14,6 +14,7 @@ import numpy as np
 
 from ..common.digits import percent
 from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_number, shown
+from ..common.plausible import MOST_INTENSE, MOST_SPECTRAL, warn_of
 from ..common.ranges import check_choice, check_keys
 from ..ground import wavelets
 from ..ground.building import Building, floor_motion
@@ -109,6 +110,12 @@ class Measure:
     def unit(self) -> str:
         """The unit as text."""
         return "m/s" if self.name == "pgv" else "g"
+
+    def warn_of_largest(self, key: str, value: float, part: float = 1.0) -> None:
+        """Warn (InputWarning) of an intensity beyond a part of the largest one on record; `key` begins the line."""
+        most, unit = part * MOST_INTENSE.get(self.name, MOST_SPECTRAL), self.unit
+        if value > most:
+            warn_of([f"{key}: reaches {value:.4g} {unit}, should be {most:g} {unit} at most; {self.name} is in {unit}"])
 
     @property
     def label(self) -> str:

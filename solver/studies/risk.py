@@ -17,7 +17,6 @@ from ..common.digits import percent
 from ..common.errors import POSITIVE, InputError, check_number, check_type, needing, reading
 from ..common.files import MOST_RECORD, content_of, write_table
 from ..common.notebook import NotebookRepr
-from ..common.plausible import warn_of_intensity
 from ..common.tables import numbers_of
 from ..models.pictures import draw
 from ..models.protocol import FloatArray
@@ -64,14 +63,18 @@ class Hazard:
     rate: FloatArray
     slopes: FloatArray
 
+    def __post_init__(self) -> None:
+        # probably in another unit: half the largest intensity on record more often than once in 1,000 years
+        often = self.intensity[self.rate >= OFTEN]
+        if len(often):
+            self.measure.warn_of_largest("hazard: once in 1,000 years", float(often[-1]), 0.5)
+
     @classmethod
     def power_law(cls, measure: str, slope: float, intensity: float, return_period: float) -> Hazard:
         """Return the power law of a slope through an intensity of a return period (years). Raises InputError."""
         given = {"slope": slope, "intensity": intensity, "return_period": return_period}
         k, s, years = (check_number(key, value, POSITIVE, "a positive number") for key, value in given.items())
-        found = cls(Measure.from_text("measure", measure), np.array([s]), np.array([1.0 / years]), np.array([k, k]))
-        found._check_unit()
-        return found
+        return cls(Measure.from_text("measure", measure), np.array([s]), np.array([1.0 / years]), np.array([k, k]))
 
     @classmethod
     def from_table(cls, measure: str, intensity: ArrayLike, rate: ArrayLike) -> Hazard:
@@ -107,15 +110,7 @@ class Hazard:
             raise InputError(f"hazard: rate {here}, {after}: must fall as the intensity grows")
         between = np.diff(np.log(h[::-1]))[::-1] / np.diff(np.log(s))
         slopes = np.concatenate([between[:1], between, between[-1:]])
-        found = cls(Measure.from_text("measure", measure), s, h, slopes)
-        found._check_unit()
-        return found
-
-    def _check_unit(self) -> None:
-        """Warn (InputWarning) of half the largest intensity on record more often than once in 1,000 years."""
-        often = self.intensity[self.rate >= OFTEN]
-        if len(often):
-            warn_of_intensity("hazard: once in 1,000 years", self.measure.name, float(often[-1]), 0.5)
+        return cls(Measure.from_text("measure", measure), s, h, slopes)
 
     @classmethod
     def from_csv(cls, path: str | os.PathLike[str], measure: str | None = None) -> Hazard:
