@@ -138,13 +138,19 @@ def _is_tilted(scene, phase, p):
     return joint >= 0 and tilt_square(scene, phase, joint) > MOST_TILT
 
 
+@leaf
+def _connects(scene, j, p):
+    """Return True if joint j is between the bodies of pair p."""
+    one, other = scene.extras.pairs.one[p], scene.extras.pairs.other[p]
+    a, b = scene.joints.upper[j], scene.joints.lower[j]
+    return (a == one and b == other) or (a == other and b == one)
+
+
 @kernel
 def _joint_between(scene, p):
     """Return the index of a joint between the bodies of pair p; -1 if there is none."""
-    one, other = scene.extras.pairs.one[p], scene.extras.pairs.other[p]
     for j in range(scene.m):
-        a, b = scene.joints.upper[j], scene.joints.lower[j]
-        if (a == one and b == other) or (a == other and b == one):
+        if _connects(scene, j, p):
             return j
     return -1
 
@@ -160,15 +166,13 @@ def _bodies_gap(scene, phase, p):
 @kernel
 def _is_apart(scene, phase, p):
     """Return True if all joints between the bodies of pair p have come apart."""
-    one, other = scene.extras.pairs.one[p], scene.extras.pairs.other[p]
-    pose_two(scene, phase, int(one), int(other))
+    pose_two(scene, phase, int(scene.extras.pairs.one[p]), int(scene.extras.pairs.other[p]))
     joints, apart = scene.joints, True
     for j in range(scene.m):
-        a, b = joints.upper[j], joints.lower[j]
-        if (a == one and b == other) or (a == other and b == one):
+        if _connects(scene, j, p):
             # tilted far, displaced by more than the arm of the section, or a bearing by more than its capacity
             gap = relative_motion(scene, phase, j).gap
-            far = dot(gap, gap) > max(joints.arm[j], LEAST_ARM * scene.bodies.size[int(a)]) ** 2
+            far = dot(gap, gap) > max(joints.arm[j], LEAST_ARM * scene.bodies.size[int(joints.upper[j])]) ** 2
             if joints.section[j] == POINT:
                 far = travel_left(scene, phase, j) < 0.0
             apart = apart and (far or tilt_square(scene, phase, j) > MOST_TILT)
