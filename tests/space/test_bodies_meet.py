@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.throws import STILL, Throw, momenta, row_of, thrown_at_random, two_at
+from support.throws import STILL, Throw, momenta, moved_to, pair_of, row_of, thrown_at_random, two_at
 
 from multiblock import Motion, SpatialResponse, Structure, simulate
 from solver.kernels.structure import layout as at
@@ -52,6 +52,50 @@ def test_an_edge_on_a_face_is_pushed_along_the_normal_of_the_face(tilt: float) -
     assert begins.vz[0] > 1.0  # m/s2
     # measured 1e-12
     assert max(abs(begins.vx[0]), abs(begins.vy[0])) <= 1e-10 * begins.vz[0]
+
+
+@pytest.mark.parametrize("velocity", [[2.0, 0.0, -0.5], [2.0, 0.0, 0.5], [-3.0, 1.0, -0.1]])
+@pytest.mark.parametrize("tilt", [0.1, 0.4, 0.8])
+def test_a_damped_edge_is_not_dragged_along_a_face(tilt: float, velocity: list[float]) -> None:
+    """Slide the edge of a prism, which has the fewer faces, without friction."""
+    prism = {"shape": "prism", "outline": [[-0.5, 0.0], [0.5, 0.0], [0.1, 0.8]], "depth": 0.6}
+    large = {"width": 4.0, "depth": 4.0, "height": 2.0}
+    height = 0.8 / 3.0 * math.cos(tilt) + (0.5 + 0.1 / 3.0 - 0.2 / 3.0) * math.sin(tilt)
+    stepper = two_at(prism, large, [0.0, 0.0, 2.0 + height - 0.02], [0.0, tilt, 0.0], velocity, damping=0.01)
+    stepper.observe()
+    begins = at.PHASE.see(stepper.rates, 2)
+    assert begins.vz[0] > 1.0  # m/s2
+    assert max(abs(begins.vx[0]), abs(begins.vy[0])) <= 1e-10 * begins.vz[0]
+
+
+@pytest.mark.parametrize("seed", range(18))
+def test_damped_throws_never_gain_energy(seed: int) -> None:
+    stepper = thrown_at_random(seed, 1e-7, damping=0.01).stepper
+    energies = [stepper.observe()]
+    for k in range(500):
+        stepper.run(STILL, 0.005 * k, 0.005 * (k + 1), np.zeros(0))
+        energies.append(stepper.observe())
+    assert energies[-1] < 0.9 * energies[0]
+    # measured 9e-16
+    assert np.max(np.diff(energies)) <= 1e-14 * energies[0]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_order_of_two_damped_boxes_hardly_counts(seed: int) -> None:
+    """Throw equal boxes, of which a rounding makes the first or the second one the larger, at each other."""
+    rng = np.random.default_rng(seed)
+    rotation, spin = rng.uniform(-2.0, 2.0, (2, 3)), rng.normal(size=(2, 3))
+    places, velocity = np.array([[0.0, 0.0, 10.0], [1.6, 0.1, 10.0]]), np.array([[2.0, 0.0, 0.0], [-2.0, 0.0, 0.0]])
+    after = []
+    for larger in (0, 1):
+        boxes = [{"width": 0.4 * (1.0 + 1e-9 * (k == larger)), "depth": 0.5, "height": 0.6} for k in range(2)]
+        stepper = moved_to(pair_of(*boxes, damping=0.01), places, rotation, velocity, spin)
+        stepper.run(STILL, 0.0, 0.7, np.zeros(0))
+        after.append([*stepper.see.vx, *stepper.see.vy, *stepper.see.vz])
+    # they meet at 4 m/s
+    assert np.max(np.abs(np.array(after[0]) - [2.0, -2.0, 0.0, 0.0, 0.0, 0.0])) > 0.5
+    # measured at most 4e-4
+    assert np.max(np.abs(np.array(after[0]) - after[1])) <= 2e-3 * 4.0
 
 
 @pytest.mark.parametrize("seed", range(10))

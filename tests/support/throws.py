@@ -65,21 +65,28 @@ def moved_to(made: Structure, places: Any, rotation: Any, velocity: Any, spin: A
     return begun(made, STILL, SpatialState(np.asarray(places) - built, *parts))[0]
 
 
-def two_at(small: dict[str, Any], large: dict[str, Any], at: Any, rotation: Any = (0.0, 0.0, 0.0)) -> SpatialStepper:
+def two_at(
+    small: dict[str, Any],
+    large: dict[str, Any],
+    at: Any,
+    rotation: Any = (0.0, 0.0, 0.0),
+    velocity: Any = (0.0, 0.0, 0.0),
+    **law: Any,
+) -> SpatialStepper:
     """Return a small body in contact with a large one, whose bottom is HIGH m up; `at`: of the centroid from there."""
-    made = pair_of(small, large, stiffness=1e9)
+    made = pair_of(small, large, stiffness=1e9, **law)
     places = np.array([at, made.blocks[1].centroid - [6.0, 0.0, 0.0]])
     places[:, 2] += HIGH
-    none = np.zeros((2, 3))
-    stepper = moved_to(made, places, [rotation, (0.0, 0.0, 0.0)], none, none)
+    stand = (0.0, 0.0, 0.0)
+    stepper = moved_to(made, places, [rotation, stand], [velocity, stand], np.zeros((2, 3)))
     stepper.state.remembered.stretches.touches[0] = 2.0  # by the bodies
     return stepper
 
 
-def thrown_at_random(seed: int, tolerance: float) -> Throw:
+def thrown_at_random(seed: int, tolerance: float, **law: Any) -> Throw:
     """Return a throw of two bodies, whose kinds go by the seed, at random orientation, offset and spin."""
     rng = np.random.default_rng(seed)
-    made = pair_of(*(BODIES[name] for name in KINDS[seed % len(KINDS)]), tolerance=tolerance)
+    made = pair_of(*(BODIES[name] for name in KINDS[seed % len(KINDS)]), tolerance=tolerance, **law)
     axis = rng.normal(size=(2, 3))
     rotation = axis / np.linalg.norm(axis, axis=1, keepdims=True) * rng.uniform(0.0, np.pi, size=(2, 1))
     places = np.array([[0.0, 0.0, HIGH], [3.2, 0.0, HIGH]])

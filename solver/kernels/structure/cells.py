@@ -15,7 +15,7 @@ from .bed import Plane, triangle, value
 from .clipping import cut
 from .kinematics import cross, dot, minus, out_of, plus
 from .layout import CELL_CORNERS, PER_ROOF, SOLID_CORNERS, SOLID_PLANE, SOLID_PLANES
-from .sides import NOTHING
+from .sides import NOTHING, scaled
 
 SAME = 1e-12  # difference of two heights, m, and of their slopes, below which they are one
 _FACE = 4 * SOLID_PLANES  # in `cells`, behind the planes of the other body: the face, then the heights above it
@@ -174,7 +174,7 @@ def _find_roofs(room, cells, solid, planes, i, facet, count, inwards):
         if least < bound and not _is_stored(cells, found, roof):
             k = _ROOFS + PER_ROOF * found
             cells[k], cells[k + 1], cells[k + 2] = roof.at, roof.along_x, roof.along_y
-            cells[k + 3], cells[k + 4], cells[k + 5] = least, float(j), 2.0 / square
+            cells[k + 3] = least
             # the lowest one first, which cuts most from the others
             if most < bound:
                 bound = most
@@ -228,19 +228,45 @@ def _lowest_part(room, cells, count, found, bound, r):
 
 
 @leaf
-def _rate_over(cells, r, facet, placed, roof):
-    """Return the rate at which a roof of the other body rises over a facet, m/s, as a linear function."""
-    k = _ROOFS + PER_ROOF * r
-    j, factor = int(cells[k + 4]), cells[k + 5]
-    n = _normal(cells, j)
-    # n . (moves + spins x place), with the place on the roof
+def _area(room, count):
+    """Return the area of the polygon in the room, m2."""
+    total = 0.0
+    for k in range(2, count):
+        x1, y1 = room[2 * k - 2] - room[0], room[2 * k - 1] - room[1]
+        x2, y2 = room[2 * k] - room[0], room[2 * k + 1] - room[1]
+        total += x1 * y2 - x2 * y1
+    return 0.5 * total
+
+
+@kernel
+def _normal_of_contact(scene, solid, planes, inwards):
+    """Return the unit vector along which both bodies are damped, and the range of faces within the other body.
+
+    The vector is that of the area of these faces of the first body: the normal of a face that an edge or a corner
+    presses on, whichever of both bodies is the first one.
+    """
+    faces = int(solid[0])
+    if faces == 1:
+        return facet_of(solid, 0, inwards).n, 0, 1
+    whole, hint, first, end = NOTHING, -1, 0, 0
+    for i in range(faces):
+        facet = facet_of(solid, i, inwards)
+        count, hint = _common_face(scene.room, scene.cells, solid, planes, facet, hint, False)
+        if inwards != 0.0:
+            count = _within_own(scene.room, solid, i, facet, count, inwards)
+        if count >= 3:
+            whole = plus(whole, facet.n, _area(scene.room, count))
+            first, end = i if end == 0 else first, i + 1
+    size = math.sqrt(dot(whole, whole))
+    return scaled(whole, 1.0 / size) if size > 0.0 else NOTHING, first, end
+
+
+@leaf
+def _closing_over(facet, placed, n, factor):
+    """Return `factor` times the velocity at which the other body approaches against n, over a facet, m/s."""
     m = cross(n, placed.spins)
-    below = dot(m, facet.n)
-    return Plane(
-        factor * (dot(n, placed.moves) + facet.c * below - below * roof.at),
-        factor * (dot(m, facet.e1) - below * roof.along_x),
-        factor * (dot(m, facet.e2) - below * roof.along_y),
-    )
+    at = dot(n, placed.moves) + facet.c * dot(m, facet.n)
+    return Plane(-factor * at, -factor * dot(m, facet.e1), -factor * dot(m, facet.e2))
 
 
 @kernel
@@ -279,7 +305,8 @@ def press(scene, solid, other, placed, farther, inwards, stiffness, damping, own
     farther, inwards : float
         How far the planes of the other body and those of this one lie within their surfaces, m.
     stiffness, damping : float
-        N/m3; s, by which the rate of a height counts beside the height.
+        N/m3; s, by which half of the velocity at which both bodies approach counts beside a height. This part of the
+        pressure acts along the normal of the contact, so it never adds energy and never drags an edge along a face.
     owns_flush : bool
         Whether the cell below two faces in one plane is that of the first body. Forces leave it to the other body, so
         that bodies whose tops are level do not push each other up or down.
@@ -292,7 +319,10 @@ def press(scene, solid, other, placed, farther, inwards, stiffness, damping, own
     room, cells = scene.room, scene.cells
     force, moment, centre, total, energy, highest = NOTHING, NOTHING, NOTHING, 0.0, 0.0, 0.0
     planes, hint = _place_planes(cells, other, placed, farther), -1
-    for i in range(int(solid[0])):
+    along, first, end = NOTHING, 0, int(solid[0])
+    if damping != 0.0:
+        along, first, end = _normal_of_contact(scene, solid, planes, inwards)
+    for i in range(first, end):
         # the face within the other body, kept beside the room
         facet = facet_of(solid, i, inwards)
         count, hint = _common_face(room, cells, solid, planes, facet, hint, owns_flush)
@@ -303,31 +333,35 @@ def press(scene, solid, other, placed, farther, inwards, stiffness, damping, own
         for k in range(2 * count):
             cells[_FACE + k] = room[k]
         found, bound = _find_roofs(room, cells, solid, planes, i, facet, count, inwards)
-        # the part below each roof
-        push, x, y = 0.0, 0.0, 0.0
+        # the part below each roof; damped: of the height, with the closing velocity
+        push, x, y, damped, damped_x, damped_y = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        closing = _closing_over(facet, placed, along, 0.5 * damping)
         for r in range(found):
             kept = _lowest_part(room, cells, count, found, bound, r)
             if kept < 3:
                 continue
             roof = _roof(cells, r)
             highest = _highest(room, kept, roof, highest)
-            q = roof
-            # roofs of the other body move
-            if damping != 0.0 and cells[_ROOFS + PER_ROOF * r + 4] < planes:
-                rate = _rate_over(cells, r, facet, placed, roof)
-                q = Plane(
-                    roof.at + damping * rate.at,
-                    roof.along_x + damping * rate.along_x,
-                    roof.along_y + damping * rate.along_y,
-                )
-                kept = cut(room, kept, q)
-            force_of, x_of, y_of = _integrals(room, kept, q)
+            force_of, x_of, y_of = _integrals(room, kept, roof)
             energy += 0.5 * stiffness * (roof.at * force_of + roof.along_x * x_of + roof.along_y * y_of)
             push, x, y = push + force_of, x + x_of, y + y_of
-        # resultant, moment and centre
+            if damping != 0.0:
+                q = Plane(roof.at + closing.at, roof.along_x + closing.along_x, roof.along_y + closing.along_y)
+                force_of, x_of, y_of = _integrals(room, cut(room, kept, q), q)
+                damped, damped_x, damped_y = damped + force_of, damped_x + x_of, damped_y + y_of
+        # resultant and moment of the heights
         push, x, y = stiffness * push, stiffness * x, stiffness * y
         force = plus(force, facet.n, -push)
         moment = plus(plus(moment, facet.e2, x), facet.e1, -y)
+        # and of the damping, along the normal of the contact
+        if damping != 0.0:
+            damped, damped_x, damped_y = stiffness * damped, stiffness * damped_x, stiffness * damped_y
+            more, per = damped - push, max(dot(along, facet.n), 0.0)
+            force = plus(force, along, -per * more)
+            at = plus(plus(scaled(facet.n, facet.c * more), facet.e1, damped_x - x), facet.e2, damped_y - y)
+            moment = plus(moment, cross(at, along), -per)
+            push, x, y = damped, damped_x, damped_y
+        # centre
         centre = plus(plus(plus(centre, facet.n, facet.c * push), facet.e1, x), facet.e2, y)
         total += push
     return Pressed(force, moment, centre, total, energy, highest)

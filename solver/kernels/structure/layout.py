@@ -121,7 +121,7 @@ PORTS = FieldTable(
 # anticlockwise
 SOLID = Record("planes", "corners", "half", "radius", "ux", "uy", "uz", "size")
 SOLID_CORNERS, SOLID_PLANE, SOLID_PLANES = SOLID.beside, 9, 128  # place, numbers of a plane, most planes
-CELL_CORNERS, PER_ROOF = 2 * (2 * MOST_CORNERS + 8), 6  # numbers of a polygon, and of a plane above it
+CELL_CORNERS, PER_ROOF = 2 * (2 * MOST_CORNERS + 8), 4  # numbers of a polygon, and of a plane above it
 CELLS = 4 * SOLID_PLANES + CELL_CORNERS + PER_ROOF * 2 * SOLID_PLANES  # room for a contact of two bodies (cells.py)
 DRUMS, PLANE, CONVEX = 0.0, 1.0, 2.0  # kinds of pairs: sides of two drums, a drum and a plane face, neither
 PAIRS = FieldTable(
