@@ -123,11 +123,16 @@ static size_t written_out(Face *face, const fmi3ValueReference references[], siz
 
 FMI3_Export fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                                       fmi3Float64 values[], size_t value_count) {
-    if (instance && count && references && values && references[0] == TIME) { /* importers ask for it alone or first */
-        const Face *face = instance;
-        if (!value_count) return refuse(face, "value reference %u: there are not enough values", TIME);
-        values[0] = core_time(face->column);
-        return fmi3GetFloat64(instance, references + 1, count - 1, values + 1, value_count - 1);
+    /* time, which is not in the table: what is before it and behind it is got for itself */
+    for (size_t k = 0; instance && references && values && k < count; k++) {
+        if (references[k] != TIME) continue;
+        Face *face = instance;
+        size_t before = 0;
+        for (size_t i = 0; i < k; i++) before += core_extent(references[i]);
+        if (before >= value_count) return refuse(face, "value reference %u: there are not enough values", TIME);
+        if (fmi3GetFloat64(face, references, k, values, before) != fmi3OK) return fmi3Error;
+        values[before++] = core_time(face->column);
+        return fmi3GetFloat64(face, references + k + 1, count - k - 1, values + before, value_count - before);
     }
     WRITE_OUT;
     return (fmi3Status)core_get_reals(face->column, face->list, elements, values);
@@ -158,7 +163,8 @@ FMI3_Export fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueRefer
 
 /* --- steps */
 
-/* One piece of a step, up to `end`: the importer is asked for the inputs at its end, and a line leads there. */
+/* One piece of a step, up to `end`: the importer is asked for the inputs at its end, which a line leads to and which
+ * they keep. */
 static Status piece(Face *face, double start, double width, double end) {
     double first[MOST_FOLLOWED], last[MOST_FOLLOWED], line[MOST_FOLLOWED];
     bool early = false;
@@ -172,20 +178,14 @@ static Status piece(Face *face, double start, double width, double end) {
         return ST_ERROR;
     Status status = core_step(face->column, start, width);
     if (status != ST_OK) return status;
+    const double held[MOST_FOLLOWED] = {0.0};
+    if (core_set_reals(face->column, face->inputs, face->followed, last) != ST_OK ||
+        core_set_reals(face->column, face->slopes, face->followed, held) != ST_OK)
+        return ST_ERROR;
     face->reads = true;
     face->update(face->environment, end, false, true, true, false, &early, &when);
     face->reads = false;
     return ST_OK;
-}
-
-/* The inputs at the end of a piece are those at the beginning of the next. */
-static Status go_on(Face *face, double width) {
-    double values[MOST_FOLLOWED], line[MOST_FOLLOWED];
-    if (core_get_reals(face->column, face->inputs, face->followed, values) != ST_OK ||
-        core_get_reals(face->column, face->slopes, face->followed, line) != ST_OK)
-        return ST_ERROR;
-    for (size_t k = 0; k < face->followed; k++) values[k] += line[k] * width;
-    return core_set_reals(face->column, face->inputs, face->followed, values);
 }
 
 /* A step in pieces no longer than the samples of a motion usually are. On a fault the column is as before. */
@@ -197,8 +197,7 @@ static Status followed_step(Face *face, double start, double step) {
     for (double k = 0.0; k < pieces && status == ST_OK; k += 1.0) {
         double begin = start + k / pieces * step;
         double end = k + 1.0 < pieces ? start + (k + 1.0) / pieces * step : start + step;
-        if (k > 0.0) status = go_on(face, step / pieces);
-        if (status == ST_OK) status = piece(face, begin, pieces > 1.0 ? end - begin : step, end);
+        status = piece(face, begin, pieces > 1.0 ? end - begin : step, end);
     }
     if (status != ST_OK && before) core_restore(face->column, before);
     core_release(before);

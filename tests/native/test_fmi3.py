@@ -153,6 +153,7 @@ def test_it_gives_the_bits_of_fmi_2(native: Path, native3: Path) -> None:
     assert found["same"]
     assert found["moved"] > 1.0
     assert found["time"] == [0.5]  # where the state was saved
+    assert found["time in between"] == 0.5
     assert found["direct"]
     assert found["restored"]
     assert found["elsewhere"] == [0.5, 2e-3, 1e-3, 3e-3]
@@ -163,6 +164,10 @@ def test_it_gives_the_bits_of_fmi_2(native: Path, native3: Path) -> None:
 def test_a_motion_given_within_a_step_is_followed(native: Path, native3: Path) -> None:
     exact = np.array(call(fmi3.followed, native, native3, 1e-3, 300))
     assert np.array_equal(exact[:, 0], exact[:, 1])
+    # the values of the end of a step are kept
+    kept = np.array(call(fmi3.followed, native, native3, 1e-3, 300, False))
+    # the times of both differ by their rounding
+    assert np.max(np.abs(kept - exact)) < 1e-10 * np.max(np.abs(exact))
     coarse = np.array(call(fmi3.followed, native, native3, 0.02, 25))
     assert np.max(np.abs(coarse[:, 0] - coarse[:, 1])) < 1e-9 * np.max(np.abs(coarse))  # 1e-13 was seen
 

@@ -118,6 +118,7 @@ def beside(fmu2: str, fmu3: str) -> dict[str, Any]:
         "same": all(a == b for a, b in rows),
         "moved": max(abs(value) for value in rows[-1][0]),
         "time": three.get("time"),
+        "time in between": three.fmi.getFloat64(three.references("block.ux", "time", "base.ax"), 5)[3],
         "direct": direct == again,
         "restored": drive(100, 150, keep=False) == first,
         "elsewhere": other.get("time", "joint.damping"),
@@ -136,9 +137,9 @@ def push(t: float) -> float:
     return 2.0 * sin(9.0 * t) * sin(31.0 * t)
 
 
-def followed(fmu2: str, fmu3: str, step: float, count: int) -> list[list[float]]:
+def followed(fmu2: str, fmu3: str, step: float, count: int, anew: bool = True) -> list[list[float]]:
     """Return the top displacement after every step: the motion given within the step, and sampled at 1 ms with
-    slopes.
+    slopes. anew: given before each step, too; else before the first one alone.
     """
     seen: list[tuple[float, bool, bool, bool]] = []
     refused: list[str] = []
@@ -164,9 +165,11 @@ def followed(fmu2: str, fmu3: str, step: float, count: int) -> list[list[float]]
     per = round(step / fine)
     rows = []
     for k in range(count):
-        three.set(base__ax=push(k * step), base__az=0.1 * push(k * step))
+        if anew or k == 0:
+            three.set(base__ax=push(k * step), base__az=0.1 * push(k * step))
         *_, last = three.step(k * step, step)
         assert last == k * step + step
+        assert three.get("base.ax", "base.az") == [push(last), 0.1 * push(last)]
         for j in range(k * per, (k + 1) * per):
             now, then = push(j * fine), push(j * fine + fine)
             slope = (then - now) / fine
