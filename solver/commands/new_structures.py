@@ -26,6 +26,7 @@ SEVERAL: Limits = ((2.0, 100.0), "a whole number from 2 to 100")
 MOST_CASKS = 200  # those of a square grid have fewer than 1000 pairs
 LINE_STIFFNESS = 1e9  # N/m2, along the line in which two casks touch: a choice (docs/neighbours.md)
 RESTITUTION = 0.5  # of two casks, a choice
+LENGTH = "H"  # key of a joint, not written: length of the blocks across it, m
 # of pendulums, choices: displacement at which they slide (m), stiffness over weight (1/m) for 20 Hz on four of them
 SLIDES_AT, VERTICAL = 1e-3, 0.25 * (2.0 * math.pi * 20.0) ** 2 / STANDARD_GRAVITY
 # of height times width times depth of its base, that a statue fills. The body of a person: 0.3 of the box around it. A
@@ -79,7 +80,7 @@ class Built(NamedTuple):
     text: str
     questions: dict[str, Question]
     parts: Callable[[Asked], dict[str, Any]]  # the tables [[block]] and [[joint]], with a density
-    high: Callable[[Asked], float]  # m, on which the modulus of a joint depends
+    high: Callable[[Asked], float]  # m, H of most joints; others have that of their block, or their own LENGTH
     face: Callable[[Asked], float]  # m, width of the smallest face
 
 
@@ -95,14 +96,19 @@ def _colonnade(asked: Asked) -> dict[str, Any]:
         beam: dict[str, Any] = {"name": f"architrave{c}", "on": [f"column{k}.{drums}" for k in (c, c + 1)]}
         beam |= {"at": [(c - 0.5) * spacing, 0.0], "width": spacing, "depth": asked["deep"], "height": asked["high"]}
         blocks.append(beam | {"density": density})
-    pairs = [{"between": [f"architrave{c}", f"architrave{c + 1}"]} for c in range(1, columns - 1)]
+    pairs = [{"between": [f"architrave{c}", f"architrave{c + 1}"], LENGTH: spacing} for c in range(1, columns - 1)]
     return {"block": blocks, "joint": pairs}
+
+
+def _middle_line(asked: Asked) -> tuple[float, float]:
+    """Return the radius, m, and the angle, rad, of the middle line of an arch."""
+    half, rise = 0.5 * asked["span"], asked["rise"]
+    return 0.5 * (half**2 / rise + rise), 4.0 * math.atan2(rise, half)
 
 
 def _arch(asked: Asked) -> dict[str, Any]:
     """Return the voussoirs of an arch from the span and the rise of its middle line."""
-    half, rise = 0.5 * asked["span"], asked["rise"]
-    radius, angle = 0.5 * (half**2 / rise + rise), 4.0 * math.atan2(rise, half)
+    radius, angle = _middle_line(asked)
     law = {"stiffness": 1e9, "damping": 0.0}  # replaced by the law in the file
     sizes = asked["thickness"], asked["depth"]
     found = arch(int(asked["voussoirs"]), radius, *sizes, law, angle, asked["density"]).to_dict()
@@ -205,7 +211,7 @@ BUILT = {
         },
         _colonnade,
         lambda asked: asked["height"] / asked["drums"],
-        lambda asked: min(asked["bottom"], asked["top"]),
+        lambda asked: min(asked["bottom"], asked["top"], asked["deep"]),
     ),
     "arch": Built(
         "an arch of equal voussoirs on the ground",
@@ -217,7 +223,7 @@ BUILT = {
             "depth": Question("depth, across (m)", 1.0),
         },
         _arch,
-        lambda asked: 2.0 * asked["rise"] / asked["voussoirs"],
+        lambda asked: math.prod(_middle_line(asked)) / asked["voussoirs"],
         lambda asked: min(asked["thickness"], asked["depth"]),
     ),
     "stacks": Built(
@@ -298,7 +304,7 @@ def bounce_damping(structure: Structure) -> float:
 def structure_text(name: str, built: Built, asked: Asked, law: AskedLaw) -> str:
     """Return the text of the file of a structure with these answers in SI units, with comments. Raises InputError."""
     found = law.found
-    why = origin_of_stiffness(found)
+    why, high = origin_of_stiffness(found), built.high(asked)
     lines = [
         f"# {built.text[0].upper()}{built.text[1:]}. Lengths in m along x, y and z (up), masses in kg.",
         f"# {law.material}: {found.source}",
@@ -306,7 +312,7 @@ def structure_text(name: str, built: Built, asked: Asked, law: AskedLaw) -> str:
         f'name = "{name}"',
         "",
         "[joints]                     # of every joint",
-        f"stiffness = {found.modulus(built.high(asked)):.4g}        # N/m3, of the material: {why}",
+        f"stiffness = {found.modulus(high):.4g}        # N/m3, of the material: {why}, H = {high:.4g} m",
         f"damping = {law.damping!r}            # s, eta: a mode of frequency f has the damping ratio pi f eta",
         f"strength = {found.strength!r}      # Pa, with which `multiblock check` compares the pressure",
     ]
@@ -318,7 +324,12 @@ def structure_text(name: str, built: Built, asked: Asked, law: AskedLaw) -> str:
             continue
         for part in parts:
             note = MASS_NOTE if part.get("name") == "statue" else ()
-            lines += ["", f"[[{table}]]", *note, *(f"{key} = {_value(value)}" for key, value in part.items())]
+            lines += ["", f"[[{table}]]", *note]
+            lines += [f"{key} = {_value(value)}" for key, value in part.items() if key != LENGTH]
+            own = part.get(LENGTH, part["height"] if "on" in part else high)
+            if own != high:
+                key = "stiffness" if table == "joint" else "joint.stiffness"
+                lines.append(f"{key} = {found.modulus(own):.4g}  # N/m3, H = {own:.4g} m")
     return "\n".join(lines) + "\n"
 
 

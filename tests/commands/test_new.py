@@ -115,6 +115,29 @@ def test_empty_answers_make_a_structure_that_stands(
     assert rest_of(structure).row[6 * structure.n :][: len(structure.joints)].min() > 0.0  # all joints are pressed
 
 
+@pytest.mark.parametrize(("rise", "stiffness"), [("0.6", 2.192e9), ("3", 1.5e9 * 9.0 / (3.0 * math.pi))])
+def test_stiffness_of_an_arch_follows_the_length_of_its_voussoirs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rise: str, stiffness: float
+) -> None:
+    """Check E / H by hand: radius 7.8 m, angle 0.7896 rad over 9 voussoirs; a semicircle."""
+    assert ask(monkeypatch, tmp_path / "a.toml", "arch", "brick", "9", "6", rise, *[""] * 6) == 0
+    found = Structure.from_toml(tmp_path / "a.toml")
+    assert [joint.bed.stiffness for joint in found.joints] == pytest.approx([stiffness] * 10, rel=3e-4)
+
+
+def test_stiffness_of_each_joint_follows_its_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Compare E / H with heights of a statue and pedestal; between architraves H is their length."""
+    assert ask(monkeypatch, tmp_path / "a.toml", "isolated", "brick", *[""] * 16) == 0
+    found = Structure.from_toml(tmp_path / "a.toml")
+    beds = {found.names[joint.upper]: joint.bed.stiffness for joint in found.joints if joint.bearing is None}
+    assert beds == pytest.approx({"pedestal": 1.5e9 / 0.8, "statue": 1.5e9 / 1.9}, rel=3e-4)
+    assert ask(monkeypatch, tmp_path / "b.toml", "colonnade", "brick", "3", *[""] * 11) == 0
+    named = zip((found := Structure.from_toml(tmp_path / "b.toml")).joint_names, found.joints, strict=True)
+    for name, joint in named:
+        high = {0: 1.0, 1: 0.8, 2: 3.0}[name.count("architrave")]
+        assert joint.bed.stiffness == pytest.approx(1.5e9 / high, rel=3e-4), name
+
+
 def test_casks_stand_apart_and_may_hit_each_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "a.toml"
     sizes = ("2", "3", "2", "4", "3e4", "0.25", "0.35")
