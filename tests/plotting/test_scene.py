@@ -196,6 +196,15 @@ def test_a_base_that_comes_to_rest_where_it_began_keeps_its_motion() -> None:
     assert np.max(np.abs(path - exact)) < 1e-3 * np.max(np.abs(exact))
 
 
+def test_a_base_that_comes_to_rest_elsewhere_keeps_its_motion() -> None:
+    """Compare with one sine of acceleration integrated twice: A / w (t - sin(w t) / w), 0.312 m at its end."""
+    motion, w = wavelets.one_sine(0.2 * 9.80665, 1.0), 2.0 * np.pi
+    path = _path_of_base(motion, motion.time)[:, 0]
+    exact = 0.2 * 9.80665 / w * (motion.time - np.sin(w * motion.time) / w)
+    assert np.sign(motion.ax[1]) * path == pytest.approx(exact, abs=1e-4)
+    assert abs(path[-1]) == pytest.approx(0.312, abs=1e-3)
+
+
 def test_a_mesh_keeps_its_shape_in_few_triangles() -> None:
     structure = Structure.from_toml(ROOT / "examples" / "structures" / "statue-mesh.toml")
     (body,) = (body for body in parts_of(structure)[0] if body.meshed)

@@ -28,7 +28,7 @@ MOST_TRIANGLES = 16_000  # of meshes: 0.8 MB
 EMBEDDED_FPS, EMBEDDED_NUMBERS, EMBEDDED_TRIANGLES = 15.0, 60_000, 4_000  # of an embedded page
 VISIBLE = 0.08  # of the extent: largest displacement drawn at the factor that the page offers
 MOST_TIMES = 1e4  # factor on the deformation
-AT_REST = 0.01  # of its peak: velocity and displacement at the end of a base that does not drift
+AT_REST = 0.01  # of its peak: velocity at the end of a base that does not drift, and of a harmonic displacement
 DIGITS = 5  # of lengths in m: of what is drawn
 WHOLE = 65535  # full scale of shares stored as 16-bit integers
 VERDICTS = {
@@ -152,14 +152,18 @@ def _coarse(body: SceneBody, most: int) -> FloatArray:
 
 
 def _path_of_base(motion: Motion | None, time: FloatArray) -> FloatArray:
-    """Return the displacement of the base, (rows, 3) m, of a component that drifts less its best-fit parabola."""
+    """Return the displacement of the base, (rows, 3) m, of a component that drifts less its best-fit parabola.
+
+    Samples that end without velocity do not drift, wherever they end; a harmonic drifts, as it begins from rest.
+    """
     found = np.zeros((len(time), 3))
     components: tuple[Component, ...] = ("ax", "ay", "az")
     for axis, component in enumerate(components):
         if motion is not None and is_measurable(motion) and (component != "ay" or motion.has_ay):
             base = histories(motion, component)
             moved = base.displacement
-            if any(abs(part[-1]) > AT_REST * np.max(np.abs(part)) for part in (base.velocity, moved)):
+            ends = (base.velocity, moved) if motion.amplitude_of(component) else (base.velocity,)
+            if any(abs(part[-1]) > AT_REST * np.max(np.abs(part)) for part in ends):
                 span = base.time - base.time[0]
                 trend = np.column_stack([span, span**2])
                 moved = moved - trend @ np.linalg.lstsq(trend, moved, rcond=None)[0]
