@@ -154,7 +154,7 @@ class Result(Histories, Framed, NotebookRepr):
         scale : float, optional
             The factor on the deformation; automatic by default.
         fps : int
-            The number of frames per second.
+            The number of frames per second; in a GIF 100 over a whole number.
         speed : float
             The seconds of motion in a second of film.
         callback : callable, optional

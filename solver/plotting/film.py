@@ -102,8 +102,9 @@ def film(
 
     The arguments but the first are those of `Result.film`.
 
-    A GIF shows each frame for a whole number of hundredths of a second. Raises InputError if an argument is out of
-    range, the film has more than `MOST_FRAMES` frames, or its format cannot be written; OSError.
+    The frames of a GIF are a whole number of hundredths of a second apart, for which each is shown. Raises InputError
+    if an argument is out of range, the film has more than `MOST_FRAMES` frames, or its format cannot be written;
+    OSError.
     """
     check_film(path)
     fps = round(check_number("fps", fps, (1.0, 100.0), "a whole number of pictures a second, from 1 to 100"))
@@ -112,7 +113,9 @@ def film(
     # instants of the frames, up to shortly after a fall
     after = max(AFTER_FALL, getattr(response.model, "after_fall", 0.0))
     end = min(float(time[-1]), np.nan_to_num(response.overturn_time + after, nan=np.inf))
-    instants = np.arange(time[0], end + 1e-9, speed / fps)
+    is_gif = Path(path).suffix.lower() == ".gif"
+    delay = max(1, round(100.0 / fps))  # hundredths of a second, in a GIF
+    instants = np.arange(time[0], end + 1e-9, speed * delay / 100.0 if is_gif else speed / fps)
     if len(instants) > MOST_FRAMES:
         raise InputError(
             f"speed = {speed:g}: makes {len(instants)} pictures, must be larger, for at most {MOST_FRAMES}"
@@ -121,13 +124,13 @@ def film(
     rows = np.minimum(np.searchsorted(time, instants - 1e-9), len(time) - 1)
     frames = _pictures(scene, rows, callback)
     with whole_file(path) as partial:
-        if Path(path).suffix.lower() == ".mp4":
+        if is_gif:
+            _write_gif(scene, frames, delay, partial)
+        else:
             writer = _PixelWriter(fps=fps)
             with writer.saving(scene.figure, os.fspath(partial), FILM_DPI):
                 for picture in frames:
                     writer.write(picture)
-        else:
-            _write_gif(scene, frames, fps, partial)
 
 
 def check_film(path: str | os.PathLike[str]) -> None:
@@ -161,12 +164,12 @@ def _pictures(scene: AnimatedFigure, rows: Any, callback: Progress | None) -> It
             callback(done, len(rows))
 
 
-def _write_gif(scene: AnimatedFigure, frames: Iterator[Pixels], fps: int, path: Path) -> None:
-    """Write the frames with one palette, so that a frame stores only the pixels that change."""
+def _write_gif(scene: AnimatedFigure, frames: Iterator[Pixels], delay: int, path: Path) -> None:
+    """Write the frames, `delay` hundredths of a second each, with one palette: each stores the pixels that change."""
     palette = _palette(scene.colours)
     images = [Image.fromarray(frame[..., :3]).quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     images[0].save(
-        path, format="GIF", save_all=True, append_images=images[1:], duration=round(1e3 / fps), loop=0, optimize=True
+        path, format="GIF", save_all=True, append_images=images[1:], duration=10 * delay, loop=0, optimize=True
     )
 
 

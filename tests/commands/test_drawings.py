@@ -141,6 +141,18 @@ def test_a_film_lasts_as_long_as_the_motion(response: Response, tmp_path: Path) 
     assert [path.name for path in tmp_path.iterdir()] == ["column.gif"]
 
 
+@pytest.mark.parametrize("fps", [30, 40, 52, 60])
+def test_a_gif_plays_at_the_speed_asked_for(response: Response, tmp_path: Path, fps: int) -> None:
+    """Sum the durations that the file stores, in hundredths of a second: 1.5 s of motion at half the speed."""
+    response.film(tmp_path / "column.gif", fps=fps, speed=0.5)
+    with Image.open(tmp_path / "column.gif") as film:
+        shown = 0.0
+        for k in range(getattr(film, "n_frames", 1)):
+            film.seek(k)
+            shown += 1e-3 * film.info["duration"]
+    assert shown == pytest.approx(3.0, abs=0.05)  # the last picture is shown, too
+
+
 @pytest.mark.skipif(not FFMpegWriter.isAvailable(), reason="ffmpeg is not installed")
 def test_a_film_as_mp4(response: Response, tmp_path: Path) -> None:
     response.film(tmp_path / "column.mp4", speed=2.0)
