@@ -184,7 +184,8 @@ def _new(options: argparse.Namespace) -> None:
         blocks = blocks or SHAPES[shape].blocks(asked)
     # contact, damping and friction of the joints
     width = BUILT[shape].face(asked) if shape in BUILT else min(_least_size(block) for block in blocks)
-    touching = asked_contact(width, MATERIALS[material].has_joints, stands_alone=shape == "statue")
+    standing = blocks[0]["width"] if shape == "statue" else 0.0
+    touching = asked_contact(width, MATERIALS[material].has_joints, standing)
     trial = AskedLaw(material, DAMPING, touching)
     built = structure_text(name, BUILT[shape], asked, trial) if shape in BUILT else ""
     damping = _asked_damping(blocks, trial, built)

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from ..kernels.layout.spaces import MOST_STRIPS
 from .questions import Limits, Question, choice, number
 
 WHOLE, RIM, FEET = "whole", "rim", "feet"
 PART = 1.0 / 6.0  # of the width: the rim that fits the tests of granite blocks (docs/materials.md)
 LEAST_RIM = 1e-4  # m
-MOST_STRIPS = 32
+NEAR = 0.01  # of its width: a foot of another width is said in the file
+# parts of its width that a foot may have, with the number of strips of each: at least one strip lies between two feet
+FEET_OF = {
+    feet / strips: (feet, strips) for strips in range(MOST_STRIPS, 2, -1) for feet in range(1, (strips + 1) // 2)
+}
 MEANINGS = {
     WHOLE: "all over, as in mortar; a dry block then loses less at an impact than tested granite",
     RIM: "in a band along their edges, as dressed drums (anathyrosis); nearest to tests of granite blocks",
@@ -32,7 +37,7 @@ class Touching(NamedTuple):
 EVERYWHERE = Touching()
 
 
-def asked_contact(width: float, mortared: bool, stands_alone: bool) -> Touching:
+def asked_contact(width: float, mortared: bool, standing: float = 0.0) -> Touching:
     """Ask where faces touch, and for the width of the rim or of a foot.
 
     Parameters
@@ -41,33 +46,38 @@ def asked_contact(width: float, mortared: bool, stands_alone: bool) -> Touching:
         Width of the smallest face (m).
     mortared : bool
         True if mortar fills the joints: whole faces are proposed, else a rim.
-    stands_alone : bool
-        True if the top block may stand on feet.
+    standing : float
+        Width of the top block if it may stand on feet (m), else 0.
     """
-    meanings = {key: text for key, text in MEANINGS.items() if key != FEET or stands_alone}
+    meanings = {key: text for key, text in MEANINGS.items() if key != FEET or standing}
     chosen = choice("where faces touch", meanings, WHOLE if mortared else RIM)
     if chosen == WHOLE:
         return EVERYWHERE
+    if chosen == RIM:
+        what, face = "the rim", "smallest face"
+        limits: Limits = (LEAST_RIM, 0.5 * width), f"a width in m, up to half of the smallest face, {0.5 * width:.4g}"
+    else:
+        what, face, width = "each foot, across the motion", "face", standing
+        least, most = (part * width for part in (min(FEET_OF), max(FEET_OF)))
+        limits = (least, most), f"a width in m, from {least:.4g} to {most:.4g}: at most {MOST_STRIPS} strips"
     proposed = float(f"{PART * width:.2g}")
-    what = "the rim" if chosen == RIM else "each foot, across the motion"
-    limits: Limits = (
-        (LEAST_RIM if chosen == RIM else width / MOST_STRIPS, 0.5 * width),
-        f"a width in m, up to half of the smallest face, {0.5 * width:.4g}",
-    )
-    asked = number(
-        Question(f"width of {what} (m); proposed: a sixth of the smallest face, as tests of granite", proposed, limits)
-    )
+    words = f"width of {what} (m); proposed: a sixth of the {face}, as tests of granite"
+    asked = number(Question(words, proposed, limits))
     return Touching(rim=asked) if chosen == RIM else Touching(foot=asked)
 
 
 def strips_of(touching: Touching, block: dict[str, float]) -> list[str]:
-    """Return the lines of a block that stands on two feet; none without feet."""
+    """Return the lines of a block that stands on two feet of the nearest possible width; none without feet."""
     if not touching.foot:
         return []
-    count = min(MOST_STRIPS, max(3, round(block["width"] / touching.foot)))
-    depth = f"{block['depth']:.10g}"
-    strips = ", ".join([depth, *["0.0"] * (count - 2), depth])
+    part = touching.foot / block["width"]
+    nearest = min(FEET_OF, key=lambda possible: abs(possible - part))
+    feet, count = FEET_OF[nearest]
+    depth, made = f"{block['depth']:.10g}", f"{nearest * block['width']:.4g} m wide"
+    if abs(nearest - part) > NEAR * part:
+        made += f", nearest to {touching.foot:.4g} m"
+    strips = ", ".join([depth] * feet + ["0.0"] * (count - 2 * feet) + [depth] * feet)
     return [
-        'joint.section = "strips"     # of equal width across the motion; it stands on the first and the last',
+        f'joint.section = "strips"     # of equal width across the motion; it stands on two feet {made}',
         f"joint.strips = [{strips}]  # m, depths",
     ]

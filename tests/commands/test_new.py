@@ -181,6 +181,27 @@ def test_faces_of_dry_stone_touch_in_a_rim_unless_asked_otherwise(
     assert min(found) > housner_restitution(whole)
 
 
+@pytest.mark.parametrize(
+    ("foot", "made"), [("0.24", 0.24), ("0.2", 0.2), ("0.0159", 0.5 / 31), ("0.17", 0.5 * 11 / 32)]
+)
+def test_feet_have_the_width_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], foot: str, made: float
+) -> None:
+    """Measure the feet in strips; the file says where their width differs by more than 1 % of that asked for."""
+    assert ask(monkeypatch, tmp_path / "a.toml", *STATUE, "feet", foot, *[""] * 2) == 0
+    strips = Column.from_toml(tmp_path / "a.toml").blocks[0].joint.strips
+    assert strips is not None
+    edge = strips.index(0.0)
+    assert strips == (*[0.5] * edge, *[0.0] * (len(strips) - 2 * edge), *[0.5] * edge)
+    assert 0.5 * edge / len(strips) == pytest.approx(made, rel=1e-12)
+    assert abs(made / float(foot) - 1.0) < 0.018
+    said = f"nearest to {foot} m" in (tmp_path / "a.toml").read_text(encoding="utf-8")
+    assert said == (abs(made / float(foot) - 1.0) > 0.01)
+    for wrong in ("0.25", "0.015"):
+        assert ask(monkeypatch, tmp_path / "b.toml", *STATUE, "feet", wrong) == 2
+        assert "must be a width in m, from 0.01562 to 0.2419" in capsys.readouterr().err
+
+
 def test_mortar_fills_joints_and_drums_have_no_feet(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
