@@ -98,7 +98,9 @@ def structure_variables(
     names[TIE] = [f"tie {e}" for e in range(1, len(structure.ties) + 1)]
     # outputs, with the inputs that they depend on
     sizes = _sizes(structure)
-    row, peaks = seen(OUTPUTS, names, lambda unit, i: sizes[unit])
+    holding = any(joint.bearing and joint.bearing.holds for joint in structure.bearings)
+    pulled = ("N", "sigma_max") if holding else ("N",) if structure.bonds else ()
+    row, peaks = seen(OUTPUTS, names, lambda unit, i: sizes[unit], pulled)
     direct = {output.name: _direct(structure, output.name, drive) for output in row}
     row = [
         replace(output, depends_on=direct[output.name], initially=None if direct[output.name] else ()) for output in row

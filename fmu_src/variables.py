@@ -10,7 +10,7 @@ A variable's value reference is its own number, never its index in the table (re
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
@@ -253,7 +253,8 @@ def variables(column: Column, record: str = "", reads_files: bool = True, drive:
     names = {BLOCK: numbers, JOINT: numbers, PORT: numbered(PORT, [port.name for port in column.ports])}
     names[BOND] = numbers if column.is_brittle else []
     # outputs, with the inputs that they depend on without delay
-    row, peaks = seen(OUTPUTS, names, lambda unit, i: _size(sizes, unit, i))
+    pulled = ("N",) if column.is_brittle else ()
+    row, peaks = seen(OUTPUTS, names, lambda unit, i: _size(sizes, unit, i), pulled)
     row = [replace(output, depends_on=_direct(output.name, column.n)) for output in row]
     moved = driven_outputs(DRIVEN.fields, _DIRECT_OF_BASE) if drive and drive.is_chosen else []
     outputs = [*row, *_split_outputs(column), *moved, *peaks]
@@ -326,7 +327,10 @@ def _with_initial(output: Variable, n: int, described: tuple[str, ...]) -> Varia
 
 
 def seen(
-    outputs: Iterable[Output], names: Mapping[str, Sequence[str]], nominal: Callable[[str, int], float]
+    outputs: Iterable[Output],
+    names: Mapping[str, Sequence[str]],
+    nominal: Callable[[str, int], float],
+    pulled: Collection[str] = (),
 ) -> tuple[list[Variable], list[Variable]]:
     """Return the outputs of a row, and their extremes since the last reset, in the order of the kernels.
 
@@ -338,6 +342,8 @@ def seen(
     nominal : callable
         Returns the typical size from the unit and the number of the block or joint, 0 for the base; solvers of a system
         scale by it.
+    pulled : collection of str
+        Names of outputs that may be negative as joints of the model bear tension, and have no minimum.
 
     Raises
     ------
@@ -348,7 +354,7 @@ def seen(
         if len(of) > FAMILY:
             raise InputError(f"{owner}: {len(of)} of them, must be at most {FAMILY} in an FMU")
     row, peaks = [], []
-    peak: dict[str, Any] = {"variability": "discrete", "minimum": 0.0, "initially": ()}
+    peak: dict[str, Any] = {"variability": "discrete", "initially": ()}
     for output in outputs:
         for one in output.each:
             for i, it in enumerate(names.get(one.owner, ("",)), start=int(one.owner != BASE)):
@@ -356,8 +362,10 @@ def seen(
                 extreme = f"{LEAST if one.by_least else LARGEST}: {text}"
                 limits: dict[str, Any] = {"maximum": one.most, "nominal": _usual_size(nominal, one, i)}
                 if not output.only_peak:
-                    row.append(output_of(one.name_of(i), unit, text, minimum=one.least, **limits))
-                peaks.append(output_of(one.peak_of(i), unit, extreme, **peak, **limits))
+                    least = None if one.name in pulled else one.least
+                    row.append(output_of(one.name_of(i), unit, text, minimum=least, **limits))
+                least = one.least if one.by_least else 0.0
+                peaks.append(output_of(one.peak_of(i), unit, extreme, minimum=least, **peak, **limits))
     return row, peaks
 
 

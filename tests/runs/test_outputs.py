@@ -11,7 +11,7 @@ from support.fmus import ROOT
 
 from fmu_src.structure_variables import structure_variables
 from fmu_src.variables import Variable, variables
-from multiblock import Column, Structure
+from multiblock import Column, Motion, Structure, simulate
 from solver.models.column.response import Response
 from solver.models.outputs import BASE, BLOCK, JOINT, Histories, Output, peaks_by_name, places_of, units_of
 from solver.models.protocol import Kept, kept_peaks
@@ -99,7 +99,7 @@ def test_outputs_of_an_fmu_are_those_of_a_response(
     for output, one, i in each:
         peak = by_name[one.peak_of(i)]
         assert peak.unit == one.unit.replace(" ", ".")
-        assert (peak.minimum, peak.maximum) == (0.0, output.most)
+        assert (peak.minimum, peak.maximum) == (output.least if output.by_least else 0.0, output.most)
         if not output.only_peak:
             own = by_name[one.name_of(i)]
             assert (own.minimum, own.maximum) == (output.least, output.most)
@@ -107,3 +107,51 @@ def test_outputs_of_an_fmu_are_those_of_a_response(
                 peak.description
                 == f"{'Least' if output.by_least else 'Largest absolute'} value of the motion so far: {own.description}"
             )
+
+
+MORTAR = {"friction": 0.6, "tensile_strength": 2e5, "cohesion": 3e5}
+LAW = {"stiffness": 2e8, "damping": 2e-3}
+BOX = {"height": 2.0, "width": 0.6, "depth": 0.5, "density": 2500.0}
+RUBBER = {"kind": "elastomeric", "stiffness": 5e5, "damping": 5e3, "diameter": 0.2, "capacity": 0.5}
+RUBBER |= {"vertical_stiffness": 2e8, "vertical_damping": 2e-3}
+RUBBER |= {"between": ["a", "base"], "at": [[x, y, 0.1] for x in (-0.2, 0.2) for y in (-0.2, 0.2)]}
+
+
+def _on_rubber(tension: bool) -> Structure:
+    block, bearing = {"name": "a", "position": [0.0, 0.0, 0.1], **BOX}, {**RUBBER, "tension": tension}
+    return Structure.from_dict({"name": "s", "block": [block], "bearing": [bearing]})
+
+
+def _in_space(law: dict[str, float]) -> Structure:
+    blocks = [{"name": f"b{k}", "on": "base", "at": [1.0 * k, 0.0], **BOX} for k in range(2)]
+    pair = {"reach": 0.6, "stiffness": 1e9, "restitution": 0.5, "friction": 0.4}
+    return Structure.from_dict({"name": "s", "joints": {**LAW, **law}, "block": blocks, "neighbours": pair})
+
+
+@pytest.mark.parametrize(
+    ("model", "pulled"),
+    [
+        (Column.from_dict({"name": "dry", "joint": LAW, "block": [BOX]}), set()),
+        (Column.from_dict({"name": "mortar", "joint": {**LAW, **MORTAR}, "block": [BOX]}), {"N"}),
+        (_in_space({}), set()),
+        (_in_space(MORTAR), {"N"}),
+        (_on_rubber(tension=False), set()),
+        (_on_rubber(tension=True), {"N", "sigma_max"}),
+    ],
+    ids=lambda value: value.name if hasattr(value, "name") else "",
+)
+def test_what_an_fmu_says_of_the_range_of_outputs_is_so(model: Column | Structure, pulled: set[str]) -> None:
+    """Compare with a run that pulls at joints and lets neighbours meet: just what bears tension has no minimum."""
+    time = 0.005 * np.arange(201)
+    motion = Motion.from_samples(0.005, 3.0 * np.sin(9.4 * time), az=25.0 * np.sin(12.6 * time))
+    response = simulate(model, motion)
+    table = variables(model) if isinstance(model, Column) else structure_variables(model)
+    row = [variable for variable in table if variable.causality == "output"][: response.rows.shape[1]]
+    for variable, lowest in zip(row, response.rows.min(axis=0), strict=True):
+        if variable.minimum is not None:
+            assert lowest >= variable.minimum, variable.name
+        owner, _, quantity = variable.name.partition("].")
+        if owner.startswith("joint[") and quantity in ("N", "sigma_max"):
+            assert (variable.minimum is None, lowest < 0.0) == (quantity in pulled,) * 2, variable.name
+    gaps = {variable.minimum for variable in table if variable.name.endswith(".gap_least")}
+    assert gaps <= {None}
