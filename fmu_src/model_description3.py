@@ -29,7 +29,8 @@ OF_PORT = "Loads on {} in, motion relative to the base out"
 TERMINAL = "base"  # motion in, reaction and effective mass out
 REACTION = "[FM][xyz]"  # of a structure: force on the base, which follows from its state alone
 SPLIT = "R0[xzm]|m[xzt][xzt]"  # of a column
-ELEMENT = r"\b(block|joint|tie|bearing|bond|port) 1\b(?: \(.*?\))?"  # in the description of the first of an array
+# in the description of the first of an array
+ELEMENT = r"\b(block|joint|tie|bearing|bond|contact|port) 1\b(?: \(.*?\))?"
 
 
 def model_description3(

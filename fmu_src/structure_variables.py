@@ -116,7 +116,8 @@ def structure_variables(
     ]
     fields = (*DRIVEN.fields, *(DRIVEN_TURN.fields if drive.turns else ())) if drive.is_chosen else ()
     moved = [replace(output, initially=()) for output in driven_outputs(fields, {})]
-    return [*inputs_of_structure(structure, drive), *row, *moved, *peaks, *outcome(OVERTURNED_BLOCK), *parameters]
+    outcomes = outcome(OVERTURNED_BLOCK, structure.after_fall)
+    return [*inputs_of_structure(structure, drive), *row, *moved, *peaks, *outcomes, *parameters]
 
 
 def _sizes(structure: Structure) -> dict[str, float]:

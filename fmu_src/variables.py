@@ -451,9 +451,22 @@ def parameter_of(
     return Variable(name, reference, "Real", *common, start or 0.0, 0.0 if optional and least > 0.0 else least, most)
 
 
-def outcome(fallen: Variable) -> list[Variable]:
-    """Return the outputs after those of the model: verdict and record; `fallen`: that of the fallen joint or block."""
-    return [OVERTURN_TIME, fallen, OVERTURNED, VERDICT_NOW, RECORD_PGA]
+def outcome(fallen: Variable, after_fall: float = 0.0) -> list[Variable]:
+    """Return the outputs after those of the model: verdict and record.
+
+    Parameters
+    ----------
+    fallen : Variable
+        That of the fallen joint or block.
+    after_fall : float
+        Time for which the model goes on after a fall (s).
+    """
+    overturned, verdict = OVERTURNED, VERDICT_NOW
+    if after_fall:
+        overturned = replace(OVERTURNED, description=f"Whether it has overturned; {after_fall:g} s later it is held")
+        fell = {"overturned": f"It has fallen, and is held {after_fall:g} s later"}
+        verdict = replace(VERDICT_NOW, choice=replace(VERDICT, meanings=VERDICT.meanings | fell))
+    return [OVERTURN_TIME, fallen, overturned, verdict, RECORD_PGA]
 
 
 def of_record(record: str, reads_files: bool) -> list[Variable]:

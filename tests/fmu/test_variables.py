@@ -11,13 +11,16 @@ from support.fmus import ROOT
 
 from fmu_src.description_parts import About, Experiment
 from fmu_src.model_description import model_description
+from fmu_src.model_description3 import model_description3
 from fmu_src.record import usual_experiment
 from fmu_src.references import FAMILIES, FAMILY, REFERENCES
+from fmu_src.structure_variables import structure_variables
 from fmu_src.variables import ROLES, column_from, variables
 from solver import Block, Column, Joint, Motion
 from solver.common.ranges import MAX_BLOCKS, NUMBERS
 from solver.ground.building import Building, floor_motion
 from solver.models.column.settings import FORMULATIONS
+from solver.models.structure.model import Structure
 
 KEPT = Path(__file__).with_name("value_references.txt")
 DAMPED = ROOT / "examples/columns/phocas-damped.toml"
@@ -123,3 +126,31 @@ def test_the_usual_experiment_does_not_take_the_drop_at_the_end_of_the_ground_fo
     moved = floor_motion(ground, Building.from_toml(ROOT / "examples" / "gallery" / "hall.toml"), 2)
     assert np.min(np.diff(moved.time)) < 1e-5
     assert usual_experiment(None, moved).step > 1e-3
+
+
+def posts_that_go_on(after_fall: float) -> Structure:
+    """Return three posts beside each other whose runs go on after a fall."""
+    sizes = {"width": 0.5, "depth": 0.5, "height": 2.0, "density": 2500.0}
+    blocks = [{"name": name, "on": "base", "at": [0.7 * k, 0.0], **sizes} for k, name in enumerate(("low", "hi", "up"))]
+    law = {"reach": 0.3, "stiffness": 1e9, "restitution": 0.5, "friction": 0.4, "after_fall": after_fall}
+    joints = {"stiffness": 1e9, "damping": 1e-3}
+    return Structure.from_dict({"name": "posts", "joints": joints, "block": blocks, "neighbours": law})
+
+
+def test_after_a_fall_and_in_arrays_descriptions_are_true() -> None:
+    """Check words of structures that go on after a fall, and that arrays name no element."""
+    showcase = ROOT / "examples" / "structures" / "showcase.toml"
+    for structure, held in ((Structure.from_toml(showcase), "then"), (posts_that_go_on(1.5), "1.5 s later")):
+        table = structure_variables(structure)
+        by_name = {variable.name: variable for variable in table}
+        assert by_name["overturned"].description == f"Whether it has overturned; {held} it is held"
+        choice = by_name["verdict"].choice
+        assert choice is not None
+        assert choice.meanings["overturned"].endswith("is held" if held == "then" else "is held 1.5 s later")
+    root = model_description3(About("posts", "{}", "", "1", Experiment(), {}, ""), table, ())
+    said = {element.get("name"): element.get("description") or "" for element in root.iter("Float64")}
+    assert {"contact.gap", "contact.force", "contact.gap_least", "contact.force_peak"} <= said.keys()
+    for name, text in said.items():
+        assert "(low" not in text, name
+        if (name or "").startswith("contact."):
+            assert "of contact i" in text
