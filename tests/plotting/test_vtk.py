@@ -158,6 +158,22 @@ def test_joints_with_a_rim_bear_in_it_only(section: str, tmp_path: Path) -> None
         check_forces(response, tmp_path / name, 1e-6 if section == "rectangle" else 4e-3)  # 3e-9, 3e-3
 
 
+@pytest.mark.parametrize("pga", [0.0, 0.3])
+def test_strips_bear_and_the_gaps_between_them_do_not(pga: float, tmp_path: Path) -> None:
+    """Check blocks at rest, as built and after a slip: N of the pressure, and one polygon for each strip of a depth."""
+    block = {"height": 0.6, "width": 1.0, "depth": 0.6, "density": 2500.0, "repeat": 2}
+    strips = {"section": "strips", "strips": [0.6, 0.0, 0.0, 0.3, 0.6]}
+    column = Column.from_dict({"name": "strips", "joint": {**SLIDING, **strips}, "block": [block]})
+    response = simulate(column, wavelets.ricker(pga * 9.80665 + 1e-9, 0.8), check=False)
+    assert response.verdict == "standing"
+    assert (np.max(np.abs(response.slip[-1])) > 0.02) == (pga > 0.0)
+    check_forces(response, tmp_path, 1e-6)
+    *_, (_, mesh) = series(tmp_path, "joints")
+    assert sum(len(cells.data) for cells in mesh.cells) == 6
+    if not pga:
+        assert not np.any((mesh.points[:, 0] > -0.299) & (mesh.points[:, 0] < 0.099))
+
+
 def test_a_contact_ends_where_the_lower_block_does(tmp_path: Path) -> None:
     """Check a block that overhangs a narrower one as built."""
     blocks = [{"height": 0.4, "width": width, "depth": 0.6, "density": 2500.0} for width in (1.5, 1.0)]

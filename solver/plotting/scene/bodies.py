@@ -70,6 +70,7 @@ class SceneContact:
     rim: float = 0.0  # m, width of the band along the edges in which the faces touch; 0: all over
     above: Rims | None = None  # the face of the upper body, which bounds the contact after a slip; None: `points`
     under: Rims | None = None  # that of the lower body; None: unbounded
+    strips: tuple[FloatArray, ...] = ()  # rectangles of the face that touch; empty: all of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,19 +254,22 @@ def _of_column(column: Column) -> tuple[tuple[SceneBody, ...], tuple[SceneContac
         foot = foot + (block.joint.offset or 0.0) * np.array([math.cos(lean), 0.0, -math.sin(lean)])
         up = np.array([math.sin(tilt), 0.0, math.cos(tilt)])
         rise = block.resolved_centroid
-        made, rims, upper = _of_block(block, tilt, lean - tilt, lean_above - tilt)
+        made, rims, upper, strips = _of_block(block, tilt, lean - tilt, lean_above - tilt)
         centroid = foot + rise * up
         bodies.append(SceneBody(f"block {i + 1}", centroid, made, False, block.height - rise, tilt))
         under = None if top is None else Rims(*(ring - centroid for ring in top))
         rim = block.joint.rim or 0.0
-        contacts.append(SceneContact(f"joint {i + 1}", i, i + 1, *rims, block.joint.stiffness, rim=rim, under=under))
+        law = block.joint.stiffness
+        contacts.append(SceneContact(f"joint {i + 1}", i, i + 1, *rims, law, rim=rim, under=under, strips=strips))
         top = Rims(*(centroid + ring for ring in upper))
         foot = foot + block.height * up
     return tuple(bodies[::-1]), tuple(contacts[::-1])
 
 
-def _of_block(block: Block, tilt: float, below: float, above: float) -> tuple[tuple[Surface, ...], Rims, Rims]:
-    """Return the surface of a column's block, the rims of its joint and of its top.
+def _of_block(
+    block: Block, tilt: float, below: float, above: float
+) -> tuple[tuple[Surface, ...], Rims, Rims, tuple[FloatArray, ...]]:
+    """Return the surface of a column's block, the rims of its joint and of its top, and the strips of its joint.
 
     below, above: angles of its faces, rad.
     """
@@ -287,4 +291,9 @@ def _of_block(block: Block, tilt: float, below: float, above: float) -> tuple[tu
     rim = ring(block.joint_width, block.joint_depth, heights[0], below, joint)
     inner = ring(block.joint_bore, block.joint_bore, heights[0], below) if block.joint_bore else np.empty((0, 3))
     top = Rims(high, bore[1] if bore else np.empty((0, 3)))
-    return _between(low, high, bore, edged=own is SQUARE), Rims(rim, inner), top
+    # strips, of equal width
+    depths = block.joint.strips or ()
+    edges = np.linspace(-1.0, 1.0, len(depths) + 1)
+    outlines = [(deep, np.array([edges[[k, k + 1, k + 1, k]], SQUARE[1]])) for k, deep in enumerate(depths) if deep]
+    strips = tuple(ring(block.joint_width, deep, heights[0], below, outline) for deep, outline in outlines)
+    return _between(low, high, bore, edged=own is SQUARE), Rims(rim, inner), top, strips

@@ -154,13 +154,18 @@ def _shared(contact: SceneContact, shift: _Shift, centroid: FloatArray) -> Itera
     """Yield convex polygons of the bearing area as built: on the upper face, and below them on the lower one, m."""
     slipped = bool(np.any(shift.slip))
     above = contact.above if slipped and contact.above is not None else Rims(contact.points, contact.hole)
-    faces = [[_anticlockwise(shift.flat(centroid + ring) @ shift.twist.T + shift.slip) for ring in above]]
+
+    def shifted(ring: FloatArray) -> FloatArray:
+        return _anticlockwise(shift.flat(centroid + ring) @ shift.twist.T + shift.slip)
+
+    faces = [[shifted(ring) for ring in above]]
     if contact.under is not None:
         faces.append([_anticlockwise(shift.flat(centroid + ring)) for ring in contact.under])
     holes = [hole for _, hole in faces if len(hole)]
-    # a ring is cut into convex pieces between its rims
+    # strips are convex pieces; a ring is cut into them between its rims
     (outer, inner), *unders = faces
     pieces = [np.array([outer[k - 1], outer[k], inner[k], inner[k - 1]]) for k in range(len(inner))] or [outer]
+    pieces = [shifted(strip) for strip in contact.strips] or pieces
     parts = _without([_common([piece, *(rim for rim, _ in unders)]) for piece in pieces], [hole for _, hole in unders])
     # a rim leaves the common inside of both faces open, but for the rims of their holes
     if contact.rim:
