@@ -11,7 +11,15 @@ from solver.plotting.scene.gltf import animated
 fmu, table, scene = sys.argv[1:]
 with zipfile.ZipFile(fmu) as archive:
     blocks = archive.read("resources/scene.glb")
-names = Path(table).read_text(encoding="utf-8").partition("\n")[0].replace('"', "").strip().split(",")
-rows = np.genfromtxt(table, delimiter=",", skip_header=1)
-histories = dict(zip(names, rows.T, strict=True))
+names, *lines = Path(table).read_text(encoding="utf-8").replace('"', "").splitlines()
+rows = [line.split(",") for line in lines]
+histories = {}
+for k, name in enumerate(names.split(",")):
+    owner, _, quantity = name.partition(".")
+    if name == "time" or owner.startswith("block"):
+        values = np.array([row[k].split() for row in rows], dtype=float).T
+        if owner == "block":  # an array of FMI 3.0: its numbers with spaces between, in one column
+            histories |= {f"block[{i}].{quantity}": value for i, value in enumerate(values, start=1)}
+        else:
+            histories[name] = values[0]
 Path(scene).write_bytes(animated(blocks, histories["time"], histories))

@@ -11,6 +11,7 @@ from typing import Any
 import meshio
 import numpy as np
 import pytest
+from fmpy.util import write_csv
 from support.fmus import ROOT
 
 from multiblock import Structure
@@ -161,6 +162,16 @@ def test_results_of_an_fmu_move_the_blocks_inside_it(
     response.to_gltf(tmp_path / "scene.glb")
     t = float(scene_of(response, 30.0).time[12])
     expected = vertices_of(tmp_path / "scene.glb", t)
+    for name, (_, placed) in vertices_of(tmp_path / "moving.glb", t).items():
+        assert placed == pytest.approx(expected[name][1], abs=1e-9)
+    # the same from FMI 3.0, as FMPy writes arrays: one column for each
+    shape = [("time", float), *((f"block.{one.name}", float, (model.n,)) for one in outputs), ("overturned", bool)]
+    results = np.zeros(len(response.time), shape)
+    results["time"] = response.time
+    for one in outputs:
+        results[f"block.{one.name}"] = getattr(response, one.field).reshape(-1, model.n)
+    write_csv(tmp_path / "results.csv", results)
+    runpy.run_path(str(ROOT / "examples" / "animate_fmu.py"))
     for name, (_, placed) in vertices_of(tmp_path / "moving.glb", t).items():
         assert placed == pytest.approx(expected[name][1], abs=1e-9)
     with pytest.raises(InputError, match=r"block\[1\].ux: is missing"):
