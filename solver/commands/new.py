@@ -317,7 +317,8 @@ def column_text(name: str, what: str, blocks: Sequence[dict[str, float]], law: A
 
 def _survey() -> list[dict[str, float]]:
     """Ask for a table, and return its blocks from the top down: lines of height,width,depth or height,diameter, m."""
-    path = Path(answer_to("table, with the first line height,width,depth or height,diameter", "survey.csv"))
+    question = "table, with the first line height,width,depth or height,diameter, then blocks from the top down"
+    path = Path(answer_to(question, "survey.csv"))
     with reading(path):
         table = table_of(lines_of(path, MB))
         header = tuple(key.lower() for key in table.names)

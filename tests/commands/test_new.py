@@ -301,6 +301,7 @@ def test_survey(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     assert ask(monkeypatch, tmp_path / "a.toml", "survey", "brick", str(table), *[""] * 3) == 0
     column = Column.from_toml(tmp_path / "a.toml")
     assert [(block.height, block.width, block.depth) for block in column.blocks] == [(1.0, 0.6, 0.7), (0.5, 0.9, 0.8)]
+    assert "then blocks from the top down [survey.csv]: " in capsys.readouterr().out
     assert column.blocks[1].joint.stiffness == pytest.approx(1.5e9 / 0.5)
     table.write_text("height,diameter\n1.0,wide\n", encoding="utf-8")
     assert ask(monkeypatch, tmp_path / "b.toml", "survey", "brick", str(table)) == 2
