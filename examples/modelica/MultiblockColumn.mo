@@ -57,7 +57,18 @@ package MultiblockColumn "A column of rigid blocks, as an FMU for co-simulation,
     parameter Modelica.Units.SI.TranslationalSpringConstant stiffness = 1.2e6;
     parameter Modelica.Units.SI.TranslationalDampingConstant damping = 7.6e4;
     input Modelica.Units.SI.Acceleration ground_ax;
-    BaseFlange base;
+    // of the FMU, for the base
+    input Modelica.Units.SI.Force R0x;
+    input Modelica.Units.SI.Force R0z;
+    input Modelica.Units.SI.Torque R0m;
+    input Modelica.Units.SI.Mass mxx;
+    input Modelica.Units.SI.Mass mxz;
+    input Real mxt(unit = "kg.m");
+    input Modelica.Units.SI.Mass mzz;
+    input Real mzt(unit = "kg.m");
+    input Modelica.Units.SI.Inertia mtt;
+    BaseFlange base(
+      R0x = R0x, R0z = R0z, R0m = R0m, mxx = mxx, mxz = mxz, mxt = mxt, mzz = mzz, mzt = mzt, mtt = mtt);
     Modelica.Mechanics.Translational.Components.Mass slab(m = mass, s(start = 0, fixed = true), v(start = 0, fixed = true));
     Modelica.Mechanics.Translational.Components.SpringDamper isolator(c = stiffness, d = damping);
     Modelica.Mechanics.Translational.Sources.Accelerate ground(s(start = 0, fixed = true), v(start = 0, fixed = true));
@@ -74,21 +85,13 @@ package MultiblockColumn "A column of rigid blocks, as an FMU for co-simulation,
 
   model Example "The slab, and the variables of column.fmu that belong to it"
     extends Modelica.Icons.Example;
-    Slab slab(ground_ax = 0.98 * sin(2 * Modelica.Constants.pi * time));
-    // With the FMU imported as `column`, these are equations instead of constants:
-    //   slab.base.R0x = column.base_R0x;  column.base_ax = slab.base.ax;  column.base_jx = slab.base.jx;  and so on
+    // With the FMU imported as `column`, its variables instead of constants: R0x = column.base_R0x, and so on;
+    // and equations for its inputs: column.base_ax = slab.base.ax;  column.base_jx = slab.base.jx;  and so on
     parameter Modelica.Units.SI.Force R0x = 0;
     parameter Modelica.Units.SI.Mass mxx = 8.2e3 "Of Phocas at rest";
-  equation
-    slab.base.R0x = R0x;
-    slab.base.R0z = 0;
-    slab.base.R0m = 0;
-    slab.base.mxx = mxx;
-    slab.base.mxz = 0;
-    slab.base.mxt = 0;
-    slab.base.mzz = 0;
-    slab.base.mzt = 0;
-    slab.base.mtt = 0;
+    Slab slab(
+      ground_ax = 0.98 * sin(2 * Modelica.Constants.pi * time),
+      R0x = R0x, R0z = 0, R0m = 0, mxx = mxx, mxz = 0, mxt = 0, mzz = 0, mzt = 0, mtt = 0);
     annotation(experiment(StopTime = 10, Interval = 1e-3));
   end Example;
 

@@ -44,3 +44,15 @@ def test_the_reaction_is_symmetric_and_opposite() -> None:
     for force, (own, *masses) in rows.items():
         terms = " - ".join(f"{m} * {a}" for m, a in zip(masses, ("a_x", "a_z", "a_t"), strict=True))
         assert re.search(rf"{re.escape(force)} = -\({own} - {re.escape(terms)}\);", text), force
+
+
+def test_every_input_of_a_component_has_a_binding() -> None:
+    """Check the rule of Modelica: inputs that are no connectors are bound where their component is declared."""
+    text = re.sub(r"//.*", "", FILE.read_text(encoding="utf-8"))
+    models = dict(re.findall(r"model (\w+) (.*?)end \1;", text, re.DOTALL))
+    inputs = {name: set(re.findall(r"input [\w.]+ (\w+)", body)) for name, body in models.items()}
+    assert inputs == {"BaseFlange": REACTION, "Slab": REACTION | {"ground_ax"}, "Example": set()}
+    for owner, kind, component in (("Slab", "BaseFlange", "base"), ("Example", "Slab", "slab")):
+        (binding,) = re.findall(rf"{kind} {component}\((.*?)\);", models[owner], re.DOTALL)
+        assert set(re.findall(r"(\w+) = ", binding)) == inputs[kind]
+        assert not re.search(rf"^\s*{component}\.[\w.]+ =", models[owner], re.MULTILINE)
