@@ -188,8 +188,10 @@ def _fit(fit: ModulusFit | None) -> str:
     if fit is None:
         return ""
     lines = ["mode  measured (Hz)    fit (Hz)  difference"]
-    for mode, values in enumerate(zip(fit.measured, fit.fitted, fit.difference, strict=True), start=1):
-        lines.append("{:4d}  {:13.5g}  {:10.5g}  {:+8.2f} %".format(mode, *values[:2], 100.0 * values[2]))
+    for mode, (measured, fitted, off) in enumerate(zip(fit.measured, fit.fitted, fit.difference, strict=True), start=1):
+        known = not math.isnan(measured)
+        of, by = (f"{measured:.5g}", f"{100.0 * off:+.2f} %") if known else ("-", "-")
+        lines.append(f"{mode:4d}  {of:>13}  {fitted:10.5g}  {by:>10}")
     spreads = ", ".join(
         f"{part:.2g}" if known else "not determined" for part, known in zip(fit.spread, fit.determined, strict=True)
     )

@@ -210,6 +210,14 @@ def test_a_modulus_that_frequencies_do_not_determine_is_said() -> None:
 
 
 @pytest.mark.long  # takes 10 s and more
+def test_a_mode_that_was_not_measured_has_no_difference(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["calibrate", str(COLUMNS / "phocas-damped.toml"), "--frequencies", "nan", "19.9"]) == 0
+    rows = [line.split() for line in capsys.readouterr().out.splitlines() if line[:5].strip().isdigit()]
+    assert [row[0] for row in rows] == ["1", "2"]
+    assert rows[0][1::2] == ["-", "-"]
+    assert rows[1][1:] == ["19.9", "19.9", "+0.00", "%"]
+
+
 def test_command_gives_each_joint_its_modulus(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = [f"{frequency:.12g}" for frequency in three_moduli()]
     column = str(COLUMNS / "phocas-damped.toml")
