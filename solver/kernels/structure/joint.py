@@ -71,7 +71,7 @@ def bed_of_joint(scene, j, p, q):
 def _bed_of_faces(scene, j, p, q):
     """Return the bed of the outline of joint j, less that of the inside that its rim leaves open."""
     outline = outline_of(scene, j)
-    bed = _bed_of_section(scene, j, outline, 1.0, p, q)
+    bed = _bed_of_section(scene, j, outline, p, q)
     rims = has_inside(scene, j)
     if any_of(rims):
         # in full contact both parts are pressed as a whole: no difference of two large numbers
@@ -84,22 +84,19 @@ def _bed_of_faces(scene, j, p, q):
 @kernel
 def _bed_of_inside(scene, j, p, q):
     """Return the bed of the inside that the rim of joint j leaves open."""
-    return _bed_of_section(scene, j, inside_of(scene, j), -1.0, p, q)
+    return _bed_of_section(scene, j, inside_of(scene, j), p, q)
 
 
 @leaf
-def _bed_of_section(scene, j, section, sign, p, q):
-    """Return the bed of a section of joint j: as built until it has slid, then of the intersection of both faces.
-
-    sign: 1 of its outline, -1 of its inside.
-    """
+def _bed_of_section(scene, j, section, p, q):
+    """Return the bed of a section of joint j: as built until it has slid, then of the intersection of both faces."""
     bed, slid = nothing(p), goes_by_faces(scene, j, _has_slid(scene, j))
     # lanes that have not slid, with the contact as built
     if any_of(opposite(slid)):
         bed = _bed_as_built(section, p, q)
     # lanes that have slid, with the intersection of the shifted faces
     if any_of(slid):
-        bed = chosen(slid, bed_after_slip(scene, j, section, sign, slid, p, q), bed)
+        bed = chosen(slid, bed_after_slip(scene, j, section, slid, p, q), bed)
     return bed
 
 
@@ -127,6 +124,23 @@ def penetration_rate(scene, j, motion):
 
 
 @leaf
+def _rate_on_upper(scene, j, motion, p):
+    """Return the rate of the penetration p of joint j where it follows the upper face, m/s, as a linear function.
+
+    Its damping does not feel a slide then, and adds no energy: theory.md section 13.
+    """
+    joints, rate = scene.joints, penetration_rate(scene, j, motion)
+    slides = joints.friction[j] != math.inf
+    if any_of(slides & (joints.section[j] != POINT)):
+        # half of the relative motion, as that of the face in the frame half-way
+        v1, v2 = 0.5 * where(slides, motion.gap_rate[0], 0.0), 0.5 * where(slides, motion.gap_rate[1], 0.0)
+        spin = 0.5 * where(slides, motion.turn_rate[2], 0.0)
+        moves = p.along_x * v1 + p.along_y * v2
+        rate = Plane(rate.at + moves, rate.along_x + p.along_y * spin, rate.along_y - p.along_x * spin)
+    return rate
+
+
+@leaf
 def friction_limits(joints, j, normal, g1, g2):
     """Return the largest force along joint j, N, and the largest twisting couple, N m.
 
@@ -145,7 +159,7 @@ def friction_limits(joints, j, normal, g1, g2):
 
 
 @leaf
-def _along_joint(scene, j, motion, p, q, normal, g1, g2, largest):
+def _along_joint(scene, j, motion, p, normal, g1, g2):
     """Return the forces along joint j on the upper block, N, and the twisting couple on its energy, N m.
 
     A slider in series with a spring and a dashpot moves at the rate at which both together bear the limit of friction,
@@ -156,12 +170,10 @@ def _along_joint(scene, j, motion, p, q, normal, g1, g2, largest):
     ----------
     motion : Relative
         Relative motion of the faces.
-    p, q : Plane
-        Penetration and damped penetration, m.
+    p : Plane
+        Penetration, m.
     normal, g1, g2 : float or lanes
         Resultants of the pressure, N, N m.
-    largest : float or lanes
-        Largest q, m.
     """
     joints, slips, found, giving = scene.joints, scene.slips, scene.resultants, scene.giving_slips
     shear, twist, damping = joints.shear[j], joints.twist[j], joints.shear_damping[j]
@@ -182,12 +194,12 @@ def _along_joint(scene, j, motion, p, q, normal, g1, g2, largest):
         limit, couple = limits_with_bond(scene, j, normal, limit, couple, z1 * z1 + z2 * z2, z3)
         # shear of the pressure, evaluated only if friction may reach its limit
         w1, w2, w3 = z1 + damping * v1, z2 + damping * v2, z3 + damping * v3
-        bound, turning = bound_of_pressure_shear(scene, j, p, normal, largest)
+        bound, turning = bound_of_pressure_shear(scene, j, p, normal)
         least, square = greater(limit - bound, 0.0), shear * shear * greater(w1 * w1 + w2 * w2, z1 * z1 + z2 * z2)
         near = square > least * least
         near = near | (twist * greater(magnitude(w3), magnitude(z3)) > greater(couple - turning, 0.0))
         near, way = near & (joints.friction[j] != math.inf), (w1 + w3 * y, w2 - w3 * x, w3)
-        push1, push2, push3 = pressure_shear(scene, j, near, p, q, normal, g1, g2, way)
+        push1, push2, push3 = pressure_shear(scene, j, near, p, normal, g1, g2, way)
         # a twist of the slider rotates the frame, so that a slipped contact moves along the normal
         push3 += 0.5 * motion.per_scalar * normal * (motion.vector[0] * s1 + motion.vector[1] * s2)
         push3 += push1 * y - push2 * x
@@ -262,7 +274,8 @@ def _load_held(scene, phase, j):
     joints, found = scene.joints, scene.resultants
     # pressure and its resultants
     motion = relative_motion(scene, phase, j)
-    p, rate = penetration(scene, j, motion), penetration_rate(scene, j, motion)
+    p = penetration(scene, j, motion)
+    rate = _rate_on_upper(scene, j, motion, p)
     # damped penetration
     eta, k = joints.damping[j], joints.stiffness[j]
     q = Plane(p.at + eta * rate.at, p.along_x + eta * rate.along_x, p.along_y + eta * rate.along_y)
@@ -271,7 +284,7 @@ def _load_held(scene, phase, j):
     found.normal[j], found.g1[j], found.g2[j] = normal, g1, g2
     found.area[j], found.pressure[j] = bed.area, k * bed.largest
     # forces along the joint
-    t1, t2, g3 = _along_joint(scene, j, motion, p, q, normal, g1, g2, bed.largest)
+    t1, t2, g3 = _along_joint(scene, j, motion, p, normal, g1, g2)
     force, couple = (t1, t2, normal), (g1, g2, g3)
     # couples about both faces' centres, from the derivatives of the energy by the rotation
     across = cross(motion.gap, force)

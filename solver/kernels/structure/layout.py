@@ -230,7 +230,6 @@ RESULTANTS = FieldTable(  # of m joints, along the axes of the joint
     *("area", "pressure"),  # m2 loaded, Pa largest
     *("s1", "s2", "s3"),  # m, m, rad: slips and twist
     *("z1", "z2", "z3"),  # their elastic parts
-    *("edge_x", "edge_y", "edge_turn"),  # of two round faces after a slip: `disc_bed`
 )
 SOUND = FieldTable(  # of bonds
     *("area", "margin"),  # of an evaluation: m2; the part of what it bears along the joint that is left

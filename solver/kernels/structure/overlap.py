@@ -47,15 +47,12 @@ def _lanes_go_by_faces(scene, j, slid):
 
 
 @leaf
-def bed_after_slip(scene, j, section, sign, slid, p, q):
-    """Return the bed of a section of joint j after slips, by the intersection of its faces.
-
-    sign: 1 of its outline, -1 of the inside that its rim leaves open; slid: mask of where it has.
-    """
+def bed_after_slip(scene, j, section, slid, p, q):
+    """Return the bed of a section of joint j after slips, by the intersection of its faces; slid: mask of where."""
     a, b, endless = corners_of_faces(scene, section.above, section.below)
     # polygons, a disc on an unbounded face, or other round faces
     if a > 0 and (b > 0 or endless):
         return polygon_bed_after_slip(scene, j, section, slid, a + b, p, q)
     if endless:
         return _moved_disc_bed(scene, j, section, p, q)
-    return round_bed_after_slip(scene, j, section, sign, slid, p, q)
+    return round_bed_after_slip(scene, j, section, slid, p, q)

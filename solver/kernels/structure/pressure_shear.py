@@ -18,7 +18,6 @@ from ..numba_ext.lanes import (
     lane,
     lesser,
     magnitude,
-    opposite,
     where,
     with_lane,
     zero_like,
@@ -34,43 +33,43 @@ _face = FACE.over
 
 
 @by_width
-def _disc_edges(scene, j, section, those, p, q, way):
+def _disc_edges(scene, j, section, those, p, way):
     """Return `disc_edges_of_lower` of a section of joint j; in lanes one lane of the mask after the other."""
     return _disc_edges_of_lanes if isinstance(p.types[0], LanesType) else _disc_edges_of_one
 
 
-def _disc_edges_of_one(scene, j, section, those, p, q, way):
-    return disc_edges_of_lower(scene.room, scene.corners, scene.slips, j, section.above, section.below, p, q, way)
+def _disc_edges_of_one(scene, j, section, those, p, way):
+    return disc_edges_of_lower(scene.room, scene.corners, scene.slips, j, section.above, section.below, p, way)
 
 
-def _disc_edges_of_lanes(scene, j, section, those, p, q, way):
+def _disc_edges_of_lanes(scene, j, section, those, p, way):
     along_x, along_y, moment = zero_like(p.at), zero_like(p.at), zero_like(p.at)
     which = bits(those)
     for k in range(WIDTH):
         if (which >> k) & 1:
             # direction, faces and pressure of this lane
             one_way = lane(way[0], k), lane(way[1], k), lane(way[2], k)
-            faces, planes = (section.above, section.below), (plane_of_lane(p, k), plane_of_lane(q, k))
-            one = disc_edges_of_lower(*rows_of_lane(scene, k), j, *faces, *planes, one_way)
+            faces = section.above, section.below
+            one = disc_edges_of_lower(*rows_of_lane(scene, k), j, *faces, plane_of_lane(p, k), one_way)
             along_x, along_y = with_lane(along_x, k, one[0]), with_lane(along_y, k, one[1])
             moment = with_lane(moment, k, one[2])
     return along_x, along_y, moment
 
 
 @leaf
-def _edges_of_lower(scene, j, section, those, p, q, way):
-    """Integrate p q n along the edges of the lower face that bound the intersection of both faces of a section."""
+def _edges_of_lower(scene, j, section, those, p, way):
+    """Integrate p^2 n along the edges of the lower face that bound the intersection of both faces of a section."""
     a, b, _ = corners_of_faces(scene, section.above, section.below)
     if a > 0 and b > 0:
-        return polygon_edges_of_lower(scene, j, section, those, a + b, p, q, way)
-    return _disc_edges(scene, j, section, those, p, q, way)
+        return polygon_edges_of_lower(scene, j, section, those, a + b, p, way)
+    return _disc_edges(scene, j, section, those, p, way)
 
 
 @leaf
-def bound_of_pressure_shear(scene, j, p, normal, largest):
+def bound_of_pressure_shear(scene, j, p, normal):
     """Return upper bounds of the shear of the pressure, N, and of its moment, N m, by the longest edges of the contact.
 
-    normal: N; largest: damped penetration, m. Both bounds are 0 where the lower face has no edges.
+    normal: N. Both bounds are 0 where the lower face has no edges.
     """
     slips, zero = scene.slips, zero_like(p.at)
     # bearings, and lower faces without edges, exert none
@@ -86,20 +85,20 @@ def bound_of_pressure_shear(scene, j, p, normal, largest):
     deepest = greater(p.at + steep * lever, 0.0)
     edges = where(has_inside(scene, j), 2.0 * math.pi, math.pi)  # including those of the inside
     # by the tilt of the normal force, and by the edges
-    force = 0.5 * steep * normal + edges * scene.joints.stiffness[j] * radius * deepest * largest
+    force = 0.5 * steep * normal + edges * scene.joints.stiffness[j] * radius * deepest * deepest
     return force, 2.0 * lever * force
 
 
 @leaf
-def pressure_shear(scene, j, near, p, q, normal, g1, g2, way):
+def pressure_shear(scene, j, near, p, normal, g1, g2, way):
     """Return the shear of the pressure on the upper block, N, and its moment about the place half-way, N m.
 
     Parameters
     ----------
     near : mask
         Where joint j slides or may be about to: elsewhere the edges of its lower face are left out.
-    p, q : Plane
-        Penetration and damped penetration, m.
+    p : Plane
+        Penetration, m.
     normal, g1, g2 : float or lanes
         Resultants of the pressure, N, N m.
     way : tuple
@@ -111,23 +110,15 @@ def pressure_shear(scene, j, near, p, q, normal, g1, g2, way):
         return zero, zero, zero
     # integrals along the edges of the lower face
     outline = outline_of(scene, j)
-    a, b, endless = corners_of_faces(scene, outline.above, outline.below)
+    _, _, endless = corners_of_faces(scene, outline.above, outline.below)
     edge_x, edge_y, moment = zero, zero, zero
     if not endless and any_of(near):
-        # edges of two round faces that have slid are known from their bed
-        kept, found = (slips.p1[j] != 0.0) | (slips.p2[j] != 0.0), scene.resultants
-        if a > 0 or b > 0:
-            kept = kept & opposite(kept)
-        those = near & opposite(kept)
-        if any_of(those):
-            edge_x, edge_y, moment = _edges_of_lower(scene, j, outline, those, p, q, way)
-            rims = has_inside(scene, j)
-            if any_of(rims):
-                inside = _edges_of_lower(scene, j, inside_of(scene, j), those & rims, p, q, way)
-                edge_x, edge_y = edge_x - where(rims, inside[0], 0.0), edge_y - where(rims, inside[1], 0.0)
-                moment = moment - where(rims, inside[2], 0.0)
-        edge_x, edge_y = where(kept, found.edge_x[j], edge_x), where(kept, found.edge_y[j], edge_y)
-        moment = where(kept, found.edge_turn[j], moment)
+        edge_x, edge_y, moment = _edges_of_lower(scene, j, outline, near, p, way)
+        rims = has_inside(scene, j)
+        if any_of(rims):
+            inside = _edges_of_lower(scene, j, inside_of(scene, j), near & rims, p, way)
+            edge_x, edge_y = edge_x - where(rims, inside[0], 0.0), edge_y - where(rims, inside[1], 0.0)
+            moment = moment - where(rims, inside[2], 0.0)
     # half of the edge terms, less the component of the tilted normal force
     half = 0.5 * scene.joints.stiffness[j]
     turn = half * moment - 0.5 * (p.along_x * g1 + p.along_y * g2)

@@ -16,7 +16,6 @@ from .placed_face import centre_of, is_round, placed, put_corners
 
 BOX = 2.0  # half width of the square about a disc, over its radius
 NEARLY = 1.0 - 1e-15  # squared distance of a chord from the centre, over the squared radius, from which there is none
-NOWHERE = (0.0, 0.0, 0.0)
 NEAR = 1e-14  # distance of the centres of concentric discs, at most, over the radius
 WITHIN = 1.0 + 1e-9  # factor on the radii of a ring that has a point of its edge
 
@@ -160,8 +159,8 @@ def _put_own_side(room, x, y, radius, other_x, other_y, other):
 
 
 @kernel
-def _sides_in_disc(room, count, x, y, radius, p, q):
-    """Integrate p q n along the sides of the polygon in the room within a disc about (x, y)."""
+def _sides_in_disc(room, count, x, y, radius, p):
+    """Integrate p^2 n along the sides of the polygon in the room within a disc about (x, y)."""
     along_x, along_y, moment = 0.0, 0.0, 0.0
     for k in range(count):
         after = k + 1 if k + 1 < count else 0
@@ -177,17 +176,16 @@ def _sides_in_disc(room, count, x, y, radius, p, q):
         enters, leaves = max(0.0, middle - half), min(1.0, middle + half)
         if enters < leaves:
             x0, y0, part = room[2 * k] + enters * dx, room[2 * k + 1] + enters * dy, leaves - enters
-            side = edge_integrals(x0, y0, part * dx, part * dy, p, q)
+            side = edge_integrals(x0, y0, part * dx, part * dy, p)
             along_x, along_y, moment = along_x + side[0], along_y + side[1], moment + side[2]
     return along_x, along_y, moment
 
 
 @leaf
 def _along_arcs(p, bed, sides):
-    """Integrate p q n along the arcs of a part of a disc, by the divergence theorem.
+    """Integrate p^2 n along the arcs of a part of a disc, by the divergence theorem.
 
-    bed: of that part; sides: the integral along its straight sides. An integral over its area of p times a slope of q
-    is replaced by that of q times the slope of p, which is exact if both are proportional.
+    bed: of that part without damping; sides: the integral along its straight sides.
     """
     turning = p.along_y * bed.first_x - p.along_x * bed.first_y
     along_x, along_y = 2.0 * p.along_x * bed.force - sides[0], 2.0 * p.along_y * bed.force - sides[1]
@@ -196,37 +194,35 @@ def _along_arcs(p, bed, sides):
 
 @kernel
 def _of_one_disc(room, x, y, radius, other_x, other_y, other, first, p, q):
-    """Return the bed of the part of a disc on its side of the radical axis, and the integral of p q n along its arcs.
+    """Return the bed of the part of a disc on its side of the radical axis.
 
-    first: True of the disc that counts if both are equal and concentric; its integral is not computed.
+    first: True of the disc that counts if both are equal and concentric.
     """
     # equal concentric discs count once
     if radius == other and not first and _are_concentric(x, y, radius, other_x, other_y):
-        return nothing(q), NOWHERE
+        return nothing(q)
     # the part of the disc on its side, clipped to where it is pressed
     count = _put_own_side(room, x, y, radius, other_x, other_y, other)
     count = _pressed_in(room, count, x, y, radius, p, q)
-    bed = _of_disc(room, count, x, y, radius, q)
-    return bed, NOWHERE if first else _along_arcs(p, bed, _sides_in_disc(room, count, x, y, radius, p, q))
+    return _of_disc(room, count, x, y, radius, q)
 
 
 @kernel
 def _of_faces(room, above, below, outer_a, outer_b, p, q):
-    """Return the bed of the intersection of two faces, one of them round, and p q n along edges of the lower one.
+    """Return the bed of the intersection of two faces, one of them round.
 
-    outer_a, outer_b: radii of the discs, m, of round faces. The integral is 0 unless both are round.
+    outer_a, outer_b: radii of the discs, m, of round faces.
     """
     if is_round(above) and is_round(below):
         # two discs, each on its side of the radical axis
         (ax, ay), (bx, by) = centre_of(above), centre_of(below)
-        bed, _ = _of_one_disc(room, ax, ay, outer_a, bx, by, outer_b, True, p, q)
-        part, edges = _of_one_disc(room, bx, by, outer_b, ax, ay, outer_a, False, p, q)
-        return _add_bed(bed, 1.0, part), edges
+        bed = _of_one_disc(room, ax, ay, outer_a, bx, by, outer_b, True, p, q)
+        return _add_bed(bed, 1.0, _of_one_disc(room, bx, by, outer_b, ax, ay, outer_a, False, p, q))
     # a disc and a polygon
     face, other, radius = (above, below, outer_a) if is_round(above) else (below, above, outer_b)
     x, y = centre_of(face)
     count = _pressed_in(room, put_corners(room, other), x, y, radius, p, q)
-    return _of_disc(room, count, x, y, radius, q), NOWHERE
+    return _of_disc(room, count, x, y, radius, q)
 
 
 # --- the largest pressure over a bore
@@ -335,12 +331,9 @@ def largest_beside_bores(room, above, below, p, q, outside):
 
 @kernel
 def disc_bed(room, corners, slips, j, at_above, at_below, p, q):
-    """Return the bed of two faces of joint j, and the integral of p q n along the edges of the lower one.
-
-    at_above, at_below: indices of the faces in `corners`. The integral is 0 unless both are round.
-    """
+    """Return the bed of two faces of joint j, one of them round; at_above, at_below: their indices in `corners`."""
     above, below = placed(corners, at_above, slips, j, 0.5), placed(corners, at_below, slips, j, -0.5)
-    bed, along_x, along_y, moment = nothing(q), 0.0, 0.0, 0.0
+    bed = nothing(q)
     for k in range(4):  # outer discs and bores
         # inclusion and exclusion: positive for two discs or two bores, negative for a disc and a bore
         hollow_a, hollow_b = k & 1, k >> 1
@@ -350,21 +343,19 @@ def disc_bed(room, corners, slips, j, at_above, at_below, p, q):
             continue
         sign = 1.0 if hollow_a == hollow_b else -1.0
         # add or subtract the bed
-        part, edges = _of_faces(room, above, below, a, b, p, q)
-        bed = _add_bed(bed, sign, part)
-        along_x, along_y, moment = along_x + sign * edges[0], along_y + sign * edges[1], moment + sign * edges[2]
+        bed = _add_bed(bed, sign, _of_faces(room, above, below, a, b, p, q))
     if not bed.force > 0.0:
-        return nothing(q), (along_x, along_y, moment)
+        return nothing(q)
     # the point with the largest q may lie in a bore
     if above.record.inner > 0.0 or below.record.inner > 0.0:
         largest = largest_beside_bores(room, above, below, p, q, bed.largest)
         bed = Bed(bed.force, bed.first_x, bed.first_y, bed.area, largest)
-    return bed, (along_x, along_y, moment)
+    return bed
 
 
 @kernel
-def _edges_of_lower(room, above, below, outer_a, outer_b, p, q, way):
-    """Integrate p q n along the boundary of the intersection of two faces, where it is an edge of the lower one.
+def _edges_of_lower(room, above, below, outer_a, outer_b, p, way):
+    """Integrate p^2 n along the boundary of the intersection of two faces, where it is an edge of the lower one.
 
     outer_a, outer_b: radii of the discs, m, of round faces; way: direction of motion of the upper block.
     """
@@ -378,18 +369,18 @@ def _edges_of_lower(room, above, below, outer_a, outer_b, p, q, way):
                 count = cut(room, count, Plane(-(way[0] * bx + way[1] * by), way[0], way[1]))
         else:
             count = put_corners(room, above)
-        count = _pressed_in(room, count, bx, by, outer_b, p, q)
-        bed = _of_disc(room, count, bx, by, outer_b, q)
-        return _along_arcs(p, bed, _sides_in_disc(room, count, bx, by, outer_b, p, q))
+        count = _pressed_in(room, count, bx, by, outer_b, p, p)
+        bed = _of_disc(room, count, bx, by, outer_b, p)
+        return _along_arcs(p, bed, _sides_in_disc(room, count, bx, by, outer_b, p))
     # the lower face is a polygon: its sides in the disc
     x, y = centre_of(above)
-    count = _pressed_in(room, put_corners(room, below), x, y, outer_a, p, q)
-    return _sides_in_disc(room, count, x, y, outer_a, p, q)
+    count = _pressed_in(room, put_corners(room, below), x, y, outer_a, p, p)
+    return _sides_in_disc(room, count, x, y, outer_a, p)
 
 
 @kernel
-def disc_edges_of_lower(room, corners, slips, j, at_above, at_below, p, q, way):
-    """Integrate p q n along the edges of the lower face that bound the intersection of two faces of joint j.
+def disc_edges_of_lower(room, corners, slips, j, at_above, at_below, p, way):
+    """Integrate p^2 n along the edges of the lower face that bound the intersection of two faces of joint j.
 
     As `polygon_edges_of_lower`, where a face is round.
     """
@@ -404,6 +395,6 @@ def disc_edges_of_lower(room, corners, slips, j, at_above, at_below, p, q, way):
             continue
         sign = 1.0 if hollow_a == hollow_b else -1.0
         # add or subtract the integrals
-        part = _edges_of_lower(room, above, below, a, b, p, q, way)
+        part = _edges_of_lower(room, above, below, a, b, p, way)
         along_x, along_y, moment = along_x + sign * part[0], along_y + sign * part[1], moment + sign * part[2]
     return along_x, along_y, moment

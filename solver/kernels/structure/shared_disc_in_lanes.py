@@ -24,46 +24,26 @@ from .shared_disc import NEARLY, cuts_disc, differ, disc_bed, largest_beside_bor
 
 
 @by_width
-def round_bed_after_slip(scene, j, section, sign, slid, p, q):
-    """Return the bed of a section of joint j, of which a face is round; in lanes only where `slid` holds.
-
-    sign: 1 of its outline, -1 of the inside that its rim leaves open. The integrals along the edges of the lower face
-    are stored in the resultants, summed with these signs.
-    """
+def round_bed_after_slip(scene, j, section, slid, p, q):
+    """Return the bed of a section of joint j, of which a face is round; in lanes only where `slid` holds."""
     return _of_lanes if isinstance(p.types[0], LanesType) else _of_one
 
 
-def _of_one(scene, j, section, sign, slid, p, q):
-    bed, edges = disc_bed(scene.room, scene.corners, scene.slips, j, section.above, section.below, p, q)
-    _keep_edges(scene, j, sign, *edges)
-    return bed
+def _of_one(scene, j, section, slid, p, q):
+    return disc_bed(scene.room, scene.corners, scene.slips, j, section.above, section.below, p, q)
 
 
-@leaf
-def _keep_edges(scene, j, sign, along_x, along_y, moment):
-    """Store the integrals along the edges of an outline, or subtract those of its inside from them."""
-    kept = scene.resultants
-    # the inside of a rim is subtracted from the outline
-    if sign < 0.0:
-        along_x, along_y = kept.edge_x[j] - along_x, kept.edge_y[j] - along_y
-        moment = kept.edge_turn[j] - moment
-    kept.edge_x[j], kept.edge_y[j], kept.edge_turn[j] = along_x, along_y, moment
-
-
-def _of_lanes(scene, j, section, sign, slid, p, q):
+def _of_lanes(scene, j, section, slid, p, q):
     # a disc and a polygon
     a, b, _ = corners_of_faces(scene, section.above, section.below)
     if a > 0 or b > 0:
         return _disc_on_polygon(scene, j, section, slid, p, q)
     # two round faces, lane by lane
-    found, zero = nothing(q), zero_like(q.at)
-    those, along_x, along_y, moment = bits(slid), zero, zero, zero
+    found, those = nothing(q), bits(slid)
     for k in range(WIDTH):
         if (those >> k) & 1:
             one = rows_of_lane(scene, k)
-            bed, edges = disc_bed(*one, j, section.above, section.below, plane_of_lane(p, k), plane_of_lane(q, k))
-            along_x, along_y = with_lane(along_x, k, edges[0]), with_lane(along_y, k, edges[1])
-            moment = with_lane(moment, k, edges[2])
+            bed = disc_bed(*one, j, section.above, section.below, plane_of_lane(p, k), plane_of_lane(q, k))
             found = Bed(
                 with_lane(found.force, k, bed.force),
                 with_lane(found.first_x, k, bed.first_x),
@@ -71,7 +51,6 @@ def _of_lanes(scene, j, section, sign, slid, p, q):
                 with_lane(found.area, k, bed.area),
                 with_lane(found.largest, k, bed.largest),
             )
-    _keep_edges(scene, j, sign, along_x, along_y, moment)
     return found
 
 

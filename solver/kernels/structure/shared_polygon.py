@@ -166,8 +166,8 @@ def _part_of_lower(dx, dy, x, y):
 
 
 @kernel
-def polygon_edges_of_lower(scene, j, section, those, count, p, q, way):
-    """Integrate p q n along the edges of the lower face that bound the intersection of two polygons.
+def polygon_edges_of_lower(scene, j, section, those, count, p, way):
+    """Integrate p^2 n along the edges of the lower face that bound the intersection of two polygons.
 
     If edges of both faces coincide, the edge belongs to the lower face where the upper one moves outwards, half of it
     where that moves along the edge.
@@ -180,15 +180,15 @@ def polygon_edges_of_lower(scene, j, section, those, count, p, q, way):
         Lanes that need the integral.
     count : int
         Corners of both faces together.
-    p, q : Plane
-        Penetration and damped penetration, m.
+    p : Plane
+        Penetration, m.
     way : tuple
         Direction of motion of the upper block, m, m and rad.
 
     Returns
     -------
     along_x, along_y, moment : float or lanes
-        Integral of p q n, m3, and its moment, m4.
+        Integral of p^2 n, m3, and its moment, m4.
     """
     row, zero = _shared_row(scene, j, section, those), zero_like(p.at)
     outline, owners = row[_SHARED:], row[_SHARED + 2 * count :]
@@ -201,7 +201,7 @@ def polygon_edges_of_lower(scene, j, section, those, count, p, q, way):
         if any_of(owner >= OF_BOTH):
             # an edge that may belong to the lower face
             dx, dy = x1 - x0, y1 - y0
-            edge_x, edge_y, edge_moment, x, y = edge_integrals(x0, y0, dx, dy, p, q)
+            edge_x, edge_y, edge_moment, x, y = edge_integrals(x0, y0, dx, dy, p)
             part = where(owner == OF_LOWER, 1.0, 0.0)
             both = owner == OF_BOTH
             if any_of(both):
