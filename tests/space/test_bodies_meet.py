@@ -80,6 +80,22 @@ def test_damped_throws_never_gain_energy(seed: int) -> None:
     assert np.max(np.diff(energies)) <= 1e-14 * energies[0]
 
 
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
+def test_flat_damped_hits_have_the_restitution_asked_for(tolerance: float) -> None:
+    """Let all of a face meet at one instant, at which its damped force begins."""
+    rng, sizes = np.random.default_rng(5), [{"width": w, "depth": 0.8, "height": 1.0} for w in (1.0, 1.2)]
+    for wanted in (0.05, 0.2, 0.5):
+        made = pair_of(*sizes, tolerance=tolerance, stiffness=1e9, damping=None, restitution=wanted)
+        for _ in range(8):
+            gap, speed = rng.uniform(0.01, 0.3), rng.uniform(0.05, 1.0)
+            places = np.array([[0.0, 0.0, 10.0], [1.1 + gap, 0.0, 10.0]])
+            velocity = np.array([[speed, 0.0, 0.0], [-speed, 0.0, 0.0]])
+            stepper = moved_to(made, places, np.zeros((2, 3)), velocity, np.zeros((2, 3)))
+            stepper.run(STILL, 0.0, 0.5 * gap / speed + 0.1, np.zeros(0))
+            left = (stepper.see.vx[1] - stepper.see.vx[0]) / (2.0 * speed)
+            assert left == pytest.approx(wanted, abs=1e-3)  # measured 2e-4
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_the_order_of_two_damped_boxes_hardly_counts(seed: int) -> None:
     """Throw equal boxes, of which a rounding makes the first or the second one the larger, at each other."""

@@ -46,6 +46,7 @@ def pair_of(*shapes: dict[str, Any], tolerance: float = 1e-6, **law: Any) -> Str
         for k, shape in enumerate(shapes)
     ]
     neighbours = {"line_stiffness": 1e8, "stiffness": 3e8, "damping": 0.0, "friction": 0.0} | law
+    neighbours = {key: value for key, value in neighbours.items() if value is not None}
     joints = {"stiffness": 1e9, "damping": 0.0, "friction": 0.5}  # open from the start
     data = {"name": "thrown", "g": 0.0, "joints": joints, "neighbours": neighbours, "block": blocks}
     return Structure.from_dict({**data, "solver": {"tolerance": tolerance}}).going_on(1e3)

@@ -30,7 +30,7 @@ from .sides import SLACK
 from .watch import BETWEEN, END, START, pose_between, row, way_of
 
 _phase, _PER_BODY = PHASE.over, PHASE.per_n
-CLOSED = 0.25 * SLACK  # m: the gap at which a step ends
+INSIDE = 0.125 * SLACK  # m: overlap at which a step ends, where a flat contact exerts its whole damped force
 MOST = 60  # most iterations
 MOST_LOOKS = 10000.0  # most instants of a step at which a pair is looked at
 # of a step: least part up to a gap that closes. The distance of drums jumps where their axes become parallel enough for
@@ -297,25 +297,26 @@ def closing(scene, h, p, below):
     """
     # open at the end, and before
     low, high = 0.0, 1.0
-    if below >= 0.0:
+    if below >= -INSIDE:
         high, below = _passed(scene, h, p, below)
-        if below >= 0.0:
+        if below >= -INSIDE:
             return 1.0
     # already closed at the start
     above = gap_in(scene, START, p)
     if above <= 0.0:
         gap_in(scene, END, p)  # restores the pose of its bodies at the end
         return 1.0
-    # false position; the value at the end that stays is halved
+    # false position of the gap plus that overlap; the value at the end that stays is halved
+    above, below = above + INSIDE, below + INSIDE
     for _ in range(MOST):
         s = low + (high - low) * above / (above - below)
-        gap = gap_at(scene, h, s, p)
-        if abs(gap) <= CLOSED:
+        left = gap_at(scene, h, s, p) + INSIDE
+        if abs(left) <= 0.5 * INSIDE:
             return s
-        if gap > 0.0:
-            low, above, below = s, gap, 0.5 * below
+        if left > 0.0:
+            low, above, below = s, left, 0.5 * below
         else:
-            high, below, above = s, gap, 0.5 * above
+            high, below, above = s, left, 0.5 * above
     return max(high, LEAST_PART)
 
 
