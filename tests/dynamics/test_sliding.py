@@ -14,6 +14,7 @@ from support.probe import field, reaction, sliding_state
 from support.sliding import SlidingReference
 
 from solver import Column
+from solver.kernels.column.formulations.exact import JOINT_ROW
 from solver.kernels.layout import spaces as at
 from solver.models.column.stepper import Stepper
 
@@ -99,3 +100,7 @@ def test_the_split_of_the_reaction_holds_where_joints_slide(seed: int, n: int) -
         split = at.SPLIT.see(stepper.split.copy())
         assert reaction(row, "Fx") == pytest.approx(split.R0x - split.mxx * ax - split.mxz * az, rel=1e-11)
         assert (split.mxx == 0.0) == (rows[-1][1] != 0.0)
+
+
+def test_the_row_of_a_joint_fits_into_the_scratch_of_an_evaluation() -> None:
+    assert JOINT_ROW.beside <= at.ROOM.per_n

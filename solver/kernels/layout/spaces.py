@@ -291,7 +291,7 @@ JOINTS = FieldTable(
     "bonded_right",
 )
 # scratch of one evaluation, which names the rows
-ROOM = FieldTable("a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n", "o")
+ROOM = FieldTable("a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n", "o", "p")
 HOLD = FieldTable(
     "held",  # regime that the joint is held in; 0: any
     "regime",  # that it was last held in

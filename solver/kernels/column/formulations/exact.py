@@ -20,17 +20,19 @@ One function serves one column and lanes of eight. Loads on blocks enter by `wit
 from typing import NamedTuple
 
 from ...numba_ext.jit import kernel, leaf
-from ...numba_ext.lanes import any_of, magnitude, where
+from ...numba_ext.lanes import any_of, greater, magnitude, where
 from ...numba_ext.numbers import half_sine_cosine, sine_cosine
 from ...numba_ext.views import Record
 from ..joint.resultants import resultants_of, shear_capacity
 from ..joint.sliding import (
+    BARELY,
     can_slide,
     opening_felt,
     opening_rate_felt,
     pressure_shear,
     rim_force,
     slip_if,
+    slip_towards,
 )
 from .loads import with_couple, with_push
 
@@ -67,6 +69,7 @@ JOINT_ROW = Record(
     "under_cosine",
     "across",  # N m, couple of N across half of the slip
     "given",  # N, T of a joint that slides
+    "at_edges",  # N, more than the force of edges of the lower face
 )
 _over = JOINT_ROW.over
 _SIZE = JOINT_ROW.beside
@@ -143,7 +146,10 @@ def _bear(model, phase, bonds, joints, hold, room, slides):
             across = 0.5 * slip * normal
             moment += across
             here.across = across
-            joints.pressure_shear[i] = pressure_shear(normal, sine, rim_force(blocks, i, felt, slope, slip))
+            ahead = slip_towards(slip, joints.sliding[i])
+            joints.pressure_shear[i] = pressure_shear(normal, sine, rim_force(blocks, i, felt, slope, ahead))
+            pressed = greater(magnitude(slope) * greater(blocks.own_right[i], -blocks.own_left[i]) - felt, 0.0)
+            here.at_edges = blocks.stiffness[i] * blocks.own_depth[i] * pressed * pressed
             joints.shear_capacity[i] = shear_capacity(model, bonds, joints, i, normal)
             here.given = joints.pressure_shear[i] - joints.sliding[i] * joints.shear_capacity[i]
         here.turned = moment * cosine
@@ -288,7 +294,7 @@ def _upwards(model, phase, motion, joints, room, right, opens, slides):
     opens -= along * sine_above + lift * cosine_above
     force = right * last.pivot
     if slides:
-        force = _slide(phase, last, joints, n - 1, force)
+        force = _slide(blocks, phase, last, joints, n - 1, n, force)
 
     swung_below = 0.0  # alpha of the block below times the height of its top face above its centroid
     alpha_below = motion.alpha
@@ -297,7 +303,7 @@ def _upwards(model, phase, motion, joints, room, right, opens, slides):
         here, above = joint_row(room, i), joint_row(room, i - 1)
         force_above = above.alone - here.part * force
         if slides:
-            force_above = _slide(phase, above, joints, i - 1, force_above)
+            force_above = _slide(blocks, phase, above, joints, i - 1, n, force_above)
         alpha = here.free_alpha - here.turn_below * force - here.turn_above * force_above
         opens += here.sine_beta * force_above
         _move(phase, motion, here, blocks, i, alpha, alpha_below, swung_below, opens, slides)
@@ -323,10 +329,20 @@ def _move(phase, motion, here, blocks, i, alpha, alpha_below, swung_below, opens
 
 
 @leaf
-def _slide(phase, row, joints, i, needed):
+def _slide(blocks, phase, row, joints, i, n, needed):
     """Return T of joint i and store the acceleration of its slip; needed: the force that would prevent sliding (N)."""
     way, bears, given = joints.sliding[i], joints.shear_capacity[i], row.given
     sticks = way == 0.0
+    # edges of both faces that coincide: of the lower one those count towards which the joint may begin to slide
+    beyond = magnitude(needed - joints.pressure_shear[i]) > bears - row.at_edges
+    begins = sticks & (magnitude(phase.slip[i]) < BARELY) & beyond
+    if any_of(begins):
+        towards = where(begins, where(needed > joints.pressure_shear[i], -1.0, 1.0), 0.0)
+        sine, _ = half_sine_cosine(phase.theta[i] - phase.theta[i + 1] if i + 1 < n else phase.theta[i])
+        felt = opening_felt(phase.opening[i], phase.slip[i], 2.0 * sine)
+        at_rim = rim_force(blocks, i, felt, 2.0 * sine, slip_towards(phase.slip[i], towards))
+        found = pressure_shear(joints.normal[i], sine, at_rim)
+        joints.pressure_shear[i] = where(begins, found, joints.pressure_shear[i])
     # flag a joint that sticks although its capacity is exceeded
     beyond = magnitude(needed - joints.pressure_shear[i]) > bears
     joints.overcome[i] = where(sticks & beyond, 1.0, joints.overcome[i])

@@ -8,7 +8,7 @@ dowel bear the rest.
 
 from ...layout.spaces import STRIP_NUMBERS
 from ...numba_ext.jit import by_width, leaf
-from ...numba_ext.lanes import LANES, LanesType, any_of, greater, where
+from ...numba_ext.lanes import LANES, LanesType, any_of, greater, magnitude, where
 from ..sections.band import band_push
 from ..sections.faces import LENS, ON_RING
 from ..sections.lens import lens_push
@@ -28,6 +28,7 @@ from ..sections.section import (
 from .law import pressed_part
 
 RIGID = 1e300  # N, dowel of a joint that never slides
+BARELY = 1e-12  # m, slip at which edges that coincide as built are apart
 MARK = "slips_in_lanes"  # name of an empty part of the spaces of lanes whose columns have slips (batch/runs.py)
 
 
@@ -65,6 +66,15 @@ def slip_if(slides, model, phase, i):
 def slip_of(model, phase, i):
     """Return the slip of joint i (m) and its rate (m/s)."""
     return slip_if(can_slide(model), model, phase, i)
+
+
+@by_width
+def slip_towards(slip, way):
+    """Return the slip (m) by which edges cut the contact: of a joint as built, a small one in the direction `way`."""
+    # lanes without slips, others
+    if isinstance(way, LanesType) and not isinstance(slip, LanesType):
+        return lambda slip, way: slip
+    return lambda slip, way: where(magnitude(slip) < BARELY, BARELY * way, slip)
 
 
 @leaf
