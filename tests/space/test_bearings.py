@@ -388,8 +388,9 @@ def test_a_slab_comes_off_beyond_the_displacement_that_its_bearing_allows() -> N
     structure = slab(ROLLING, capacity=0.1)
     response = simulate(structure, Motion.harmonic(2.0, 0.4, 4.0), output_step=1e-3)
     assert response.verdict == "overturned"
-    off = np.interp(response.overturn_time, response.time, response.d[:, 0])
-    assert off == pytest.approx(0.1, abs=1e-6)  # measured 1e-7, at tolerances from 1e-5 to 1e-9
+    # the state is held from then on: measured 1e-7, at tolerances from 1e-5 to 1e-9
+    assert response.d[-1, 0] == pytest.approx(0.1, abs=1e-6)
+    assert response.peaks["d"].max() == pytest.approx(0.1, abs=1e-6)
     assert "block slab off the bearing slab-base.1" in response.reason
     assert 0.1 < response.peaks["d"].max() < 0.12
     lanes = simulate_many([structure], [Motion.harmonic(2.0, 0.4, 4.0)], keep=("path", "verdict", "overturn_time"))

@@ -36,7 +36,18 @@ from .layout import (
 )
 from .meeting import keep_slides
 from .meeting_in_lanes import forget_gaps, limited, meet, until_closed, watch_gaps
-from .stepping import STABLE, fallen, fraction_before_fall, horizontal, largest_motion, least_motion, moves, relaxing
+from .stepping import (
+    SHORTENINGS,
+    STABLE,
+    fallen,
+    fraction_before_fall,
+    horizontal,
+    largest_motion,
+    least_motion,
+    moves,
+    part_until_fall,
+    relaxing,
+)
 from .watch import BETWEEN, BETWEEN_RATES, END, START, interpolate_body, row, seen
 
 BETWEEN_LOOKS = 0.25  # s, between checks for rest on a still base
@@ -386,8 +397,12 @@ def step_on(batch):
     good = busy & control_steps(scene.control, step, error)
     lanes.steps += where(good, 1.0, 0.0)
     lanes.rejected += where(busy & (error > 1.0), 1.0, 0.0)
-    # shorten it where a gap closes or a bond breaks
-    step = until_closed(scene, lanes.t, step, good)
+    # shorten it where a gap closes, a bond breaks or a block falls
+    for _ in range(SHORTENINGS):
+        block = where(good, fallen(scene, _phase(row(scene, END), scene.n)), 0.0)
+        step = until_closed(scene, lanes.t, step, good, part_until_fall(scene, block))
+        if not any_of(block > 0.0):
+            break
     # peaks, gaps, falls, cracks
     phase = _phase(row(scene, END), scene.n)
     track_peaks(batch, step, good)

@@ -232,12 +232,12 @@ def meet_pairs(scene):
 
 
 @kernel
-def until_closed(scene, segment, t, h):
+def until_closed(scene, segment, t, h, part):
     """Return the length, s, of the step of h s just made, shortened if a gap closes in it or a bond starts to break.
 
-    A shortened step has been made again.
+    part: of the step, to which it is shortened at least. A shortened step has been made again.
     """
-    kept, phase, part = kept_in(scene, START), _phase(row(scene, END), scene.n), 1.0
+    kept, phase = kept_in(scene, START), _phase(row(scene, END), scene.n)
     # the first gap to close
     for p in range(scene.extras.met):
         if kept.touches[p] == APART and may_be_least(scene, p, SLACK):

@@ -8,7 +8,7 @@ of a step are in the output row of the end.
 import math
 
 from ..numba_ext.jit import kernel, leaf
-from ..numba_ext.lanes import WIDTH, any_of, bits, lane, lesser, splat, where, with_lane
+from ..numba_ext.lanes import WIDTH, any_of, bits, lane, lesser, where, with_lane
 from ..numba_ext.views import one_lane
 from .attempt import attempt_5
 from .contact import gap_of
@@ -50,16 +50,16 @@ def _closing_of_lane(scene, k, h):
 
 
 @kernel
-def until_closed(scene, t, step, good):
+def until_closed(scene, t, step, good, parts):
     """Return the lengths, s, of the steps just made, shortened where a gap closes or a bond starts to break.
 
-    good: mask of the lanes whose step has been accepted.
+    good: mask of the lanes whose step has been accepted; parts: of the steps, to which they are shortened at least.
     """
-    made, parts = bits(good), splat(1.0)
+    made = bits(good)
     # the first gap to close in each lane
     for k in range(WIDTH):
         if (made >> k) & 1:
-            parts = with_lane(parts, k, _closing_of_lane(scene, k, lane(step, k)))
+            parts = with_lane(parts, k, min(lane(parts, k), _closing_of_lane(scene, k, lane(step, k))))
     parts = where(good, lesser(parts, until_broken(scene, step, good)), 1.0)
     # make the step again
     short = parts < 1.0

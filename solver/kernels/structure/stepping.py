@@ -25,7 +25,7 @@ from ..engine.queue import peak_over
 from ..engine.samples import next_sample, segment_from
 from ..layout.spaces import SLACK
 from ..numba_ext.jit import kernel, leaf
-from ..numba_ext.lanes import greater, index_of, lesser, square_root, where, zero_like
+from ..numba_ext.lanes import any_of, greater, index_of, lesser, square_root, where, zero_like
 from ..numba_ext.views import copy
 from . import modal, stabilized
 from .attempt import attempt, evaluate_at, rate, size_of, square_of
@@ -68,6 +68,8 @@ SMALL = 0.01  # of the largest rate so far: below it the motion decays, and orde
 LENGTHEN = 1.2  # largest growth of stabilized steps: at the stability limit errors rise at once
 # steps of order 5 in a row, bounded by stability, before stabilized ones are tried; twice as many after a failed trial
 WAIT_STABILIZED, MOST_PAUSE = 8, 64
+BEYOND_FALL = 1e-4  # of a step: how much later than a fall is foreseen it ends
+SHORTENINGS = 3  # of a step in which a block falls
 STILL = 1e-8  # of gravity, and of the rate floor: smaller values are rest
 ROUNDING = 5e-17  # rad, rad/s: no smaller error of a step is asked for; rounding makes some 1e-17
 
@@ -158,6 +160,16 @@ def fraction_before_fall(scene, begin, end):
         before = travel_left(scene, begin, j)
         fraction = lesser(fraction, _crossed(before, travel_left(scene, end, j)))
     return fraction
+
+
+@kernel
+def part_until_fall(scene, block):
+    """Return the part of the step just made after which a block has fallen; 1 where none has, whose number is 0."""
+    part = 1.0 + zero_like(block)
+    if any_of(block > 0.0):
+        begin, end = _phase(row(scene, START), scene.n), _phase(row(scene, END), scene.n)
+        part = where(block > 0.0, lesser(part, fraction_before_fall(scene, begin, end) + BEYOND_FALL), part)
+    return part
 
 
 @kernel
@@ -538,7 +550,13 @@ def advance(scene, watch, state, t, stop, most):
         # complete the step
         travel(scene, h)
         if method != BY_MODES:  # steps by modes keep all contacts
-            h = until_closed(scene, segment, t, h)
+            ends = method == EXPLICIT and counts.fallen == 0
+            # again where a block falls, as its margin is not linear over the step
+            for _ in range(SHORTENINGS):
+                block = fallen(scene, _phase(row(scene, END), scene.n)) if ends else 0.0
+                h = until_closed(scene, segment, t, h, part_until_fall(scene, block))
+                if block == 0.0:
+                    break
         _finish(scene, watch, segment, t, h, method == BY_MODES)
         t = end if h == end - t else t + h
         # evaluate again where forces or the segment change
