@@ -10,6 +10,7 @@ import pytest
 from support.throws import momenta
 
 from solver import simulate
+from solver.ground import wavelets
 from solver.ground.motion import Motion
 from solver.models.structure.model import Structure
 from solver.models.structure.neighbours import damping_of, restitution_of
@@ -261,3 +262,23 @@ def test_many_runs_of_neighbours_meet_in_lanes_and_alone() -> None:
         assert table["least_gap"].ravel() == pytest.approx([run.peaks["gap"][0] for run in alone], abs=within)
     assert table["peak_hit"].ravel() == pytest.approx([run.peaks["hit"][0] for run in alone], rel=1e-12)
     assert table["least_gap"][0] > 0.0 > table["least_gap"][-1]  # they keep apart, they meet
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
+def test_contacts_that_damping_opens_take_no_small_steps(tolerance: float) -> None:
+    """Let two boxes hit a wall: where damping takes all of the pressure, its rounding has no direction for friction."""
+    sizes = [
+        {"width": width, "depth": width, "height": height}
+        for width, height in ((0.36508458671452965, 0.9167922711481942), (0.5808152906343038, 0.8345130099040619))
+    ]
+    blocks = [
+        {"name": name, "on": "base", "at": [x, 0.0], "density": 2400.0, **size}
+        for name, x, size in zip("ab", (0.18254229335726482, 0.7024513105197205), sizes, strict=True)
+    ]
+    wall = {"at": [1.0017078105742585, 0.0, 0.0], "normal": [-1.0, 0.0], "width": 4.0, "height": 4.0}
+    law = {"stiffness": 1e8, "damping": 1e-3, "friction": 0.5729614680597978, "reach": 1.0, "wall": [wall]}
+    joints = {"stiffness": 59901846.30087137, "damping": 0.00010134438071632442, "friction": 0.04425278445884997}
+    made = Structure.from_dict({"name": "row", "joints": joints, "neighbours": law, "block": blocks})
+    motion = wavelets.ricker(0.4510205576413692 * 9.80665, 1.3729334808230456)
+    # measured 5325 and 7100
+    assert simulate(made, motion, settle=0.0, tolerance=tolerance).stats["steps"] < 9000

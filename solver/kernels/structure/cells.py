@@ -20,6 +20,7 @@ from .sides import NOTHING, scaled
 SAME = 1e-12  # difference of two heights, m, and of their slopes, below which they are one
 _FACE = 4 * SOLID_PLANES  # in `cells`, behind the planes of the other body: the face, then the heights above it
 _ROOFS = _FACE + CELL_CORNERS
+LEFT = 1e-9  # of the pressure: less is none
 COPLANAR = 1e-24  # squared difference of normals below which two planes never bound the same cell
 
 
@@ -257,7 +258,10 @@ def _normal_of_contact(scene, solid, planes, inwards):
         if count >= 3:
             whole = plus(whole, facet.n, _area(scene.room, count))
             first, end = i if end == 0 else first, i + 1
+    # of one face exactly its normal
     size = math.sqrt(dot(whole, whole))
+    if end == first + 1:
+        return facet_of(solid, first, inwards).n, first, end
     return scaled(whole, 1.0 / size) if size > 0.0 else NOTHING, first, end
 
 
@@ -317,7 +321,7 @@ def press(scene, solid, other, placed, farther, inwards, stiffness, damping, own
         Zero for bodies without a common volume.
     """
     room, cells = scene.room, scene.cells
-    force, moment, centre, total, energy, highest = NOTHING, NOTHING, NOTHING, 0.0, 0.0, 0.0
+    force, moment, centre, total, undamped, energy, highest = NOTHING, NOTHING, NOTHING, 0.0, 0.0, 0.0, 0.0
     planes, hint = _place_planes(cells, other, placed, farther), -1
     along, first, end = NOTHING, 0, int(solid[0])
     if damping != 0.0:
@@ -351,6 +355,7 @@ def press(scene, solid, other, placed, farther, inwards, stiffness, damping, own
                 damped, damped_x, damped_y = damped + force_of, damped_x + x_of, damped_y + y_of
         # resultant and moment of the heights
         push, x, y = stiffness * push, stiffness * x, stiffness * y
+        undamped += push
         force = plus(force, facet.n, -push)
         moment = plus(plus(moment, facet.e2, x), facet.e1, -y)
         # and of the damping, along the normal of the contact
@@ -364,4 +369,7 @@ def press(scene, solid, other, placed, farther, inwards, stiffness, damping, own
         # centre
         centre = plus(plus(plus(centre, facet.n, facet.c * push), facet.e1, x), facet.e2, y)
         total += push
+    # where damping takes all of the pressure, no force of its rounding, which friction would follow
+    if total <= LEFT * undamped:
+        force, moment, centre, total = NOTHING, NOTHING, NOTHING, 0.0
     return Pressed(force, moment, centre, total, energy, highest)
