@@ -328,6 +328,15 @@ def _move(phase, motion, here, blocks, i, alpha, alpha_below, swung_below, opens
     phase.opening_acceleration[i] = opening
 
 
+@kernel
+def _shear_towards(blocks, phase, joints, i, n, towards):
+    """Return the shear of the pressure of joint i (N) as it begins to slide in a direction."""
+    sine, _ = half_sine_cosine(phase.theta[i] - phase.theta[i + 1] if i + 1 < n else phase.theta[i])
+    felt = opening_felt(phase.opening[i], phase.slip[i], 2.0 * sine)
+    at_rim = rim_force(blocks, i, felt, 2.0 * sine, slip_towards(phase.slip[i], towards))
+    return pressure_shear(joints.normal[i], sine, at_rim)
+
+
 @leaf
 def _slide(blocks, phase, row, joints, i, n, needed):
     """Return T of joint i and store the acceleration of its slip; needed: the force that would prevent sliding (N)."""
@@ -338,10 +347,7 @@ def _slide(blocks, phase, row, joints, i, n, needed):
     begins = sticks & (magnitude(phase.slip[i]) < BARELY) & beyond
     if any_of(begins):
         towards = where(begins, where(needed > joints.pressure_shear[i], -1.0, 1.0), 0.0)
-        sine, _ = half_sine_cosine(phase.theta[i] - phase.theta[i + 1] if i + 1 < n else phase.theta[i])
-        felt = opening_felt(phase.opening[i], phase.slip[i], 2.0 * sine)
-        at_rim = rim_force(blocks, i, felt, 2.0 * sine, slip_towards(phase.slip[i], towards))
-        found = pressure_shear(joints.normal[i], sine, at_rim)
+        found = _shear_towards(blocks, phase, joints, i, n, towards)
         joints.pressure_shear[i] = where(begins, found, joints.pressure_shear[i])
     # flag a joint that sticks although its capacity is exceeded
     beyond = magnitude(needed - joints.pressure_shear[i]) > bears
