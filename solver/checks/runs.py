@@ -14,7 +14,7 @@ from ..common.executors import cores
 from ..ground.motion import Motion
 from ..models.protocol import OVERTURNED, SETTLE, STANDING, UNDECIDED
 from ..models.uncertainty import vary
-from ..runs.many import Callback, begin_phase, simulate_many
+from ..runs.many import Callback, Summary, begin_phase, collected, parts_of_many
 from ..runs.simulate import simulate
 from ..runs.table import Table
 from .limits import TOLERANCE, Plan
@@ -101,6 +101,8 @@ def run_all(
 ) -> Table:
     """Simulate pairs of models and motions, and return the table of the runs, one row for each.
 
+    A model without a rest falls at once.
+
     Parameters
     ----------
     subject : Subject
@@ -120,7 +122,8 @@ def run_all(
         gaps = ("least_gap",) if subject.neighbours else ()
         moved = (OF_BEARINGS,) if subject.bearings[0] else ()
         keep = (subject.model.kind.displacements, "verdict", "overturn_time", "fallen", *gaps, *moved)
-    return simulate_many(
+    summary = Summary()
+    parts = parts_of_many(
         [model for model, _ in pairs],
         [motion for _, motion in pairs],
         tolerance=TOLERANCE,
@@ -128,4 +131,7 @@ def run_all(
         settle=SETTLE,
         threads=threads,
         callback=callback,
+        summary=summary,
+        refuses=False,
     )
+    return collected(parts, summary)

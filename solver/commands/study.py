@@ -20,6 +20,7 @@ from ..common.errors import InputError, reading
 from ..common.executors import end_with_parent
 from ..common.files import check_outputs
 from ..runs.pace import CHUNK_SECONDS, FILLED, LONGER
+from ..studies.contents import FAILED
 from ..studies.definition import Study
 from ..studies.execution import run_study
 from ..studies.journal import SUFFIX
@@ -174,7 +175,7 @@ def _executor(options: argparse.Namespace) -> Iterator[Any]:
 def summary(results: Results) -> str:
     """Return the results of the runs as lines of text."""
     study = results.study
-    fell, failed = int(np.sum(results.overturned)), int(np.sum(results["failure"] != ""))
+    fell, failed = int(np.sum(results.overturned)), int(np.sum(results["verdict"] == FAILED))
     undecided = int(np.sum(results["verdict"] == "undecided"))
     lines = [
         f"{study['name']}: {study['kind']}, {len(results)} of {results.head['runs']} runs, seed {study['seed']}",
@@ -190,7 +191,7 @@ def summary(results: Results) -> str:
         hits = [f"pair {k + 1} in {pairs[k]} runs" for k in np.argsort(-pairs, kind="stable")[:MOST_PAIRS] if pairs[k]]
         lines.append(f"neighbours that hit: {', '.join(hits) or 'none'}")
     if failed:
-        k = int(np.flatnonzero(results["failure"] != "")[0])
+        k = int(np.flatnonzero(results["verdict"] == FAILED)[0])
         lines.append(f"run {results['run'][k]}: {results['failure'][k]}")
     if failed == len(results):
         return "\n".join(lines)

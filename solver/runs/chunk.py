@@ -6,7 +6,7 @@ import math
 import pickle
 import time as clock
 from collections import Counter
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -34,6 +34,7 @@ from ..models.protocol import (
 from .table import Columns, Table
 
 SLOW = "too many steps"  # why a run is not made in lanes
+NO_REST = "no rest"  # the same
 STOPPED_LANES = "could not go on in lanes"  # the same
 
 
@@ -47,7 +48,8 @@ class Chunk:
     settle: float  # s: longest time for which a model is followed after the duration
     whole: tuple[int, ...] = ()  # indices in `runs` of those whose response is kept
     weight: float = 0.0  # estimated cost of the runs (Kind.work)
-    checked: bool = False  # True if all models are known to be able to stand
+    checked: bool = False  # True if the models need no check
+    refuses: bool = True  # whether a column without a rest is an error; else it falls at once, as a structure does
 
     @property
     def kind(self) -> Kind:
@@ -62,6 +64,7 @@ class Tally:
     paths: Counter[str] = field(default_factory=Counter)  # runs by path, in lanes or scalar
     why_scalar: Counter[str] = field(default_factory=Counter)  # scalar runs by reason
     failures: dict[int, str] = field(default_factory=dict)  # messages by the number of the run
+    no_response: dict[int, str] = field(default_factory=dict)  # messages by the number of a run without its response
     warnings: dict[int, str] = field(default_factory=dict)
     seconds: float = 0.0  # of wall-clock time
 
@@ -76,7 +79,7 @@ class Stopped(Exception):  # noqa: N818  nothing went wrong
 def make_runs(chunk: Chunk, flag: FloatArray | None = None) -> Made:
     """Make the runs of a chunk in one thread; a flag (1,) that is set from outside stops them soon.
 
-    Raises InputError if a model cannot stand, Stopped if the flag was set.
+    Raises InputError as `_check` does, Stopped if the flag was set.
     """
     with lock_held():
         chunk.kind.load(chunk.runs[0].model, chunk.keep)
@@ -99,10 +102,9 @@ def make_packed(chunk: bytes) -> Made:
 
 def _made(chunk: Chunk, flag: FloatArray) -> Made:
     tally = Tally()
-    if not chunk.checked:
-        _check(chunk, tally)
+    no_rest = {} if chunk.checked else _check(chunk, tally)
     columns = _empty_columns(chunk)
-    alone = _in_lanes(chunk, columns, tally, flag)
+    alone = _in_lanes(chunk, columns, no_rest, flag)
 
     def look(*_: object) -> None:
         if flag[0]:
@@ -112,38 +114,46 @@ def _made(chunk: Chunk, flag: FloatArray) -> Made:
     for place, why in sorted(alone.items()):
         look()
         with lock_released():
-            failure = _alone(chunk, columns, place, look)
+            failure = _alone(chunk, columns, place, no_rest, look)
         if failure:
             tally.failures[chunk.first + place] = failure
         tally.why_scalar[why] += 1
     tally.paths.update({SCALAR: len(alone), LANES: len(chunk.runs) - len(alone)})
     # responses to keep
     wanted = [place for place in chunk.whole if chunk.first + place not in tally.failures]
-    with lock_released():
-        responses = {chunk.first + place: _response(chunk, place, look) for place in wanted}
+    responses: dict[int, Any] = {}
+    for place in wanted:
+        try:
+            with lock_released():
+                responses[chunk.first + place] = _response(chunk, place, look)
+        except SolverError as error:  # lanes made the run, a run alone ends
+            tally.no_response[chunk.first + place] = str(error)
     kept = chunk.kind.kept
     return Table(columns, None, responses, chunk.first, {name: kept[name].of for name in columns}, chunk.kind), tally
 
 
-def _check(chunk: Chunk, tally: Tally) -> None:
-    """Check the models and note their warnings.
+def _check(chunk: Chunk, tally: Tally) -> dict[int, str]:
+    """Check the models, note their warnings, and return the messages of those without a rest, by the id of the model.
 
-    Raises InputError for a model that cannot stand, or whose results are kept but not computed.
+    Raises InputError for a column without a rest if the chunk refuses it, or a model whose results are kept but not
+    computed.
     """
     seen: set[int] = set()
+    no_rest: dict[int, str] = {}
     for place, run in enumerate(chunk.runs):
         if id(run.model) in seen:
             continue
         try:
             run.model.kind.check(run.model, from_rest=True)
             run.model.kind.check_kept(run.model, chunk.keep)
-        except NoRestError:  # it falls as its run begins
-            pass
         except InputError as error:
-            raise InputError(f"columns[{chunk.first + place}]: {error}") from None
+            if not isinstance(error, NoRestError) or (chunk.refuses and not run.model.kind.across):
+                raise InputError(f"columns[{chunk.first + place}]: {error}") from None
+            no_rest[id(run.model)] = str(error)
         for line in run.model.kind.warnings(run.model, at_rest=not seen):
             tally.warnings[chunk.first + place] = line
         seen.add(id(run.model))
+    return no_rest
 
 
 def _empty_columns(chunk: Chunk) -> Columns:
@@ -162,16 +172,19 @@ def _empty_columns(chunk: Chunk) -> Columns:
     return columns
 
 
-def _in_lanes(chunk: Chunk, columns: Columns, tally: Tally, flag: FloatArray) -> dict[int, str]:
+def _in_lanes(chunk: Chunk, columns: Columns, no_rest: Mapping[int, str], flag: FloatArray) -> dict[int, str]:
     """Make the runs that lanes can make into the columns; return the reasons why others cannot, by index.
 
-    The path of a run depends on the run alone, not on the other runs of the chunk.
+    The path of a run depends on the run alone, not on the other runs of the chunk. `no_rest` is that of `_check`.
     """
     alone: dict[int, str] = {}
     groups: dict[tuple[Kind, Hashable, Hashable], list[int]] = {}
     known: dict[int, Lanes] = {}  # of the same model
     # group the runs that share compiled code and lanes
     for place, (model, motion, duration) in enumerate(chunk.runs):
+        if id(model) in no_rest:
+            alone[place] = NO_REST
+            continue
         kind: Kind = model.kind
         if id(model) not in known:
             known[id(model)] = kind.lanes(model, chunk.keep)
@@ -204,11 +217,13 @@ def _response(chunk: Chunk, place: int, look: Callable[..., object]) -> Any:
     return model.kind.single_run(model, plan)[0]
 
 
-def _alone(chunk: Chunk, columns: Columns, place: int, look: Callable[..., object]) -> str:
+def _alone(chunk: Chunk, columns: Columns, place: int, no_rest: Mapping[int, str], look: Callable[..., object]) -> str:
     """Make one run alone, write it into the columns, and return the error message or an empty string."""
     run = chunk.runs[place]
     failure = ""
     try:
+        if id(run.model) in no_rest:
+            raise NoRestError(no_rest[id(run.model)])
         values = run.model.kind.alone(run, chunk.keep, chunk.settle, look)
     except NoRestError as error:  # it falls at once
         failure = str(error)

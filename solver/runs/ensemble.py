@@ -36,6 +36,7 @@ def ensemble_of(response: Result, plan: RunPlan, size: int, spread: Spread) -> E
 
 def _alone(model: Any, plan: RunPlan) -> Varied:
     try:
+        model.kind.check(model, from_rest=plan.initial is None)
         model = model.with_settings(without=(*model.settings.without, "peaks"))
         response, places = model.kind.single_run(model, plan)
     except (SolverError, NoRestError) as failure:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import sys
 import time as clock
 import warnings
 from collections import Counter
@@ -33,7 +34,6 @@ from .table import Table, joined
 
 FIRST_COST = 2e-5  # s per block and second of motion in lanes, before any run is measured
 MOST_SAMPLES = 2**20  # of the records of a chunk, so that memory does not grow with the number of runs
-MOST_NOTED = 100  # failures that are listed
 _ENDED = object()
 
 Callback = Callable[[int, int | None], object]
@@ -74,8 +74,9 @@ def simulate_many(
     Accuracy. tolerance: relative to the peak; None: that of the column.
 
     Output. keep: results that the table holds; None: the largest displacements and the verdict. responses: numbers of
-    runs of which the whole Response is kept, in `table.responses`. callback: called as callback(runs made, runs in all
-    or None) as they end; an exception that it raises ends `simulate_many`.
+    runs of which the whole Response is kept, in `table.responses`; each is a run alone, and if that cannot be finished
+    `table.stats["no_response"]` has the reason. callback: called as callback(runs made, runs in all or None) as they
+    end; an exception that it raises ends `simulate_many`.
 
     Verdict. settle: as in `simulate`.
 
@@ -83,7 +84,8 @@ def simulate_many(
     process. threads: number of these; None: one for each core.
 
     The numbers are the same, bit for bit, for any threads, workers and order. A run that the solver cannot finish is
-    "undecided", its numbers are NaN and `table.stats["failures"]` has the reason.
+    "undecided", its numbers are NaN and `table.stats["failures"]` has the reason; so has that of a structure without a
+    rest, which is "overturned" at once. A column without a rest is refused.
 
     Parameters
     ----------
@@ -130,9 +132,12 @@ def simulate_many(
     except ExecutorError as lost:
         lost.finished = parts
         raise
-    # in the order of the runs
-    parts.sort(key=lambda part: part.first)
-    table = joined(parts)
+    return collected(parts, summary)
+
+
+def collected(parts: Iterable[Table], summary: Summary) -> Table:
+    """Return the table of all runs, in their order, from the parts of `parts_of_many`."""
+    table = joined(sorted(parts, key=lambda part: part.first))
     table.stats = summary.as_dict()
     return table
 
@@ -150,6 +155,7 @@ def parts_of_many(
     responses: Collection[int] = (),
     callback: Callback | None = None,
     summary: Summary | None = None,
+    refuses: bool = True,
 ) -> Iterator[Table]:
     """Yield tables of consecutive runs as they end, in any order; `first` is the number of the first run of each.
 
@@ -159,6 +165,8 @@ def parts_of_many(
         As in `simulate_many`.
     summary : Summary, optional
         Updated as the runs end.
+    refuses : bool
+        Whether a column without a rest is an error; else it falls at once, as a structure does.
 
     Raises
     ------
@@ -179,7 +187,7 @@ def parts_of_many(
     summary = Summary() if summary is None else summary
     workers = (threads or cores()) if executor is None else workers_of(executor)
     pace = Pace(total, workers, FIRST_COST)
-    chunks = _chunks(runs, pace, keys, settle, whole)
+    chunks = _chunks(runs, pace, keys, settle, whole, refuses)
     if executor is not None:
         made = _made(chunks, lambda chunk: executor.submit(make_packed, packed(chunk)), pace, workers)
         yield from _noted(made, summary, total, callback)
@@ -294,7 +302,7 @@ def estimated_cost(run: Run, keep: tuple[str, ...]) -> float:
 
 
 def _chunks(
-    runs: Iterator[Run], pace: Pace, keep: tuple[str, ...], settle: float, whole: frozenset[int]
+    runs: Iterator[Run], pace: Pace, keep: tuple[str, ...], settle: float, whole: frozenset[int], refuses: bool
 ) -> Iterator[Chunk]:
     first, samples, weight = 0, 0, 0.0
     taken: list[Run] = []
@@ -304,7 +312,7 @@ def _chunks(
 
     def chunk() -> Chunk:
         places = tuple(k for k in range(len(taken)) if first + k in whole)
-        return Chunk(first, taken, keep, settle, places, weight)
+        return Chunk(first, taken, keep, settle, places, weight, refuses=refuses)
 
     # a chunk ends at its cost, or at the most samples of its records
     for run in runs:
@@ -350,21 +358,20 @@ class Summary:
     chunks: int = 0
     paths: Counter[str] = field(default_factory=Counter)
     why_scalar: Counter[str] = field(default_factory=Counter)
-    failed: int = 0
     failures: dict[int, str] = field(default_factory=dict)
+    no_response: dict[int, str] = field(default_factory=dict)
     warned: int = 0
     begin: float = field(default_factory=clock.perf_counter)
 
     def add(self, table: Table, made: Any) -> None:
-        """Add the tally of a chunk; only the first failures are listed."""
+        """Add the tally of a chunk."""
         self.runs += len(table)
         self.chunks += 1
         self.paths.update(made.paths)
         self.why_scalar.update(made.why_scalar)
-        self.failed += len(made.failures)
         for number, failure in made.failures.items():
-            if len(self.failures) < MOST_NOTED:
-                self.failures[number] = failure
+            self.failures[number] = sys.intern(failure)  # mostly a few texts, of many runs
+        self.no_response.update(made.no_response)
         if made.warnings and not self.warned:
             number, line = next(iter(made.warnings.items()))
             warnings.warn(f"columns[{number}]: {line}", InputWarning, stacklevel=2)
@@ -377,8 +384,9 @@ class Summary:
             "lanes": self.paths["lanes"],
             "scalar": self.paths["scalar"],
             "why_scalar": dict(self.why_scalar),
-            "failed": self.failed,
-            "failures": self.failures,
+            "failed": len(self.failures),
+            "failures": dict(sorted(self.failures.items())),
+            "no_response": dict(sorted(self.no_response.items())),
             "doubtful_columns": self.warned,
             "chunks": self.chunks,
             "wall_time": clock.perf_counter() - self.begin,

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from ..common.errors import InputError
 from ..common.turns import lock_held
-from ..models.protocol import SETTLE
+from ..models.protocol import OVERTURNED, SETTLE, NoRestError
 from ..runs.chunk import Chunk, make_runs
 from .definition import Planned, Study
 
@@ -48,7 +48,12 @@ def _rows(study: Study, numbers: Sequence[int]) -> list[list[Any]]:
     for number in numbers:
         try:
             planned = study.run(number)
-            planned.run.model.kind.check(planned.run.model, from_rest=True)
+            kind = planned.run.model.kind
+            try:
+                kind.check(planned.run.model, from_rest=True)
+            except NoRestError:
+                if not kind.across:  # a structure falls as its run begins
+                    raise
         except InputError as error:  # caused by drawn values: the other runs go on
             given = list(study.values(number).values())
             rows.append([number, given, [None] * len(study.measured), None, str(error)])
@@ -68,6 +73,7 @@ def _rows(study: Study, numbers: Sequence[int]) -> list[list[Any]]:
                 for name, column in outputs.items()
             }
             failure = tally.failures.get(place, "")
-            rows.append([number, list(values.values()), list(measures.values()), found, failure])
+            ended = not failure or found["verdict"] == OVERTURNED  # a structure without a rest has fallen
+            rows.append([number, list(values.values()), list(measures.values()), found if ended else None, failure])
     rows.sort(key=lambda row: row[0])
     return rows

@@ -34,6 +34,7 @@ from ..plotting.style import (
     show_blocks,
     tidy,
 )
+from .contents import FAILED
 from .motions import Measure
 from .results import Results
 from .risk import Risk
@@ -306,7 +307,7 @@ def _draw_shares(axes: Axes, results: Results, limit: Limit, along: tuple[str, s
     """
     places, values = (np.unique(results[name]) for name, _ in (along, lines))
     apart = 0.04 * float(np.min(np.diff(places), initial=math.inf)) if len(places) > 1 else 0.0
-    failed, valid = failed_of(results, limit), made(results)
+    failed, valid = failed_of(results, limit), made(results, limit)
     for k, (value, colour) in enumerate(zip(values, block_colours(len(values)), strict=True)):
         cells = [valid & (results[along[0]] == place) & (results[lines[0]] == value) for place in places]
         runs, hits = np.array([np.sum(cell) for cell in cells]), np.array([np.sum(failed[cell]) for cell in cells])
@@ -511,7 +512,7 @@ def caption(results: Results) -> list[str]:
         f"{name} ({table['distribution']}{', each' if table.get('each') else ''})"
         for name, table in study["random"].items()
     )
-    failed = int(np.sum(results["failure"] != ""))
+    failed = int(np.sum(results["verdict"] == FAILED))
     undecided = int(np.sum(results["verdict"] == "undecided"))
     runs = f"{len(results)} of {results.head['runs']} runs, seed {study['seed']}"
     runs += f", {int(np.sum(results.overturned))} overturned"

@@ -200,9 +200,13 @@ def other_varied_name(results: Results) -> str | None:
     return names[0] if len(names) == 1 else None
 
 
-def made(results: Results) -> NDArray[np.bool_]:
-    """Return True for each run that the solver finished, (runs,)."""
-    return np.asarray(~np.isnan(results.largest))
+def made(results: Results, limit: Limit = None) -> NDArray[np.bool_]:
+    """Return True for each run that the solver finished, (runs,).
+
+    For the `limit` "hit" it has gaps as well: those of a structure that falls under its weight alone are not known.
+    """
+    found = np.asarray(~np.isnan(results.largest))
+    return found & ~np.isnan(results[LEAST_GAP]).all(axis=1) if limit == "hit" else found
 
 
 def check_made(results: Results) -> None:
@@ -268,7 +272,7 @@ def fit_fragility(
     check_type("results", results, Results)
     check_made(results)
     name = intensity or intensity_name(results)
-    valid = made(results) & (results[name] > 0.0)
+    valid = made(results, limit) & (results[name] > 0.0)
     if chosen is not None:
         valid &= chosen
     # runs, failures, and groups that are resampled together

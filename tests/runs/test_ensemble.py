@@ -12,7 +12,7 @@ from scipy.stats import beta
 from support.batches import run_batch
 from support.probe import G, phocas
 
-from solver import InitialState, InputError, Motion, Spread, simulate
+from solver import Block, Column, InitialState, InputError, Joint, Motion, Spread, simulate
 from solver.models.column.kinematics import chain_of
 from solver.models.uncertainty import Ensemble, share_bounds, vary
 
@@ -172,3 +172,15 @@ def test_a_spread_that_makes_no_sense_is_refused(spread: dict[str, float]) -> No
 def test_an_ensemble_of_no_number_is_refused(size: int) -> None:
     with pytest.raises(InputError, match="ensemble = "):
         simulate(phocas(1e-3), MOTION, ensemble=size)
+
+
+@pytest.mark.parametrize("initial", [None, InitialState()])
+def test_a_varied_column_without_a_rest_falls_at_once(initial: InitialState | None) -> None:
+    """Check a block whose modulus is just above that at which it does not stand: in lanes, and from any state alone."""
+    weight, inertia = 2000.0 * 0.16 * G, 0.2**4 / 12.0
+    tall = Column("tall", (Block(4.0, 0.2, 0.2, 320.0, Joint(1.05 * weight * 2.0 / inertia, 2e-3)),))
+    slow = Motion.from_samples(0.5, [0.0, 1e-6, 0.0])
+    found = ensemble_of(tall, slow, ensemble=8, initial=initial, spread=Spread(stiffness=0.2, damping=0.0, motion=0.0))
+    at_once = found.overturn_time == slow.start
+    # a given state needs no rest
+    assert np.sum(at_once) == (3 if initial is None else 0)

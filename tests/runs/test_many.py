@@ -15,10 +15,11 @@ import numpy as np
 import pytest
 from support.probe import PHOCAS_STIFFNESS, G, monolith, phocas
 
-from solver import Block, Column, InputError, Joint, Motion, Table, simulate, simulate_many
+from multiblock import Structure
+from solver import Block, Column, InputError, Joint, Motion, SolverError, Table, simulate, simulate_many
 from solver.common.turns import lock_held, lock_released
 from solver.models.column.outputs import KEPT, OUTPUTS, WATCHED
-from solver.runs.many import ExecutorError, parts_of_many
+from solver.runs.many import ExecutorError, Summary, collected, parts_of_many
 from solver.runs.pace import MOST_RUNS, Pace
 
 WATCHED_BY_NAME = [output.extreme for output in OUTPUTS if output.kept in WATCHED]
@@ -311,3 +312,38 @@ def test_threads_have_their_turns_one_after_the_other_and_lose_none_by_a_mistake
 def test_a_response_of_no_run_is_refused() -> None:
     with pytest.raises(InputError, match=r"responses: 5: must be numbers of runs, of which there are 1, from 0"):
         simulate_many(phocas(), mixture()[1][0], responses=[5])
+
+
+def test_all_failures_have_their_reasons_in_the_order_of_the_runs() -> None:
+    """Check more than the hundred that were listed, in several chunks."""
+    tall = {"name": "tall", "on": "base", "width": 0.2, "depth": 0.2, "height": 4.0, "density": 2000.0}
+    law = {"stiffness": 1e7, "damping": 2e-3}  # it stands from 4.7e7 on
+    structure = Structure.from_dict({"name": "tall", "joints": law, "block": [tall]})
+    table = simulate_many(structure, [Motion.harmonic(0.1, 2.0, 0.1)] * 250, threads=2)
+    assert set(table["verdict"]) == {"overturned"}
+    assert list(table.stats["failures"]) == list(range(250))
+    assert table.stats["failed"] == 250
+
+
+def test_a_response_that_cannot_be_made_ends_no_other_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    def ends(*_: object) -> None:
+        raise SolverError("too many steps")
+
+    monkeypatch.setattr(phocas(1e-3).kind, "single_run", ends, raising=False)
+    motions = [Motion.harmonic(0.01 * G, 2.0, 0.2)] * 3
+    table = simulate_many(phocas(1e-3), motions, responses=[1])
+    assert table["verdict"].tolist() == ["standing"] * 3
+    assert (table.responses, table.stats["failures"]) == ({}, {})
+    assert table.stats["no_response"] == {1: "too many steps"}
+
+
+def test_a_column_without_a_rest_falls_at_once_where_it_is_not_refused() -> None:
+    one, motion = phocas(1e-3), Motion.harmonic(0.01 * G, 2.0, 0.2)
+    summary = Summary()
+    parts = parts_of_many(
+        [one, phocas_on(1e5)], motion, keep=("verdict", "overturn_time"), summary=summary, refuses=False
+    )
+    table = collected(parts, summary)
+    assert table["verdict"].tolist() == ["standing", "overturned"]
+    assert table["overturn_time"][1] == motion.start
+    assert table.stats["failures"][1].startswith("phocas cannot stand: ")

@@ -19,8 +19,9 @@ from support.study import same
 
 from multiblock import Column, InputError, Motion, Structure, simulate, wavelets
 from solver.commands.schema import structure_schema
+from solver.commands.study import summary
 from solver.models.structure.numbers import structure_with
-from solver.studies import Results, Shaking, Study, fit_fragility, run_study
+from solver.studies import Results, Shaking, Study, fit_fragility, fragility, run_study
 from solver.studies.pictures import draw
 from solver.studies.statistics import failures_of
 
@@ -442,3 +443,21 @@ def test_a_motion_turned_in_plan() -> None:
     wave = Motion.harmonic(1.0, 2.0, 3.0).turned(0.4)
     other = Motion.harmonic(1.0, 2.0, 3.0, direction=0.4)
     assert (wave.amplitude, wave.amplitude_y) == (other.amplitude, other.amplitude_y)
+
+
+def test_a_structure_without_a_rest_has_overturned() -> None:
+    """Check that it counts in the fragility: half of the blocks fall under their weight, at any intensity."""
+    tall = {"name": "tall", "on": "base", "width": 0.2, "depth": 0.2, "height": 4.0, "density": 2000.0}
+    least = 2000.0 * 0.04 * 9.80665 * 4.0 * 2.0 * 12.0 / 0.2**4  # N/m3 at which it stands
+    law = {"stiffness": least, "damping": 2e-3}
+    structure = Structure.from_dict({"name": "tall", "joints": law, "block": [tall]})
+    weak = {"distribution": "choice", "values": [0.9, 2.0], "relative": True}
+    pulse = Shaking("ricker", "ricker", {"frequency": 1.0})
+    results = fragility(structure, pulse, {"joint.stiffness": weak}, 4, levels=[1e-4, 0.3], duration=0.1)
+    soft = results["joint.stiffness"] == 0.9
+    assert 0 < np.sum(soft) < len(soft)
+    assert set(results["verdict"][soft]) == {"overturned"}  # was failed, and left out
+    assert all("tall: " in failure for failure in results["failure"][soft])
+    assert np.all(np.isinf(results.largest[soft]))
+    assert f"{int(np.sum(results.overturned))} overturned" in summary(results)
+    assert "0 that could not be made" in summary(results)

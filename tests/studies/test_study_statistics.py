@@ -11,7 +11,7 @@ from scipy import stats
 
 from solver import InputError
 from solver.studies import Results, fit_fragility, ida_curves, influences
-from solver.studies.statistics import binned, bounds_of, percentiles, undecided_text
+from solver.studies.statistics import binned, bounds_of, made, percentiles, undecided_text
 
 
 def made_up(
@@ -263,3 +263,11 @@ def test_undecided_runs_are_said_in_plain_words() -> None:
     assert undecided_text(0) == ""
     assert undecided_text(1) == "1 undecided run neither fell nor came to rest while it was followed"
     assert undecided_text(3).startswith("3 undecided runs neither fell nor came to rest")
+
+
+def test_runs_without_gaps_are_in_no_share_of_hits() -> None:
+    """Check runs that fell under their weight alone: whether their neighbours hit is not known."""
+    results = made_up([0.1, 0.2, math.inf, 0.3], np.full(4, 0.3))
+    results.columns["least_gap"] = np.array([[0.1, -0.1], [0.2, 0.3], [math.nan, math.nan], [0.1, math.nan]])
+    assert made(results).tolist() == [True] * 4
+    assert made(results, "hit").tolist() == [True, True, False, True]

@@ -17,7 +17,7 @@ from ...ground.motion import Motion
 from ...kernels.column.api import entries
 from ...kernels.layout import spaces
 from ...kernels.machine.library import load
-from ..protocol import LANES, LOADED, OVERTURNED, Kind, Lanes, Run, RunPlan, Work, code_of, output_times
+from ..protocol import LANES, LOADED, OVERTURNED, Kind, Lanes, NoRestError, Run, RunPlan, Work, code_of, output_times
 from ..uncertainty import Varied
 from .kinematics import Chain, chain_of
 from .lane_policy import HELD, IN_LANES, first_step_of, kind_of, reason_against_lanes
@@ -62,7 +62,7 @@ class Columns(Kind):
         return known_warnings(model) if at_rest else warnings_of(model)
 
     def check(self, model: Column, from_rest: bool) -> None:
-        """Raise InputError with `from_rest` if the rest is not stable."""
+        """Raise NoRestError with `from_rest` if the rest is not stable."""
         if from_rest:
             check_stable(model)
 
@@ -189,24 +189,35 @@ class Columns(Kind):
 
     def varied_in_lanes(self, pairs: Sequence[tuple[Column, Motion]], plan: RunPlan) -> list[Varied | None]:
         """Run varied columns in lanes, with the histories of ux at the rows of the plan."""
-        columns, motions = zip(*pairs, strict=True)
+        made: list[Varied | None] = [None] * len(pairs)
+        places = [k for k, (column, _) in enumerate(pairs) if _stands(column)]
+        if not places:
+            return made
+        columns, motions = zip(*(pairs[k] for k in places), strict=True)
         start, duration = plan.motion.start, plan.duration
         times = np.append(plan.times - start, duration)
         batch = follow_in_lanes(columns, motions, [duration] * len(columns), times)
-        made: list[Varied | None] = []
-        for k, column in enumerate(columns):
+        for k, (place, column) in enumerate(zip(places, columns, strict=True)):
             if not batch.finished[k]:
-                made.append(None)
                 continue
             verdict, fall = OVERTURNED, float(batch.overturn_time[k])
             if not batch.fallen[k]:
                 verdict, fall, _ = outcome(column, batch.phases[k, -1], start + duration, plan.settle)
             ux = chain_of(column).top_displacements(batch.phases[k, :-1])
-            made.append(Varied(verdict, fall, batch.peak_top_ux[k], ux))
+            made[place] = Varied(verdict, fall, batch.peak_top_ux[k], ux)
         return made
 
 
 KIND = Columns()
+
+
+def _stands(column: Column) -> bool:
+    """Return True if the rest under gravity is stable."""
+    try:
+        check_stable(column)
+    except NoRestError:
+        return False
+    return True
 
 
 def _left(keep: Collection[str]) -> list[str]:

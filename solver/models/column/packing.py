@@ -24,6 +24,7 @@ from ...kernels.column.model.description import (
     UNKNOWN_SECTION,
 )
 from ...kernels.layout import spaces as at
+from ..protocol import NoRestError
 from .block import Block
 from .model import Column
 from .settings import SKIP_CODES
@@ -75,7 +76,7 @@ class Arrays(NamedTuple):
 def arrays_of(column: Column) -> Arrays:
     """Return the arrays of a column at rest.
 
-    Raises InputError for a fixed step that is not stable, or a column that cannot stand.
+    Raises InputError for a fixed step that is not stable, NoRestError for a column that cannot stand.
     """
     return copied(_assembled(column))
 
@@ -109,7 +110,7 @@ def coordinates_of(rigid: FloatArray, slips: FloatArray, n: int) -> FloatArray:
 def pack_model(column: Column) -> FloatArray:
     """Return the packed model, read-only (layout/spaces.py, MODEL).
 
-    Raises InputError for a fixed step that is not stable, or a column that cannot stand.
+    Raises InputError for a fixed step that is not stable, NoRestError for a column that cannot stand.
     """
     return _assembled(column).model
 
@@ -147,7 +148,7 @@ def _assemble(column: Column, given: FloatArray) -> Arrays:
         as_they_are = "its blocks, offset or inclined as they are, have no stable rest under their weight"
         if column.other_law:
             as_they_are = f"with joint.{column.other_law} as it is a joint does not carry the weight above it at rest"
-        raise InputError(f"{column.name} cannot stand: {as_they_are}")
+        raise NoRestError(f"{column.name} cannot stand: {as_they_are}")
     if code == UNKNOWN_SECTION:
         raise InputError(f"block[{int(detail[0])}]: solver/kernels/sections has no kernels of its section or contact")
     if code != at.OK:  # the column has made the other checks

@@ -8,9 +8,9 @@ from functools import lru_cache
 import numpy as np
 
 from ...common import plausible
-from ...common.errors import InputError
+from ..protocol import NoRestError
 from .model import Column
-from .packing import FloatArray, carried_weights, settlements
+from .packing import FloatArray, carried_weights, pack_model, settlements
 
 ITERATIONS = 4  # inverse iterations to the first mode, from a rigid rotation of the column
 
@@ -18,7 +18,7 @@ ITERATIONS = 4  # inverse iterations to the first mode, from a rigid rotation of
 def check_rest(column: Column, from_rest: bool = True) -> None:
     """Warn (InputWarning) with each line of `warnings_of`.
 
-    Raises InputError if a run starts `from_rest` and that rest is not stable.
+    Raises NoRestError if a run starts `from_rest` and that rest is not stable.
     """
     if from_rest:
         check_stable(column)
@@ -32,9 +32,11 @@ def known_warnings(column: Column) -> tuple[str, ...]:
 
 
 def check_stable(column: Column) -> None:
-    """Raise InputError if the rest under gravity is not stable."""
+    """Raise NoRestError if the rest under gravity is not stable."""
     if not is_stable(column):
-        raise InputError(instability(column))
+        raise NoRestError(instability(column))
+    if column.off_axis or column.other_law:  # their rest is computed as the model is packed, which is cached
+        pack_model(column)
 
 
 def instability(column: Column) -> str:
