@@ -15,6 +15,7 @@ import numpy as np
 from ..common.errors import InputError, check_type, shown
 from ..common.files import write_table
 from ..ground.building import Building
+from ..ground.motion import bytes_beside_samples
 from ..models.protocol import Model
 from ..models.uncertainty import PERCENTILES
 from ..runs.many import Callback, begin_phase
@@ -285,8 +286,7 @@ def motion_digest(action: Action) -> bytes:
         motion = scaled.motion
         parts.append(scaled.name.encode())
         parts += [values.tobytes() for values in (motion.time, motion.ax, motion.ay, motion.az)]
-        harmonic = (motion.amplitude, motion.amplitude_y, motion.frequency)
-        parts.append(repr((motion.hold, motion.duration, *harmonic)).encode())
+        parts.append(bytes_beside_samples(motion))
     return b"".join(parts)
 
 

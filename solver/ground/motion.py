@@ -511,6 +511,12 @@ class Motion(Framed, NotebookRepr):
             return cls.from_record(peer.read(lines_of(path)), Path(path).name)
 
 
+def bytes_beside_samples(motion: Motion) -> bytes:
+    """Return the bytes of all that a motion has beside its samples and loads, for fingerprints."""
+    numbers = (motion.duration, motion.amplitude, motion.amplitude_y, motion.frequency)
+    return repr((bool(motion.hold), *map(float, numbers))).encode()
+
+
 def check_strength(motion: Motion) -> bool:
     """Warn (InputWarning) of a motion that is stronger than any on record; return True if it is."""
     for name, most in STRONGEST.items():

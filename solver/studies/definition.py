@@ -33,7 +33,7 @@ from ..common.errors import (
 from ..common.files import check_file_name, toml_of
 from ..common.notebook import NotebookRepr, counted
 from ..common.ranges import check_choice, check_keys
-from ..ground.motion import Motion
+from ..ground.motion import Motion, bytes_beside_samples
 from ..kernels.machine.sources import SOURCES
 from ..models.column.model import Column
 from ..models.column.numbers import SLENDERNESS
@@ -594,9 +594,12 @@ def _paths(data: Mapping[str, Any]) -> list[str]:
 
 
 def _digest(motion: Motion | None) -> str:
+    """Return a hash of a record without its loads, "" of none; held samples and harmonics have more than samples."""
     if motion is None:
         return ""
     content = hashlib.sha256()
     for array in (motion.time, motion.ax, motion.az, *([motion.ay] if motion.has_ay else [])):
         content.update(np.ascontiguousarray(array).tobytes())
+    if motion.hold or motion.amplitude or motion.amplitude_y:
+        content.update(bytes_beside_samples(motion))
     return content.hexdigest()[:16]
