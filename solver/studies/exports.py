@@ -5,6 +5,7 @@ Each failure is a component, or a function, with one limit state: failures of a 
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 import re
@@ -40,8 +41,17 @@ def write_fragilities(path: str | os.PathLike[str], name: str, fragilities: Mapp
             raise InputError(
                 f"{path}: the fragility is over {said}, must be over pga, pgv or a spectrum of 5 % damping"
             )
-    named = {re.sub("[^A-Za-z0-9]+", ".", f"{name}.{failure}").strip("."): one for failure, one in fragilities.items()}
+    named: dict[str, Fragility] = {}
+    for failure, one in fragilities.items():
+        cleaned = _cleaned(f"{name}.{failure}")
+        numbered = (f"{cleaned}.{k}" for k in itertools.count(2))
+        named[next(key for key in itertools.chain((cleaned,), numbered) if key not in named)] = one
     write(path, named)
+
+
+def _cleaned(name: str) -> str:
+    """Return a name in letters, digits and dots; the sign of a negative number becomes a word."""
+    return re.sub("[^A-Za-z0-9]+", ".", re.sub(r"(?<![A-Za-z0-9])-(?=\d)", "minus ", name)).strip(".")
 
 
 def _write_pelicun(path: str | os.PathLike[str], fragilities: Mapping[str, Fragility]) -> None:
@@ -60,7 +70,11 @@ def _write_nrml(path: str | os.PathLike[str], fragilities: Mapping[str, Fragilit
     root = Element("nrml", xmlns=NRML)
     model = SubElement(root, "fragilityModel", id="multiblock", assetCategory="buildings", lossCategory="structural")
     measures = sorted({one.measure.label for one in fragilities.values() if one.measure is not None})
-    SubElement(model, "description").text = f"lognormal fragilities over {', '.join(measures)}"
+    said = f"lognormal fragilities over {', '.join(measures)}"
+    for name, one in fragilities.items():
+        if one.measure is not None and one.measure.name.startswith("rotd"):  # the format knows SA alone
+            said += f"; {_imt(one.measure)[0]} of {name} is {one.measure.label}"
+    SubElement(model, "description").text = said
     SubElement(model, "limitStates").text = STATE
     for name, one in fragilities.items():
         assert one.measure is not None

@@ -78,3 +78,19 @@ def test_mistakes_of_exports(tmp_path: Path) -> None:
         other = one if not isinstance(one, Measure) else replace(curve(1.0, 0.5), measure=one)
         with pytest.raises(InputError, match=f"over {said}, must be over pga, pgv or a spectrum of 5 % damping"):
             write_fragilities(tmp_path / "fragility.xml", "s", {"overturned": other})
+
+
+def test_failures_that_differ_in_sign_or_in_blanks_have_names_of_their_own(tmp_path: Path) -> None:
+    names = ("hit, at[1] -0.1 m", "hit, at[1] 0.1 m", "a-1", "a 1", "a.1")
+    write_fragilities(tmp_path / "f.csv", "s", {name: curve(0.3, 0.4) for name in names})
+    with open(tmp_path / "f.csv", newline="", encoding="utf-8") as file:
+        found = [row["ID"] for row in csv.DictReader(file)]
+    assert found == ["s.hit.at.1.minus.0.1.m", "s.hit.at.1.0.1.m", "s.a.1", "s.a.1.2", "s.a.1.3"]
+
+
+def test_the_description_says_which_component_a_spectrum_is_of(tmp_path: Path) -> None:
+    measures = {"overturned": Measure("rotd100", 0.5), "0.1 m": Measure("sa", 0.5)}
+    curves = {name: replace(curve(0.3, 0.4), measure=measure) for name, measure in measures.items()}
+    write_fragilities(tmp_path / "f.xml", "s", curves)
+    text = (tmp_path / "f.xml").read_text(encoding="utf-8")
+    assert "; SA(0.5) of s.overturned is RotD100(0.5 s, 5 %)</description>" in text
