@@ -215,7 +215,7 @@ class Motion(Framed, NotebookRepr):
         Raises InputError unless both are linear samples and this one has no az of its own.
         """
         for motion, name in ((self, "horizontal"), (vertical, "vertical")):
-            if motion.hold or motion.amplitude:
+            if motion.hold or motion.amplitude or motion.amplitude_y:
                 raise InputError(f"{name} motion: must be linear samples, neither held nor harmonic")
             if np.any(motion.az):
                 raise InputError(f"{name} motion: has az beside ax, must be one component")

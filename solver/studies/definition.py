@@ -305,6 +305,9 @@ class Study(NotebookRepr):
         duration = motion.duration
         if self.duration is not None:
             duration = self.duration + (motion.duration - base.duration)  # plus the time in which the base is tilted
+        shaking = self.motions[int(values["motion"])]
+        factor = {**shaking.numbers, **self._numbers(values, shaking)}.get(LOAD_SCALE)
+        motion = shaking.with_loads(motion, base, duration, factor)
         return Planned(Run(column, motion, duration), values, measures)
 
     def values(self, number: int) -> dict[str, float]:
@@ -356,7 +359,7 @@ class Study(NotebookRepr):
         return found
 
     def _shaken(self, values: Mapping[str, float], g: float) -> tuple[Motion, Motion, dict[str, float]]:
-        """Return the motion as run, the motion before scaling and tilting, and the measures of the motion as run.
+        """Return the motion as run without its loads, that before scaling and tilting, and the measures of the former.
 
         On a floor the measures are those of the ground, the two motions those of the floor. `g` is the gravity of the
         model, m/s2.
@@ -377,7 +380,7 @@ class Study(NotebookRepr):
             if present == 0.0:
                 raise InputError(f"motion[{which + 1}]: {shaking.name} is still, it cannot be scaled to an {INTENSITY}")
             factor *= values[INTENSITY] / present
-        # scale, rotate in plan, tilt, add loads; a building, being linear, is solved once for all factors
+        # scale, rotate in plan, tilt; a building, being linear, is solved once for all factors
         size, direction = abs(factor), given.get(DIRECTION, 0.0)
         if shaking.building is None:
             motion = base.scaled(factor).turned(direction)
@@ -385,7 +388,6 @@ class Study(NotebookRepr):
             base = _on_floor(self, which, shape, INTENSITY in values, direction)
             motion = base.scaled(factor)
         motion = tilted(motion, given.get("tilt", 0.0), g)
-        motion = shaking.with_loads(motion, base, given.get(LOAD_SCALE))
         return motion, base, {name: size * value for name, value in measures.items()}
 
     # identity and files

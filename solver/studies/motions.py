@@ -223,7 +223,7 @@ class Shaking:
         if self.record is not None and self.record.has_ay:
             raise InputError(f"{key}: ay: {IN_PLANE}")
 
-    def with_loads(self, motion: Motion, before: Motion, factor: float | None) -> Motion:
+    def with_loads(self, motion: Motion, before: Motion, duration: float, factor: float | None) -> Motion:
         """Return the motion with the loads of this table and of its record, times a factor.
 
         Parameters
@@ -232,6 +232,8 @@ class Shaking:
             The motion as run.
         before : Motion
             The motion before it was scaled, whose loads are kept.
+        duration : float
+            Duration of the run (s), over which constant loads last.
         factor : float, optional
             Factor on the loads.
 
@@ -240,7 +242,7 @@ class Shaking:
         InputError
             If there is a factor but no loads.
         """
-        loads = {**before.loads, **loads_from(self.loads, motion.start, motion.duration)}
+        loads = {**before.loads, **loads_from(self.loads, motion.start, duration)}
         if factor is not None and not loads:
             raise InputError(f"motion.{LOAD_SCALE}: {self.name} has no loads, must have a table load")
         scale = 1.0 if factor is None else factor
@@ -342,7 +344,7 @@ def tilted(motion: Motion, angle: float, g: float = STANDARD_GRAVITY) -> Motion:
     if angle == 0.0:
         return motion
     angle = check_number("motion.tilt", angle, (-1.5, 1.5), "an angle in rad, from -1.5 to 1.5")
-    if motion.hold or motion.amplitude:
+    if motion.hold or motion.amplitude or motion.amplitude_y:
         raise InputError("motion.tilt: is for motions of samples, neither held nor harmonic")
     # lean over with half a cosine, then add the constant acceleration
     part = np.arange(PER_LEAN) / PER_LEAN

@@ -156,12 +156,13 @@ def _by_frequency(
     points : (3, frequencies, blocks) float
         Percentiles (m); NaN where no run stands.
     fell : (frequencies,) float
-        Share of the runs that fell; NaN without runs.
+        Share of the finished runs that fell; NaN without one.
     """
     points = np.full((len(PERCENTILES), len(frequencies), results.head["blocks"]), math.nan)
     fell = np.zeros(len(frequencies))
     for k, frequency in enumerate(frequencies):
         here = chosen & (results["motion.frequency"] == frequency)
+        here &= made(results)
         stands = here & ~results.overturned
         if np.any(stands):
             points[:, k] = percentiles(results.displacements[stands])
@@ -174,13 +175,13 @@ def _draw_boundary(axes: Axes, figure: Figure, results: Results, levels: FloatAr
     share = np.full((len(levels), len(frequencies)), math.nan)
     cell = np.searchsorted(levels, results["intensity"]), np.searchsorted(frequencies, results["motion.frequency"])
     runs, fell = np.zeros_like(share), np.zeros_like(share)
-    np.add.at(runs, cell, 1.0)
+    np.add.at(runs, cell, made(results))
     np.add.at(fell, cell, results.overturned)
     share = np.divide(fell, runs, out=share, where=runs > 0.0)
     mesh = axes.pcolormesh(frequencies, levels, share, cmap="Reds", vmin=0.0, vmax=1.0, shading="nearest")
     figure.colorbar(mesh, ax=axes, label="share that overturns")
     if np.nanmax(share) > 0.0 and np.nanmin(share) < 1.0:
-        axes.contour(frequencies, levels, np.nan_to_num(share), [0.5], colors="black", linewidths=1.2)
+        axes.contour(frequencies, levels, np.ma.masked_invalid(share), [0.5], colors="black", linewidths=1.2)
     axes.set(title="overturning: half of the runs along the line", xlabel="frequency (Hz)")
     axes.set_ylabel(_label(results, intensity_name(results)))
     tidy(axes, grid=False)
@@ -457,7 +458,7 @@ def draw_tornado(results: Results) -> Figure:
     left, right, rank = figure.subplots(1, 3, sharey=True, width_ratios=(1.5, 1.0, 0.8))
     finite = np.isfinite(results.largest)
     middle = float(np.median(results.largest[~np.isnan(results.largest)]))
-    share = float(np.mean(results.overturned))
+    share = float(np.mean(results.overturned[made(results)]))
     place = np.arange(len(found))[::-1]
     # bars from the value of all runs to those of the lowest and highest values
     for axes, whole, pairs, factor in (

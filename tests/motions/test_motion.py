@@ -531,3 +531,13 @@ def test_files_that_cannot_be_reached(tmp_path: Path) -> None:
 def test_accelerations_beyond_a_million_are_refused(make: Callable[[], Motion], key: str) -> None:
     with pytest.raises(InputError, match=re.escape(key) + r".*: must be a finite acceleration in m/s2, at most 1e6"):
         make()
+
+
+def test_a_harmonic_along_y_has_no_vertical_record() -> None:
+    record = Motion.from_samples(0.01, [0.0, 1.0, 0.0])
+    across = Motion.harmonic(1.0, 2.0, 0.02).turned(0.5 * math.pi)
+    assert across.amplitude == 0.0
+    with pytest.raises(InputError, match="horizontal motion: must be linear samples, neither held nor harmonic"):
+        across.with_vertical(record)
+    with pytest.raises(InputError, match="vertical motion: must be linear samples, neither held nor harmonic"):
+        record.with_vertical(across)

@@ -21,9 +21,11 @@ from scipy import stats
 from support.fmus import ROOT
 from support.study import TEXT, same, start
 
-from multiblock import Building, floor_motion
+from multiblock import Building, Load, Structure, floor_motion
 from solver import Column, InputError, Motion, simulate
 from solver.commands.command_line import main
+from solver.commands.study import summary
+from solver.common import effort
 from solver.ground.motion import STANDARD_GRAVITY
 from solver.models.column.numbers import column_with
 from solver.studies import (
@@ -39,7 +41,7 @@ from solver.studies import (
     influences,
     run_study,
 )
-from solver.studies.definition import axis
+from solver.studies.definition import _digest, axis
 from solver.studies.journal import read_journal
 from solver.studies.motions import tilted
 from solver.studies.results import results_of
@@ -845,3 +847,75 @@ def test_mistakes_about_a_floor(folder: Path, words: str, message: str) -> None:
     (folder / "study.toml").write_text(text.replace('formula = "ricker"\n', f'formula = "ricker"\n{words}'), "utf-8")
     with pytest.raises(InputError, match=message):
         Study.from_toml(folder / "study.toml")
+
+
+# what a fingerprint, a duration and a failure say
+
+
+def test_a_fingerprint_is_of_all_that_moves_the_base(study: Study) -> None:
+    """Check held samples, harmonics, and that plain records keep the hashes of old journals."""
+    column = study.columns[0]
+    assert isinstance(column, Column)
+    in_space = Structure.stack(column)
+
+    def fingerprint(motion: Motion) -> str:
+        shaking = Shaking("motion", record=motion)
+        return replace(study, columns=(in_space,), motions=(shaking,), random={}, samples=1, keep=()).fingerprint
+
+    still = np.zeros(2)
+    harmonics = [
+        Motion.harmonic(1.0, 2.0, 10.0),
+        Motion.harmonic(1.0, 3.0, 10.0),
+        Motion.harmonic(2.0, 3.0, 10.0),
+        Motion.harmonic(1.0, 2.0, 10.0, direction=0.3),
+        Motion(np.array([0.0, 10.0]), still, still, 10.0),
+        Motion(np.array([0.0, 10.0]), still, still, 11.0, hold=True),
+        Motion(np.array([0.0, 10.0]), still, still, 12.0, hold=True),
+    ]
+    assert len({fingerprint(motion) for motion in harmonics}) == len(harmonics)
+    samples = [0.0, 1.0, 0.0, -0.5]
+    assert _digest(Motion.from_samples(0.01, samples)) == "ad79c0460889a3d4"
+    assert _digest(Motion.from_samples(0.01, samples, ay=[0.0, 1.0, 2.0, 3.0])) == "50fd40807fe8b248"
+    # loads were in it before
+    load = Load.of([0.0, 1.0], Fx=[1.0, 1.0])
+    loaded = Motion.from_samples(0.01, samples).with_loads({"roof": load})
+    assert fingerprint(loaded) != fingerprint(Motion.from_samples(0.01, samples))
+
+
+def test_constant_loads_last_as_long_as_the_run(study: Study) -> None:
+    port = {"name": "top", "block": "block1", "at": [0.0, 0.0, 0.0]}
+    data = Structure.stack(study.columns[0]).to_dict() | {"port": [port]}  # type: ignore[arg-type]
+    record = Motion.from_samples(0.01, [0.0, 1.0, 0.0])
+    pushed = Shaking("pushed", record=record, loads={"top": {"Fx": 10.0}})
+    given: dict[str, Any] = {"columns": (Structure.from_dict(data),), "motions": (pushed,), "random": {}, "samples": 1}
+    made = Study(**{**vars(study), **given, "duration": 3.0, "keep": ()}).run(0).run
+    assert made.duration == 3.0
+    assert made.motion.loads["top"].time[[0, -1]].tolist() == [0.0, 3.0]  # ended at 0.02 s
+
+
+def test_a_harmonic_along_y_is_not_tilted() -> None:
+    across = Motion.harmonic(1.0, 2.0, 5.0).turned(0.5 * math.pi)
+    assert across.amplitude == 0.0
+    with pytest.raises(InputError, match=r"motion\.tilt: is for motions of samples, neither held nor harmonic"):
+        tilted(across, 0.01)
+
+
+def test_an_infinite_draw_fails_its_run_and_the_journal_can_be_read(study: Study, tmp_path: Path) -> None:
+    wide = Random.from_table("key", {"distribution": "lognormal", "median": 1.0, "deviation": 2000.0, "relative": True})
+    odd = replace(study, random={"joint.stiffness": wide}, grid={"intensity": (0.2,)}, samples=4, keep=())
+    odd = replace(odd, motions=(Shaking("ricker", "ricker", {"frequency": 1.0}),))
+    results = run_study(odd, tmp_path)
+    assert np.isinf(results["joint.stiffness"]).any()
+    assert set(results["verdict"][np.isinf(results["joint.stiffness"])]) == {"failed"}
+    assert same(Results.from_journal(tmp_path / "small.journal"), results)
+
+
+def test_a_run_that_the_solver_cannot_finish_has_failed(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Check its verdict, which was undecided, and that it is in no share."""
+    monkeypatch.setattr(effort, "MOST", 10.0)
+    monkeypatch.setattr(effort, "MOST_FIRST_STEPS", 1.0)
+    results = run_study(replace(study, samples=1))
+    assert set(results["verdict"]) == {"failed"}
+    assert not results.undecided.any()
+    assert all("evaluations" in failure for failure in results["failure"])
+    assert "0 overturned, 0 undecided, 2 that could not be made" in summary(results)

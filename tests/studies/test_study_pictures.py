@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from studies.test_study_statistics import made_up
 from support.fmus import ROOT
 
 from solver import Column, InputError
@@ -29,7 +31,14 @@ from solver.studies import (
     spectrum,
     sweep,
 )
-from solver.studies.pictures import _draw_broken, draw, last_before_falls, limits_of_model
+from solver.studies.pictures import (
+    _by_frequency,
+    _draw_boundary,
+    _draw_broken,
+    draw,
+    last_before_falls,
+    limits_of_model,
+)
 
 PULSE = Shaking("my pulse", "ricker", {"frequency": 1.2})
 SOFT = {
@@ -244,3 +253,18 @@ def test_the_caption_names_bearings_that_bear_tension() -> None:
         found = sentence(Study("few", "ida", (made,), (PULSE,), grid, measure=Measure("pga")))
         assert found.startswith("Motion in space of rigid blocks on elastic joints that neither slide nor crush, ")
         assert found.endswith(said)
+
+
+def test_runs_that_failed_are_in_no_share_of_a_sweep() -> None:
+    """Check a frequency at which one run fell, one stands and two failed: half of them fell, not a quarter."""
+    u = np.array([0.1, math.inf, math.nan, math.nan, math.nan, math.nan])
+    frequencies = np.array([1.0, 1.0, 1.0, 1.0, 2.0, 2.0])
+    results = made_up(u, np.full(6, 0.2), "sweep", beside={"motion.frequency": frequencies})
+    points, fell = _by_frequency(results, np.array([1.0, 2.0]), np.ones(6, dtype=bool))
+    assert fell == pytest.approx([0.5, math.nan], nan_ok=True)
+    assert points[1, :, 0] == pytest.approx([0.1, math.nan], nan_ok=True)
+    figure = Figure()
+    axes = figure.add_subplot()
+    _draw_boundary(axes, figure, results, np.array([0.2, 0.4]), np.array([1.0, 2.0]))
+    shares: Any = np.ma.filled(np.ma.asarray(axes.collections[0].get_array()), math.nan)
+    assert shares.ravel() == pytest.approx([0.5, *[math.nan] * 3], nan_ok=True)
