@@ -22,8 +22,9 @@ from ..checks.subject import OF_BEARINGS, Subject
 from ..checks.verdicts import bounds_of, falls, verdicts_of
 from ..common.digits import three_digits
 from ..common.executors import cores
+from ..common.notebook import counted
 from ..ground.building import RIGID, Building
-from ..models.protocol import UNDECIDED
+from ..models.protocol import OVERTURNED, UNDECIDED
 from ..runs.many import Callback
 from ..studies.definition import versions
 from ..studies.journal import Journal, read_journal
@@ -163,11 +164,14 @@ def outcome_of(subject: Subject, action: Action, plan: Plan) -> Outcome:
         margin = margin_of(subject, ensembles, np.any(fell.reshape(len(motions), -1), axis=1), threads=1)
         stands, fails = margin.stands, margin.falls
     # the first fall
-    first, time = "", np.where(fell, table["overturn_time"], math.inf)
+    first, time = "", np.where(verdicts == OVERTURNED, table["overturn_time"], math.inf)
     if np.isfinite(time).any():
         k = int(np.argmin(time))
-        what = subject.model.names[int(table["fallen"][k]) - 1] if table["fallen"][k] else "bearing"
+        block = int(table["fallen"][k])  # 0: the run has no rest from which it could begin
+        what = subject.model.names[block - 1] if block else "all of it, under its weight alone,"
         first = f"{what} at {time[k]:.4g} s under {motions[k // (1 + plan.ensemble)].name}"
+    elif np.any(fell):
+        first = f"none, but {counted(int(np.sum(fell)), 'run')} could not be finished"
     # displacements of the runs that stand
     none = math.nan if np.all(fell) else 0.0
     moved, bearing, capacity = float(np.max(subject.tops(table), where=~fell, initial=none)), math.nan, math.nan

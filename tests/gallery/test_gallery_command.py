@@ -5,6 +5,7 @@ import hashlib
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,14 +14,15 @@ from support.fmus import ROOT
 from multiblock import InputError, Motion, simulate, wavelets
 from solver.checks.action import Action
 from solver.checks.limits import TOLERANCE, Plan
-from solver.checks.runs import varied
+from solver.checks.runs import run_all, varied
 from solver.checks.scaling import ScaledMotion
 from solver.checks.subject import subject_of
 from solver.commands.command_line import main
 from solver.gallery.mounts import Mount, mounted
 from solver.gallery.objects import Exhibit
 from solver.gallery.survey import Outcome, outcome_of, survey
-from solver.models.protocol import SETTLE
+from solver.models.protocol import SETTLE, WORDS
+from solver.runs.table import Table
 
 THIN = Exhibit(
     "thin", "marble", {"width": 0.2, "depth": 0.2, "height": 1.2, "mass": 60.0, "centroid": 0.6}, "", {}, True, 0
@@ -148,3 +150,23 @@ def test_the_example_is_written_as_table_and_page(
     assert "holds another study" in capsys.readouterr().err
     assert main(["gallery", *files, "--sa", "0.2", "pulse.csv"]) == 2
     assert "--sa: must be left out, first periods differ" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("only", [False, True])
+def test_the_first_fall_is_one_that_was_seen(only: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Check a pair one run of which could not be finished, and another fell under its weight alone."""
+    codes = [WORDS["verdict"].index(word) for word in ("undecided", "standing" if only else "overturned")]
+
+    def made(*arguments: Any, **options: Any) -> Table:
+        table = run_all(*arguments, **options)
+        columns = table._columns
+        columns["verdict"][:] = WORDS["verdict"].index("standing")
+        columns["verdict"][:2], columns["overturn_time"][:2], columns["fallen"][:2] = codes, (math.nan, 0.0), 0
+        table.stats["failures"] = {0: "why"} if only else {0: "why", 1: "no rest"}
+        return table
+
+    monkeypatch.setattr("solver.gallery.survey.run_all", made)
+    found = outcome_of(subject_of(mounted(THIN, MOUNTS[1])), action(), PLAN)
+    assert found.fallen == (1 if only else 2)
+    said = "none, but 1 run could not be finished" if only else "all of it, under its weight alone, at 0 s under strong"
+    assert found.first == said  # was "bearing at nan s under strong"
