@@ -15,7 +15,7 @@ from ..common.errors import InputError
 from .answer import FAILS, PASSES, UNDECIDED, outcome_of
 from .check import Check
 from .spectra import FloatArray
-from .table import MM, gaps_of
+from .table import MM, are_known, gaps_of
 from .verdicts import falls
 
 MOST_VALUES, MOST_PAIRS = 50, 20  # values of friction; pairs of neighbours that are listed
@@ -42,7 +42,10 @@ def friction_values(text: str) -> list[float]:
     if not (0.01 <= low <= high <= 2.0 and step > 0.0 and (high - low) / step < MOST_VALUES):
         raise InputError(wrong)
     values = [round(low + k * step, 10) for k in range(int((high - low) / step + 1e-9) + 1)]
-    return values if high - values[-1] < 1e-9 else [*values, high]
+    values = values if high - values[-1] < 1e-9 else [*values, high]
+    if len(values) > MOST_VALUES:
+        raise InputError(wrong)
+    return values
 
 
 def with_friction(model: Any, value: float) -> Any:
@@ -69,11 +72,12 @@ class Envelope:
 
     @cached_property
     def gaps(self) -> list[FloatArray]:
-        """The least gap of each run at each value (m), (runs, pairs); below 0 a pair has hit."""
+        """The least gap of each finished run at each value (m), (runs, pairs); below 0 a pair has hit."""
         names = self.checks[0].subject.neighbours
         if not names:
             return [np.empty((len(check.runs), 0)) for check in self.checks]
-        return [gaps_of(check.by_sign, check.runs) for check in self.checks]
+        every = (gaps_of(check.by_sign, check.runs) for check in self.checks)
+        return [gaps[are_known(gaps)] for gaps in every]
 
     @property
     def least_gaps(self) -> FloatArray:

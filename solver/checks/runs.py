@@ -45,8 +45,12 @@ def own_runs(subject: Subject, motions: Sequence[Motion]) -> tuple[tuple[Any, ..
 def is_turned(run: Any, motion: Motion) -> bool:
     """Return True if a response is that of the motion turned by 180 degrees, of the opposite sign in the plane."""
     turned = motion.mirrored()
-    same = np.array_equal(run.motion.ax, turned.ax) and np.array_equal(run.motion.ay, turned.ay)
-    return same and bool(np.any(motion.ax) or np.any(motion.ay))
+    return _horizontal(run.motion) == _horizontal(turned) != _horizontal(motion)
+
+
+def _horizontal(motion: Motion) -> list[list[float]]:
+    """Return the samples and amplitudes along x and y."""
+    return [motion.ax.tolist(), motion.ay.tolist(), [motion.amplitude, motion.amplitude_y]]
 
 
 def as_given(subject: Subject, run: Any) -> Pair:

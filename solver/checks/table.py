@@ -125,7 +125,7 @@ class Row:
     def brief(self) -> str:
         """The demand and the ratio, for a table of variants; for a factor on the motion its capacity."""
         if self.unit is FACTOR:
-            return f"bears {self.shown(self.capacity)}"
+            return f"bears {self.shown(self.demand if math.isnan(self.capacity) else self.capacity)}"
         *_, demand, _, ratio, outcome = self.texts
         return demand if self.passes is None or self.of_fall else f"{demand} ({ratio or outcome.lower()})"
 
@@ -261,7 +261,11 @@ def overturning(verdicts: Verdicts, limits: Limits, margin: Margin | None, failu
         if not margin.is_open:
             note = f"the first run falls between {three_digits(margin.stands)} and {three_digits(margin.falls)} times "
             note += verdicts.names[margin.place]
-        rows.append(Row("overturning, margin", 1.0, margin.stands, FACTOR, note=note))
+        if not own and 0.0 < verdicts.fallen / size <= limits.share:
+            note = f"the share that may fall allows these falls, so it is not compared; {note}"
+            rows.append(Row("overturning, margin", margin.stands, math.nan, FACTOR, note=note))
+        else:
+            rows.append(Row("overturning, margin", 1.0, margin.stands, FACTOR, note=note))
     return rows
 
 
@@ -364,15 +368,16 @@ def _hits(demands: Demands, table: Table, verdicts: Verdicts, limits: Limits) ->
     names = demands.subject.neighbours
     if not names:
         return []
-    hit = np.any(gaps_of(demands.by_sign, table) < 0.0, axis=1)
-    low, high = bounds_of(hit, hit, len(verdicts.names))
-    note = f"in {int(np.sum(hit))} of {hit.size} runs, as given and varied"
+    every = gaps_of(demands.by_sign, table)
+    hit, known = np.any(every < 0.0, axis=1), are_known(every)
+    low, high = bounds_of(hit, hit | ~known, len(verdicts.names))
+    note = f"in {int(np.sum(hit))} of {int(np.sum(known))} runs, as given and varied"
+    note += "" if known.all() else f", without {int(np.sum(~known))} that have no gaps"
     note += f"; {percent(low)} to {percent(high)} at 95 % confidence"
     note += ", motions counted" if len(verdicts.names) > 1 else ""
     note += "" if limits.hits is not None else "; no limit is given"
-    share = Row(
-        "hits its neighbour", float(np.mean(hit)), math.nan if limits.hits is None else limits.hits, PERCENT, note=note
-    )
+    capacity = math.nan if limits.hits is None else limits.hits
+    share = Row("hits its neighbour", float(np.mean(hit[known])), capacity, PERCENT, note=note)
     gaps = -demands.most(lambda run: -run.peaks["gap"])
     values, i = np.min(gaps, axis=1), int(np.argmin(np.min(gaps, axis=0)))
     note = "the least under any motion as given: what is left, or below 0 how deep they press on each other"
@@ -388,6 +393,11 @@ def _hits(demands: Demands, table: Table, verdicts: Verdicts, limits: Limits) ->
 def gaps_of(by_sign: Sequence[Sequence[Any]], table: Table) -> FloatArray:
     """Return the least gap of each pair in each run (m), (runs, pairs): the runs as given, then those of the table."""
     return np.vstack([*(run.peaks["gap"] for runs in by_sign for run in runs), table["least_gap"]])
+
+
+def are_known(gaps: FloatArray) -> NDArray[np.bool_]:
+    """Return True for each run with gaps: runs that could not be finished, or had no rest, have none, (runs,)."""
+    return np.asarray(~np.isnan(gaps).all(axis=1))
 
 
 def _cracks(demands: Demands) -> list[Row]:

@@ -47,9 +47,10 @@ def differences(checks: Sequence[Check]) -> list[str]:
 def difference(first: Check, other: Check) -> str:
     """Return the sentence that compares `other` with `first` under the same motions: falls, and displacements.
 
-    Runs form pairs: of one motion and the same random numbers. Runs under one motion are alike, so the mean of its
-    pairs counts as one trial; with a single motion each pair is a trial. Pairs of which one run falls do not count for
-    the displacements.
+    Runs form pairs: of one motion and the same random numbers. If the models differ in their numbers of joints, pairs
+    share the motion alone: the factor on it is drawn after those of the joints, so that all have other numbers. Runs
+    under one motion are alike, so the mean of its pairs counts as one trial; with a single motion each pair is a trial.
+    Pairs of which one run falls do not count for the displacements.
     """
     pairs = _moved(first), _moved(other)
     of = "motions" if len(pairs[0]) > 1 else "runs"

@@ -4,6 +4,7 @@ import math
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -31,7 +32,7 @@ from solver.checks.answer import margin_sentence, verdict_sentence
 from solver.checks.check import checked, write_checks
 from solver.checks.limits import TOLERANCE
 from solver.checks.margin import MOST, NARROW, STEP, Margin, margin_of
-from solver.checks.runs import as_given, varied
+from solver.checks.runs import as_given, is_turned, varied
 from solver.checks.scaling import ScaledMotion, applied
 from solver.checks.subject import subject_of
 from solver.checks.table import Row, overturning
@@ -411,3 +412,45 @@ def test_motion_as_given_is_not_scaled() -> None:
     made = check(BLOCK, [motion], plan=Plan(ensemble=1, margin=False, joints=False))
     assert made.action.motions[0].motion is motion
     assert made.action.motions[0].factor == 1.0
+
+
+def test_a_share_that_may_fall_needs_no_margin() -> None:
+    """Check that an allowed share of falls is not compared a second time, and that nothing is hidden by it."""
+    cases: list[tuple[int, str, float, bool | None]] = [
+        (1, "standing", 0.2, None),
+        (1, "standing", 0.1, None),
+        (1, "standing", 0.05, False),
+        (1, "standing", 0.0, False),
+        (1, "overturned", 0.2, False),
+        (0, "standing", 0.2, True),
+    ]
+    for fallen, own, share, passes in cases:
+        words = np.array(["overturned"] * fallen + ["standing"] * (10 - fallen))
+        stands = 0.8 if fallen else 1.3
+        verdicts, margin = Verdicts(["sine"], np.array([own]), words), Margin(stands, 1.02 * stands, 0, 10)
+        rows = {one.name: one for one in overturning(verdicts, Limits(share=share), margin, {})}
+        assert rows["overturning"].passes is (0.1 * fallen <= share)
+        found = rows["overturning, margin"]
+        assert found.passes is passes
+        assert found.brief == f"bears {stands:g} x"
+        assert f"between {stands:g} and" in found.note
+
+
+def test_a_varied_column_too_soft_to_stand_has_fallen() -> None:
+    """Check a block whose modulus is just above that at which it does not stand: every other one has less."""
+    weight, inertia = 2000.0 * 0.16 * G, 0.2**4 / 12.0
+    block = Block(4.0, 0.2, 0.2, 320.0, Joint(1.05 * weight * 2.0 / inertia, 2e-3))
+    slow = Motion.from_samples(0.5, [0.0, 1e-6, 0.0])
+    found = check(Column("tall", (block,)), {"slow": slow}, plan=Plan(ensemble=8, margin=False, joints=False))
+    fallen, undecided, size = found.fallen
+    assert (size, undecided) == (8, 0)
+    assert 0 < fallen < 8  # was an error: tall cannot stand
+    assert f"{fallen} of them under their weight alone (tall cannot stand: " in row(found, "overturning").note
+
+
+def test_a_harmonic_that_is_turned_is_said_to_be() -> None:
+    for direction in (0.0, 0.5 * math.pi, 0.3):
+        motion = Motion.harmonic(1.0, 2.0, 0.1, direction)
+        turned, same = (SimpleNamespace(motion=one) for one in (motion.mirrored(), motion))
+        assert is_turned(turned, motion)
+        assert not is_turned(same, motion)

@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,10 @@ import pytest
 
 from multiblock import InputError, Motion, Plan, Structure, check, wavelets
 from solver.checks.friction import Envelope, friction_values, with_friction
+from solver.checks.table import rows_of
 from solver.commands.check_report import friction_lines
 from solver.commands.command_line import main
+from solver.runs.table import Table
 
 PLAN = Plan(ensemble=2, margin=False, joints=False)
 FRICTIONS = (0.2, 0.7)
@@ -124,3 +127,26 @@ def test_the_command_prints_and_reports_the_range(
     assert "As given these neighbours hit each other: first-second" in page
     assert main([*words, "--variant", "pair.toml"]) == 2
     assert "--friction 0.2:0.7:0.5: must be left out with --both and --variant" in capsys.readouterr().err
+
+
+def test_at_most_fifty_values() -> None:
+    assert len(friction_values("0.2:0.69:0.01")) == 50
+    with pytest.raises(InputError, match="at most 50 values"):
+        friction_values("0.2:0.699:0.01")  # 49.9 steps, and the upper bound
+
+
+def test_a_run_without_gaps_changes_no_gap_and_no_share(envelope: Envelope) -> None:
+    """Check the envelope and the rows of a check with the last varied run not finished."""
+    whole = envelope.checks[1]
+    table = Table(dict(whole.runs._columns), whole.runs.stats, of=whole.runs._of, kind=whole.runs._kind)
+    gaps = table._columns["least_gap"] = whole.runs._columns["least_gap"].copy()
+    gaps[-1] = np.nan
+    cut = Envelope((0.7,), [replace(whole, runs=table)])
+    every = [run.peaks["gap"][0] for runs in whole.by_sign for run in runs] + gaps[:-1, 0].tolist()
+    assert cut.least_gaps[0, 0] == min(every)  # was nan
+    assert cut.rows[0][-1] == f"{sum(gap < 0.0 for gap in every)} of 3 runs"
+    assert "nan" not in " ".join(cut.pairs[0])
+    rows = rows_of(whole.subject, whole.by_sign, table, whole.plan.limits, None, whole.verdicts)
+    share = next(row for row in rows if row.name == "hits its neighbour")
+    assert share.demand == np.mean(np.array(every) < 0.0)
+    assert "of 3 runs, as given and varied, without 1 that have no gaps" in share.note
