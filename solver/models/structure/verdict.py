@@ -97,7 +97,9 @@ class Well:
         self._small = 0.5 * PERTURBED**2 * structure.weight * settlement  # J, of displacements of this size
         self._heights = _heights(structure)
         self._groups = _groups(structure)
-        self._alone = _bears_alone(structure)
+        self._alone = ~_bypassed(structure, ties=True)
+        self._framed = _bypassed(structure)  # other joints bypass it, not only ties
+        self._hangs = _hangs(structure)
         self._upright = np.array([abs(joint.face.normal[2]) >= UPRIGHT for joint in structure.joints])
         stepper = SpatialStepper(structure)
         start_from(stepper, rest_of(structure))
@@ -208,21 +210,26 @@ class Well:
 
     def _leans(self, normal: FloatArray) -> bool:
         """Return True if some block is held by joints that lean against each other, as in an arch."""
-        askew = ~self._alone & ~self._upright
-        return bool(np.any(normal[askew] > HARDLY * self._structure.weight))
+        return bool(np.any(~self._alone & ~self._upright & self._is_loaded(normal)))
+
+    def _is_loaded(self, normal: FloatArray) -> NDArray[np.bool_]:
+        """Return the mask of the joints that bear more than hardly anything, (joints,)."""
+        return normal > HARDLY * self._structure.weight
 
     def _lifting(self, rest: SpatialStepper, left: float) -> float:
         """Return the least energy (J) that lifts what some joint carries over the nearest edge of its contact.
 
-        A joint that is not the only support opens together with at least one other, which has its own lever.
+        A joint that others bypass opens together with at least one of them, which has its own lever. Joints that bear
+        nothing do not count there, nor do ties: a block may turn away from them.
         """
         normal, moments, least = self._carried(rest), self._moments(rest, left), math.inf
-        if np.any(moments <= 0.0):
+        if self._hangs or np.any(moments <= 0.0):
             return 0.0
-        others = np.sort(moments[~self._alone & ~np.isnan(moments)])[:2]
+        shares = _bypassed(self._structure, self._is_loaded(normal))
+        others = np.sort(moments[shares & ~np.isnan(moments)])[:2]
         for j in np.flatnonzero(~np.isnan(moments)).tolist():
             moment, lifted = float(moments[j]), self._height(j) * float(normal[j])
-            if not self._alone[j] and len(others) > 1:
+            if shares[j] and len(others) > 1:
                 moment += float(others[0] if moment > others[0] else others[1])
             least = min(least, moment * moment / (math.hypot(lifted, moment) + lifted))
         return least
@@ -235,15 +242,18 @@ class Well:
     def _moments(self, rest: SpatialStepper, left: float) -> FloatArray:
         """Return the force of each joint times its lever about the nearest edge of its contact, N m (joints,).
 
-        NaN for the joints of an arch. Slips have moved that edge, and may go on until friction has dissipated the
-        energy `left`, J. On an elastic bed the force stays inside the edge by a third of the length that is still in
-        contact halfway to the fall.
+        NaN for the joints of an arch, and for those of frames that bear hardly anything. Slips have moved that edge,
+        and may go on until friction has dissipated the energy `left`, J. On an elastic bed the force stays inside the
+        edge by a third of the length that is still in contact halfway to the fall.
         """
         structure = self._structure
         normal, (mx, my) = self._carried(rest), (_field(rest, name) for name in ("Mx", "My"))
-        together = self._upright & (normal > HARDLY * structure.weight) & (not self._leans(normal))
+        loaded = self._is_loaded(normal)
+        together = self._upright & loaded & (not self._leans(normal))
+        # of joints that only ties bypass those that lean are left to `_bending`
+        single = self._alone | ~self._framed & (self._upright | ~loaded)
         moments = np.full(len(normal), math.nan)
-        for j in np.flatnonzero(self._alone | together).tolist():
+        for j in np.flatnonzero(single | together).tolist():
             joint, carried, moments[j] = structure.joints[j], float(normal[j]), 0.0
             if not carried > 0.0:
                 continue
@@ -298,7 +308,7 @@ class Well:
             return math.inf
         change = self._change_of_resultants(rest)
         given, margins = [], []
-        for j in np.flatnonzero(~self._alone & (normal > HARDLY * structure.weight)).tolist():
+        for j in np.flatnonzero(~self._alone & self._is_loaded(normal)).tolist():
             for (x, y), reach in _edges(structure.joints[j], _slip(rest, j)):
                 margins.append(reach * normal[j] - x * my[j] + y * mx[j])
                 given.append(reach * change[j] - x * change[2 * m + j] + y * change[m + j])
@@ -460,42 +470,64 @@ def _heights(structure: Structure) -> FloatArray:
     return moment[uppers] / carried[uppers] - places
 
 
-def _bears_alone(structure: Structure) -> NDArray[np.bool_]:
-    """Return the mask of the joints without which some block is not connected with the base, (joints,).
+def _bypassed(
+    structure: Structure, counted: NDArray[np.bool_] | None = None, *, ties: bool = False
+) -> NDArray[np.bool_]:
+    """Return the mask of the joints that other links bypass: without such a joint all bodies stay connected, (joints,).
 
-    In a spanning tree of paths from the base, a link is such a bridge if no other link bypasses it. Each link outside
-    the tree has a bit, which the bodies on the paths to both of its ends get by XOR: common parts of the paths keep
-    none.
+    Links are the `counted` joints (None: all) and, if asked for, the ties. In a spanning tree, a link is bypassed if a
+    link outside the tree closes a cycle with it. Each link outside the tree has a bit, which the bodies on the paths
+    to both of its ends get by XOR: common parts of the paths keep none.
     """
-    bodies = [(joint.upper, joint.lower) for joint in structure.joints] + [
-        (tie.one, tie.other) for tie in structure.ties
-    ]
-    behind = {j for group in _groups(structure).values() for j in group[1:]}
-    numbers = [number for number in range(len(bodies)) if number not in behind]  # bearings of two bodies are one link
+    bodies, count = _bodies_linked(structure, ties), len(structure.joints)
+    behind = [j for group in _groups(structure).values() for j in group[1:]]  # bearings of two bodies are one link
+    left_out = {*behind, *(() if counted is None else np.flatnonzero(~counted).tolist())}
+    numbers = [number for number in range(len(bodies)) if number not in left_out]
     links = [bodies[number] for number in numbers]
-    # spanning tree, breadth first
-    at_body: list[list[int]] = [[] for _ in range(structure.n + 1)]
-    for number, (one, other) in enumerate(links):
-        at_body[one].append(number)
-        at_body[other].append(number)
-    by, order = {structure.n: -1}, [structure.n]  # the link by which each body is reached
-    for body in order:
-        for number in at_body[body]:
-            for end in links[number]:
-                if end not in by:
-                    by[end] = number
-                    order.append(end)
-    # bits of the links outside the tree
-    past = [0] * (structure.n + 1)
+    by = _trees(structure.n, links)
+    # bits of the links outside the trees
+    past, found = [0] * (structure.n + 1), np.zeros(len(bodies), dtype=np.bool_)
+    found[behind] = True
     for number, (one, other) in enumerate(links):
         if number not in (by[one], by[other]):
             past[one] ^= 1 << number
             past[other] ^= 1 << number
-    # from the leaves to the base: a link whose subtree has no bits is a bridge
-    found = np.zeros(len(bodies), dtype=np.bool_)
-    for body in order[:0:-1]:
-        number = by[body]
-        one, other = links[number]
-        past[other if one == body else one] ^= past[body]
-        found[numbers[number]] = past[body] == 0
-    return found[: len(structure.joints)]
+            found[numbers[number]] = True
+    # from the leaves to the roots: a link whose subtree has no bits is a bridge
+    for body, number in reversed(by.items()):
+        if number >= 0:
+            one, other = links[number]
+            past[other if one == body else one] ^= past[body]
+            found[numbers[number]] = past[body] != 0
+    return found[:count]
+
+
+def _hangs(structure: Structure) -> bool:
+    """Return True if ties alone connect some block with the base."""
+    return list(_trees(structure.n, _bodies_linked(structure)).values()).count(-1) > 1
+
+
+def _bodies_linked(structure: Structure, ties: bool = False) -> list[tuple[int, int]]:
+    """Return the numbers of the bodies that each joint connects, then those of each tie if asked for."""
+    joints = [(joint.upper, joint.lower) for joint in structure.joints]
+    return joints + [(tie.one, tie.other) for tie in structure.ties] * ties
+
+
+def _trees(n: int, links: list[tuple[int, int]]) -> dict[int, int]:
+    """Return the link by which each body is reached in spanning trees, breadth first from the base; -1 of a root."""
+    at_body: list[list[int]] = [[] for _ in range(n + 1)]
+    for number, (one, other) in enumerate(links):
+        at_body[one].append(number)
+        at_body[other].append(number)
+    by: dict[int, int] = {}
+    for root in range(n, -1, -1):
+        if root in by:
+            continue
+        by[root], tree = -1, [root]
+        for body in tree:
+            for number in at_body[body]:
+                for end in links[number]:
+                    if end not in by:
+                        by[end] = number
+                        tree.append(end)
+    return by
