@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from math import cos, sin
 from pathlib import Path
@@ -16,12 +17,13 @@ from support.probe import G, phocas, put_back
 from support.shenton import mode_found, mode_of, needed_to_rock
 from support.sliding import SlidingReference, follow
 
-from solver import Block, Column, InitialState, InputError, Joint, Motion, Settings, simulate
+from solver import Block, Column, InitialState, InputError, InputWarning, Joint, Motion, Response, Settings, simulate
 from solver.ground import wavelets
 from solver.ground.loads import Load
 from solver.models.column.run import phase_of
 from solver.models.column.stepper import Stepper
 from solver.models.column.sticking import always_sticks
+from solver.runs.many import simulate_many
 
 
 def two_blocks(eta: float, tolerance: float) -> Column:
@@ -326,3 +328,125 @@ def test_a_tilted_joint_begins_to_slide_outwards_on_the_edge_below() -> None:
     assert tilt > 0.005
     # measured 5e-4 less, as N is damped and the push of the edge is not
     assert run.Tx[first, 0] / run.N[first, 0] == pytest.approx(0.4 - sin(tilt), abs=1e-3)
+
+
+def leaning(
+    offset: float, below: float = 1.2, width: float = 1.0, friction: float = 0.3, height: float = 0.5, **law: Any
+) -> Column:
+    """Return a block off the middle of a block `below` m wide; a port is in the middle of its foot."""
+    law = {"stiffness": 1e8, "damping": 1e-2, "friction": friction, "offset": offset} | law
+    upper = {"height": height, "width": width, "depth": 1.0, "density": 2500.0, "joint": law}
+    rest = {"stiffness": 1e9, "damping": 5e-3}
+    lower = {"height": 1.0, "width": below, "depth": 1.0, "density": 2500.0, "joint": rest}
+    port = {"name": "p", "block": "block1", "at": [0.0, -0.5 * height]}
+    return Column.from_dict({"name": "leaning", "block": [upper, lower], "port": [port]})
+
+
+def loaded(column: Column, time: list[float], push: list[float], couple: list[float], **options: Any) -> Response:
+    """Load the upper block by a push (of its weight) at its foot and a couple (m of it), on a base at rest."""
+    weight = column.blocks[0].mass * G
+    load = Load.of(np.array(time), Fx=weight * np.array(push), My=weight * np.array(couple))
+    still = Motion.from_samples(1.0, np.zeros(int(time[-1]) + 1))
+    with warnings.catch_warnings():  # of the damping, by which the block leans without swinging
+        warnings.simplefilter("ignore", InputWarning)
+        return simulate(column, still, loads={"p": load}, settle=0.0, **options)
+
+
+def pushed(column: Column, way: float = 1.0, lean: float = 0.45, slip: float = 0.0) -> Response:
+    """Tilt the upper block on its edge by a couple, then push its foot the same way until it slides."""
+    push, couple = [0.0, 0.0, way * 1.2 * 0.3], [0.0, way * lean, way * lean]
+    start = InitialState(slip=[slip, 0.0])
+    options = {"initial": start, "tolerance": 1e-7, "output_step": 1e-3, "duration": 3.6}
+    return loaded(column, [0.0, 1.0, 4.0], push, couple, **options)
+
+
+def begins(run: Response) -> int:
+    """Return the row in which the upper block has begun to slide."""
+    return int(np.argmax(np.abs(run.slip[:, 0] - run.slip[0, 0]) > 1e-7))
+
+
+def needed_push(run: Response) -> float:
+    """Return the push over friction times weight at which `pushed` lets the upper block slide."""
+    return 1.2 * (float(run.time[begins(run)]) - 1.0) / 3.0
+
+
+# widths below and above (m), law of the joint between them, couple over weight (m); the needed push where the upper
+# block stands out by 1 nm, and where it stands back by 1 nm
+FLUSH: dict[str, tuple[float, float, dict[str, Any], float, float, float]] = {
+    "wide below": (1.2, 1.0, {}, 0.45, 0.9232, 0.9772),
+    "narrow below": (1.0, 1.2, {}, 0.55, 0.8680, 0.9824),
+    "strips": (1.2, 1.0, {"section": "strips", "strips": [0.8, 0.7, 1.0, 0.7, 0.8]}, 0.45, 1.0276, 1.0384),
+    "rim": (1.2, 1.0, {"rim": 0.1}, 0.45, 0.9504, 0.9864),
+    "inclined": (1.2, 1.0, {"inclination": 0.02}, 0.45, 0.8140, 0.9220),
+}
+
+
+@pytest.mark.parametrize("case", FLUSH)
+def test_an_edge_that_coincides_with_that_below_pushes_as_where_it_stands_out(case: str) -> None:
+    """Place a block flush with one edge of another one, also but for rounding: the edge below pushes it outwards."""
+    below, width, law, lean, out, back = FLUSH[case]
+    offsets = [0.5 * (below - width) + more for more in (0.0, 1e-14, -1e-14, 1e-9, -1e-9)]
+    needed = [needed_push(pushed(leaning(offset, below, width, **law), lean=lean)) for offset in offsets]
+    # without the push of the edge the first and the third were `back`, to 8e-4
+    assert needed == pytest.approx([out, out, out, out, back], abs=5e-4)  # an output step is 4e-4
+
+
+def test_edges_that_coincide_push_on_either_side_and_after_a_slip() -> None:
+    run, mirrored = pushed(leaning(0.1)), pushed(leaning(-0.1), way=-1.0)
+    assert np.array_equal(run.slip, -mirrored.slip)
+    # measured 0.9220 in space, of the shear of its joints; 0.9768 without the push of the edge
+    assert needed_push(run) == pytest.approx(0.9232, abs=5e-4)
+    # the block has slid until it is flush
+    assert needed_push(pushed(leaning(0.07), slip=0.03)) == pytest.approx(0.9232, abs=5e-4)
+    # away from that edge it slides as if it stood back
+    back = needed_push(pushed(leaning(0.09), way=-1.0))
+    assert needed_push(pushed(leaning(0.1), way=-1.0)) == pytest.approx(back, abs=5e-4)  # measured 0.9784
+
+
+@pytest.mark.parametrize(("offset", "below"), [(0.0, 1.0), (0.1, 1.2)])
+def test_edges_that_coincide_push_outwards_against_a_pull_inwards(offset: float, below: float) -> None:
+    """Tilt a block on its edge until it slides outwards, at a tilt of the friction plus the pull over the weight."""
+    time, pull, couple = [0.0, 2.0, 12.0, 14.0], [0.0, -0.002, -0.002, -0.002], [0.0, 0.42, 0.47, 0.47]
+    column = leaning(offset, below, friction=0.01)
+    run = loaded(column, time, pull, couple, tolerance=1e-6, output_step=0.01, duration=10.0)
+    first = begins(run)
+    assert run.slip[-1, 0] > offset + 0.01
+    # measured 0.0121; where the direction did not regard the edge, it stuck up to a tilt of 0.09 and slid inwards
+    assert run.ry[first, 0] - run.ry[first, 1] == pytest.approx(0.012, abs=2e-4)
+
+
+def test_edges_that_coincide_leave_the_error_within_the_tolerance() -> None:
+    """Push a block on an edge forth and back: its slips and tops."""
+    time, push = [0.0, 0.1, 0.4, 0.5, 0.6, 0.9, 1.0], 1.3 * 0.3 * np.array([0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.0])
+    couple, column = [0.0, 0.4, 0.4, 0.0, 0.0, -0.4, 0.0], leaning(0.1)
+    truth, run = (
+        loaded(column, time, list(push), couple, tolerance=tolerance, output_step=0.01) for tolerance in (1e-11, 1e-7)
+    )
+    error = max(np.max(np.abs(run.slip - truth.slip)), np.max(np.abs(run.ux - truth.ux)))
+    # measured 6e-5 of the tolerance; 190 times it without the push of the edge
+    assert error < 1e-7 * np.max(np.abs(truth.ux))
+
+
+@pytest.mark.long  # compiles lanes whose columns slide
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_edges_that_coincide_push_in_lanes_as_in_single_runs(side: float) -> None:
+    """Shake blocks that are flush with an edge, or stand out by 1 nm: they slide by 6 to 90 mm."""
+    time = np.arange(0.0, 3.0, 0.02)
+    ends = []
+    for out in (0.0, 1e-9):
+        columns, motions = [], []
+        for seed in range(8):
+            rng = np.random.default_rng(seed)
+            height, friction, stiffness = rng.uniform(1.8, 2.2), rng.uniform(0.27, 0.33), 10.0 ** rng.uniform(8.0, 9.0)
+            columns.append(
+                leaning(side * (0.1 + out), height=height, friction=friction, stiffness=stiffness, damping=3e-3)
+            )
+            amplitude = side * rng.uniform(0.33, 0.48) * G * rng.choice([-1.0, 1.0])
+            sine = amplitude * np.sin(2.0 * np.pi * rng.uniform(0.7, 2.0) * time)
+            motions.append(Motion.from_samples(0.02, np.where(time < 1.2, sine, 0.0)))
+        table = simulate_many(columns, motions, tolerance=1e-6, settle=0.0, keep=["residual_slip", "path"])
+        assert set(table["path"]) == {"lanes"}
+        alone = [simulate(*run, tolerance=1e-6, settle=0.0).slip[-1, 0] for run in zip(columns, motions, strict=True)]
+        ends.append(table["residual_slip"][:, 0])
+        assert ends[-1] == pytest.approx(alone, abs=5e-7)  # measured 6e-8 m
+    assert ends[0] == pytest.approx(ends[1], abs=5e-7)  # measured 5e-8 m; 1.2e-4 m without the push of the edge

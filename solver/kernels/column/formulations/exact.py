@@ -27,6 +27,7 @@ from ..joint.resultants import resultants_of, shear_capacity
 from ..joint.sliding import (
     BARELY,
     can_slide,
+    edges_coincide,
     opening_felt,
     opening_rate_felt,
     pressure_shear,
@@ -69,7 +70,7 @@ JOINT_ROW = Record(
     "under_cosine",
     "across",  # N m, couple of N across half of the slip
     "given",  # N, T of a joint that slides
-    "at_edges",  # N, more than the force of edges of the lower face
+    "at_edges",  # N, more than the force of edges that coincide; 0 if none do
 )
 _over = JOINT_ROW.over
 _SIZE = JOINT_ROW.beside
@@ -146,10 +147,11 @@ def _bear(model, phase, bonds, joints, hold, room, slides):
             across = 0.5 * slip * normal
             moment += across
             here.across = across
-            ahead = slip_towards(slip, joints.sliding[i])
+            coincide = edges_coincide(blocks, i, slip)
+            ahead = slip_towards(slip, joints.sliding[i], coincide)
             joints.pressure_shear[i] = pressure_shear(normal, sine, rim_force(blocks, i, felt, slope, ahead))
             pressed = greater(magnitude(slope) * greater(blocks.own_right[i], -blocks.own_left[i]) - felt, 0.0)
-            here.at_edges = blocks.stiffness[i] * blocks.own_depth[i] * pressed * pressed
+            here.at_edges = where(coincide, blocks.stiffness[i] * blocks.own_depth[i] * pressed * pressed, 0.0)
             joints.shear_capacity[i] = shear_capacity(model, bonds, joints, i, normal)
             here.given = joints.pressure_shear[i] - joints.sliding[i] * joints.shear_capacity[i]
         here.turned = moment * cosine
@@ -330,10 +332,10 @@ def _move(phase, motion, here, blocks, i, alpha, alpha_below, swung_below, opens
 
 @kernel
 def _shear_towards(blocks, phase, joints, i, n, towards):
-    """Return the shear of the pressure of joint i (N) as it begins to slide in a direction."""
+    """Return the shear of the pressure of joint i (N), whose edges coincide, as it begins to slide in a direction."""
     sine, _ = half_sine_cosine(phase.theta[i] - phase.theta[i + 1] if i + 1 < n else phase.theta[i])
     felt = opening_felt(phase.opening[i], phase.slip[i], 2.0 * sine)
-    at_rim = rim_force(blocks, i, felt, 2.0 * sine, slip_towards(phase.slip[i], towards))
+    at_rim = rim_force(blocks, i, felt, 2.0 * sine, phase.slip[i] + BARELY * towards)
     return pressure_shear(joints.normal[i], sine, at_rim)
 
 
@@ -344,10 +346,12 @@ def _slide(blocks, phase, row, joints, i, n, needed):
     sticks = way == 0.0
     # edges of both faces that coincide: of the lower one those count towards which the joint may begin to slide
     beyond = magnitude(needed - joints.pressure_shear[i]) > bears - row.at_edges
-    begins = sticks & (magnitude(phase.slip[i]) < BARELY) & beyond
+    begins = sticks & (row.at_edges > 0.0) & beyond
     if any_of(begins):
-        towards = where(begins, where(needed > joints.pressure_shear[i], -1.0, 1.0), 0.0)
-        found = _shear_towards(blocks, phase, joints, i, n, towards)
+        # the direction whose bound on T, of its own edges, is exceeded or nearer
+        forwards = _shear_towards(blocks, phase, joints, i, n, 1.0)
+        backwards = _shear_towards(blocks, phase, joints, i, n, -1.0)
+        found = where(needed > 0.5 * (forwards + backwards), backwards, forwards)
         joints.pressure_shear[i] = where(begins, found, joints.pressure_shear[i])
     # flag a joint that sticks although its capacity is exceeded
     beyond = magnitude(needed - joints.pressure_shear[i]) > bears

@@ -8,7 +8,7 @@ dowel bear the rest.
 
 from ...layout.spaces import STRIP_NUMBERS
 from ...numba_ext.jit import by_width, leaf
-from ...numba_ext.lanes import LANES, LanesType, any_of, greater, magnitude, where
+from ...numba_ext.lanes import LANES, LanesType, any_of, greater, lesser, magnitude, where
 from ..sections.band import band_push
 from ..sections.faces import LENS, ON_RING
 from ..sections.lens import lens_push
@@ -28,7 +28,7 @@ from ..sections.section import (
 from .law import pressed_part
 
 RIGID = 1e300  # N, dowel of a joint that never slides
-BARELY = 1e-12  # m, slip at which edges that coincide as built are apart
+BARELY = 1e-12  # m, slip by which edges that coincide come apart
 MARK = "slips_in_lanes"  # name of an empty part of the spaces of lanes whose columns have slips (batch/runs.py)
 
 
@@ -68,13 +68,24 @@ def slip_of(model, phase, i):
     return slip_if(can_slide(model), model, phase, i)
 
 
+@leaf
+def edges_coincide(blocks, i, slip):
+    """Return True if edges of both faces of joint i coincide at a slip (m): any further slip parts them."""
+    # bores of the same width coincide at no slip, whatever the outlines
+    right, left = blocks.own_right[i] - blocks.rim_right[i] + slip, blocks.own_left[i] - blocks.rim_left[i] + slip
+    return lesser(magnitude(slip), lesser(magnitude(right), magnitude(left))) < BARELY
+
+
 @by_width
-def slip_towards(slip, way):
-    """Return the slip (m) by which edges cut the contact: of a joint as built, a small one in the direction `way`."""
+def slip_towards(slip, way, coincide):
+    """Return the slip (m) by which edges cut the contact: where they coincide, a little further in the direction `way`.
+
+    So the edge of the lower face counts towards which the joint slides, whatever the rounding of widths and slips.
+    """
     # lanes without slips, others
     if isinstance(way, LanesType) and not isinstance(slip, LanesType):
-        return lambda slip, way: slip
-    return lambda slip, way: where(magnitude(slip) < BARELY, BARELY * way, slip)
+        return lambda slip, way, coincide: slip
+    return lambda slip, way, coincide: where(coincide, slip + BARELY * way, slip)
 
 
 @leaf
