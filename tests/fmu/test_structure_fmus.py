@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ import build_fmu
 from fmu_src.references import FAMILIES, FAMILY, REFERENCES
 from fmu_src.structure_variables import structure_variables
 from solver import Motion, simulate
+from solver.models.outputs import places_of
 from solver.models.structure.driven import Chosen, DrivenStructure, packed
 from solver.models.structure.model import Structure
 from solver.models.structure.outputs import OUTPUTS
@@ -150,6 +152,54 @@ def test_a_motion_in_a_plane_stays_in_it() -> None:
     assert not np.any(uy(0.0, 0.0))
     assert np.all(uy(0.3, 1e-3) != 0.0)
     assert np.all(uy(0.6, 0.0) != 0.0)
+
+
+BOX = {"name": "a", "on": "base", "width": 0.4, "depth": 0.5, "height": 1.6, "density": 2400.0}
+LAW = {"stiffness": 1e9, "damping": 2e-3, "friction": 0.5}
+
+
+def driven_by(structure: Structure, chosen: Chosen, ax: np.ndarray, retuned: tuple[int, float] = (-1, 1.0)) -> Any:
+    """Return the output rows under samples every H s; retuned: a step, and the factor on the damping from then on."""
+    driven, rows = DrivenStructure(structure, packed(structure), chosen), []
+    for k, (a, b) in enumerate(pairwise(ax)):
+        if k == retuned[0]:
+            driven.retune(chosen._replace(damping_scale=retuned[1]))
+        driven.drive(H * k, a, 0.0, 0.0, (b - a) / H, 0.0, 0.0)
+        driven.advance(H * k, H)
+        rows.append(driven.observe(H * (k + 1)).copy())
+    return np.array(rows)
+
+
+def rocked(size: float, end: float, duration: float) -> np.ndarray:
+    t = H * np.arange(round(duration / H) + 1)
+    return size * 9.80665 * np.sin(2.6 * np.pi * t) * (t < end)
+
+
+@pytest.mark.parametrize("scale", [0.0, 0.01])
+def test_the_damping_scale_chooses_the_method_as_the_file_would(scale: float) -> None:
+    """Compare with the run of a file with this damping: integrated as with the damping of the file it was 50 to 80
+    tolerances off.
+    """
+    ax, law = rocked(0.2, 1.0, 4.0), LAW | {"damping": LAW["damping"] * scale}
+    model = Structure.from_dict({"name": "box", "joints": law, "block": [BOX]})
+    right = simulate(model, Motion.from_samples(H, ax), settle=0.0, output_step=H, tolerance=1e-9)
+    structure = Structure.from_dict({"name": "box", "joints": LAW, "block": [BOX]})
+    rows = driven_by(structure, Chosen(1e-4, damping_scale=scale), ax)
+    error = np.max(np.abs(rows[:, 0] - right.ux[1:, 0])) / np.max(np.abs(right.ux))
+    assert error < 0.2 * 1e-4  # measured 0.05 tolerances at most
+
+
+def test_a_larger_damping_during_a_run_bounds_the_steps() -> None:
+    """Compare forces with those at a fine tolerance: with the bound of the damping before they were 25 % off."""
+    drums = {"name": "d", "shape": "drum", "repeat": 2, "on": "base", "diameter": 0.6, "height": 0.9, "density": 2400.0}
+    structure = Structure.from_dict({"name": "drums", "joints": LAW | {"friction": 0.4}, "block": [drums]})
+    ax, place = rocked(0.5, 2.0, 2.0), places_of(OUTPUTS, structure.sizes)["Tx"]
+    for before, after in ((0.1, 10.0), (1.0, 10.0)):
+        rows = [
+            driven_by(structure, Chosen(tolerance, damping_scale=before), ax, (50, after))[50:, place]
+            for tolerance in (1e-3, 1e-7)
+        ]
+        assert np.max(np.abs(rows[0] - rows[1])) < 0.02 * np.max(np.abs(rows[1]))  # measured 0.5 %
 
 
 @pytest.mark.parametrize(

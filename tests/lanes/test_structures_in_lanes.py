@@ -13,6 +13,7 @@ from support.probe import G
 from support.structures import stack, with_law
 
 from solver import simulate
+from solver.common.errors import InputError
 from solver.ground.motion import Motion
 from solver.models.protocol import NoRestError, Run
 from solver.models.structure import kind, run
@@ -160,6 +161,61 @@ def test_a_hit_in_one_lane_changes_no_bit_of_the_others() -> None:
     for one, other in [*zip(together[:3], alone, strict=True), *zip(together, turned, strict=True)]:
         for name in ("peak_u", "least_gap", "steps", "verdict"):
             assert np.asarray(one[name]).tobytes() == np.asarray(other[name]).tobytes()
+
+
+def test_a_fall_in_one_lane_changes_no_bit_of_the_others() -> None:
+    """Compare runs that hit the wall while others fall with the same runs one by one."""
+    structure = beside().with_settings(tolerance=1e-3)
+    sizes = np.linspace(0.4, 1.5, 16)  # g; the run at 1.353 differed
+    motions = [Motion.harmonic(size * G, 0.9, 1.6, direction=0.1 * k) for k, size in enumerate(sizes)]
+    together = in_lanes(structure, motions)
+    alone = [in_lanes(structure, [motion])[0] for motion in motions]
+    assert {one["verdict"] for one in together} >= {"overturned"}
+    for one, other in zip(together, alone, strict=True):
+        for name in ("peak_u", "least_gap", "steps", "verdict", "overturn_time"):
+            assert np.asarray(one[name]).tobytes() == np.asarray(other[name]).tobytes(), name
+
+
+def test_rims_on_other_joints_are_in_other_lanes() -> None:
+    """Follow drums with a rim under the lower or the upper one alone, together and one by one: it was up to 8 % off."""
+    runs = []
+    for k in (0, 1):
+        data = stack(2, "circle", damping=3e-3).to_dict()
+        for i, block in enumerate(data["block"]):
+            block["position"] = [0.0, 0.0, 4.69 * i]
+        data["joint"] = [{"between": [block["name"], block.pop("on")]} for block in data["block"]]
+        data["joint"][k]["rim"] = 0.1
+        runs.append(Structure.from_dict(data).with_settings(tolerance=1e-4))
+    motion = Motion.harmonic(0.1 * G, 1.0, 1.0)
+    table = simulate_many(runs * 4, motion, keep=("peak_u", "path"))
+    for k, structure in enumerate(runs):
+        one = simulate_many(structure, motion, keep=("peak_u", "path"))
+        assert table["peak_u"][k].tobytes() == one["peak_u"][0].tobytes()
+        assert table["path"][k] == one["path"][0] == "lanes"
+
+
+def test_what_a_structure_leaves_out_stays_left_out_where_peaks_are_not_kept() -> None:
+    structure = with_law(trilith(0.5), stiffness=1e11, damping=0.02).with_settings(tolerance=1e-3)
+    motion, keep, evaluations = Motion.harmonic(0.2 * G, 2.0, 0.5), ("peak_u", "evaluations"), []
+    for without in ((), ("stabilized",)):
+        run = Run(structure.with_settings(without=without), motion, 0.5)
+        evaluations.append(structure.kind.alone(run, keep, 0.0, lambda *_: None)["evaluations"])
+    alone = simulate(structure, motion, without=["stabilized", "peaks"], settle=0.0)
+    assert evaluations[1] == alone.stats["evaluations"] > evaluations[0]
+
+
+def test_peaks_that_are_not_computed_are_not_given() -> None:
+    """Leave out peaks: those of displacements remain, between the ends of the steps, and no others."""
+    structure, motion = trilith(0.3).with_settings(tolerance=1e-5), waves(1, 0.25)[0]
+    whole = simulate(structure, motion, settle=0.0, tolerance=1e-7)
+    short = simulate(structure, motion, settle=0.0, without=["peaks"])
+    assert sorted(short.peaks) == ["u", "ux", "uy", "uz"]
+    for name in short.peaks:  # measured 1e-5; at ends of steps alone 2e-3
+        assert short.peaks[name] == pytest.approx(whole.peaks[name], rel=1e-4), name
+    refused = r'solver.without has "peaks", must not where peak_N is kept'
+    assert simulate_many(structure.with_settings(without=("peaks",)), motion)["peak_centroid_ux"].shape == (1, 5)
+    with pytest.raises(InputError, match=refused):
+        simulate_many(structure.with_settings(without=("peaks",)), motion, keep=("peak_N", "verdict"))
 
 
 def test_a_post_that_leans_stands_in_lanes_too() -> None:

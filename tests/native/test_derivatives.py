@@ -51,6 +51,7 @@ KINDS = {
         PLANE,
     ),
     "column with ports": (SHAFT.format(joint="") + PORTS, "acceleration", False, {}),
+    "column with ports and friction": (SHAFT.format(joint="friction = 0.05") + PORTS, "acceleration", False, {}),
     "column with ports, body": (SHAFT.format(joint="") + PORTS, "body", False, PLANE),
     "column with ports, horizontal": (SHAFT.format(joint="") + PORTS, "horizontal", False, PLANE),
     "structure": (BLOCK, "acceleration", False, {}),
@@ -61,6 +62,12 @@ KINDS = {
 }
 
 
+CRACKING = "stiffness = 2e9\ndamping = 1e-3\nfriction = 0.6\ntensile_strength = 5e4\ncohesion = 1e6"
+PIER = "width = 0.8\ndepth = 0.7\nheight = 2.0\ndensity = 2500.0"
+MORTARS = {
+    "column": (f'name = "pier"\n[[block]]\n{PIER}\n[joint]\n{CRACKING}\n', "joint[1].M"),
+    "structure": (f'name = "pier"\n[joints]\n{CRACKING}\n[[block]]\nname = "a"\non = "base"\n{PIER}\n', "joint[1].My"),
+}
 # after a fall within 300 steps: what holds its state, and what goes on
 FALLING = {
     "column, body": (SHAFT.format(joint="") + PORTS, "body", PLANE | {"body.F0x": 3e5}, 0.0),
@@ -106,6 +113,18 @@ def test_of_every_kind(kind: str, tmp_path: Path) -> None:
     text, word, turns, mass = KINDS[kind]
     drive = USUAL._replace(turns=turns) if word == "acceleration" else drive_of(word, "parabola", 1, turns)
     check(built(text, drive, tmp_path), mass, 1e-6)
+
+
+@pytest.mark.long  # builds native FMUs
+@pytest.mark.parametrize("kind", list(MORTARS))
+def test_rates_while_mortar_cracks(kind: str, tmp_path: Path) -> None:
+    """Compare with differences of outputs: central ones, of a past with today's crack, halve the rate of the bond."""
+    text, moment = MORTARS[kind]
+    fmu = built(text, USUAL, tmp_path)
+    outputs = ["bond[1].share", "joint[1].contact", "joint[1].N", moment]
+    for found, differences in np.array(call(inside.rates_while_cracking, fmu, outputs)):
+        assert differences[0] < -1.0  # 1/s: it cracks
+        assert found == pytest.approx(differences, rel=2e-2)  # measured 1.1e-4; of N 5e-3
 
 
 @pytest.mark.long  # builds native FMUs

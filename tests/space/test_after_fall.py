@@ -16,6 +16,7 @@ from solver.ground import wavelets
 from solver.kernels.structure.layout import JOINED_GAP
 from solver.models.structure.blocks.shapes import turned
 from solver.models.structure.convex import distance, hulls_of
+from solver.models.structure.driven import Chosen, DrivenStructure, packed
 from solver.models.structure.model import Structure
 from solver.models.structure.neighbours import damping_of, restitution_of
 from solver.models.structure.overlap import Overlap
@@ -439,3 +440,20 @@ def test_the_reason_is_that_of_the_first_fall() -> None:
     )
     assert later.what_fell == "block post"
     assert np.max(later.peaks["d"]) == pytest.approx(0.2, abs=2e-3)  # m: then the slab comes off too
+
+
+def test_a_state_before_its_first_step_does_not_know_of_a_fall_after_it() -> None:
+    """Let a slab come off its bearings, set the state at the start again, and make one step: at once it was fallen."""
+    data = on_rubber(post=False, capacity=0.02).to_dict()
+    data["neighbours"]["after_fall"] = 1.0
+    structure = Structure.from_dict(data)
+    driven = DrivenStructure(structure, packed(structure), Chosen(1e-4))
+    saved = [part.copy() for part in driven.arrays[:4]]
+    driven.drive(0.0, 8.0, *[0.0] * 5)
+    driven.advance(0.0, 1.0)
+    assert driven.fallen
+    for part, before in zip(driven.arrays, saved, strict=False):
+        part[:] = before
+    driven.drive(0.0, 8.0, *[0.0] * 5)
+    driven.advance(0.0, 1e-3)
+    assert not driven.fallen

@@ -108,3 +108,44 @@ def test_blocks_that_hang_by_ties_alone_are_refused() -> None:
     ]
     with pytest.raises(InputError, match="at least one must stand on a joint or a bearing"):
         simulate(Structure.from_dict(data), STILL)
+
+
+@pytest.mark.parametrize(("drop", "damping", "most"), [(5e-3, 2e-2, 0.01), (5e-3, 5e-2, 0.01)])
+def test_steps_are_bounded_by_the_dampers_after_a_landing(drop: float, damping: float, most: float) -> None:
+    """Drop a block, whose dampers do not act at the start: its shear was 9 to 11 % of the largest off, once landed."""
+    box = {"name": "a", "on": "base", "width": 0.4, "depth": 0.5, "height": 1.6, "density": 2400.0}
+    law = {"stiffness": 1e9, "damping": damping, "friction": 0.5}
+    structure = Structure.from_dict({"name": "box", "joints": law, "block": [box]})
+    t, zero = 0.01 * np.arange(201), np.zeros((1, 3))
+    motion = Motion.from_samples(0.01, 0.15 * 9.80665 * np.sin(2.6 * np.pi * t))
+    initial = SpatialState(np.array([[0.0, 0.0, drop]]), zero, zero, zero)
+    found, right = (
+        simulate(structure, motion, initial=initial, settle=0.0, output_step=5e-3, tolerance=tolerance)
+        for tolerance in (1e-3, 1e-8)
+    )
+    assert np.max(np.abs(found.Tx - right.Tx)) < most * float(np.max(right.peaks["Tx"]))  # measured 6e-4
+
+
+@pytest.mark.parametrize("shape", [{}, {"bore": 0.4}])
+def test_faces_that_only_touch_press_nowhere(shape: dict[str, float]) -> None:
+    """Start a drum on a rim as built, with a spin and a velocity away: N was -186 to -702 N, contact below 0."""
+    drum = {"name": "b", "shape": "drum", "diameter": 0.9, "height": 0.5, "density": 2500.0, "on": "base", **shape}
+    law = {"stiffness": 5.7e7, "damping": 2e-4, "rim": 0.1}
+    structure = Structure.from_dict({"name": "drum", "joints": law, "block": [drum]})
+    zero = np.zeros((1, 3))
+    initial = SpatialState(zero, zero, np.array([[0.0, 0.0, -0.16]]), np.array([[0.2, 0.3, 0.0]]))
+    found = simulate(structure, Motion.from_samples(1e-3, np.zeros(3)), settle=0.0, initial=initial)
+    assert found.N[0, 0] == found.contact[0, 0] == found.peaks["contact"][0] == 0.0
+
+
+@pytest.mark.parametrize("ratio", [1.0, 100.0, 1e4])
+def test_a_rest_is_found_however_stiff_the_joint_is_along(ratio: float) -> None:
+    """Stand a cube on a plane inclined by 0.02 rad, with 2.5 times the friction that it needs."""
+    block = {"name": "b", "width": 1.0, "depth": 1.0, "height": 1.0, "density": 2500.0, "position": [0.0, 0.0, 0.0]}
+    law = {"stiffness": 1e9, "damping": 1e-3, "friction": 0.05, "shear_ratio": ratio}
+    normal = [math.sin(0.02), 0.0, math.cos(0.02)]
+    joint = {"between": ["b", "base"], "at": [0.0, 0.0, 0.0], "normal": normal}
+    data = {"name": "slope", "joints": law, "block": [{**block, "rotation": [0.0, 0.02, 0.0]}], "joint": [joint]}
+    found = simulate(Structure.from_dict(data), STILL, settle=0.0)
+    # along the mean of both faces, one of which is turned by 2.9e-6 rad on its bed
+    assert found.Tx[0, 0] / found.N[0, 0] == pytest.approx(math.tan(0.02 + 1.47e-6), rel=1e-7)

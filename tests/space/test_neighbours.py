@@ -333,3 +333,19 @@ def test_a_drum_that_is_pushed_against_a_wall_leans_as_in_a_slow_motion() -> Non
     run = simulate(near, ramp, settle=0.0)
     pushed = np.interp(5.0, found.acceleration, found.hit[:, 0])
     assert pushed == pytest.approx(run.hit[-1, 0], rel=1e-2)  # measured 1e-3
+
+
+def test_the_estimated_error_of_a_gap_is_a_length() -> None:
+    """Check it against the difference of both runs; relative to a gap below 0 it would be negative, and large."""
+    block = {"on": "base", "width": 0.6, "depth": 0.6, "height": 2.4, "density": 2500.0}
+    blocks = [{**block, "name": "a", "at": [0.0, 0.0]}, {**block, "name": "b", "at": [0.62, 0.0], "height": 1.2}]
+    rub = {"stiffness": 1e8, "restitution": 0.3, "friction": 0.4}
+    law = {"stiffness": 1e9, "damping": 2e-3, "friction": 0.6}
+    structure = Structure.from_dict({"name": "row", "joints": law, "neighbours": rub, "block": blocks})
+    motion = Motion.harmonic(0.4 * 9.80665, 1.5, 0.8)
+    found = simulate(structure, motion, settle=0.0, check=True, tolerance=1e-4)
+    closer = simulate(structure, motion, settle=0.0, tolerance=1e-5)
+    assert found.peaks["gap"][0] < -1e-4  # m: they press on each other
+    assert found.estimated_error is not None
+    assert found.estimated_error.peaks["gap"] == pytest.approx(np.abs(found.peaks["gap"] - closer.peaks["gap"]))
+    assert 0.0 <= found.estimated_error.peaks["gap"][0] < 1e-5

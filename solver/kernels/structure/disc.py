@@ -230,9 +230,9 @@ def round_bed(outer, inner, area, moments, p, q):
     p, q : Plane
         Penetration and damped penetration, m.
     """
-    # full contact
+    # full contact; none where the faces only touch
     slope_p, slope_q = slope_of(p), slope_of(q)
-    full = (p.at >= outer * slope_p) & (q.at >= outer * slope_q)
+    full = (p.at >= outer * slope_p) & (q.at >= outer * slope_q) & (p.at > 0.0) & (q.at > 0.0)
     bed = whole(area, moments, q, q.at + outer * slope_q)
     # partial contact: the outer disc less the bore
     if any_of(opposite(full)):

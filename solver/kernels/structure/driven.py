@@ -7,6 +7,7 @@ state, without dependence on the acceleration of the same instant; only accelera
 import math
 
 from ..engine.control import most_of_a_call, most_work
+from ..engine.differences import point, points
 from ..engine.samples import no_samples, segment_from
 from ..layout.spaces import (
     ACCELERATION,
@@ -35,21 +36,22 @@ from .layout import (
     PHASE,
     STAGES,
     STATE,
+    order_of,
     scene_of,
     sizes_in,
     stabilizes,
     step_tolerance,
 )
 from .modal import prepare
-from .stepping import advance, end_after_fall
+from .stepping import advance, end_after_fall, fastest_decay
 from .turning import MOST_TURN, is_turned_across, rotation_at, stop_turning, turn_base
-from .watch import RATES, STAGE, SpatialWatch, clear_peaks, raise_peaks, row, seen
+from .watch import RATES, STAGE, START, SpatialWatch, clear_peaks, raise_peaks, row, seen
 
 # description of a structure: choices of the caller, then the model, then its state at rest
 GIVEN = Record("tolerance", "without", "damping_scale", "drive", "slope", "bodies", "turns")
 WITHOUT_PEAKS, WITHOUT_ELASTIC, WITHOUT_STABILIZED = 1, 2, 4  # codes of `without` (models/structure/model.py, SKIPS)
 HEAVIER = 4.0  # cost of the evaluation of a block or joint, over that of a block of a column
-RATE_PART = 1e-4  # half the interval of the difference quotients of outputs, over the first step
+RATE_PART = 1e-4  # interval of the difference quotients of outputs, over the first step
 
 _inputs, _head, _given, _input, _phase = INPUTS.over, HEAD.over, GIVEN.over, INPUT_MOTION.over, PHASE.over
 _model, _state = MODEL.over, STATE.over
@@ -77,23 +79,29 @@ def assemble(model, state, counts, base, work, given, from_rest):
     copy(model, packed, made.total)
     settings, joints = made.settings, made.joints
     # settings
-    settings.tolerance = described.tolerance
-    settings.step_tolerance = step_tolerance(settings.order, settings.tolerance)
-    settings.stabilizes = stabilizes(settings.order, settings.tolerance)
     settings.watches = 0.0 if int(described.without) & WITHOUT_PEAKS else 1.0
     if int(described.without) & WITHOUT_ELASTIC:
         settings.has_modes = 0.0
-    if int(described.without) & WITHOUT_STABILIZED:
-        settings.stabilizes = 0.0
     settings.drive, settings.slope, settings.bodies = described.drive, described.slope, described.bodies
     settings.turns = described.turns
     # damping, scaled; a joint that may slide keeps the least damping in shear
+    damping = 0.0
     for j in range(sizes.m):
         joints.damping[j] *= described.damping_scale
         least = settings.relaxation if joints.friction[j] != math.inf else 0.0
         joints.shear_damping[j] = max(least, described.damping_scale * joints.shear_damping[j])
         joints.dashpot[j] *= described.damping_scale
         joints.ring_damping[j] *= described.damping_scale
+        # of the most damped joint; across a bearing alone
+        is_bearing = j >= sizes.m - sizes.b
+        damping = max(damping, joints.damping[j] if is_bearing else min(joints.damping[j], joints.shear_damping[j]))
+    # method and tolerances, by this damping
+    settings.order = order_of(damping, settings.first_step)
+    settings.tolerance = described.tolerance
+    settings.step_tolerance = step_tolerance(settings.order, settings.tolerance)
+    settings.stabilizes = stabilizes(settings.order, settings.tolerance)
+    if int(described.without) & WITHOUT_STABILIZED:
+        settings.stabilizes = 0.0
     for e in range(sizes.k):
         made.ties.damping[e] *= described.damping_scale
     for p in range(sizes.pairs):
@@ -107,9 +115,11 @@ def assemble(model, state, counts, base, work, given, from_rest):
         copy(lasting.phase.buffer, packed[made.total :], sizes.state)
         clear(counts, _COUNTS)
         clear(base, _input(base, sizes).total)
-    # modes
+    # modes, and the fastest decay, of the structure at rest
     let_go(scene)
     prepare(scene)
+    copy(row(scene, START), packed[made.total :], moving(scene))
+    scene.control.decay = fastest_decay(scene)
     return OK
 
 
@@ -311,8 +321,8 @@ def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, sampl
 def rates(model, state, counts, base, work, t, samples, visible, driven):
     """Fill an output row with the rates of all outputs at time t, 1/s. Return OK. `look` has been called at t.
 
-    The rates are central differences of the outputs along the rates of the state, over a fraction of the first step.
-    The arguments are those of `look`; driven: filled with the rates of the motion of the base.
+    The rates are differences of the outputs along the rates of the state, over a fraction of the first step
+    (engine/differences.py). The arguments are those of `look`; driven: filled with the rates of the motion of the base.
     """
     sizes, scene = sizes_in(model), scene_of(model, state, counts, base, samples, work)
     size, here, between = scene.visible, _state(state, sizes).phase.buffer, row(scene, STAGE)
@@ -325,18 +335,17 @@ def rates(model, state, counts, base, work, t, samples, visible, driven):
     pushed = taken_at(scene, segment, t)
     recall(scene, here)
     evaluate_state(scene, here, pace, pushed[0], pushed[1], pushed[2])
-    # outputs on both sides of time t
-    past = RATE_PART * scene.settings.first_step
-    for _ in range(2):
+    # weighted outputs at instants near time t
+    is_brittle = scene.extras.glued > 0
+    for k in range(points(is_brittle)):
+        past, weight = point(is_brittle, k, RATE_PART * scene.settings.first_step)
         for i in range(moving(scene)):
             between[i] = here[i] + past * pace[i]
         pushed = taken_at(scene, segment, t + past)
         evaluate_state(scene, between, row(scene, RATES + 1), pushed[0], pushed[1], pushed[2])
         show(scene, _phase(between, scene.n), seen(scene, 0), True)
-        # half of the difference quotient
         for i in range(size):
-            visible[i] += 0.5 / past * seen(scene, 0)[i]
-        past = -past
+            visible[i] += weight * seen(scene, 0)[i]
     let_go(scene)
     return OK
 

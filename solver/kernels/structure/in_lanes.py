@@ -398,10 +398,13 @@ def step_on(batch):
     lanes.steps += where(good, 1.0, 0.0)
     lanes.rejected += where(busy & (error > 1.0), 1.0, 0.0)
     # shorten it where a gap closes, a bond breaks or a block falls
+    falling = good
     for _ in range(SHORTENINGS):
-        block = where(good, fallen(scene, _phase(row(scene, END), scene.n)), 0.0)
-        step = until_closed(scene, lanes.t, step, good, part_until_fall(scene, block))
-        if not any_of(block > 0.0):
+        block = where(falling, fallen(scene, _phase(row(scene, END), scene.n)), 0.0)
+        step = until_closed(scene, lanes.t, step, falling, part_until_fall(scene, block))
+        # only where a block falls again, so that no run depends on the others
+        falling = block > 0.0
+        if not any_of(falling):
             break
     # peaks, gaps, falls, cracks
     phase = _phase(row(scene, END), scene.n)

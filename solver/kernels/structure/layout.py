@@ -268,6 +268,16 @@ LEAST_TOLERANCE = 1e-15  # of a step; below it errors are those of rounding
 RINGING_ORDER = 8.0  # order of the method for undamped joints
 
 
+LIGHTLY_DAMPED = 0.02  # damping ratio of a contact, below which steps of the higher order are taken
+FIRST_STEP = 0.1  # of 1 / omega of the fastest joint
+
+
+@in_both
+def order_of(damping: float, first_step: float) -> float:
+    """Return the order of the method for the most damped joint (s) and a first step (s)."""
+    return RINGING_ORDER if 0.5 * damping * FIRST_STEP / first_step < LIGHTLY_DAMPED else 5.0
+
+
 @in_both
 def step_tolerance(order: float, tolerance: float) -> float:
     """Return the tolerance of a step of the method of this order."""

@@ -5,7 +5,7 @@ import math
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import lesser, where, zero_like
 from ..numba_ext.views import copy
-from .attempt import attempt, rate
+from .attempt import rate
 from .bearing import travel_left
 from .bodies import path_through
 from .contact import (
@@ -232,11 +232,8 @@ def meet_pairs(scene):
 
 
 @kernel
-def until_closed(scene, segment, t, h, part):
-    """Return the length, s, of the step of h s just made, shortened if a gap closes in it or a bond starts to break.
-
-    part: of the step, to which it is shortened at least. A shortened step has been made again.
-    """
+def part_until_met(scene, h, part):
+    """Return the part of the step of h s just made until a gap closes or a bond starts to break, at most `part`."""
     kept, phase = kept_in(scene, START), _phase(row(scene, END), scene.n)
     # the first gap to close
     for p in range(scene.extras.met):
@@ -248,13 +245,7 @@ def until_closed(scene, segment, t, h, part):
                 gap = gap_of_spheres(scene, phase, scene.extras.pairs, p)
             part = min(part, closing(scene, h, p, gap))
     # the first bond to break
-    part = min(part, until_broken(scene, h, True))
-    # repeat the step up to that instant
-    if part < 1.0:
-        h = part * h
-        forget_known_gaps(scene)
-        attempt(scene, segment, t, h)
-    return h
+    return min(part, until_broken(scene, h, True))
 
 
 @kernel

@@ -43,10 +43,10 @@ from .meeting import (
     longest_touching,
     meet,
     note_first,
+    part_until_met,
     release_flying,
     release_pairs,
     toppled,
-    until_closed,
 )
 from .modal_layout import data_of
 from .watch import BETWEEN, END, STAGE, START, clear_peaks, look, raise_peaks, row, seen, track_peaks, travel
@@ -231,8 +231,9 @@ def end_after_fall(scene):
 def _begin(scene, segment, t, phase):
     """Evaluate the phase from which the steps start; the first call sets scales and the first step."""
     control, counts, settings = scene.control, scene.counts, scene.settings
-    # a state that has fallen begins without the joints that have come apart
+    # a state that has fallen, or is off a bearing by its forces, begins without the joints that have come apart
     if counts.started == 0 and settings.after_fall > 0.0:
+        evaluate_at(scene, segment, row(scene, START), rate(scene, 0), t)
         block = max(int(fallen(scene, phase)), toppled(scene, phase))
         if block > 0:
             counts.fallen, control.fall_time = block, t
@@ -296,7 +297,7 @@ def _finish(scene, watch, segment, t, h, by_modes):
 
 
 @kernel
-def _fastest_decay(scene):
+def fastest_decay(scene):
     """Return the decay rate, 1/s, of the most damped motion of the joints at START, by power iteration."""
     first, end = _RATES * scene.n, _PER_BODY * scene.n
     begin, way, moved = row(scene, START), row(scene, BETWEEN), row(scene, STAGE)
@@ -340,7 +341,7 @@ def _plan(scene, segment, left, quiet):
             counts.elastic_wait = WAIT_OPEN
         modal.forget(scene)
     if control.decay == 0.0:
-        control.decay = _fastest_decay(scene)
+        control.decay = fastest_decay(scene)
     # the longest step of order 5, and the fastest rate that it follows
     longest = min(SEEN / control.decay, STABLE * longest_touching(scene))
     if settings.gives_way != 0.0:
@@ -383,6 +384,14 @@ def _stabilized_step(scene, fastest):
     """Return the proposed stabilized step, s, or that of a trial while steps of order 5 are made."""
     step = scene.control.stabilized_step
     return step if step > 0.0 else FIRST_REACH / fastest
+
+
+@leaf
+def _error_of(scene, segment, t, h, method, fastest):
+    """Make a stabilized or an explicit step of h s from row START to row END; return its error in tolerances."""
+    if method == STABILIZED:
+        return stabilized.attempt_stabilized(scene, segment, t, h, stabilized.stages_of(h * fastest))
+    return attempt(scene, segment, t, h)
 
 
 @kernel
@@ -550,11 +559,15 @@ def advance(scene, watch, state, t, stop, most):
         # complete the step
         travel(scene, h)
         if method != BY_MODES:  # steps by modes keep all contacts
-            ends = method == EXPLICIT and counts.fallen == 0
+            ends = counts.fallen == 0
             # again where a block falls, as its margin is not linear over the step
             for _ in range(SHORTENINGS):
                 block = fallen(scene, _phase(row(scene, END), scene.n)) if ends else 0.0
-                h = until_closed(scene, segment, t, h, part_until_fall(scene, block))
+                part = part_until_met(scene, h, part_until_fall(scene, block))
+                if part < 1.0:
+                    h = part * h
+                    forget_known_gaps(scene)
+                    _error_of(scene, segment, t, h, method, fastest)
                 if block == 0.0:
                     break
         _finish(scene, watch, segment, t, h, method == BY_MODES)

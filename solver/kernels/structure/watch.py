@@ -16,6 +16,7 @@ from ..engine.peaks import (
     nearer,
     vertex,
 )
+from ..engine.queue import peak_over
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, index_of, square_root, zero_like
 from .contact import keep_gaps
@@ -271,6 +272,16 @@ def travel(scene, h):
 
 
 @kernel
+def _raise_turns(scene, h):
+    """Raise the peaks of displacements by turning points within the step of h s just made."""
+    begin, end, n, peaks = _phase(row(scene, START), scene.n), _phase(row(scene, END), scene.n), scene.n, scene.peaks
+    for i in range(n):
+        peaks[i] = peak_over(peaks[i], begin.ux[i], begin.vx[i], end.ux[i], end.vx[i], h, True)
+        peaks[n + i] = peak_over(peaks[n + i], begin.uy[i], begin.vy[i], end.uy[i], end.vy[i], h, True)
+        peaks[2 * n + i] = peak_over(peaks[2 * n + i], begin.uz[i], begin.vz[i], end.uz[i], end.vz[i], h, True)
+
+
+@kernel
 def track_peaks(scene, segment, t, h, by_modes):
     """Raise the peaks by the step just made, whose end has been evaluated last; by modes its middle is known."""
     count = scene.visible
@@ -281,7 +292,9 @@ def track_peaks(scene, segment, t, h, by_modes):
     if by_modes and _rises(scene, end):  # outputs were those of the prediction
         look(scene, segment, t, h, 1.0, end, False)
     raise_peaks(scene, end)
-    # the middle, and tops between
+    # displacements within the step, of all else the middle and tops between
+    if scene.settings.watches == 0.0:
+        _raise_turns(scene, h)
     if scene.settings.watches != 0.0:
         if not by_modes or _rises(scene, middle):
             look(scene, segment, t, h, 0.5, middle, False)

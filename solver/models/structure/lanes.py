@@ -38,7 +38,7 @@ def share_of(structure: Structure) -> Hashable:
     places = names.joints  # fields that lanes read from the first run
     joints = tuple(
         getattr(places, name).tobytes()
-        for name in ("upper", "lower", "first", "corners", "above", "below", "section", "bond")
+        for name in ("upper", "lower", "first", "corners", "above", "below", "section", "bond", "inside")
     )
     ties = tuple((tie.one, tie.other) for tie in structure.ties)
     insides = tuple(

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...kernels.column.model.assembly import LIGHTLY_DAMPED
 from ...kernels.structure import layout as at
 from ...kernels.structure.modal_layout import AXES, MODAL_ROOM
 from ..column.packing import Arrays as Arrays
@@ -22,7 +21,6 @@ FLOOR = 1e-3  # of the settlement under weight: the least motion relative to whi
 # least damping along a joint that may slide, times the frequency of the fastest joint: the elastic slip follows the
 # motion within that time, which explicit steps must resolve
 RELAXATION = 0.1
-FIRST = 0.1  # of 1 / omega of the fastest joint: first step
 
 
 class PackedModel(NamedTuple):
@@ -347,11 +345,10 @@ def _fill_settings(
     # first step and order of the method
     frequency = math.sqrt(2.0 * fastest)
     settings.gravity = g
-    settings.first_step = FIRST / frequency
+    settings.first_step = at.FIRST_STEP / frequency
     along = [d if joint.bearing else s for joint, d, s in zip(joints, table.damping, table.shear_damping, strict=True)]
     damping = max(map(min, table.damping, along), default=0.0)  # without that of sliders
-    rings = 0.5 * damping * frequency < LIGHTLY_DAMPED
-    settings.order = at.RINGING_ORDER if rings else 5.0
+    settings.order = at.order_of(damping, settings.first_step)
     # floors of the errors
     settings.extent = extent
     settings.motion_floor = max(1e-12, FLOOR * max(g, 1e-3) / fastest / extent)

@@ -119,9 +119,9 @@ def force_scale(structure: Structure) -> float:
 def _parts_of(structure: Structure, settlement: float) -> list[float]:
     """Return the fractions of the settlement from which differences for the tangent are made, the largest first.
 
-    A stiff joint between soft ones opens under a displacement that is small for the others.
+    A stiff joint between soft ones opens, or slides, under a displacement that is small for the others.
     """
-    stiffest = max(joint.bed.stiffness * joint.moments[0] for joint in structure.joints)
+    stiffest = max(j.bed.stiffness * max(1.0, j.bed.shear_ratio) * j.moments[0] for j in structure.joints)
     ratio = settlement * stiffest / force_scale(structure)
     return [1.0, *(0.01**k for k in range(1, MOST_PARTS) if 10.0 ** (2 * k - 1) < ratio)]
 

@@ -48,6 +48,19 @@ def rates_after_a_fall(fmu: str, held: dict[str, float], steps: int) -> list[Pai
     return found
 
 
+def rates_while_cracking(fmu: str, outputs: list[str]) -> list[Pair]:
+    """Return the rates of outputs and differences over 2 us, while the base acceleration grows by 20 m/s3, thrice."""
+    found = []
+    for t in (0.14, 0.16, 0.18):
+        body = Instance(fmu, {"solver.tolerance": 1e-10})
+        body.set({"base.jx": 20.0})
+        body.step(0.0, t)
+        body.set({"base.ax": 20.0 * t})
+        found.append(rates_of(body, outputs, t, 1e-6))
+        body.close()
+    return found
+
+
 def compare(fmu: str, start: dict[str, Any], mass: dict[str, float], steps: int) -> tuple[list[Row], bool]:
     """Return what every continuous output changes by with every input, after some steps; whether it has overturned.
 

@@ -1,5 +1,6 @@
 """Derivatives of the outputs of a column: by time, and by the inputs of its base and ports."""
 
+from ...engine.differences import point, points
 from ...layout.spaces import ACCELERATION, HORIZONTAL, LOAD, OK, SPLIT
 from ...numba_ext.jit import kernel, leaf
 from ...numba_ext.numbers import sine_cosine
@@ -9,9 +10,10 @@ from ..formulations.coupled_base import driven_along, show_driven_along, show_dr
 from ..formulations.exact import Motion
 from ..formulations.feedthrough import base_direction, effective_mass, split_reaction, tangential_gains
 from ..formulations.loads import ports_of, push_ports, pushes_of
-from ..formulations.outputs import observe
+from ..formulations.outputs import observe, observe_as_it_slides
 from ..formulations.slips import phase_size
 from ..integrators.interpolation import slips_of
+from ..stepping.advance import take_phase
 from .engine import BASE_INPUTS, first_body
 from .observing import base_of, row_length, see
 
@@ -40,8 +42,8 @@ def _add(row, split, other, other_split, factor, length):
 def rates(column, t, row, split, other, other_split):
     """Fill row and split with the rate (1/s) of every output at time t, for which `look` was called. Returns a code.
 
-    Central differences over a fraction of the period of the fastest mode, to which the first step is proportional, on
-    the parabola given by coordinates, rates and accelerations.
+    Differences over a fraction of the period of the fastest mode, to which the first step is proportional, on the
+    parabola given by coordinates, rates and accelerations (engine/differences.py).
 
     Parameters
     ----------
@@ -65,22 +67,21 @@ def rates(column, t, row, split, other, other_split):
     see(column, moved_and_loaded(column, t), other, other_split)
     between, saved = work.between, work.end
     copy(saved.row, between.row, phase_size(work))
-    # half the time between the two observations, then its negative
-    past = RATE_PART * model.settings.first_step
-    for _ in range(2):
+    is_brittle = int(work.slips.bonds) > 0
+    for k in range(points(is_brittle)):
         # phase at that instant
+        past, weight = point(is_brittle, k, RATE_PART * model.settings.first_step)
         for i in range(2 * n):
             _extrapolate(saved, between, i, past)
         first, behind = slips_of(work)
         for i in range(behind - first):
             _extrapolate(saved, between, first + i, past)
             between.sliding[i] = saved.sliding[i]
-        # add or subtract the outputs there
+        # add the weighted outputs there
         then = moved_and_loaded(column, t + past)
         observe(column, work.between, then, other)
         split_reaction(column, work.between, then, other, other_split)
-        _add(row, split, other, other_split, 0.5 / past, length)
-        past = -past
+        _add(row, split, other, other_split, weight, length)
     return OK
 
 
@@ -174,6 +175,15 @@ def _add_loads(column, seeds, elapsed):
 
 
 @kernel
+def _see_as_it_slides(column, motion, row, split):
+    """Run `see` with the joints that slid in the last observation: seeds of any size do not change which slide."""
+    between = column.work.between
+    take_phase(column, motion, between)
+    observe_as_it_slides(column, between, motion, row)
+    split_reaction(column, between, motion, row, split)
+
+
+@kernel
 def _add_load_reactions(column, motion, t, seeds, elapsed, other, split, other_split):
     """Add to `split` the directional derivative of R0 along the load seeds.
 
@@ -183,7 +193,7 @@ def _add_load_reactions(column, motion, t, seeds, elapsed, other, split, other_s
     for i in range(_SPLIT):
         split.row[i] -= other_split.row[i]
     _add_loads(column, seeds, elapsed)
-    see(column, motion, other, other_split)
+    _see_as_it_slides(column, motion, other, other_split)
     for i in range(_SPLIT):
         split.row[i] += other_split.row[i]
     # restore the loads and the outputs
@@ -203,7 +213,7 @@ def _differenced(column, motion, seeds, elapsed, along_x, along_z, alpha, row, o
         row.buffer[i] -= other.buffer[i]
     _add_loads(column, seeds, elapsed)
     begin = motion.ax + along_x, motion.az + along_z, motion.theta, motion.omega, motion.alpha + alpha
-    see(column, Motion(*begin), other, other_split)
+    _see_as_it_slides(column, Motion(*begin), other, other_split)
     for i in range(length):
         row.buffer[i] += other.buffer[i]
 

@@ -8,7 +8,7 @@ from ..joint.resultants import largest_pressure
 from ..joint.sliding import can_slide, opening_felt, opening_rate_felt, slip_if
 from ..sections.section import contact_of
 from .bonds import lost_share
-from .dispatch import top_motion
+from .dispatch import evaluate, top_motion
 from .loads import places_of_ports, ports_of
 from .ports import see_points
 from .slips import evaluate_after_jump
@@ -22,13 +22,28 @@ def observe(column, phase, motion, row):
     """Fill an output row with all outputs of a phase, and the phase with its accelerations; return a code."""
     code = evaluate_after_jump(column, phase, motion)
     if code == OK:
-        top_motion(column, phase, row.joints.ux, column.work.tops.between_rate, motion.theta, motion.omega)
-        show(column, phase, column.work.joints, motion, row)
-        # outputs of ports, then of bonds, behind the row
-        behind = row.buffer[_ROW_PER_N * column.model.n + _ROW_BESIDE :]
-        show_ports(column, phase, motion, behind)
-        _show_bonds(column, behind[_SEEN * ports_of(column) :])
+        _show_all(column, phase, motion, row)
     return code
+
+
+@kernel
+def observe_as_it_slides(column, phase, motion, row):
+    """Run `observe` with the joints that slid in the last evaluation, whatever the forces; return a code."""
+    code = evaluate(column, phase, motion)
+    if code == OK:
+        _show_all(column, phase, motion, row)
+    return code
+
+
+@kernel
+def _show_all(column, phase, motion, row):
+    """Fill an output row with all outputs of an evaluated phase."""
+    top_motion(column, phase, row.joints.ux, column.work.tops.between_rate, motion.theta, motion.omega)
+    show(column, phase, column.work.joints, motion, row)
+    # outputs of ports, then of bonds, behind the row
+    behind = row.buffer[_ROW_PER_N * column.model.n + _ROW_BESIDE :]
+    show_ports(column, phase, motion, behind)
+    _show_bonds(column, behind[_SEEN * ports_of(column) :])
 
 
 @leaf
