@@ -159,21 +159,25 @@ class _Records:
 
     def __init__(self, motions: Sequence[Motion], durations: Sequence[float]) -> None:
         self._places: dict[int, tuple[int, int]] = {}  # of a motion: first sample, number of samples
-        silent: dict[int, bool] = {}
+        self._silent: dict[int, bool] = {}
         samples, first = [], 0
         for motion, duration in zip(motions, durations, strict=True):
             key = id(motion)
-            if key not in silent:
-                silent[key] = not (motion.ax.any() or motion.az.any())
-            if key not in self._places and not (silent[key] and duration <= motion.duration):
+            if key not in self._silent:
+                self._silent[key] = not (motion.ax.any() or motion.az.any())
+            if key not in self._places and not self._is_wave(motion, duration):
                 self._places[key] = first, len(motion.time)
                 samples.append((motion.time, motion.ax, motion.az))
                 first += len(motion.time)
         self.rows = [np.concatenate(parts) for parts in zip(*samples, strict=True)] if samples else [np.zeros(1)] * 3
 
-    def place(self, motion: Motion) -> tuple[int, int]:
-        """Return the first sample and the number of samples of a motion; 0 and 0 if there is only the harmonic part."""
-        return self._places.get(id(motion), (0, 0))
+    def _is_wave(self, motion: Motion, duration: float) -> bool:
+        """Return True if a run needs no samples, as there is only the harmonic part, to the end of the run."""
+        return self._silent[id(motion)] and duration <= motion.duration
+
+    def place(self, motion: Motion, duration: float) -> tuple[int, int]:
+        """Return the first sample and the number of samples of a run, whichever others there are; 0 and 0 of a wave."""
+        return (0, 0) if self._is_wave(motion, duration) else self._places[id(motion)]
 
 
 class _Batch:
@@ -202,7 +206,7 @@ class _Batch:
         self._models[k] = model[: self._models.shape[1]]
         omega = 2.0 * math.pi * motion.frequency
         wave = (motion.amplitude, omega, -omega * start)
-        first, size = self._records.place(motion)
+        first, size = self._records.place(motion, duration)
         self._keep_slips(k, phase)
         if not model[_HAS_MODES] or enters_at_once(column, model[_ORDER], motion, size):
             self._outcomes[k, OUTCOME.beside + n :] = phase[: 4 * n]

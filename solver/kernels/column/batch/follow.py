@@ -43,7 +43,7 @@ from ..integrators import dormand_prince
 from ..integrators.interpolation import interpolate_one, slips_of
 from ..joint.sliding import can_slide
 from ..stepping.advance import KINKS
-from ..stepping.condition import FLIGHT_PART, moment_of_overturning, widest_joint
+from ..stepping.condition import FLIGHT_PART, fallen_joint, moment_of_overturning
 from .evaluate import Batch, anchor_waves, evaluate_lanes, single
 from .runs import (
     SLIP_FIELDS,
@@ -165,7 +165,7 @@ def finish(batch, k, code):
     # code, overturning and counts
     outcome.record.code = code
     outcome.record.time = one.state.control.overturn_time
-    outcome.record.overturned = widest_joint(one.model, one.work.start) if code == HAS_OVERTURNED else 0
+    outcome.record.overturned = fallen_joint(one.model, one.work.start) if code == HAS_OVERTURNED else 0
     outcome.record.steps = one.lane.steps
     outcome.record.rejected = one.lane.rejected
     # peaks and phase

@@ -51,12 +51,12 @@ from ..output.peaks import clear_peaks
 from ..output.watch import begin_watching, take_held_snapshots, watch_step
 from .breaking import first_break
 from .condition import (
+    fallen_joint,
     has_fallen,
     is_quiet,
     moment_of_overturning,
     rests,
     take_stock,
-    widest_joint,
 )
 from .control import accepts, elastic_step, general_step
 from .holding import NO_CHANGE, expected_change, first_change, hold, release
@@ -265,6 +265,9 @@ def _end_at_change(column, plan, t, step):
             return _end_at_slip(column, t, step, max(NEAR, slides_at), traits.long)
     release(column)
     if cut == NO_CHANGE:
+        # the search may have evaluated the middle of the step last
+        if work.interpolation.has_bump != 0.0:
+            return evaluate_at(column, work.end, t + step), step, False
         return OK, step, False
     if cut < LEAST_CUT:
         counts.unheld = 1
@@ -356,10 +359,6 @@ def finish_step(column, watch, t, step):
     model, state, counts, work = column.model, column.state, column.counts, column.work
     counts.steps += 1
     counts.resting = 0
-    # scales of errors, and validity
-    code = take_stock(column, work.end, step)
-    if code != OK:
-        return code, step
     # shorten the step to the instant of overturning
     if has_fallen(model, work.end):
         fraction = moment_of_overturning(column, step)
@@ -368,7 +367,11 @@ def finish_step(column, watch, t, step):
             return code, step
         step *= fraction
         state.control.overturn_time = t + step
-        counts.overturned = widest_joint(model, work.end)
+        counts.overturned = fallen_joint(model, work.end)
+    # scales of errors, and validity
+    code = take_stock(column, work.end, step)
+    if code != OK:
+        return code, step
     # results within the step
     note_directions(work, work.end)
     note_bonds(column, work.end)

@@ -12,6 +12,7 @@ from ..sections.section import ends_of, full_stiffness
 
 # Weight of openings in the scale of errors: an error that is small in flight is large at the landing.
 FLIGHT_PART = 1e-3
+SLID_OFF = 1e-9  # of the width: a narrower contact is none
 HALVINGS = 40  # bisections of a step to locate the instant of overturning
 
 
@@ -39,11 +40,15 @@ def has_fallen(model, phase):
 
 
 @kernel
-def widest_joint(model, phase):
-    """Return the number of the joint with the largest rotation, from 1."""
+def fallen_joint(model, phase):
+    """Return the number, from 1, of the joint whose block slid off its seat, else of that with the largest rotation."""
     widest = 0
     most = -1.0
     for i in range(model.n):
+        if can_slide(model):
+            left, right = ends_of(model.blocks, i, phase.slip[i])
+            if right - left <= SLID_OFF * model.blocks.width[i]:
+                return i + 1
         turned = abs(rotation(model, phase.theta, i) - rotation(model, phase.theta, i + 1))
         if turned > most:
             widest, most = i + 1, turned
