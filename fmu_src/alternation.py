@@ -36,7 +36,7 @@ class Alternation:
             now = max(largest, abs(value))
             if change * self._change[k] < 0.0 and abs(change) >= BACK * largest:
                 self._in_a_row[k] += 1
-                if self._in_a_row[k] >= MANY and now > GROWTH * self._before[k]:
+                if found < 0 and self._in_a_row[k] >= MANY and now > GROWTH * self._before[k]:
                     found = k
             else:
                 self._in_a_row[k], self._before[k] = 1, now

@@ -107,7 +107,7 @@ class Drive(NamedTuple):
         """
         if not self.is_chosen:
             return of
-        own = {"body": (), "horizontal": tuple(name for name in of if name != "base.ax")}.get(self.drive, of)
+        own = () if self.drive == "body" else of  # built for horizontal bodies, it may be accelerated instead
         return (*own, *(variable.name for variable in self.inputs())) if of == MOVING else own
 
 

@@ -158,7 +158,7 @@ def replay(file: Path) -> str:
 
 
 def _difference(found: Any, expected: Any, largest: float) -> float:
-    if len(found) != len(expected):
+    if len(found) != len(expected) or not np.all(np.isfinite(found)):
         return math.inf
     return float(np.max(np.abs(found - expected))) / (largest or 1.0)
 

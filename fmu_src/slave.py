@@ -421,7 +421,8 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
                 self._tolerance_set = True
             if place >= self._parameters.start:
                 self._retune = self._mode == Mode.STEPPING
-        self._input_time = self._time
+            elif place < len(self._inputs):
+                self._input_time = self._time
         self._inputs_stand, self._outdated = False, True
 
     def _check_settable(self, place: int, reference: int, kind: str) -> None:

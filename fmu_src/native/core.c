@@ -497,7 +497,7 @@ size_t core_most(void) { return COUNT(variables); }
 
 int core_line(Reference input, Reference *slope) {
     for (int k = 0; k < LINES; k++)
-        if (lines[k].input == input) return *slope = lines[k].slope, 1;
+        if (lines[k].input == input && core_extent(input) == 1) return *slope = lines[k].slope, 1;
     return 0;
 }
 
@@ -541,13 +541,13 @@ Status core_settable(Instance *instance, const Reference references[], size_t co
     return ST_OK;
 }
 
-void core_has_changed(Instance *instance, int parameters) {
+void core_has_changed(Instance *instance, int parameters, int inputs) {
     Moment *now = &instance->now;
     if (parameters) {
         now->built = 0;
         now->retune = now->mode == STEPPING;
     }
-    now->input_time = now->time;
+    if (inputs) now->input_time = now->time; /* a parameter leaves the slopes of the inputs as they run */
     now->inputs_stand = 0;
     instance->outdated = 1;
 }
@@ -559,7 +559,7 @@ Status core_get_reals(Instance *instance, const Reference references[], size_t c
 }
 
 Status core_set_reals(Instance *instance, const Reference references[], size_t count, const double values[]) {
-    int parameters = 0;
+    int parameters = 0, inputs = 0;
     if (core_settable(instance, references, count, REAL, values) != ST_OK) return ST_ERROR;
     for (size_t k = 0; k < count; k++) {
         const Variable *variable = find(references[k]);
@@ -567,8 +567,9 @@ Status core_set_reals(Instance *instance, const Reference references[], size_t c
         instance->now.reals[variable->place] = values[k];
         if (HAS_TOLERANCE && variable->place == AT_TOLERANCE) instance->now.tolerance_set = 1;
         parameters |= variable->role == PARAMETER;
+        inputs |= variable->role == INPUT;
     }
-    core_has_changed(instance, parameters);
+    core_has_changed(instance, parameters, inputs);
     return ST_OK;
 }
 
@@ -589,7 +590,7 @@ Status core_set_texts(Instance *instance, const Reference references[], size_t c
             return core_say(instance, ST_ERROR, "%s: must be a text of less than %d bytes", find(references[k])->name,
                             TEXT);
     for (size_t k = 0; k < count; k++) strcpy(instance->now.texts[find(references[k])->place], values[k]);
-    core_has_changed(instance, count > 0);
+    core_has_changed(instance, count > 0, 0);
     return ST_OK;
 }
 
@@ -649,10 +650,10 @@ static void warn_of_instability(Instance *instance, double start) {
 
 static Status advance(Instance *instance, double start, double step, char *reason) {
     Moment *now = &instance->now;
+    if (now->retune && !build(instance, 0, reason)) return ST_DISCARD;
     memcpy(instance->before.state, now->state, sizeof now->state);
     memcpy(instance->before.counts, now->counts, sizeof now->counts);
     memcpy(instance->before.base, now->base, sizeof now->base);
-    if (now->retune && !build(instance, 0, reason)) return ST_DISCARD;
     now->input_time = start;
     int64_t code = follow((Follow){COLUMN(instance), RECORD(instance), .inputs = now->reals, .start = start, .h = step,
                                    .row = instance->row, .split = instance->split});
@@ -730,7 +731,7 @@ Status core_set_slopes(Instance *instance, const Reference references[], size_t 
         watch_input(instance, slope, values[k]);
         instance->now.reals[slope] = values[k];
     }
-    core_has_changed(instance, 0);
+    core_has_changed(instance, 0, 1);
     return ST_OK;
 }
 

@@ -56,7 +56,7 @@ const char *core_text(const Instance *instance, Reference reference);
 /* Whether these can be set now; then one by one, then that something has changed. */
 Status core_settable(Instance *instance, const Reference references[], size_t count, Kind kind, const void *values);
 void core_put_whole(Instance *instance, Reference reference, int64_t value);
-void core_has_changed(Instance *instance, int parameters);
+void core_has_changed(Instance *instance, int parameters, int inputs);
 
 /* How many variables a reference stands for, itself and those that follow it: one, all of an array by its first, or 0. */
 size_t core_extent(Reference reference);

@@ -33,7 +33,7 @@ static const char *category_of(Status status) {
         BEGIN;                                                                                                         \
         if (core_settable(face->column, LIST, ELEMENTS, INTEGER, values) != ST_OK) return FMI(Error);                  \
         for (size_t k = 0; k < ELEMENTS; k++) core_put_whole(face->column, LIST[k], values[k]);                        \
-        core_has_changed(face->column, ELEMENTS > 0);                                                                  \
+        core_has_changed(face->column, ELEMENTS > 0, 0);                                                               \
         return FMI(OK);                                                                                                \
     }                                                                                                                  \
     CALL(SetBoolean)(Component instance, GIVEN_TO(const FMI(Boolean))) {                                               \

@@ -76,9 +76,10 @@ def test_record_and_inputs_add_up(fmus: Fmus, tmp_path: Path) -> None:
 
 
 def test_the_slope_holds_until_an_input_is_set_again(fmus: Fmus) -> None:
-    start, slope, same, still, back = call(inputs.slopes, fmus.damped)
+    start, slope, tuned, same, still, back = call(inputs.slopes, fmus.damped)
     assert start < -4e3  # N at 0.5 m/s2; the effective mass at rest measured 8211 kg
     assert slope == pytest.approx(same, rel=1e-12)  # 0.5 + 10 * 0.05 is 1.0
+    assert tuned == slope  # a parameter leaves the slope as it runs
     assert still == same
     assert back - same == pytest.approx(0.5 * 8211.0, rel=0.05)
 

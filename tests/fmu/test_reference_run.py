@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import zipfile
 from pathlib import Path
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from support.fmus import DAMPED, LINUX, ROOT, run
 
 from build_fmu import build_fmu
 from fmu_src.drive import Drive
-from fmu_src.reference_run import FOLDER
+from fmu_src.reference_run import FOLDER, _difference
 
 TRILITH = ROOT / "examples" / "structures" / "trilith.toml"
 REPLAY = sys.executable, "-m", "multiblock", "replay"
@@ -92,3 +94,9 @@ def test_fmus_that_bodies_drive_repeat_them(model: Path, drive: Drive, tmp_path:
     found = run(*REPLAY, file)
     assert "outputs at 101 instants" in found
     assert model == TRILITH or "33 outputs" in found
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf])
+def test_a_number_that_is_none_is_no_agreement(wrong: float) -> None:
+    """Compare with a result that holds it: the largest of differences, one of which is NaN, may leave that out."""
+    assert _difference(np.array([1.0, wrong]), np.array([1.0, 2.0]), 2.0) == math.inf

@@ -218,6 +218,8 @@ def test_command_line(native: Path, tmp_path: Path) -> None:
 def test_input_derivatives_are_the_slopes_of_the_inputs(native: Path) -> None:
     same, statuses = call(inside.slopes, native)
     assert same
+    shown = call(inputs.slopes, native)
+    assert shown[1] == shown[2] != shown[0]  # a parameter that is set leaves them as they run
     assert statuses == [3, 3, 3, 0]
 
 

@@ -44,11 +44,11 @@ def record_inside(fmu: str, values: dict[str, Any], elsewhere: str) -> dict[str,
 
 
 def slopes(fmu: str) -> list[float]:
-    """Return the shear at the base as inputs are set and left alone."""
+    """Return the shear at the base as inputs and a parameter, to its own value, are set and left alone."""
     column = Instance(fmu, {"base.ax": 0.5, "base.jx": 10.0})
     heard = column.get("joint[3].S")
     column.step(0.0, 0.05)
-    for change in ({}, {"base.ax": 1.0}, {"base.jx": 0.0}, {"base.ax": 0.5}):
+    for change in ({}, {"g": 9.80665}, {"base.ax": 1.0}, {"base.jx": 0.0}, {"base.ax": 0.5}):
         column.set(change)
         heard += column.get("joint[3].S")
     return heard
