@@ -41,6 +41,7 @@ class InPlane(Subject):
     )
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         check_rest(self.model, from_rest=True)
 
     @property

@@ -39,6 +39,7 @@ class InSpace(Subject):
     )
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if not self.model.weight > 0.0:
             raise InputError(f"g = {self.model.g}: must be positive, without weight nothing falls")
         rest_of(self.model)

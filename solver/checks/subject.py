@@ -53,6 +53,10 @@ class Subject:
     column: Column | None = None  # the column of which a structure is the model in space, if known
     of_model: ClassVar[tuple[str, ...]] = ()  # sentences on the effects that the model leaves out
 
+    def __post_init__(self) -> None:
+        if "peaks" in self.model.settings.without:
+            raise InputError('solver.without has "peaks", must not in a check, which compares them')
+
     @property
     def planar(self) -> Column | None:
         """The column in its plane; None for a structure that is no column."""

@@ -11,8 +11,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
-import numpy as np
-
 from .. import __version__
 from ..common.digits import percent
 from ..common.errors import InputError, InputWarning, SolverError, reading
@@ -327,7 +325,7 @@ def _summary(response: Response) -> str:
         left = ", ".join(f"{1e3 * slip:.5g}" for slip in response.slip[-1])
         lines.append(f"slip of each block at the end (mm): {left}; friction took {stats['friction_work']:.4g} J")
     bonds = range(1, column.n + 1) if column.is_brittle else ()
-    lines += cracks([f"joint {i}" for i in bonds], response.peaks.get("bond", np.empty(0)))
+    lines += cracks([f"joint {i}" for i in bonds], response.peaks.get("bond"))
     # verdict and accuracy
     lines.append(verdict_line(response))
     lines += error_lines(response, "ux")

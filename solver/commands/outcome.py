@@ -31,8 +31,8 @@ def error_lines(response: Result, moved: str) -> list[str]:
     error = response.estimated_error
     if error is None or response.horizon is None:
         return []
-    peaks, forces = (float(np.max(error.peaks[name], initial=0.0)) for name in (moved, "N"))
-    of_peaks = f"peaks {peaks:.1e}, those of N {forces:.1e}"
+    largest = {name: float(np.max(error.peaks[name], initial=0.0)) for name in (moved, "N") if name in error.peaks}
+    of_peaks = f"peaks {largest[moved]:.1e}" + (f", those of N {largest['N']:.1e}" if "N" in largest else "")
     return [
         f"estimated error: histories {error.ux:.1e} of the peak, {of_peaks}; predictable until {response.horizon:.4g} s"
     ]
@@ -74,17 +74,17 @@ def ensemble_lines(ensemble: Ensemble, names: Sequence[object], moved: str, most
     return lines
 
 
-def cracks(names: Sequence[str], left: FloatArray) -> list[str]:
+def cracks(names: Sequence[str], left: FloatArray | None) -> list[str]:
     """Return a line on the joints that have cracked; no line without such joints.
 
     Parameters
     ----------
     names : sequence of str
         Names of the joints.
-    left : array (len(names),)
-        Bonded share of each joint, 0 to 1.
+    left : array (len(names),) or None
+        Bonded share of each joint, 0 to 1; None if it was not recorded.
     """
-    if not names:
+    if not names or left is None:
         return []
     hurt = [(name, part) for name, part in zip(names, left, strict=True) if part < 1.0]
     named = [f"{name} {part:.3g}" if part else f"{name} nothing" for name, part in hurt]

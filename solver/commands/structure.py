@@ -48,8 +48,25 @@ def summary(response: SpatialResponse) -> str:
     lines += [f"{name[:14]:14s}  {x:14.5g} {y:10.5g} {z:10.5g}" for name, x, y, z in moved][:MOST_LINES]
     lines += [f"... {structure.n - MOST_LINES} more blocks"] if structure.n > MOST_LINES else []
     lines.append(_envelope(response))
-    # joints, ties and bearings
-    lines.append("joint           peak N (kN)  least contact  pressure (MPa)  slip (mm)")
+    if "N" in peaks:
+        lines += _peaks(response)
+    # neighbours, cracks, verdict and accuracy
+    lines += _neighbours(response)
+    lines += cracks(structure.bond_names, peaks.get("bond"))
+    lines.append(verdict_line(response))
+    if stats.get("released"):
+        lines.append(f"joints that ended in the fall have changed the energy by {stats['released']:.3g} J")
+    lines += error_lines(response, "u")
+    if response.ensemble is not None:
+        lines += ensemble_lines(response.ensemble, structure.names, "u", MOST_LINES)
+    lines.append(f"{stats['steps']} steps in {stats['wall_time']:.2f} s")
+    return "\n".join(lines)
+
+
+def _peaks(response: SpatialResponse) -> list[str]:
+    """Return tables of the peaks of joints, ties and bearings."""
+    structure, peaks = response.model, response.peaks
+    lines = ["joint           peak N (kN)  least contact  pressure (MPa)  slip (mm)"]
     columns = 1e-3 * peaks["N"], peaks["contact"], 1e-6 * peaks["sigma_max"], 1e3 * peaks["slip"]
     joints = zip(structure.joint_names, *columns, strict=True)
     lines += [f"{name[:14]:14s}  {n:11.5g} {c:14.4g} {p:15.4g} {s:10.4g}" for name, n, c, p, s in joints][:MOST_LINES]
@@ -65,17 +82,7 @@ def summary(response: SpatialResponse) -> str:
             for k, (name, joint, most) in enumerate(moved)
             if joint.bearing is not None
         ][:MOST_LINES]
-    # neighbours, cracks, verdict and accuracy
-    lines += _neighbours(response)
-    lines += cracks(structure.bond_names, peaks["bond"])
-    lines.append(verdict_line(response))
-    if stats.get("released"):
-        lines.append(f"joints that ended in the fall have changed the energy by {stats['released']:.3g} J")
-    lines += error_lines(response, "u")
-    if response.ensemble is not None:
-        lines += ensemble_lines(response.ensemble, structure.names, "u", MOST_LINES)
-    lines.append(f"{stats['steps']} steps in {stats['wall_time']:.2f} s")
-    return "\n".join(lines)
+    return lines
 
 
 def _envelope(response: SpatialResponse) -> str:

@@ -31,7 +31,8 @@ class ErrorEstimate:
         The largest difference of any ux at the rows while both stand, up to 0.1 s before a fall, relative to the
         largest |ux| until then.
     peaks : dict of str to ndarray
-        The difference of each of `Response.peaks`, relative to its value; of the least contact absolute.
+        The difference of each of `Response.peaks`, relative to its value; of the least contact, bond and gap
+        absolute.
     overturn_time : float
         The difference of the times of overturning (s); NaN unless both fall.
     """

@@ -19,6 +19,7 @@ HALF = 0.5  # of a fixed step; the error of central differences is proportional 
 RICHARDSON = 4.0 / 3.0  # times the difference is the error
 AGREE = 10.0  # tolerances
 AGREE_AT_FIXED_STEPS = 1e-2  # of the peak: fixed steps have no tolerance
+LEAST = "contact", "bond", "gap"  # peaks of which the least values are kept
 BEFORE_FALL = 0.1  # s: the runs of a column that falls differ shortly before, even for small errors
 
 
@@ -54,11 +55,9 @@ def judge(response: Any, closer: Any, places: FloatArray, closer_places: FloatAr
     rows = int(np.searchsorted(time, fall - BEFORE_FALL)) or int(np.searchsorted(time, fall))
     difference = factor * np.max(np.abs(places - closer_places), axis=1)
     size = float(np.max(np.abs(closer_places[:rows]), initial=0.0)) or 1.0
-    # relative error of the peaks; contact is relative already
+    # relative error of the peaks, absolute of those that may be zero or negative
     peaks: dict[str, FloatArray] = {
-        name: factor
-        * np.abs(response.peaks[name] - other)
-        / (1.0 if name == "contact" else np.where(other, other, 1.0))
+        name: factor * np.abs(response.peaks[name] - other) / (1.0 if name in LEAST else np.where(other, other, 1.0))
         for name, other in closer.peaks.items()
     }
     response.estimated_error = ErrorEstimate(

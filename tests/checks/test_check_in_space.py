@@ -332,9 +332,11 @@ def test_strength_goes_to_space_and_back() -> None:
     assert back.blocks[0].joint.strength == 2e6
 
 
-def test_a_structure_without_weight_is_refused() -> None:
+def test_a_structure_without_weight_or_peaks_is_refused() -> None:
     with pytest.raises(InputError, match=r"g = 0.0: must be positive, without weight nothing falls"):
         check(replace(BLOCK, g=0.0), [ALONG], pga=1.0)
+    with pytest.raises(InputError, match=r'solver.without has "peaks", must not in a check'):
+        check(BLOCK.with_settings(without=("peaks",)), [ALONG], pga=1.0)
     with pytest.raises(InputError, match="column = 3: must be a Column or a Structure"):
         check(3, [ALONG], pga=1.0)  # type: ignore[arg-type]
 

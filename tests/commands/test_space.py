@@ -162,3 +162,19 @@ def test_a_study_is_shown(tmp_path: Path) -> None:
     assert results["peak_u"].shape == (2, 3)
     assert "storage (3 blocks)" in caption(results)[0]
     assert "in space" in caption(results)[-1]
+
+
+@pytest.mark.parametrize("name", ["columns/mortar", "structures/trilith", "structures/showcase"])
+def test_a_run_without_peaks_is_summed_up_without_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    """Simulate a model that leaves out peaks: displacements, hits and the verdict are printed, no forces of joints."""
+    file, motion = tmp_path / "model.toml", tmp_path / "motion.csv"
+    text = (ROOT / "examples" / f"{name}.toml").read_text(encoding="utf-8")
+    given = '[solver]\nwithout = ["peaks"]\n'
+    file.write_text(text.replace("[solver]\n", given) if "[solver]" in text else text.replace("\n[", f"\n{given}[", 1))
+    motion.write_text(RECORD)
+    assert main(["simulate", str(file), str(motion), "--settle", "0"]) == 0
+    shown = capsys.readouterr().out
+    assert "peak |ux| (mm)" in shown
+    assert "peak N" not in shown

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...common.errors import InputError
 from ...ground.motion import Motion
 from ..column.model import Column
 from ..column.numbers import SIZE, SLENDERNESS, column_with, is_of_column, numbers_set
@@ -26,7 +27,7 @@ from .numbers import (
     single_names_in_space,
     structure_with,
 )
-from .outputs import ALWAYS_KEPT, FROM_LANES, KEPT, KEYS, OUTPUTS
+from .outputs import ALWAYS_KEPT, DISPLACEMENTS, FROM_LANES, KEPT, KEYS, OUTPUTS
 from .response import SpatialResponse
 from .rest import SpatialRest, known_warnings_in_space, rest_of
 from .run import single_run
@@ -106,10 +107,17 @@ class Structures(Kind):
             return {}, finished
         return {name: np.array([table_entry(name, (one or some)[name]) for one in made]) for name in keep}, finished
 
+    def check_kept(self, model: Structure, keep: Collection[str]) -> None:
+        """Raise InputError if the structure does not compute the peaks in `keep`."""
+        known = {*ALWAYS_KEPT, "peak_u", *(f"peak_{name}" for name in DISPLACEMENTS)}
+        asked = [name for name in keep if name not in known]
+        if asked and "peaks" in model.without:
+            raise InputError(f'solver.without has "peaks", must not where {asked[0]} is kept')
+
     def alone(self, run: Run, keep: Collection[str], settle: float, look: Callable[..., object]) -> dict[str, Any]:
         """Follow one run without recording peaks that are not kept; return its results by name."""
         watches = any(name not in (*ALWAYS_KEPT, "peak_u") for name in keep)
-        structure = run.model.with_settings(without=None if watches else ("peaks",))
+        structure = run.model if watches else run.model.with_settings(without=(*run.model.without, "peaks"))
         times = output_times(run.motion, run.duration)
         found = single_run(structure, RunPlan(run.motion, run.duration, times, None, settle, look))
         return {name: found.kept(name) for name in keep}

@@ -191,5 +191,6 @@ ALWAYS_KEPT = {
 KEPT: dict[str, Kept] = {**ALWAYS_KEPT, "peak_u": Kept("m"), **kept_peaks(OUTPUTS)}
 KEPT |= {f"peak_base_{one.name}": Kept(one.unit, np.float64, BASE) for one in StructureHistories.base.parts}
 KEPT["least_contact"] = KEPT.pop("least_contact")  # the last one
-FROM_LANES = {*ALWAYS_KEPT, "peak_u", "peak_ux", "peak_uy", "peak_uz", "peak_d", "least_gap", "least_bond"}
+DISPLACEMENTS = "ux", "uy", "uz"  # the peaks of a run without peaks, beside that of u
+FROM_LANES = {*ALWAYS_KEPT, "peak_u", *(f"peak_{name}" for name in DISPLACEMENTS), "peak_d", "least_gap", "least_bond"}
 KEYS = {"peak_centroid_ux": "peak_ux"}

@@ -98,7 +98,8 @@ class SpatialResponse(StructureHistories, Result):
     model: Structure
     rows: FloatArray
     _again: Callable[[], Moved]  # repeats the run and returns velocities and energies
-    _touched: FloatArray  # (3, pairs): 1 if a pair has begun to touch; when, s; the rate of its gap then, m/s
+    # (5, pairs): 1 if a pair has begun to touch; when, s; the rate of its gap then, m/s; least gap, m; largest force, N
+    _touched: FloatArray
     dimensions = MappingProxyType({TIE: "tie_number", CONTACT: "pair", BASE: "component"})
     overturned_block = Alias(
         "fallen", lambda response: response.model.names[response.fallen - 1] if response.fallen else ""
@@ -147,9 +148,8 @@ class SpatialResponse(StructureHistories, Result):
     def impacts(self) -> tuple[Impact, ...]:
         """The contacts of neighbours, one for each two bodies, in the order in which they first touch."""
         found: dict[str, Impact] = {}
-        peaks = zip(self.model.pair_names, self.peaks["gap"].tolist(), self.peaks["hit"].tolist(), strict=True)
-        for k, (name, gap, force) in enumerate(peaks):
-            met, first, _ = self._touched[:, k].tolist()
+        for k, name in enumerate(self.model.pair_names):
+            met, first, _, gap, force = self._touched[:, k].tolist()
             one = Impact(name, gap, force, first if met else math.nan, self._energy_of_hit(k))
             other = found.get(name, one)  # two bodies may meet with several sides
             early = min(other, one, key=lambda each: np.nan_to_num(each.first, nan=math.inf))
@@ -159,7 +159,7 @@ class SpatialResponse(StructureHistories, Result):
 
     def _energy_of_hit(self, k: int) -> float:
         """Return the kinetic energy of the first contact of pair k, J, by the rate at which its gap closes."""
-        (met, first, rate), pair = self._touched[:, k].tolist(), self.model.neighbours[k]
+        (met, first, rate, _, _), pair = self._touched[:, k].tolist(), self.model.neighbours[k]
         if not met or first <= self.time[0]:
             return math.nan
         masses = [self.model.blocks[i].mass for i in (pair.one, pair.other) if i < self.model.n]

@@ -25,8 +25,9 @@ from .blocks.shapes import rotation_matrix
 from .equilibria import rest_under
 from .modal_data import modal_data_of
 from .model import Structure
+from .outputs import DISPLACEMENTS
 from .response import Moved, SpatialResponse, peaks_in_space
-from .rest import rest_of, start_from
+from .rest import fastest_decay, rest_of, start_from
 from .stepper import SpatialStepper
 from .verdict import RESTING, next_look, potential_well_of, reason_for_leaning
 
@@ -113,8 +114,10 @@ def _run(structure: Structure, plan: RunPlan) -> SpatialResponse:
         )
     # response, then the verdict on a still base
     seen = at.WORK.see(stepper.arrays.work, stepper.sizes)
-    touched = np.array([getattr(seen.hits, name) for name in at.FIRST])
     peaks = peaks_in_space(structure, stepper.state.peaks, seen.poses.farthest[: structure.n].copy())
+    touched = np.array([*(getattr(seen.hits, name) for name in at.FIRST), peaks["gap"], peaks["hit"]])
+    if "peaks" in structure.without:
+        peaks = {name: peaks[name] for name in (*DISPLACEMENTS, "u")}
     again = partial(moved, structure, motion, stop, plan.times, plan.initial)
     response = SpatialResponse(
         structure, rows, again, touched, time=plan.times, peaks=peaks, stats=stats, motion=motion
@@ -161,6 +164,7 @@ def begun(
         flat = flat and not np.any(initial.loads[[COMPONENTS.index(name) for name in ACROSS]])
     elif initial is not None:
         set_initial(stepper, initial)
+        stepper.control.decay = fastest_decay(structure)  # in full contact, which the blocks may have left
         flat = flat and is_flat(initial)
     stepper.model.settings.in_plane = float(flat)
     settings = stepper.model.settings
