@@ -14,6 +14,7 @@ from support.structures import law_on_edge, with_law
 from multiblock import Column, Motion, SpatialState, Structure, simulate
 from solver.common.errors import InputError
 from solver.models.structure.blocks.faces import FloatArray, clipped, polygon_moments
+from solver.models.structure.numbers import structure_with
 
 RIM = 0.06  # m
 
@@ -123,6 +124,32 @@ def test_the_centre_is_the_centroid_of_what_bears(seed: int) -> None:
     # at rest the pressure is uniform over what bears
     pressed = bed(structure_with_friction(structure), np.zeros(3), *(2 * [np.array([SCALE, 0.0, 0.0])]))
     assert pressed[:4] == pytest.approx([SCALE * (outer - inner), 0.0, 0.0, outer - inner], abs=1e-15)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("before", [None, RIM, 2.0])
+@pytest.mark.parametrize("listed", [False, True])
+def test_a_varied_rim_is_that_of_the_file(seed: int, before: float | None, listed: bool) -> None:
+    """Vary the rim of an irregular face that has none, another one, or one wider than itself (measured: 4e-16 m)."""
+    points = hull(np.random.default_rng(seed), 5)
+    small = points.mean(axis=0) + 0.6 * (points - points.mean(axis=0))
+    block = {"name": "b", "on": "base", "density": 2000.0, "shape": "hull"}
+    patch = {"between": ["b", "base"], "at": [0.0, 0.0, 0.0], "section": "polygon", "outline": small.tolist()}
+
+    def made(rim: float | None) -> Structure:
+        law = {"stiffness": 1e9, "damping": 0.0, "friction": 0.5, **({} if rim is None else {"rim": rim})}
+        body = {**block, "points": [[x, y, z] for x, y in points for z in (0.0, 1.0)]}
+        listing = {"joint": [patch]} if listed else {}
+        if listed:
+            body |= {"on": [], "position": [0.0, 0.0, 0.0]}
+        return Structure.from_dict({"name": "h", "joints": law, "block": [body], **listing})
+
+    for after in (RIM, 0.5 * RIM, 2.0):
+        varied, fresh = structure_with(made(before), {"joint.rim": (after, False)}).joints[0], made(after).joints[0]
+        assert (varied.inside is None) == (fresh.inside is None) == (after == 2.0)
+        assert varied.moments == pytest.approx(fresh.moments, rel=1e-12, abs=1e-15)
+        assert varied.face.centre == pytest.approx(fresh.face.centre, abs=1e-14)
+        assert varied.face.outline == pytest.approx(fresh.face.outline, abs=1e-14)
 
 
 def structure_with_friction(structure: Structure) -> Structure:

@@ -23,6 +23,7 @@ from ...common.errors import POSITIVE, InputError, UnknownKeyError, check_number
 from ...common.ranges import NUMBERS, lengths_in
 from ..column.numbers import varied
 from .bearing_tables import RANGES as OF_BEARINGS
+from .blocks.contacts import with_law
 from .blocks.parts import JointLaw
 from .file import OF_TIES, OWN_RANGES, bed_from
 from .hull_tables import FIXED
@@ -120,7 +121,7 @@ def structure_with(structure: Structure, values: Mapping[str, tuple[float, bool]
     for name in order:
         if name in beds:
             for j in _which(name, structure):
-                joints[j] = replace(joints[j], bed=_bed_with(joints[j].bed, name, *values[name]))
+                joints[j] = with_law(joints[j], _bed_with(joints[j].bed, name, *values[name]))
     return replace(structure, joints=tuple(joints), described=None) if beds else structure
 
 

@@ -74,6 +74,20 @@ def with_rim(joint: SpatialJoint) -> SpatialJoint:
     return replace(joint, face=own, inside=replace(own, outline=outline - middle))
 
 
+def with_law(joint: SpatialJoint, bed: JointLaw) -> SpatialJoint:
+    """Return the joint with another law, and with the open inside of the rim of that law."""
+    if bed.rim == joint.bed.rim:
+        return replace(joint, bed=bed)
+    face = joint.face
+    if joint.inside is not None and not face.radius:  # back about the centroid of the whole face
+        area, first, _ = polygon_moments(face.outline)
+        middle = first / area
+        if np.hypot(*middle) > NEAR * face.size:
+            centre = face.centre + face.axes[:, :2] @ middle
+            face = replace(face, centre=centre, outline=face.outline - middle)
+    return with_rim(replace(joint, face=face, bed=bed, inside=None))
+
+
 def inside_of(face: Face, rim: float) -> Face | None:
     """Return the inside of a face that touches in a rim of this width (m); None if all of it touches."""
     return face if is_endless(face) else inset(face, rim)
