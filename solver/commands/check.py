@@ -29,14 +29,17 @@ from ..ground.motion import Motion
 from ..models.column.model import Column
 from ..models.structure.model import Structure
 from ..models.uncertainty import Spread
+from ..studies.motions import check_other_channel
 from ..studies.risk import RISK_NOTE, Hazard, risk_text
 from .check_report import action_lines, check_lines, friction_lines, variants_lines
 from .code_spectra import CODES, add_code_options, add_spectrum, below_of, target_of
 from .command_files import add_force, add_space, check_suffix, read_subject, write_outputs
 from .motion_options import (
     FORMATS,
+    add_across_channel,
     add_building_options,
     add_file_options,
+    channel_across,
     check_file_options,
     file_line,
     floor_of,
@@ -83,6 +86,9 @@ def add_action(parser: argparse.ArgumentParser) -> None:
     words = "the other horizontal ones, of a structure in space"
     parser.add_argument("--across", type=Path, nargs="+", metavar="FILE", help=words)
     add_file_options(parser)
+    words = "the same, of --vertical (default: --channel)"
+    parser.add_argument("--vertical-channel", type=int, metavar="N", help=words)
+    add_across_channel(parser)
     add_building_options(parser)
     action = parser.add_argument_group("the action; without any the records are taken as they are")
     one = action.add_mutually_exclusive_group()
@@ -357,14 +363,21 @@ def motions_of(options: argparse.Namespace) -> Mapping[str, Motion]:
         check_file_options(paths, options)
     # read the files and merge the components of each record
     found: dict[str, Motion] = {}
+    if options.vertical_channel is not None and not options.vertical:
+        raise InputError(f"--vertical-channel {options.vertical_channel}: is for --vertical")
+    upwards = options.channel if options.vertical_channel is None else options.vertical_channel
+    channel_of = {"across": channel_across(options), "vertical": upwards}
     for k, path in enumerate(options.records):
         if path in options.records[:k]:
             raise InputError(f"{path}: is given twice, must be given once")
         record, motion = read_with_options(path, options, options.channel)
         print(file_line(path, record))
+        channels: dict[tuple[Path, int], str] = {}
+        check_other_channel(str(path), path, options.channel, "--channel", channels)
         for key, files in beside.items():
             if files:
-                record, other = read_with_options(files[k], options, options.channel)
+                check_other_channel(f"--{key}", files[k], channel_of[key], f"--{key}-channel", channels)
+                record, other = read_with_options(files[k], options, channel_of[key])
                 print(f"{key} {file_line(files[k], record)}")
                 motion = motion.with_across(other) if key == "across" else motion.with_vertical(other)
         name = printable(path.stem)

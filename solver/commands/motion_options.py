@@ -13,7 +13,7 @@ from ..ground.motion import STANDARD_GRAVITY, Motion, peaks_in_g
 from ..ground.records import NAMES, Record, format_of, read_record
 from ..ground.records.columns import PLAIN
 from ..ground.records.units import KNOWN
-from ..studies.motions import FORMULAS
+from ..studies.motions import FORMULAS, check_other_channel
 
 FORMATS = f"record: {', '.join(NAMES)}, plain columns"
 
@@ -21,7 +21,7 @@ FORMATS = f"record: {', '.join(NAMES)}, plain columns"
 WAVELETS = ("ricker", "one-sine", "one-cosine", "mavroeidis-papageorgiou", "noise")  # of studies/motions.py, FORMULAS
 _OPTIONS = {"duration": "length"}  # arguments of formulas with another option name: --duration is that of the run
 _OF_WAVELETS = ("frequency", "cycles", "phase", "length", "seed")
-_OF_RECORDS = ("vertical", "across", "dt", "units", "channel", "vertical_channel")
+_OF_RECORDS = ("vertical", "across", "dt", "units", "channel", "vertical_channel", "across_channel")
 
 
 def add_file_options(parser: argparse._ActionsContainer) -> None:
@@ -29,6 +29,12 @@ def add_file_options(parser: argparse._ActionsContainer) -> None:
     parser.add_argument("--dt", type=float, metavar="S", help="s between the samples of plain columns without times")
     parser.add_argument("--units", metavar="UNIT", help=f"of plain columns: {KNOWN}")
     parser.add_argument("--channel", type=int, metavar="N", help="which of several in one file, from 1")
+
+
+def add_across_channel(parser: argparse._ActionsContainer) -> None:
+    """Add --across-channel."""
+    words = "the same, of --across (default: --channel)"
+    parser.add_argument("--across-channel", type=int, metavar="N", help=words)
 
 
 def add_motion_options(parser: argparse.ArgumentParser) -> None:
@@ -40,6 +46,7 @@ def add_motion_options(parser: argparse.ArgumentParser) -> None:
         "--across", type=Path, metavar="FILE", help="the other horizontal one, of a structure in space"
     )
     records.add_argument("--vertical-channel", type=int, metavar="N", help="the same as --channel, of --vertical")
+    add_across_channel(records)
     add_file_options(records)
     strength = parser.add_argument_group("strength").add_mutually_exclusive_group()
     strength.add_argument("--scale", type=float, help="factor on the base acceleration")
@@ -145,18 +152,30 @@ def file_line(path: Path, record: Record) -> str:
     return printable("; ".join(parts))
 
 
+def channel_across(options: argparse.Namespace) -> int | None:
+    """Return the channel of the files of --across. Raises InputError if --across-channel is given without them."""
+    if not options.across:
+        _refuse(options, ("across_channel",), "is for --across")
+    channel: int | None = options.channel if options.across_channel is None else options.across_channel
+    return channel
+
+
 def _recorded(options: argparse.Namespace) -> tuple[Motion, list[str]]:
     paths = [path for path in (options.motion, options.vertical, options.across) if path is not None]
     check_file_options(paths, options)
     record, motion = read_with_options(options.motion, options, options.channel)
-    lines = [file_line(options.motion, record)]
+    lines, channels = [file_line(options.motion, record)], dict[tuple[Path, int], str]()
+    check_other_channel(str(options.motion), options.motion, options.channel, "--channel", channels)
+    channel = channel_across(options)
     if options.across is not None:
-        record, across = read_with_options(options.across, options, options.channel)
+        check_other_channel("--across", options.across, channel, "--across-channel", channels)
+        record, across = read_with_options(options.across, options, channel)
         motion = motion.with_across(across)
         lines.append(f"across {file_line(options.across, record)}")
     if options.vertical is None:
         _refuse(options, ("vertical_channel",), "is for --vertical")
         return motion, lines
+    check_other_channel("--vertical", options.vertical, options.vertical_channel, "--vertical-channel", channels)
     record, vertical = read_with_options(options.vertical, options, options.vertical_channel)
     return motion.with_vertical(vertical), [*lines, f"vertical {file_line(options.vertical, record)}"]
 

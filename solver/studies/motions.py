@@ -72,7 +72,7 @@ FORMULAS = {
 }
 OF_MOTION = "motion."  # prefix of the names of their numbers in a study
 WHOLE = ("seed",)
-_OF_RECORDS = ("record", "vertical", "across", "dt", "units", "channel", "vertical_channel")
+_OF_RECORDS = ("record", "vertical", "across", "dt", "units", "channel", "vertical_channel", "across_channel")
 ON_FLOOR = ("building", "floor")  # of every motion: that of a floor of a building, whose file is named
 # numbers of every motion: factor; tilt of the base (rad, clockwise positive); for structures also the direction in plan
 # (rad, from x to y) and a factor on the loads on their ports
@@ -309,15 +309,33 @@ class Shaking:
 
 
 def _record(key: str, table: Mapping[str, Any], folder: Path) -> Motion:
+    channels: dict[tuple[Path, int], str] = {}
+
     def read(name: str, channel: str) -> Motion:
         if not isinstance(table[name], str):
             raise InputError(f"{key}.{name} = {shown(table[name])}: must be the path of a file")
-        return Motion.from_file(folder / table[name], table.get("dt"), table.get("units"), table.get(channel))
+        path, number = folder / table[name], table.get(channel)
+        check_other_channel(f"{key}.{name}", path, number, f"{key}.{name}_channel", channels)
+        return Motion.from_file(path, table.get("dt"), table.get("units"), number)
 
     motion = read("record", "channel")
     if "across" in table:
-        motion = motion.with_across(read("across", "channel"))
+        motion = motion.with_across(read("across", "across_channel" if "across_channel" in table else "channel"))
     return motion.with_vertical(read("vertical", "vertical_channel")) if "vertical" in table else motion
+
+
+def check_other_channel(
+    key: str, path: Path, channel: int | None, option: str, channels: dict[tuple[Path, int], str]
+) -> None:
+    """Raise InputError if a component is the channel of a file that another component is.
+
+    `channels` has the keys of the components before, by file and channel; this one is added. `option` is the one that
+    sets the channel.
+    """
+    if isinstance(channel, int):
+        other = channels.setdefault((path.resolve(), channel), key)
+        if other != key:
+            raise InputError(f"{key}: is channel {channel} of {path}, as {other}, must be another one: {option}")
 
 
 def _on_floor(key: str, table: Mapping[str, Any], folder: Path) -> tuple[Building | None, int]:

@@ -12,7 +12,7 @@ from support.columns import BLOCK
 from support.record_files import DT, SAMPLES, G, at2, cosmos_v2, knet, plain
 
 from multiblock import Building, InputWarning, Motion, floor_motion
-from solver.commands.check import add_action, level_of
+from solver.commands.check import add_action, level_of, motions_of
 from solver.commands.command_line import main
 from solver.ground import wavelets
 from solver.ground.intensity import intensity, spectrum
@@ -54,6 +54,21 @@ def test_a_pair_out_of_one_file(folder: Path) -> None:
     motion = converted("station.v2 --channel 1 --vertical station.v2 --vertical-channel 2 --scale 2")
     np.testing.assert_allclose(motion.ax, 2.0 * SAMPLES, atol=2e-7)
     np.testing.assert_array_equal(motion.az, -motion.ax)
+
+
+def test_three_components_out_of_one_file(folder: Path) -> None:
+    motion = converted(
+        "station.v2 --channel 2 --across station.v2 --across-channel 1 --vertical station.v2 --vertical-channel 3"
+    )
+    np.testing.assert_allclose(motion.ay, SAMPLES, atol=1e-7)
+    np.testing.assert_array_equal(motion.ax, -motion.ay)
+    np.testing.assert_array_equal(motion.az, motion.ay)
+    parser = argparse.ArgumentParser()
+    add_action(parser)
+    words = "station.v2 --channel 2 --across station.v2 --across-channel 1 --vertical station.v2 --vertical-channel 3"
+    (found,) = motions_of(parser.parse_args(words.split())).values()
+    for key in ("time", "ax", "ay", "az"):
+        np.testing.assert_array_equal(getattr(found, key), getattr(motion, key))
 
 
 def test_units_go_to_the_plain_file_of_a_pair(folder: Path) -> None:
@@ -169,6 +184,24 @@ def test_record_prints_the_measures(folder: Path, capsys: pytest.CaptureFixture[
         ),
         ("simulate column.toml motion.csv --channel 1", "motion.csv: channel = 1: must be left out, the file is CSV"),
         ("simulate column.toml motion.csv --vertical-channel 1", "--vertical-channel 1: is for --vertical"),
+        ("simulate column.toml motion.csv --across-channel 1", "--across-channel 1: is for --across"),
+        (
+            "simulate column.toml station.v2 --channel 2 --across ./station.v2",
+            "--across: is channel 2 of station.v2, as station.v2, must be another one: --across-channel",
+        ),
+        (
+            "simulate column.toml station.v2 --channel 2 --vertical station.v2 --vertical-channel 2",
+            "--vertical: is channel 2 of station.v2, as station.v2, must be another one: --vertical-channel",
+        ),
+        ("check column.toml station.v2 --vertical-channel 1", "--vertical-channel 1: is for --vertical"),
+        (
+            "check column.toml station.v2 --channel 1 --vertical station.v2",
+            "--vertical: is channel 1 of station.v2, as station.v2, must be another one: --vertical-channel",
+        ),
+        (
+            "check column.toml station.v2 --channel 1 --across station.v2",
+            "--across: is channel 1 of station.v2, as station.v2, must be another one: --across-channel",
+        ),
         ("simulate column.toml motion.csv --vertical none.AT2", "none.AT2: No such file"),
         ("simulate column.toml both.csv --vertical record.AT2", "horizontal motion: has az beside ax"),
         ("simulate column.toml motion.csv --pga -1", "--pga = -1.0: must be a positive number in g"),

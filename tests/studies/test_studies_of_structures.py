@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support.fmus import ROOT
+from support.record_files import cosmos_v2
 from support.study import same
 
 from multiblock import Column, InputError, Motion, Structure, simulate, wavelets
@@ -416,6 +417,16 @@ def test_casks_hit_where_casks_far_apart_come_nearer_than_their_distance(tmp_pat
     for line, level in zip(shares.containers, (0.4, 0.7), strict=True):
         wanted = [np.mean(hit[(gap == value) & (results["intensity"] == level)]) for value in (0.1, 0.3, 50.0)]
         np.testing.assert_allclose(line.lines[0].get_ydata(), wanted, atol=1e-15)
+
+
+def test_a_component_of_a_record_is_another_channel(tmp_path: Path) -> None:
+    (tmp_path / "station.v2").write_text(cosmos_v2(3))
+    table = {"record": "station.v2", "across": "station.v2", "channel": 1}
+    with pytest.raises(InputError, match=r"across: is channel 1 of .*, as motion\[1\].record, .*\[1\].across_channel"):
+        Shaking.from_table("motion[1]", table, tmp_path)
+    motion = Shaking.from_table("motion[1]", {**table, "across_channel": 2}, tmp_path).record
+    assert motion is not None
+    np.testing.assert_array_equal(motion.ay, -motion.ax)
 
 
 def test_noise_of_two_components(study: Study) -> None:
