@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import InputError, check_number, shown
-from .ranges import check_keys
+from .ranges import check_keys, has_masked
 
 PLACE = (-1e6, 1e6), "a length in m, at most 1e6 either way"
 
@@ -58,6 +58,8 @@ def numbers_of(
     key: str, value: object, ndim: int | None = None, meaning: str = "a list of numbers"
 ) -> NDArray[np.float64]:
     """Convert a value to a new array of numbers, of `ndim` axes if that is given. Raises InputError."""
+    if has_masked(value):
+        raise InputError(f"{key}: has gaps (masked values), must be numbers throughout")
     try:
         found = np.array(value, dtype=np.float64)
     except (TypeError, ValueError):

@@ -156,11 +156,13 @@ class Load:
         Raises
         ------
         InputError
-            If the step is missing or a component is unknown.
+            If the step is missing or out of range, or a component is unknown.
         """
         if motion.amplitude or motion.hold:
             if step is None:
                 raise InputError("step: missing, must be the time in s at which a harmonic or held motion is sampled")
+            least = motion.duration / MOST_SAMPLES
+            check_number("step", step, (least, motion.duration), "a time in s, at most the duration")
             count = math.ceil(motion.duration / step - 1e-9)
             time = motion.start + np.linspace(0.0, motion.duration, count + 1)
         else:

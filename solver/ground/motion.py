@@ -416,7 +416,7 @@ class Motion(Framed, NotebookRepr):
         ax = _checked_samples("ax", ax, "m/s2")
         time = dt * np.arange(len(ax), dtype=np.float64)
         duration = dt * len(ax) if hold else float(time[-1])
-        up, across = (np.zeros_like(ax) if given is None else np.asarray(given) for given in (az, ay))
+        up, across = (np.zeros_like(ax) if given is None else given for given in (az, ay))
         return cls(time, ax, up, duration, hold, ay=across)
 
     @classmethod
@@ -454,8 +454,9 @@ class Motion(Framed, NotebookRepr):
     def from_record(cls, record: Record, name: str = "", hold: bool = False) -> Motion:
         """Return the motion of a record; piecewise linear, or held.
 
-        It warns (InputWarning) of a peak beyond 3 g, where the units are probably others, and of times that were
-        shifted to begin at 0, and of a gap: a step of more than 20 times the median between samples that are not zero.
+        It warns (InputWarning) of a peak beyond 3 g, along z beyond 4 g, where the units are probably others, and of
+        times that were shifted to begin at 0, and of a gap: a step of more than 20 times the median between samples
+        that are not zero.
 
         Parameters
         ----------
@@ -476,12 +477,13 @@ class Motion(Framed, NotebookRepr):
         motion = cls(time, record.ax, record.az, duration, hold, ay=ay, name=printable(name))
         for warning in record.warnings:
             warnings.warn(f"{motion.name or 'record'}: {warning}", InputWarning, stacklevel=2)
-        largest = max(float(np.max(np.abs(samples))) for samples in (motion.ax, motion.ay, motion.az))
-        strongest = STRONGEST["ax"]
-        if largest > strongest * STANDARD_GRAVITY:
+        # the component that exceeds the strongest one on record most
+        peaks = {key: float(np.max(np.abs(getattr(motion, key)))) / STANDARD_GRAVITY for key in STRONGEST}
+        key = max(STRONGEST, key=lambda key: peaks[key] / STRONGEST[key])
+        if peaks[key] > STRONGEST[key]:
             warnings.warn(
-                f"{motion.name or 'record'}: largest acceleration {largest / STANDARD_GRAVITY:.4g} g, ground motions "
-                f"reach {strongest:g} g: is it in other units (g, m/s2, cm/s2)?",
+                f"{motion.name or 'record'}: largest acceleration {peaks[key]:.4g} g, ground motions "
+                f"reach {STRONGEST[key]:g} g: is it in other units (g, m/s2, cm/s2)?",
                 InputWarning,
                 stacklevel=2,
             )

@@ -428,6 +428,19 @@ def motion_of(**changes: Any) -> Motion:
     return Motion(**{"time": [0.0, 1.0, 2.0], "ax": zero, "az": zero, "duration": 2.0, **changes})
 
 
+GAPS: Any = np.ma.array([1.0, 2.0], mask=[False, True])
+
+
+@pytest.mark.parametrize(("az", "warned"), [(3.5, 0), (4.5, 1)])
+def test_a_vertical_record_is_compared_with_vertical_ones(tmp_path: Path, az: float, warned: int) -> None:
+    (tmp_path / "up.csv").write_text(f"time,base.ax,base.az\n0,1,{az * STANDARD_GRAVITY}\n1,0,0\n")
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        Motion.from_csv(tmp_path / "up.csv")
+    assert len(found) == warned
+    assert all("largest acceleration 4.5 g, ground motions reach 4 g" in str(each.message) for each in found)
+
+
 @pytest.mark.parametrize(
     ("make", "said"),
     [
@@ -444,6 +457,8 @@ def motion_of(**changes: Any) -> Motion:
         (lambda: Motion.from_samples(0.1, [[1.0], [2.0, 3.0]]), "ax: must be a one-dimensional array"),
         (lambda: Motion.from_samples(0.1, ["1.0", "2.0"]), "ax: must be a one-dimensional array of numbers"),
         (lambda: Motion.from_samples(0.1, np.ma.array([1.0, 2.0], mask=[False, True])), "ax: has gaps (masked values)"),
+        (lambda: Motion.from_samples(0.1, [1.0, 2.0], GAPS), "az: has gaps (masked values)"),
+        (lambda: Motion.from_samples(0.1, [1.0, 2.0], ay=GAPS), "ay: has gaps (masked values)"),
         (lambda: Motion.from_samples(0.1, [1.0, np.inf]), "ax[1] = inf: must be a finite number in m/s2"),
         (lambda: Motion.from_samples(0.1, [1.0, 2.0], [1.0]), "az: 1 samples, must be 2, one for each time"),
         (lambda: Motion.from_samples(0.1, [1.0, 2.0], [1.0, np.nan]), "az[1] = nan: must be a finite number in m/s2"),

@@ -237,6 +237,11 @@ def test_mistakes_are_one_line(options: dict[str, Any], line: str) -> None:
 def test_mistakes_of_a_load_and_of_a_port() -> None:
     with pytest.raises(InputError, match="must be later than the sample before"):
         Load.of([0.0, 0.0], Fx=[1.0, 1.0])
+    with pytest.raises(InputError, match="Fx: has gaps"):
+        Load.of([0.0, 1.0], Fx=np.ma.array([1.0, 1.0], mask=[True, False]))
+    for step in (0.0, -1.0, math.nan, 2.0):
+        with pytest.raises(InputError, match=f"step = {step}: must be a time in s, at most the duration"):
+            Load.from_motion(Motion.harmonic(2.0, 1.0, 1.0), step=step, Fz=10.0)
     data = block().to_dict()
     for key, value, line in (
         ("block", "roof", r"port\[1\].block = 'roof': must be one of cube"),
