@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from solver.common.errors import InputError, InputWarning
 from solver.common.ranges import MAX_BLOCKS
 from solver.models.column.block import Block, Joint
+from solver.models.column.kinematics import chain_of
 from solver.models.column.lane_policy import reason_against_lanes
 from solver.models.column.model import Column
 from solver.models.column.packing import described
@@ -458,6 +459,27 @@ def test_the_other_direction_exchanges_widths_and_depths() -> None:
     leaning = replace(column, blocks=tuple(replace(block, tilt=0.01) for block in column.blocks))
     with pytest.raises(InputError, match=r"block\[1\]: must stand on its axis"):
         leaning.across()
+
+
+@pytest.mark.parametrize("slip", [-0.2, 0.0, 0.2])
+@pytest.mark.parametrize("slope", [-1e-3, 1e-3])
+@pytest.mark.parametrize("strips", [None, (0.0, 0.0, 1.0, 1.0, 1.0)])
+def test_the_opening_is_the_gap_at_the_far_end_of_the_contact(
+    slip: float, slope: float, strips: tuple[float, ...] | None
+) -> None:
+    """Turn a block of 1 m about an end of its contact: the gap is the slope times the length of the contact.
+
+    Strips touch from -0.1 to 0.5 m; 0.6 mm, and not 0.5 and 0.1, was the gap to find. After a slip the block below, as
+    wide, cuts the contact off. Measured: 2e-7 of the gap.
+    """
+    joint = Joint(1e9, 1e-3, friction=0.5)
+    over = joint if strips is None else replace(joint, section="strips", width=1.0, strips=strips)
+    column = Column("two", (Block(2.0, 1.0, 1.0, 5000.0, over), Block(2.0, 1.0, 1.0, 5000.0, joint)), Settings())
+    left, right = max(-0.5 if strips is None else -0.1, -0.5 - slip), min(0.5, 0.5 - slip)
+    # the end about which the block turns, in the middle between both faces, stays in touch
+    opening = slope * ((right if slope > 0.0 else left) + 0.5 * slip)
+    phase = np.array([slope, 0.0, opening, 0.0, *np.zeros(4), slip, 0.0, 0.0, 0.0])
+    assert chain_of(column).gaps(phase)[0] == pytest.approx((right - left) * abs(slope), rel=1e-6)
 
 
 def test_a_structure_is_not_read_as_a_column() -> None:

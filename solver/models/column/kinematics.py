@@ -29,6 +29,8 @@ _OF_BLOCKS = (  # fields of the packed model; the last four describe the column 
     *("height", "centroid", "mass", "inertia", "width", "stiffness", "bore", "fall_angle"),
     *("lean", "tilt", "offset", "built_x"),
 )
+# ends of the contacts as built, those of the faces above and below
+_ENDS = ("left", "right", "own_left", "own_right", "rim_left", "rim_right")
 
 
 class ColumnPhase(NamedTuple):
@@ -96,6 +98,7 @@ class Chain:
         rows: list[FloatArray] = [getattr(blocks, name).T.copy() for name in _OF_BLOCKS]
         self.height, self.centroid, self.mass, self.inertia, self.width, self.stiffness, self.bore, *others = rows
         self.fall_angle, self.lean, self.tilt, self.offset, self.built_x = others
+        self.ends = np.stack([getattr(blocks, name).T for name in _ENDS], axis=-2)  # m, (..., 6, n)
         # with the linear law the energy of these has the closed form below
         self.rectangles = blocks.section.T == RECTANGLE
         self.rigidity = self.stiffness * blocks.depth.T  # N/m2: per metre of the joint's width, if it is a rectangle
@@ -144,8 +147,13 @@ class Chain:
     def gaps(self, phase: FloatArray) -> FloatArray:
         """Return the largest gap of each joint, at an edge of its contact, m (..., n); 0 in full contact."""
         places = self.places(phase)
-        slope = 2.0 * np.sin(self.joints(places).half_turn)
-        return np.maximum(places.opening - 0.5 * places.slip * slope + 0.5 * self.width * np.abs(slope), 0.0)
+        slope, slip = 2.0 * np.sin(self.joints(places).half_turn), places.slip
+        # the ends of the contact from the middle of the block: after a slip the face below cuts it off elsewhere
+        left, right, own_left, own_right, below_left, below_right = np.moveaxis(self.ends, -2, 0)
+        left = np.where(slip == 0.0, left, np.maximum(own_left, below_left - slip))
+        right = np.where(slip == 0.0, right, np.minimum(own_right, below_right - slip))
+        deepest = np.minimum((left + 0.5 * slip) * slope, (right + 0.5 * slip) * slope)
+        return np.maximum(places.opening - deepest, 0.0)
 
     def energy(self, phase: FloatArray) -> float:
         """Return kinetic, elastic and gravitational energy of one phase above that of the rest under gravity (J)."""
