@@ -382,6 +382,12 @@ def test_keys_that_no_block_uses_are_warned_of(tmp_path: Path) -> None:
     assert warned(millimetres + ROUND) == [
         "profile: reaches up to 1200 m, the column to 1 m; heights and diameters are in m"
     ]
+    beyond = ", its blocks from 0 to 1 m; beyond it their diameters are constant"
+    assert warned(metres.replace("1.2", "0.9") + ROUND) == ["profile: reaches from 0 to 0.9 m" + beyond]
+    assert warned(metres.replace("0.0", "0.1") + ROUND) == ["profile: reaches from 0.1 to 1.2 m" + beyond]
+    assert warned(metres.replace("1.2", "0.9995") + ROUND) == []
+    with pytest.raises(InputError, match=r"block\[1\].top_diameter: must be left out, or given with diameter"):
+        warned(metres + ROUND + "top_diameter = 0.8\n")
     (said,) = warned(metres + ROUND + "diameter = 1.0\n")
     assert said.startswith("profile: no block uses it")
     assert warned(ROUND.replace("[[block]]", "joint = { friction = 0.7 }\n[[block]]") + "diameter = 1.0\n") == []

@@ -20,6 +20,7 @@ from .settings import WITHOUT_STEP, Settings
 
 ROUND = ("circle", "annulus")
 
+BEYOND = 1e-3  # of the column's height, by which its blocks may reach beyond the profile without a warning
 MUCH_HIGHER = 10.0  # times the column's height, limit of the profile: a broken shaft may have that of the whole one
 
 # the keys of the tables of a TOML file
@@ -137,6 +138,10 @@ def _blocks_from(data: Mapping[str, Any], joint_defaults: Mapping[str, Any]) -> 
         given = dict(table)
         if profile and _takes_profile(table):
             height = _number(key, table, "height")
+            if "top_diameter" in table:
+                raise InputError(
+                    f"{key}.top_diameter: must be left out, or given with diameter: else profile gives both"
+                )
             given["diameter"], given["top_diameter"] = np.interp([foot, foot + height], *profile).tolist()
         material = _material(f"{key}.material", table) or usual
         blocks.append(_block_from(key, given, joint_defaults, material))
@@ -164,11 +169,22 @@ def _unused(data: Mapping[str, Any], blocks: tuple[Block, ...]) -> list[str]:
             lines.append(f"joint.{name}: no block uses it, each has a joint.{name} of its own")
     if "profile" not in data:
         return lines
-    top, height = data["profile"][-1][0], sum(block.height for block in blocks)
-    if not any(map(_takes_profile, tables)):
+    begin, top, height = data["profile"][0][0], data["profile"][-1][0], sum(block.height for block in blocks)
+    # the heights of the blocks that take their diameters from it
+    each = [table for table in tables for _ in range(table.get("repeat", 1))]
+    tops = np.cumsum([block.height for block in reversed(blocks)])[::-1].tolist()
+    taken = [
+        (top - block.height, top) for table, block, top in zip(each, blocks, tops, strict=True) if _takes_profile(table)
+    ]
+    if not taken:
         lines.append('profile: no block uses it; a block does that has section = "circle" or "annulus" and no diameter')
     elif top > MUCH_HIGHER * height:
         lines.append(f"profile: reaches up to {top:g} m, the column to {height:g} m; heights and diameters are in m")
+    elif max(begin - taken[-1][0], taken[0][1] - top) > BEYOND * height:
+        lines.append(
+            f"profile: reaches from {begin:g} to {top:g} m, its blocks from {taken[-1][0]:g} to {taken[0][1]:g} m; "
+            "beyond it their diameters are constant"
+        )
     return lines
 
 
