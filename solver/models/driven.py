@@ -47,13 +47,13 @@ class Shaking(NamedTuple):
 
 
 def pieces(motion: Motion | None, t: float, end: float) -> Iterator[tuple[float, Shaking]]:
-    """Yield the end of each interval of a motion from t to `end` (s), and its shaking; zero beyond the samples."""
+    """Yield the end of each interval of a motion from t to `end` (s), and its shaking; zero beyond the motion."""
     if motion is None:
         yield end, Shaking(t, 0.0, 0.0)
         return
     times = motion.time
-    marks = [t, *times[(times > t) & (times < end)].tolist(), end]
-    wave = motion.amplitude, 2.0 * math.pi * motion.frequency, motion.start
+    inner = np.union1d(times, [motion.end])  # held samples and a wave end with the motion
+    marks = [t, *inner[(inner > t) & (inner < end)].tolist(), end]
     for begin, stop in pairwise(marks):
         k = int(np.searchsorted(times, begin, side="right")) - 1
         value = slope = 0.0
@@ -62,7 +62,8 @@ def pieces(motion: Motion | None, t: float, end: float) -> Iterator[tuple[float,
         elif 0 <= k < len(times) - 1 and not motion.hold:
             slope = float((motion.ax[k + 1] - motion.ax[k]) / (times[k + 1] - times[k]))
             value = float(motion.ax[k]) + slope * (begin - float(times[k]))
-        yield stop, Shaking(begin, value, slope, *wave)
+        amplitude = motion.amplitude if motion.start <= begin < motion.end else 0.0
+        yield stop, Shaking(begin, value, slope, amplitude, 2.0 * math.pi * motion.frequency, motion.start)
 
 
 class Driven(Settling):

@@ -15,6 +15,7 @@ from support.housner import half_sine_amplitude, rectangle_amplitude
 from build_fmu import build_fmu
 from multiblock import InputError, Motion, check, simulate, simulate_many
 from solver.checks.report.html import write_report
+from solver.models.driven import pieces
 from solver.models.protocol import Kind
 from solver.studies.standard import ida
 
@@ -53,6 +54,18 @@ def test_each_impact_leaves_the_part_of_the_rate() -> None:
     assert len(left) >= 4
     # peaks are read from rows 1 ms apart: measured 2e-5
     assert left[1:4] / left[:3] == pytest.approx(np.full(3, BLOCK.rebound**2), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "motion", [Motion.harmonic(1.0, 0.8, 1.0), Motion.from_samples(0.25, [1.0, -2.0, 3.0], hold=True)]
+)
+def test_the_base_is_still_beyond_its_motion(motion: Motion) -> None:
+    """Compare the shaking with the acceleration of the motion, from before its start to beyond its end."""
+    begin = -0.1
+    for end, shaking in pieces(motion, begin, motion.end + 1.0):
+        for t in np.linspace(begin, end, 7)[1:-1].tolist():
+            assert shaking.at(t) == pytest.approx(motion.acceleration(t)[0], abs=1e-14)
+        begin = end
 
 
 def test_many_runs_and_a_study_take_it(tmp_path: Path) -> None:
