@@ -128,6 +128,24 @@ def test_what_hits_the_shaft_in_line_with_the_centroid_parts_by_the_restitution(
     assert hits(stepper) > 1e4
 
 
+def test_a_declared_gap_is_that_of_the_nearest_part(tmp_path: Path) -> None:
+    """Declare 0.01 m between a drum and a mesh 0.1 m beside it, whose other part is 1.5 m away: that was hit then too.
+
+    The distances of all parts change by the same length, as if the radius of the drum were another.
+    """
+    boxes = (((0.0, 0.0, 0.0), (0.4, 1.0, 2.0)), ((0.4, 0.0, 0.0), (1.4, 1.0, 0.2)), ((1.4, 0.0, 0.0), (1.8, 1.0, 2.0)))
+    stone = {**STONE, "file": file_of(tmp_path, *boxes), "parts": 8, "at": [1.5, 0.0]}
+    drum = {**DRUM, "name": "drum", "on": "base", "at": [0.0, 0.0], "diameter": 1.0, "height": 2.0}
+    pair = {"between": ["drum", "stone"], "line_stiffness": 1e8, "stiffness": 1e8, "damping": 1e-3, "friction": 0.0}
+    joints = {"stiffness": 1e9, "damping": 1e-3}
+    data = {"name": "a", "joints": joints, "block": [drum, stone]}
+    for gap, by in ((0.01, -0.09), (0.1, 0.0), (0.3, 0.2)):
+        pairs = Structure.from_dict({**data, "neighbours": {"pair": [{**pair, "gap": gap}]}}).neighbours
+        assert min(found.gap for found in pairs) == gap
+        assert [found.farther for found in pairs] == pytest.approx([by] * len(pairs), abs=1e-6)  # float32 in the file
+        assert max(found.gap for found in pairs) == pytest.approx(1.5 + by, abs=1e-6)
+
+
 def test_each_part_that_meets_has_columns_of_its_own(tmp_path: Path) -> None:
     """Check that the names differ and stand over their columns, and that the impact is that of both bodies."""
     stone = {**STONE, "file": file_of(tmp_path, *ELL), "parts": 8}

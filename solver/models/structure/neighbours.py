@@ -112,10 +112,12 @@ def neighbours_from(
             deepest = _deepest(blocks, one, other, own)
             pairs = _pairs_between(blocks, bodies, one, other, within, deepest)
             late = not key and min((pair.gap for pair in pairs), default=reach) > reach
+            law, least = {**_law(given, own), **own}, min((pair.gap for pair in pairs), default=0.0)
             if "gap" in own:
                 pairs = _moved_to(own["gap"], pairs, blocks, (*bodies[one], *bodies[other]))
-            made = [_with_law(key or "neighbours", pair, {**_law(given, own), **own}, blocks) for pair in pairs]
-            found += [replace(pair, joined=late) for pair in made]
+            for pair in pairs:  # the declared gap is that of the nearest ones: all are nearer by the same length
+                gap = {"gap": own["gap"] + (pair.gap - least)} if "gap" in own else {}
+                found.append(replace(_with_law(key or "neighbours", pair, law | gap, blocks), joined=late))
     if after_fall:
         found += _pairs_after_fall(blocks, bodies, joined, given)
     # blocks and walls
@@ -275,6 +277,9 @@ def _moved_to(gap: float, pairs: list[Pair], blocks: tuple[Solid, ...], bodies: 
     moved = {id(pair.bodies[0]): pair.bodies[0].moved(vector) for pair in pairs}
     made = []
     for pair in pairs:
+        if pair.side:
+            made.append(pair)
+            continue
         one, other = (parts[id(body)] for body in pair.bodies)
         left = float(distance(one, other, still[:1], still[:1], (between - vector)[None])[0])
         both = moved[id(pair.bodies[0])], pair.bodies[1]
