@@ -77,6 +77,6 @@ def plot_push_over(found: PushOver, path: str | os.PathLike[str] | None) -> Figu
     draw_blocks(drawn, structure, scale * u, scale * found.rotation[-1])
     drawn.set_title(f"at the largest push, {drawn_larger(scale)}", fontsize=10)
     towards = f"Towards {math.degrees(found.direction):.4g} degrees from x to y it" if found.pattern is None else "It"
-    words = f"{towards} balances at most {push[-1]:.3g} {unit}."
+    words = f"{towards} balances {push[-1]:.3g} {unit} {found.limit}."
     header(figure, f"{structure.name}: push-over", words)
     return save(figure, path)

@@ -30,6 +30,7 @@ from multiblock import (
 )
 from solver.commands.command_line import main
 from solver.commands.static_reports import push_over_report
+from solver.plotting.structure_statics import plot_push_over
 from validation.cases.structures import by_ratio
 from validation.limits import largest_push
 
@@ -408,6 +409,8 @@ def test_a_wall_behind_a_gap_bears_a_block_that_tips(stiffness: float, gap: floa
     found = push_over(Structure.from_dict({**data, "neighbours": data["neighbours"] | {"wall": [wall]}}))
     assert found.limit == "at least"
     assert found.largest_acceleration / G == pytest.approx(10.0, rel=1e-3)  # measured 2e-5: a step beyond
+    words = " ".join(text.get_text() for text in plot_push_over(found, None).texts)
+    assert "it balances 10 g at least." in words.replace("\n", " ")
 
 
 @pytest.mark.parametrize("stiffness", [1e9, 1e11])

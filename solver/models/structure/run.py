@@ -16,14 +16,14 @@ from ...ground.loads import ACROSS, COMPONENTS
 from ...ground.motion import Motion
 from ...kernels.structure import layout as at
 from ..ports import Released
-from ..protocol import RunPlan, Verdict, output_times
+from ..protocol import NoRestError, RunPlan, Verdict, output_times
 from ..still_base import conclude, settled
 from .blocks.faces import FloatArray
 from .blocks.parts import SpatialJoint
 from .blocks.placement import RIM
 from .blocks.shapes import rotation_matrix
 from .equilibria import rest_under
-from .modal_data import modal_data_of
+from .modal_data import ModalData, modal_data_of
 from .model import Structure
 from .outputs import DISPLACEMENTS
 from .response import Moved, SpatialResponse, peaks_in_space
@@ -130,7 +130,10 @@ def moved(
     structure: Structure, motion: Motion, stop: float, times: FloatArray, initial: SpatialState | Released | None
 ) -> Moved:
     """Return velocities and energies at `times` by repeating a run, bit for bit. Raises SolverError."""
-    stepper, _ = begun(structure, motion)
+    try:
+        stepper, _ = begun(structure, motion)
+    except NoRestError:  # energies are those above the structure as built
+        stepper = SpatialStepper(structure)
     at_rest = stepper.observe()
     if initial is not None:
         stepper, _ = begun(structure, motion, initial)
@@ -152,11 +155,17 @@ def begun(
 ) -> tuple[SpatialStepper, str]:
     """Return a stepper before a motion, at rest or in the initial state, and the reason why it has no modes.
 
-    Raises InputError.
+    Raises InputError, NoRestError if it begins at rest and has none.
     """
-    rest, modes = rest_of(structure), modal_data_of(structure)
-    stepper = SpatialStepper(structure, modes.numbers)
-    start_from(stepper, rest)
+    try:
+        rest, modes = rest_of(structure), modal_data_of(structure)
+    except NoRestError:
+        if initial is None or isinstance(initial, Released):
+            raise
+        stepper, modes = SpatialStepper(structure), ModalData(np.zeros(0), "no rest")
+    else:
+        stepper = SpatialStepper(structure, modes.numbers)
+        start_from(stepper, rest)
     # initial state; a run in the plane if everything lies in it
     flat = structure.is_plane and not motion.has_ay and all(load.is_in_plane for load in motion.loads.values())
     if isinstance(initial, Released):
@@ -240,6 +249,7 @@ class _SpatialSettling:
 
     def __init__(self, stepper: SpatialStepper) -> None:
         self._stepper = stepper
+        self._has_rest = True  # until it is known that there is none
 
     @property
     def fallen(self) -> int:
@@ -262,7 +272,13 @@ class _SpatialSettling:
     def why_it_stands(self) -> str:
         stepper = self._stepper
         found = reason_for_leaning(stepper) or (RESTING if stepper.counts.resting else "")
-        return found or potential_well_of(stepper.structure).why_it_stands(stepper)
+        if found or not self._has_rest:
+            return found
+        try:
+            return potential_well_of(stepper.structure).why_it_stands(stepper)
+        except NoRestError:  # begun from a state; it may still lean on others or come to rest elsewhere
+            self._has_rest = False
+            return ""
 
     def next_look(self, t: float, stop: float, settle: float) -> float:
         return stop + next_look(t - stop, settle)
