@@ -89,6 +89,17 @@ def test_what_is_no_column_is_solved_in_space() -> None:
     assert isinstance(simulate(structure, MOTION, settle=0, duration=0.1), SpatialResponse)
 
 
+def test_a_column_in_space_leaves_out_what_it_did() -> None:
+    """Leave out modes: the stack of the column took them (30 steps), as the file in the plane does not."""
+    column = Column.from_toml(ROOT / "examples" / "columns" / "phocas-damped.toml")
+    left_out = column.with_settings(without=("elastic", "peaks", "rest")).in_space()
+    assert left_out.without == ("elastic", "peaks")
+    found = [
+        simulate(one, MOTION, settle=0, duration=0.1).stats["elastic_steps"] for one in (column.in_space(), left_out)
+    ]
+    assert found[0] > 0 == found[1]
+
+
 def test_another_word_is_refused() -> None:
     with pytest.raises(InputError, match="plane"):
         simulate(stack(), MOTION, plane="xz")

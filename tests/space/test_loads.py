@@ -189,6 +189,8 @@ def test_a_stack_of_a_column_has_ports_too_and_a_load_keeps_it_in_space() -> Non
     assert Structure.from_dict(structure.to_dict()).ports[0].name == "top"
     found: Any = simulate(structure, STILL, 0.2, loads={"top": {"Fx": 1e4}}, plane="auto", settle=0.0)
     assert found.port_x[-1, 0] > 0.0
+    unloaded: Any = simulate(structure, STILL, 0.2, plane="auto", settle=0.0)  # a response in the plane had no ports
+    assert unloaded.port_x.shape == (len(unloaded.time), 1)
 
 
 def test_a_port_without_load_changes_no_bit() -> None:

@@ -27,6 +27,7 @@ from .blocks.parts import (
     BASE,
     BESIDE_COLUMN,
     OF_COLUMN,
+    SKIPS,
     TOLERANCE,
     Bearing,
     JointLaw,
@@ -42,8 +43,6 @@ from .packing import PackedModel, Parts, centroid_of, model_of
 from .stack import in_three, stacked
 
 LEAST_LENGTH = 1e-6  # m, of a tie
-# what can be left out: peaks other than those of displacements, steps by modes, stabilized steps
-SKIPS = ("peaks", "elastic", "stabilized")
 
 
 def _numbered(names: Sequence[str]) -> tuple[str, ...]:

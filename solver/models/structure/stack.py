@@ -26,7 +26,7 @@ from ..column.settings import Settings
 from ..ports import Port
 from .blocks.contacts import GROUND, with_rim
 from .blocks.faces import Face, FloatArray, shared
-from .blocks.parts import OF_COLUMN, JointLaw, Solid, SpatialJoint
+from .blocks.parts import OF_COLUMN, SKIPS, JointLaw, Solid, SpatialJoint
 from .blocks.shapes import box, drum, placed, rectangle
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def stacked(column: Column) -> dict[str, Any]:
         for number, (block, foot) in enumerate(zip(column.blocks, heights, strict=True), start=1)
     )
     joints = tuple(_joint(column, i, float(foot)) for i, foot in enumerate(heights))
-    tolerance, without = column.settings.tolerance, tuple(set(column.settings.without) & {"peaks"})
+    tolerance, without = column.settings.tolerance, tuple(name for name in column.settings.without if name in SKIPS)
     ports = tuple(Port(port.name, port.body, (port.at[0], 0.0, port.at[1])) for port in column.ports)
     found = {"name": column.name, "blocks": solids, "joints": joints, "g": column.g, "ports": ports}
     return found | {"tolerance": tolerance, "without": without, "described": {OF_COLUMN: column.to_dict()}}
@@ -119,15 +119,15 @@ def _level(face: FaceShape, height: float, way: float) -> Face:
 def column_of(structure: Structure) -> Column | None:
     """Return the column whose stack (`Structure.stack`) is this structure; None if there is none.
 
-    The structure must consist of boxes or drums, each centred on the one below, without ties, bearings, neighbours or
-    bonds. A structure is elastic along its joints and a column is rigid: a run of the column neglects that. The axis of
+    The structure must consist of boxes or drums, each centred on the one below, without ties, bearings, neighbours,
+    bonds or ports. A structure is elastic along its joints and a column is rigid: a run of the column neglects that. The axis of
     the column is that of the lowest block, wherever it stands.
     """
     # blocks from the top, each on one joint to the next block
     order = np.argsort([-float(block.centroid[2]) for block in structure.blocks], kind="stable")
     solids = [structure.blocks[i] for i in order]
     under = {joint.carried(structure.n): joint for joint in structure.joints}
-    if structure.ties or structure.bearings or structure.neighbours or structure.bonds:
+    if structure.ties or structure.bearings or structure.neighbours or structure.bonds or structure.ports:
         return None
     if not len(under) == len(structure.joints) == structure.n:
         return None

@@ -13,6 +13,8 @@ from .faces import Face, FloatArray
 from .polyhedra import Polyhedron
 
 TOLERANCE = 1e-5  # default
+# what can be left out: peaks other than those of displacements, steps by modes, stabilized steps
+SKIPS = ("peaks", "elastic", "stabilized")
 LEVEL = 1e-6  # sine of the angle below which a face is level, or upright
 BASE = "base"  # name of the body that everything stands on
 OF_COLUMN = "column"  # key of the mapping of a column's file, of a structure that is a stack of a column
