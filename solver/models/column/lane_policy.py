@@ -103,7 +103,7 @@ def enters_at_once(column: Column, order: float, motion: Motion, samples: int) -
         damping, squares = _dampers(column)
         steps = max(0.3 * math.sqrt(2.0 * squares), 0.5 * damping * squares)
         return samples > SAMPLES * (motion.time[-1] - motion.time[0]) and steps < AT_ONCE
-    return motion.amplitude > _opening_acceleration(column)
+    return abs(motion.amplitude) > _opening_acceleration(column)
 
 
 def _opening_acceleration(column: Column) -> float:
