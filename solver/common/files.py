@@ -150,9 +150,12 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yield a temporary path in the same folder; on success, replace `path` by the file written there.
 
     After a full disk, or the end of the process, `path` has the previous file or none: never an incomplete one. A path
-    that is no ordinary file, such as a pipe, is written directly. An OSError names `path`.
+    that is no ordinary file, such as a pipe, is written directly. A symbolic link stays: the file that it leads to is
+    replaced. An OSError names `path`.
     """
     target = Path(path)
+    if target.is_symlink():
+        target = target.resolve()
     if target.exists() and not target.is_file():
         yield target
         return

@@ -40,6 +40,21 @@ def test_the_previous_file_stays_until_the_new_one_is_whole(tmp_path: Path) -> N
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.skipif(os.name == "nt", reason="Windows allows links to some users only")
+def test_a_symbolic_link_stays(tmp_path: Path) -> None:
+    """Write through a link to a file, and through one to a file that is not there yet."""
+    (tmp_path / "store").mkdir()
+    (tmp_path / "store" / "there.txt").write_text("before")
+    for name in ("there.txt", "new.txt"):
+        file, link = tmp_path / "store" / name, tmp_path / name
+        link.symlink_to(file)
+        with whole_file(link) as partial:
+            partial.write_text("after")
+        assert link.is_symlink()
+        assert file.read_text() == "after"
+    assert len(list(tmp_path.iterdir())) == 3
+
+
 def test_errors_speak_of_the_file_that_was_asked_for(tmp_path: Path) -> None:
     path = tmp_path / "absent" / "file.txt"
     with pytest.raises(OSError, match=r"absent/file\.txt") as caught, whole_file(path) as partial:

@@ -195,6 +195,19 @@ def test_the_command_writes_each_kind(tmp_path: Path, capsys: pytest.CaptureFixt
     assert "must end in .glb" in capsys.readouterr().err
 
 
+def test_a_shorter_run_leaves_no_file_of_an_older_one(tmp_path: Path) -> None:
+    """Write 0.8 s, then 0.2 s: 12 files of the older run stayed. Files of other names do."""
+    column = Column.from_toml(ROOT / "examples" / "columns" / "phocas.toml")
+    for duration in (0.8, 0.2):
+        simulate(column, Motion.harmonic(2.0, 2.0, duration), settle=0.0).to_vtk(tmp_path, fps=FPS)
+        for name in ("walls.vtu", "own.vtu", "blocks_3.vtu"):
+            (tmp_path / name).touch()
+    simulate(column, Motion.harmonic(2.0, 2.0, 0.2), settle=0.0).to_vtk(tmp_path, fps=FPS)
+    numbered = [f"{name}_{k:05d}.vtu" for name in ("blocks", "joints") for k in range(3)]
+    kept = ["blocks.pvd", "blocks_3.vtu", "joints.pvd", "own.vtu"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([*numbered, *kept])
+
+
 def test_a_file_is_no_folder(tmp_path: Path) -> None:
     column = Column.from_toml(ROOT / "examples" / "columns" / "phocas.toml")
     response = simulate(column, replace(SHAKING, duration=0.1, time=np.array([0.0, 0.1])), check=False, settle=0.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import math
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...common.errors import POSITIVE, InputError, check_number
+from ...common.files import whole_file
 from ...models.outputs import BLOCK, JOINT
 from ...models.structure.blocks.faces import Face, FloatArray, clipped, inset, outside_parts, without_doubles
 from ...models.structure.blocks.shapes import turned
@@ -20,6 +22,8 @@ from .gltf import quaternions
 
 POLYGON = 7  # VTK cell type
 ROUNDING = 1e-12  # of the size of a polygon: a distance from its edges that does not count
+WALLS = "walls.vtu"
+OWN = re.compile(r"walls\.vtu|(?:blocks|joints)_\d{5,}\.vtu")  # names of the files that a run writes
 NAMES = {"float64": "Float64", "int64": "Int64", "uint8": "UInt8"}
 PAGE = """<?xml version="1.0"?>
 <VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt32">
@@ -37,6 +41,7 @@ SERIES = """<?xml version="1.0"?>
 def write_vtk(response: Any, folder: str | os.PathLike[str], fps: float) -> None:
     """Write blocks.pvd and joints.pvd, with a file of each for every instant, and walls.vtu if there are walls.
 
+    Files of these names that an older run left there are removed.
     Cells carry the number of their block or joint and its outputs; points of joints carry the elastic pressure, Pa.
     Raises InputError if `folder` is not a folder, or `fps` (instants per second, at most) is not positive; OSError.
     """
@@ -53,10 +58,16 @@ def write_vtk(response: Any, folder: str | os.PathLike[str], fps: float) -> None
         _write_cells(where / f"joints_{k:05d}.vtu", *_joints(scene, k, slips[row]), JOINT, outputs[JOINT], row)
     if scene.walls:
         walls = [wall.centroid + wall.surfaces[0].points for wall in scene.walls]
-        _write_cells(where / "walls.vtu", walls, range(len(walls)), {}, "wall", {}, 0)
+        _write_cells(where / WALLS, walls, range(len(walls)), {}, "wall", {}, 0)
     for name in ("blocks", "joints"):
         lines = (f'<DataSet timestep="{t:.9g}" file="{name}_{k:05d}.vtu"/>' for k, t in enumerate(scene.time))
-        (where / f"{name}.pvd").write_text(SERIES.format(lines="\n".join(lines)), encoding="ascii")
+        with whole_file(where / f"{name}.pvd") as partial:
+            partial.write_text(SERIES.format(lines="\n".join(lines)), encoding="ascii")
+    # files of an older, longer run, and its walls
+    written = {f"{name}_{k:05d}.vtu" for name in ("blocks", "joints") for k in range(len(scene.rows))}
+    for path in where.iterdir():
+        if OWN.fullmatch(path.name) and path.name not in written and not (scene.walls and path.name == WALLS):
+            path.unlink()
 
 
 def _histories(response: Any, owner: str) -> dict[str, FloatArray]:
