@@ -475,8 +475,8 @@ def test_the_opening_is_the_gap_at_the_far_end_of_the_contact(
 ) -> None:
     """Turn a block of 1 m about an end of its contact: the gap is the slope times the length of the contact.
 
-    Strips touch from -0.1 to 0.5 m; 0.6 mm, and not 0.5 and 0.1, was the gap to find. After a slip the block below, as
-    wide, cuts the contact off. Measured: 2e-7 of the gap.
+    Strips touch from -0.1 to 0.5 m: the gap was 0.4 or 0.8 mm, by the side, in place of 0.6 mm. After a slip the block
+    below, as wide, cuts the contact off. Measured: 4e-8 of the gap.
     """
     joint = Joint(1e9, 1e-3, friction=0.5)
     over = joint if strips is None else replace(joint, section="strips", width=1.0, strips=strips)
