@@ -416,7 +416,10 @@ class Motion(Framed, NotebookRepr):
         ax = _checked_samples("ax", ax, "m/s2")
         time = dt * np.arange(len(ax), dtype=np.float64)
         duration = dt * len(ax) if hold else float(time[-1])
-        up, across = (np.zeros_like(ax) if given is None else given for given in (az, ay))
+        up, across = (
+            np.zeros_like(ax) if given is None else _checked_samples(key, given, "m/s2")
+            for key, given in (("az", az), ("ay", ay))
+        )
         return cls(time, ax, up, duration, hold, ay=across)
 
     @classmethod

@@ -120,8 +120,8 @@ def column_of(structure: Structure) -> Column | None:
     """Return the column whose stack (`Structure.stack`) is this structure; None if there is none.
 
     The structure must consist of boxes or drums, each centred on the one below, without ties, bearings, neighbours,
-    bonds or ports. A structure is elastic along its joints and a column is rigid: a run of the column neglects that. The axis of
-    the column is that of the lowest block, wherever it stands.
+    bonds or ports. A structure is elastic along its joints and a column is rigid: a run of the column neglects that.
+    The axis of the column is that of the lowest block, wherever it stands.
     """
     # blocks from the top, each on one joint to the next block
     order = np.argsort([-float(block.centroid[2]) for block in structure.blocks], kind="stable")
