@@ -16,7 +16,7 @@ from ....common.errors import InputError, needing
 from ....kernels.structure.layout import MOST_CORNERS
 from .contacts import axis_of
 from .faces import NEAR, Face, FloatArray, outside_parts, polygon_moments, without_doubles
-from .outlines import THINNEST, bent_corners, is_convex
+from .outlines import THINNEST, bent_corners, corners_around, is_convex
 from .parts import Solid
 from .shells import EXTRA
 
@@ -180,31 +180,13 @@ def _merged(points: FloatArray, surface: FloatArray, most: float, share: float) 
             left &= ~near[triangles].all(axis=1)
             corners = np.flatnonzero(near)
             flat = local[corners] @ _axes(normal)[:, :2]
-            order = np.array(_around(flat))
+            order = np.array(corners_around(flat))
             kept = order[thinned(flat[order], STRAIGHT)]
             faces.append(tuple(corners[kept].tolist()))
     # keep used corners only, and renumber them
     used = np.unique([corner for face in faces for corner in face])
     place = {int(corner): k for k, corner in enumerate(used)}
     return Hull(points[used], tuple(tuple(place[corner] for corner in face) for face in faces))
-
-
-def _around(flat: FloatArray) -> list[int]:
-    """Return the indices of the corners of the convex hull of points (n, 2), anticlockwise (Andrew's chain)."""
-    order = np.lexsort((flat[:, 1], flat[:, 0])).tolist()
-    points = flat.tolist()
-    found: list[int] = []
-    for way in (order, order[::-1]):
-        chain: list[int] = []
-        for k in way:
-            while len(chain) > 1:
-                (x0, y0), (x1, y1), (x, y) = points[chain[-2]], points[chain[-1]], points[k]
-                if (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0) > 0.0:
-                    break
-                chain.pop()
-            chain.append(k)
-        found += chain[:-1]
-    return found
 
 
 def _farthest(points: FloatArray) -> FloatArray:

@@ -74,17 +74,23 @@ def is_convex(outline: FloatArray) -> bool:
 
 
 def hull_in_plane(points: FloatArray) -> FloatArray:
-    """Return the corners of the convex hull of points in a plane (points, 2), anticlockwise, by monotone chains."""
-    ordered = sorted(set(map(tuple, points.tolist())))
-    found: list[tuple[float, ...]] = []
-    for chain in (ordered, ordered[::-1]):
-        first = len(found)
-        for x, y in chain:
-            while len(found) > first + 1:
-                (x0, y0), (x1, y1) = found[-2:]
+    """Return the corners of the convex hull of points in a plane (points, 2), anticlockwise."""
+    return points[corners_around(points)]
+
+
+def corners_around(flat: FloatArray) -> list[int]:
+    """Return the indices of the corners of the convex hull of points (n, 2), anticlockwise (Andrew's chain)."""
+    order = np.lexsort((flat[:, 1], flat[:, 0])).tolist()
+    points = flat.tolist()
+    found: list[int] = []
+    for way in (order, order[::-1]):
+        chain: list[int] = []
+        for k in way:
+            while len(chain) > 1:
+                (x0, y0), (x1, y1), (x, y) = points[chain[-2]], points[chain[-1]], points[k]
                 if (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0) > 0.0:
                     break
-                found.pop()
-            found.append((x, y))
-        found.pop()  # begins the other chain
-    return np.array(found)
+                chain.pop()
+            chain.append(k)
+        found += chain[:-1]
+    return found
