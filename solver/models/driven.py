@@ -52,8 +52,10 @@ def pieces(motion: Motion | None, t: float, end: float) -> Iterator[tuple[float,
         yield end, Shaking(t, 0.0, 0.0)
         return
     times = motion.time
-    inner = np.union1d(times, [motion.end])  # held samples and a wave end with the motion
-    marks = [t, *inner[(inner > t) & (inner < end)].tolist(), end]
+    inner = times[(times > t) & (times < end)].tolist()
+    if motion.hold and t < motion.end < end:  # the last held sample ends with the motion
+        inner.append(motion.end)
+    marks = [t, *inner, end]
     for begin, stop in pairwise(marks):
         k = int(np.searchsorted(times, begin, side="right")) - 1
         value = slope = 0.0
