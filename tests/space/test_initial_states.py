@@ -160,7 +160,7 @@ def test_faces_that_only_touch_press_nowhere(shape: dict[str, float]) -> None:
 
 @pytest.mark.parametrize("ratio", [1.0, 100.0, 1e4])
 def test_a_rest_is_found_however_stiff_the_joint_is_along(ratio: float) -> None:
-    """Stand a cube on a plane inclined by 0.02 rad, with 2.5 times the friction that it needs."""
+    """Place a cube on a plane inclined by 0.02 rad, with 2.5 times the friction that it needs."""
     block = {"name": "b", "width": 1.0, "depth": 1.0, "height": 1.0, "density": 2500.0, "position": [0.0, 0.0, 0.0]}
     law = {"stiffness": 1e9, "damping": 1e-3, "friction": 0.05, "shear_ratio": ratio}
     normal = [math.sin(0.02), 0.0, math.cos(0.02)]

@@ -149,7 +149,7 @@ def test_equal_bits_twice_and_less_energy_after_each_impact() -> None:
 
 
 def test_a_gap_that_closes_in_a_stabilized_step_is_met_by_one() -> None:
-    """Rock two boxes on stiff rims against a wall 20 mm away; made again by a step of order 5, far beyond its
+    """Shake two boxes on stiff rims against a wall 20 mm away; made again by a step of order 5, far beyond its
     stability, such a step gave 4.04 times the largest N and 7.7 times the pressure.
     """
     motion = Motion.harmonic(0.3 * G, 1.5, 1.0)
