@@ -110,6 +110,19 @@ def test_a_link_that_gives_way_does_not_raise_the_barrier(data: dict[str, Any]) 
         assert followed.verdict == ("standing" if stands else "overturned")
 
 
+def test_both_loads_of_two_joints_are_lifted() -> None:
+    """Check a box on two feet, side by side along y: half of its weight had the levers of both, 1.81 times the work."""
+    box = block(name="box", width=0.4, height=2.0, position=[0.0, 0.0, 0.0]) | {"depth": 1.0}
+    del box["on"]
+    foot = {"between": ["box", "base"], "normal": [0.0, 0.0, 1.0], "section": "rectangle", "width": 0.4, "depth": 0.4}
+    feet = [{**foot, "at": [0.0, y, 0.0]} for y in (-0.3, 0.3)]
+    structure = Structure.from_dict({"name": "feet", "joints": LAW, "block": [box], "joint": feet})
+    expected = structure.weight * (math.hypot(1.0, 0.2) - 1.0)
+    assert 0.95 <= barrier(structure) / expected <= 1.0
+    assert simulate(structure, STILL, initial=turning(structure, 1.3 * expected), settle=0.0).verdict == "undecided"
+    assert simulate(structure, STILL, initial=turning(structure, 1.3 * expected)).verdict == "overturned"
+
+
 def test_a_light_block_on_a_pin_is_not_neglected() -> None:
     """Put it beside a block of 8000 times its weight: hardly anything of the whole."""
     structure = Structure.from_dict(pinned(apart=20.0, size=20.0, slack=0.5))

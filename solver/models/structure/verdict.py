@@ -219,19 +219,23 @@ class Well:
     def _lifting(self, rest: SpatialStepper, left: float) -> float:
         """Return the least energy (J) that lifts what some joint carries over the nearest edge of its contact.
 
-        A joint that others bypass opens together with at least one of them, which has its own lever. Joints that bear
-        nothing do not count there, nor do ties: a block may turn away from them.
+        A joint that others bypass opens together with at least one of them, turned by the same angle: moments and loads
+        add up. Of all such sets some pair needs the least, as the joint with the largest ratio of moment to load adds
+        to what two others need. Joints that bear nothing do not count there, nor do ties: a block may turn away from
+        them.
         """
-        normal, moments, least = self._carried(rest), self._moments(rest, left), math.inf
+        normal, moments = self._carried(rest), self._moments(rest, left)
         if self._hangs or np.any(moments <= 0.0):
             return 0.0
-        shares = _bypassed(self._structure, self._is_loaded(normal))
-        others = np.sort(moments[shares & ~np.isnan(moments)])[:2]
-        for j in np.flatnonzero(~np.isnan(moments)).tolist():
-            moment, lifted = float(moments[j]), self._height(j) * float(normal[j])
-            if shares[j] and len(others) > 1:
-                moment += float(others[0] if moment > others[0] else others[1])
-            least = min(least, moment * moment / (math.hypot(lifted, moment) + lifted))
+        counts = ~np.isnan(moments)
+        lifted = np.array([self._height(j) for j in range(len(normal))]) * normal
+        shares = counts & _bypassed(self._structure, self._is_loaded(normal))
+        if np.count_nonzero(shares) < 2:
+            shares[:] = False
+        least = float(np.min(_work(moments, lifted)[counts & ~shares], initial=math.inf))
+        moments, lifted = moments[shares], lifted[shares]
+        for k in range(1, len(moments)):
+            least = min(least, float(np.min(_work(moments[k] + moments[:k], lifted[k] + lifted[:k]))))
         return least
 
     def _height(self, j: int) -> float:
@@ -335,6 +339,11 @@ class Well:
                 ends.append(stuck.row[first:last].copy())
             columns.append((ends[0] - ends[1]) / (2.0 * delta))
         return np.column_stack(columns)
+
+
+def _work(moment: FloatArray, lifted: FloatArray) -> FloatArray:
+    """Return the energy (J) that turns loads over an edge, from their moments and their product with heights, N m."""
+    return moment * moment / (np.hypot(lifted, moment) + lifted)
 
 
 def _is_stable(stiffness: FloatArray) -> bool:
