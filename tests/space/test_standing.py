@@ -130,6 +130,17 @@ def test_a_light_block_on_a_pin_is_not_neglected() -> None:
     assert 0.95 <= barrier(structure) / expected <= 1.0
 
 
+def test_a_small_frame_on_a_heavy_block_is_not_neglected() -> None:
+    """Put a portal of 5 kg on 20 t: its barrier was that of the block, 2 million times its own."""
+    block_of_20_t, found = block(name="mass", width=2.0, height=2.0, at=[0.0, 0.0]), []
+    for under in ([], [block_of_20_t]):
+        on = "mass" if under else "base"
+        posts = [block(name=f"post{x}", width=0.04, height=0.2, at=[x, 0.0], on=on) for x in (-0.1, 0.1)]
+        beam = block(name="beam", width=0.3, height=0.04, at=[0.0, 0.0], on=["post-0.1", "post0.1"]) | {"depth": 0.06}
+        found.append(barrier(made(*under, *posts, beam)))
+    assert found[1] == pytest.approx(found[0], rel=1e-9)
+
+
 def test_no_barrier_is_known_of_a_block_that_hangs() -> None:
     """Hold a box beside another one by eight ties that yield under 1.6 times its weight."""
     box, weight = block(name="box", width=0.2, height=0.2, position=[3.0, 0.0, 1.0]), 0.008 * 2500.0 * G

@@ -33,7 +33,7 @@ FIRST_LOOK, LATER = 0.25, 0.25  # s after the motion; fraction of the time since
 CLOSE = 1e-9  # of the weight: residual at a rest
 WAY = 8  # parts of the path to the rest
 UPRIGHT = 0.95  # least vertical part of the normal of a joint over whose edge its load is lifted
-HARDLY = 1e-3  # of the weight: a joint with a smaller force is neglected
+HARDLY, OF_BLOCK = 1e-3, 0.1  # of the weight, and of the lighter block's: a joint with a smaller force is neglected
 STILL = 1e-6  # of gravity, and of sqrt(g size): largest acceleration and velocity of a block that is still
 DIRECTIONS = 8  # directions in which the resultant of a round joint may reach its rim
 
@@ -96,6 +96,9 @@ class Well:
         self._delta = PERTURBED * deltas_of(structure, settlement)
         self._small = 0.5 * PERTURBED**2 * structure.weight * settlement  # J, of displacements of this size
         self._heights = _heights(structure)
+        masses = np.array([*(block.mass for block in structure.blocks), math.inf])  # the base is the last body
+        lighter = np.array([min(masses[joint.upper], masses[joint.lower]) for joint in structure.joints])
+        self._hardly = np.minimum(HARDLY * structure.weight, OF_BLOCK * structure.g * lighter)
         self._groups = _groups(structure)
         self._alone = ~_bypassed(structure, ties=True)
         self._framed = _bypassed(structure)  # other joints bypass it, not only ties
@@ -214,7 +217,7 @@ class Well:
 
     def _is_loaded(self, normal: FloatArray) -> NDArray[np.bool_]:
         """Return the mask of the joints that bear more than hardly anything, (joints,)."""
-        return normal > HARDLY * self._structure.weight
+        return normal > self._hardly
 
     def _lifting(self, rest: SpatialStepper, left: float) -> float:
         """Return the least energy (J) that lifts what some joint carries over the nearest edge of its contact.
