@@ -104,6 +104,12 @@ class Well:
         self._framed = _bypassed(structure)  # other joints bypass it, not only ties
         self._hangs = _hangs(structure)
         self._upright = np.array([abs(joint.face.normal[2]) >= UPRIGHT for joint in structure.joints])
+        self._between, self._against_turns = _against_turns(structure)
+        self._uppers = np.array([joint.carried(structure.n) for joint in structure.joints], dtype=np.int64)
+        self._lowers = np.array([joint.carrier(structure.n) for joint in structure.joints], dtype=np.int64)
+        upright = [j for j in np.flatnonzero(self._upright).tolist() if self._uppers[j] < structure.n]
+        upright.sort(key=lambda j: float(structure.joints[j].face.centre[2]))
+        self._rising = [(j, int(self._uppers[j]), int(self._lowers[j])) for j in upright]
         stepper = SpatialStepper(structure)
         start_from(stepper, rest_of(structure))
         stepper.observe()
@@ -232,14 +238,32 @@ class Well:
             return 0.0
         counts = ~np.isnan(moments)
         lifted = np.array([self._height(j) for j in range(len(normal))]) * normal
+        part = self._left_by_beds(lifted)
         shares = counts & _bypassed(self._structure, self._is_loaded(normal))
         if np.count_nonzero(shares) < 2:
             shares[:] = False
-        least = float(np.min(_work(moments, lifted)[counts & ~shares], initial=math.inf))
-        moments, lifted = moments[shares], lifted[shares]
+        least = float(np.min((part * _work(moments, lifted))[counts & ~shares], initial=math.inf))
+        moments, lifted, part = moments[shares], lifted[shares], part[shares]
         for k in range(1, len(moments)):
-            least = min(least, float(np.min(_work(moments[k] + moments[:k], lifted[k] + lifted[:k]))))
+            work = _work(moments[k] + moments[:k], lifted[k] + lifted[:k])
+            least = min(least, float(np.min(np.minimum(part[k], part[:k]) * work)))
         return least
+
+    def _left_by_beds(self, lifted: FloatArray) -> FloatArray:
+        """Return the fraction of the barrier of each joint that elastic beds leave, (joints,).
+
+        A tilted body tilts further as the beds under and over it give way. Those between two bodies take the moment of
+        their load at a tilt of 1, `lifted` (N m), over their stiffness against rotation; this adds up along a path from
+        the base to the top. At 1 the structure buckles. Measured: barriers of stacks are at most 1.22 times the exact
+        ones.
+        """
+        gives = (np.bincount(self._between, np.maximum(0.0, lifted)) / self._against_turns)[self._between]
+        below, above = np.zeros((2, self._structure.n + 1))
+        for j, upper, lower in self._rising:
+            below[upper] = max(below[upper], below[lower] + gives[j])
+        for j, upper, lower in reversed(self._rising):
+            above[lower] = max(above[lower], above[upper] + gives[j])
+        return np.maximum(0.0, 1.0 - gives - below[self._lowers] - above[self._uppers])
 
     def _height(self, j: int) -> float:
         """Return the height of the carried centroid above joint j (m), at least the size of the block above."""
@@ -428,6 +452,32 @@ def _sunk(joint: SpatialJoint, slip: FloatArray, further: float) -> float:
     axes = joint.face.axes[2, :2]
     slope = float(np.hypot(*axes))
     return further * slope - float(axes @ slip) if slope > LEVEL else -math.inf
+
+
+def _against_turns(structure: Structure) -> tuple[NDArray[np.int64], FloatArray]:
+    """Return the number of each joint's two bodies, and the stiffness of all their beds against rotation, N m (pairs,).
+
+    The least about any axis, in full contact.
+    """
+    found: dict[tuple[int, int], list[int]] = {}
+    for j, joint in enumerate(structure.joints):
+        found.setdefault((joint.carried(structure.n), joint.carrier(structure.n)), []).append(j)
+    between, least = np.zeros(len(structure.joints), dtype=np.int64), []
+    for number, some in enumerate(found.values()):
+        between[some] = number
+        joints = [structure.joints[j] for j in some]
+        axes = joints[0].face.axes[:, :2]
+        rigid = np.array([joint.bed.stiffness * joint.moments[0] for joint in joints])
+        places = np.array([joint.face.centre for joint in joints]) @ axes
+        places -= rigid @ places / np.sum(rigid)
+        total = (rigid * places.T) @ places
+        for joint in joints:
+            _, xx, yy, xy = joint.moments
+            turned = joint.face.axes[:, :2].T @ axes
+            total += joint.bed.stiffness * turned.T @ np.array([[xx, xy], [xy, yy]]) @ turned
+        weak, strong = np.linalg.eigvalsh(total).tolist()
+        least.append(max(weak, 1e-12 * strong))  # rounding leaves nothing of that of a line
+    return between, np.array(least)
 
 
 def _groups(structure: Structure) -> dict[int, list[int]]:
