@@ -320,9 +320,11 @@ def residual_of(stepper: SpatialStepper, base: Sequence[float] | FloatArray = ST
         ]
     )
     q = np.array([see.q1, see.q2, see.q3])
-    across = _cross(q, own)
+    with np.errstate(over="ignore", invalid="ignore"):  # a step of Newton's method may go far beyond a rest
+        across = _cross(q, own)
+        moments = own + 2.0 * (see.q0 * across + _cross(q, across))
     forces = bodies.mass[:n] * np.array([rates.vx, rates.vy, rates.vz])
-    return np.concatenate([forces, own + 2.0 * (see.q0 * across + _cross(q, across))]).T.ravel(), energy
+    return np.concatenate([forces, moments]).T.ravel(), energy
 
 
 def largest_of(residual: FloatArray, per: FloatArray) -> float:
