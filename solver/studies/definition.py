@@ -152,6 +152,8 @@ class Study(NotebookRepr):
         for name in always:
             if name not in self.keep:
                 raise InputError(f"keep: must have {name}, which every picture and table needs")
+        for column in self.columns:
+            column.kind.check_kept(column, self.keep)
         if self.tolerance is not None:  # checked as the columns' own
             self.columns[0].with_settings(tolerance=self.tolerance)
         self._check_names()

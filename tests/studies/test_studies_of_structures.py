@@ -385,6 +385,9 @@ def test_what_goes_together(study: Study, tmp_path: Path) -> None:
         Study("plane", "sweep", (column,), (Shaking("record", record=across),))
     with pytest.raises(InputError, match="keep: must have peak_u"):
         replace(study, keep=("verdict",))
+    short = tuple(column.with_settings(without=("peaks",)) for column in study.columns)
+    with pytest.raises(InputError, match=r'solver.without has "peaks", must not where peak_\w+ is kept'):
+        replace(study, columns=short, keep=(*study.keep, "peak_N"))
     with pytest.raises(InputError, match="must be the path of a column file"):
         Study.from_dict({**STUDY, "column": "trilith.toml"}, tmp_path)
 

@@ -95,8 +95,9 @@ def assemble(model, state, counts, base, work, given, from_rest):
         # of the most damped joint; across a bearing alone
         is_bearing = j >= sizes.m - sizes.b
         damping = max(damping, joints.damping[j] if is_bearing else min(joints.damping[j], joints.shear_damping[j]))
-    # method and tolerances, by this damping
-    settings.order = order_of(damping, settings.first_step)
+    # method, by this damping unless it is the file's, and tolerances
+    if described.damping_scale != 1.0:
+        settings.order = order_of(damping, settings.first_step)
     settings.tolerance = described.tolerance
     settings.step_tolerance = step_tolerance(settings.order, settings.tolerance)
     settings.stabilizes = stabilizes(settings.order, settings.tolerance)

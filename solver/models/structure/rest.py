@@ -215,6 +215,7 @@ def full_stiffness(structure: Structure) -> FloatArray:
     return _assembled(structure, springs, [tie.stiffness for tie in structure.ties])
 
 
+@lru_cache(maxsize=64)
 def fastest_decay(structure: Structure) -> float:
     """Return the fastest decay rate by the dampers (1/s), with all joints in full contact."""
     table, dashpots = structure.model.names.joints, []

@@ -34,6 +34,7 @@ CLOSE = 1e-9  # of the weight: residual at a rest
 WAY = 8  # parts of the path to the rest
 UPRIGHT = 0.95  # least vertical part of the normal of a joint over whose edge its load is lifted
 HARDLY, OF_BLOCK = 1e-3, 0.1  # of the weight, and of the lighter block's: a joint with a smaller force is neglected
+LEAST_STIFFNESS = 1e-200  # N m, of one bearing against rotation, which has none
 STILL = 1e-6  # of gravity, and of sqrt(g size): largest acceleration and velocity of a block that is still
 DIRECTIONS = 8  # directions in which the resultant of a round joint may reach its rim
 
@@ -202,7 +203,7 @@ class Well:
         turn[n, 0] = 1.0
         turn[:n] = np.array([place.see.q0, place.see.q1, place.see.q2, place.see.q3]).T
         centroids = [centroid_of(structure.blocks, i) for i in range(n + 1)]
-        for j in np.flatnonzero(~np.isnan(moments)).tolist():
+        for j in np.flatnonzero(~np.isnan(moments) & (normal > 0.0)).tolist():
             # displacement of the contact on both bodies, tilt between them, slip since rest
             joint, lever = structure.joints[j], float(moments[j] / normal[j])
             ends = [
@@ -474,9 +475,10 @@ def _against_turns(structure: Structure) -> tuple[NDArray[np.int64], FloatArray]
         for joint in joints:
             _, xx, yy, xy = joint.moments
             turned = joint.face.axes[:, :2].T @ axes
-            total += joint.bed.stiffness * turned.T @ np.array([[xx, xy], [xy, yy]]) @ turned
+            if joint.bearing is None:  # which acts at a point
+                total += joint.bed.stiffness * turned.T @ np.array([[xx, xy], [xy, yy]]) @ turned
         weak, strong = np.linalg.eigvalsh(total).tolist()
-        least.append(max(weak, 1e-12 * strong))  # rounding leaves nothing of that of a line
+        least.append(max(weak, 1e-12 * strong, LEAST_STIFFNESS))  # rounding leaves nothing of that of a line
     return between, np.array(least)
 
 
