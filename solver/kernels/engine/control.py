@@ -24,6 +24,9 @@ INTEGRAL = 0.7
 PROPORTIONAL = 0.4
 
 
+LIGHTLY_DAMPED = 0.02  # damping ratio of a contact, below which steps of the higher order are taken
+
+
 LEAST_TOLERANCE = 1e-13  # of a step
 
 

@@ -10,6 +10,7 @@ head of the model holds the sizes.
 
 from typing import Any, NamedTuple
 
+from ..engine.control import LIGHTLY_DAMPED
 from ..numba_ext.jit import in_both, leaf
 from ..numba_ext.lanes import LANES
 from ..numba_ext.views import FieldTable, Numbers, Record, Space
@@ -266,9 +267,6 @@ PACK = 8  # numbers in a pack, the unit of sums
 RINGING_PART = 1e-6
 LEAST_TOLERANCE = 1e-15  # of a step; below it errors are those of rounding
 RINGING_ORDER = 8.0  # order of the method for undamped joints
-
-
-LIGHTLY_DAMPED = 0.02  # damping ratio of a contact, below which steps of the higher order are taken
 FIRST_STEP = 0.1  # of 1 / omega of the fastest joint
 
 

@@ -295,7 +295,7 @@ def track_peaks(scene, segment, t, h, by_modes):
     # displacements within the step, of all else the middle and tops between
     if scene.settings.watches == 0.0:
         _raise_turns(scene, h)
-    if scene.settings.watches != 0.0:
+    else:
         if not by_modes or _rises(scene, middle):
             look(scene, segment, t, h, 0.5, middle, False)
         raise_peaks(scene, middle)

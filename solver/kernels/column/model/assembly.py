@@ -2,7 +2,7 @@
 
 import math
 
-from ...engine.control import LEAST_TOLERANCE
+from ...engine.control import LEAST_TOLERANCE, LIGHTLY_DAMPED
 from ...layout.spaces import DASHPOTS
 from ...numba_ext.jit import kernel
 from ...numba_ext.views import copy
@@ -17,9 +17,8 @@ from .rest import find_rest
 STEP_PART = 0.1
 
 # Order 8 is the cheaper explicit method where the tolerance is tight, or where joint modes keep ringing because they
-# are damped by less than this part of the critical damping.
+# are damped by less than LIGHTLY_DAMPED of the critical damping.
 TIGHT = 2e-5
-LIGHTLY_DAMPED = 0.02
 RINGING_PART = 0.4  # share of the tolerance of a step, where errors do not decay
 
 NO_DAMPING = 1e-300  # s: a dashpot without effect is computed with this value
