@@ -4,6 +4,7 @@ Without it the wheel is for any platform, compiles at first need, and depends on
 """
 
 import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -20,12 +21,20 @@ class BuildWithMachineCode(build_py):
     """Adds the libraries of the platform to the package."""
 
     def run(self) -> None:
-        """Build as usual, then add them."""
+        """Build as usual, without files that an earlier build has left, then add them."""
+        if not self.editable_mode:
+            shutil.rmtree(self.build_lib, ignore_errors=True)
         super().run()
         if not PLATFORM or self.editable_mode:
             return
         sys.path.insert(0, str(Path(__file__).parent))
-        from solver.kernels.machine.packaging import libraries
+        from solver.kernels.machine.packaging import PLATFORMS, libraries
+        from solver.kernels.machine.zig import has_linker
+
+        if PLATFORM not in PLATFORMS:
+            raise SystemExit(f"MULTIBLOCK_WHEEL = {PLATFORM}: must be of {', '.join(PLATFORMS)}")
+        if not has_linker():
+            raise SystemExit("MULTIBLOCK_WHEEL: ziglang is not installed: pip install ziglang")
 
         folder = Path(self.build_lib) / "solver" / "kernels" / "machine" / "code"
         folder.mkdir(parents=True, exist_ok=True)

@@ -36,7 +36,7 @@ def _library() -> bytes:
     """Return the guard as a library, cached per user, since it does not depend on the column."""
     (target,) = PLATFORMS[2]["linux64"].targets
     texts = "".join(file.read_text(encoding="utf-8") for file in (SOURCE, STATUS))
-    made_with = texts + importlib.metadata.version("ziglang") + " ".join(OPTIONS)
+    made_with = f"{texts} {importlib.metadata.version('ziglang')} {OPTIONS} {target}"
     name = hashlib.sha256(made_with.encode()).hexdigest()[:16]
     if (found := kept("guard", name)) is not None:
         return found

@@ -211,6 +211,51 @@ def made_now(monkeypatch: pytest.MonkeyPatch) -> bytes:
     return making.made(["statics"])[0]
 
 
+def test_a_module_is_kept_only_if_code_was_made_of_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Check that what a compiler that was stopped has left is not used again: every later start would fail."""
+    place(monkeypatch, MULTIBLOCK_CACHE_DIR=str(tmp_path / "cache"))
+
+    def stopped(command: list[str]) -> tuple[int, str]:
+        Path(command[command.index("-m") + 3]).write_bytes(b"half a mod")
+        return -9, "it was ended"
+
+    monkeypatch.setattr(making, "_run", stopped)
+    with pytest.raises(MachineCodeError, match="it was ended"):
+        making.made(["statics"])
+    assert [*tmp_path.rglob("*.bc")] == []
+    (tmp_path / "statics.o").write_bytes(b"")  # code of it follows: the module is whole
+    with pytest.raises(MachineCodeError, match="it was ended"):
+        making.run_make({"statics": {"x86-64-v3": tmp_path / "statics.o"}})
+    assert len([*tmp_path.rglob("*.bc")]) == 1
+
+
+def test_code_that_cannot_be_stored_is_made_with_a_warning(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    place(monkeypatch, MULTIBLOCK_CACHE_DIR=str(tmp_path / "cache"))
+
+    def full(file: Path, content: bytes) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(folders, "write_whole", full)
+    with pytest.warns(RuntimeWarning, match="not kept, and made in every process: .*No space left on device"):
+        assert made_now(monkeypatch) == b"made"
+
+
+def test_code_of_one_system_is_not_found_on_another(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    place(monkeypatch, MULTIBLOCK_CACHE_DIR=str(tmp_path / "shared"))
+    folders.keep(making.KEPT, making._key("statics"), b"of this system")
+    assert making.kept_code("statics") == b"of this system"
+    monkeypatch.setattr(making, "HOST", "darwin-arm64")
+    assert making.kept_code("statics") is None
+
+
+def test_the_compiler_does_not_import_what_lies_beside_the_script(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(sys.modules["__main__"], "__file__", str(tmp_path / "run.py"))
+    monkeypatch.setattr(sys, "path", [str(tmp_path), *sys.path])
+    assert str(tmp_path) not in making.environment()["PYTHONPATH"].split(os.pathsep)
+
+
 @pytest.mark.parametrize(("cores", "processes"), [(1, [["column", "statics"]]), (2, [["column"], ["statics"]])])
 def test_groups_needed_together_are_made_at_the_same_time(
     monkeypatch: pytest.MonkeyPatch, cores: int, processes: list[list[str]]

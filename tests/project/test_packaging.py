@@ -39,9 +39,14 @@ def wheel_in(folder: Path, **environment: str) -> Path:
         shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
     for name in ("pyproject.toml", "setup.py", "README.md", "LICENSE", "build_fmu.py"):
         shutil.copy(ROOT / name, source)
+    stale = source / "build" / "lib" / "solver" / "stale.py"  # what an earlier build may have left
+    stale.parent.mkdir(parents=True)
+    stale.touch()
     wheel: list[str | Path] = [*PIP, "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", folder, source]
     subprocess.run(wheel, check=True, capture_output=True, env=os.environ | environment)
     (made,) = folder.glob("*.whl")
+    with zipfile.ZipFile(made) as archive:
+        assert "solver/stale.py" not in archive.namelist()
     return made
 
 
@@ -130,6 +135,16 @@ def test_a_wheel_for_a_platform_needs_numpy_alone_and_keeps_nothing(tmp_path: Pa
     done = finish_in(tmp_path, python, *fmpy, "--output-file", rows, **absent)
     assert done.returncode == 0, done.stderr
     assert np.abs(np.genfromtxt(rows, delimiter=",", names=True, deletechars="")["block[1].ux"]).max() > 0.0
+
+
+def test_a_wheel_for_an_unknown_platform_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "lib").mkdir()
+    setup: list[str | Path] = [sys.executable, "setup.py", "-q", "egg_info", "--egg-base", tmp_path]
+    command = [*setup, "build_py", "--build-lib", tmp_path / "lib"]
+    environment = os.environ | {"MULTIBLOCK_WHEEL": "solaris"}
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1].startswith("MULTIBLOCK_WHEEL = solaris: must be of manylinux_2_17_x86_64, ")
 
 
 @pytest.mark.long  # makes an environment

@@ -86,14 +86,19 @@ def write_whole(file: Path, content: bytes) -> None:
         partial.unlink(missing_ok=True)
 
 
+def store(kind: str, name: str, content: bytes) -> None:
+    """Store content that can be recreated in the private folder `kind`. Raises RuntimeError or OSError."""
+    write_whole(private_folder(kind) / name, hashlib.sha256(content).digest() + content)
+
+
 def keep(kind: str, name: str, content: bytes) -> None:
-    """Store content that can be recreated in the private folder `kind`. If that fails nothing is stored."""
+    """Store content as `store` does. If that fails nothing is stored."""
     with suppress(OSError, RuntimeError):
-        write_whole(private_folder(kind) / name, hashlib.sha256(content).digest() + content)
+        store(kind, name, content)
 
 
 def kept(kind: str, name: str) -> bytes | None:
-    """Return the content stored by `keep`; None if it is missing or damaged, or others could have written it."""
+    """Return the content stored by `store`; None if it is missing or damaged, or others could have written it."""
     try:
         # missing, or in a folder of others
         data = (private_folder(kind) / name).read_bytes()

@@ -4,6 +4,7 @@ It is stored under an identifier of sources, processor level and compiler.
 """
 
 import os
+import platform
 import re
 import subprocess
 import sys
@@ -16,7 +17,7 @@ from itertools import chain, pairwise
 from pathlib import Path
 from typing import TypeVar
 
-from .folders import keep, kept, private_folder
+from .folders import keep, kept, store
 from .groups import GROUPS
 from .level import levels
 from .messages import MachineCodeError, announce
@@ -25,6 +26,7 @@ from .sources import SOURCES
 KEPT = "code"  # folder, in that of the user
 MAKE = f"{__package__.rpartition('.')[0]}.numba_ext.make"  # the program that compiles
 COMPILERS = ("numba", "llvmlite")
+HOST = f"{sys.platform}-{platform.machine()}"  # a folder may be shared between systems
 Found = TypeVar("Found")
 _COMPILING: set[subprocess.Popen[str]] = set()  # processes that run
 
@@ -90,7 +92,7 @@ def compilers() -> str:
 
 def _key(group: str) -> str:
     """Return the name under which machine code made on this machine is stored."""
-    return f"{group}.{levels()[0]}.{sources_of(group)}.{compilers()}.o"
+    return f"{group}.{HOST}.{levels()[0]}.{sources_of(group)}.{compilers()}.o"
 
 
 def made(groups: list[str]) -> list[bytes]:
@@ -102,11 +104,10 @@ def made(groups: list[str]) -> list[bytes]:
         codes = {group: file.read_bytes() for group, file in files.items()}
     # store
     try:
-        private_folder(KEPT)
+        for group, code in codes.items():
+            store(KEPT, _key(group), code)
     except (OSError, RuntimeError) as error:
         warnings.warn(f"machine code is not kept, and made in every process: {error}", RuntimeWarning, stacklevel=2)
-    for group, code in codes.items():
-        keep(KEPT, _key(group), code)
     return list(codes.values())
 
 
@@ -114,21 +115,21 @@ def run_make(wanted: Mapping[str, Mapping[str, Path]]) -> None:
     """Let another process make machine code: group -> target word (make.py) -> file. Raises MachineCodeError."""
     with tempfile.TemporaryDirectory(prefix="bitcode_") as folder:
         # arguments: an optimized module that is stored is used again
-        words, optimized_now = [], {}
+        words, optimized_now = [], []
         for group, files in wanted.items():
-            bitcode, key = Path(folder) / f"{group}.bc", f"{group}.{sources_of(group)}.{compilers()}.bc"
+            bitcode, key = Path(folder) / f"{group}.bc", f"{group}.{HOST}.{sources_of(group)}.{compilers()}.bc"
             if (optimized := kept(KEPT, key)) is not None:  # stored when another target was made
                 bitcode.write_bytes(optimized)
             else:
-                optimized_now[key] = bitcode
+                optimized_now.append((key, bitcode, files.values()))
                 announce(f"compiling the kernels of {GROUPS[group].purpose}, once: about {GROUPS[group].seconds} s")
             name = f"{GROUPS[group].whole_module}:{group}"
             words += ["--", name, str(bitcode), *(f"{word}={file}" for word, file in files.items())]
-        # compile, and store the optimized modules
+        # compile, and store the optimized modules: one is complete if code of all targets was made of it
         command = [_python(), "-P", "-m", MAKE, *words[1:]]
         status, errors = _run(command)
-        for key, bitcode in optimized_now.items():
-            if bitcode.is_file():
+        for key, bitcode, made_of_it in optimized_now:
+            if all(file.is_file() for file in (bitcode, *made_of_it)):
                 keep(KEPT, key, bitcode.read_bytes())
         # report the reason of an error
         for group, files in wanted.items():
@@ -167,11 +168,16 @@ def reason_in(output: str) -> str:
 
 
 def environment() -> dict[str, str]:
-    """Return the environment of a process that compiles: that of this process, without numba's settings."""
-    top = sys.modules[__package__.partition(".")[0]]
-    paths = [str(Path(top.__path__[0]).parent), *filter(None, sys.path)]
-    others = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
-    return others | {"MULTIBLOCK_COMPILES": "1", "PYTHONPATH": os.pathsep.join(paths), "PYTHONHASHSEED": "0"}
+    """Return the environment of a process that compiles: that of this process, without numba's settings.
+
+    Modules beside the script that is run are not found: they could replace those of the standard library.
+    """
+    top, script = sys.modules[__package__.partition(".")[0]], getattr(sys.modules["__main__"], "__file__", None)
+    beside = Path(script).resolve().parent if script else None
+    others = (place for place in sys.path if place and Path(place).resolve() != beside)
+    paths = [str(Path(top.__path__[0]).parent), *others]
+    kept_on = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
+    return kept_on | {"MULTIBLOCK_COMPILES": "1", "PYTHONPATH": os.pathsep.join(paths), "PYTHONHASHSEED": "0"}
 
 
 def _python() -> str:

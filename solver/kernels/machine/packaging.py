@@ -18,10 +18,10 @@ from .folders import keep, kept
 from .groups import GROUPS
 from .level import ARM, X86, is_arm
 from .library import file_name
-from .making import compilers, on_all_cores, run_make, sources_of
+from .making import HOST, compilers, on_all_cores, run_make, sources_of
 from .messages import MachineCodeError
 from .sources import SOURCES
-from .zig import LINUX, LINUX_ARM, MACOS, MACOS_ARM, WINDOWS, Target, has_linker, link
+from .zig import BESIDE_WINDOWS, LINUX, LINUX_ARM, MACOS, MACOS_ARM, WINDOWS, Target, has_linker, link
 
 PACKAGED = [name for name, group in GROUPS.items() if group.is_packaged]
 KEPT = "libraries"  # folder of the user
@@ -105,8 +105,9 @@ def _object_parts(group: str) -> Iterator[_TargetCode]:
 
 def _made_with(*beside: str) -> str:
     """Return an identifier of all that the files depend on besides group and target."""
-    source = Path(__file__).with_name("zig.py").read_bytes()
-    return hashlib.sha256(" ".join((SOURCES, compilers(), *beside)).encode() + source).hexdigest()[:16]
+    files = Path(__file__), Path(__file__).with_name("zig.py"), BESIDE_WINDOWS
+    content = [" ".join((SOURCES, HOST, compilers(), *beside)).encode(), *(file.read_bytes() for file in files)]
+    return hashlib.sha256(b"".join(content)).hexdigest()[:16]
 
 
 def _contents(parts: list[_TargetCode]) -> dict[str, bytes]:
