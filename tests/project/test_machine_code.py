@@ -374,7 +374,7 @@ def test_a_terminal_says_what_is_compiled_and_a_pipe_does_not(monkeypatch: pytes
         (io.StringIO(), ""),
     ):
         monkeypatch.setattr(sys, "stderr", shown)
-        monkeypatch.setattr(making, "keep", lambda *_: None)
+        monkeypatch.setattr(making, "store", lambda *_: None)
         made_now(monkeypatch)
         assert shown.getvalue() == said
 
@@ -382,7 +382,7 @@ def test_a_terminal_says_what_is_compiled_and_a_pipe_does_not(monkeypatch: pytes
 def test_a_command_says_it_in_a_pipe_too_and_nothing_stays(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(making, "keep", lambda *_: None)
+    monkeypatch.setattr(making, "store", lambda *_: None)
     with announcing(print):
         made_now(monkeypatch)
     assert capsys.readouterr().out == COMPILING
