@@ -183,7 +183,7 @@ def summary(results: Results) -> str:
     ]
     if undecided:
         lines.append(f"{undecided_text(undecided)}; shares and curves take them as standing")
-    if fell and "overturn_time" in results:
+    if fell and "overturn_time" in results and np.isfinite(results["overturn_time"]).any():
         k = int(np.nanargmin(results["overturn_time"]))
         lines.append(f"first fall: at {results['overturn_time'][k]:.4g} s in run {results['run'][k]}")
     if "least_gap" in results:

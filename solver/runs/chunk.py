@@ -65,7 +65,7 @@ class Tally:
     why_scalar: Counter[str] = field(default_factory=Counter)  # scalar runs by reason
     failures: dict[int, str] = field(default_factory=dict)  # messages by the number of the run
     no_response: dict[int, str] = field(default_factory=dict)  # messages by the number of a run without its response
-    warnings: dict[int, str] = field(default_factory=dict)
+    warnings: dict[int, str] = field(default_factory=dict)  # one of each run whose model has any
     seconds: float = 0.0  # of wall-clock time
 
 
@@ -138,21 +138,21 @@ def _check(chunk: Chunk, tally: Tally) -> dict[int, str]:
     Raises InputError for a column without a rest if the chunk refuses it, or a model whose results are kept but not
     computed.
     """
-    seen: set[int] = set()
+    lines: dict[int, str] = {}  # a warning, or "", by the id of the model
     no_rest: dict[int, str] = {}
     for place, run in enumerate(chunk.runs):
-        if id(run.model) in seen:
-            continue
-        try:
-            run.model.kind.check(run.model, from_rest=True)
-            run.model.kind.check_kept(run.model, chunk.keep)
-        except InputError as error:
-            if not isinstance(error, NoRestError) or (chunk.refuses and not run.model.kind.across):
-                raise InputError(f"columns[{chunk.first + place}]: {error}") from None
-            no_rest[id(run.model)] = str(error)
-        for line in run.model.kind.warnings(run.model, at_rest=not seen):
-            tally.warnings[chunk.first + place] = line
-        seen.add(id(run.model))
+        key, kind = id(run.model), run.model.kind
+        if key not in lines:
+            try:
+                kind.check(run.model, from_rest=True)
+                kind.check_kept(run.model, chunk.keep)
+            except InputError as error:
+                if not isinstance(error, NoRestError) or (chunk.refuses and not kind.across):
+                    raise InputError(f"columns[{chunk.first + place}]: {error}") from None
+                no_rest[key] = str(error)
+            lines[key] = next(reversed(kind.warnings(run.model)), "")
+        if lines[key]:
+            tally.warnings[chunk.first + place] = lines[key]
     return no_rest
 
 
@@ -203,9 +203,9 @@ def _in_lanes(chunk: Chunk, columns: Columns, no_rest: Mapping[int, str], flag: 
         made, finished = kind.follow(runs, chunk.keep, chunk.settle, flag)
         if flag[0]:
             raise Stopped
-        for name, values in made.items():
-            if name in columns:
-                _write(columns[name], places, values)
+        ended = np.flatnonzero(finished).tolist()  # the others are repeated alone, and keep no number of lanes
+        for name in columns.keys() & made.keys():
+            _write(columns[name], [places[k] for k in ended], made[name][ended])
         alone |= {place: STOPPED_LANES for place, whole in zip(places, finished, strict=True) if not whole}
     return alone
 

@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, ThreadPoolExecutor
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -238,7 +239,7 @@ def _runs(columns: Any, motions: Any, durations: Any, tolerances: Any) -> tuple[
 
 
 def _is_several(key: str, value: Any) -> bool:
-    single = hasattr(value, "kind") if key == "columns" else isinstance(value, (Motion, int, float))
+    single = hasattr(value, "kind") if key == "columns" else isinstance(value, (Motion, Real))
     if value is None or single:
         if value is None and key in ("columns", "motions"):
             raise InputError(f"{key} = None: must be one for all runs, or one for each")

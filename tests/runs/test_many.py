@@ -16,7 +16,7 @@ import pytest
 from support.probe import PHOCAS_STIFFNESS, G, monolith, phocas
 
 from multiblock import Structure
-from solver import Block, Column, InputError, Joint, Motion, SolverError, Table, simulate, simulate_many
+from solver import Block, Column, InputError, InputWarning, Joint, Motion, SolverError, Table, simulate, simulate_many
 from solver.common.turns import lock_held, lock_released
 from solver.models.column.outputs import KEPT, OUTPUTS, WATCHED
 from solver.runs.many import ExecutorError, Summary, collected, parts_of_many
@@ -357,3 +357,45 @@ def test_a_run_as_long_as_its_wave_does_not_depend_on_longer_ones() -> None:
     alone = simulate_many(column, motion, duration=2.0, keep=keep)
     for name in keep:
         assert together[name][0].tobytes() == alone[name][0].tobytes(), name
+
+
+def late(motion: Motion) -> Motion:
+    """Return a motion in seconds since 1970, whose instants are 2e-7 s apart at least: no step can be short enough."""
+    return replace(motion, time=1.7e9 + motion.time, duration=float(np.ptp(1.7e9 + motion.time)))
+
+
+def test_a_run_that_ends_in_lanes_and_alone_keeps_no_numbers() -> None:
+    """Check columns and structures beside a run that is finished: they were overturned, or had the peaks of lanes."""
+    time = np.arange(0.0, 2.0, 0.01)
+    motion = Motion(time, 6.0 * np.sin(2.0 * math.pi * time), 0.0 * time, float(time[-1]))
+    beds = phocas(1e-3)
+    for model, peak in ((beds, "peak_top_ux"), (beds.in_space(), "peak_u")):
+        keep = (peak, "verdict", "overturn_time", "fallen", "steps", "path")
+        table = simulate_many(model, [motion.scaled(0.2), late(motion)], keep=keep, settle=1.0)
+        assert (table.stats["lanes"], list(table.stats["failures"])) == (1, [1])
+        assert np.isfinite(table[peak][0]).all()
+        assert np.isnan(table[peak][1]).all()
+        assert math.isnan(table["overturn_time"][1])
+        assert [table[name][1] for name in ("verdict", "fallen", "steps", "path")] == ["undecided", 0, 0, "scalar"]
+
+
+def test_doubtful_runs_are_counted_alike_by_any_number_of_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Check chunks of one run and of all: a model counted once for each chunk, and its rest in the first alone."""
+    slab = {"name": "slab", "on": "base", "at": [0.0, 0.0], "width": 1.0, "depth": 1.0, "height": 0.5}
+    law = {"stiffness": 2e7, "damping": 0.05}  # s; 2.5 of critical, which follows from the rest
+    doubtful = Structure.from_dict({"name": "slab", "joints": law, "block": [{**slab, "density": 2500.0}]})
+    other = Structure.from_dict({**doubtful.to_dict(), "joints": {**law, "damping": 1e-3}})
+    found = []
+    for most in (1, 1000):
+        monkeypatch.setattr(Pace, "enough", lambda self, runs, weight, most=most: runs >= most)
+        with pytest.warns(InputWarning, match="of critical damping"):
+            table = simulate_many([other, doubtful, doubtful, other], Motion.harmonic(0.1, 2.0, 0.1), threads=2)
+        found.append(table.stats["doubtful_columns"])
+    assert found == [2, 2]
+
+
+def test_numbers_of_numpy_are_numbers() -> None:
+    motion = Motion.harmonic(0.01 * G, 2.0, 2.0)
+    durations: tuple[Any, ...] = (np.int64(1), np.float32(1.0))
+    for duration in durations:
+        assert simulate_many(phocas(1e-3), motion, duration=duration)["verdict"].tolist() == ["standing"]
