@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -240,6 +241,23 @@ def test_what_is_held_of_many_columns_is_what_is_held_of_each(make: Callable[...
     for part in (some[:5], some):
         assert barriers.hold(part, energy[part], turned[part]).tolist() == [wanted[k] for k in part]
     assert 0 < sum(wanted) < len(wanted)
+
+
+def test_a_barrier_is_shared_with_other_threads_once_it_is_complete() -> None:
+    """Check the order in which it is stored: the limits of the grid before the energy, which says that it is there."""
+    column = phocas(1e-3)
+    barriers = Barriers(Chain.of_many(models_of([column]), column.n))
+    limits: list[Array] = []
+
+    class Watched(np.ndarray[Any, Any]):
+        def __setitem__(self, key: Any, value: Any) -> None:
+            limits.append(barriers._limits.copy())
+            super().__setitem__(key, value)
+
+    barriers._energies = barriers._energies.view(Watched)
+    barriers.hold_first(1e-3, np.zeros(column.n))
+    assert len(limits) == 1
+    np.testing.assert_array_equal(limits[0], barriers._limits)
 
 
 def test_columns_settle_in_lanes_as_they_do_alone() -> None:

@@ -199,8 +199,9 @@ class Barriers:
         for first in range(0, len(missing), TOGETHER):
             few = missing[first : first + TOGETHER]
             found = least_energy(self._chain.some(few), self._limits[k, few])
-            self._energies[k, few] = np.maximum(0.0, found.energy)
+            # the energy last: other threads take a barrier as computed where it is set
             self._limits[k, few] = found.limits
+            self._energies[k, few] = np.maximum(0.0, found.energy)
 
 
 @lru_cache(maxsize=256)
