@@ -305,6 +305,10 @@ class Kind:
         """Run varied models and motions by a plan in lanes; None for runs that lanes cannot finish."""
         return [None for _ in pairs]
 
+    def least_checked(self, model: Any) -> float:
+        """Return the least tolerance at which a tenth of it makes the steps ten times more accurate."""
+        return 1e-12  # a tenth is the least tolerance
+
     # --- many
 
     def check_kept(self, model: Any, keep: Collection[str]) -> None:

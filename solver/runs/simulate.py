@@ -230,12 +230,13 @@ def simulate(
             raise InputError(f"step = {step}: {WITHOUT_STEP}")
         kind.load_for_single_runs()
         kind.check(column, from_rest=initial is None)
+        finer = with_fine_settings(column) if check else None
         warn_of(kind.warnings(column, at_rest=initial is None))
         response, places = kind.single_run(column, plan)
     # repetition with smaller errors, ensemble
-    if check:
+    if finer is not None:
         try:
-            closer: Any = kind.single_run(with_fine_settings(column), plan)
+            closer: Any = kind.single_run(finer, plan)
         except SolverError as failure:
             closer = failure, None
         judge(response, closer[0], places, closer[1])

@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 
 from ..common.aliases import Renamed, aliases_of
-from ..common.errors import SolverError
+from ..common.errors import InputError, SolverError
 from ..models.column.packing import FloatArray
 from ..models.protocol import UNDECIDED
 from ..models.uncertainty import ErrorEstimate
 
 FINER = 0.1  # of the tolerance
-LEAST_TOLERANCE = 1e-13  # lower bound
 HALF = 0.5  # of a fixed step; the error of central differences is proportional to its square, so that
 RICHARDSON = 4.0 / 3.0  # times the difference is the error
 AGREE = 10.0  # tolerances
@@ -24,10 +23,17 @@ BEFORE_FALL = 0.1  # s: the runs of a column that falls differ shortly before, e
 
 
 def with_fine_settings(model: Any) -> Any:
-    """Return the model with settings for much smaller errors."""
+    """Return the model with settings for much smaller errors.
+
+    Raises InputError if its tolerance is so small that a smaller one changes little or nothing.
+    """
     if _is_fixed(model):
         return model.with_settings(step=HALF * model.settings.step)
-    return model.with_settings(tolerance=max(LEAST_TOLERANCE, FINER * model.settings.tolerance))
+    given, least = model.settings.tolerance, model.kind.least_checked(model)
+    if given < least:
+        why = "steps cannot be ten times more accurate, which would check them"
+        raise InputError(f"solver.tolerance = {given:g}: must be at least {least:g} for a run that is checked: {why}")
+    return model.with_settings(tolerance=FINER * given)
 
 
 def judge(response: Any, closer: Any, places: FloatArray, closer_places: FloatArray | None) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support.probe import G, phocas
 
-from solver import Motion, Response, SolverError, simulate
+from solver import InputError, Motion, Response, SolverError, simulate
 from solver.models.protocol import OVERTURNED, STANDING, UNDECIDED
 from solver.runs.trust import AGREE, judge, with_fine_settings
 
@@ -59,6 +59,22 @@ def test_an_undamped_column_is_predictable_for_some_seconds() -> None:
     tighter = simulate(phocas(), Motion.harmonic(0.1 * G, 1.0, 10.0), tolerance=1e-9, check=True)
     assert tighter.horizon is not None
     assert tighter.horizon < 6.0
+
+
+def test_a_tolerance_that_cannot_be_tightened_is_not_checked() -> None:
+    """Check columns and structures: at 1e-12 both runs of a column had the same steps, and an error of 0."""
+    motion = Motion.harmonic(0.1 * G, 1.0, 0.1)
+    with pytest.raises(
+        InputError, match=r"^tolerance = 1e-12: must be at least 1e-11 for a run that is checked: steps"
+    ):
+        simulate(phocas(1e-3), motion, tolerance=1e-12, check=True)
+    assert simulate(phocas(1e-3), motion, tolerance=1e-12).estimated_error is None
+    run = simulate(phocas(1e-3), motion, tolerance=1e-11, check=True)
+    assert run.estimated_error is not None
+    assert run.estimated_error.ux > 0.0
+    for damping, least in ((1e-3, "1e-11"), (0.0, "1e-08")):
+        with pytest.raises(InputError, match=f"^tolerance = 1e-12: must be at least {least} for a run"):
+            simulate(phocas(damping).in_space(), motion, tolerance=1e-12, check=True)
 
 
 def test_no_column_is_predictable_beyond_where_the_two_runs_part() -> None:
