@@ -36,15 +36,16 @@ from .code_spectra import CODES, add_code_options, add_spectrum, below_of, targe
 from .command_files import add_force, add_space, check_suffix, read_subject, write_outputs
 from .motion_options import (
     FORMATS,
-    add_across_channel,
     add_building_options,
     add_file_options,
-    channel_across,
+    add_other_channels,
     check_file_options,
+    check_other_channels,
     file_line,
     floor_of,
     of_ground,
     pga_of,
+    read_other,
     read_with_options,
 )
 from .progress import PlainLine, RunsLine
@@ -86,9 +87,7 @@ def add_action(parser: argparse.ArgumentParser) -> None:
     words = "the other horizontal ones, of a structure in space"
     parser.add_argument("--across", type=Path, nargs="+", metavar="FILE", help=words)
     add_file_options(parser)
-    words = "the same, of --vertical (default: --channel)"
-    parser.add_argument("--vertical-channel", type=int, metavar="N", help=words)
-    add_across_channel(parser)
+    add_other_channels(parser)
     add_building_options(parser)
     action = parser.add_argument_group("the action; without any the records are taken as they are")
     one = action.add_mutually_exclusive_group()
@@ -363,10 +362,7 @@ def motions_of(options: argparse.Namespace) -> Mapping[str, Motion]:
         check_file_options(paths, options)
     # read the files and merge the components of each record
     found: dict[str, Motion] = {}
-    if options.vertical_channel is not None and not options.vertical:
-        raise InputError(f"--vertical-channel {options.vertical_channel}: is for --vertical")
-    upwards = options.channel if options.vertical_channel is None else options.vertical_channel
-    channel_of = {"across": channel_across(options), "vertical": upwards}
+    check_other_channels(options)
     for k, path in enumerate(options.records):
         if path in options.records[:k]:
             raise InputError(f"{path}: is given twice, must be given once")
@@ -376,8 +372,7 @@ def motions_of(options: argparse.Namespace) -> Mapping[str, Motion]:
         check_other_channel(str(path), path, options.channel, "--channel", channels)
         for key, files in beside.items():
             if files:
-                check_other_channel(f"--{key}", files[k], channel_of[key], f"--{key}-channel", channels)
-                record, other = read_with_options(files[k], options, channel_of[key])
+                record, other = read_other(key, files[k], options, channels)
                 print(f"{key} {file_line(files[k], record)}")
                 motion = motion.with_across(other) if key == "across" else motion.with_vertical(other)
         name = printable(path.stem)

@@ -10,7 +10,7 @@ from ..common.files import printable
 from ..common.plausible import MOST_SHAKEN, warn_of
 from ..ground.building import Building, floor_motion
 from ..ground.motion import STANDARD_GRAVITY, Motion, peaks_in_g
-from ..ground.records import NAMES, Record, format_of, read_record
+from ..ground.records import NAMES, Record, format_of, has_channels, read_record
 from ..ground.records.columns import PLAIN
 from ..ground.records.units import KNOWN
 from ..studies.motions import FORMULAS, check_other_channel
@@ -31,10 +31,11 @@ def add_file_options(parser: argparse._ActionsContainer) -> None:
     parser.add_argument("--channel", type=int, metavar="N", help="which of several in one file, from 1")
 
 
-def add_across_channel(parser: argparse._ActionsContainer) -> None:
-    """Add --across-channel."""
-    words = "the same, of --across (default: --channel)"
-    parser.add_argument("--across-channel", type=int, metavar="N", help=words)
+def add_other_channels(parser: argparse._ActionsContainer) -> None:
+    """Add --vertical-channel and --across-channel."""
+    for key in ("vertical", "across"):
+        words = f"the same, of --{key} (default: --channel)"
+        parser.add_argument(f"--{key}-channel", type=int, metavar="N", help=words)
 
 
 def add_motion_options(parser: argparse.ArgumentParser) -> None:
@@ -45,8 +46,7 @@ def add_motion_options(parser: argparse.ArgumentParser) -> None:
     records.add_argument(
         "--across", type=Path, metavar="FILE", help="the other horizontal one, of a structure in space"
     )
-    records.add_argument("--vertical-channel", type=int, metavar="N", help="the same as --channel, of --vertical")
-    add_across_channel(records)
+    add_other_channels(records)
     add_file_options(records)
     strength = parser.add_argument_group("strength").add_mutually_exclusive_group()
     strength.add_argument("--scale", type=float, help="factor on the base acceleration")
@@ -152,32 +152,41 @@ def file_line(path: Path, record: Record) -> str:
     return printable("; ".join(parts))
 
 
-def channel_across(options: argparse.Namespace) -> int | None:
-    """Return the channel of the files of --across. Raises InputError if --across-channel is given without them."""
-    if not options.across:
-        _refuse(options, ("across_channel",), "is for --across")
-    channel: int | None = options.channel if options.across_channel is None else options.across_channel
-    return channel
+def check_other_channels(options: argparse.Namespace) -> None:
+    """Raise InputError if --vertical-channel or --across-channel is given without its files."""
+    for key in ("vertical", "across"):
+        if not getattr(options, key):
+            _refuse(options, (f"{key}_channel",), f"is for --{key}")
+
+
+def read_other(
+    key: str, path: Path, options: argparse.Namespace, channels: dict[tuple[Path, int], str]
+) -> tuple[Record, Motion]:
+    """Return the record and the motion of a file of --across or --vertical. Raises InputError.
+
+    Its channel is by default --channel where the file has several; `channels` is that of `check_other_channel`.
+    """
+    channel: int | None = getattr(options, f"{key}_channel")
+    if channel is None and options.channel is not None and has_channels(path):
+        channel = options.channel
+    check_other_channel(f"--{key}", path, channel, f"--{key}-channel", channels)
+    return read_with_options(path, options, channel)
 
 
 def _recorded(options: argparse.Namespace) -> tuple[Motion, list[str]]:
     paths = [path for path in (options.motion, options.vertical, options.across) if path is not None]
     check_file_options(paths, options)
+    check_other_channels(options)
     record, motion = read_with_options(options.motion, options, options.channel)
     lines, channels = [file_line(options.motion, record)], dict[tuple[Path, int], str]()
     check_other_channel(str(options.motion), options.motion, options.channel, "--channel", channels)
-    channel = channel_across(options)
-    if options.across is not None:
-        check_other_channel("--across", options.across, channel, "--across-channel", channels)
-        record, across = read_with_options(options.across, options, channel)
-        motion = motion.with_across(across)
-        lines.append(f"across {file_line(options.across, record)}")
-    if options.vertical is None:
-        _refuse(options, ("vertical_channel",), "is for --vertical")
-        return motion, lines
-    check_other_channel("--vertical", options.vertical, options.vertical_channel, "--vertical-channel", channels)
-    record, vertical = read_with_options(options.vertical, options, options.vertical_channel)
-    return motion.with_vertical(vertical), [*lines, f"vertical {file_line(options.vertical, record)}"]
+    for key, merged in (("across", Motion.with_across), ("vertical", Motion.with_vertical)):
+        path = getattr(options, key)
+        if path is not None:
+            record, other = read_other(key, path, options, channels)
+            motion = merged(motion, other)
+            lines.append(f"{key} {file_line(path, record)}")
+    return motion, lines
 
 
 def _wavelet(options: argparse.Namespace) -> Motion:

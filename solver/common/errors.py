@@ -81,6 +81,11 @@ def check_type(key: str, value: object, *types: Any) -> None:
         raise InputError(f"{key} = {shown(value)}: must be of type {names}")
 
 
+def whole(value: object) -> object:
+    """Return a float without a fraction as an int, for `check_whole`; any other value as it is."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
 def check_whole(key: str, value: object, least: int, most: float, meaning: str) -> int:
     """Return `value` as an int if it is an integer in a range.
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ..common.errors import FINITE, POSITIVE, InputError, check_number
+from ..common.errors import FINITE, POSITIVE, check_number, check_whole
 from . import oscillator
 from .motion import Motion
 from .records.record import FloatArray
@@ -17,6 +17,7 @@ GROUND_DAMPING = 0.6  # damping ratio of Kanai's firm ground
 CORNER = 0.1  # of the ground's frequency: noise below it is filtered out
 NOISE_STEP = 0.005  # s
 MOST_SAMPLES = 10**7
+SEEDS = 0, 2**32 - 1, f"a whole number from 0 to {2**32 - 1}"
 # the envelope of Amin and Ang (1968), by fractions of the duration: quadratic rise, plateau, exponential decay
 RISE, LEVEL, LEFT_AT_END = 0.15, 0.6, 0.01
 
@@ -139,8 +140,7 @@ def filtered_noise(
         "duration", duration, (10.0 * dt, MOST_SAMPLES * dt), f"10 to {MOST_SAMPLES} steps of {dt} s"
     )
     damping = check_number("damping", damping, (0.01, 0.99), "a part of critical from 0.01 to 0.99")
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**32:
-        raise InputError(f"seed = {seed}: must be a whole number from 0 to {2**32 - 1}")
+    seed = check_whole("seed", seed, *SEEDS)
     count = round(duration / dt)
     # NumPy guarantees that RandomState's numbers are the same in all versions, those of default_rng are not
     white = np.random.RandomState(seed).standard_normal(count + 1)

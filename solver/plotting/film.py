@@ -17,7 +17,7 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 from PIL import Image
 
-from ..common.errors import POSITIVE, InputError, check_number
+from ..common.errors import POSITIVE, InputError, check_number, check_whole, whole
 from ..common.files import whole_file
 from .style import GRID, INK, RED, Figure, tidy
 from .words import drawn_larger, setting_of, verdict_of, write_header
@@ -107,7 +107,7 @@ def film(
     OSError.
     """
     check_film(path)
-    fps = round(check_number("fps", fps, (1.0, 100.0), "a whole number of pictures a second, from 1 to 100"))
+    fps = check_whole("fps", whole(fps), 1, 100, "a whole number of pictures a second, from 1 to 100")
     speed = check_number("speed", speed, POSITIVE, "seconds of motion in a second of film, positive")
     time = response.time
     # instants of the frames, up to shortly after a fall

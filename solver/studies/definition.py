@@ -29,6 +29,7 @@ from ..common.errors import (
     needing,
     reading,
     shown,
+    whole,
 )
 from ..common.files import check_file_name, toml_of
 from ..common.notebook import NotebookRepr, counted
@@ -490,8 +491,8 @@ def axis(key: str, values: object) -> tuple[float, ...]:
         check_choice(f"{key}.spacing", spacing, ("linear", "log"))
         limits = POSITIVE if spacing == "log" else FINITE
         first, last = (check_number(f"{key}.{name}", values.get(name), limits, "a number") for name in ("from", "to"))
-        count = check_number(f"{key}.count", values.get("count"), (2, 1e6), "a whole number, at least 2")
-        points = np.geomspace(first, last, int(count)) if spacing == "log" else np.linspace(first, last, int(count))
+        count = check_whole(f"{key}.count", whole(values.get("count")), 2, 1e6, "a whole number, at least 2")
+        points = np.geomspace(first, last, count) if spacing == "log" else np.linspace(first, last, count)
         return tuple(float(f"{value:.12g}") for value in points)
     if not isinstance(values, Sequence) or isinstance(values, str):
         raise InputError(f"{key} = {shown(values)}: must be a list of numbers, or a table of from, to and count")

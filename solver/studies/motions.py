@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..common.digits import percent
-from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_number, shown
+from ..common.errors import FINITE, NOT_NEGATIVE, POSITIVE, InputError, check_number, check_whole, shown, whole
 from ..common.plausible import MOST_INTENSE, MOST_SPECTRAL, warn_of
 from ..common.ranges import check_choice, check_keys
 from ..ground import wavelets
@@ -21,6 +21,8 @@ from ..ground.building import Building, floor_motion
 from ..ground.intensity import DAMPINGS, Component, pgv, rotd, spectrum
 from ..ground.loads import loads_by_port, loads_from
 from ..ground.motion import STANDARD_GRAVITY, Motion
+from ..ground.records import format_of, has_channels
+from ..ground.records.columns import PLAIN
 from . import near_fault
 
 LEAN_IN = 5.0  # s, duration of the tilting before the motion begins
@@ -72,7 +74,8 @@ FORMULAS = {
 }
 OF_MOTION = "motion."  # prefix of the names of their numbers in a study
 WHOLE = ("seed",)
-_OF_RECORDS = ("record", "vertical", "across", "dt", "units", "channel", "vertical_channel", "across_channel")
+COMPONENTS = ("record", "vertical", "across")  # of a record: its files
+_OF_RECORDS = (*COMPONENTS, "dt", "units", "channel", "vertical_channel", "across_channel")
 ON_FLOOR = ("building", "floor")  # of every motion: that of a floor of a building, whose file is named
 # numbers of every motion: factor; tilt of the base (rad, clockwise positive); for structures also the direction in plan
 # (rad, from x to y) and a factor on the loads on their ports
@@ -207,6 +210,8 @@ class Shaking:
         given = {
             item: check_number(f"{key}.{item}", table[item], FINITE, "a number") for item in numbers & table.keys()
         }
+        for item in given.keys() & WHOLE:
+            _seed(f"{key}.{item}", given[item])
         record = None if formula else _record(key, table, folder)
         shown_as = formula or Path(str(table["record"])).stem
         loads = table.get("load", {})
@@ -289,7 +294,7 @@ class Shaking:
                 raise InputError(f"motion.{name}: missing, {self.formula} needs {', '.join(needed)}")
         for name in WHOLE:
             if name in numbers:
-                numbers[name] = int(numbers[name])
+                numbers[name] = _seed(f"motion.{name}", numbers[name])
         return formula.makes(**{name: numbers[name] for name in (*needed, *formula.optional) if name in numbers})
 
     def of_floor(self, ground: Motion) -> Motion:
@@ -308,20 +313,33 @@ class Shaking:
         return {**found, "loads": listed} if listed else found
 
 
+def _seed(key: str, value: float) -> int:
+    """Return the seed of a formula. Raises InputError unless it is a whole number."""
+    return check_whole(key, whole(value), *wavelets.SEEDS)
+
+
 def _record(key: str, table: Mapping[str, Any], folder: Path) -> Motion:
+    """Return the motion of the files in a table, with the rules of the command line. Raises InputError."""
     channels: dict[tuple[Path, int], str] = {}
-
-    def read(name: str, channel: str) -> Motion:
-        if not isinstance(table[name], str):
+    for name in COMPONENTS:
+        if name in table and not isinstance(table[name], str):
             raise InputError(f"{key}.{name} = {shown(table[name])}: must be the path of a file")
-        path, number = folder / table[name], table.get(channel)
-        check_other_channel(f"{key}.{name}", path, number, f"{key}.{name}_channel", channels)
-        return Motion.from_file(path, table.get("dt"), table.get("units"), number)
+    paths = {name: folder / table[name] for name in COMPONENTS if name in table}
+    # dt and units are those of plain columns; without any, the first file refuses them
+    plain = [name for name, path in paths.items() if format_of(path) == PLAIN] or [*paths]
 
-    motion = read("record", "channel")
+    def read(name: str) -> Motion:
+        path, number = paths[name], table.get("channel" if name == "record" else f"{name}_channel")
+        if number is None and "channel" in table and has_channels(path):
+            number = table["channel"]
+        check_other_channel(f"{key}.{name}", path, number, f"{key}.{name}_channel", channels)
+        dt, units = (table.get(item) if name in plain else None for item in ("dt", "units"))
+        return Motion.from_file(path, dt, units, number)
+
+    motion = read("record")
     if "across" in table:
-        motion = motion.with_across(read("across", "across_channel" if "across_channel" in table else "channel"))
-    return motion.with_vertical(read("vertical", "vertical_channel")) if "vertical" in table else motion
+        motion = motion.with_across(read("across"))
+    return motion.with_vertical(read("vertical")) if "vertical" in table else motion
 
 
 def check_other_channel(

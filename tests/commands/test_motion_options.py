@@ -77,6 +77,22 @@ def test_units_go_to_the_plain_file_of_a_pair(folder: Path) -> None:
     np.testing.assert_allclose(motion.ax, SAMPLES, atol=1e-6)
 
 
+def test_a_channel_is_that_of_files_with_several(folder: Path) -> None:
+    """Check both commands: a format without channels refused --channel, and only one of them used it for --vertical."""
+    parser = argparse.ArgumentParser()
+    add_action(parser)
+    (folder / "other.v2").write_text(cosmos_v2(3))
+    (folder / "single.v2").write_text(cosmos_v2(1))
+    for key, component in (("across", "ay"), ("vertical", "az")):
+        for file, channel in (("record.AT2", None), ("other.v2", 2), ("single.v2", None)):
+            line = f"station.v2 --channel 2 --{key} {file}"
+            (found,) = motions_of(parser.parse_args(line.split())).values()
+            wanted = Motion.from_file(file, channel=channel).ax
+            for motion in (found, converted(line)):
+                np.testing.assert_allclose(getattr(motion, component), wanted, atol=1e-12)
+    assert main(["convert", "station.v2", "--channel", "1", "--vertical", "station.v2", "again.csv"]) == 2
+
+
 def test_pga_scales_both_components(folder: Path) -> None:
     plain, motion = converted("both.csv"), converted("both.csv --pga 0.25")
     assert motion.pga == pytest.approx(0.25 * G, rel=1e-15)

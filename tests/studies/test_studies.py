@@ -919,3 +919,44 @@ def test_a_run_that_the_solver_cannot_finish_has_failed(study: Study, monkeypatc
     assert not results.undecided.any()
     assert all("evaluations" in failure for failure in results["failure"])
     assert "0 overturned, 0 undecided, 2 that could not be made" in summary(results)
+
+
+def test_a_run_that_ends_in_lanes_and_alone_has_failed(study: Study) -> None:
+    """Check motions in seconds since 1970, in which no step can be short enough: they counted as overturned."""
+    time = 1.7e9 + np.arange(0.0, 2.0, 0.01)
+    motion = Motion(time, 6.0 * np.sin(2.0 * math.pi * (time - time[0])), 0.0 * time, float(np.ptp(time)))
+    shaking = Shaking("late", record=motion)
+    damped, grid = Column.from_toml(DAMPED), {"motion.scale": (1.0, 2.0)}
+    late = Study("late", "sweep", (damped,), (shaking,), grid=grid, keep=study.keep, tolerance=1e-6)
+    results = run_study(late)
+    assert set(results["verdict"]) == {"failed"}
+    assert not results.overturned.any()
+    assert "0 overturned, 0 undecided, 2 that could not be made" in summary(results)
+
+
+def test_a_fall_without_a_time_is_summarized(study: Study, tmp_path: Path) -> None:
+    run_study(replace(study, samples=1), tmp_path)
+    head, lines = read_journal(tmp_path / "small.journal")
+    rows = list(lines)
+    for row in rows:
+        row[3] |= {"verdict": "overturned", "overturn_time": math.nan}
+    assert "2 overturned, 0 undecided" in summary(Results(head, rows))
+
+
+@pytest.mark.parametrize("count", [10.7, 1, True, "3", math.inf])
+def test_a_count_is_a_whole_number(count: Any) -> None:
+    with pytest.raises(InputError, match=re.escape(f"grid.g.count = {count}".replace("= 3", "= '3'"))):
+        axis("grid.g", {"from": 0.0, "to": 1.0, "count": count})
+    assert len(axis("grid.g", {"from": 0.0, "to": 1.0, "count": 10.0})) == 10
+
+
+def test_a_seed_is_a_whole_number(tmp_path: Path) -> None:
+    """Check the table, where 3.7 was 3, and a number that a study varies."""
+    table = {"formula": "noise", "amplitude": 1.0, "frequency": 2.0, "duration": 4.0}
+    with pytest.raises(InputError, match=r"motion\[1\].seed = 3.7: must be a whole number from 0 to 4294967295"):
+        Shaking.from_table("motion[1]", {**table, "seed": 3.7}, tmp_path)
+    noise = Shaking.from_table("motion[1]", {**table, "seed": 3.0}, tmp_path)
+    np.testing.assert_array_equal(noise.base({}, False).ax, noise.base({"seed": 3.0}, False).ax)
+    for seed in (3.7, -1, math.inf):
+        with pytest.raises(InputError, match=f"motion.seed = {seed}: must be a whole number"):
+            noise.base({"seed": seed}, False)

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support.fmus import ROOT
-from support.record_files import cosmos_v2
+from support.record_files import DT, at2, cosmos_v2, plain
 from support.study import same
 
 from multiblock import Column, InputError, Motion, Structure, simulate, wavelets
@@ -430,6 +430,24 @@ def test_a_component_of_a_record_is_another_channel(tmp_path: Path) -> None:
     motion = Shaking.from_table("motion[1]", {**table, "across_channel": 2}, tmp_path).record
     assert motion is not None
     np.testing.assert_array_equal(motion.ay, -motion.ax)
+
+
+def test_units_and_channels_are_those_of_the_files_that_need_them(tmp_path: Path) -> None:
+    """Check the rule of the command line: dt and units went to an AT2 file, a channel to one without channels."""
+    (tmp_path / "station.v2").write_text(cosmos_v2(3))
+    (tmp_path / "record.AT2").write_text(at2(), encoding="utf-8")
+    (tmp_path / "plain.txt").write_text(plain())
+    plain_one = {"dt": DT, "units": "g"}
+    files = {"record": "station.v2", "across": "plain.txt", "vertical": "record.AT2"}
+    motion = Shaking.from_table("motion[1]", {**files, **plain_one, "channel": 2}, tmp_path).record
+    assert motion is not None
+    np.testing.assert_array_equal(motion.ax, Motion.from_file(tmp_path / "station.v2", channel=2).ax)
+    np.testing.assert_array_equal(motion.ay, Motion.from_file(tmp_path / "plain.txt", **plain_one).ax)  # type: ignore[arg-type]
+    np.testing.assert_array_equal(motion.az, Motion.from_file(tmp_path / "record.AT2").ax)
+    with pytest.raises(InputError, match=r"dt = .*: must be left out, the file is PEER AT2 and says all itself"):
+        Shaking.from_table("motion[1]", {"record": "record.AT2", "dt": DT}, tmp_path)
+    with pytest.raises(InputError, match=r"motion\[1\].across = 3: must be the path of a file"):
+        Shaking.from_table("motion[1]", {**files, "across": 3}, tmp_path)
 
 
 def test_noise_of_two_components(study: Study) -> None:

@@ -56,6 +56,11 @@ def _heading(line: str) -> re.Match[str] | None:
     return next((found for pattern in (_COSMOS, _CSMIP, _CSMIP_V1) if (found := pattern.match(line))), None)
 
 
+def count_channels(lines: list[str]) -> int:
+    """Return the number of channels. Raises InputError if their headers are invalid."""
+    return len(_accelerations(lines))
+
+
 def read(lines: list[str], channel: int | None = None) -> Record:
     """Read the accelerations of a channel, counted from 1; None means the only one.
 

@@ -20,6 +20,11 @@ def recognised(lines: list[str]) -> bool:
     return _FIRST.match(lines[0]) is not None
 
 
+def count_channels(lines: list[str]) -> int:
+    """Return the number of channels."""
+    return sum(_FIRST.match(line) is not None for line in lines)
+
+
 def read(lines: list[str], channel: int | None = None) -> Record:
     """Read the accelerations of a channel, counted from 1; None means the only one.
 

@@ -79,6 +79,14 @@ def format_of(path: str | os.PathLike[str]) -> str:
         return _format(lines_of(path))
 
 
+def has_channels(path: str | os.PathLike[str]) -> bool:
+    """Return True if a file has several channels, so that one must be chosen. Raises InputError as `format_of`."""
+    with reading(path):
+        lines = lines_of(path)
+        name = _format(lines)
+        return any(name == known.NAME and known.count_channels(lines) > 1 for known in _OF_CHANNELS)
+
+
 def _format(lines: list[str]) -> str:
     if columns.recognised(lines):
         return columns.CSV

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...common import ranges
-from ...common.errors import InputError, check_number, reading, shown
+from ...common.errors import InputError, check_number, check_whole, reading, shown
 from ...common.files import check_file_name, toml_of
 from ...common.notebook import NotebookRepr, counted, outlines
 from ...kernels.structure.layout import MOST_CORNERS, MOST_CUT
@@ -222,9 +222,7 @@ class Structure(NotebookRepr):
         if isinstance(block, str):
             ranges.check_choice("block", block, self.names)
             return self.names.index(block)
-        if not 0 <= block < self.n:
-            raise InputError(f"block = {block}: must be a number from 0 to {self.n - 1}, or a name")
-        return int(block)
+        return check_whole("block", block, 0, self.n - 1, f"a number from 0 to {self.n - 1}, or a name")
 
     @cached_property
     def model(self) -> PackedModel:
