@@ -184,8 +184,7 @@ def intensity(motion: Motion, component: Component = "ax") -> Intensity:
     arias = float(base.husid[-1])
     if not arias > 0.0:
         raise InputError(f"{component}: is zero throughout, must be an acceleration")
-    # significant duration
-    start, end = (float(np.interp(part * arias, base.husid, base.time)) for part in (0.05, 0.95))
+    start, end = (_time_of(base.husid, lines, part * arias) for part in (0.05, 0.95))  # of the significant duration
     return Intensity(
         pga=motion.peak(component),
         pgv=_largest(lines, base.velocity),
@@ -196,6 +195,17 @@ def intensity(motion: Motion, component: Component = "ax") -> Intensity:
         start=start,
         end=end,
     )
+
+
+def _time_of(husid: FloatArray, lines: Lines, wanted: float) -> float:
+    """Return the time (s) at which the Arias intensity reaches a positive value; exact within the segment, a cubic."""
+    k = int(np.searchsorted(husid, wanted)) - 1
+    most = max(abs(float(lines.before[k])), abs(float(lines.after[k])))
+    a, b, h = float(lines.before[k]) / most, float(lines.after[k]) / most, float(lines.steps[k])
+    # with x the acceleration at that time, h (x^3 - a^3) / (3 (b - a)) is the integral of its square up to there
+    squares = (wanted - float(husid[k])) * 2.0 * STANDARD_GRAVITY / (np.pi * h * most**2)
+    x = float(np.cbrt(a**3 + 3.0 * (b - a) * squares))
+    return float(lines.time[k]) + h * min(1.0, 3.0 * squares / (x * x + x * a + a * a))
 
 
 def spectrum(

@@ -42,6 +42,18 @@ def test_harmonic() -> None:
         assert at == pytest.approx(wanted, abs=1e-6)  # 3e-7 measured
 
 
+def test_significant_duration_is_exact_within_long_segments() -> None:
+    """Check a triangle, whose Arias intensity is a cubic: 5 % was reached at 0.10 s, by a straight line in between."""
+    wanted = 0.1 ** (1.0 / 3.0)
+    for size in (3.0, -1e-100, 1e5):
+        found = intensity(Motion.from_samples(1.0, [0.0, size, 0.0]))
+        assert (found.start, found.end) == pytest.approx((wanted, 2.0 - wanted), rel=1e-14)
+    # a line through zero, and one that hardly rises
+    crossing = intensity(Motion.from_samples(1.0, [-1.0, 1.0]))
+    assert (crossing.start, crossing.end) == pytest.approx((0.5 - 0.5 * 0.9 ** (1 / 3), 0.5 + 0.5 * 0.9 ** (1 / 3)))
+    assert intensity(Motion.from_samples(1.0, [1.0, 1.0 + 1e-12])).start == pytest.approx(0.05, rel=1e-11)
+
+
 def test_errors_of_sampling_fall_by_its_square() -> None:
     errors = [abs(intensity(sampled(dt)).pgv - 2.0 * A / W) for dt in (1.0 / 60.0, 1.0 / 120.0, 1.0 / 240.0)]
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=2e-3)  # 4.0012 and 4.0003 measured
