@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 INK, STONE, BLUE = "#3b3a38", "#cdbfa7", "#0072b2"
+COLOURS = BLUE, "#d55e00", "#009e73"  # of the lines of a picture
 HEIGHT, WIDTH = 160.0, 360.0  # px, maximum size of a picture
 MOST_ROWS = 6
 BINS = 300  # intervals of a plotted history; the least and largest values in each are drawn
@@ -74,27 +75,33 @@ def outlines(shapes: Iterable[ArrayLike]) -> str:
     return _svg(scale * size[0], HEIGHT, drawn)
 
 
-def history(time: NDArray[np.float64], values: NDArray[np.float64], label: str) -> str:
-    """Draw a history as an SVG line that keeps its peaks, with its range and a label.
+def history(
+    time: NDArray[np.float64], values: NDArray[np.float64] | Mapping[str, NDArray[np.float64]], label: str
+) -> str:
+    """Draw histories as SVG lines that keep their peaks, with their range and a label.
 
     Parameters
     ----------
     time : ndarray of shape (m,)
         The instants (s).
-    values : ndarray of shape (m,)
-        The values.
+    values : ndarray of shape (m,), or mapping of str to such arrays
+        The values; of several lines, three at most, by names that are written in their colours.
     label : str
         The quantity and its unit.
     """
     places = np.linspace(0, len(time), min(BINS, len(time)) + 1).astype(int)[:-1]
-    low, high = np.minimum.reduceat(values, places), np.maximum.reduceat(values, places)
+    named = values if isinstance(values, Mapping) else {"": values}
+    every = np.array([*named.values()])
+    low, high = np.minimum.reduceat(every, places, axis=1), np.maximum.reduceat(every, places, axis=1)
     bottom, top = float(min(low.min(), 0.0)), float(max(high.max(), 0.0))
     span = np.ptp(time) or 1.0
     x = np.repeat(WIDTH * (time[places] - time[0]) / span, 2)
-    z = 0.75 * HEIGHT * (1.0 - (np.column_stack([low, high]).ravel() - bottom) / ((top - bottom) or 1.0))
-    line = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x.tolist(), z.tolist(), strict=True))
-    text = f"{escape(label)}, {bottom:.4g} to {top:.4g}, over {span:.4g} s"
-    drawn = f'<polyline points="{line}" fill="none" stroke="{BLUE}" stroke-width="0.8"/>'
+    heights = 0.75 * HEIGHT * (1.0 - (np.stack([low, high], axis=-1) - bottom) / ((top - bottom) or 1.0))
+    drawn, text = "", f"{escape(label)}, {bottom:.4g} to {top:.4g}, over {span:.4g} s"
+    for name, colour, z in zip(named, COLOURS, heights.reshape(len(every), -1), strict=False):
+        line = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x.tolist(), z.tolist(), strict=True))
+        drawn += f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="0.8"/>'
+        text += f'; <tspan fill="{colour}">{escape(name)}</tspan>' if len(named) > 1 else ""
     drawn += f'<text x="0" y="{0.9 * HEIGHT:.0f}" font-size="11" fill="{INK}">{text}</text>'
     return _svg(WIDTH, HEIGHT, drawn)
 

@@ -103,13 +103,23 @@ class Motion(Framed, NotebookRepr):
         return "of the base", f"{self.duration:.4g} s", f"PGA {peaks_in_g(self)}", kind, *["held"] * self.hold
 
     def _picture(self) -> str:
-        time = np.linspace(self.start, self.end, DRAWN) if self.amplitude else self.time
-        return history(time, self.acceleration(time)[0] / STANDARD_GRAVITY, "acceleration (g)")
+        if self.amplitude or self.amplitude_y:
+            time = np.linspace(self.start, self.end, DRAWN)
+            drawn = {"ax": self.acceleration(time)[0], "ay": self.across(time), "az": self.acceleration(time)[1]}
+        else:
+            time, drawn = self.time, {"ax": self.ax, "ay": self.ay, "az": self.az}
+            if self.hold:  # steps
+                time = np.repeat(np.append(time, self.end), 2)[1:-1]
+                drawn = {name: np.repeat(values, 2) for name, values in drawn.items()}
+        there = {name: values / STANDARD_GRAVITY for name, values in drawn.items() if name == "ax" or values.any()}
+        return history(time, there, "acceleration (g)")
 
     def _frame(self) -> Frame:
         """Return the samples; of a harmonic only its start and its end."""
         columns = {"ax": self.ax, **({"ay": self.ay} if self.has_ay else {}), "az": self.az}
         beside = {"hold": int(self.hold), "amplitude": self.amplitude, "frequency": self.frequency}
+        if self.amplitude_y:
+            beside["amplitude_y"] = self.amplitude_y
         return Frame(("time", self.time), columns, {"time": "s"} | dict.fromkeys(columns, "m/s2"), beside)
 
     @property

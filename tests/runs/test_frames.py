@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from pathlib import Path
 from xml.etree import ElementTree
@@ -147,6 +148,31 @@ def test_a_history_keeps_its_peaks() -> None:
     heights = [float(point.split(",")[1]) for point in points[1].split()]
     assert (min(heights), max(heights)) == (0.0, 120.0)  # px, from the top: the picture has room for the text below
     assert len(heights) <= 600
+
+
+def test_a_motion_is_drawn_with_all_its_components() -> None:
+    """Check that ay and az have lines of their own, and that held samples are steps: they were slanted."""
+    time, sway = np.array([0.0, 1.0, 2.0]), np.array([1.0, -1.0, 0.5])
+    for motion, names in (
+        (Motion(time, sway, 0.0 * sway, 2.0), []),
+        (Motion(time, sway, 0.5 * sway, 2.0, ay=2.0 * sway), ["ax", "ay", "az"]),
+        (Motion.harmonic(1.0, 2.0, 3.0, direction=0.5), ["ax", "ay"]),
+    ):
+        drawn = motion._picture()
+        assert re.findall(r"<tspan[^>]*>(\w+)</tspan>", drawn) == names
+        assert drawn.count("<polyline") == max(1, len(names))
+    held = Motion(time, sway, 0.0 * sway, 3.0, hold=True)._picture()
+    points = re.search(r'points="([^"]*)"', held)
+    assert points is not None
+    corners = [tuple(map(float, point.split(","))) for point in points[1].split()]
+    assert all(a[0] == b[0] or a[1] == b[1] for a, b in itertools.pairwise(corners))
+    assert {x for x, _ in corners} == {0.0, 120.0, 240.0, 360.0}
+
+
+def test_a_harmonic_along_y_is_not_lost() -> None:
+    attributes = Motion.harmonic(1.0, 2.0, 3.0, direction=0.5).to_xarray().attrs
+    assert attributes["amplitude_y"] == np.sin(0.5)
+    assert "amplitude_y" not in Motion.harmonic(1.0, 2.0, 3.0).to_xarray().attrs
 
 
 def test_a_figure_shows_itself(response: Response) -> None:
