@@ -31,6 +31,8 @@ def add_export_command(commands: Any) -> None:
 
 def _export(options: argparse.Namespace) -> None:
     kind = options.output.suffix.lower()
+    if kind not in KINDS and options.output.is_dir():
+        kind = ""
     if kind not in KINDS:
         raise InputError(f"{options.output}: must end in .glb, .html or .csv, or be a folder")
     if kind:

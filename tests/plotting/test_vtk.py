@@ -213,3 +213,35 @@ def test_a_file_is_no_folder(tmp_path: Path) -> None:
     response = simulate(column, replace(SHAKING, duration=0.1, time=np.array([0.0, 0.1])), check=False, settle=0.0)
     with pytest.raises(InputError, match="must be a folder"):
         response.to_vtk(tmp_path / "out.vtu")
+
+
+def test_an_interrupt_leaves_no_list_and_no_part_of_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Interrupt a run in the folder of another one, as it writes its third file: the lists led to files of both."""
+    column = Column.from_toml(ROOT / "examples" / "columns" / "phocas.toml")
+    simulate(column, Motion.harmonic(2.0, 2.0, 0.2), settle=0.0).to_vtk(tmp_path, fps=FPS)
+    before, write, written = (tmp_path / "blocks_00001.vtu").read_bytes(), Path.write_text, []
+
+    def interrupted(path: Path, text: str, **how: Any) -> int:
+        written.append(path)
+        if len(written) < 3:
+            return write(path, text, **how)
+        write(path, text[: len(text) // 2], **how)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "write_text", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        simulate(column, Motion.harmonic(3.0, 2.0, 0.2), settle=0.0).to_vtk(tmp_path, fps=FPS)
+    assert (tmp_path / "blocks_00001.vtu").read_bytes() == before
+    assert not [path for path in tmp_path.iterdir() if path.suffix != ".vtu" or path.name.startswith(".")]
+
+
+def test_a_folder_with_a_dot_is_written_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Check a folder that exists: it was refused as the name of a file, by the command too."""
+    column, folder = ROOT / "examples" / "columns" / "phocas-damped.toml", tmp_path / "run.2"
+    folder.mkdir()
+    simulate(Column.from_toml(column), Motion.harmonic(2.0, 2.0, 0.1), settle=0.0).to_vtk(folder, fps=FPS)
+    assert (folder / "joints.pvd").is_file()
+    shaking = ["--wavelet", "ricker", "--pga", "0.05", "--frequency", "2", "--duration", "0.1"]
+    assert main(["export", str(column), str(folder), *shaking]) == 2
+    assert "--force" in capsys.readouterr().err
+    assert main(["export", str(column), str(folder), *shaking, "--force"]) == 0

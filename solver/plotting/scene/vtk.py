@@ -22,6 +22,7 @@ from .gltf import quaternions
 
 POLYGON = 7  # VTK cell type
 ROUNDING = 1e-12  # of the size of a polygon: a distance from its edges that does not count
+LISTS = "blocks", "joints"  # .pvd
 WALLS = "walls.vtu"
 OWN = re.compile(r"walls\.vtu|(?:blocks|joints)_\d{5,}\.vtu")  # names of the files that a run writes
 NAMES = {"float64": "Float64", "int64": "Int64", "uint8": "UInt8"}
@@ -47,10 +48,13 @@ def write_vtk(response: Any, folder: str | os.PathLike[str], fps: float) -> None
     """
     fps = check_number("fps", fps, POSITIVE, "a positive number of rows a second")
     where = Path(folder)
-    if where.suffix or (where.exists() and not where.is_dir()):
+    if not where.is_dir() and (where.suffix or where.exists()):
         raise InputError(f"{folder}: must be a folder, for one file at each instant")
     scene = scene_of(response, fps)
     where.mkdir(parents=True, exist_ok=True)
+    # without the lists until all files are there: after an interrupt none leads to files of two runs
+    for name in LISTS:
+        (where / f"{name}.pvd").unlink(missing_ok=True)
     outputs = {owner: _histories(response, owner) for owner in (BLOCK, JOINT)}
     slips = outputs[JOINT].get("slip", np.zeros((len(response.time), len(scene.contacts))))
     for k, row in enumerate(scene.rows):
@@ -59,12 +63,12 @@ def write_vtk(response: Any, folder: str | os.PathLike[str], fps: float) -> None
     if scene.walls:
         walls = [wall.centroid + wall.surfaces[0].points for wall in scene.walls]
         _write_cells(where / WALLS, walls, range(len(walls)), {}, "wall", {}, 0)
-    for name in ("blocks", "joints"):
+    for name in LISTS:
         lines = (f'<DataSet timestep="{t:.9g}" file="{name}_{k:05d}.vtu"/>' for k, t in enumerate(scene.time))
         with whole_file(where / f"{name}.pvd") as partial:
             partial.write_text(SERIES.format(lines="\n".join(lines)), encoding="ascii")
     # files of an older, longer run, and its walls
-    written = {f"{name}_{k:05d}.vtu" for name in ("blocks", "joints") for k in range(len(scene.rows))}
+    written = {f"{name}_{k:05d}.vtu" for name in LISTS for k in range(len(scene.rows))}
     for path in where.iterdir():
         if OWN.fullmatch(path.name) and path.name not in written and not (scene.walls and path.name == WALLS):
             path.unlink()
@@ -328,7 +332,8 @@ def _write_cells(
         f"<{kind}>{''.join(_array(name, values) for name, values in arrays.items())}</{kind}>"
         for kind, arrays in parts.items()
     )
-    path.write_text(PAGE.format(points=len(points), cells=len(counts), parts=text), encoding="ascii")
+    with whole_file(path) as partial:
+        partial.write_text(PAGE.format(points=len(points), cells=len(counts), parts=text), encoding="ascii")
 
 
 def _array(name: str, values: Any) -> str:
