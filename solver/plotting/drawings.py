@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -62,7 +62,7 @@ def plot_model(
     block, of a column that falls the last row before its top has moved by half the height; `scale` is 1, 2 or 5 times a
     power of ten at which the motion is visible, 1 where it is large.
     """
-    k = _peak(response) if at is None else _row(response, at)
+    k = _peak(response) if at is None else row_at(response, at)
     scale = scale_of(response, scale)
     figure = Figure(figsize=(5.4, 7.4), layout="constrained")
     axes = figure.add_subplot()
@@ -212,7 +212,8 @@ def _peak(response: Response) -> int:
     return int(np.argmax(moved))
 
 
-def _row(response: Response, at: float) -> int:
+def row_at(response: Any, at: float) -> int:
+    """Return the row of a response that is nearest to a time, s. Raises InputError if it is not one of the run."""
     time = response.time
     at = check_number(
         "at", at, (float(time[0]), float(time[-1])), f"a time of the response, {time[0]:g} to {time[-1]:g} s"
@@ -220,10 +221,15 @@ def _row(response: Response, at: float) -> int:
     return int(np.argmin(np.abs(time - at)))
 
 
+def check_scale(scale: float) -> float:
+    """Return the factor on the deformation if it is valid. Raises InputError otherwise."""
+    return check_number("scale", scale, POSITIVE, "a positive factor on the deformation")
+
+
 def scale_of(response: Shapes, scale: float | None) -> float:
     """Return the factor on the deformation: `scale` if given, else one that makes it visible. Raises InputError."""
     if scale is not None:
-        return check_number("scale", scale, POSITIVE, "a positive factor on the deformation")
+        return check_scale(scale)
     largest = float(np.max(np.abs(response.ux)))
     wanted = SHOWN * sum(block.height for block in response.model.blocks) / max(largest, 1e-300)
     return 1.0 if wanted <= 1.0 or largest < 1e-12 else nice(wanted)

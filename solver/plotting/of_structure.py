@@ -14,6 +14,7 @@ from ..models.structure.blocks.faces import FloatArray
 from ..models.structure.blocks.shapes import rotation_matrix
 from ..models.structure.response import SpatialResponse
 from . import film as films
+from .drawings import check_scale, row_at
 from .largest import largest_displacement, length
 from .plots import draw_ground
 from .solids import EDGE, SHADED
@@ -36,8 +37,8 @@ def plot_model(
     `at` is by default the time of the largest horizontal displacement; the factor `scale` makes the deformation visible
     by default, and is 1 where it is large. Raises InputError, OSError as `save` does.
     """
-    k = _row_at(response, at)
-    scale = _scale_of(response, k) if scale is None else scale
+    k = _peak(response) if at is None else row_at(response, at)
+    scale = _scale_of(response, k) if scale is None else check_scale(scale)
     u, turn = _places(response, k)
     figure = Figure(figsize=(6.4, 6.8), layout="constrained")
     axes = figure.add_subplot(projection="3d")
@@ -69,7 +70,7 @@ class _StructureFigure(films.AnimatedFigure):
     """The structure in motion over its base acceleration."""
 
     def __init__(self, response: SpatialResponse, scale: float | None, end: float) -> None:
-        scale = _scale_of(response, _row_at(response, None)) if scale is None else scale
+        scale = _scale_of(response, _peak(response)) if scale is None else check_scale(scale)
         super().__init__(response, scale, figsize=(5.6, 6.4), layout="constrained")
         grid = self.figure.add_gridspec(2, 1, height_ratios=(5.0, 1.0))
         axes: Any = self.figure.add_subplot(grid[0], projection="3d")
@@ -164,9 +165,7 @@ def _mark_fall(axes: Axes, overturn_time: float) -> None:
         axes.axvspan(overturn_time, axes.get_xlim()[1], color=TINT, linewidth=0.0, zorder=0.0)
 
 
-def _row_at(response: SpatialResponse, at: float | None) -> int:
-    if at is not None:
-        return int(np.argmin(np.abs(response.time - at)))
+def _peak(response: SpatialResponse) -> int:
     return int(np.argmax(np.max(np.hypot(response.ux, response.uy), axis=1)))
 
 

@@ -83,7 +83,8 @@ def plot_capacity(curve: CapacityCurve, path: str | os.PathLike[str] | None = No
             axes.set_title(f"({letters[place]}) {axes.get_title(loc='left')}", loc="left", fontsize=10)
             axes.set_xlim(left=0.0)
             axes.set_ylim(bottom=0.0)
-        _show_acceleration(shear, _mass(curve.model))
+        if curve.pattern is None:
+            _show_acceleration(shear, _mass(curve.model))
     # the column at the largest push, magnified
     drawn = figure.add_subplot(grid[:, 2])
     moved = float(top[strongest])

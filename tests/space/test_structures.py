@@ -509,6 +509,29 @@ def test_response_and_its_files(tmp_path: Path) -> None:
     assert np.array_equal(again.rows, response.rows)  # the same bits
 
 
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"at": 99.0}, "at = 99.0: must be a time of the response, 0 to 0.1 s"),
+        ({"at": math.nan}, "at = nan: must be a time"),
+        ({"scale": -1.0}, "scale = -1.0: must be a positive factor"),
+        ({"scale": 0}, "scale = 0: must be a positive factor"),
+    ],
+)
+def test_pictures_are_of_the_run(wrong: dict[str, Any], message: str, tmp_path: Path) -> None:
+    """Check what pictures of columns refuse too: a time outside the run was its nearest row."""
+    response = simulate(Structure.from_dict(TRILITH), Motion.harmonic(0.1 * G, 1.4, 0.1), settle=0.0)
+    with pytest.raises(InputError, match=re.escape(message)):
+        response.plot_model(**wrong)
+    if "scale" in wrong:
+        with pytest.raises(InputError, match=re.escape(message)):
+            response.film(tmp_path / "film.gif", **wrong)
+    with pytest.raises(InputError, match=re.escape("fps = 12.5: must be a whole number of pictures a second")):
+        response.film(tmp_path / "film.gif", fps=12.5)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=re.escape("block = 0.5: must be a number from 0 to 2, or a name")):
+        response.plot_plan(blocks=(0.5,))  # type: ignore[arg-type]
+
+
 def test_many_structures_in_one_table() -> None:
     structure = Structure.from_dict(TRILITH)
     motions = [Motion.harmonic(level * G, 1.4, 0.4, direction=0.4) for level in (0.1, 0.2, 0.3)]

@@ -35,6 +35,7 @@ from solver.models.column.stepper import Stepper
 from solver.models.structure.model import Structure
 from solver.models.structure.push import push_over
 from solver.statics.capacity import CapacityCurve, capacity_curve, rest_of, uplift_accelerations
+from solver.statics.static_plots import plot_capacity
 
 COLUMNS = Path(__file__).resolve().parents[2] / "examples" / "columns"
 ALPHA = math.atan2(1.56, 14.07)  # rad, of the diagonal of the monolith
@@ -408,3 +409,15 @@ def test_a_column_off_its_axis_is_pushed_to_its_weaker_side(tmp_path: Path, caps
     # on its axis it is the same either way
     assert main(["statics", str(COLUMNS / "phocas-damped.toml")]) == 0
     assert "towards" not in capsys.readouterr().out
+
+
+def test_a_picture_of_loads_has_no_acceleration() -> None:
+    """Check the axes on the right of both shears: a push by loads is a factor, not an acceleration of the mass."""
+    block = {"repeat": 2, "height": 1.0, "width": 0.8, "depth": 1.1, "density": 2500.0}
+    port = {"name": "p", "block": "block1", "at": [0.0, 0.5]}
+    law = {"stiffness": 1e10, "damping": 1e-3}
+    column = Column.from_dict({"name": "pat", "joint": law, "block": [block], "port": [port]})
+    for pattern, labels in ((None, ["acceleration (g)"] * 2), ({"p.Fx": 1e4}, [])):
+        figure = plot_capacity(capacity_curve(column, pattern=pattern))
+        beside: list[Any] = [one for axes in figure.axes for one in axes.child_axes]
+        assert [one.get_ylabel() for one in beside] == labels
