@@ -246,7 +246,9 @@ def _found(column: Column, release: float, decay: FreeVibration | None, fit: Mod
         found["free_vibration"] = {name: getattr(decay, name) for name in ("frequency", "ratio", "explained")}
     try:
         found["restitution"] = restitution(column, release)
-    except SolverError as failure:
+    except (InputError, SolverError) as failure:
+        if isinstance(failure, InputError) and release != RELEASE:  # it was asked for
+            raise
         found["no_restitution"] = str(failure)
     return found
 

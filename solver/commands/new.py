@@ -161,6 +161,8 @@ def add_new_command(commands: argparse._SubParsersAction[Any]) -> None:
 
 
 def _new(options: argparse.Namespace) -> None:
+    if options.column is not None and options.output is not None:
+        raise InputError(f"{options.column}: must be left out beside -o {options.output}, both name the file to write")
     path: Path | None = options.column or options.output
     if path is None:
         raise InputError("COLUMN.toml: missing, must be the file to write")

@@ -36,6 +36,12 @@ def test_options_of_meshes_are_refused_without_a_mesh(tmp_path: Path, capsys: py
         assert f": {words.split()[0]}: must be left out, or --mesh given\n" in capsys.readouterr().err
 
 
+def test_one_file_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Check that a second name is refused, which was not used."""
+    assert main(["new", str(tmp_path / "a.toml"), "-o", str(tmp_path / "b.toml")]) == 2
+    assert "a.toml: must be left out beside -o " in capsys.readouterr().err
+
+
 def test_drums(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "my-column.toml"
     assert ask(monkeypatch, path, "drums", "marble", "4", "6", "1.2", "0.8", "whole", "2e-3", "yes", "30") == 0

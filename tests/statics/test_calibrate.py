@@ -233,6 +233,19 @@ def test_command_gives_each_joint_its_modulus(tmp_path: Path, capsys: pytest.Cap
     assert found["frequencies"]["fitted"] == pytest.approx(found["frequencies"]["measured"], rel=1e-9)
 
 
+def test_a_column_too_soft_to_rock_has_no_restitution(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Check a block on a bed of 1e6 Pa, whose largest push is beyond half the way: an error named the default."""
+    (tmp_path / "soft.toml").write_text(
+        'name = "soft"\n[joint]\nstiffness = 1e7\ndamping = 1e-3\n'
+        "[[block]]\nheight = 1.0\nwidth = 0.4\ndepth = 0.4\ndensity = 2500.0\n"
+    )
+    words = ["calibrate", str(tmp_path / "soft.toml"), "--young", "1e6"]
+    assert main(words) == 0
+    assert "restitution not found: release = 0.5: must be more than 0.71, beyond the" in capsys.readouterr().out
+    assert main([*words, "--release", "0.4"]) == 2
+    assert "release = 0.4: must be more than 0.71" in capsys.readouterr().err
+
+
 def test_a_block_that_touches_at_its_edges_loses_what_housners_block_loses() -> None:
     """Check two edge strips, where the curve of balance has a corner: one strip opens, and the block turns on the
     other.
