@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -295,9 +295,22 @@ def _passes(row: Row) -> str:
 
 
 def check_limits(limits: Limits, subjects: Sequence[Subject]) -> None:
-    """Raise InputError for a limit of hits where no model has neighbours: no row would have it."""
-    if limits.hits is not None and not any(subject.neighbours for subject in subjects):
-        raise InputError("limits.hits: must be left out, nothing has neighbours")
+    """Raise InputError for a limit, other than by default, that no row of any subject is compared with."""
+    joints, rubs = [subject.joints for subject in subjects], limits.friction is not None
+    # limit -> whether a row of some subject has it; why there is none
+    compared = {
+        "displacement": (any(subject.edge > 0.0 for subject in subjects), "in space a displacement has no limit"),
+        "overlap": (any(subject.model.kind.across for subject in subjects), "in the plane no blocks overlap"),
+        "hits": (any(subject.neighbours for subject in subjects), "nothing has neighbours"),
+        "strength_factor": (any(~np.isnan(one.strength).all() for one in joints), "no joint has a strength"),
+        "slip": (rubs or any(~np.isnan(one.friction).all() for one in joints), "no joint has friction"),
+        "residual": (any(~np.isnan(one.friction).all() for one in joints), "no joint has friction"),
+        "friction": (any(np.isnan(one.friction).any() for one in joints), "all joints have friction"),
+    }
+    for item in fields(limits):
+        used, why = compared.get(item.name, (True, ""))
+        if not used and getattr(limits, item.name) != item.default:
+            raise InputError(f"limits.{item.name}: must be left out, {why}")
 
 
 def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | None = None) -> Check:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..common.errors import InputWarning
 from ..common.executors import cores
+from ..ground.intensity import NAMES, histories
 from ..ground.motion import Motion
 from ..models.protocol import OVERTURNED, SETTLE, STANDING, UNDECIDED
 from ..models.uncertainty import vary
@@ -21,7 +22,22 @@ from .limits import TOLERANCE, Plan
 from .scaling import ScaledMotion
 from .subject import OF_BEARINGS, Pair, Subject
 
+STILL = 10.0  # s: least time of a run after 95 % of the Arias intensity, in which a block may still rise or slide
 WORSE = (STANDING, UNDECIDED, OVERTURNED)  # from best to worst
+
+
+def span_of(motion: Motion) -> float:
+    """Return the duration of a run under a motion (s): with a still base at the end where the motion ends early.
+
+    A run under a harmonic motion is as long as the motion, which has no end of its own.
+    """
+    acting = [name for name in NAMES if np.any(getattr(motion, name))]
+    if motion.amplitude or motion.amplitude_y or not acting:
+        return motion.duration
+    found = [histories(motion, component) for component in acting]
+    husid = np.sum([one.husid for one in found], axis=0)
+    strong = float(found[0].time[np.searchsorted(husid, 0.95 * husid[-1])]) - motion.start
+    return max(motion.duration, strong + STILL)
 
 
 def own_runs(subject: Subject, motions: Sequence[Motion]) -> tuple[tuple[Any, ...], ...]:
@@ -37,7 +53,7 @@ def own_runs(subject: Subject, motions: Sequence[Motion]) -> tuple[tuple[Any, ..
     ways = [way for motion in motions for way in ((motion, motion.mirrored()) if subject.two_ways else (motion,))]
     with ThreadPoolExecutor(cores(), thread_name_prefix="runs") as pool, warnings.catch_warnings():
         warnings.filterwarnings("ignore", ".* pass into each other", InputWarning)  # the table has a row for it
-        made = list(pool.map(lambda way: simulate(subject.model, way, settle=SETTLE), ways))
+        made = list(pool.map(lambda way: simulate(subject.model, way, duration=span_of(way), settle=SETTLE), ways))
     each = len(ways) // len(motions)
     return tuple(tuple(sorted(made[k : k + each], key=badness, reverse=True)) for k in range(0, len(made), each))
 
@@ -130,6 +146,7 @@ def run_all(
     parts = parts_of_many(
         [model for model, _ in pairs],
         [motion for _, motion in pairs],
+        duration=[span_of(motion) for _, motion in pairs],
         tolerance=TOLERANCE,
         keep=keep,
         settle=SETTLE,

@@ -352,12 +352,11 @@ def _overlap(demands: Demands, limits: Limits) -> list[Row]:
     """Return the row of the deepest overlap of blocks that do not meet in the model; empty if there is none."""
     by_sign = [[demands.subject.overlap(run) for run in runs] for runs in demands.by_sign]
     known = [[found for found in each if found is not None] for each in by_sign]
-    overlaps = [max(each, key=lambda found: found.depth) for each in known if each]
-    if not overlaps:
+    if not any(known):
         return []
-    deepest = max(overlaps, key=lambda found: found.depth)
+    deepest = max((found for each in known for found in each), key=lambda found: found.depth)
     note = f"the deepest under any motion; these blocks do not meet in the model: {deepest.why}"
-    values = tuple(found.depth for found in overlaps)
+    values = tuple(max((found.depth for found in each), default=0.0) for each in known)
     where = ", ".join(deepest.between)
     note = note if where else "blocks that do not meet in the model do not overlap"
     return [Row("overlap of blocks", deepest.depth, limits.overlap, MM, where, note, values)]

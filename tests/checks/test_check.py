@@ -32,7 +32,7 @@ from solver.checks.answer import margin_sentence, verdict_sentence
 from solver.checks.check import checked, write_checks
 from solver.checks.limits import TOLERANCE
 from solver.checks.margin import MOST, NARROW, STEP, Margin, margin_of
-from solver.checks.runs import as_given, is_turned, varied
+from solver.checks.runs import as_given, is_turned, span_of, varied
 from solver.checks.scaling import ScaledMotion, applied
 from solver.checks.subject import subject_of
 from solver.checks.table import Row, overturning
@@ -235,12 +235,32 @@ def test_limits_decide(found: Check) -> None:
 def test_sliding_is_compared_where_there_is_friction() -> None:
     slippery = Column("slippery", (Block(1.0, 1.0, 1.0, 2000.0, Joint(2e9, 2e-3, friction=0.2)),))
     made = check(slippery, {"pulse": PULSES["1.2 Hz"]}, pga=0.35 * G, plan=replace(SHORT, margin=False))
-    run = simulate(slippery, PULSES["1.2 Hz"].scaled_to(0.35 * G))
+    pulse = PULSES["1.2 Hz"].scaled_to(0.35 * G)
+    run = simulate(slippery, pulse, duration=span_of(pulse))
     assert row(made, "slip").demand == np.max(np.abs(run.slip))
     assert row(made, "slip").capacity == pytest.approx(0.05)
     assert row(made, "slip that is left").demand == pytest.approx(abs(run.slip[-1, 0]))
     assert row(made, "slip that is left").demand > 1e-3
     assert "codes ask for at least 3" in made.action.statistic
+
+
+def test_zeros_at_the_end_of_a_record_change_nothing() -> None:
+    """Check a block that still rises, and one that still slides, when a pulse ends."""
+    rocking = Column("tall", (Block(3.2, 0.8, 0.8, 4900.0, Joint(1e10, 1e-3, friction=0.7)),))
+    sliding = Column("low", (Block(0.5, 2.0, 2.0, 4800.0, Joint(1e9, 1e-3, friction=0.15)),))
+    time = np.arange(0.0, 8.0, 0.005)
+    for column, peak, name in ((rocking, 0.49, "displacement of the top"), (sliding, 0.3, "slip that is left")):
+        ax = np.where(time < 0.5, peak * G * np.sin(2.0 * np.pi * time), 0.0)
+        padded, short = Motion.from_samples(0.005, ax), Motion.from_samples(0.005, ax[:101])
+        made = check(column, {"short": short, "padded": padded}, plan=replace(SHORT, margin=False))
+        values = row(made, name).values
+        assert values[0] == pytest.approx(values[1], rel=1e-6)
+        assert span_of(short) == pytest.approx(span_of(padded), abs=1e-9)
+        # measured: 0.59 and 0.76 of it when the pulse ends
+        ended = simulate(column, short)
+        assert max(ended.peak_top_ux[0], np.max(np.abs(ended.slip))) < 0.8 * values[0]
+    harmonic, still = Motion.harmonic(1.0, 2.0, 3.0), Motion.from_samples(0.1, np.zeros(5))
+    assert [span_of(motion) for motion in (harmonic, still)] == [harmonic.duration, still.duration]
 
 
 def test_a_leaning_column_is_shaken_both_ways() -> None:
@@ -261,7 +281,7 @@ def test_the_sign_that_moves_less_may_govern_slip_and_margin() -> None:
     upper = Block(0.8, 0.5, 0.6, 600.0, replace(law, offset=0.12))
     column, pulse = Column("aside", (upper, Block(0.8, 0.6, 0.7, 840.0, law))), wavelets.one_sine(0.3 * G, 1.2)
     made = check(column, {"pulse": pulse}, plan=replace(SHORT, ensemble=1))
-    runs = [simulate(column, way, settle=SETTLE) for way in (pulse, pulse.mirrored())]
+    runs = [simulate(column, way, duration=span_of(way), settle=SETTLE) for way in (pulse, pulse.mirrored())]
     tops, left = (
         [float(np.max(value(run))) for run in runs] for value in (lambda r: r.peak_top_ux, lambda r: abs(r.slip[-1]))
     )

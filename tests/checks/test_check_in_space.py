@@ -29,6 +29,7 @@ from solver.checks.action import ARTIFICIAL, Level, action_on
 from solver.checks.kinematic import mechanism, rocking_period
 from solver.checks.limits import Limits
 from solver.checks.margin import NARROW
+from solver.checks.runs import span_of
 from solver.checks.scaling import horizontal_pga, horizontal_psa, scaled_to_pga, scaled_to_sa, scaled_to_spectrum
 from solver.checks.subject import subject_of
 from solver.checks.table import Row
@@ -67,7 +68,8 @@ def found() -> Check:
 
 def test_rows_have_the_worse_of_both_ways(found: Check) -> None:
     motion = found.action.motions[0].motion
-    runs = [simulate(found.subject.model, way, settle=SETTLE) for way in (motion, motion.mirrored())]
+    ways, span = (motion, motion.mirrored()), span_of(motion)
+    runs = [simulate(found.subject.model, way, duration=span, settle=SETTLE) for way in ways]
     assert "overturned" not in [run.verdict for run in runs]
     assert row(found, "displacement").demand == max(np.max(run.peaks["u"]) for run in runs)
     pressure = row(found, "pressure at the edge")
@@ -102,9 +104,11 @@ def test_the_sign_that_moves_less_may_govern_ties_and_neighbours() -> None:
     wall = {"at": [0.52, 0.0, 0.0], "normal": [-1.0, 0.0], "width": 4.0, "height": 3.0}
     data = {"name": "cask", "joints": {"stiffness": 5e8, "damping": 2e-3, "friction": 0.15}, "block": [cask]}
     data |= {"tie": [tie], "neighbours": {"stiffness": 1e9, "restitution": 0.5, "friction": 0.4, "wall": [wall]}}
-    structure, motion = Structure.from_dict(data), wavelets.one_sine(0.4 * G, 0.8)
+    push = 0.4 * G * np.sin(2.0 * np.pi * 0.8 * np.arange(0.0, 0.626, 0.005))  # the half of a sine
+    structure, motion = Structure.from_dict(data), Motion.from_samples(0.005, push)
     plan = replace(QUICK, ensemble=1, limits=Limits(hits=0.0, slip=0.5, residual=0.5))
-    free, stopped = (simulate(structure, way, settle=SETTLE) for way in (motion, motion.mirrored()))
+    ways, span = (motion, motion.mirrored()), span_of(motion)
+    free, stopped = (simulate(structure, way, duration=span, settle=SETTLE) for way in ways)
     assert np.max(free.peaks["u"]) > np.max(stopped.peaks["u"])
     for way in (motion, motion.mirrored()):
         made = check(structure, {"sine": way}, plan=plan)

@@ -248,12 +248,10 @@ def test_code_of_one_system_is_not_found_on_another(monkeypatch: pytest.MonkeyPa
     assert making.kept_code("statics") is None
 
 
-def test_the_compiler_does_not_import_what_lies_beside_the_script(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_the_compiler_imports_what_lies_beside_the_script_last(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(sys.modules["__main__"], "__file__", str(tmp_path / "run.py"))
     monkeypatch.setattr(sys, "path", [str(tmp_path), *sys.path])
-    assert str(tmp_path) not in making.environment()["PYTHONPATH"].split(os.pathsep)
+    assert making.environment()["PYTHONPATH"].split(os.pathsep).index(str(tmp_path)) == len([*filter(None, sys.path)])
 
 
 @pytest.mark.parametrize(("cores", "processes"), [(1, [["column", "statics"]]), (2, [["column"], ["statics"]])])

@@ -170,12 +170,12 @@ def reason_in(output: str) -> str:
 def environment() -> dict[str, str]:
     """Return the environment of a process that compiles: that of this process, without numba's settings.
 
-    Modules beside the script that is run are not found: they could replace those of the standard library.
+    Modules beside the script that is run come last: they must not replace those of the standard library.
     """
     top, script = sys.modules[__package__.partition(".")[0]], getattr(sys.modules["__main__"], "__file__", None)
     beside = Path(script).resolve().parent if script else None
-    others = (place for place in sys.path if place and Path(place).resolve() != beside)
-    paths = [str(Path(top.__path__[0]).parent), *others]
+    found = sorted(filter(None, sys.path), key=lambda place: Path(place).resolve() == beside)
+    paths = [str(Path(top.__path__[0]).parent), *found]
     kept_on = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
     return kept_on | {"MULTIBLOCK_COMPILES": "1", "PYTHONPATH": os.pathsep.join(paths), "PYTHONHASHSEED": "0"}
 
