@@ -101,7 +101,7 @@ def by_hand(
 
 
 def _sliding(column: Column, action: Spectral, motions: tuple[ScaledMotion, ...], limits: Limits) -> list[Row]:
-    """Return the row of the joint with the least friction, or no row if no friction is known."""
+    """Return the row of the joint with the least friction, without its dowel; no row if no friction is known."""
     known = {
         i: float(given)
         for i, block in enumerate(column.blocks)
@@ -113,5 +113,6 @@ def _sliding(column: Column, action: Spectral, motions: tuple[ScaledMotion, ...]
     # slip of the joint under the spectrum and the largest vertical acceleration
     vertical = max(float(np.max(np.abs(scaled.motion.az))) for scaled in motions)
     slip = sliding_distance(known[i], vertical, action, column.g)
-    note = f"ASCE 43, A.1: mu {known[i]:g}, vertical {G.factor * vertical:.3g} g; spectrum of 10 %"
+    dowel = "; the dowel is left out" if column.blocks[i].joint.dowel else ""
+    note = f"ASCE 43, A.1: mu {known[i]:g}, vertical {G.factor * vertical:.3g} g; spectrum of 10 %{dowel}"
     return [Row("sliding, rigid body", slip, limits.slip * column.contacts[i].width, MM, f"joint {i + 1}", note)]

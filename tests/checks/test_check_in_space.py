@@ -4,6 +4,7 @@ import math
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -32,7 +33,7 @@ from solver.checks.margin import NARROW
 from solver.checks.runs import span_of
 from solver.checks.scaling import horizontal_pga, horizontal_psa, scaled_to_pga, scaled_to_sa, scaled_to_spectrum
 from solver.checks.subject import subject_of
-from solver.checks.table import Row
+from solver.checks.table import Row, _overlap
 from solver.checks.verdicts import falls, verdicts_of
 from solver.commands.check_report import check_lines
 from solver.commands.command_line import main
@@ -40,6 +41,7 @@ from solver.common.digits import three_digits
 from solver.models.protocol import SETTLE, WORDS
 from solver.models.structure.blocks.faces import Face
 from solver.models.structure.blocks.shapes import rectangle
+from solver.models.structure.overlap import Overlap
 from solver.models.structure.stack import column_of
 from solver.runs.table import Table
 
@@ -119,6 +121,15 @@ def test_the_sign_that_moves_less_may_govern_ties_and_neighbours() -> None:
         assert row(made, "force between neighbours").demand == stopped.peaks["hit"][0] > 0.0 == free.peaks["hit"][0]
         assert made.answer == "FAILS by: hits its neighbour."
         assert made.impacts_sentence.startswith("As given these neighbours hit each other: cask-wall 1 under 1 of 1 ")
+
+
+def test_each_motion_has_its_own_overlap() -> None:
+    """Check a table in which a block slides off its joints under the second of three motions only."""
+    deep = Overlap(0.3, ("a", "base"), 1.0, "ended")
+    subject = SimpleNamespace(overlap=lambda run: run)
+    demands = SimpleNamespace(subject=subject, by_sign=[[None], [None, deep], [Overlap()]])
+    (found,) = _overlap(demands, Limits())  # type: ignore[arg-type]
+    assert (found.values, found.demand) == ((0.0, 0.3, 0.0), 0.3)
 
 
 @pytest.mark.long  # takes seconds
