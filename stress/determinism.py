@@ -11,6 +11,7 @@ import os
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -75,7 +76,8 @@ def restored(formulation: str, damping: bool) -> bool:
     column, _ = scene()
     column = column.with_settings(formulation=formulation)
     if not damping:
-        column = column.with_settings(without=["dashpots"])
+        blocks = tuple(replace(block, joint=replace(block.joint, damping=0.0)) for block in column.blocks)
+        column = replace(column, blocks=blocks)
 
     def drive(stepper: Stepper, first: int, last: int) -> None:
         for k in range(first, last):

@@ -1,7 +1,7 @@
 """Faults of the machine during work: killed processes, full disks, read-only folders, clocks that jump.
 
-Each check returns (number of trials, problems). No data may be lost, no half-written file may look whole, and the next
-run must work.
+Each check returns (number of trials or of kills that hit a process, problems). No data may be lost, no half-written
+file may look whole, and the next run must work.
 """
 
 from __future__ import annotations
@@ -58,42 +58,64 @@ def killed_after(delay: float, *arguments: object, **changes: str) -> bool:
     return running
 
 
+def timed(*arguments: object, **changes: str) -> tuple[float, str, str]:
+    """Return the wall-clock time, s, of a process that must succeed, its standard output, and its error or ""."""
+    begin = time.monotonic()
+    code, out, err = finish(*arguments, **changes)
+    return time.monotonic() - begin, out, (err or f"exit code {code}") if code else ""
+
+
+def _none_hit(kills: int) -> list[str]:
+    return [] if kills else ["no process was still running when it was to be killed"]
+
+
 def killed_while_writing(folder: Path, times: int, chance: random.Random) -> Outcome:
     """Overwrite a response by another one, and kill the writer: the file is the older or the newer, whole."""
-    motion, output = folder / "motion.csv", folder / "response.csv"
-    motion.write_text("time,base.ax\n0,0\n5,0.1\n")
-    command = ["-m", "solver", "simulate", COLUMN, motion, "--output-step", "1e-4", "--force", "-o", output]
-    begin = time.monotonic()
-    code, _, err = finish(*command)
-    length = time.monotonic() - begin
-    if code:
-        return 0, [err]
-    whole = output.read_bytes()
-    problems = []
-    for _ in range(times):
-        killed_after(length * chance.uniform(0.4, 1.0), *command)
-        if output.read_bytes() != whole:
-            problems.append("the previous file was lost")
-    return times, problems
+    output = folder / "response.csv"
+    commands, whole = [], []
+    for amplitude in (0.1, 0.2):
+        motion = folder / f"motion-{amplitude}.csv"
+        motion.write_text(f"time,base.ax\n0,0\n5,{amplitude}\n")
+        commands.append(["-m", "solver", "simulate", COLUMN, motion, "--output-step", "1e-4", "--force", "-o", output])
+    length = 0.0
+    for command in (*commands, commands[0]):  # the first one fills the cache
+        length, _, err = timed(*command)
+        if err:
+            return 0, [err]
+        whole.append(output.read_bytes())
+    if whole[0] == whole[1] or whole[0] != whole[2]:
+        return 0, ["the two motions must give two responses, always the same"]
+    problems, kills, now = [], 0, whole[0]
+    for k in range(times):
+        kills += killed_after(length * chance.uniform(0.4, 1.0), *commands[(k + 1) % 2])
+        found = output.read_bytes()
+        if found not in (now, whole[(k + 1) % 2]):
+            problems.append("the file is neither the previous nor the next one")
+            finish(*commands[0])
+            found = whole[0]
+        now = found
+    return kills, problems + _none_hit(kills)
 
 
 def killed_while_building(folder: Path, times: int, chance: random.Random) -> Outcome:
     """Check that a build ended at any time leaves no FMU or a whole one, and the next one works."""
     output = folder / "killed.fmu"
-    begin = time.monotonic()
-    finish("build_fmu.py", COLUMN, "--force", "-o", output)
-    length = time.monotonic() - begin
+    command = ["build_fmu.py", COLUMN, "--force", "-o", output]
+    finish(*command)  # fills the cache
+    length, _, err = timed(*command)
+    if err:
+        return 0, [err]
     whole = output.read_bytes()
-    problems = []
+    problems, kills = [], 0
     for _ in range(times):
         output.unlink(missing_ok=True)
-        killed_after(length * chance.uniform(0.1, 1.0), "build_fmu.py", COLUMN, "--force", "-o", output)
+        kills += killed_after(length * chance.uniform(0.1, 1.0), *command)
         if output.exists() and zipfile.ZipFile(output).testzip() is not None:
             problems.append("a part of an FMU was left")
-    code, _, err = finish("build_fmu.py", COLUMN, "--force", "-o", output)
+    code, _, err = finish(*command)
     if code or not _same_but_for_the_date(output.read_bytes(), whole, folder):
         problems.append(f"the next build: {err or 'another FMU'}")
-    return times, problems
+    return kills, problems + _none_hit(kills)
 
 
 def _one_line(code: int, err: str) -> bool:
@@ -113,18 +135,18 @@ def _same_but_for_the_date(one: bytes, other: bytes, folder: Path) -> bool:
 
 def killed_while_starting(fmu: Path, folder: Path, times: int, chance: random.Random) -> Outcome:
     """End the first start on an account while the FMU or its code is extracted: the next start works."""
-    code, reference, err = finish(*calling("start", fmu), XDG_CACHE_HOME=str(folder / "whole"))
-    if code:
+    length, reference, err = timed(*calling("start", fmu), XDG_CACHE_HOME=str(folder / "whole"))
+    if err:
         return 0, [err]
-    problems = []
+    problems, kills = [], 0
     for k in range(times):
         home = str(folder / f"killed-{k % 5}")  # some are killed several times
-        killed_after(chance.uniform(0.2, 1.5), *calling("start", fmu), XDG_CACHE_HOME=home)
+        kills += killed_after(length * chance.uniform(0.1, 1.0), *calling("start", fmu), XDG_CACHE_HOME=home)
         if k % 5 == 4 or k >= times - 5:
             code, out, err = finish(*calling("start", fmu), XDG_CACHE_HOME=home)
             if code or out != reference:
                 problems.append(f"the next start: {err or 'other numbers'}")
-    return times, problems
+    return kills, problems + _none_hit(kills)
 
 
 def full_disk(fmu: Path, folder: Path) -> Outcome:
@@ -180,20 +202,28 @@ def read_only(fmu: Path, folder: Path) -> Outcome:
 
 
 def clocks(fmu: Path, folder: Path) -> Outcome:
-    """Check clocks that jump by days at every call, files from the future and the past: equal bits."""
+    """Check clocks that jump by days at every call, machine code kept in the future and the past: equal bits."""
     problems = []
     module, script, *run = calling("simulate", COLUMN)
-    if finish(module, script, "--jumping-clock", *run)[:2] != finish(module, script, *run)[:2]:
-        problems.append("a run depends on the clock")
     start = calling("start", fmu)[2:]
     home = folder / "clock"
-    expected = finish(*calling("start", fmu), XDG_CACHE_HOME=str(home))[:2]
+    changed = {"XDG_CACHE_HOME": str(home)}
+    expected = finish(module, script, *run, **changed)[:2]  # compiles
+    files = {file for file in home.rglob("*") if file.is_file()}
+    if not files:
+        problems.append("the first run leaves no machine code in its cache")
+    if finish(module, script, "--jumping-clock", *run)[:2] != expected:
+        problems.append("a run depends on the clock")
+    if finish(module, script, "--jumping-clock", *start)[:2] != finish(module, script, *start)[:2]:
+        problems.append("the FMU depends on the clock")
     for stamp in (0.0, 4e9):
-        for file in home.rglob("*.nb?"):
+        for file in files:
             os.utime(file, (stamp, stamp))
-        if finish(module, script, "--jumping-clock", *start, XDG_CACHE_HOME=str(home))[:2] != expected:
-            problems.append(f"the FMU depends on the time of its files ({stamp:g})")
-    return 3, problems
+        if finish(module, script, "--jumping-clock", *run, **changed)[:2] != expected:
+            problems.append(f"a run depends on the time of its machine code ({stamp:g})")
+        if {file for file in home.rglob("*") if file.is_file()} != files:
+            problems.append(f"other machine code was made for its time ({stamp:g})")
+    return 4, problems
 
 
 def together(folder: Path, builders: int = 3) -> Outcome:

@@ -10,6 +10,7 @@ import tempfile
 import time as clock
 import tomllib
 from collections.abc import Callable
+from decimal import Decimal
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from solver import Column, InputError, Motion
 from solver.commands.reports import motion_report
 from solver.commands.study import summary
 from solver.common.errors import reading
+from solver.common.text_tables import MOST_ROUNDED
 from solver.ground.motion import STANDARD_GRAVITY
 from solver.models.column.stepper import Stepper
 from solver.studies import Study
@@ -30,6 +32,7 @@ from solver.studies.journal import Journal, line_of
 from solver.studies.results import results_of
 
 from . import fuzz_structures
+from .fuzz_structures import REFUSED
 
 TOML = """name = "two"
 g = 9.81
@@ -94,6 +97,7 @@ relative = true
 each = true
 """
 
+MOST_ACCELERATION = 1e6  # m/s2
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([dDeE][+-]?\d+)?")
 NUMBERS = ["nan", "-inf", "inf", "1e999", "-1", "0", "1e-320", "1e300", "1_0", "0x10", "1e5", "\u0663"]
 WORDS = ["true", "e", "[[block]]", "height", "mass", "NPTS", "\u00e9"]
@@ -124,7 +128,7 @@ def mutated(text: str) -> st.SearchStrategy[bytes]:
 
 
 def column_problem(path: Path) -> str | None:
-    """Return the mistake in how a column file was read; None if there is none."""
+    """Return the mistake in how a column file was read; REFUSED or None if there is none."""
     try:
         column = Column.from_toml(path)
     except InputError as error:
@@ -145,20 +149,22 @@ def column_problem(path: Path) -> str | None:
 
 
 def motion_problem(path: Path) -> str | None:
-    """Return the mistake in how a motion was read, against an independent reader that knows valid files only;
-    or None.
+    """Return the mistake in how a motion was read or refused, against an independent reader; REFUSED or None if there
+    is none.
     """
     read = Motion.from_csv if path.suffix == ".csv" else Motion.from_at2
-    try:
-        motion = read(path)
-    except InputError as error:
-        return _message_problem(path, error)
     raw = path.read_bytes()
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         text = raw.decode("latin-1")
     plain = _plain_csv(text) if path.suffix == ".csv" else _plain_at2(text)
+    try:
+        motion = read(path)
+    except InputError as error:
+        if plain is not None and "\0" not in text and np.max(np.abs(plain[1:])) <= MOST_ACCELERATION:
+            return f"refused: {text!r}: {error}"
+        return _message_problem(path, error)
     if plain is None:
         return f"accepted: {text!r}"
     time, ax, az = plain
@@ -168,7 +174,7 @@ def motion_problem(path: Path) -> str | None:
 
 def _message_problem(path: Path, error: InputError) -> str | None:
     message = str(error)
-    return None if message.startswith(f"{path}: ") and "\n" not in message else f"said: {message!r}"
+    return REFUSED if message.startswith(f"{path}: ") and "\n" not in message else f"said: {message!r}"
 
 
 def _numbers(fields: list[str]) -> list[float] | None:
@@ -199,14 +205,20 @@ def _plain_csv(text: str) -> tuple[list[float], list[float], list[float]] | None
     if any(later <= earlier for earlier, later in pairwise(time)):
         return None
     zeros = [0.0] * len(time)
+    if np.spacing(max(map(abs, time))) > MOST_ROUNDED * np.min(np.diff(time)):  # as of seconds since 1970
+        texts = [line.split(mark)[header.index("time")] for line in unquoted[1:]]
+        exact = [Decimal(re.sub("[dD]", "e", text.strip())) for text in texts]
+        time = [float(value - exact[0]) for value in exact]
+        if any(later <= earlier for earlier, later in pairwise(time)):
+            return None
     return list(time), list(columns.get("base.ax", zeros)), list(columns.get("base.az", zeros))
 
 
 def _plain_at2(text: str) -> tuple[Any, Any, Any] | None:
     lines = re.split(r"\r\n|\r|\n", text)
-    if len(lines) < 5 or not re.search(r"units\s+of\s+g", lines[2], re.IGNORECASE):
+    if len(lines) < 5 or not re.search(r"\bunits\s+of\s+g\b", lines[2], re.IGNORECASE):
         return None
-    size = re.match(r"\s*NPTS\s*=\s*(\d+)\s*,\s*DT\s*=\s*([^\sS]+)", lines[3], re.ASCII)
+    size = re.match(r"\s*NPTS\s*=\s*(\d+)\s*,\s*DT\s*=\s*([^\sS,]+),?\s*(SEC|$)", lines[3], re.ASCII)
     if size is None or not _is_number(size[2]):
         return None
     parted = re.sub(r"(?<=\d)(?=[+-](\d+\.|\.\d))", " ", " ".join(lines[4:]))  # touching columns
@@ -249,7 +261,7 @@ def journal_problem(path: Path) -> str | None:
         text = summary(results_of(path))
     except InputError as error:
         problem = _message_problem(path, error)
-        return None if problem is not None and str(error).startswith("grid.") else problem
+        return REFUSED if str(error).startswith("grid.") else problem
     head = json.loads(JOURNAL.splitlines()[0][9:])
     with contextlib.suppress(InputError), Journal(path, head):
         pass
@@ -344,7 +356,7 @@ def _files_of(kind: str, text: str) -> st.SearchStrategy[bytes]:
 def fuzz(kind: str, number: int, examples: int) -> dict[str, Any]:
     """Read `count` files of one kind: {"files", "refused", "failures": the smallest that fails}."""
     text, problem_of = KINDS[kind]
-    counts = {"files": 0}
+    counts = {"files": 0, "refused": 0}
     smallest: dict[str, str] = {}
     with tempfile.TemporaryDirectory(prefix="stress_") as folder:
         path = Path(folder) / kind
@@ -365,9 +377,10 @@ def fuzz(kind: str, number: int, examples: int) -> dict[str, Any]:
                 problem = f"{type(error).__name__}: {error}"
             if clock.process_time() - begin > PATIENCE and (text or counts["files"] > 1):  # the first one may compile
                 problem = f"took {clock.process_time() - begin:.3g} s"
-            if problem is not None:
+            counts["refused"] += problem == REFUSED
+            if problem:
                 smallest.update(problem=problem, content=repr(content))
-            assert problem is None
+            assert not problem
 
         with contextlib.suppress(AssertionError):
             hold()

@@ -75,7 +75,12 @@ def serve_scenes() -> None:
 
 def limit_files(size: int) -> None:
     """Limit the files of this process to a number of bytes, as on a full disk."""
+    import os
     import resource
+
+    # bytecode cut short would stay in the checkout (importlib does not notice)
+    sys.dont_write_bytecode = True
+    os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
 
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
 

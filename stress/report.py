@@ -172,14 +172,15 @@ def _fuzz(items: Findings) -> str:
             if name[0] == "fmu"
             else name[0]
         )
-        rows.append([what, str(inputs), str(len(of)), str(sum(len(item["failures"]) for item in of))])
+        refused = str(sum(item["refused"] for item in of)) if all("refused" in item for item in of) else "-"
+        rows.append([what, str(inputs), refused, str(len(of)), str(sum(len(item["failures"]) for item in of))])
     failed = [f"- {item['name']} (seed {item['seed']}): {failure}" for item in items for failure in item["failures"]]
     total = sum(int(row[1]) for row in rows)
     return "\n\n".join(
         [
             "## Hostile input",
             f"{total} inputs: files, and calls to the FMU.",
-            table(["what", "inputs", "seeded searches", "failures"], rows),
+            table(["what", "inputs", "refused", "seeded searches", "failures"], rows),
             "Failures:\n\n" + ("\n".join(failed) or "none"),
         ]
     )

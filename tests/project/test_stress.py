@@ -19,7 +19,7 @@ sys.path.insert(0, str(ROOT))  # the campaign is not installed
 
 pytest.importorskip("resource", reason="processes are limited by means of POSIX")
 
-from solver import Motion
+from solver import InputError, Motion
 from solver.kernels.layout import spaces as at
 from stress import changed_states, command_line, fuzz_files, fuzz_fmu, report, scheme, stability
 from stress.cases import draw
@@ -102,6 +102,21 @@ def test_what_leaves_its_bounds_is_noticed() -> None:
         assert any(said in failure for failure in failures)
 
 
+def test_figures_beyond_their_limits_and_verdicts_that_differ_are_noticed() -> None:
+    assert stability.above_limits({"error": 30.0, "window": math.nan}) == []
+    assert stability.above_limits({"error": math.nan, "energy gained": 10.1}) == [
+        "energy gained: 10.1 tolerances",
+        "error: nan tolerances",
+    ]
+    for verdicts, predictable, standing, wrong in (
+        ([True, True, False, True], 201, 150, True),  # predictable to the end
+        ([True, False, True, True], 150, 150, True),  # up to the first fall
+        ([True, False, True, True], 149, 150, False),
+        ([True] * 4, 201, 150, False),
+    ):
+        assert stability.verdicts_disagree(verdicts, predictable, standing) == wrong
+
+
 @pytest.mark.long
 def test_short_campaign(tmp_path: Path) -> None:
     options = ["--short", "--seed", "7", "--cases", str(CASES), "--output-folder", str(tmp_path)]
@@ -126,7 +141,22 @@ def test_the_paper_scheme_diverges_where_it_is_refused() -> None:
 
 @pytest.mark.parametrize("kind", fuzz_files.KINDS)
 def test_files(kind: str) -> None:
-    assert fuzz_files.fuzz(kind, 7, 300)["failures"] == []
+    found = fuzz_files.fuzz(kind, 7, 300)
+    assert found["failures"] == []
+    assert 0 < found["refused"] < found["files"]
+
+
+def test_a_file_that_is_refused_though_it_is_right_is_noticed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def refuse(path: Path) -> Motion:
+        raise InputError(f"{path}: is not wanted")
+
+    path = tmp_path / "motion.csv"
+    path.write_text(fuzz_files.CSV)
+    assert fuzz_files.motion_problem(path) is None
+    monkeypatch.setattr(Motion, "from_csv", refuse)
+    assert str(fuzz_files.motion_problem(path)).startswith("refused: ")
+    path.write_text("time,base.ax\n1,0\n0,0\n")
+    assert fuzz_files.motion_problem(path) == fuzz_files.REFUSED
 
 
 def test_fmi_calls(fmus: Fmus) -> None:
@@ -216,6 +246,7 @@ def test_bits_are_the_same_elsewhere_and_after_a_restore() -> None:
     here = [digest(7, k) for k in range(4)]
     assert elsewhere("digests", 7, 4, PYTHONHASHSEED="7") == here
     assert restored("exact", damping=True)
+    assert restored("exact", damping=False)
     assert restored("paper", damping=False)
 
 
