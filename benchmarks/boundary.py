@@ -147,7 +147,9 @@ def line_of(row: dict[str, Any]) -> str:
     text += f"fell within {LONGER:g} s"
     if "in_lanes" in row:
         lanes = ", ".join(f"{count} {word or 'not made'}" for word, count in sorted(row["in_lanes"].items()))
-        return text + f"; in lanes {lanes}, {row['against']} standing in one and overturned in the other"
+        text += f"; in lanes {lanes}, {row['against']} standing in one and overturned in the other"
+        passed_over = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in row["passed_over"].items())
+        return text + f"; {row['failed_later']} longer runs failed; structures passed over: {passed_over}"
     return text + f"; crept by at most {row['crept']:.2g} of energy over friction"
 
 

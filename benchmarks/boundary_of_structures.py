@@ -44,6 +44,7 @@ QUICK_KINDS = dict.fromkeys(("eccentric stacks", "arches" + FRICTION), 1)
 SCALES = 8  # of each structure
 SEED, FIRST = 11, 0.3
 TOLERANCE = 1e-4
+FAILED = "failed"
 DENSITY = 2500.0  # kg/m3
 
 
@@ -55,11 +56,24 @@ class Case(NamedTuple):
 
 
 class Judged(NamedTuple):
-    """Verdicts alone and in lanes; when a structure that is said to stand falls after all, s, else NaN."""
+    """Verdicts alone and in lanes; when a structure that is said to stand falls after all, s, else NaN.
+
+    word is FAILED, or late_failed True, if the run, or the longer one of a structure that stands, ended with an error.
+    """
 
     word: str
     in_lanes: str
     late: float
+    late_failed: bool = False
+
+
+class Near(NamedTuple):
+    """Verdicts near the boundary of a structure, and the drawn ones passed over before it."""
+
+    judged: list[Judged]
+    without_rest: int = 0
+    never_fell: int = 0
+    failed: int = 0  # in the search for the boundary
 
 
 def drawn(rng: np.random.Generator, kind: str) -> Case:
@@ -154,18 +168,24 @@ DRAWN = {
 
 
 def judged(case: Case) -> Judged:
-    """Return the verdicts of a case, and whether it falls after all. Raises SolverError."""
+    """Return the verdicts of a case, and whether it falls after all."""
     structure, motion = case
     stepper, _ = begun(structure, motion)
-    stepper.run(motion, motion.start, motion.end, np.zeros(0))
-    word, _, now = settled_verdict(stepper, motion.end, SETTLE)
+    try:
+        stepper.run(motion, motion.start, motion.end, np.zeros(0))
+        word, _, now = settled_verdict(stepper, motion.end, SETTLE)
+    except SolverError:
+        word, now = FAILED, motion.end
     run = Run(structure, motion, motion.duration)
     lanes: list[dict[str, Any]] = [{}]
     if not structure.kind.lanes(structure, FROM_LANES).why_not:
         lanes = follow_in_lanes([run], [rest_of(structure)], SETTLE)
     late = math.nan
     if word == STANDING:
-        stepper.run(None, now, now + LONGER, np.zeros(0))
+        try:
+            stepper.run(None, now, now + LONGER, np.zeros(0))
+        except SolverError:
+            return Judged(word, str(lanes[0].get("verdict", "")), late, late_failed=True)
         late = float(stepper.control.fall_time) - now if stepper.counts.fallen else math.nan
     return Judged(word, str(lanes[0].get("verdict", "")), late)
 
@@ -178,33 +198,44 @@ def falls(case: Case, scale: float) -> bool:
     return settled_verdict(stepper, motion.end, SETTLE).word == OVERTURNED
 
 
-def judged_near(kind: str, number: int) -> list[Judged]:
+def judged_near(kind: str, number: int) -> Near:
     """Return the verdicts of `SCALES` runs near the boundary of a structure, the first drawn that rests and falls."""
     rng = np.random.default_rng([SEED, list(KINDS).index(kind), number])
+    passed_over = Near([])
     while True:
         case = drawn(rng, kind)
         try:
             rest_of(case.structure)
+        except InputError:
+            passed_over = passed_over._replace(without_rest=passed_over.without_rest + 1)
+            continue
+        try:
             low, high = FIRST, math.nan
             while not high - low < WIDTH * low and not low > MOST:
                 scale = GROW * low if math.isnan(high) else 0.5 * (low + high)
                 low, high = (low, scale) if falls(case, scale) else (scale, high)
-            if math.isnan(high):
-                continue
-            scales = 0.5 * (low + high) * rng.uniform(1.0 - BAND, 1.0 + BAND, SCALES)
-            return [judged(Case(case.structure, case.motion.scaled(float(scale)))) for scale in scales]
-        except (InputError, SolverError):  # it has no rest, or its steps become too small: another one
+        except SolverError:  # its steps become too small: another one
+            passed_over = passed_over._replace(failed=passed_over.failed + 1)
             continue
+        if math.isnan(high):
+            passed_over = passed_over._replace(never_fell=passed_over.never_fell + 1)
+            continue
+        scales = 0.5 * (low + high) * rng.uniform(1.0 - BAND, 1.0 + BAND, SCALES)
+        cases = [Case(case.structure, case.motion.scaled(float(scale))) for scale in scales]
+        return passed_over._replace(judged=[judged(case) for case in cases])
 
 
 def measure_kind(kind: str, count: int) -> dict[str, Any]:
     """Count how many structures of a kind are undecided, how many of those that stand fall later."""
     with ThreadPoolExecutor(cores()) as pool:
-        found = [one for near in pool.map(lambda number: judged_near(kind, number), range(count)) for one in near]
+        near = list(pool.map(lambda number: judged_near(kind, number), range(count)))
+    found = [one for boundary in near for one in boundary.judged]
     words, in_lanes = (Counter(getattr(one, name) for one in found) for name in ("word", "in_lanes"))
     late = sum(not math.isnan(one.late) for one in found)
     against = sum({one.word, one.in_lanes} == {STANDING, OVERTURNED} for one in found)
     row = {"kind": kind, "columns": len(found), "words": dict(words), "wrong": late}
+    row["failed_later"] = sum(one.late_failed for one in found)
+    row["passed_over"] = {name: sum(getattr(one, name) for one in near) for name in Near._fields[1:]}
     return row | {"in_lanes": dict(in_lanes), "against": against}
 
 

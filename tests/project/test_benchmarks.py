@@ -268,8 +268,9 @@ def test_targets_are_computed():
         "equal_error": [{"error": 1e-3, "best": "other", "speed_up": 2.0}],
     }
     rows = [
-        {"tuned": True, "error": 0.1, "seconds": 0.3, "scheme": "any", "step": 5e-3},
-        {"tuned": False, "error": 0.1, "seconds": 0.1, "scheme": "another", "step": 5e-3},
+        {"tuned": True, "error": 1e-3, "seconds": 0.3, "scheme": "any", "step": 5e-3},
+        {"tuned": True, "error": 2e-3, "seconds": 0.02, "scheme": "less accurate", "step": 1e-2},
+        {"tuned": False, "error": 1e-4, "seconds": 0.1, "scheme": "another", "step": 5e-3},
     ]
     found = {
         target.number: target
@@ -308,7 +309,17 @@ def test_targets_are_computed():
     assert (passed["4a"], passed["4b"], passed["4c"]) == (True, False, None)
     assert (passed["5a"], passed["5b"]) == (False, False)
     assert passed["6"] is False
-    assert found["2b"].measured.startswith("300x")
+    assert found["2b"].measured.startswith("300x: any")
+
+
+def test_a_rival_of_a_larger_error_is_no_rival() -> None:
+    auto = {"value": 1e-2, "error": 5e-4, "seconds": 1e-3, "evaluations": 1000}
+    scene = {"title": "Phocas, 0.05 g 2 Hz", "points": {"auto": [auto]}}
+    row = {"tuned": True, "error": 0.1, "seconds": 0.3, "scheme": "any", "step": 5e-3}
+    results = {"work-precision": {"scenes": [scene]}, "opensees": {"rows": [row]}}
+    found = {target.number: target for target in targets.forced_run(results)}
+    assert found["2b"].passed is None
+    assert "at least 1.0e-01" in found["2b"].measured
 
 
 def test_opensees_stands_on_its_joints():
