@@ -322,9 +322,14 @@ def test_fmus_of_both_kinds_are_driven_alike(model: str, tmp_path: Path) -> None
         rows.append(np.load(tmp_path / "rows.npy"))
     assert np.array_equal(rows[0], rows[1])
     assert np.max(np.abs(rows[0][:, 0])) > 1e-3
-    depends = {item.variable.name: item.dependencies for item in read_model_description(str(fmus[0])).outputs}
-    assert not any(depends[name] for name in depends if re.match(r"base\.(R0|m|F)", name)) or "columns" in model
-    assert not any(depends[name] for name in depends if re.match(r"base\.(R0|m)", name))
+    outputs = read_model_description(str(fmus[0])).outputs
+    depends = {item.variable.name: {one.name for one in item.dependencies} for item in outputs}
+    says = [name for name in depends if re.match(r"base\.(R0|m)", name)]
+    assert len(says) == (9 if "columns" in model else 0)
+    assert not any(depends[name] for name in [*says, "base.Fx_peak", "base.Fz_peak"])
+    for name in ("base.Fx", "base.Fz"):  # at once by what is set, of columns alone
+        asked = {"body.F0x", "body.Mxx", "body2.F0x", "body2.Mxx"}
+        assert depends[name] >= asked if "columns" in model else depends[name] == set()
 
 
 FOLLOW = """
@@ -352,9 +357,12 @@ model.close()
 """
 
 
-@pytest.mark.parametrize("mass", [0.0, 1e-3, 1e3, 1e9])
-def test_no_mass_of_a_partner_makes_it_unstable(mass: float) -> None:
-    """Check a free body: column and body keep the momentum that a blow gives; without a mass of its own, too."""
+@pytest.mark.parametrize(("mass", "near"), [(0.0, 0.2), (1e-3, 0.2), (1e3, 0.2), (1e9, 0.02)])
+def test_no_mass_of_a_partner_makes_it_unstable(mass: float, near: float) -> None:
+    """Check a free body: column and body keep the momentum that a blow gives; without a mass of its own, too.
+
+    Of 1e9 kg the column is 3e-6, which the velocity does not show: there it is that of the body.
+    """
     stepper, h, blow = Stepper(exact(COLUMN)), 1e-3, 1e3
     stepper.driven_by("horizontal", "parabola", 1)
     velocity = 0.0
@@ -366,7 +374,8 @@ def test_no_mass_of_a_partner_makes_it_unstable(mass: float) -> None:
         stepper.advance(k * h, h)
         velocity += h * float(base.ax + 0.5 * h * base.jx)
     total, given = mass + sum(block.mass for block in COLUMN.blocks), 50 * h * blow * max(mass, 1e3) / 1e3
-    assert velocity == pytest.approx(given / total, rel=0.2)  # beside what the column sways
+    # beside what the column sways, or the first step of the parabola: measured -0.083, 0.029, -0.022, -0.010
+    assert velocity == pytest.approx(given / total, rel=near)
 
 
 def test_forces_without_a_mass_are_refused() -> None:

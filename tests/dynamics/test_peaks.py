@@ -119,10 +119,13 @@ def test_peaks_of_a_run_in_short_calls_cover_what_is_seen_between_them() -> None
 
 def test_an_error_is_estimated_for_every_peak() -> None:
     column, motion = SCENES["rocking"]
-    run = simulate(column, motion, duration=1.0, check=True)
+    run = simulate(column, motion, duration=1.0, check=True, tolerance=3e-3)
     exact = simulate(column, motion, duration=1.0, tolerance=1e-10)
     assert run.estimated_error is not None
     assert set(run.estimated_error.peaks) == set(run.peaks)
     for name in ("ux", "ry", "N", "My", "sigma_max"):
         error = np.abs(run.peaks[name] - exact.peaks[name]) / exact.peaks[name]
-        assert run.estimated_error.peaks[name] == pytest.approx(error, rel=1.0, abs=2e-6), name
+        estimate = run.estimated_error.peaks[name]
+        assert np.max(error) > 2e-6, name  # what is estimated is not rounding
+        assert np.all(estimate >= 0.5 * error - 5e-7), name  # measured 0.60 to 1.22 of the error
+        assert np.all(estimate <= 2.0 * error + 5e-7), name

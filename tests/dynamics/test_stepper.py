@@ -18,7 +18,7 @@ from solver.models.column.stepper import Stepper
 from solver.models.samples import samples_of
 
 
-def test_whatever_the_caller_has_the_kernels_are_compiled_once() -> None:
+def test_motions_of_every_kind_and_times_that_cannot_be_written_are_followed() -> None:
     column = Column.from_toml(ROOT / "examples/columns/phocas-damped.toml")
     times = np.linspace(0.0, 0.2, 3)
     times.flags.writeable = False
@@ -27,11 +27,15 @@ def test_whatever_the_caller_has_the_kernels_are_compiled_once() -> None:
         Motion.from_samples(0.1, [0.0, 1.0, 0.0]),
         Motion.from_samples(0.1, [0.0, 1.0], hold=True),
     ):
-        Stepper(column).run(motion, motion.end, times)
+        whole = Stepper(column)
+        rows = whole.rows_of(whole.run(motion, motion.end, times))
         stepper = Stepper(column)
         stepper.record = samples_of(motion)
-        stepper.advance(0, 1)
-        stepper.observe(1)
+        stepper.advance(0, 1)  # whole numbers are times too
+        row = stepper.observe(1)
+        assert np.all(np.isfinite(rows))
+        assert np.all(np.isfinite(row))
+        assert np.any(rows[1:, : column.n] != 0.0)
 
 
 def test_a_change_of_damping_is_a_new_start_from_the_same_motion() -> None:

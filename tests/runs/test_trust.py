@@ -15,7 +15,7 @@ from solver.runs.trust import AGREE, judge, with_fine_settings
 MOTION = Motion.harmonic(0.05 * G, 2.0, 6.0)
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
+@pytest.mark.parametrize("tolerance", [1e-1, 1e-3, 1e-5])
 def test_estimate_is_about_the_error(tolerance: float) -> None:
     column = phocas(1e-3)
     run = simulate(column, MOTION, tolerance=tolerance, check=True)
@@ -25,7 +25,9 @@ def test_estimate_is_about_the_error(tolerance: float) -> None:
     assert 0.5 < run.estimated_error.ux / error < 2.0  # an estimate
     assert run.estimated_error.ux < AGREE * tolerance
     peaks = np.abs(run.peak_top_ux - exact.peak_top_ux) / exact.peak_top_ux
-    assert run.estimated_error.peaks["ux"] == pytest.approx(peaks, rel=1.0, abs=0.1 * tolerance)
+    estimate, tiny = run.estimated_error.peaks["ux"], 5e-6 * tolerance  # at 1e-5 errors of peaks are rounding
+    assert np.all(estimate >= 0.5 * peaks - tiny)  # measured 1.0 of the error at 1e-1, 0.86 to 1.15 at 1e-3
+    assert np.all(estimate <= 2.0 * peaks + tiny)
     assert np.isnan(run.estimated_error.overturn_time)
     assert run.horizon == run.time[-1]
     assert run.verdict == STANDING
