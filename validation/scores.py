@@ -12,6 +12,7 @@ from scipy.special import ndtr
 from .rigid_block import Flags, FloatArray
 
 LAPSE = 0.02  # part of the tests whose outcome no model can know: shares lie within 0.01 and 0.99
+LAPSES = (0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4)  # of models that give a verdict, not a share
 Z = 1.96  # of 95 % bounds
 
 
@@ -23,9 +24,21 @@ def halves(fallen: Flags, splits: int, seed: int) -> Iterator[tuple[NDArray[np.i
         yield np.sort(order[::2]), np.sort(order[1::2])
 
 
-def with_lapse(share: FloatArray) -> FloatArray:
+def with_lapse(share: FloatArray, lapse: float = LAPSE) -> FloatArray:
     """Return shares moved away from 0 and 1, so that one wrong certainty does not cost everything."""
-    return 0.5 * LAPSE + (1.0 - LAPSE) * share
+    return 0.5 * lapse + (1.0 - lapse) * share
+
+
+def with_lapses(verdicts: FloatArray) -> FloatArray:
+    """Return deterministic verdicts (c, m) as shares with each of LAPSES, (c * lapses, m), so that it can be fitted."""
+    return np.concatenate([with_lapse(row, lapse)[None] for row in verdicts for lapse in LAPSES])
+
+
+def failed_as_standing(verdicts: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], str]:
+    """Return verdicts with those of runs that ended with an error, NaN, as standing; and a line that counts them."""
+    failed = sum(int(np.sum(np.isnan(found))) for found in verdicts.values())
+    line = f"{failed} of {sum(found.size for found in verdicts.values())} runs ended with an error, counted as standing"
+    return {name: np.nan_to_num(found, nan=0.0) for name, found in verdicts.items()}, line
 
 
 def agreement(share: FloatArray, fallen: Flags) -> float:

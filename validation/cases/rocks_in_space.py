@@ -52,7 +52,7 @@ def scales_of(rim: float | None) -> FloatArray:
 
 def verdicts(rock: Rock, motions: Iterable[Motion], direction: float, rim: float | None = None) -> FloatArray:
     """Return 1 where the rock on a foot of a scale falls in a test, (scales, tests); one that cannot stand has
-    fallen.
+    fallen; NaN where a run ends with an error.
     """
     structures = [
         rock.structure(float(scale), STIFFNESS, DAMPING, FRICTION, rim).with_settings(tolerance=TOLERANCE)
@@ -71,7 +71,7 @@ def _falls(run: Run) -> float:
     except NoRestError:
         return 1.0
     except SolverError:
-        return 0.0
+        return math.nan
     return float(made["verdict"] == "overturned")
 
 
@@ -91,10 +91,14 @@ def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:
     best: dict[str, Judged] = {}
     for specimen, fallen in tests.fallen.items():
         rock = rock_from(scan_of(data, specimen), MASS, LEVEL)
-        results = judged(tests, bank(rock, motions), specimen)
+        verdicts, line = scores.failed_as_standing(bank(rock, motions))
+        lines.append(f"{specimen}: {line}")
+        results = judged(tests, verdicts, specimen)
         best[specimen] = results["best of all directions"]
         for share in rims:
-            on_rim = judged(tests, bank(rock, motions, share), specimen, share)
+            verdicts, line = scores.failed_as_standing(bank(rock, motions, share))
+            lines.append(f"{specimen}, {label_of(share)}: {line}")
+            on_rim = judged(tests, verdicts, specimen, share)
             results |= {f"{name}, {label_of(share)}": result for name, result in on_rim.items() if name not in KNOWN}
         numbers[specimen] = {name: [result.agreement, result.log_score] for name, result in results.items()}
         lines.append(f"{specimen}, {len(fallen)} tests; halves not fitted, {SPLITS} splits:")
@@ -113,10 +117,11 @@ def judged(tests: Tests, found: dict[str, FloatArray], specimen: str, rim: float
     fallen, weights = tests.fallen[specimen], ensembles(SCALES, MEDIANS)
     shares = {name: scores.with_lapse(weights @ part) for name, part in found.items()}
     as_scanned = int(np.argmin(np.abs(scales_of(rim) - 1.0)))
-    scanned = np.array([scores.with_lapse(part[as_scanned]) for part in found.values()])
+    scanned = scores.with_lapses(np.array([part[as_scanned] for part in found.values()]))
+    names = [name for name in found for _ in scores.LAPSES]
     return {
         "lognormal in PGV": judge_lognormal(tests.pgv, fallen),
-        "foot as scanned": judge(scanned, list(found), fallen),
+        "foot as scanned": judge(scanned, names, fallen),
         **{f"ensemble, {name}": judge(part, [name] * len(part), fallen) for name, part in shares.items()},
         "all directions alike": judge(
             scores.with_lapse(np.mean([weights @ part for part in found.values()], axis=0)), [""] * len(weights), fallen

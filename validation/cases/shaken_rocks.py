@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from multiblock import Block, Column, Joint, Motion, simulate_many
+from multiblock import Block, Column, Joint, Motion, Table, simulate_many
 
 from .. import scores
 from ..case import Case, Outcome
@@ -89,14 +89,20 @@ RIMMED = {
 def bank(models: dict[str, Model], motions: list[Motion]) -> dict[str, FloatArray]:
     """Return 1 where a block of a ratio falls in a test: (ratios, tests) of each model.
 
-    Undecided counts as standing.
+    Undecided counts as standing; NaN where a run ends with an error.
     """
     found = {}
     for name, model in models.items():
         columns = [model.column(float(ratio)) for ratio in model.ratios]
         tables = (simulate_many(column, motions, tolerance=TOLERANCE, keep=("verdict",)) for column in columns)
-        found[name] = np.array([table["verdict"] == "overturned" for table in tables], dtype=np.float64)
+        found[name] = np.array([_fell(table) for table in tables])
     return found
+
+
+def _fell(table: Table) -> FloatArray:
+    fell = np.asarray(table["verdict"] == "overturned", dtype=np.float64)
+    fell[list(table.stats["failures"])] = math.nan
+    return fell
 
 
 def ensembles(values: FloatArray = RATIOS, medians: FloatArray = MEDIANS) -> FloatArray:
@@ -147,15 +153,14 @@ def judge_lognormal(measure: FloatArray, fallen: Flags) -> Judged:
 def compute(data: Path | None, rims: Sequence[float] = ()) -> Outcome:
     """Compute the verdicts of all models in all tests, once; the rest is choosing among them."""
     tests = read(data)
-    verdicts = bank(MODELS, tests.motions)
-    rimmed = {
-        label_of(share): bank(
-            {f"{name}, {label_of(share)}": replace(m, rim=share) for name, m in RIMMED.items()}, tests.motions
-        )
-        for share in rims
-    }
+    verdicts, line = scores.failed_as_standing(bank(MODELS, tests.motions))
+    lines = [line]
+    rimmed = {}
+    for share in rims:
+        models = {f"{name}, {label_of(share)}": replace(m, rim=share) for name, m in RIMMED.items()}
+        rimmed[label_of(share)], line = scores.failed_as_standing(bank(models, tests.motions))
+        lines.append(f"{label_of(share)}: {line}")
     weights = ensembles()
-    lines: list[str] = []
     numbers: dict[str, dict[str, Any]] = {}
     best: dict[str, Judged] = {}
     for specimen, fallen in tests.fallen.items():
@@ -183,13 +188,15 @@ def _judged(
     every = np.concatenate(list(shares.values()))
     names = [name for name in shares for _ in weights]
     best = judge(every, names, fallen)
-    single = scores.with_lapse(verdicts["upright"])
-    elements = scores.with_lapse(tests.elements[specimen].astype(np.float64))
+    single = scores.with_lapses(verdicts["upright"])
+    elements = scores.with_lapses(tests.elements[specimen].astype(np.float64))
+    standing = scores.with_lapses(np.zeros((1, len(fallen))))
+    lapses = range(len(scores.LAPSES))
     results = {
-        "stands, always": judge(np.full((1, len(fallen)), 0.5 * scores.LAPSE), [""], fallen),
+        "stands, always": judge(standing, [""] * len(standing), fallen),
         "lognormal in PGV": judge_lognormal(tests.pgv, fallen),
-        "distinct elements": judge(elements, [str(k) for k in range(len(elements))], fallen),
-        "one block, one ratio": judge(single, [f"{ratio:.3f}" for ratio in RATIOS], fallen),
+        "distinct elements": judge(elements, [""] * len(elements), fallen),
+        "one block, one ratio": judge(single, [f"{ratio:.3f}" for ratio in RATIOS for _ in lapses], fallen),
         **{f"ensemble, {name}": judge(found, [name] * len(found), fallen) for name, found in shares.items()},
         "best of all ensembles": best,
     }
@@ -206,7 +213,7 @@ def judged_on_rims(
     every = [(name, scores.with_lapse(weights @ found)) for name, found in whole.items()]
     for rim, bank_of_rim in rimmed.items():
         shares = {name: scores.with_lapse(weights @ found) for name, found in bank_of_rim.items()}
-        single = scores.with_lapse(next(iter(bank_of_rim.values())))
+        single = scores.with_lapses(next(iter(bank_of_rim.values())))
         results[f"one block, one ratio, {rim}"] = judge(single, [""] * len(single), fallen)
         results |= {f"ensemble, {name}": judge(found, [name] * len(found), fallen) for name, found in shares.items()}
         results[f"best of all, {rim}"] = _best(list(shares.items()), fallen)

@@ -21,7 +21,7 @@ LOWER, UPPER = Slab(1.2, 4.0, 1.2 * 4.0 * DENSITY), Slab(0.9, 2.4, 0.9 * 2.4 * D
 PATTERNS = {"the same sense": (1, 1), "opposite senses": (1, -1)}
 TILTS = 0.35, 0.3  # of the slenderness angles: of the lower block, and of the upper one on it
 MODULI = (1e9, 1e10, 1e11)  # N/m3
-ROW, COMPARED = 1e-3, 0.8  # s; of the time until a corner lands
+ROW = 1e-3  # s
 
 
 def column(stiffness: float) -> Column:
@@ -73,10 +73,11 @@ def compute(data: Path | None) -> Outcome:
         rows = []
         for stiffness in MODULI:
             t, angles = released(stiffness, pair, 1.2 * float(time[-1]))
-            early = t < COMPARED * time[-1]
+            lands = landing(t, angles, pair)
+            early = t < min(lands, float(time[-1]))
             known = np.column_stack([np.interp(t[early], time, rigid[:, i]) for i in range(2)])
             apart = float(np.max(np.abs(angles[early] - known)) / np.max(np.abs(rigid)))
-            rows.append([landing(t, angles, pair) / float(time[-1]), apart])
+            rows.append([lands / float(time[-1]), apart])
             lines.append(f"  k = {stiffness:.0e} N/m3: {rows[-1][0]:.4f}, {apart:.4f}")
             drawn[name, stiffness] = t, angles
         numbers[name] = {"landing": float(time[-1]), "moduli": list(MODULI), "ratio and deviation": rows}
