@@ -48,7 +48,9 @@ def test_quarter_periods_are_those_of_exact_angles() -> None:
 
 
 def test_decay_is_that_of_housner() -> None:
-    assert decay(0.5, 0.936, 4) == pytest.approx([0.4144, 0.3486, 0.2960, 0.2529], abs=5e-5)  # printed to 4 digits
+    assert decay(0.5, 0.936, 4, 1e-3) == pytest.approx(
+        [0.4144, 0.3486, 0.2960, 0.2529], abs=5e-5
+    )  # printed to 4 digits
 
 
 def test_peaks_between_zeros() -> None:

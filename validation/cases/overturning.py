@@ -42,7 +42,7 @@ def falls(column: Column, amplitude: FloatArray, speed: FloatArray) -> Flags:
 
 
 def rigid(amplitude: FloatArray, speed: FloatArray, restitution: float) -> Flags:
-    """Return True if the pulses overturn Housner's block."""
+    """Return True if the pulses overturn the rigid block of this restitution."""
     return overturning(amplitude * WIDTH / HEIGHT / ALPHA, speed, ALPHA, restitution) >= 0
 
 
