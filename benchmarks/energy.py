@@ -17,6 +17,7 @@ from .scenes import shaft
 
 PERIODS = 1_000_000  # of the lowest mode
 QUICK_PERIODS = 10_000
+PER_CALL = 1_000  # periods: a call may take a limited number of evaluations
 PARTS = (1e-3, 0.5)  # of the rotation at which a joint opens
 SIZES = (1, 3)  # blocks
 
@@ -83,7 +84,8 @@ def measure(quick: bool) -> Iterator[dict[str, Any]]:
             # only the base joint turns, by this part of the rotation that opens it
             stepper = Stepper(column, InitialState(rotation=np.full(n, part * opens)))
             begin = energy(stepper, columns) - at_rest
-            stepper.advance(0.0, periods * period)
+            for k in range(0, periods, PER_CALL):
+                stepper.advance(k * period, min(PER_CALL, periods - k) * period)
             change = energy(stepper, columns) - at_rest - begin
             yield {
                 "n": n,

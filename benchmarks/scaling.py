@@ -63,7 +63,7 @@ def measure(quick: bool = False) -> dict[str, Any]:
         with limit_lifted(n):
             column = shaft(n)
             count = STATES if n <= 50 else 20
-            loop = kernel_loop(column, states_of_a_run(column, count, 5e-3 if n <= 50 else 1e-4))
+            loop = kernel_loop(column, states_of_a_run(column, count))
             row["evaluation"] = timing.loops([loop])[0] / (PASSES * count * n)
             if n <= MOST_SIMULATED:
                 # equal methods for every n: modes of the elastic phase would make short columns even cheaper
