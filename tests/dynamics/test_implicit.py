@@ -227,7 +227,8 @@ def test_implicit_and_explicit_steps_lead_to_the_same_motion() -> None:
     assert explicit.stats["implicit_steps"] == 0
     assert implicit.stats["implicit_steps"] > 100
     difference = np.max(np.abs(implicit.ux - explicit.ux)) / explicit.peak_top_ux[0]
-    assert difference < 1e-4  # measured 3e-6
+    print(f"{difference:.1e} of the peak")
+    assert difference < 3e-5  # measured 3e-6
 
 
 def test_a_finely_cut_column_off_its_axis_is_stepped_implicitly_and_to_its_tolerance() -> None:

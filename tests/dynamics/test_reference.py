@@ -162,8 +162,8 @@ def drift(push: float, tolerance: float = 1e-5) -> float:
 @pytest.mark.parametrize(
     ("tolerance", "bound"),
     [
-        (1e-6, 1e-4),  # measured 4e-6, at most 2e-5 over 30 pushes 1e-9 rad/s apart
-        (1e-7, 1e-5),  # measured 4e-7, at most 1.3e-6
+        (1e-6, 1e-5),  # measured 2e-7, at most 3.2e-6 over 30 pushes 1e-9 rad/s apart, median 1.1e-6
+        (1e-7, 1.5e-6),  # measured 1.3e-7, at most 4.4e-7, median 1.6e-7
     ],
 )
 def test_energy_of_free_rocking_is_kept(tolerance: float, bound: float) -> None:
@@ -171,6 +171,7 @@ def test_energy_of_free_rocking_is_kept(tolerance: float, bound: float) -> None:
 
 
 def test_energy_of_free_rocking_is_kept_at_the_default_tolerance() -> None:
-    # chaotic: single runs scatter from 1e-5 to 9e-5
+    # chaotic: single runs scatter from 6e-7 to 2.4e-5
     drifts = [drift(0.03 + 1e-9 * k) for k in range(9)]
-    assert np.median(drifts) < 1e-4  # measured 3.1e-5
+    print(f"median {np.median(drifts):.1e}, at most {np.max(drifts):.1e}")
+    assert np.median(drifts) < 5e-5  # measured 8e-6, of 30 runs 9.6e-6

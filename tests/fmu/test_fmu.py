@@ -91,8 +91,10 @@ def test_agrees_with_python_on_the_same_held_samples(fmus: Fmus, tmp_path: Path)
     assert len(compared) == 13
     for output in compared:
         for i, history in enumerate(getattr(response, output.field).T.reshape(-1, len(response.time)), start=1):
-            difference = np.max(np.abs(result[output.name_of(i)] - history))
-            assert difference <= 1e-6 * np.max(np.abs(history)), output.name_of(i)  # measured 2e-14 (ux) to 3e-10 (S)
+            difference, most = np.max(np.abs(result[output.name_of(i)] - history)), np.max(np.abs(history))
+            print(f"{output.name_of(i)}: {difference:.1e} of {most:.1e}")
+            # measured 2e-14 or, by the machine code of another processor, 2e-11 (ux) to 4e-10 (M)
+            assert difference <= (2e-10 if output.field == "ux" else 4e-9) * most, output.name_of(i)
     assert not result["overturned"].any()
 
 
