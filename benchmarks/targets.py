@@ -270,7 +270,7 @@ def studies(results: Results) -> list[Target]:
     absent = {"8b": part.get("opensees", {}), "8i": apart, "8k": apart}
     aims = {
         "8a": (
-            f"damped Phocas rocking, many runs at an error of 1e-3: {MANY_SPEED_UP:g}x those made alone",
+            f"damped Phocas rocking, many runs at an error of 1e-3: {MANY_SPEED_UP:g}x runs alone",
             MANY_SPEED_UP,
         ),
         "8b": (f"the same: {MANY_OPENSEES_SPEED_UP:g}x tuned OpenSees", MANY_OPENSEES_SPEED_UP),
