@@ -42,6 +42,7 @@ def test_of_dashpots_in_closed_form(slope: str, rate: float, heaviest: float) ->
     way = SLOPES[slope]
     exact = rate * 1e3 / 1e6
     assert exact / 1.06 < longest(way, 0.05, 1e6, 1.0, 1e9, 1e3) < 1.01 * exact
+    assert exact / 1.06 < longest(way, 0.05, 1e6, 0.0, 1e9, 1e3) < 1.01 * exact  # bearings without a spring
     assert longest(way, 0.05, 1e6, 1.0, 100.0, 1.05 * heaviest * 100.0) == math.inf
     assert longest(way, 0.05, 1e6, 1.0, 100.0, 0.95 * heaviest * 100.0) < 0.05
 

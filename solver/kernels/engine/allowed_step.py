@@ -107,7 +107,8 @@ def longest_step(way, h, dashpot, spring, moved, mass):
     dashpot, spring, moved, mass : float
         N s/m, N/m and kg of the mass on the joint, and mass of the base, kg.
     """
-    if not (spring > 0.0 and moved > 0.0 and mass > 0.0) or not _grows(way, h, dashpot, spring, moved, mass):
+    holds = spring >= 0.0 and spring + dashpot > 0.0  # a dashpot alone, too
+    if not (holds and moved > 0.0 and mass > 0.0) or not _grows(way, h, dashpot, spring, moved, mass):
         return math.inf
     # the last stable one of a geometric series
     step = SHORTEST
