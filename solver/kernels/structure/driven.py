@@ -4,8 +4,6 @@ Its whole state is in the flat rows of layout.py. The joints are elastic in shea
 state, without dependence on the acceleration of the same instant; only accelerations of ports have feedthrough.
 """
 
-import math
-
 from ..engine.control import most_of_a_call, most_work
 from ..engine.differences import point, points
 from ..engine.samples import no_samples, segment_from
@@ -38,6 +36,7 @@ from .layout import (
     STATE,
     order_of,
     scene_of,
+    shear_damping_of,
     sizes_in,
     stabilizes,
     step_tolerance,
@@ -88,13 +87,13 @@ def assemble(model, state, counts, base, work, given, from_rest):
     damping = 0.0
     for j in range(sizes.m):
         joints.damping[j] *= described.damping_scale
-        least = settings.relaxation if joints.friction[j] != math.inf else 0.0
-        joints.shear_damping[j] = max(least, described.damping_scale * joints.shear_damping[j])
+        along = described.damping_scale * joints.shear_damping[j]
+        joints.shear_damping[j] = shear_damping_of(along, joints.friction[j], settings.relaxation)
         joints.dashpot[j] *= described.damping_scale
         joints.ring_damping[j] *= described.damping_scale
         # of the most damped joint; across a bearing alone
         is_bearing = j >= sizes.m - sizes.b
-        damping = max(damping, joints.damping[j] if is_bearing else min(joints.damping[j], joints.shear_damping[j]))
+        damping = max(damping, joints.damping[j] if is_bearing else min(joints.damping[j], along))
     # method, by this damping unless it is the file's, and tolerances
     if described.damping_scale != 1.0:
         settings.order = order_of(damping, settings.first_step)

@@ -8,6 +8,7 @@ As of a column there are five arrays: MODEL, STATE, COUNTS, BASE, and WORK, whic
 head of the model holds the sizes.
 """
 
+import math
 from typing import Any, NamedTuple
 
 from ..engine.control import LIGHTLY_DAMPED
@@ -274,6 +275,12 @@ FIRST_STEP = 0.1  # of 1 / omega of the fastest joint
 def order_of(damping: float, first_step: float) -> float:
     """Return the order of the method for the most damped joint (s) and a first step (s)."""
     return RINGING_ORDER if 0.5 * damping * FIRST_STEP / first_step < LIGHTLY_DAMPED else 5.0
+
+
+@in_both
+def shear_damping_of(damping: float, friction: float, relaxation: float) -> float:
+    """Return the shear damping of a joint (s): at least `relaxation` if it may slide, with a finite friction."""
+    return max(damping, relaxation) if friction != math.inf else damping
 
 
 @in_both

@@ -27,7 +27,7 @@ from .blocks.faces import FloatArray
 from .modal_data import modal_data_of
 from .model import Structure
 from .outputs import OUTPUTS
-from .packing import PackedModel, arrays_of, with_modes
+from .packing import PackedModel, arrays_of, shear_damping_in_file, with_modes
 from .rest import rest_of
 from .stepper import TOO_SMALL
 
@@ -65,12 +65,14 @@ class Chosen(NamedTuple):
 def packed(structure: Structure) -> FloatArray:
     """Return the model of a structure followed by its phase at rest, as `assemble` takes them.
 
+    Its shear damping is that of the file: `assemble` scales it, and then applies the least value of sliding joints.
     Raises InputError if the structure has no rest.
     """
     rest = rest_of(structure)
     model = with_modes(structure.model, modal_data_of(structure.with_settings(without=())).numbers)
     model.names.head.is_plane = float(structure.is_plane)
     model.names.settings.after_fall = structure.after_fall
+    model.names.joints.shear_damping[:] = [shear_damping_in_file(joint) for joint in structure.joints]
     phase = rest.phase.copy()
     if structure.is_plane:  # set to zero what is zero by symmetry
         seen = at.PHASE.see(phase, structure.n)

@@ -173,7 +173,7 @@ def _model_of(parts: Parts, g: float) -> PackedModel:
         table.reach[j] = math.inf
         if joint.bed.friction is not None:
             table.reach[j] = joint.bed.friction * settlement / joint.bed.shear_ratio + joint.bed.dowel / table.shear[j]
-            table.shear_damping[j] = max(table.shear_damping[j], settings.relaxation)
+        table.shear_damping[j] = at.shear_damping_of(table.shear_damping[j], table.friction[j], settings.relaxation)
     settings.gives_way = float(slides or bool(pairs) or any(tie.yield_ is not None for tie in ties))
     return model
 
@@ -226,7 +226,7 @@ def _fill_joint(table: Any, j: int, joint: SpatialJoint, solids: tuple[Solid, ..
     table.stiffness[j], table.damping[j] = bed.stiffness, bed.damping
     shear = bed.shear_ratio * bed.stiffness
     table.shear[j], table.twist[j] = shear * area, shear * (ixx + iyy)
-    table.shear_damping[j] = bed.damping if bed.shear_damping is None else bed.shear_damping
+    table.shear_damping[j] = shear_damping_in_file(joint)
     table.friction[j] = math.inf if bed.friction is None else bed.friction
     table.dowel[j], table.arm[j] = bed.dowel, joint.arm
     table.section[j] = at.ROUND if face.radius else at.POLYGON
@@ -238,6 +238,12 @@ def _fill_joint(table: Any, j: int, joint: SpatialJoint, solids: tuple[Solid, ..
         table.rim_a[j], table.rim_b[j] = 0.0, 0.0  # a point has no edges: a slip moves no contact
         for name in ("pendulum", "spring", "dashpot", "ring", "ring_stiffness", "ring_damping", "capacity", "holds"):
             getattr(table, name)[j] = getattr(joint.bearing, name)
+
+
+def shear_damping_in_file(joint: SpatialJoint) -> float:
+    """Return the shear damping that the file gives a joint (s), of which sliding may need more."""
+    bed = joint.bed
+    return bed.damping if bed.shear_damping is None else bed.shear_damping
 
 
 def _faces_of(joint: SpatialJoint, above: Face | None, below: Face | None) -> tuple[FloatArray, ...]:
