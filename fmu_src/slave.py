@@ -463,7 +463,8 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         """Warn once that an input has no effect, if new values change it in a run of a driven base."""
         if self._mode is not STEPPING or not self._body.drive.is_chosen:
             return
-        is_coupled = bool(self._stepper.arrays.base[self._body.base.index("coupled")])
+        stepper = self._stepper
+        is_coupled = bool(stepper.counts.started and stepper.arrays.base[self._body.base.index("coupled")])
         for place, value in zip(places, values, strict=True):
             if place < len(self._inputs) and value != self._values[place]:
                 self._warn_of_idle(self._inputs[place].name, is_coupled)

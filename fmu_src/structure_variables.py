@@ -102,11 +102,13 @@ def structure_variables(
     pulled = ("N", "sigma_max") if holding else ("N",) if structure.bonds else ()
     row, peaks = seen(OUTPUTS, names, lambda unit, i: sizes[unit], pulled)
     direct = {output.name: _direct(structure, output.name, drive) for output in row}
+    still = None if drive.turns else ()  # before the first step the structure turns with its base
     row = [
-        replace(output, depends_on=direct[output.name], initially=None if direct[output.name] else ()) for output in row
+        replace(output, depends_on=direct[output.name], initially=None if direct[output.name] else still)
+        for output in row
     ]
     # before the first step extremes are those of the outputs
-    peaks = [replace(peak, initially=None if direct.get(name_behind(peak.name)) else ()) for peak in peaks]
+    peaks = [replace(peak, initially=None if direct.get(name_behind(peak.name)) else still) for peak in peaks]
     parameters = [
         parameter_of(DAMPING_SCALE, "", "Factor on the damping of all joints and ties", 1.0, DAMPING_SCALE_LIMITS[0]),
         tolerance_of(structure.tolerance),
@@ -115,7 +117,7 @@ def structure_variables(
         *of_record(record, reads_files),
     ]
     fields = (*DRIVEN.fields, *(DRIVEN_TURN.fields if drive.turns else ())) if drive.is_chosen else ()
-    moved = [replace(output, initially=()) for output in driven_outputs(fields, {})]
+    moved = [replace(output, initially=still) for output in driven_outputs(fields, {})]
     outcomes = outcome(OVERTURNED_BLOCK, structure.after_fall)
     return [*inputs_of_structure(structure, drive), *row, *moved, *peaks, *outcomes, *parameters]
 

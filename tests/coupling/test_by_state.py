@@ -387,3 +387,31 @@ def test_forces_without_a_mass_are_refused() -> None:
     stepper.drive(1e-3, 0, 0, 0, 0, 0, 0, 0, 1e3, 0, 0, 0, 0, 0, 0, 0, 0)
     with pytest.raises(SolverError, match=r"at t = 0.001 s: what drives the base has no mass: body.Mxx must"):
         stepper.advance(1e-3, 1e-3)
+
+
+def test_outputs_that_are_read_before_the_first_step_do_not_fix_the_rotation() -> None:
+    """Check that bodies turn the base from the rotation set last, to the bits of a run in which nothing was read."""
+    found, mass = [], (1e3, 0.0, 0.0, 1e3, 0.0, 1e3)
+    for before in ((), (0.0, 2e-3)):
+        stepper = Stepper(COLUMN)
+        stepper.driven_by("body", "line", 1)
+        for theta in (*before, 1e-3):
+            stepper.drive(0.0, 0, 0, 0, 0, theta, 3.0 * theta, 0, *9 * [0.0])
+            stepper.stand_on_base()
+            stepper.observe(0.0)
+            assert (float(stepper.base.theta), float(stepper.base.omega)) == (theta, 3.0 * theta)
+        stepper.drive(0.0, 0, 0, 0, 0, 1e-3, 3e-3, 0, 1e3, 4e4, 0, *mass)
+        stepper.advance(0.0, 1e-3)
+        found.append(stepper.observe(1e-3).tobytes())
+        stepper.drive(1e-3, 0, 0, 0, 0, 0.5, 0.0, 0, 1e3, 4e4, 0, *mass)  # now the bodies turn it
+        assert 0.0 < float(stepper.base.theta) < 0.1
+    assert found[0] == found[1]
+
+
+def test_a_base_driven_along_x_keeps_its_other_accelerations_before_a_body_sends_anything() -> None:
+    stepper = Stepper(COLUMN)
+    stepper.driven_by("horizontal", "parabola", 1)
+    stepper.drive(0.0, 0.4, 0.3, 0.0, 0.7, 0.0, 0.0, 0.05, *9 * [0.0])
+    stepper.advance(0.0, 1e-3)
+    base = stepper.base
+    assert [float(a) for a in (base.ax, base.az, base.jz, base.alpha)] == [0.0, 0.3, 0.7, 0.05]

@@ -18,7 +18,8 @@ from fmu_src.body import StructureBody, read_body
 from fmu_src.drive import Drive
 from multiblock import Motion, Structure, simulate
 from solver.common.errors import InputError, SolverError
-from solver.kernels.layout.spaces import BODY, DRIVES, HORIZONTAL, SLOPE_LINE, SLOPE_PARABOLA, SLOPES
+from solver.kernels.layout.spaces import ACCELERATION, BODY, DRIVES, HORIZONTAL, SLOPE_LINE, SLOPE_PARABOLA, SLOPES
+from solver.kernels.structure.layout import BASE, DRIVEN, DRIVEN_TURN
 from solver.models.outputs import places_of
 from solver.models.structure.driven import Chosen, DrivenStructure, packed
 from solver.models.structure.outputs import OUTPUTS
@@ -154,6 +155,39 @@ def test_what_drives_a_turning_base_has_inertia() -> None:
     body = DrivenStructure(structure, packed(structure), Chosen(1e-6, drive=HORIZONTAL, turns=1.0))
     body.drive(0.0, *[0.0] * 12, 1.0, 0.0, 0.0, 1e4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     body.advance(0.0, 1e-3)  # turned by its inputs
+
+
+def test_a_base_driven_horizontally_keeps_its_other_accelerations_before_a_body_sends_anything() -> None:
+    structure = of_blocks({**SHAFT, "on": "base"})
+    body = DrivenStructure(structure, packed(structure), Chosen(1e-6, drive=HORIZONTAL, turns=1.0))
+    body.drive(0.0, 0.4, 0.5, 0.3, 0.0, 0.0, 0.7, 0.0, 0.0, 0.0, 0.0, 0.05, 0.02, *[0.0] * 11)
+    body.advance(0.0, 1e-3)
+    found = {name: float(body.arrays.base[BASE.fields.index(name)]) for name in ("ax", "ay", "az", "jz", "alpha_x")}
+    assert found == {"ax": 0.0, "ay": 0.0, "az": 0.3, "jz": 0.7, "alpha_x": 0.05}
+
+
+@pytest.mark.parametrize("drive", [ACCELERATION, BODY])
+def test_outputs_before_the_first_step_are_those_of_the_base_as_it_begins(drive: float) -> None:
+    """Check that the angle set last is in them, and that the run has the bits of one in which nothing was read."""
+    structure, rows, sent = of_blocks({**SHAFT, "on": "base"}), [], [0.0, 0.0, 4e4, *MASSES.values()]
+    bodies = [*sent[:4], 0.0, 0.0, *sent[4:]] if drive == BODY else [0.0] * 11
+    places = places_of(OUTPUTS, structure.sizes)
+    for before in ((), (2e-3, -5e-4)):
+        body = DrivenStructure(structure, packed(structure), Chosen(1e-6, drive=drive, turns=1.0))
+        for x in (*before, 1e-3):
+            given = [0.0] * 6 + [x, 2.0 * x, 0.1 * x, -x, 0.0, 0.0]
+            body.drive(5.0, *given, *bodies)
+            if before:
+                seen = body.observe(5.0).copy()
+                middle = 1.25  # m, of the shaft above the origin
+                moved = [seen[places[name]][0] for name in ("ux", "uy", "rx", "ry")]
+                assert moved == pytest.approx([2.0 * x * middle, -x * middle, x, 2.0 * x], rel=1e-4)
+                if drive == BODY:
+                    shown = body.seen[len(seen) + DRIVEN.beside :]
+                    assert shown[: DRIVEN_TURN.fields.index("alpha_x")] == pytest.approx([x, 2.0 * x, 0.1 * x, -x])
+        body.advance(5.0, 1e-3)
+        rows.append(body.observe(5.001).tobytes() + body.arrays.state.tobytes())
+    assert rows[0] == rows[1]
 
 
 @pytest.mark.long

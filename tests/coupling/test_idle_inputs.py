@@ -87,6 +87,30 @@ def test_a_rotation_acts_before_bodies_turn_the_base(fmu: tuple[str, Path]) -> N
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("drive", ["body", "acceleration"])
+def test_the_rotation_before_the_first_step_is_the_one_set_last(fmu: tuple[str, Path], drive: str) -> None:
+    """Check that it is in the outputs at once, whatever was read before, and that it is not said to do nothing."""
+    model, file = fmu
+    name, angle = ("base.theta", "block[1].theta") if model == "column" else ("base.theta_y", "block[1].ry")
+    act = WHOLE[model] | PUSH if drive == "body" else {"base.ax": 0.5}
+    names, chosen = [angle, "block[1].ux", "base.Fx"], {"base.drive": drive}
+    found = []
+    for before, turned in (({name: 1e-3}, {name: 1e-4}), ({name: 1e-4}, {})):
+        done = ended(driven.turned_late, file, {**chosen, **before}, turned, act, names)
+        assert done.returncode == 0, done.stderr
+        assert not [line for line in said(done.stdout) if "does nothing" in line]
+        found.append(returned(done.stdout))
+    late, early = found
+    if model == "structure":  # a column is upright in space, not on its base, if this turns after initialization
+        assert late[0][0] == pytest.approx(1e-3, rel=1e-3)
+        assert late[1][0] == pytest.approx(1e-4, rel=1e-3)
+        assert late[1:] == early[1:]
+    else:
+        assert late[0][1] != late[1][1]
+        assert early[0] == early[1]
+
+
+@pytest.mark.long
 def test_the_warning_of_a_base_at_rest_looks_at_the_base(fmu: tuple[str, Path]) -> None:
     model, file = fmu
     mass = ALONG[model]

@@ -47,13 +47,16 @@ def turn(scene, phase, base, inputs):
     """Set the rotation of the base to that of the inputs.
 
     If the base did not arrive at it by its own acceleration, it jumps beneath blocks that stay where they are. Before
-    the first step everything on the base rotates with it, without a rate.
+    the first step everything on the base rotates with it, without a rate, also where it has been turned before.
     """
     turned = turned_by(scene, inputs)
     x, y, u, v = turned.theta_x, turned.theta_y, turned.omega_x, turned.omega_y
-    # before the first step
+    # before the first step the blocks rest
     if scene.counts.started == 0:
         base.theta_x, base.theta_y, base.omega_x, base.omega_y = x, y, 0.0, 0.0
+        for i in range(scene.n):
+            phase.vx[i], phase.vy[i], phase.vz[i] = 0.0, 0.0, 0.0
+            phase.wx[i], phase.wy[i], phase.wz[i] = 0.0, 0.0, 0.0
     # a jump of angle or rate
     if x != base.theta_x or y != base.theta_y or u != base.omega_x or v != base.omega_y:
         turn_beneath(scene, phase, base, x, y, u, v)
@@ -253,9 +256,14 @@ def exchange(scene, base, inputs, flat, reaction):
     settings, given, of = scene.settings, _inputs(inputs, 0), _sums(scene, inputs, flat, reaction)
     turns, is_whole = settings.turns != 0.0, settings.drive != HORIZONTAL
     base.coupled, base.mass = 1.0, of.mass
-    if not of.mass > 0.0:  # without mass there is no acceleration
+    if not of.mass > 0.0:  # without mass there is no acceleration but that of the inputs
         base.ax, base.ay, base.az, base.jx, base.jy, base.jz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         base.alpha_x, base.alpha_y, base.jalpha_x, base.jalpha_y = 0.0, 0.0, 0.0, 0.0
+        if not is_whole:
+            base.az, base.jz = given.az, given.jz
+            if turns:
+                turned = turned_by(scene, inputs)
+                base.alpha_x, base.alpha_y = turned.alpha_x, turned.alpha_y
         return OK if _are_bodies_zero(scene, inputs) else BODY_LACKING
     # angular acceleration, by bodies or inputs
     way, steps, step, before = settings.slope, base.steps, base.last_step, base.before_step

@@ -83,7 +83,7 @@ def assemble(model, state, counts, base, work, given, from_rest):
         settings.has_modes = 0.0
     settings.drive, settings.slope, settings.bodies = described.drive, described.slope, described.bodies
     settings.turns = described.turns
-    # damping, scaled; a joint that may slide keeps the least damping in shear
+    # damping, scaled; a joint that may slide then has the least damping in shear
     damping = 0.0
     for j in range(sizes.m):
         joints.damping[j] *= described.damping_scale
@@ -300,9 +300,14 @@ def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, sampl
     sizes, scene = sizes_in(model), scene_of(model, state, counts, base, samples, work)
     phase = _state(state, sizes).phase
     # motion of the base
+    if new_inputs != 0:
+        if scene.settings.drive == ACCELERATION:
+            _drive(scene, inputs, elapsed, t)
+        # if bodies drive it, the outputs depend on its rotation alone, before the first step
+        if scene.settings.turns != 0.0 and scene.counts.started == 0:
+            start_at(scene.base, t)
+            turn(scene, phase, scene.base, inputs)
     show_driven(scene.settings, scene.base, t, 0, driven)
-    if new_inputs != 0 and scene.settings.drive == ACCELERATION:  # otherwise no output depends on them
-        _drive(scene, inputs, elapsed, t)
     # without ports no output depends on inputs, nor where the state is kept
     if scene.extras.spotted == 0 or t >= end_after_fall(scene):
         _see(scene, phase, t, visible)

@@ -207,6 +207,8 @@ def turn_beneath(scene, phase, base, x, y, u, v):
     other, other_rate, _ = _curve(x, y, u, v, 0.0, 0.0)
     spin, new_spin = spin_of(q, rate), spin_of(other, other_rate)
     step = _product(_back(other), q)
+    if x == base.theta_x and y == base.theta_y:  # a change of the rate alone turns nothing, not even by rounding
+        step = 1.0, 0.0, 0.0, 0.0
     base.theta_x, base.theta_y, base.omega_x, base.omega_y = x, y, u, v
     # change of the angular velocity, rad/s
     change = _change(_back(step), new_spin[0], new_spin[1], new_spin[2])

@@ -177,6 +177,8 @@ class Stepper:
         model, base = self.arrays.model, self.arrays.base
         inputs = np.zeros(BASE_INPUTS.beside + BODY.beside * int(self.model.settings.bodies))
         inputs[: len(given)] = given
+        if not self.counts.started:  # outputs may have been read under another rotation
+            self.base.coupled = 0.0
         self._entries.arrive_base(self.n, model, base, inputs, float(t))
         self.observe(t)
         self.lacks_mass = self._entries.couple_base(self.n, model, base, inputs, self._split) < at.OK

@@ -49,6 +49,25 @@ def run(fmu: str, before: Given, steps: Sequence[Given], names: Sequence[str] = 
     return rows
 
 
+def turned_late(fmu: str, before: Given, turned: Given, act: Given, names: Sequence[str]) -> list[list[Any]]:
+    """Return outputs read in initialization, after inputs were set behind it, and after a step of 1 ms under `act`."""
+    heard, rows = Heard(fmu), []
+    heard.set(before)
+    if not heard.three:
+        heard.body.fmi.setupExperiment(startTime=0.0)
+    heard.body.fmi.enterInitializationMode()
+    rows.append(heard.body.get(*names))
+    heard.body.fmi.exitInitializationMode()
+    heard.body.get(*names)
+    heard.set(turned)
+    rows.append(heard.body.get(*names))
+    heard.set(act)
+    heard.body.step(0.0, 1e-3)
+    rows.append(heard.body.get(*names))
+    heard.close()
+    return rows
+
+
 def example(fmu: str, code: str, given: dict[str, Any]) -> list[float]:
     """Return the displacements of the top after each step, where the partner is the code of the FMU's own
     documentation.

@@ -245,6 +245,9 @@ def look(column, inputs, new_inputs, upright, elapsed, t, row, split):
             drive(base, inputs, elapsed, t)
         else:  # before there is a mass at the base it does not move
             exchange(column, inputs, elapsed, t, row, split)
+            # until the first step the rotation of the base is that of its inputs, however often outputs are read
+            if column.counts.started == 0:
+                base.coupled = 0.0
         load_inputs(column, inputs[_INPUTS:], elapsed, t)
     # the segment of the record at t
     enter(base, column.samples, t)

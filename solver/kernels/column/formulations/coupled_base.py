@@ -159,7 +159,7 @@ def arrive(base, settings, given, t):
 def couple(base, settings, given, inputs, first, split):
     """Set the accelerations of the base, which has arrived, and their slopes from bodies and column; return a code.
 
-    Without a mass, and before a body has sent anything, the base does not accelerate.
+    Without a mass, and before a body has sent anything, the bodies do not accelerate the base.
 
     Parameters
     ----------
@@ -180,6 +180,9 @@ def couple(base, settings, given, inputs, first, split):
         OK, or BODY_LACKING.
     """
     bodies, code, ax, az, alpha = int(settings.bodies), OK, 0.0, 0.0, 0.0
+    # driven along x alone, it has the other accelerations of its inputs in any case
+    if settings.drive == HORIZONTAL:
+        az, alpha = given.az, given.alpha
     base.mass_x, base.mass_z, base.mass_turn = 0.0, 0.0, 0.0
     # accelerations: (M + m) a = F0 + R0
     if not are_silent(inputs, first, bodies * _BODY):
@@ -219,9 +222,10 @@ def driven_along(settings, inputs, seeds, first, split, met, motion, az, alpha):
         Changes of its own inputs, m/s2 and rad/s2.
     """
     bodies = int(settings.bodies)
-    # before a body has sent anything the base does not move
+    # before a body has sent anything the base moves by its own inputs alone
     if are_silent(inputs, first, bodies * _BODY):
-        return 0.0, 0.0, 0.0
+        own = 1.0 if settings.drive == HORIZONTAL else 0.0
+        return 0.0, own * az, own * alpha
     # right side: change of the forces less change of the masses times the accelerations
     of, change = sums(bodies, inputs, first, split), sums(bodies, seeds, first, met)
     x, z, m = change.x, change.z, change.m
