@@ -501,6 +501,8 @@ int core_line(Reference input, Reference *slope) {
     return 0;
 }
 
+size_t core_lines(void) { return LINES; }
+
 int core_has(const Instance *instance, const void *array, size_t count, const char *what) {
     if (array || !count) return 1;
     core_say(instance, ST_ERROR, "%s: the pointer is NULL", what);
@@ -705,6 +707,31 @@ Status core_step(Instance *instance, double start, double step) {
 Status core_last_step(const Instance *instance) { return instance->last_step; }
 
 double core_time(const Instance *instance) { return instance->now.time; }
+
+/* --- inputs over the pieces of a step */
+
+size_t core_inputs(void) { return BASE_INPUTS; }
+
+void core_take_inputs(const Instance *instance, double values[]) {
+    memcpy(values, instance->now.reals, BASE_INPUTS * sizeof *values);
+}
+
+void core_continue_inputs(Instance *instance, const double values[], double past) {
+    for (int k = 0; k < BASE_INPUTS; k++) {
+        int slope = slope_of[k], bend = slope < 0 ? -1 : slope_of[slope];
+        double rate = slope < 0 ? 0.0 : values[slope] + 0.5 * past * (bend < 0 ? 0.0 : values[bend]);
+        instance->now.reals[k] = values[k] + past * rate;
+    }
+}
+
+void core_keep_inputs(Instance *instance, const double values[], double start) {
+    memcpy(instance->now.reals, values, BASE_INPUTS * sizeof *values);
+    instance->now.input_time = start;
+}
+
+void core_put_real(Instance *instance, Reference reference, double value) {
+    instance->now.reals[find(reference)->place] = value;
+}
 
 /* --- derivatives */
 

@@ -62,6 +62,7 @@ void core_has_changed(Instance *instance, int parameters, int inputs);
 size_t core_extent(Reference reference);
 size_t core_most(void); /* variables in all */
 int core_line(Reference input, Reference *slope); /* whether the input has a slope of its own within a step */
+size_t core_lines(void); /* inputs that have one */
 
 /* --- steps */
 
@@ -69,6 +70,14 @@ Status core_step(Instance *instance, double start, double step);
 Status core_can_step(Instance *instance, double start, double step); /* whether the call is right, inputs aside */
 Status core_last_step(const Instance *instance);
 double core_time(const Instance *instance); /* s, where the last step ended */
+
+/* For a step that a face makes in pieces: inputs by their places. The inputs as they are; then set, `past` s after they
+   were, by their slopes; then as they were again, with outputs that stay those of the last step, begun at `start`. */
+size_t core_inputs(void);
+void core_take_inputs(const Instance *instance, double values[]);
+void core_continue_inputs(Instance *instance, const double values[], double past);
+void core_keep_inputs(Instance *instance, const double values[], double start);
+void core_put_real(Instance *instance, Reference reference, double value); /* unchecked, outputs stay, too */
 
 /* --- derivatives by time and by inputs */
 

@@ -10,7 +10,6 @@
 #include "fmi3Functions.h"
 
 enum { TIME = 0 }; /* TIME: the value reference of the independent variable */
-enum { MOST_FOLLOWED = 8 };
 
 typedef struct {
     Instance *column;
@@ -19,9 +18,12 @@ typedef struct {
     fmi3InstanceEnvironment environment;
     int logging;
     bool reads; /* within a step, where the importer may get values and not set them */
-    size_t followed; /* inputs that the importer gives within a step, and their slopes */
-    Reference inputs[MOST_FOLLOWED], slopes[MOST_FOLLOWED];
-    Reference list[]; /* twice core_most() of them: a list of references with arrays written out */
+    size_t followed; /* inputs that the importer gives within a step, and their slopes: core_lines() at most */
+    Reference *inputs, *slopes;
+    double *first, *last, *line; /* their values at the ends of a piece, and the slopes in between */
+    double *set; /* core_inputs(): all inputs as the importer has set them before the step */
+    Reference *list; /* twice core_most() of them: a list of references with arrays written out */
+    double numbers[]; /* what the pointers point to */
 } Face;
 
 _Static_assert(sizeof(fmi3ValueReference) == sizeof(Reference) && sizeof(fmi3Float64) == sizeof(double) &&
@@ -50,8 +52,22 @@ static fmi3Status refuse(const Face *face, const char *format, unsigned number) 
 
 FMI3_Export const char *fmi3GetVersion(void) { return fmi3Version; }
 
+static Face *new_face(void) {
+    size_t lines = core_lines(), numbers = 3 * lines + core_inputs(), references = 2 * lines + 2 * core_most();
+    Face *face = calloc(1, sizeof *face + numbers * sizeof *face->numbers + references * sizeof *face->list);
+    if (!face) return NULL;
+    face->first = face->numbers;
+    face->last = face->first + lines;
+    face->line = face->last + lines;
+    face->set = face->line + lines;
+    face->inputs = (Reference *)(face->numbers + numbers);
+    face->slopes = face->inputs + lines;
+    face->list = face->slopes + lines;
+    return face;
+}
+
 static const char *follow(Face *face, const fmi3ValueReference references[], size_t count) {
-    if (count > MOST_FOLLOWED) return "too many variables are to be given within a step";
+    if (count > core_lines()) return "too many variables are to be given within a step";
     for (size_t k = 0; k < count; k++) {
         face->inputs[k] = references[k];
         if (!core_line(references[k], &face->slopes[k])) return "a variable cannot be given within a step";
@@ -65,7 +81,7 @@ FMI3_Export fmi3Instance fmi3InstantiateCoSimulation(
     fmi3Boolean event_mode, fmi3Boolean early_return, const fmi3ValueReference required[], size_t required_count,
     fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger, fmi3IntermediateUpdateCallback update) {
     (void)resources, (void)visible, (void)early_return;
-    Face *face = calloc(1, sizeof *face + 2 * core_most() * sizeof *face->list);
+    Face *face = new_face();
     if (!face) return NULL;
     face->logger = logger;
     face->update = update;
@@ -163,41 +179,52 @@ FMI3_Export fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueRefer
 
 /* --- steps */
 
-/* One piece of a step, up to `end`: the importer is asked for the inputs at its end, which a line leads to and which
- * they keep. */
-static Status piece(Face *face, double start, double width, double end) {
-    double first[MOST_FOLLOWED], last[MOST_FOLLOWED], line[MOST_FOLLOWED];
+/* The followed inputs keep the values that their lines led to. */
+static void keep_last(Face *face) {
+    for (size_t k = 0; k < face->followed; k++) {
+        core_put_real(face->column, face->inputs[k], face->last[k]);
+        core_put_real(face->column, face->slopes[k], 0.0);
+    }
+}
+
+/* One piece of a step, up to `end`, `past` s after the step began: the importer is asked for the followed inputs at its
+   end, which a line leads to and which they keep. The others continue by their slopes. */
+static Status piece(Face *face, double start, double width, double end, double past) {
     bool early = false;
     double when = end;
-    if (core_get_reals(face->column, face->inputs, face->followed, first) != ST_OK) return ST_ERROR;
+    if (core_get_reals(face->column, face->inputs, face->followed, face->first) != ST_OK) return ST_ERROR;
     face->update(face->environment, end, true, false, false, false, &early, &when);
-    if (core_get_reals(face->column, face->inputs, face->followed, last) != ST_OK) return ST_ERROR;
-    for (size_t k = 0; k < face->followed; k++) line[k] = (last[k] - first[k]) / width;
-    if (core_set_reals(face->column, face->inputs, face->followed, first) != ST_OK ||
-        core_set_reals(face->column, face->slopes, face->followed, line) != ST_OK)
+    if (core_get_reals(face->column, face->inputs, face->followed, face->last) != ST_OK) return ST_ERROR;
+    for (size_t k = 0; k < face->followed; k++) face->line[k] = (face->last[k] - face->first[k]) / width;
+    if (core_set_reals(face->column, face->inputs, face->followed, face->first) != ST_OK ||
+        core_set_reals(face->column, face->slopes, face->followed, face->line) != ST_OK)
         return ST_ERROR;
     Status status = core_step(face->column, start, width);
     if (status != ST_OK) return status;
-    const double held[MOST_FOLLOWED] = {0.0};
-    if (core_set_reals(face->column, face->inputs, face->followed, last) != ST_OK ||
-        core_set_reals(face->column, face->slopes, face->followed, held) != ST_OK)
-        return ST_ERROR;
+    core_continue_inputs(face->column, face->set, past);
+    keep_last(face);
     face->reads = true;
     face->update(face->environment, end, false, true, true, false, &early, &when);
     face->reads = false;
     return ST_OK;
 }
 
-/* A step in pieces no longer than the samples of a motion usually are. On a fault the column is as before. */
+/* A step in pieces no longer than the samples of a motion usually are. After it the inputs that are not followed are as
+   they were set, as after a step in one; on a fault the column is as before. */
 static Status followed_step(Face *face, double start, double step) {
     if (core_can_step(face->column, start, step) != ST_OK) return ST_ERROR;
     double pieces = fmax(1.0, ceil(step / core_usual_step - 1e-6));
     Saved *before = NULL;
     Status status = core_save(face->column, &before);
+    core_take_inputs(face->column, face->set);
     for (double k = 0.0; k < pieces && status == ST_OK; k += 1.0) {
         double begin = start + k / pieces * step;
         double end = k + 1.0 < pieces ? start + (k + 1.0) / pieces * step : start + step;
-        status = piece(face, begin, pieces > 1.0 ? end - begin : step, end);
+        status = piece(face, begin, pieces > 1.0 ? end - begin : step, end, end - start);
+    }
+    if (status == ST_OK) {
+        core_keep_inputs(face->column, face->set, start);
+        keep_last(face);
     }
     if (status != ST_OK && before) core_restore(face->column, before);
     core_release(before);

@@ -48,7 +48,7 @@ FLAGS_3 = {
     "providesDirectionalDerivatives": True,
     "canHandleVariableCommunicationStepSize": True,
     "maxOutputDerivativeOrder": 1,
-    "providesIntermediateUpdate": True,
+    "providesIntermediateUpdate": True,  # where an input can be followed
     "mightReturnEarlyFromDoStep": False,
     "canReturnEarlyAfterIntermediateUpdate": False,
     "hasEventMode": False,
@@ -113,7 +113,8 @@ def native_files(
     experiment = usual_experiment(body.tolerance, record)
     name = identifier_of(body.name)
     identity = (body.name, contents.guid, body.about, __version__, experiment)
-    about = About(*identity, FLAGS_3 if fmi == 3 else NATIVE_FLAGS, "build_fmu.py --native")
+    flags = FLAGS_3 | {"providesIntermediateUpdate": bool(contents.subject.lines)} if fmi == 3 else NATIVE_FLAGS
+    about = About(*identity, flags, "build_fmu.py --native")
     # model description
     if fmi == 3:
         description = model_description3(about, table, contents.subject.lines, form.scalars)

@@ -45,6 +45,7 @@ def structure_subject(body: StructureBody) -> NativeSubject:
         places={**OF_BLOCKS, "FALLEN": OVERTURNED_BLOCK.name},
         inputs=[item.name for item in body.inputs],
         slopes={f"base.a{axis}": f"base.j{axis}" for axis in "xyz"}
+        | (_slopes_of_rotation() if body.drive.turns else {})
         | slopes_of(structure_variables.inputs_of_ports(body.model)),
         split="driven.x" if body.sizes[1] else FIRST_PEAK,
         given=[*(given[name] for name in driven.GIVEN.fields), *body.packed.tolist()],
@@ -63,3 +64,9 @@ def structure_subject(body: StructureBody) -> NativeSubject:
         base=at.BASE.fields,
         group=entries.follow.group,
     )
+
+
+def _slopes_of_rotation() -> dict[str, str]:
+    """Map the rotation of the base to its rate, and that to its acceleration."""
+    names = [item.name for item in structure_variables.ROTATION]  # of both axes: angles, rates, accelerations
+    return dict(zip(names[:4], names[2:], strict=True))

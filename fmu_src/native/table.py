@@ -95,7 +95,12 @@ class NativeSubject:
 
     @property
     def lines(self) -> dict[str, str]:
-        """The inputs that are linear within a step, and their slopes."""
+        """The inputs that a host may follow within a step because they are linear in it, and their slopes.
+
+        There are none if bodies may drive the base: they exchange with it once per step.
+        """
+        if any(choice.name == DRIVE for choice in self.choices):
+            return {}
         ends = {name: slope for name, slope in self.slopes.items() if slope not in self.slopes}
         return {name: slope for name, slope in ends.items() if name not in self.slopes.values()}
 

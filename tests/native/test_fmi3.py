@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from fmpy import read_model_description
 from lxml import etree  # type: ignore[import-untyped]
-from support.child import call, command, returned
+from support.child import call, command, ended, returned
 from support.fmus import DAMPED, LINUX, Fmus, finish, run, stack_file
 from support.inside import fmi3, masters
 
@@ -170,6 +170,83 @@ def test_a_motion_given_within_a_step_is_followed(native: Path, native3: Path) -
     assert np.max(np.abs(kept - exact)) < 1e-10 * np.max(np.abs(exact))
     coarse = np.array(call(fmi3.followed, native, native3, 0.02, 25))
     assert np.max(np.abs(coarse[:, 0] - coarse[:, 1])) < 1e-9 * np.max(np.abs(coarse))  # 1e-13 was seen
+
+
+LENGTH = 0.02  # s, of a step that is made in 20 pieces
+
+
+def test_inputs_that_are_not_given_within_a_step_continue_by_their_slopes(native: Path, native3: Path) -> None:
+    """Compare with one step of FMI 2.0: rotation with rate and acceleration, vertical motion with its slope."""
+    steps = []
+    for k in range(3):
+        t, later = LENGTH * k, LENGTH * (k + 1)
+        turned = {"base.theta": 0.05 * t + 0.5 * t * t, "base.omega": 0.05 + t, "base.alpha": 1.0}
+        slopes = {"base.jx": (3.0 * np.sin(9.0 * later) - 3.0 * np.sin(9.0 * t)) / LENGTH, "base.jz": 20.0}
+        steps.append({"base.ax": 3.0 * float(np.sin(9.0 * t)), "base.az": 20.0 * t, **turned, **slopes})
+    outputs = ["base.Fz", "base.Fx", "base.My", "block.theta", "block.ux", "joint.N"]
+    found = call(fmi3.continued, native, native3, {"base.ax": "base.jx"}, steps, outputs, LENGTH)
+    assert found["kept"]
+    assert found["pieces"] == 3 * round(LENGTH / 1e-3)
+    three, two = np.array(found["rows"]).transpose(1, 0, 2)
+    assert np.max(np.abs(two[:, 3])) > 1e-4  # rad, of the upper block; the base turns by 5e-3 rad beneath
+    assert np.all(np.max(np.abs(three - two), axis=0) < 1e-6 * np.max(np.abs(two), axis=0))
+
+
+TURNING = """
+name = "rocking"
+[joints]
+stiffness = 1e9
+damping = 2e-3
+[[block]]
+name = "shaft"
+on = "base"
+width = 0.9
+depth = 0.7
+height = 2.5
+density = 2400.0
+[[port]]
+name = "top"
+block = "shaft"
+"""
+
+
+def test_all_inputs_of_a_structure_that_are_marked_can_be_given_within_a_step(tmp_path: Path) -> None:
+    """Check nine of them, and that the rotation, which is not marked, continues."""
+    (tmp_path / "shaft.toml").write_text(TURNING, encoding="utf-8")
+    two = Fmus.build(tmp_path / "shaft.toml", tmp_path / "two.fmu", *LINUX, "--turns")
+    options = ("--native", "--fmi", "3", "--scalars", "--platforms", "x86_64-linux", "--turns")
+    three = Fmus.build(tmp_path / "shaft.toml", tmp_path / "three.fmu", *options)
+    with zipfile.ZipFile(three) as archive:
+        root = etree.fromstring(archive.read("modelDescription.xml"))
+    marked = [item.get("name") for item in root.find("ModelVariables") if item.get("intermediateUpdate") == "true"]
+    lines = {name: name.replace(".a", ".j") if "base" in name else name.replace("].", "].d") for name in marked}
+    assert len(lines) == 9
+    steps = []
+    for k in range(3):
+        t = LENGTH * k
+        turned = {"base.theta_x": 0.05 * t + 0.5 * t * t, "base.omega_x": 0.05 + t, "base.alpha_x": 1.0}
+        turned |= {"base.theta_y": 0.1 * t, "base.omega_y": 0.1, "base.alpha_y": 0.0}
+        slopes = {slope: (1e4 if "port" in slope else 10.0) * (1.0 - k) for slope in lines.values()}
+        values = {name: slopes[slope] * LENGTH * (k > 0) for name, slope in lines.items()}
+        steps.append({**values, **slopes, **turned})
+    outputs = ["base.Fz", "base.Mx", "base.My", "block[1].rx", "block[1].ry", "block[1].ux"]
+    found = call(fmi3.continued, two, three, lines, steps, outputs, LENGTH)
+    assert found["kept"]
+    ends = np.array(found["rows"]).transpose(1, 0, 2)
+    assert np.all(np.max(np.abs(ends[0] - ends[1]), axis=0) < 1e-6 * np.max(np.abs(ends[1]), axis=0))
+
+
+def test_no_input_is_given_within_a_step_where_bodies_may_drive_the_base(tmp_path: Path) -> None:
+    """Check that, because they exchange once per step, no input is marked, and none can be required."""
+    options = ("--native", "--fmi", "3", "--platforms", "x86_64-linux", "--drive", "horizontal")
+    fmu = Fmus.build(DAMPED, tmp_path / "driven.fmu", *options)
+    with zipfile.ZipFile(fmu) as archive:
+        text = archive.read("modelDescription.xml").decode()
+    assert "intermediateUpdate" not in text
+    assert 'providesIntermediateUpdate="false"' in text
+    done = ended(fmi3.continued, fmu, fmu, {"base.ax": "base.jx"}, [], ["base.Fz"], LENGTH)
+    assert done.returncode != 0
+    assert "Failed to instantiate" in done.stderr
 
 
 def test_what_it_refuses(native3: Path) -> None:

@@ -186,6 +186,50 @@ def followed(fmu2: str, fmu3: str, step: float, count: int, anew: bool = True) -
     return rows
 
 
+def continued(
+    fmu2: str, fmu3: str, lines: dict[str, str], steps: list[dict[str, float]], outputs: list[str], h: float
+) -> dict[str, Any]:
+    """Compare steps of h s that FMI 3.0 makes in pieces with whole ones of FMI 2.0, under the same inputs and slopes.
+
+    lines: input that FMI 3.0 is given within the step -> its slope. Return the outputs of both at each end, and
+    whether the other inputs are then as they were set.
+    """
+    begun: dict[str, Any] = {"t": 0.0, "given": {}}
+    within: list[float] = []
+
+    def at(t: float) -> dict[str, float]:
+        given = begun["given"]
+        return {name: given[name] + given[slope] * (t - begun["t"]) for name, slope in lines.items()}
+
+    def give(environment: Any, t: float, wanted: bool, *others: Any) -> None:
+        if wanted:
+            put(at(t))
+        else:
+            within.append(three.get(outputs[0])[0])
+
+    def put(values: dict[str, float]) -> None:
+        three.fmi.setFloat64(three.references(*values), list(values.values()))
+
+    folder = unpacked(fmu3)
+    references = Instance3(fmu3, folder).references(*lines)
+    three = Instance3(fmu3, folder, intermediateUpdate=give, requiredIntermediateVariables=references)
+    put({"solver.tolerance": 1e-9})
+    two = Instance(fmu2, {"solver.tolerance": 1e-9})
+    three.initialize()
+    rows, kept = [], []
+    for k, given in enumerate(steps):
+        begun.update(t=k * h, given=given)
+        put({name: value for name, value in given.items() if name not in lines.values()})
+        two.set(given)
+        three.step(k * h, h)
+        two.step(k * h, h)
+        others = [name for name in given if name not in {*lines, *lines.values()}]
+        kept.append(three.get(*others) == [given[name] for name in others])
+        rows.append((three.get(*outputs), two.get(*elements(two, tuple(outputs)))))
+        kept.append(rows[-1][0][0] == within[-1])
+    return {"rows": rows, "kept": all(kept), "pieces": len(within)}
+
+
 def refusals(fmu: str) -> dict[str, Any]:
     """Return refused calls and their messages; afterwards the instance still answers."""
     folder = unpacked(fmu)
