@@ -30,14 +30,33 @@ Wire = tuple[str, str, str, str]  # output of one FMU, input of another: names o
 
 
 def by_state(column: Fmu, partner: Fmu, names: tuple[str, str] = ("column", "partner")) -> list[Wire]:
-    """Exchange the states of a column and the body under it; names: of both in `run`."""
+    """Exchange the states of a column and the body under it; names: of both in `run`.
+
+    A body that has no vertical motion of its own hands that of the ground on to the column, as it is set.
+    """
     one, other = names
     split = [name for name in SPLIT if f"column.{name}" in partner.variables]
     body = [name for name in BODY if f"body.{name}" in partner.variables]
+    rides = "body.F0z" not in partner.variables and "ground.az" in partner.variables
     return [
         *((one, f"base.{name}", other, f"column.{name}") for name in split),
         *((other, f"body.{name}", one, f"body.{name}") for name in body),
+        *((other, f"ground.{name}", one, f"base.{name}") for name in ("az", "jz") if rides),
     ]
+
+
+def handed_over(
+    fmus: Mapping[str, Fmu], wires: list[Wire], outside: Mapping[tuple[str, str], float] | None = None
+) -> dict[tuple[str, str], float]:
+    """Return the inputs by FMU and variable: from outside, and what the wires bring, before any of them is set.
+
+    A wire may begin at an input, whose value of now it brings.
+    """
+    outside = outside or {}
+    read = {(source, start): fmus[source].get(start)[0] for source, start, _, _ in wires}
+    given = {(target, name): read[source, start] for source, start, target, name in wires} | {**outside}
+    now = {wire[2:]: given[wire[:2]] for wire in wires if wire[:2] in given}
+    return given | now | {**outside}
 
 
 def run(
@@ -55,13 +74,11 @@ def run(
     count, rows = round(stop / h), []
     for k in range(count + 1):
         t = k * h
-        read = [fmus[source].get(output)[0] for source, output, _, _ in wires]
+        given = handed_over(fmus, wires, shake(t) if shake and k < count else None)
         rows.append([t, *(fmus[part].get(name)[0] for part, name in watch)])
         if k == count:
             break
-        for (_, _, target, name), value in zip(wires, read, strict=True):
-            fmus[target].set(**{name: value})
-        for (part, name), value in (shake(t) if shake else {}).items():
+        for (part, name), value in given.items():
             fmus[part].set(**{name: value})
         for fmu in fmus.values():
             fmu.step(t, h)

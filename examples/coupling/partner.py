@@ -88,7 +88,7 @@ class Partner(Fmi2Slave):
         """Move on by step_size s."""
         if not (math.isfinite(step_size) and step_size > 0.0):  # no shorter one is any better: not a Discard
             self._fail(f"step from t = {current_time} s of {step_size} s not made: the step must be a positive time")
-        reason = ""
+        reason, before = "", list(self.motion)
         try:
             for port in self._inputs:
                 if not math.isfinite(self._numbers[port.name]):
@@ -105,6 +105,7 @@ class Partner(Fmi2Slave):
         except (ArithmeticError, ValueError) as error:
             reason = str(error)
         if reason:
+            self.motion = before
             self._say(Fmi2Status.discard, f"step from t = {current_time} s not made: {reason}")
             return False
         remember(self._before, a, step_size)

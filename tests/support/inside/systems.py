@@ -128,7 +128,7 @@ def parallel(folder: str, partner: str, steps: int, step: float = STEP) -> list[
     """Run the same where all FMUs make their steps at once, each in a thread of its own."""
     from concurrent.futures import ThreadPoolExecutor
 
-    from master import Fmu, by_state
+    from master import Fmu, by_state, handed_over
 
     given = parameters(folder, partner)
     fmus = {part: Fmu(path_of(folder, partner, part), **given.get(part, {})) for part in ("ground", "column", partner)}
@@ -136,9 +136,8 @@ def parallel(folder: str, partner: str, steps: int, step: float = STEP) -> list[
     rows = []
     with ThreadPoolExecutor(len(fmus)) as pool:
         for k in range(steps):
-            values = [fmus[source].get(start)[0] for source, start, _, _ in wires]
-            for (_, _, target, end), value in zip(wires, values, strict=True):
-                fmus[target].set(**{end: value})
+            for (part, name), value in handed_over(fmus, wires).items():
+                fmus[part].set(**{name: value})
             list(pool.map(lambda each, t=k * step: each.step(t, step), fmus.values()))
             rows.append([fmus["column"].get("block[1].ux")[0], fmus[partner].get("x")[0]])
     return rows
@@ -173,11 +172,8 @@ def by_acceleration(folder: str, partner: str, steps: int, step: float = STEP) -
 
 
 def of_ground(partner: str) -> list[tuple[str, str, str, str]]:
-    """Return what the ground says to the partner; a slab hands its vertical motion on to the column."""
-    wires = [("ground", f"ground.{name}", partner, f"ground.{name}") for name in ("ax", "az", "jx", "jz")]
-    if partner == "isolator":
-        wires += [("ground", f"ground.{name}", "column", f"base.{name}") for name in ("az", "jz")]
-    return wires
+    """Return what the ground says to the partner; a slab hands its vertical motion on to the column (`by_state`)."""
+    return [("ground", f"ground.{name}", partner, f"ground.{name}") for name in ("ax", "az", "jx", "jz")]
 
 
 def sorted_master(folder: str, partner: str, steps: int, step: float = STEP) -> list[list[float]]:
