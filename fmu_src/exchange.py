@@ -125,7 +125,7 @@ The first step is held and the second one a line, as is every step after two ste
 1. send F0 and M of time t, neither extrapolated nor one step old;
 2. exchange at every step, with the same t and h as this FMU;
 3. use the same slope;
-4. have a mass: a step under forces without a mass is discarded;
+4. have a mass: a step under forces without a mass is discarded{unless};
 5. take steps that resolve the vibration of both sides together: halve the step and compare. {step}
 
 **An example**: a slab of mass M on a spring K and a dashpot C, along x{alone}:
@@ -184,6 +184,9 @@ def exchange(table: Sequence[Variable], drive: Drive) -> str:
         signs="to +x and up, moments clockwise" if is_column else "to +x, +y and up, moments about +x and +y",
         out=_some(out),
         into=_some(into),
+        unless=", unless the column is driven horizontally, where its own mass suffices"
+        if is_column and "horizontal" in words
+        else "",
         mass=", and the partner may have any mass" if is_column else "; a light partner needs short steps",
         step=STEP_OF_COLUMN if is_column else STEP_OF_STRUCTURE,
         slopes=_rows(["base.slope", "j", "order"], [[f"`{word}`", *SLOPE_RULES[word]] for word in SLOPES]),
