@@ -32,8 +32,7 @@ class OtherJoints:
 def changed(model: Any, key: str, factor: float) -> Any:
     """Return the model with this factor on the modulus or the damping (`key`) of every joint. Raises InputError."""
     stiffness, damping = (factor, 1.0) if key == "modulus" else (1.0, factor)
-    laws = model.laws
-    return model.with_joints([stiffness * law.stiffness for law in laws], [damping * law.damping for law in laws])
+    return model.scaled_joints([stiffness] * len(model.laws), [damping] * len(model.laws))
 
 
 def other_joints(model: Any, confidence_factor: float, outcome_and_note: Any) -> tuple[OtherJoints, ...]:
@@ -52,7 +51,7 @@ def other_joints(model: Any, confidence_factor: float, outcome_and_note: Any) ->
     """
     found = []
     for key, factor in CHANGES if model.laws else ():
-        if key == "damping" and not any(law.damping for law in model.laws):
+        if key == "damping" and not model.is_damped:
             continue
         try:
             with warnings.catch_warnings():  # warnings would concern values that the user has not given

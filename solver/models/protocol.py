@@ -167,8 +167,12 @@ class Model(Protocol):
         Raises InputError if it was not made from one.
         """
 
-    def with_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Self:
-        """Return a copy whose joints have these moduli (N/m3) and dampings (s)."""
+    def scaled_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Self:
+        """Return a copy with these factors on the moduli and on all dampings of the joints."""
+
+    @property
+    def is_damped(self) -> bool:
+        """True if a joint has a dashpot."""
 
 
 @dataclass(frozen=True)
@@ -178,13 +182,14 @@ class PlainModel:
     settings: CommonSettings = field(default_factory=CommonSettings, kw_only=True)
     n: ClassVar[int] = 1
     laws: ClassVar[Sequence[Law]] = ()
+    is_damped: ClassVar[bool] = False
     sizes: ClassVar[Mapping[str, int]] = {"block": 1, "joint": 0, "tie": 0, "bearing": 0, "base": 0}
 
     def with_settings(self, **changes: Any) -> Self:
         """Return a copy with other settings, by name; None keeps the present one."""
         return replace(self, settings=replace(self.settings, **{k: v for k, v in changes.items() if v is not None}))
 
-    def with_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Self:
+    def scaled_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Self:
         """Return the model itself: it has no joints."""
         return self
 

@@ -169,10 +169,9 @@ def vary(model: Any, motion: Motion, spread: Spread, rng: np.random.Generator) -
     def factors(size: float, count: int) -> list[float]:
         return np.clip(np.exp(size * rng.standard_normal(count)), LEAST_CHANGE, MOST_CHANGE).tolist()
 
-    laws = model.laws
-    stiffness = [law.stiffness * factor for law, factor in zip(laws, factors(spread.stiffness, len(laws)), strict=True)]
-    damping = [law.damping * factor for law, factor in zip(laws, factors(spread.damping, len(laws)), strict=True)]
-    return model.with_joints(stiffness, damping), motion.scaled(factors(spread.motion, 1)[0])
+    count = len(model.laws)
+    stiffness, damping = factors(spread.stiffness, count), factors(spread.damping, count)
+    return model.scaled_joints(stiffness, damping), motion.scaled(factors(spread.motion, 1)[0])
 
 
 class Debris(NamedTuple):

@@ -1,15 +1,32 @@
 """Checks repeated with other joints, and the restitution beside an answer."""
 
+import copy
 import math
+import tomllib
 from dataclasses import replace
 from itertools import pairwise
 
 import pytest
+from support.fmus import ROOT
 
-from multiblock import Block, Column, InputError, Joint, Motion, Plan, check, housner_restitution, restitution, wavelets
+from multiblock import (
+    Block,
+    Column,
+    InputError,
+    Joint,
+    Motion,
+    Plan,
+    Structure,
+    check,
+    housner_restitution,
+    restitution,
+    wavelets,
+)
+from solver.checks.answer import PASSES
 from solver.checks.limits import Limits
-from solver.checks.other_joints import OtherJoints, joints_sentence
+from solver.checks.other_joints import OtherJoints, changed, joints_sentence, other_joints
 from solver.checks.table import PLAIN, Row
+from solver.models.structure.modes import modes_in_space
 from solver.statics.calibrate import damping_from_ratio, damping_from_restitution, with_joints
 from solver.statics.rocking import critical_damping, restitution_sentence
 
@@ -96,3 +113,35 @@ def test_housner_out_of_reach_is_refused_with_the_nearest() -> None:
     eta = float(words[words.index("damping", words.index("of")) + 2])
     assert eta <= most * 1.01
     assert restitution(with_joints(stocky, damping=eta)) == pytest.approx(nearest, abs=2e-3)
+
+
+def test_the_damper_of_a_bearing_follows_the_factors() -> None:
+    """Compare the damping ratio of the first mode with that of files with another `damping` of the rubber."""
+    given = tomllib.loads((ROOT / "examples" / "structures" / "statue-on-rubber.toml").read_text(encoding="utf-8"))
+
+    def ratio(structure: Structure) -> float:
+        return float(modes_in_space(structure).damping_ratio[0])
+
+    for change, stiffer, wanted in (
+        (("damping", 4.0), 1.0, 0.590),
+        (("damping", 0.25), 1.0, 0.0369),
+        (("modulus", 2.0), 2.0, 0.209),
+    ):
+        data = copy.deepcopy(given)
+        (bearing,) = data["bearing"]
+        bearing |= {"stiffness": stiffer * bearing["stiffness"], "damping": change[1] * bearing["damping"]}
+        made = ratio(changed(Structure.from_dict(given), *change))
+        assert made == pytest.approx(ratio(Structure.from_dict(data)), rel=5e-3)  # measured: 1.5e-3, the beds
+        assert made == pytest.approx(wanted, rel=2e-3)
+
+
+def test_a_damper_of_a_bearing_alone_is_varied() -> None:
+    given = tomllib.loads((ROOT / "examples" / "structures" / "statue-on-rubber.toml").read_text(encoding="utf-8"))
+    given["joints"]["damping"] = given["bearing"][0]["vertical_damping"] = 0.0
+    model = Structure.from_dict(given)
+    assert not any(law.damping for law in model.laws)
+    assert model.is_damped
+    tried = other_joints(model, 1.0, lambda subject: (PASSES, str(subject.model.joints[-1].bearing.dashpot)))
+    assert [float(one.note) for one in tried] == [430.0, 1720.0, 215.0, 3440.0]
+    given["bearing"][0]["damping"] = 0.0
+    assert not Structure.from_dict(given).is_damped

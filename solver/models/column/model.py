@@ -183,6 +183,16 @@ class Column(NotebookRepr):
             blocks.append(_changed(block, joint=_changed(block.joint, stiffness=modulus, damping=eta)))
         return _changed(self, blocks=tuple(blocks))
 
+    def scaled_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Column:
+        """Return a copy with these factors on the moduli and dampings of the joints. Raises InputError likewise."""
+        moduli = [factor * law.stiffness for factor, law in zip(stiffness, self.laws, strict=True)]
+        return self.with_joints(moduli, [factor * law.damping for factor, law in zip(damping, self.laws, strict=True)])
+
+    @property
+    def is_damped(self) -> bool:
+        """True if a joint has a dashpot."""
+        return any(law.damping for law in self.laws)
+
     @cached_property
     def slides(self) -> bool:
         """True if some joint may slide."""

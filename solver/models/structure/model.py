@@ -29,7 +29,6 @@ from .blocks.parts import (
     OF_COLUMN,
     SKIPS,
     TOLERANCE,
-    Bearing,
     JointLaw,
     Pair,
     Solid,
@@ -280,11 +279,25 @@ class Structure(NotebookRepr):
 
         The rubber of a bearing is scaled by the same factor as its modulus.
         """
-        joints = tuple(
-            replace(joint, bed=replace(joint.bed, stiffness=float(k), damping=float(eta)), bearing=_stiffer(joint, k))
-            for joint, k, eta in zip(self.joints, stiffness, damping, strict=True)
-        )
-        return replace(self, joints=joints, described=None)
+        laws = zip(self.joints, stiffness, damping, strict=True)
+        joints = (_scaled(joint, float(k) / joint.bed.stiffness, 1.0, float(k), float(eta)) for joint, k, eta in laws)
+        return replace(self, joints=tuple(joints), described=None)
+
+    def scaled_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Structure:
+        """Return a copy with these factors on the moduli and dampings of the joints.
+
+        Those on the damping also apply along the joints, to the dashpots of bearings and to their rings.
+        """
+        laws = zip(self.joints, stiffness, damping, strict=True)
+        joints = (_scaled(joint, k, eta, k * joint.bed.stiffness, eta * joint.bed.damping) for joint, k, eta in laws)
+        return replace(self, joints=tuple(joints), described=None)
+
+    @property
+    def is_damped(self) -> bool:
+        """True if a joint or bearing has a dashpot."""
+        beds, bearings = self.laws, [joint.bearing for joint in self.joints if joint.bearing is not None]
+        along = any(bed.damping or bed.shear_damping for bed in beds)
+        return along or any(bearing.dashpot or bearing.ring_damping for bearing in bearings)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the mapping from which `from_dict` builds this structure. Raises InputError if there was none."""
@@ -339,10 +352,18 @@ def _with_solver(described: Mapping[str, Any], solver: Mapping[str, Any]) -> Map
     return {**described, "solver": solver}
 
 
-def _stiffer(joint: SpatialJoint, stiffness: float) -> Bearing | None:
-    """Return the bearing of a joint, scaled to another modulus (N/m3)."""
-    bearing, factor = joint.bearing, float(stiffness) / joint.bed.stiffness
-    return bearing and replace(bearing, spring=factor * bearing.spring, dashpot=factor * bearing.dashpot)
+def _scaled(joint: SpatialJoint, stiffer: float, damped: float, stiffness: float, damping: float) -> SpatialJoint:
+    """Return a joint with a modulus (N/m3) and a damping (s), the rest of its law scaled by two factors.
+
+    A damping is a time, of which a dashpot is the product with a stiffness.
+    """
+    bed, bearing = joint.bed, joint.bearing
+    if bed.shear_damping is not None:
+        bed = replace(bed, shear_damping=damped * bed.shear_damping)
+    if bearing is not None:
+        spring, dashpot = stiffer * bearing.spring, stiffer * damped * bearing.dashpot
+        bearing = replace(bearing, spring=spring, dashpot=dashpot, ring_damping=damped * bearing.ring_damping)
+    return replace(joint, bed=replace(bed, stiffness=stiffness, damping=damping), bearing=bearing)
 
 
 def _is_mirrored_joint(joint: SpatialJoint) -> bool:
