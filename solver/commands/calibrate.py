@@ -168,11 +168,11 @@ def _number(text: str) -> float | None:
 
 
 def _decay_of_record(options: argparse.Namespace) -> FreeVibration:
-    time, values = read_history(options.free_vibration, options.channel)
     begin = -math.inf if options.begin is None else options.begin
-    within = (time >= begin) & (time <= (math.inf if options.end is None else options.end))
+    end = math.inf if options.end is None else options.end
+    time, values = read_history(options.free_vibration, options.channel, begin, end)
     with reading(options.free_vibration):
-        return free_vibration(time[within], values[within])
+        return free_vibration(time, values)
 
 
 def _decay(options: argparse.Namespace, decay: FreeVibration | None) -> str:

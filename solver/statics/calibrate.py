@@ -576,13 +576,37 @@ def free_vibration(time: ArrayLike, values: ArrayLike) -> FreeVibration:
             f"be at least {percent(FOUND)}; choose a part in which one mode is left"
         )
     omega, ratio = (float(value) for value in best.x)
+    if not (0.3 < omega / start < 3.0 and ratio < SWING[1]) or math.isclose(ratio, SWING[1], rel_tol=1e-3):
+        raise InputError(
+            f"free vibration: no swing that decays fits, the best has {omega / (2.0 * math.pi):.3g} Hz and a damping "
+            f"ratio of {ratio:.3g}, must be below {SWING[1]:g}; choose a part in which one mode is left"
+        )
     return FreeVibration(omega / (2.0 * math.pi), ratio, explained, fit(best.x))
 
 
-def read_history(path: str | os.PathLike[str], channel: str | None = None) -> tuple[FloatArray, FloatArray]:
+def read_history(
+    path: str | os.PathLike[str], channel: str | None = None, begin: float = -math.inf, end: float = math.inf
+) -> tuple[FloatArray, FloatArray]:
     """Read the times (s) and one column of a CSV file with a header, as `Response.to_csv` writes it.
 
-    `channel` is the name of the column, by default the second. Raises InputError.
+    Parameters
+    ----------
+    path : str or PathLike
+        The file.
+    channel : str, optional
+        Name of the column, by default the second.
+    begin, end : float
+        First and last time (s), as in the file, of the part that is read.
+
+    Returns
+    -------
+    time, values : (m,) float
+        The times begin at 0 if they are too large for their steps, as seconds since 1970.
+
+    Raises
+    ------
+    InputError
+        If the file is not such a table.
     """
     with reading(path):
         table = table_of(lines_of(path, MOST_TABLE))
@@ -596,8 +620,9 @@ def read_history(path: str | os.PathLike[str], channel: str | None = None) -> tu
         k = 1 if channel is None else names.index(channel)
         values = table.numbers([0, k])
         check_times(table.lines, values[:, 0].tolist())
-        time, _ = from_zero([row[0] for row in table.rows], values[:, 0])
-    return time, values[:, 1]
+        part = np.flatnonzero((values[:, 0] >= begin) & (values[:, 0] <= end))
+        time, _ = from_zero([table.rows[k][0] for k in part], values[part, 0])
+    return time, values[part, 1]
 
 
 def _strongest_frequency(t: FloatArray, y: FloatArray) -> float:

@@ -319,6 +319,29 @@ def test_command_prints_what_to_write_and_what_it_means(tmp_path: Path, capsys: 
     assert read_history(tmp_path / "decay.csv", "top")[1] == pytest.approx(ux)
 
 
+@pytest.mark.parametrize("origin", [0, 40_000, 1_700_000_000])
+def test_a_part_of_a_record_is_chosen_by_its_own_times(
+    origin: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Check a decay before which and after which the record shows something else, at 1 kHz."""
+    time = np.arange(0.0, 9.0, 0.001)
+    swing = 2.0 * np.pi * 3.0 * np.clip(time - 1.0, 0.0, None)
+    top = np.where(time < 1.0, 0.4, np.where(time < 6.0, np.exp(-0.02 * swing) * np.cos(swing), np.cos(0.3 * swing)))
+    rows = "\n".join(f"{origin + k // 1000}.{k % 1000:03d},{value:.9g}" for k, value in enumerate(top))
+    (tmp_path / "decay.csv").write_text(f"time,top\n{rows}\n", encoding="utf-8")
+    part = ["--begin", f"{origin + 1.0}", "--end", f"{origin + 5.9}"]
+    column = str(COLUMNS / "phocas-damped.toml")
+    assert main(["calibrate", column, "--free-vibration", str(tmp_path / "decay.csv"), *part]) == 0
+    assert "3.0006 Hz, damping 2.000 %; a decaying swing explains 100 %" in capsys.readouterr().out
+
+
+def test_a_fit_at_the_bound_of_the_damping_is_refused() -> None:
+    """Check a decay without a swing, as of critical damping."""
+    time = np.linspace(0.0, 0.6, 60)
+    with pytest.raises(InputError, match=r"no swing that decays fits, the best has .* a damping ratio of 0\.95"):
+        free_vibration(time, np.exp(-9.0 * time) * (1.0 + 5.0 * time))
+
+
 def test_command_gives_what_it_found_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     column, kept = str(COLUMNS / "phocas-damped.toml"), tmp_path / "found.json"
     assert main(["calibrate", column, "--damping-ratio", "0.02", "--json", "-o", str(kept)]) == 0
