@@ -53,9 +53,13 @@ def test_energy_is_that_of_the_reference() -> None:
     assert np.diff(found) == pytest.approx(np.diff(energies), rel=1e-9)  # the height that gravity counts from differs
 
 
-@pytest.mark.campaign  # takes 10 s and more, and changes seldom
+RARE = pytest.mark.campaign  # takes 10 s and more, and changes seldom
+
+
 @pytest.mark.long
-@pytest.mark.parametrize("number", [(2, 86, 10), (1, 63), (7, 9, 10), (2, 193, 10)])
+@pytest.mark.parametrize(
+    "number", [(2, 86, 10), *(pytest.param(number, marks=RARE) for number in ((1, 63), (7, 9, 10), (2, 193, 10)))]
+)
 def test_landings_after_long_flights(number: tuple[int, ...]) -> None:
     """Check cases of the campaign in which energy or errors are hard to keep.
 

@@ -98,6 +98,13 @@ def test_blocks_that_stand_move_as_on_fibres() -> None:
     assert np.median(places) < 0.01  # m, measured 7e-3
 
 
+@pytest.mark.long
+def test_verdicts_of_a_few_blocks_are_those_on_fibres() -> None:
+    space, _, both = differences(range(12, 24))
+    assert both >= 6
+    assert space <= 1  # of the 3 of 320 one is here
+
+
 @pytest.mark.campaign
 def test_verdicts_differ_no_more_in_space_than_in_the_plane() -> None:
     """Count them: of 320 blocks, 264 of which rock by 0.05 rad and slide by 1 cm at least, 3 in space, 7 in the plane.

@@ -145,3 +145,38 @@ def test_blocks_that_slide_along_their_sides_need_few_steps() -> None:
     assert np.max(found.slip) > 1e-4
     assert found.stats["steps"] < 8000  # measured 5126; with a jump there 261,807
     assert np.max(np.abs(found.uy)) < 1e-12  # m: it stays in its plane
+
+
+def coulomb_path(radius: float, speed: float, spin: float, friction: float) -> float:
+    """Return how far a disc under uniform pressure slides by Coulomb's law at each of 9600 points, m."""
+    distance, angle = np.sqrt((np.arange(80) + 0.5) / 80) * radius, 2.0 * math.pi * (np.arange(120) + 0.5) / 120
+    x, y = (np.outer(distance, part(angle)).ravel() for part in (np.cos, np.sin))
+    path, step = 0.0, 5e-4
+    while speed > 1e-3:
+        along, across = speed - spin * y, spin * x
+        size = np.hypot(along, across)
+        slowed = friction * G * float(np.mean(along / size))
+        turned = friction * G * float(np.mean((x * across - y * along) / size)) / (0.5 * radius**2)
+        path += step * (speed - 0.5 * slowed * step)
+        speed, spin = speed - slowed * step, max(0.0, spin - turned * step)
+    return path
+
+
+def test_a_disc_that_spins_slides_as_one_that_does_not() -> None:
+    """Check the figures of the limits in structures.md: friction limits sliding and twisting separately."""
+    speed, spin, friction, radius, height = 1.0, 3.0, 0.3, 0.5, 0.025
+    disc = {"name": "d", "shape": "drum", "diameter": 2.0 * radius, "height": height, "density": 2500.0, "on": "base"}
+    law = {"stiffness": 1e10, "damping": 1e-3, "friction": friction}
+    structure = Structure.from_dict({"name": "disc", "joints": law, "block": [disc], "solver": {"tolerance": 1e-6}})
+    none, pressed = np.zeros((1, 3)), -2500.0 * height * G / 1e10
+    moving = np.array([[speed, 0.0, 0.0]]), np.array([[0.0, 0.0, spin]])
+    start = SpatialState(np.array([[0.0, 0.0, pressed]]), none, *moving)
+    response = simulate(structure, Motion.from_samples(1.0, [0.0, 0.0]), initial=start, settle=0.0)
+    path = float(response.ux[-1, 0])
+    assert path == pytest.approx(speed**2 / (2.0 * friction * G), rel=2e-4)  # measured 1.5e-5
+    assert path == pytest.approx(0.170, abs=5e-4)
+    # alone the spin stops after w^2 R^2 / 2 over 4/3 of the friction's moment, 2/3 mu g R of a unit mass
+    assert float(response.rz[-1, 0]) == pytest.approx(
+        0.25 * (spin * radius) ** 2 / (friction * G * radius / 1.5), rel=2e-3
+    )
+    assert coulomb_path(radius, speed, spin, friction) == pytest.approx(0.272, abs=1e-3)
