@@ -163,6 +163,30 @@ def test_round_faces_against_quadrature(name: str, seed: int) -> None:
     assert np.max(np.abs(found - expected)) <= 1e-12  # measured 2e-14; the scale of the numbers is 1
 
 
+def hull(*corners: tuple[float, float]) -> dict[str, Any]:
+    return {"shape": "hull", "mass": 1000.0, "points": [[x, y, z] for z in (0.0, 0.5) for x, y in corners]}
+
+
+OCTAGON = [(0.5, 0.0), (0.35355, 0.35355), (0.0, 0.5), (-0.35355, 0.35355)]
+ON_A_CIRCLE: dict[str, tuple[dict[str, Any], dict[str, Any], tuple[float, float, float], float]] = {
+    "diamond": (hull((0.5, 0.0), (0.0, 0.5), (-0.5, 0.0), (0.0, -0.5)), DRUM, (1.0, 0.0, 0.0), 0.5),
+    "octagon": (hull(*OCTAGON, *((-x, -y) for x, y in OCTAGON)), DRUM, (1.0, 0.0, 0.0), 2.0 * 0.35355),
+    "half of a drum": (DRUM, {**BOX, "width": 1.0, "depth": 1.0}, (0.0, 0.0, 1.0), math.pi / 8.0),
+    "half, across": (DRUM, {**BOX, "width": 1.0, "depth": 1.0}, (0.0, -1.0, 0.0), math.pi / 8.0),
+}
+
+
+@pytest.mark.parametrize("name", ON_A_CIRCLE)
+def test_corners_on_a_circle_and_sides_along_it_leave_the_area(name: str) -> None:
+    """Slip by rounding: of a chord of 1e-17 m a whole disc came of 29 and 42 % of slips, of half a drum 0 of 11 %."""
+    rng, (upper, lower, plane, area) = np.random.default_rng(3), ON_A_CIRCLE[name]
+    upper, lower = ({**shape, "diameter": 1.0} if shape is DRUM else shape for shape in (upper, lower))
+    structure, p = two(upper, lower), 1e-3 * np.array(plane)
+    for _ in range(100):
+        slips = np.array([rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-17.0, -7.5), 0.0, 0.0])
+        assert bed(structure, slips, p, p)[3] == pytest.approx(area, rel=1e-6)  # measured 6e-8, of the slip itself
+
+
 HOLLOW: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "thin rings": ({**DRUM, "diameter": 1.0, "bore": 0.8}, {**DRUM, "diameter": 1.0, "bore": 0.8}),
     "a drum on a ring": ({**DRUM, "diameter": 0.7}, {**DRUM, "diameter": 1.0, "bore": 0.5}),

@@ -16,7 +16,7 @@ from .bed import Bed, add, chosen, nothing, triangle, value, whole
 
 # 2/3 of the integral of sin^4 over sin^5, in powers of sin^2, the highest first: 1 / cos = sum of these times sin^2k
 ACROSS = tuple(2.0 / 3.0 * math.comb(2 * k, k) / 4**k / (5 + 2 * k) for k in range(TERMS))[::-1]
-TINY = 1e-300
+SHORT = 1e-9  # chord of an arc without a segment, over the radius; that of nearly a whole disc is longer than 1e-8
 PARALLEL = 1e-14  # sine of the angle below which two chords are parallel
 
 
@@ -70,8 +70,8 @@ def with_segment(bed, there, radius, q, out_x, out_y, cut):
 
 
 @leaf
-def _with_triangle(bed, there, q, a, b, c):
-    """Add to a bed the triangle of three points, where `there` holds."""
+def with_triangle(bed, there, q, a, b, c):
+    """Add to a bed the triangle of three points where `there` holds; the largest q is left to the caller."""
     values = value(q, a[0], a[1]), value(q, b[0], b[1]), value(q, c[0], c[1])
     area, force, first_x, first_y = triangle((a[0], b[0], c[0]), (a[1], b[1], c[1]), values)
     return add(bed, there, area, force, first_x, first_y)
@@ -120,7 +120,7 @@ def _with_arc(bed, there, radius, q, own, begins, ends):
     if any_of(further):
         dx, dy = ends[0] - own.end[0], ends[1] - own.end[1]
         length = square_root(dx * dx + dy * dy)
-        there = there & (begins | (length > TINY))
+        there = there & (begins | (length > SHORT * radius))
         out_x, out_y = where(begins, out_x, dy / length), where(begins, out_y, -dx / length)
         middle = 0.5 * ((own.end[0] + ends[0]) * out_x + (own.end[1] + ends[1]) * out_y)
         cut = lesser(where(begins, cut, middle), radius)
@@ -164,9 +164,9 @@ def _cut_disc(radius, p, q, slope_p, slope_q, some, cuts_p, cuts_q):
         x, y = (of_p.off * of_q.y - of_q.off * of_p.y) / turn, (of_q.off * of_p.x - of_p.off * of_q.x) / turn
         apex = _point(strip, of_p.begin, (x, y))
         first, second = _point(ends_p, of_p.end, of_q.end), _point(ends_p, of_q.begin, of_p.begin)
-        bed = _with_triangle(bed, strip | meet, q, apex, first, second)
+        bed = with_triangle(bed, strip | meet, q, apex, first, second)
         if any_of(strip):
-            bed = _with_triangle(bed, strip, q, of_p.begin, of_q.begin, of_q.end)
+            bed = with_triangle(bed, strip, q, of_p.begin, of_q.begin, of_q.end)
     return bed
 
 

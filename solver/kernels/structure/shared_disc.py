@@ -6,11 +6,11 @@ disc; the pressure cuts them further. A ring is a disc less its bore.
 
 import math
 
-from ..numba_ext.jit import kernel, leaf
-from ..numba_ext.lanes import opposite
-from .bed import Bed, Plane, nothing, triangle, value
+from ..numba_ext.jit import by_width, kernel, leaf
+from ..numba_ext.lanes import LanesType, any_of, greater, lesser, opposite, square_root, where, zero_like
+from .bed import Bed, Plane, chosen, nothing, value
 from .clipping import cut, put_square
-from .disc import slope_of, whole_disc, with_segment
+from .disc import SHORT, slope_of, whole_disc, with_segment, with_triangle
 from .edges import edge_integrals
 from .placed_face import centre_of, is_round, placed, put_corners
 
@@ -60,79 +60,108 @@ def _add_bed(bed, sign, part):
 
 
 @leaf
-def _with_triangle(bed, q, a, b, c):
-    values = value(q, a[0], a[1]), value(q, b[0], b[1]), value(q, c[0], c[1])
-    area, force, first_x, first_y = triangle((a[0], b[0], c[0]), (a[1], b[1], c[1]), values)
-    largest = max(bed.largest, max(values[0], max(values[1], values[2])))
-    return Bed(bed.force + force, bed.first_x + first_x, bed.first_y + first_y, bed.area + area, largest)
-
-
-@leaf
-def _with_arc(bed, radius, q, begin, end):
+def _with_arc(bed, there, radius, q, begin, end):
     """Add to a bed the circular segment between an arc, anticlockwise from `begin` to `end`, and its chord.
 
-    The disc is about the origin.
+    there: mask of where. The disc is about the origin.
     """
+    # normal of the chord, and its distance from the centre; points that differ by rounding alone have no arc
     dx, dy = end[0] - begin[0], end[1] - begin[1]
-    length = math.sqrt(dx * dx + dy * dy)
-    if length <= 0.0:
+    length = square_root(dx * dx + dy * dy)
+    there = there & (length > SHORT * radius)
+    if not any_of(there):
         return bed
-    # normal of the chord, and its distance from the centre
     out_x, out_y = dy / length, -dx / length
-    off = min(max(0.5 * ((begin[0] + end[0]) * out_x + (begin[1] + end[1]) * out_y), -radius), radius)
+    off = lesser(greater(0.5 * ((begin[0] + end[0]) * out_x + (begin[1] + end[1]) * out_y), -radius), radius)
     # the largest q if it is on the arc
-    largest, slope = bed.largest, slope_of(q)
-    if slope > 0.0 and radius * (q.along_x * out_x + q.along_y * out_y) >= off * slope:  # the largest q is on it
-        largest = max(largest, q.at + radius * slope)
-    bed = with_segment(bed, True, radius, q, out_x, out_y, off)
+    slope = slope_of(q)
+    tops = there & (slope > 0.0) & (radius * (q.along_x * out_x + q.along_y * out_y) >= off * slope)
+    largest = where(tops, greater(bed.largest, q.at + radius * slope), bed.largest)
+    bed = with_segment(bed, there, radius, q, out_x, out_y, off)
     return Bed(bed.force, bed.first_x, bed.first_y, bed.area, largest)
 
 
+@by_width
+def _corner_after(room, count, most, k):
+    """Return the corner after corner k of a polygon, in lanes each of `count` corners, of at most `most`."""
+    return _after_in_lanes if isinstance(count, LanesType) else _after_in_one
+
+
+def _after_in_lanes(room, count, most, k):
+    after, closes = k + 1 if k + 1 < most else 0, count <= float(k + 1)
+    return where(closes, room[0], room[2 * after]), where(closes, room[1], room[2 * after + 1])
+
+
+def _after_in_one(room, count, most, k):
+    after = k + 1 if k + 1 < most else 0
+    return room[2 * after], room[2 * after + 1]
+
+
 @kernel
-def _of_disc(room, count, x, y, radius, plane):
+def of_disc(room, count, most, x, y, radius, plane):
     """Return the bed of the intersection of the polygon in the room and a disc about (x, y).
 
-    It is the sum over its sides, and arcs between them. plane: damped penetration, m.
+    It is the sum over its sides, and arcs between them.
+
+    Parameters
+    ----------
+    room : array
+        The corners of the polygon, of each lane or alone.
+    count : float or lanes
+        Number of corners; without any the bed is empty.
+    most : int
+        The largest number of corners.
+    x, y, radius : float or lanes
+        Centre and radius of the disc, m.
+    plane : Plane
+        Damped penetration, m.
     """
-    q = Plane(value(plane, x, y), plane.along_x, plane.along_y)  # about the centre
-    bed, begun, first_cut, was_cut, holds = nothing(q), False, False, False, True
-    first, last = (0.0, 0.0), (0.0, 0.0)
-    for k in range(count):
-        after = k + 1 if k + 1 < count else 0
+    # q about the centre of the disc
+    q = Plane(value(plane, x, y), plane.along_x, plane.along_y)
+    bed, zero = nothing(q), zero_like(x)
+    one, holds = zero + 1.0, count > 0.0
+    begun, first, last = zero > 0.0, (zero, zero), (zero, zero)
+    for k in range(most):
         # the side from the centre
         ax, ay = room[2 * k] - x, room[2 * k + 1] - y
-        dx, dy = room[2 * after] - x - ax, room[2 * after + 1] - y - ay
+        after_x, after_y = _corner_after(room, count, most, k)
+        dx, dy = after_x - x - ax, after_y - y - ay
         square = dx * dx + dy * dy
-        if square == 0.0:
-            continue
+        side = (count > float(k)) & (square != 0.0)
         across = ax * dy - ay * dx  # the length of the side times the distance of the centre to its left
-        holds = holds and across > 0.0
-        if not across * across < NEARLY * radius * radius * square:
+        holds = holds & (opposite(side) | (across > 0.0))
+        side = side & (across * across < NEARLY * radius * radius * square)
+        if not any_of(side):
             continue
         # the part of the side within the disc
-        off = across / math.sqrt(square)
+        off = across / square_root(square)
         middle = -(ax * dx + ay * dy) / square
-        half = math.sqrt((radius - off) * (radius + off) / square)
-        enters, leaves = max(0.0, middle - half), min(1.0, middle + half)
-        if enters >= leaves:
+        half = square_root((radius - off) * (radius + off) / square)
+        enters, leaves = greater(middle - half, zero), lesser(middle + half, one)
+        side = side & (enters < leaves)
+        if not any_of(side):
             continue
         begin, end = (ax + enters * dx, ay + enters * dy), (ax + leaves * dx, ay + leaves * dy)
         # the first side, or an arc from the last one
-        if not begun:
-            begun, first, first_cut = True, begin, enters > 0.0
-        else:
-            bed = _with_triangle(bed, q, first, last, begin)
-            if was_cut or enters > 0.0:
-                bed = _with_arc(bed, radius, q, last, begin)
-        bed = _with_triangle(bed, q, first, begin, end)
-        last, was_cut = end, leaves < 1.0
-    # the last arc; or the whole disc lies in the polygon
-    if begun:
-        if was_cut or first_cut:
-            bed = _with_arc(bed, radius, q, last, first)
-    elif holds and count > 2:
-        whole = whole_disc(radius, q)
-        bed = Bed(whole.force, whole.first_x, whole.first_y, whole.area, q.at + radius * slope_of(q))
+        starts, goes_on = side & opposite(begun), side & begun
+        first = where(starts, begin[0], first[0]), where(starts, begin[1], first[1])
+        if any_of(goes_on):
+            bed = with_triangle(bed, goes_on, q, first, last, begin)
+            bed = _with_arc(bed, goes_on, radius, q, last, begin)
+        bed = with_triangle(bed, side, q, first, begin, end)
+        highest = greater(bed.largest, greater(value(q, begin[0], begin[1]), value(q, end[0], end[1])))
+        largest = where(side, highest, bed.largest)
+        bed = Bed(bed.force, bed.first_x, bed.first_y, bed.area, largest)
+        begun, last = begun | side, (where(side, end[0], last[0]), where(side, end[1], last[1]))
+    # the last arc
+    if any_of(begun):
+        bed = _with_arc(bed, begun, radius, q, last, first)
+    # or the whole disc lies in the polygon
+    full = holds & opposite(begun) & (count > 2.0)
+    if any_of(full):
+        disc = whole_disc(radius, q)
+        top = q.at + radius * slope_of(q)
+        bed = chosen(full, Bed(disc.force, disc.first_x, disc.first_y, disc.area, top), bed)
     return Bed(bed.force, bed.first_x + x * bed.force, bed.first_y + y * bed.force, bed.area, bed.largest)
 
 
@@ -204,7 +233,7 @@ def _of_one_disc(room, x, y, radius, other_x, other_y, other, first, p, q):
     # the part of the disc on its side, clipped to where it is pressed
     count = _put_own_side(room, x, y, radius, other_x, other_y, other)
     count = _pressed_in(room, count, x, y, radius, p, q)
-    return _of_disc(room, count, x, y, radius, q)
+    return of_disc(room, float(count), count, x, y, radius, q)
 
 
 @kernel
@@ -222,7 +251,7 @@ def _of_faces(room, above, below, outer_a, outer_b, p, q):
     face, other, radius = (above, below, outer_a) if is_round(above) else (below, above, outer_b)
     x, y = centre_of(face)
     count = _pressed_in(room, put_corners(room, other), x, y, radius, p, q)
-    return _of_disc(room, count, x, y, radius, q)
+    return of_disc(room, float(count), count, x, y, radius, q)
 
 
 # --- the largest pressure over a bore
@@ -370,7 +399,7 @@ def _edges_of_lower(room, above, below, outer_a, outer_b, p, way):
         else:
             count = put_corners(room, above)
         count = _pressed_in(room, count, bx, by, outer_b, p, p)
-        bed = _of_disc(room, count, bx, by, outer_b, p)
+        bed = of_disc(room, float(count), count, bx, by, outer_b, p)
         return _along_arcs(p, bed, _sides_in_disc(room, count, bx, by, outer_b, p))
     # the lower face is a polygon: its sides in the disc
     x, y = centre_of(above)
