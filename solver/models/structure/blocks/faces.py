@@ -90,14 +90,15 @@ class Face:
 def _first_polar(a: FloatArray, b: FloatArray) -> float:
     """Integrate the distance from the origin over the triangle of the origin, a and b (m3).
 
-    With the distance d of the side a b from the origin, it is d^3 / 3 times the integral of 1 / cos^3 over the angle.
+    With the distance d of the side a b from the origin, it is d^3 / 3 times the integral of 1 / cos^3 over the angle,
+    negative if a, b and the origin are clockwise.
     """
     side = b - a
     length = float(np.hypot(*side))
     d = float(a[0] * b[1] - a[1] * b[0]) / length if length else 0.0
     if d == 0.0:
         return 0.0
-    tangents = float(a @ side) / (length * d), float(b @ side) / (length * d)
+    tangents = float(a @ side) / (length * abs(d)), float(b @ side) / (length * abs(d))
     first, last = (0.5 * (t * math.hypot(1.0, t) + math.asinh(t)) for t in tangents)
     return d**3 / 3.0 * (last - first)
 
