@@ -41,6 +41,24 @@ def test_a_box_pressed_into_a_larger_one_stores_the_distance_to_the_nearest_face
         assert row_of(stepper, "gap")[0] == pytest.approx(-depth, rel=1e-9)
 
 
+def _foot(x: float, y: float) -> list[list[float]]:
+    return [[x - 0.1, y - 0.1], [x + 0.1, y - 0.1], [x + 0.1, y + 0.1], [x - 0.1, y + 0.1]]
+
+
+@pytest.mark.parametrize("foot", [None, _foot(0.0, 0.0), [_foot(-0.8, 0.8), _foot(0.8, -0.8)]], ids=["all", "1", "2"])
+def test_neighbours_meet_the_underside_beside_feet(foot: Any) -> None:
+    """Press a box into a hull from below: beside its feet nothing was solid."""
+    points = [[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (0.0, 1.0)]
+    large, small = (
+        {"shape": "hull", "points": points, **({"foot": foot} if foot else {})},
+        {"width": 0.4, "depth": 0.4, "height": 0.5},
+    )
+    stepper = two_at(small, large, [0.6, 0.6, -0.249])
+    stepper.observe()
+    assert row_of(stepper, "hit")[0] == pytest.approx(STIFFNESS * 0.16 * 1e-3, rel=0.01)  # N
+    assert row_of(stepper, "gap")[0] == pytest.approx(-1e-3, rel=1e-9)
+
+
 @pytest.mark.parametrize("tilt", [0.1, 0.3, 0.7])
 def test_an_edge_on_a_face_is_pushed_along_the_normal_of_the_face(tilt: float) -> None:
     box = {"width": 0.6, "depth": 0.8, "height": 1.0}

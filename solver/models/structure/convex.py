@@ -225,7 +225,7 @@ def distance(one: ConvexPart, other: ConvexPart, r1: FloatArray, r2: FloatArray,
 
 def hulls_of(block: Solid) -> list[ConvexPart]:
     """Return the convex body of a block, or those of its convex parts."""
-    return [ConvexPart(block, part) for part in block.parts or ((),)]
+    return [ConvexPart(block, part) for part in block.parts or (block.hull,)]
 
 
 class BuiltOverlap(NamedTuple):

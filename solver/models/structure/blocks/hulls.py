@@ -323,7 +323,12 @@ def block_of_hulls(
     faces = [_face(np.column_stack([foot[::-1], np.full(len(foot), bottom)])) for foot in feet] + faces
     inertia = density * bulk.inertia
     made = Solid(name, density * bulk.volume, bulk.centroid, inertia, tuple(faces), np.eye(3), bulk.volume, surface)
-    return made if len(hulls) == 1 else replace(made, parts=tuple(parts))
+    if len(hulls) > 1:
+        return replace(made, parts=tuple(parts))
+    # neighbours meet the whole underside, also where no foot stands
+    underside = sum(face.moments[0] for face, stay in zip(parts[0], stays[0], strict=True) if not stay)
+    covered = sum(polygon_moments(foot)[0] for foot in feet)
+    return replace(made, hull=parts[0]) if covered < (1.0 - SLIVER) * underside else made
 
 
 def _outer(upper: Sequence[Sequence[Face]], parts: Sequence[Sequence[Face]]) -> list[Face]:

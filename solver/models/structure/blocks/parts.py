@@ -34,6 +34,7 @@ class Solid:
     volume: float = math.nan  # m3
     surface: FloatArray = field(default_factory=lambda: np.empty((0, 3, 3)))  # m, triangles to draw it by; else faces
     parts: tuple[tuple[Face, ...], ...] = ()  # of one that is not convex: all faces of its convex parts, also of cuts
+    hull: tuple[Face, ...] = ()  # all faces of the hull of a block whose feet do not cover its underside
 
     @property
     def size(self) -> float:

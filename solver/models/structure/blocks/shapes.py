@@ -134,13 +134,13 @@ def _upright(name: str, section: object, height: float, density: float, faces: l
 
 def placed(solid: Solid, place: FloatArray, turn: FloatArray) -> Solid:
     """Return the block rotated about the origin by `turn`, (3, 3), and then shifted by `place`, m."""
-    faces, *parts = (tuple(_placed_face(face, place, turn) for face in part) for part in (solid.faces, *solid.parts))
+    groups = solid.faces, solid.hull, *solid.parts
+    faces, hull, *parts = (tuple(_placed_face(face, place, turn) for face in part) for part in groups)
     inertia = turn @ solid.inertia @ turn.T
     inertia = 0.5 * (inertia + inertia.T)
     surface, centroid = place + solid.surface @ turn.T, place + turn @ solid.centroid
-    return replace(
-        solid, centroid=centroid, inertia=inertia, faces=faces, axes=turn, surface=surface, parts=tuple(parts)
-    )
+    solid = replace(solid, faces=faces, hull=hull, parts=tuple(parts))
+    return replace(solid, centroid=centroid, inertia=inertia, axes=turn, surface=surface)
 
 
 def _placed_face(face: Face, place: FloatArray, turn: FloatArray) -> Face:
