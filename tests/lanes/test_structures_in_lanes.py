@@ -18,7 +18,7 @@ from solver.ground.motion import Motion
 from solver.models.protocol import NoRestError, Run
 from solver.models.structure import kind, run
 from solver.models.structure.builders import arch, colonnade
-from solver.models.structure.lanes import follow_in_lanes
+from solver.models.structure.lanes import follow_in_lanes, share_of
 from solver.models.structure.model import Structure
 from solver.models.structure.outputs import FROM_LANES
 from solver.models.structure.rest import fastest_decay, rest_of
@@ -355,3 +355,20 @@ def test_the_longest_step_of_a_structure_is_found_once(monkeypatch: pytest.Monke
     monkeypatch.setattr("solver.models.structure.lanes.fastest_decay", counted)
     simulate_many(trilith().with_settings(tolerance=1e-4), waves(3), keep=KEEP, settle=0.0)
     assert len(asked) == 1
+
+
+def test_a_drum_on_the_base_shares_no_lanes_with_one_on_a_circle() -> None:
+    """Slide both by 0.1 m and more: in the same lanes the drum on the base was one on a circle of its size."""
+    law = {"stiffness": 1e8, "damping": 1e-3, "friction": 0.1}
+    drum = {"name": "d", "shape": "drum", "diameter": 1.0, "height": 0.3, "density": 2000.0}
+    joint = {"between": ["d", "base"], "at": [0.0, 0.0, 0.0], "section": "circle", "diameter": 1.0}
+    ground = Structure.from_dict({"name": "ground", "joints": law, "block": [{**drum, "on": "base"}]})
+    plate = {**drum, "position": [0.0, 0.0, 0.0]}
+    circle = Structure.from_dict({"name": "circle", "joints": law, "block": [plate], "joint": [joint]})
+    assert share_of(ground) != share_of(circle)
+    motions = waves(8, size=0.3)
+    both = simulate_many([ground, circle] * 4, motions, keep=("peak_u", "path"), settle=0.0)
+    for k in range(2):
+        alone = simulate_many([(ground, circle)[k]] * 4, motions[k::2], keep=("peak_u",), settle=0.0)
+        assert np.min(both["peak_u"][k::2]) > 0.1
+        assert np.array_equal(both["peak_u"][k::2], alone["peak_u"])

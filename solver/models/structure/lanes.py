@@ -16,7 +16,7 @@ from ...kernels.machine.library import load
 from ...kernels.numba_ext.lanes import WIDTH
 from ...kernels.structure import in_lanes as at
 from ...kernels.structure.entries import run_structures_in_lanes
-from ...kernels.structure.layout import INSIDE, NO_ROOM
+from ...kernels.structure.layout import FACE, INSIDE, NO_ROOM
 from ...kernels.structure.stepping import SEEN
 from ..column.lanes import aligned
 from ..column.packing import FloatArray, IntArray
@@ -46,7 +46,14 @@ def share_of(structure: Structure) -> Hashable:
         for place in places.inside
         if place
     )
-    return structure.model.sizes, joints, insides, ties, bool(names.settings.gives_way)
+    below = [*places.below, *(INSIDE.see(names.corners[int(place) - 1 :]).below for place in places.inside if place)]
+    unbounded = tuple(_is_unbounded(names.corners, int(place)) for place in below)
+    return structure.model.sizes, joints, insides, unbounded, ties, bool(names.settings.gives_way)
+
+
+def _is_unbounded(corners: FloatArray, below: int) -> bool:
+    """Return True if the lower face at an index of the corners is a plane of the base; False at 0, without faces."""
+    return below > 0 and below < len(corners) and FACE.see(corners[below:]).outer == math.inf
 
 
 @lru_cache(maxsize=64)  # as many as rests
