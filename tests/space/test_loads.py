@@ -338,3 +338,20 @@ def test_a_pattern_has_no_direction() -> None:
     for given in ({"direction": 1.0}, {"vertical": 0.3}):
         with pytest.raises(InputError, match="pattern: must be given without direction and vertical"):
             push_over(block(), pattern={"top.Fx": 1.0}, **given)
+
+
+def test_a_release_bears_all_of_its_load_or_is_refused() -> None:
+    """Press a block with 12 weights and push it: with 83 % of a load above ten weights it rested without a word."""
+    size = {"width": 1.0, "depth": 0.8, "height": 2.0, "density": 2000.0}
+    data = {"name": "b", "joints": {"stiffness": 1e10, "damping": 5e-5}, "block": [{"name": "b", "on": "base", **size}]}
+    pressed = Structure.from_dict({**data, "port": [{"name": "top", "block": "b", "at": [0.0, 0.0, 1.0]}]})
+    weight = pressed.weight
+
+    def pushed(share: float) -> float:
+        """Return how far a share of the load that tips a rigid block moves it (m)."""
+        load = {"top": {"Fz": -12.0 * weight, "Fx": share * 13.0 * weight * 0.25}}
+        return float(simulate(pressed, STILL, release=load, settle=0.0).port_x[0, 0])
+
+    with pytest.raises(InputError, match="no rest under this load"):
+        pushed(0.9)  # it falls from 0.87 on
+    assert pushed(0.86) > 1.2 * pushed(0.8)

@@ -30,6 +30,7 @@ from multiblock import (
 )
 from solver.commands.command_line import main
 from solver.commands.static_reports import push_over_report
+from solver.models.structure.stepper import SpatialStepper
 from solver.plotting.structure_statics import plot_push_over
 from validation.cases.structures import by_ratio
 from validation.limits import largest_push
@@ -614,3 +615,10 @@ def test_a_dry_wall_bears_nearly_what_a_linear_programme_does(
     known = push_by_forces_at_corners(made, friction)
     assert known == pytest.approx(0.3, rel=1e-9)
     assert least * known <= push_over(made).largest_acceleration / G <= known * (1.0 + 1e-6)
+
+
+def test_a_push_refuses_contacts_without_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    structure = Structure.from_toml(TRILITH)
+    monkeypatch.setattr(SpatialStepper, "without_room", 3)
+    with pytest.raises(InputError, match="the corners of a contact had no room, and it bore nothing"):
+        push_over(structure)

@@ -8,6 +8,7 @@ import multiprocessing
 import re
 import tomllib
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -177,6 +178,18 @@ WRONG = [
     (("block", 0), {**PRISM, "outline": [[0, 0]] * 5000}, "block[1].outline: 5000 corners"),
     (("block", 0), {**PRISM, "outline": [[1e5, 0], [1e5 + 1, 0], [1e5, 1]]}, "block[1].outline: lies farther"),
 ]
+
+
+@pytest.mark.parametrize(("count", "friction", "taken"), [(64, 0.3, True), (80, 0.3, False), (80, None, True)])
+def test_sections_of_joints_that_may_slide_have_64_corners(count: int, friction: float | None, taken: bool) -> None:
+    """After a twist two outlines of 80 corners share 160: there was no room, and the block dropped through."""
+    turns = 2.0 * np.pi * np.arange(count) / count
+    outline = 0.4 * np.column_stack([np.cos(turns), np.sin(turns)])
+    joint = {"between": ["b", "base"], "at": [0.0] * 3, "section": "polygon", "outline": outline.tolist()}
+    block = {"name": "b", "position": [0.0] * 3, "width": 1.0, "depth": 1.0, "height": 1.0, "mass": 1e3}
+    law = {"stiffness": 1e9, "damping": 1e-3, **({} if friction is None else {"friction": friction})}
+    with nullcontext() if taken else pytest.raises(InputError, match="80 corners, must be 64 at most"):
+        Structure.from_dict({"name": "a", "joints": law, "block": [block], "joint": [joint]})
 
 
 def test_an_outline_may_end_where_it_begins() -> None:

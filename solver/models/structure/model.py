@@ -98,8 +98,10 @@ class Structure(NotebookRepr):
                 found = f"{count} corners" if count else "a round section"
                 limit = f"must be a polygon of {MOST_CUT} corners at most where a joint bears tension or cohesion"
                 raise InputError(f"{joint.key}: {found}, {limit}")
-            for face in (joint.above, joint.below):
-                if joint.bed.friction is not None and face is not None and len(face.outline) > MOST_CORNERS:
+            if joint.bed.friction is None or joint.bearing is not None:
+                continue
+            for face in (joint.above or joint.face, joint.below or joint.face):
+                if len(face.outline) > MOST_CORNERS:
                     limit = f"must be {MOST_CORNERS} at most where a joint may slide"
                     raise InputError(f"{joint.key}: a face of {len(face.outline)} corners, {limit}")
         if any(joint.bearing is None for joint in self.joints[len(self.joints) - len(self.bearings) :]):

@@ -16,7 +16,18 @@ from ...ground.loads import pattern_of, push_unit
 from ..outputs import DIGITS
 from ..pictures import draw
 from .blocks.faces import FloatArray
-from .equilibria import FELL, FOLLOWED, FURTHER, LOST, EquilibriumPath, Place, bears_at_rest, has_opened, has_slid
+from .equilibria import (
+    FELL,
+    FOLLOWED,
+    FURTHER,
+    LOST,
+    NO_ROOM_LEFT,
+    EquilibriumPath,
+    Place,
+    bears_at_rest,
+    has_opened,
+    has_slid,
+)
 from .model import Structure
 from .outputs import StructureHistories
 
@@ -186,6 +197,8 @@ def push_over(
     loads = None if pattern is None else pattern_of(pattern, [port.name for port in structure.ports])
     path = EquilibriumPath(structure, np.array([math.cos(direction), math.sin(direction), float(vertical)]), loads)
     ends = path.follow()
+    if path.stepper.without_room:
+        raise InputError(f"{structure.name}: {NO_ROOM_LEFT}")
     found = PushOver(structure, float(direction), float(vertical), path.places, pattern)
     found.ends, found.jumps = ends, np.array(path.jumps)
     return found

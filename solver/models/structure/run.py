@@ -22,7 +22,7 @@ from .blocks.faces import FloatArray
 from .blocks.parts import SpatialJoint
 from .blocks.placement import RIM
 from .blocks.shapes import rotation_matrix
-from .equilibria import rest_under
+from .equilibria import NO_ROOM_LEFT, rest_under
 from .modal_data import ModalData, modal_data_of
 from .model import Structure
 from .outputs import DISPLACEMENTS
@@ -107,8 +107,7 @@ def _run(structure: Structure, plan: RunPlan) -> SpatialResponse:
         stats["released"] = float(stepper.state.control.released)
     if stepper.without_room:
         warnings.warn(
-            f"{structure.name}: {stepper.without_room} times the corners of a contact had no room, and it bore "
-            "nothing: its faces are not convex",
+            f"{structure.name}: {stepper.without_room} times {NO_ROOM_LEFT}",
             InputWarning,
             stacklevel=2,
         )
