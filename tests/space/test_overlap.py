@@ -178,7 +178,7 @@ ON_A_CIRCLE: dict[str, tuple[dict[str, Any], dict[str, Any], tuple[float, float,
 
 @pytest.mark.parametrize("name", ON_A_CIRCLE)
 def test_corners_on_a_circle_and_sides_along_it_leave_the_area(name: str) -> None:
-    """Slip by rounding: of a chord of 1e-17 m a whole disc came of 29 and 42 % of slips, of half a drum 0 of 11 %."""
+    """Check slips of rounding: chords of 1e-17 m added whole discs in 29 and 42 %, half a drum bore nothing in 11 %."""
     rng, (upper, lower, plane, area) = np.random.default_rng(3), ON_A_CIRCLE[name]
     upper, lower = ({**shape, "diameter": 1.0} if shape is DRUM else shape for shape in (upper, lower))
     structure, p = two(upper, lower), 1e-3 * np.array(plane)

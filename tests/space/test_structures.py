@@ -182,7 +182,7 @@ WRONG = [
 
 @pytest.mark.parametrize(("count", "friction", "taken"), [(64, 0.3, True), (80, 0.3, False), (80, None, True)])
 def test_sections_of_joints_that_may_slide_have_64_corners(count: int, friction: float | None, taken: bool) -> None:
-    """After a twist two outlines of 80 corners share 160: there was no room, and the block dropped through."""
+    """Refuse more: after a twist two outlines of 80 corners share 160, had no room, and the block dropped through."""
     turns = 2.0 * np.pi * np.arange(count) / count
     outline = 0.4 * np.column_stack([np.cos(turns), np.sin(turns)])
     joint = {"between": ["b", "base"], "at": [0.0] * 3, "section": "polygon", "outline": outline.tolist()}
