@@ -56,8 +56,8 @@ VERDICT = Choice(
     {"overturned": 1, "standing": 2, "undecided": 3},
     {
         "overturned": "It has fallen, and is held",
-        "standing": "At the end of the last step it rests on a base that is still",
-        "undecided": "It moves, or its base does",
+        "standing": "At the end of the last step it rests on a base that is still and level",
+        "undecided": "It moves, or its base does or is tilted",
     },
 )
 
@@ -108,7 +108,7 @@ INPUTS = (
     input_of("base.jz", SLOPE.format("z"), "m/s3", 10.0),
     input_of("base.theta", "Rotation of the base, clockwise", "rad", 1e-3),
     input_of("base.omega", "Rate of base.theta", "rad/s", 1e-2),
-    input_of("base.alpha", "Acceleration of base.theta, held within a communication step", "rad/s2", 0.1),
+    input_of("base.alpha", "Acceleration of base.theta, held within a communication step: its mean", "rad/s2", 0.1),
 )
 TURNED = ("base.theta",)
 TURNING = ("base.theta", "base.omega")
@@ -231,7 +231,10 @@ LISTED_BLOCKS = 10  # most blocks for which outputs list their dependencies in i
 _SETTINGS_PARAMETERS = {
     "step": ("s", "Fixed step of the paper's central differences"),
     "tolerance": ("", "Error, relative to the peak"),
-    "without": ("", f"What is not to be done, with commas between: {', '.join(SKIPS)}"),
+    "without": (
+        "",
+        f"What is not to be done, with commas between: {', '.join(SKIPS)}; peaks: none is recorded but ux_peak",
+    ),
 }
 
 
