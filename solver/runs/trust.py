@@ -19,7 +19,8 @@ RICHARDSON = 4.0 / 3.0  # times the difference is the error
 AGREE = 10.0  # tolerances
 AGREE_AT_FIXED_STEPS = 1e-2  # of the peak: fixed steps have no tolerance
 LEAST = "contact", "bond", "gap"  # peaks of which the least values are kept
-BEFORE_FALL = 0.1  # s: the runs of a column that falls differ shortly before, even for small errors
+# s, and part of the time to the fall: the runs of a column that falls differ shortly before, even for small errors
+BEFORE_FALL, OF_FALL = 0.1, 0.1
 
 
 def with_fine_settings(model: Any) -> Any:
@@ -58,9 +59,11 @@ def judge(response: Any, closer: Any, places: FloatArray, closer_places: FloatAr
     count = min(len(places), len(closer_places))  # after a fall both may go on, not equally long
     time, places, closer_places = response.time[:count], places[:count], closer_places[:count]
     fall = min((run.overturn_time for run in (response, closer) if run.overturned), default=math.inf)
-    rows = int(np.searchsorted(time, fall - BEFORE_FALL)) or int(np.searchsorted(time, fall))
+    shortly = min(BEFORE_FALL, OF_FALL * (fall - float(time[0])))
+    rows = int(np.searchsorted(time, fall - shortly)) or int(np.searchsorted(time, fall))
     difference = factor * np.max(np.abs(places - closer_places), axis=1)
-    size = float(np.max(np.abs(closer_places[:rows]), initial=0.0)) or 1.0
+    sizes = (float(np.max(np.abs(part), initial=0.0)) for part in (closer_places[:rows], closer_places))
+    size = next(filter(None, sizes), 1.0)
     # relative error of the peaks, absolute of those that may be zero or negative
     peaks: dict[str, FloatArray] = {
         name: factor * np.abs(response.peaks[name] - other) / (1.0 if name in LEAST else np.where(other, other, 1.0))

@@ -47,6 +47,17 @@ def test_of_dashpots_in_closed_form(slope: str, rate: float, heaviest: float) ->
     assert longest(way, 0.05, 1e6, 1.0, 100.0, 0.95 * heaviest * 100.0) < 0.05
 
 
+@pytest.mark.parametrize("faster", [1e-3, 1.0, 1e3, 1e5])
+def test_a_step_scales_with_the_times_of_the_system(faster: float) -> None:
+    """Check models of all sizes: it was 1e-5 s at least, though unstable, and 0.1 s at most."""
+    for slope in SLOPES:
+        way, step = SLOPES[slope], longest(SLOPES[slope], 0.05, 1e4, 1e6, 1e3, 100.0)
+        found = longest(way, 0.05 / faster, faster * 1e4, faster**2 * 1e6, 1e3, 100.0)
+        assert found == pytest.approx(step / faster, rel=0.06)  # steps are tried 5 % apart
+        assert longest(way, 1.1 * found, faster * 1e4, faster**2 * 1e6, 1e3, 100.0) == pytest.approx(found, rel=0.06)
+        assert longest(way, 0.999 * found, faster * 1e4, faster**2 * 1e6, 1e3, 100.0) == math.inf
+
+
 def on_free_body(h: float, slope: str, mass: float, steps: int) -> tuple[float, float]:
     """Return the largest acceleration of a free body under a column after `steps`, and the step it is warned of."""
     column = Column.from_toml(DAMPED)

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from support.probe import G, phocas
 
-from solver import InputError, Motion, Response, SolverError, simulate
+from solver import Block, Column, InputError, Joint, Motion, Response, SolverError, simulate
+from solver.ground import wavelets
 from solver.models.protocol import OVERTURNED, STANDING, UNDECIDED
 from solver.runs.trust import AGREE, judge, with_fine_settings
 
@@ -31,6 +32,23 @@ def test_estimate_is_about_the_error(tolerance: float) -> None:
     assert np.isnan(run.estimated_error.overturn_time)
     assert run.horizon == run.time[-1]
     assert run.verdict == STANDING
+
+
+@pytest.mark.parametrize("pga", [0.5, 0.54, 0.56, 0.58])
+def test_a_fall_after_a_tenth_of_a_second_leaves_an_estimate(pga: float) -> None:
+    """Check blocks of millimetres, that fall at 0.1 s, against the same comparison up to 0.9 of the fall."""
+    law = Joint(2e8, 2.5e-4)
+    column = Column("model", (Block(0.03, 0.008, 0.008, 0.0048, law), Block(0.015, 0.008, 0.008, 0.0024, law)))
+    run = simulate(column, wavelets.one_sine(pga * G, 5.0), check=True)
+    finer = simulate(column, wavelets.one_sine(pga * G, 5.0), tolerance=0.1 * column.settings.tolerance)
+    before = run.time < 0.9 * run.overturn_time
+    size = np.max(np.abs(finer.ux[before]))
+    error = np.max(np.abs(run.ux - finer.ux)[before]) / size
+    assert run.estimated_error is not None
+    assert run.estimated_error.ux == pytest.approx(error, rel=1e-6)  # measured before: 0 at 0.54 and 0.56 g
+    assert error > 1e-9
+    assert run.horizon is not None
+    assert run.horizon >= 0.9 * run.overturn_time  # before: 0.095 s of 0.109 s at 0.5 g
 
 
 def test_estimate_at_fixed_steps_is_about_the_error() -> None:

@@ -203,6 +203,22 @@ def test_what_overlaps_a_hull_may_be_beside_the_stone(tmp_path: Path) -> None:
     assert depth(made, -0.95) == pytest.approx(0.05, abs=1e-6)  # it stands 0.9 m from the shaft
 
 
+@pytest.mark.parametrize("scale", [1.0, 1e-1, 1e-3])
+def test_an_overlap_of_small_blocks_is_reported(scale: float) -> None:
+    """Check boxes of 0.5 m and of 0.5 mm, 0.02 of it apart, that pass into each other by 0.05 of their width."""
+    box = {"on": "base", "width": 0.5 * scale, "depth": 0.5 * scale, "height": 0.5 * scale, "density": 2500.0}
+    places = {"a": [0.0, 0.0], "b": [0.52 * scale, 0.0]}
+    blocks = [{**box, "name": name, "at": at} for name, at in places.items()]
+    structure = Structure.from_dict(
+        {"name": "two", "joints": {"stiffness": 1e9 / scale, "damping": 0.0}, "block": blocks}
+    )
+    rows: Any = type("Rows", (), {"ux": np.array([[0.0, 0.0], [0.045 * scale, 0.0]]), "rotation": np.zeros((2, 2, 3))})
+    rows.uy = rows.uz = np.zeros((2, 2))
+    found = deepest_overlap(structure, np.arange(2.0), rows)
+    assert found.depth == pytest.approx(0.025 * scale, rel=1e-6)
+    assert found.between == ("a", "b")
+
+
 @pytest.mark.long  # takes 10 s and more
 def test_a_statue_lies_within_its_parts_and_is_the_same_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """Check 8 parts: 1.069 of its volume, where its hull has 1.91."""

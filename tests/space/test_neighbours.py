@@ -71,6 +71,23 @@ def test_walls() -> None:
     assert pair.gap == pytest.approx(math.sqrt(0.98) - 0.5, rel=1e-12)
 
 
+def test_a_rounded_survey_decides_neither_the_area_at_a_wall_nor_which_side_a_sheet_is_on() -> None:
+    """Check a slab of 4 m, which may overlap a wall by 0.2 mm as built, and a sheet of 0.05 mm before one."""
+    slab, law = {"width": 4.0, "depth": 0.3, "height": 0.25, "density": 2500.0}, {"restitution": 0.4, "damping": None}
+    wall, pairs = {**WALL, "at": [0.0, 0.0, 0.0], "height": 6.0}, []
+    for into in (0.0, 0.9e-4, 1.1e-4, 1.9e-4):
+        made = Structure.from_dict(described({**slab, "at": [2.0 - into, 0.0]}, reach=None, wall=[wall], **law))
+        pairs.append(made.neighbours[0])
+    assert [pair.size for pair in pairs] == pytest.approx([0.075] * 4, rel=1e-9)
+    assert [pair.damping for pair in pairs] == pytest.approx([pairs[0].damping] * 4, rel=1e-9)
+    for thick in (1e-2, 1e-4, 5e-5):
+        sheet = {"width": thick, "depth": 1.0, "height": 0.5, "density": 2500.0, "at": [0.002 + 0.5 * thick, 0.0]}
+        (pair,) = Structure.from_dict(described(sheet, wall=[wall])).neighbours
+        assert pair.gap == pytest.approx(0.002, rel=1e-9)
+    behind = {"width": 5e-5, "depth": 1.0, "height": 0.5, "density": 2500.0, "at": [-0.001, 0.0]}
+    assert Structure.from_dict(described(behind, wall=[wall])).neighbours == ()
+
+
 def test_blocks_that_reach_into_a_wall_are_refused_and_those_behind_or_beside_it_are_not() -> None:
     """Compare with intervals along the normal and the width; of a turned box with its diagonal."""
     half, wide = 0.5 * BOX["width"], 1.0  # m

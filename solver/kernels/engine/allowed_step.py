@@ -11,7 +11,7 @@ STEPS = 200  # number of steps of the recurrence; growth is measured over the se
 GROWTH = 1.005  # per step
 
 
-SHORTEST, LONGEST, WIDER = 1e-5, 0.1, 1.05  # s, s, ratio: geometric series of the steps that are tried
+MIDDLE, WIDER, TINY = 1e-5, 1.05, 1e-6  # s, ratio: geometric series of the steps that are tried, down to TINY h
 
 
 FAR = 1e100
@@ -110,8 +110,10 @@ def longest_step(way, h, dashpot, spring, moved, mass):
     holds = spring >= 0.0 and spring + dashpot > 0.0  # a dashpot alone, too
     if not (holds and moved > 0.0 and mass > 0.0) or not _grows(way, h, dashpot, spring, moved, mass):
         return math.inf
-    # the last stable one of a geometric series
-    step = SHORTEST
-    while step * WIDER < min(h, LONGEST) and not _grows(way, step * WIDER, dashpot, spring, moved, mass):
+    # a stable step of a geometric series, then the last one before they grow
+    step = min(MIDDLE, h)
+    while step > TINY * h and _grows(way, step, dashpot, spring, moved, mass):
+        step /= WIDER
+    while step * WIDER < h and not _grows(way, step * WIDER, dashpot, spring, moved, mass):
         step *= WIDER
     return step

@@ -19,7 +19,7 @@ from .blocks.faces import Face, clipped, polygon_moments
 from .blocks.parts import BASE, Pair, Side, Solid, SpatialJoint
 from .blocks.polyhedra import Polyhedron, polyhedron_of, slab_behind
 from .blocks.shapes import box, placed, rectangle
-from .convex import TOUCH, ConvexPart, built_overlaps, distance, hulls_of, touching
+from .convex import ConvexPart, built_overlaps, distance, hulls_of, touching
 
 _REACH = (0.0, 1e6), "a length in m, zero or positive: blocks within it may meet"
 _FRICTION = (0.0, 1e3), "a coefficient of friction, 0 without friction"
@@ -301,8 +301,9 @@ def _pairs_before(block: Solid, bodies: list[_Body], one: int, wall: Face, base:
     None for a block behind the plane of the wall. The gap of a body that overlaps the wall is negative.
     """
     drum, slab, found, still = side_of_drum(block), slab_behind(wall), [], np.zeros((1, 3))
-    front = max(float(body.part.extent(still, wall.normal[None, None])[1][0, 0]) for body in bodies)
-    if front + float((block.centroid - wall.centre) @ wall.normal) <= touching(block):
+    ends = np.array([body.part.extent(still, wall.normal[None, None]) for body in bodies])
+    back, front = float(np.min(ends[:, 0])), float(np.max(ends[:, 1]))
+    if front + float((block.centroid - wall.centre) @ wall.normal) <= min(touching(block), 0.5 * (front - back)):
         return []
     for body in bodies:
         both = body.polyhedron, slab
@@ -319,7 +320,7 @@ def _pairs_before(block: Solid, bodies: list[_Body], one: int, wall: Face, base:
                 gap = float(distance(body.part, ConvexPart(solid), still, still, away)[0])
                 if gap >= -touching(block):  # beside the wall
                     continue
-            area = _facing_area(body.part.faces, (wall,), TOUCH)
+            area = _facing_area(body.part.faces, (wall,), touching(block))
             size = area or both[0].mean_area
             pairs = [Pair(one, base, both, gap, size, beside=wall, faces=area > 0.0)]
         found += pairs

@@ -24,6 +24,7 @@ from .outputs import StructureHistories
 
 ROWS = 1000  # instants at once, which limits the memory
 FEW = 50  # instants whose overlap is worked out at once
+OF_SIZE = 1e-3  # of the smaller of two bodies: depth that is reported where it is less than TOUCH
 BEYOND = 0.05  # of the depth of a contact: an overlap deeper by up to this is still ascribed to it
 UPRIGHT = 1e-6  # of the vertical part of a normal: the base below such a face is a half-space
 UNJOINED, ENDED = "unjoined", "ended"
@@ -94,12 +95,17 @@ def deepest_overlap(structure: Structure, time: FloatArray, rows: StructureHisto
             still = np.zeros((1, 3))
             built = float(distance(one, other, still, still, between[None])[0])
             near = np.flatnonzero(unmet & (far >= built))
-            least = max(found.depth, TOUCH)
+            least = max(found.depth, _least_depth(structure, i, j))
             places = rotation[near, i], rotation[near, j], between + moved[near]
             depth, row = _deepest_row(one, other, places, min(built, 0.0), least)
             if depth > least:
                 found = Overlap(depth, (structure.names[i], structure.names[j]), float(time[near[row]]))
     return found
+
+
+def _least_depth(structure: Structure, *bodies: int) -> float:
+    """Return the depth (m) above which an overlap of two bodies is reported; the base has the number after the last."""
+    return min(TOUCH, *(OF_SIZE * structure.blocks[i].reach for i in bodies if i < structure.n))
 
 
 def _deepest_row(
@@ -165,7 +171,7 @@ def _deepest_at_ended_joints(
             depth = _depth_of_bodies(structure, hulls, between, u[some], rotation[some])
             depth -= (1.0 + BEYOND) * known[first : first + ROWS]
             k = int(np.argmax(depth))
-            if depth[k] > max(found.depth, TOUCH):
+            if depth[k] > max(found.depth, _least_depth(structure, i, j)):
                 found = Overlap(float(depth[k]), (names[i], names[j]), float(time[some[k]]), ENDED)
     return found
 
