@@ -22,21 +22,23 @@ class BuildWithMachineCode(build_py):
 
     def run(self) -> None:
         """Build as usual, without files that an earlier build has left, then add them."""
-        if not self.editable_mode:
-            shutil.rmtree(self.build_lib, ignore_errors=True)
+        made = Path(self.build_lib)
+        if PLATFORM and not self.editable_mode:
+            sys.path.insert(0, str(Path(__file__).parent))
+            from solver.kernels.machine.packaging import PLATFORMS, libraries
+            from solver.kernels.machine.zig import has_linker
+
+            if PLATFORM not in PLATFORMS:
+                raise SystemExit(f"MULTIBLOCK_WHEEL = {PLATFORM}: must be of {', '.join(PLATFORMS)}")
+            if not has_linker():
+                raise SystemExit("MULTIBLOCK_WHEEL: ziglang is not installed: pip install ziglang")
+        for package in {name.partition(".")[0] for name in self.packages if not self.editable_mode}:
+            if (made / package).is_dir():
+                shutil.rmtree(made / package)
         super().run()
         if not PLATFORM or self.editable_mode:
             return
-        sys.path.insert(0, str(Path(__file__).parent))
-        from solver.kernels.machine.packaging import PLATFORMS, libraries
-        from solver.kernels.machine.zig import has_linker
-
-        if PLATFORM not in PLATFORMS:
-            raise SystemExit(f"MULTIBLOCK_WHEEL = {PLATFORM}: must be of {', '.join(PLATFORMS)}")
-        if not has_linker():
-            raise SystemExit("MULTIBLOCK_WHEEL: ziglang is not installed: pip install ziglang")
-
-        folder = Path(self.build_lib) / "solver" / "kernels" / "machine" / "code"
+        folder = made / "solver" / "kernels" / "machine" / "code"
         folder.mkdir(parents=True, exist_ok=True)
         for name, content in libraries(platforms=[PLATFORM]).items():
             (folder / name).write_bytes(content)

@@ -67,7 +67,7 @@ static Face *new_face(void) {
 }
 
 static const char *follow(Face *face, const fmi3ValueReference references[], size_t count) {
-    if (count > core_lines()) return "too many variables are to be given within a step";
+    if (count > core_lines()) return "so many variables cannot be given within a step";
     for (size_t k = 0; k < count; k++) {
         face->inputs[k] = references[k];
         if (!core_line(references[k], &face->slopes[k])) return "a variable cannot be given within a step";

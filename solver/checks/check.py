@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from typing import Any
@@ -47,6 +47,7 @@ from .table import Demands, Row, rows_of
 from .verdicts import Verdicts, verdicts_of
 
 TURNED = " turned by 180 degrees"
+NO_FRICTION = "no joint has friction"
 BANDS = tuple(f"p{percent}" for percent in PERCENTILES)
 
 HISTORIES_GOVERN = (
@@ -296,21 +297,29 @@ def _passes(row: Row) -> str:
 
 def check_limits(limits: Limits, subjects: Sequence[Subject]) -> None:
     """Raise InputError for a limit, other than by default, that no row of any subject is compared with."""
-    joints, rubs = [subject.joints for subject in subjects], limits.friction is not None
-    # limit -> whether a row of some subject has it; why there is none
-    compared = {
-        "displacement": (any(subject.edge > 0.0 for subject in subjects), "in space a displacement has no limit"),
-        "overlap": (any(subject.model.kind.across for subject in subjects), "in the plane no blocks overlap"),
-        "hits": (any(subject.neighbours for subject in subjects), "nothing has neighbours"),
-        "strength_factor": (any(~np.isnan(one.strength).all() for one in joints), "no joint has a strength"),
-        "slip": (rubs or any(~np.isnan(one.friction).all() for one in joints), "no joint has friction"),
-        "residual": (any(~np.isnan(one.friction).all() for one in joints), "no joint has friction"),
-        "friction": (any(np.isnan(one.friction).any() for one in joints), "all joints have friction"),
+    rubs = limits.friction is not None
+    # limit -> whether a subject has a row with it; why there is none
+    compared: dict[str, tuple[Callable[[Subject], object], str]] = {
+        "displacement": (lambda subject: subject.edge > 0.0, "in space a displacement has no limit"),
+        "overlap": (lambda subject: subject.model.kind.across, "in the plane no blocks overlap"),
+        "hits": (lambda subject: subject.neighbours, "nothing has neighbours"),
+        "opening": (lambda subject: subject.joints.names, "there are no joints"),
+        "strength_factor": (lambda subject: not np.isnan(subject.joints.strength).all(), "no joint has a strength"),
+        "slip": (lambda subject: _slides(subject) or (rubs and not subject.model.kind.across), NO_FRICTION),
+        "residual": (_slides, NO_FRICTION),
+        "friction": (lambda subject: np.isnan(subject.joints.friction).any(), "all joints have friction"),
     }
     for item in fields(limits):
-        used, why = compared.get(item.name, (True, ""))
-        if not used and getattr(limits, item.name) != item.default:
-            raise InputError(f"limits.{item.name}: must be left out, {why}")
+        if item.name in compared and getattr(limits, item.name) != item.default:
+            uses, why = compared[item.name]
+            if not any(uses(subject) for subject in subjects):
+                raise InputError(f"limits.{item.name}: must be left out, {why}")
+
+
+def _slides(subject: Subject) -> bool:
+    """Return True if a joint with friction has a width to compare its slip with: bearings have none."""
+    joints = subject.joints
+    return bool((~np.isnan(joints.friction) & ~np.isnan(joints.width)).any())
 
 
 def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | None = None) -> Check:

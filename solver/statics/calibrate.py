@@ -576,10 +576,11 @@ def free_vibration(time: ArrayLike, values: ArrayLike) -> FreeVibration:
             f"be at least {percent(FOUND)}; choose a part in which one mode is left"
         )
     omega, ratio = (float(value) for value in best.x)
-    if not (0.3 < omega / start < 3.0 and ratio < SWING[1]) or math.isclose(ratio, SWING[1], rel_tol=1e-3):
+    bounds = (omega / start, 0.3), (omega / start, 3.0), (ratio, SWING[1])
+    if any(math.isclose(value, bound, rel_tol=1e-3) for value, bound in bounds):
         raise InputError(
-            f"free vibration: no swing that decays fits, the best has {omega / (2.0 * math.pi):.3g} Hz and a damping "
-            f"ratio of {ratio:.3g}, must be below {SWING[1]:g}; choose a part in which one mode is left"
+            f"free vibration: no swing that decays fits, the best, {omega / (2.0 * math.pi):.3g} Hz with a damping "
+            f"ratio of {ratio:.3g}, is at the bounds of the search; choose a part in which one mode is left"
         )
     return FreeVibration(omega / (2.0 * math.pi), ratio, explained, fit(best.x))
 

@@ -27,6 +27,7 @@ from multiblock import (
     wavelets,
 )
 from solver.checks.action import ARTIFICIAL, Level, action_on
+from solver.checks.check import check_limits
 from solver.checks.kinematic import mechanism, rocking_period
 from solver.checks.limits import Limits
 from solver.checks.margin import NARROW
@@ -121,6 +122,21 @@ def test_the_sign_that_moves_less_may_govern_ties_and_neighbours() -> None:
         assert row(made, "force between neighbours").demand == stopped.peaks["hit"][0] > 0.0 == free.peaks["hit"][0]
         assert made.answer == "FAILS by: hits its neighbour."
         assert made.impacts_sentence.startswith("As given these neighbours hit each other: cask-wall 1 under 1 of 1 ")
+
+
+def test_limits_that_no_row_of_a_structure_has_are_refused() -> None:
+    """Check slips of bearings, which have no width, and slips of joints that cannot slide, also with `friction`."""
+    rubber = subject_of(Structure.from_toml(ROOT / "examples" / "structures" / "statue-on-rubber.toml"))
+    check_limits(Limits(slip=0.01), [rubber])
+    bearings = SimpleNamespace(
+        joints=SimpleNamespace(friction=np.zeros(2), width=np.full(2, math.nan), names=("a", "b")), model=rubber.model
+    )
+    for limits, name in ((Limits(slip=0.01), "slip"), (Limits(residual=0.01), "residual")):
+        with pytest.raises(InputError, match=f"limits.{name}: must be left out, no joint has friction"):
+            check_limits(limits, [bearings])  # type: ignore[list-item]
+    stiff = subject_of(replace(BLOCK, described=None))
+    with pytest.raises(InputError, match=r"limits\.slip: must be left out, no joint has friction"):
+        check_limits(Limits(slip=0.01, friction=0.5), [stiff])
 
 
 def test_each_motion_has_its_own_overlap() -> None:

@@ -1,8 +1,11 @@
 """A structure under inputs that the caller sets at each call: the engine behind its FMUs.
 
 Its whole state is in the flat rows of layout.py. The joints are elastic in shear, so that all outputs follow from the
-state, without dependence on the acceleration of the same instant; only accelerations of ports have feedthrough.
+state, without dependence on the acceleration of the same instant; only accelerations of ports have feedthrough. Before
+the first step all outputs follow the rotation of the base.
 """
+
+import math
 
 from ..engine.control import most_of_a_call, most_work
 from ..engine.differences import point, points
@@ -295,7 +298,7 @@ def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, sampl
     visible : row
         The output row to fill.
     driven : row
-        Filled with the motion of the base, where bodies may drive it, as the last step left it.
+        Filled with the motion of the base, where bodies may drive it, as the last step, or the inputs before, left it.
     """
     sizes, scene = sizes_in(model), scene_of(model, state, counts, base, samples, work)
     phase = _state(state, sizes).phase
@@ -304,7 +307,9 @@ def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, sampl
         if scene.settings.drive == ACCELERATION:
             _drive(scene, inputs, elapsed, t)
         # if bodies drive it, the outputs depend on its rotation alone, before the first step
-        if scene.settings.turns != 0.0 and scene.counts.started == 0:
+        turned = turned_by(scene, inputs)
+        known = math.isfinite(turned.theta_x + turned.theta_y + turned.omega_x + turned.omega_y)
+        if scene.settings.turns != 0.0 and scene.counts.started == 0 and known:
             start_at(scene.base, t)
             turn(scene, phase, scene.base, inputs)
     show_driven(scene.settings, scene.base, t, 0, driven)
@@ -367,7 +372,8 @@ def _driven_size(settings):
 def feedthrough(model, state, counts, base, work, seeds, elapsed, t, visible, driven):
     """Fill an output row with the directional derivatives of the outputs at time t along input seeds. Return OK.
 
-    Only accelerations of ports depend on inputs, linearly; the motion of the base (`driven`, cleared) does not.
+    Only accelerations of ports depend on inputs, linearly; the motion of the base (`driven`, cleared) does not. That
+    all outputs follow the rotation of the base before the first step is left out.
 
     Parameters
     ----------
