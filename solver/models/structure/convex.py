@@ -5,6 +5,9 @@ faces and the cross products of edges. For drums the axes are those along which 
 each other; where these do not separate drums or hulls of many edges, tangents of rims are edges too, and the nearest
 point of the Minkowski difference decides (E. Gilbert, SIAM J. Control 4, 1966, p. 61). The extent of a block along an
 axis is that of its corners and rims.
+
+Along these axes the distance of blocks whose corners or edges are nearest is too small. As built it is that of the
+nearest points (`apart`; E. G. Gilbert, D. W. Johnson, S. S. Keerthi, IEEE J. Robotics and Automation 4, 1988, p. 193).
 """
 
 from __future__ import annotations
@@ -12,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
+from itertools import combinations, product
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +30,7 @@ PAIRS = 2000  # of edges; with more, their cross products are not tested: overla
 TOUCH, TOUCH_PART = 1e-4, 1e-4  # m, and of the size of a block: blocks that overlap by less as built touch
 TANGENTS = 12  # to a rim, in half a turn
 NEAREST = 200  # iterations for the nearest point
+CLOSE, SAME, ROUNDING = 1e-13, 1e-12, 1e-15  # of the size: by which supports are nearer; equal distances; of sums
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,6 +131,16 @@ class ConvexPart:
             found, most = np.where((place > most)[:, None], point, found), np.maximum(most, place)
         return found + turned(rotation, found)
 
+    def support(self, along: FloatArray) -> FloatArray:
+        """Return the farthest point along a direction (3,) from the centroid as built, m (3,)."""
+        found = [self.corners[np.argmax(self.corners @ along)]] if len(self.corners) else []
+        for centre, normal, radius in self.rims:
+            across = along - (along @ normal) * normal
+            across -= (across @ normal) * normal  # rounding of a direction nearly along the normal
+            length = float(np.linalg.norm(across))
+            found.append(centre + radius / length * across if length else centre)
+        return max(found, key=lambda point: float(point @ along))
+
     def facing(self, rotation: FloatArray, other: ConvexPart, turn: FloatArray, between: FloatArray) -> FloatArray:
         """Return the axes along which a drum faces another block, (rows, axes, 3).
 
@@ -221,6 +235,74 @@ def distance(one: ConvexPart, other: ConvexPart, r1: FloatArray, r2: FloatArray,
         nearest, by_tangents = _nearest(one, other, *rows), along_axes(one, other, *rows, tangents=True)
         found[unclear] = np.maximum(found[unclear], np.maximum(nearest, by_tangents))
     return found
+
+
+def _nearest_of(corners: list[FloatArray]) -> tuple[list[FloatArray], FloatArray]:
+    """Return the point nearest to the origin of a simplex of up to four points (3,), m, and the corners that it needs.
+
+    The last corner is among them, and no tetrahedron holds the origin. A convex combination is never too near.
+    """
+    last = corners[-1]
+    edges = [corner - last for corner in corners[:-1]]
+    found, nearest, least = [last], last, float(last @ last)
+    for count in (1, 2):
+        for some in combinations(range(len(edges)), count):
+            a, b = edges[some[0]], edges[some[-1]]
+            if count == 1:
+                square, parts = float(a @ a), [-float(last @ a)]
+            else:
+                normal = _cross(a, b)
+                square = float(normal @ normal)
+                parts = [-float(_cross(last, b) @ normal), -float(_cross(a, last) @ normal)]
+            if not (square > 0.0 and min(parts) > 0.0 and sum(parts) < square):
+                continue
+            point = last + sum(part / square * edges[k] for part, k in zip(parts, some, strict=True))
+            if float(point @ point) < least:
+                found, nearest, least = [*(corners[k] for k in some), last], point, float(point @ point)
+    return found, nearest
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return the cross product of two vectors (3,), faster than numpy's."""
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def apart(one: ConvexPart, other: ConvexPart, between: FloatArray) -> tuple[float, FloatArray | None]:
+    """Return the distance of two convex bodies as built, and the vector from the first to the second of nearest points.
+
+    Parameters
+    ----------
+    one, other : ConvexPart
+        The bodies.
+    between : array (3,)
+        From the centroid of `one` to that of `other`, m.
+
+    Returns
+    -------
+    float
+        The signed distance, m, negative by their overlap.
+    array (3,) or None
+        The vector, m; None where the distance is that along the axes of `distance`, as of faces, or negative.
+    """
+    still = np.zeros((1, 3))
+    along = float(distance(one, other, still, still, between[None])[0])
+    if not along > 0.0:
+        return along, None
+    size = one.block.reach + other.block.reach
+    # support points of the Minkowski difference, from the line of centroids on
+    point = between + other.support(-between) - one.support(between)
+    corners, length = [point], float(np.linalg.norm(point))
+    for _ in range(NEAREST):
+        unit = point / length
+        support = between + other.support(-unit) - one.support(unit)
+        if length - float(support @ unit) <= CLOSE * size or any(np.array_equal(support, c) for c in corners):
+            break
+        # where several corners are equally far, a turn that shortens by less than rounding leads to the right one
+        corners, nearer = _nearest_of([*corners, support])
+        if float(np.linalg.norm(nearer)) > length + ROUNDING * size:
+            break
+        point, length = nearer, float(np.linalg.norm(nearer))
+    return (length, point) if length - along > SAME * size else (along, None)
 
 
 def hulls_of(block: Solid) -> list[ConvexPart]:

@@ -19,7 +19,7 @@ from .blocks.faces import Face, clipped, polygon_moments
 from .blocks.parts import BASE, Pair, Side, Solid, SpatialJoint
 from .blocks.polyhedra import Polyhedron, polyhedron_of, slab_behind
 from .blocks.shapes import box, placed, rectangle
-from .convex import ConvexPart, built_overlaps, distance, hulls_of, touching
+from .convex import ConvexPart, apart, built_overlaps, distance, hulls_of, touching
 
 _REACH = (0.0, 1e6), "a length in m, zero or positive: blocks within it may meet"
 _FRICTION = (0.0, 1e3), "a coefficient of friction, 0 without friction"
@@ -234,11 +234,10 @@ def _pairs_between(
     drums = side_of_drum(blocks[one]), side_of_drum(blocks[other])
     if drums[1] and not drums[0]:
         one, other, drums = other, one, drums[::-1]
-    still, between = np.zeros((1, 3)), (blocks[other].centroid - blocks[one].centroid)[None]
-    found: list[Pair] = []
+    between, found = blocks[other].centroid - blocks[one].centroid, list[Pair]()
     for a, b in product(bodies[one], bodies[other]):
         both = a.polyhedron, b.polyhedron
-        away = float(distance(a.part, b.part, still, still, between)[0])
+        away, _ = apart(a.part, b.part, between)
         if drums[0] and drums[1]:
             gap, length = _gap_of_drums(drums[0], drums[1])
             length = length or 2.0 * min(drums[0].half, drums[1].half)
@@ -266,12 +265,14 @@ def _moved_to(gap: float, pairs: list[Pair], blocks: tuple[Solid, ...], bodies: 
     by = nearest.gap - gap
     if nearest.side or by == 0.0:
         return pairs
-    # direction of the distance, by central differences of it
+    # direction of the distance: of the nearest points, or by central differences
     parts, still = {id(body.polyhedron): body.part for body in bodies}, np.zeros((3, 3))
     between, steps = blocks[nearest.other].centroid - blocks[nearest.one].centroid, DIFFERENCE * np.eye(3)
     one, other = (parts[id(body)] for body in nearest.bodies)
-    slope = distance(one, other, still, still, between + steps) - distance(one, other, still, still, between - steps)
-    direction = np.round(slope / (2.0 * DIFFERENCE), ROUNDED)
+    _, direction = apart(one, other, between)
+    if direction is None:
+        ahead, behind = (distance(one, other, still, still, between + step) for step in (steps, -steps))
+        direction = np.round((ahead - behind) / (2.0 * DIFFERENCE), ROUNDED)
     vector = by * direction / np.linalg.norm(direction)
     # the bodies, and their distances then
     moved = {id(pair.bodies[0]): pair.bodies[0].moved(vector) for pair in pairs}
@@ -281,7 +282,7 @@ def _moved_to(gap: float, pairs: list[Pair], blocks: tuple[Solid, ...], bodies: 
             made.append(pair)
             continue
         one, other = (parts[id(body)] for body in pair.bodies)
-        left = float(distance(one, other, still[:1], still[:1], (between - vector)[None])[0])
+        left, _ = apart(one, other, between - vector)
         both = moved[id(pair.bodies[0])], pair.bodies[1]
         made.append(replace(pair, bodies=both, gap=gap if pair is nearest else left, shift=abs(by)))
     return made
