@@ -92,6 +92,19 @@ def test_a_rim_of_half_a_face_is_the_whole_face_to_the_last_bit(name: str) -> No
         assert np.array_equal(bed(rim, slips, p, q), bed(whole, slips, p, q))
 
 
+@pytest.mark.parametrize("shape", [{"width": 0.8, "depth": 0.8}, {"width": 0.8, "depth": 1.3}, {"diameter": 0.8}])
+def test_what_rounding_leaves_of_a_rim_of_half_the_width_is_nothing(shape: dict[str, Any]) -> None:
+    """Check places at which a part 1e-17 m wide was left, and rims less than half by up to 1e-11 of it."""
+    for x in (0.0, 0.1, 0.7, 0.9, 1.3, 100.3):
+        for less in (0.0, *10.0 ** -np.arange(11.0, 17.0)):
+            block = {"name": "b", "on": "base", "at": [x, 0.3 * x], "height": 0.8, "density": 2000.0, **shape}
+            block |= {"shape": "drum"} if "diameter" in shape else {}
+            law = {"stiffness": 1e9, "damping": 1e-3, "rim": 0.4 * (1.0 - less)}
+            (joint,) = Structure.from_dict({"name": "b", "joints": law, "block": [block]}).joints
+            assert joint.inside is None
+            assert joint.moments[0] == pytest.approx(math.pi * 0.16 if "diameter" in shape else joint.face.moments[0])
+
+
 def hull(rng: np.random.Generator, count: int) -> FloatArray:
     """Return a convex polygon about the origin, anticlockwise."""
     angles = np.sort(rng.uniform(0.0, 2.0 * math.pi, 3 * count))[::3]

@@ -15,6 +15,7 @@ from ....common.errors import InputError
 FloatArray = NDArray[np.float64]
 
 NEAR = 1e-6  # of the size of a face: planes and edges closer than this are the same
+SLIVER = 1e-9  # of the area of a face
 SIDES = 60  # of the polygon of equal area that replaces a round face where another face cuts it
 
 
@@ -153,15 +154,25 @@ def half_of(corners: Sequence[Sequence[float]], depth: Sequence[float]) -> list[
 
 
 def inset(face: Face, rim: float) -> Face | None:
-    """Return the part of a face farther than `rim` (m) from its edges, about the same centre; None if it is empty."""
+    """Return the part of a face farther than `rim` (m) from its edges, about the same centre; None if it is empty.
+
+    A part of at most `SLIVER` of the area is what rounding leaves of a rim half as wide as the face.
+    """
     if face.radius:
         radius, bore = face.radius - rim, face.bore + rim if face.bore else 0.0
-        return replace(face, radius=radius, bore=bore) if radius > bore else None
-    left = face.outline.tolist()
-    for (x0, y0), (x1, y1) in zip(face.outline.tolist(), np.roll(face.outline, -1, axis=0).tolist(), strict=True):
-        length = math.hypot(x1 - x0, y1 - y0)
-        left = half_of(left, [((x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)) / length - rim for x, y in left])
-    return replace(face, outline=without_doubles(np.array(left))) if len(left) > 2 else None
+        if radius <= bore:
+            return None
+        found = replace(face, radius=radius, bore=bore)
+    else:
+        left = face.outline.tolist()
+        for (x0, y0), (x1, y1) in zip(face.outline.tolist(), np.roll(face.outline, -1, axis=0).tolist(), strict=True):
+            length = math.hypot(x1 - x0, y1 - y0)
+            left = half_of(left, [((x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)) / length - rim for x, y in left])
+        outline = without_doubles(np.array(left)) if len(left) > 2 else np.empty((0, 2))
+        if len(outline) < 3:
+            return None
+        found = replace(face, outline=outline)
+    return found if found.moments[0] > SLIVER * face.moments[0] else None
 
 
 def outside_parts(corners: FloatArray, outside: FloatArray) -> list[FloatArray]:
