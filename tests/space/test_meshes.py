@@ -140,6 +140,22 @@ def test_a_mesh_in_mm_is_said_in_python(tmp_path: Path) -> None:
     assert read(file, unit=1e-3).mass == pytest.approx(0.36 * DENSITY)
 
 
+def test_a_mesh_in_mm_that_is_scaled_is_not_said(tmp_path: Path) -> None:
+    file = written(tmp_path, box((0, 0, 0), (500, 400, 1800)))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert read(file, scale=1e-3).mass == pytest.approx(0.36 * DENSITY)
+    with pytest.warns(InputWarning, match=r"stone.obj: 180 m high"):
+        read(file, scale=0.1)
+
+
+def test_a_mesh_far_from_the_origin_is_refused_by_its_file(tmp_path: Path) -> None:
+    file = written(tmp_path, box((5e5, 4649776.0, 312.0), (500001.0, 4649777.0, 314.0)))
+    said = r"^block\[1\].file: .*stone.obj: coordinates reach 4.65e\+06 m, must be at most 1e\+06 m: shift them near"
+    with pytest.raises(InputError, match=said):
+        read(file)
+
+
 def test_wrong_winding_is_repaired(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Check a box of 192 triangles, of which some look inwards; of a hollow box the inner shell looks outwards."""
     whole = box(*OUTER).subdivide().subdivide()

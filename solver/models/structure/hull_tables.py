@@ -142,13 +142,13 @@ def _mesh_table(key: str, table: Mapping[str, Any]) -> tuple[Mapping[str, Any], 
     if "up" in table:
         check_choice(f"{key}.up", table["up"], UP)
     check_keys(f"{key}.", table.keys() & (set(OF_HULL) - set(OF_MESH)), OF_MESH, " of a mesh")
-    unit = _optional(f"{key}.unit", table, 1.0, FACTOR)
+    unit, scale = (_optional(f"{key}.{word}", table, 1.0, FACTOR) for word in ("unit", "scale"))
     share = _optional(f"{key}.level", table, LEVEL, _LEVEL)
     repair = table.get("repair", False)
     if not isinstance(repair, bool):
         raise InputError(f"{key}.repair = {shown(repair)}: must be true or false")
     # surface, points and convex parts
-    triangles = _within(f"{key}.file", triangles_of, Path(file), unit, table.get("up"), repair)
+    triangles = _within(f"{key}.file", triangles_of, Path(file), unit, table.get("up"), repair, scale)
     points = np.unique(triangles.reshape(-1, 3), axis=0)
     if "parts" in table:
         count = check_whole(f"{key}.parts", table["parts"], 1, MOST_PARTS, f"a whole number, 1 to {MOST_PARTS}")

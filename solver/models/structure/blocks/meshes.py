@@ -14,6 +14,7 @@ import numpy as np
 
 from ....common.errors import InputError, InputWarning, needing, reading, shortened
 from ....common.files import MB, content_of
+from ....common.tables import PLACE
 from .faces import FloatArray
 from .shells import EXTRA, check_closed, check_shells, repaired, solids_apart, volume_of
 
@@ -26,7 +27,7 @@ UP = ("x", "y", "z")
 TURNS = {"x": ((1, 2, 0), (1.0, 1.0, 1.0)), "y": ((0, 2, 1), (1.0, -1.0, 1.0)), "z": ((0, 1, 2), (1.0, 1.0, 1.0))}
 
 
-def triangles_of(path: Path, unit: float, up: str | None, repair: bool = False) -> FloatArray:
+def triangles_of(path: Path, unit: float, up: str | None, repair: bool = False, scale: float = 1.0) -> FloatArray:
     """Return the triangles of a closed mesh, anticlockwise from outside.
 
     Warns of solids that do not touch, of a height beyond `TALL` and of triangles that were repaired.
@@ -41,6 +42,8 @@ def triangles_of(path: Path, unit: float, up: str | None, repair: bool = False) 
         Axis of the file that points up; None: y of glTF, which defines it, z of others.
     repair : bool
         Turn triangles that look inwards.
+    scale : float
+        Factor of all lengths that is yet to be applied, for the height.
 
     Returns
     -------
@@ -82,6 +85,11 @@ def triangles_of(path: Path, unit: float, up: str | None, repair: bool = False) 
         # turn the axes, so that z points up, and the triangles, so that the volume is positive
         order, signs = TURNS[up or ("y" if kind in (".gltf", ".glb") else "z")]
         corners = unit * np.array(signs) * corners[:, order]
+        farthest, most = float(np.max(np.abs(corners))), PLACE[0][1]
+        if farthest > most:
+            raise InputError(
+                f"coordinates reach {farthest:.4g} m, must be at most {most:.0e} m: shift them near the origin"
+            )
         found: FloatArray = corners[faces]
         if not volume_of(found) > 0.0:
             faces, found = faces[:, ::-1], found[:, ::-1].copy()
@@ -89,7 +97,7 @@ def triangles_of(path: Path, unit: float, up: str | None, repair: bool = False) 
         solids = solids_apart(corners, faces)
     if solids > 1:
         _warn(path, f"{solids} solids that do not touch, taken as one rigid block")
-    height = float(np.ptp(found[:, :, 2]))
+    height = scale * float(np.ptp(found[:, :, 2]))
     if height > TALL:
         _warn(path, f"{height:.4g} m high: a mesh in mm needs unit = 1e-3 (--unit 1e-3)")
     return found
