@@ -51,10 +51,11 @@ def turn(scene, phase, base, inputs):
     """
     turned = turned_by(scene, inputs)
     x, y, u, v = turned.theta_x, turned.theta_y, turned.omega_x, turned.omega_y
-    # before the first step the blocks rest
+    # before the first step the blocks rest: undo the rates relative to a base that was read in motion
     if scene.counts.started == 0:
+        undone = base.omega_x != 0.0 or base.omega_y != 0.0
         base.theta_x, base.theta_y, base.omega_x, base.omega_y = x, y, 0.0, 0.0
-        for i in range(scene.n):
+        for i in range(scene.n if undone else 0):
             phase.vx[i], phase.vy[i], phase.vz[i] = 0.0, 0.0, 0.0
             phase.wx[i], phase.wy[i], phase.wz[i] = 0.0, 0.0, 0.0
     # a jump of angle or rate
