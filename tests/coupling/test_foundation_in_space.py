@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from support.fmus import ROOT, run
 from support.probe import G
+from support.shaft import ROCKING
 
 from build_fmu import build_fmu, build_native_fmu
 from fmu_src.body import StructureBody, read_body
@@ -31,19 +32,6 @@ MASS = SIDE * SIDE * DEEP * DENSITY
 SHAFT = {"name": "shaft", "width": 0.9, "depth": 0.7, "height": 2.5, "density": 2400.0}
 JOINT = {"stiffness": 1e9, "damping": 2e-3}
 MASSES = {"M": 6e3, "Mxry": -2e3, "Myrx": 1.5e3, "Jxx": 3e3, "Jyy": 4e3, "Jxy": 100.0}
-TEXT = """
-name = "rocking"
-[joints]
-stiffness = 1e9
-damping = 2e-3
-[[block]]
-name = "shaft"
-on = "base"
-width = 0.9
-depth = 0.7
-height = 2.5
-density = 2400.0
-"""
 AMPLITUDE, FREQUENCY, DURATION, ACROSS = 0.04 * G, 2.0, 0.6, 0.7  # m/s2, Hz, s, part of it along y
 OMEGA = 2.0 * np.pi * FREQUENCY
 
@@ -198,7 +186,7 @@ def test_outputs_before_the_first_step_are_those_of_the_base_as_it_begins(drive:
 def test_fmus_of_both_kinds_turn_alike(drive: Drive, tmp_path: Path) -> None:
     """Compare with the bits of the solver: inputs in their order, and the same code without Python."""
     file, h, count = tmp_path / "rocking.toml", 2e-3, 100
-    file.write_text(TEXT, encoding="utf-8")
+    file.write_text(ROCKING, encoding="utf-8")
     read = read_body(file, drive=drive)
     assert isinstance(read, StructureBody)
     time: Array = h * np.arange(count + 1, dtype=np.float64)

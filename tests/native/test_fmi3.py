@@ -16,6 +16,7 @@ from lxml import etree  # type: ignore[import-untyped]
 from support.child import call, command, ended, returned
 from support.fmus import DAMPED, LINUX, Fmus, finish, run, stack_file
 from support.inside import fmi3, masters
+from support.shaft import ROCKING
 
 from fmu_src.body import ColumnBody
 from fmu_src.drive import Drive
@@ -192,18 +193,7 @@ def test_inputs_that_are_not_given_within_a_step_continue_by_their_slopes(native
     assert np.all(np.max(np.abs(three - two), axis=0) < 1e-6 * np.max(np.abs(two), axis=0))
 
 
-TURNING = """
-name = "rocking"
-[joints]
-stiffness = 1e9
-damping = 2e-3
-[[block]]
-name = "shaft"
-on = "base"
-width = 0.9
-depth = 0.7
-height = 2.5
-density = 2400.0
+TURNING = f"""{ROCKING}
 [[port]]
 name = "top"
 block = "shaft"

@@ -1,4 +1,4 @@
-"""A column of two blocks as text of a file, {joint} for more of its joints, and two ports on them."""
+"""Files as text: a column of two blocks, {joint} for more of its joints, two ports on them; a shaft in space."""
 
 SHAFT = """
 name = "shaft"
@@ -23,4 +23,18 @@ at = [0.2, 1.5]
 [[port]]
 name = "lower"
 block = "block2"
+"""
+
+ROCKING = """
+name = "rocking"
+[joints]
+stiffness = 1e9
+damping = 2e-3
+[[block]]
+name = "shaft"
+on = "base"
+width = 0.9
+depth = 0.7
+height = 2.5
+density = 2400.0
 """

@@ -307,11 +307,11 @@ def look(model, state, counts, base, work, inputs, new_inputs, elapsed, t, sampl
         if scene.settings.drive == ACCELERATION:
             _drive(scene, inputs, elapsed, t)
         # if bodies drive it, the outputs depend on its rotation alone, before the first step
-        turned = turned_by(scene, inputs)
-        known = math.isfinite(turned.theta_x + turned.theta_y + turned.omega_x + turned.omega_y)
-        if scene.settings.turns != 0.0 and scene.counts.started == 0 and known:
-            start_at(scene.base, t)
-            turn(scene, phase, scene.base, inputs)
+        if scene.settings.turns != 0.0 and scene.counts.started == 0:
+            turned = turned_by(scene, inputs)
+            if math.isfinite(turned.theta_x + turned.theta_y + turned.omega_x + turned.omega_y):
+                start_at(scene.base, t)
+                turn(scene, phase, scene.base, inputs)
     show_driven(scene.settings, scene.base, t, 0, driven)
     # without ports no output depends on inputs, nor where the state is kept
     if scene.extras.spotted == 0 or t >= end_after_fall(scene):
