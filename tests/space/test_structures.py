@@ -375,7 +375,7 @@ def test_a_block_that_nothing_holds_is_refused() -> None:
     data = copy.deepcopy(TRILITH)
     data["block"].append({**data["block"][0], "name": "far", "position": [9.0, 0.0, 9.0]})
     del data["block"][-1]["on"]
-    with pytest.raises(InputError, match="'far': touches nothing"):
+    with pytest.raises(InputError, match="'far': must be joined to the base"):
         Structure.from_dict(data)
 
 

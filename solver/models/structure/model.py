@@ -123,7 +123,8 @@ class Structure(NotebookRepr):
                     reached.append(body)
         for i, name in enumerate(self.names):
             if i not in held:
-                raise InputError(f"block[{i + 1}] = {shown(name)}: touches nothing that stands on the base")
+                joined = 'must be joined to the base, also by blocks under it: on = "base", a [[joint]] or [[bearing]]'
+                raise InputError(f"block[{i + 1}] = {shown(name)}: {joined}")
 
     def _facts(self) -> tuple[str, ...]:
         parts = [counted(self.n, "block"), counted(len(self.joints), "joint"), counted(len(self.ties), "tie")]
