@@ -74,7 +74,7 @@ class Action:
         return replace(self, motions=tuple(made), how=f"{self.how}, turned by a quarter")
 
     def cautions(self, longest: float = 0.0) -> list[str]:
-        """Return a line for each use of the target beyond its table, and one for factors that are too large.
+        """Return a line for each use of the target beyond its table, for factors too large and for peaks too small.
 
         Parameters
         ----------
@@ -86,6 +86,14 @@ class Action:
             lines.append(f"It stands on {self.where}. {OF_FLOORS}")
         if self.target is None or self.periods is None:
             return lines
+        # the mean peak of the ground
+        peaks = [scaling.horizontal_pga(one.motion) for one in self.ground or self.motions]
+        ratio = float(np.mean(peaks)) / float(self.target.psa(0.0))
+        if ratio < 1.0:
+            lines.append(
+                f"The mean peak acceleration is {ratio:.3g} of the target's at period 0; EN 1998-1, 3.2.3.1.2(4)b, asks "
+                "for 1 at least: a range of shorter periods (periods) or other records may help."
+            )
         found = self.target.outside(0.0, max(self.periods[1], 0.0 if self.ground else longest))
         return [*(f"{self.target.name}: {line}." for line in found), *lines]
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from multiblock import InputError, Motion, spectra, spectrum, wavelets
+from solver.checks.action import Action
 from solver.checks.scaling import (
     MotionSpectra,
     check_factors,
@@ -94,3 +95,14 @@ def test_mistakes_are_refused() -> None:
         scaled_to_pga(still, 1.0)
     with pytest.raises(InputError, match="periods = 2 1: must be the shorter first"):
         scaled_to_spectrum(NOISE, TARGET, (2.0, 1.0))
+
+
+def test_a_mean_peak_below_that_of_the_spectrum_is_said() -> None:
+    """Check that motions whose mean peak is below ag S are named as EN 1998-1, 3.2.3.1.2(4)b, asks."""
+    scaled = scaled_to_spectrum(NOISE, TARGET, (0.1, 1.5), least=0.0)
+    peak = float(np.mean([np.abs(one.motion.ax).max() for one in scaled]))
+    for part in (0.9, 1.1):
+        motions = tuple(one._replace(motion=one.motion.scaled(part * 2.0 * 1.2 / peak)) for one in scaled)
+        said = [line for line in Action(motions, "", TARGET, (0.1, 1.5)).cautions() if "mean peak" in line]
+        assert len(said) == (part < 1.0)
+        assert all(line.startswith("The mean peak acceleration is 0.9 of the target's at period 0") for line in said)
