@@ -91,8 +91,8 @@ class Action:
         ratio = float(np.mean(peaks)) / float(self.target.psa(0.0))
         if ratio < 1.0:
             lines.append(
-                f"The mean peak acceleration is {ratio:.3g} of the target's at period 0; EN 1998-1, 3.2.3.1.2(4)b, asks "
-                "for 1 at least: a range of shorter periods (periods) or other records may help."
+                f"The mean peak acceleration is {ratio:.3g} of the target's at period 0; EN 1998-1, 3.2.3.1.2(4)b, "
+                "asks for 1 at least: a range of shorter periods (periods) or other records may help."
             )
         found = self.target.outside(0.0, max(self.periods[1], 0.0 if self.ground else longest))
         return [*(f"{self.target.name}: {line}." for line in found), *lines]
