@@ -217,16 +217,8 @@ def build_native_fmu(
 ) -> Path:
     """Build the FMU that needs no Python, and return its path; prints which external symbols its libraries need.
 
-    The arguments that are not listed, and the errors, are those of `build_fmu`.
-
-    Parameters
-    ----------
-    column_file : Path
-        TOML file of a column or structure.
-    platforms : sequence of str, optional
-        Names in PLATFORMS[form.fmi]. Default: all of them.
-    form : Form
-        Version of FMI, and options of the archive.
+    `platforms` are names in PLATFORMS[form.fmi], by default all of them; `form` has the version of FMI and the options
+    of the archive. The other arguments, and the errors, are those of `build_fmu`.
     """
     with needing("native", *BUILDER_PACKAGES):
         from fmu_src.native.package import native_files, needs_report
@@ -397,18 +389,10 @@ def build_fmu(
 
 
 def _carry_package(package: ModuleType, files: dict[str, bytes], renamed: dict[str, str], kernels: str = "") -> str:
-    """Add the files of a package under a name with a hash of its content, and return the name.
+    """Add the files of a package to `files`, under a name with a hash of its content, and return the name.
 
-    Parameters
-    ----------
-    package : module
-    files : dict of str to bytes
-        Content by path; the files of the package are added.
-    renamed : dict of str to str
-        Package names to replace in its imports.
-    kernels : str
-        Group of kernels with machine code, also a part of the name: FMUs with other groups have their own copy, in one
-        process too.
+    `renamed` has the package names to replace in its imports. `kernels` is the group of kernels with machine code, also
+    a part of the name: FMUs with other groups have their own copy, in one process too.
     """
     source = Path(package.__path__[0])
     texts = {}
@@ -429,17 +413,7 @@ def _carry_package(package: ModuleType, files: dict[str, bytes], renamed: dict[s
 
 
 def repack(source: Path, target: Path, extra: dict[str, bytes], plain_names: bool = False) -> None:
-    """Write the archive with the guard and the additions, compressed, in a fixed order and with a fixed date.
-
-    Parameters
-    ----------
-    source, target : Path
-        Archive to read, and archive to write.
-    extra : dict of str to bytes
-        Content of the additional files by path.
-    plain_names : bool
-        If True, name variables as `without_brackets` does.
-    """
+    """Write the archive with the guard and the files of `extra`, compressed, in a fixed order and with a fixed date."""
     with zipfile.ZipFile(source) as old:
         files = {name: old.read(name) for name in old.namelist()}
     files = guard.guarded(files) | extra

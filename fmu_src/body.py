@@ -80,12 +80,7 @@ class Body:
     def table(self, record: str = "", reads_files: bool = True) -> list[variables.Variable]:
         """Return the variables.
 
-        Parameters
-        ----------
-        record : str
-            Name of the record inside the FMU, empty without one.
-        reads_files : bool
-            True if the FMU reads other record files, too.
+        `record` is the name of the record inside the FMU, "" without one; with `reads_files` it reads other files, too.
         """
         row, peaks = self._outputs()
         row = [replace(output, initially=()) for output in row]
@@ -253,20 +248,10 @@ def body_for(model: Any) -> Body:
 
 
 def read_body(file: Path, space: bool = False, drive: Drive = USUAL) -> Body:
-    """Return the body that a TOML file describes, which must have a stable rest.
+    """Return the body that a TOML file describes, whose base moves by `drive`.
 
-    Parameters
-    ----------
-    file : Path
-    space : bool
-        If True, solve a column as a structure in space.
-    drive : Drive
-        How the base moves.
-
-    Raises
-    ------
-    InputError
-        If the file is wrong, the rest is not stable, or a base that may turn is requested for a column.
+    With `space` a column is solved as a structure. Raises InputError if the file is wrong, the rest is not stable, or a
+    base that may turn is requested for a column.
     """
     with reading(file):
         data = in_space(toml_of(file)) if space else toml_of(file)

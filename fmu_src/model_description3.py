@@ -36,16 +36,10 @@ ELEMENT = r"\b(block|joint|tie|bearing|bond|contact|port) 1\b(?: \(.*?\))?"
 def model_description3(
     about: About, table: list[Variable], followed: Collection[str] = (), scalars: bool = False
 ) -> Element:
-    """Return the root element.
+    """Return the root element; inputs that are `followed` may be set within a step (intermediate update).
 
-    Parameters
-    ----------
-    about : About
-    table : list of Variable
-    followed : collection of str
-        Inputs that may be set within a step (intermediate update).
-    scalars : bool
-        If True, use no arrays: each variable as in the table and as in FMI 2.0, for masters that support none.
+    With `scalars` there are no arrays, for masters that support none: each variable is as in the table and as in FMI
+    2.0.
     """
     arrays = grouped(table, scalars)
     root = beginning(FMI_3, about, table)
@@ -116,16 +110,7 @@ def terminals(table: list[Variable], has_icon: bool = False, drive: Drive = USUA
 
     The terminal of the base has its motion as inputs, unless bodies move it, and reaction and effective mass as
     outputs; that of a body has its force and mass as inputs; that of a port has loads as inputs and its motion as
-    outputs.
-
-    Parameters
-    ----------
-    table : list of Variable
-    has_icon : bool
-        True if icon.png is beside the file.
-    drive : Drive
-    scalars : bool
-        If True, no variable is an array; else all ports are one terminal, of arrays.
+    outputs. With `has_icon` icon.png is beside the file. Without `scalars` all ports are one terminal, of arrays.
     """
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     if has_icon:

@@ -61,20 +61,10 @@ differ by up to 4e-7 of the largest value of a unit; a difference beyond {alike:
 
 
 def reference_files(body: Body, motion: Motion | None = None, arrays: bool = False) -> dict[str, bytes]:
-    """Run a body for a short time, and return the files of the reference results by path in the FMU.
+    """Run a body for a short time under its record, and return the files of the reference results by path in the FMU.
 
-    Parameters
-    ----------
-    body : Body
-    motion : Motion, optional
-        Its record.
-    arrays : bool
-        If True, the variables of blocks, joints and ports are arrays and are left out; ports carry no load.
-
-    Raises
-    ------
-    InputError, SolverError
-        If the parameters are wrong, or the run fails.
+    With `arrays` the variables of blocks, joints and ports are arrays and are left out; ports carry no load. Raises
+    InputError if the parameters are wrong, SolverError if the run fails.
     """
     table = body.table()
     start = {variable.name: variable.start for variable in table}

@@ -79,24 +79,10 @@ class Snapshot(NamedTuple):
         segment: int | None,
         samples: int,
     ) -> None:
-        """Raise ValueError unless an instance can be in this state; bytes can hold anything.
+        """Raise ValueError, with the reason, unless an instance can be in this state; bytes can hold anything.
 
-        Parameters
-        ----------
-        table : list of Variable
-        arrays : dict of str to array
-            Arrays of the stepper, empty without one.
-        ranges : Ranges or None
-            Ranges of the numbers of these arrays, None without a stepper.
-        segment : int or None
-            Index in `base` of the number of a sample.
-        samples : int
-            Number of samples of the record.
-
-        Raises
-        ------
-        ValueError
-            With the reason; InputError is one.
+        `arrays` are those of the stepper, empty without one, with the `ranges` of their numbers. `segment` is the index
+        in `base` of the number of a sample of the record, which has `samples` of them.
         """
         _check_values(self.values, table)
         for value, variable in zip(self.values, table, strict=True):

@@ -139,15 +139,9 @@ class Ranges(NamedTuple):
     base: list[RangeBlock]
 
     def check(self, name: str, numbers: NDArray[Any], inputs_stand: bool) -> None:
-        """Raise ValueError if a number of an array is out of its range.
+        """Raise ValueError if a number of the array with this name is out of its range.
 
-        Parameters
-        ----------
-        name : str
-            Name of the array.
-        numbers : array
-        inputs_stand : bool
-            True if a step has been made with the current inputs.
+        With `inputs_stand` a step has been made with the current inputs.
         """
         runs = getattr(self, name)
         each, lengths = zip(*(run.range for run in runs), strict=True), [run.length for run in runs]

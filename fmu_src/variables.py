@@ -118,16 +118,7 @@ LOAD_SLOPE = "Slope of port[{}].{} within a communication step, counted from its
 
 
 def inputs_of(ports: Sequence[Port], components: Sequence[str], size: Mapping[str, float]) -> list[Variable]:
-    """Return the rows of the loads on ports, then of their slopes.
-
-    Parameters
-    ----------
-    ports : sequence of Port
-    components : sequence of str
-        Names of the components of a load.
-    size : mapping of str to float
-        Typical size by unit.
-    """
+    """Return the rows of the loads on ports, then of their slopes; `size` has the typical sizes by unit."""
     found = []
     for prefix in ("", "d"):
         for name in components:
@@ -239,17 +230,9 @@ _SETTINGS_PARAMETERS = {
 
 
 def variables(column: Column, record: str = "", reads_files: bool = True, drive: Drive | None = None) -> list[Variable]:
-    """Return the table for a column, whose values are the start values of the parameters.
+    """Return the table for a column, whose values are the start values of the parameters; arguments as in `Body.table`.
 
-    Parameters
-    ----------
-    column : Column
-    record : str
-        Name of the record inside the FMU, empty without one.
-    reads_files : bool
-        True if the FMU reads other record files, too.
-    drive : Drive, optional
-        How the base moves. Default: by its inputs.
+    Without `drive` the base moves by its inputs.
     """
     parameters = [*_parameters(column), *(drive.parameters if drive else ()), *of_record(record, reads_files)]
     numbers, sizes = [""] * column.n, _sizes(column)  # blocks have no names; the base has the sizes of the lowest joint
@@ -337,21 +320,9 @@ def seen(
 ) -> tuple[list[Variable], list[Variable]]:
     """Return the outputs of a row, and their extremes since the last reset, in the order of the kernels.
 
-    Parameters
-    ----------
-    outputs : iterable of Output
-    names : mapping of str to sequence of str
-        Names in descriptions, by owner (blocks, joints, ties ...).
-    nominal : callable
-        Returns the typical size from the unit and the number of the block or joint, 0 for the base; solvers of a system
-        scale by it.
-    pulled : collection of str
-        Names of outputs that may be negative as joints of the model bear tension, and have no minimum.
-
-    Raises
-    ------
-    InputError
-        If there are too many of an owner.
+    `names` are those in descriptions, by owner (blocks, joints, ties ...). `nominal` returns the typical size, by which
+    solvers of a system scale, from the unit and the number of the block or joint, 0 for the base. Outputs whose name is
+    `pulled` have no minimum, as joints of the model bear tension. Raises InputError if there are too many of an owner.
     """
     for owner, of in names.items():
         if len(of) > FAMILY:
@@ -431,18 +402,9 @@ def parameter_of(
     limits: tuple[float, float] | None = None,
     optional: bool = False,
 ) -> Variable:
-    """Return the row of a parameter.
+    """Return the row of a parameter; if it is `optional`, 0 stands for "not given".
 
-    Parameters
-    ----------
-    name, unit, text : str
-        Name, unit and description.
-    start : float, str or None
-        Start value.
-    limits : tuple of float, optional
-        Least and largest value. Default: those of the last part of its name in ranges.py.
-    optional : bool
-        True if 0 stands for "not given".
+    The default limits are those of the last part of its name in ranges.py.
     """
     common = ("parameter", "tunable" if (array_of(name) or name) in TUNABLE else "fixed", text, unit)
     reference = reference_of(name)
@@ -455,14 +417,9 @@ def parameter_of(
 
 
 def outcome(fallen: Variable, after_fall: float = 0.0) -> list[Variable]:
-    """Return the outputs after those of the model: verdict and record.
+    """Return the outputs after those of the model: verdict and record; `fallen` is that of the fallen joint or block.
 
-    Parameters
-    ----------
-    fallen : Variable
-        That of the fallen joint or block.
-    after_fall : float
-        Time for which the model goes on after a fall (s).
+    The model goes on for the time `after_fall` after a fall (s).
     """
     overturned, verdict = OVERTURNED, VERDICT_NOW
     if after_fall:
@@ -523,19 +480,9 @@ def _settings_of(column: Column) -> list[str]:
 
 
 def column_from(built: Column, value: Callable[[str], float | int | str]) -> Column:
-    """Return the column that the parameters describe.
+    """Return the column that the parameters describe; `value` returns that of a parameter by name. Raises InputError.
 
-    Parameters
-    ----------
-    built : Column
-        Column from which the FMU was built, with the name, sections and formulation, which are no parameters.
-    value : callable
-        Returns the value of a parameter by name.
-
-    Raises
-    ------
-    InputError
-        If a value is wrong.
+    Name, sections and formulation are no parameters: they are those of `built`, from which the FMU was built.
     """
 
     def given(kind: str, i: int, key: str, optional: bool) -> float | None:

@@ -60,26 +60,11 @@ def headers() -> Path:
 def compile_c(
     target: Target, sources: Sequence[Path], output: Path, includes: Sequence[Path] = (), options: Sequence[str] = ()
 ) -> None:
-    """Compile C files, and link all to a shared library.
+    """Compile C files, and link them, with the object files among `sources`, to the shared library `output`.
 
-    Only the system's own C library is linked: zig would have to build its other default libraries first.
-
-    Parameters
-    ----------
-    target : Target
-    sources : sequence of Path
-        C files, and object files.
-    output : Path
-        Library to write; the object files are written beside it.
-    includes : sequence of Path
-        Folders with header files.
-    options : sequence of str
-        Options of the linker.
-
-    Raises
-    ------
-    OSError
-        If the compiler fails.
+    Object files are written beside it. `includes` are folders with header files, `options` those of the linker. Only
+    the system's own C library is linked: zig would have to build its other default libraries first. Raises OSError if
+    the compiler fails.
     """
     searched = [f"-I{place}" for place in (headers(), *includes)]
     objects = []
@@ -93,25 +78,10 @@ def compile_c(
 def libraries(
     name: str, platforms: list[str], generated: dict[str, str], group: str, fmi: int = 2
 ) -> dict[str, tuple[bytes, list[symbols.Symbols]]]:
-    """Return for each platform the library and the symbols that each of its parts needs.
+    """Return for each platform, a name in PLATFORMS[fmi], its library and the symbols that each of its parts needs.
 
-    Parameters
-    ----------
-    name : str
-        Name of the library.
-    platforms : list of str
-        Names in PLATFORMS[fmi].
-    generated : dict of str to str
-        Text of the generated header files by name.
-    group : str
-        Group of the kernels.
-    fmi : int
-        Version of FMI.
-
-    Raises
-    ------
-    InputError
-        If a library needs symbols of Python.
+    `generated` has the texts of the generated header files by name, `group` the kernels. Raises InputError if a library
+    needs symbols of Python.
     """
     # machine code of the kernels for each target
     check_tools()

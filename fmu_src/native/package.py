@@ -87,26 +87,10 @@ def identified(contents: Contents, fmi: int, *texts: str) -> Contents:
 def native_files(
     body: Body, platforms: list[str], record: Motion | None = None, record_name: str = "", form: Form = USUAL_FORM
 ) -> tuple[dict[str, bytes], dict[str, list[Symbols]]]:
-    """Return the files of the FMU by path, and the symbols that the libraries need.
+    """Return the files of the FMU by path, and the symbols that the libraries of each platform need.
 
-    Parameters
-    ----------
-    body : Body
-    platforms : list of str
-        Names in PLATFORMS[form.fmi].
-    record : Motion, optional
-        Record to put inside.
-    record_name : str
-        Its file name.
-    form : Form
-        Version of FMI, and options of the archive.
-
-    Raises
-    ------
-    InputError
-        If a library needs symbols of Python, or the compiler is not installed.
-    OSError
-        If the compiler fails.
+    `platforms` are names in PLATFORMS[form.fmi]. Raises InputError if a library needs symbols of Python or the compiler
+    is not installed, OSError if the compiler fails.
     """
     fmi, contents = form.fmi, contents_of(body, record, record_name, form)
     table = with_real_outputs(contents.table) if form.real_outputs else contents.table

@@ -47,18 +47,9 @@ def compiled_files(name: str) -> list[str]:
 
 
 def source_files(name: str, generated: dict[str, str], group: str, fmi: int) -> dict[str, bytes]:
-    """Return the files of sources/ by path in the FMU.
+    """Return the files of sources/ by path in the FMU with the model identifier `name`.
 
-    Parameters
-    ----------
-    name : str
-        Model identifier.
-    generated : dict of str to str
-        Text of contract.h and table.h by name.
-    group : str
-        Group of the kernels.
-    fmi : int
-        Version of FMI.
+    `generated` has the texts of contract.h and table.h by name, `group` the kernels.
     """
     own = f"{name}_{PREFIX}"
     core, face = sources(fmi)

@@ -139,17 +139,9 @@ VERDICTS = {f"VERDICT_{word.upper()}": number for word, number in VERDICT.items.
 def peaks_of(
     outputs: Sequence[Output], sizes: Mapping[str, int], last: int, beside: Mapping[str, int] | None = None
 ) -> list[Peak]:
-    """Return the peaks of a body of blocks.
+    """Return the peaks of a body of blocks, of which `sizes` has the numbers of blocks, joints and so on, by owner.
 
-    Parameters
-    ----------
-    outputs : sequence of Output
-    sizes : mapping of str to int
-        Number of blocks, joints and so on, by owner.
-    last : int
-        Index of the state at which the peaks end.
-    beside : mapping of str to int, optional
-        Index at which the peaks of these owners begin instead.
+    They end at the index `last` of the state, except those of the owners in `beside`, which begin at its indices.
     """
     beside = beside or {}
     own = [output for output in outputs if output.owner not in beside]

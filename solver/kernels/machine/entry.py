@@ -15,18 +15,9 @@ ENTRIES: dict[tuple[str, str], "Entry"] = {}  # by group and name
 class Entry:
     """A kernel that Python calls. Its arguments are annotated with their kinds; it returns an int, a float or nothing.
 
-    Attributes
-    ----------
-    function : callable
-        The kernel, for the process that compiles it.
-    group : str
-        The piece of machine code that contains it (groups.py).
-    kinds : dict
-        The kind of each argument, by name.
-    result : type or None
-        `Int`, `Real` or None.
-    slots : struct.Struct
-        The layout of the buffer of a call.
+    `function` is for the process that compiles it, `group` the piece of machine code that contains it (groups.py).
+    `kinds` has the kind of each argument by name, `result` is `Int`, `Real` or None, `slots` the layout of the buffer
+    of a call.
     """
 
     def __init__(self, function: Callable[..., Any], group: str, module: str) -> None:

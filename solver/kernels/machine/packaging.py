@@ -37,27 +37,13 @@ PLATFORMS: Mapping[str, tuple[str, Mapping[str, Target]]] = {
 
 
 class _TargetCode(NamedTuple):
-    """The code of a group for one target.
-
-    Attributes
-    ----------
-    group : str
-        Name of the group.
-    word : str
-        Word for the target (numba_ext/make.py).
-    target : Target or None
-        The target that it is linked for; None: it stays object code.
-    key : str
-        Name under which it is stored.
-    file : str
-        Its name in a package.
-    """
+    """The code of a group for one target."""
 
     group: str
-    word: str
-    target: Target | None
-    key: str
-    file: str
+    word: str  # for the target (numba_ext/make.py)
+    target: Target | None  # that it is linked for; None: it stays object code
+    key: str  # under which it is stored
+    file: str  # its name in a package
 
 
 def libraries(groups: Iterable[str] = PACKAGED, platforms: Iterable[str] = PLATFORMS) -> dict[str, bytes]:

@@ -24,14 +24,8 @@ assert not _UNKNOWN, f"solver/kernels/column/sections/section.py: face() must ha
 def of_law(least: float, most: float, meaning: str, sections: Collection[str] = SECTIONS) -> Any:
     """Declare a field of `Joint` that, if it is not 0, makes the law other than the linear one (OTHER_LAW).
 
-    Parameters
-    ----------
-    least, most : float
-        The range of its key, which includes 0.
-    meaning : str
-        The end of the message for a value out of range, as in ranges.py.
-    sections : collection of str
-        The sections of contacts for which this law is written.
+    `least` and `most` are the range of its key, which includes 0, `meaning` the end of the message for a value out of
+    range, as in ranges.py. The law is written for these `sections` of contacts.
     """
     return field(default=0.0, metadata={"range": ((least, most), meaning), "sections": sections})
 

@@ -91,20 +91,10 @@ def follow_in_lanes(
     times: FloatArray | None = None,
     flag: FloatArray | None = None,
 ) -> BatchResult:
-    """Run column k under motion k, from rest, for duration k, in one thread; they are of one kind, unchecked.
+    """Run column k under motion k, from rest, for duration k (s), in one thread; they are of one kind, unchecked.
 
-    Parameters
-    ----------
-    columns : sequence of Column
-        The columns, of equal numbers of blocks.
-    motions : sequence of Motion
-        The motions of the base.
-    durations : sequence of float
-        The durations (s).
-    times : ndarray, optional
-        The times of the phases to store, after the start of a run (s).
-    flag : ndarray, optional
-        Once flag[0] is set, the call returns soon, without usable results.
+    The columns have equal numbers of blocks. Phases are stored at `times` after the start of a run (s). Once flag[0] is
+    set, the call returns soon, without usable results.
     """
     rows = _NONE if times is None else np.ascontiguousarray(times, dtype=np.float64)
     flag = np.zeros(1) if flag is None else flag
@@ -131,22 +121,10 @@ def rest_in_lanes(
     end: FloatArray,
     flag: FloatArray,
 ) -> BatchResult:
-    """Follow columns of n blocks on a still base, in one thread and unchecked.
+    """Follow columns of n blocks on a still base, each from `begin` to `end` (s), in one thread and unchecked.
 
-    Parameters
-    ----------
-    models : ndarray
-        The packed models, a row for each column.
-    n : int
-        The number of blocks.
-    kind : LaneKernels
-        The kind of lanes.
-    phases : ndarray of shape (columns, 4 n)
-        The phases at the times `begin`.
-    begin, end : ndarray of shape (columns,)
-        The start and end of each run (s).
-    flag : ndarray
-        Once flag[0] is set, the call returns soon, without usable results.
+    `models` are packed, a row for each column; `phases` (columns, 4 n) are those at `begin`. `flag` as in
+    `follow_in_lanes`.
     """
     batch = _Batch(n, len(phases), _Records((), ()), _NONE, kind)
     batch.go_on(models, phases, begin, end)

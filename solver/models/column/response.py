@@ -180,28 +180,11 @@ class Response(ColumnHistories, Result):
 
 
 def friction_history(T: FloatArray, N: FloatArray, carried: FloatArray, part: float = at.COUNTS_FROM) -> FloatArray:
-    """Return the friction needed to prevent sliding, |T| / N where N counts, else 0.
+    """Return the friction needed to prevent sliding, |T| / N where N counts, else 0, (nt, n).
 
     N vanishes where a joint is about to open, and in flight the model still keeps the blocks in line: T / N has no
-    meaning there. N counts if it is above `part` of the weight carried at rest.
-
-    Parameters
-    ----------
-    T, N : ndarray of shape (nt, n)
-        The forces of the joints (N).
-    carried : ndarray of shape (n,)
-        The weight carried at rest (N).
-    part : float
-        The threshold, from 0.001 to 1.
-
-    Returns
-    -------
-    ndarray of shape (nt, n)
-
-    Raises
-    ------
-    InputError
-        Unless part is in range and every joint carries a weight.
+    meaning there. N counts if it is above `part`, from 0.001 to 1, of the weight carried at rest. T and N are in N,
+    (nt, n), as is `carried`, (n,). Raises InputError unless part is in range and every joint carries a weight.
     """
     part = check_number("part", part, (1e-3, 1.0), "a part of the weight carried at rest, from 0.001 to 1")
     if not np.all(carried > 0.0):

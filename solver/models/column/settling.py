@@ -35,24 +35,11 @@ def outcomes_of(
     settle: float,
     flag: FloatArray,
 ) -> Outcomes:
-    """Determine the outcomes of columns of n blocks, all of one kind of lanes, on a base that is still.
+    """Determine the outcomes of columns of n blocks, all of one kind of lanes, whose base is still from `stops` (s) on.
 
-    The outcome of a column does not depend on the others.
-
-    Parameters
-    ----------
-    columns : sequence of Column
-        The columns.
-    chain : Chain or None
-        Their data (Chain.of_many); None for columns with slips, which are followed one by one.
-    phases : ndarray of shape (columns, 4 n)
-        Their phases at the times `stops`.
-    stops : ndarray of shape (columns,)
-        The times from which the base is still (s).
-    settle : float
-        The longest time that a column is followed (s).
-    flag : ndarray
-        Once flag[0] is set, the call returns soon, without usable results.
+    They have the `phases` (columns, 4 n) then, and the data `chain` (Chain.of_many); None for columns with slips, which
+    are followed one by one. A column is followed for at most `settle` (s), and its outcome does not depend on the
+    others. Once flag[0] is set, the call returns soon, without usable results.
     """
     count, code = len(columns), partial(code_of, "verdict")
     found = Outcomes(np.full(count, code(UNDECIDED)), np.full(count, math.nan), np.zeros(count, dtype=np.int64))

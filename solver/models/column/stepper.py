@@ -135,7 +135,7 @@ class Stepper:
         Raises
         ------
         SolverError
-            If nothing at the base has a mass.
+            If a record is followed where bodies drive the base.
         """
         elapsed = 0.0 if since is None else t - since
         loads: Sequence[float] = ()
@@ -157,14 +157,9 @@ class Stepper:
             self._inputs[:] = np.concatenate([values + slopes * past, slopes])
 
     def driven_by(self, drive: str, slope: str, bodies: int) -> None:
-        """Let bodies at the base drive it.
+        """Let up to `bodies` bodies at the base drive it, by words of DRIVES and SLOPES (layout/spaces.py).
 
-        Parameters
-        ----------
-        drive, slope : str
-            Words of DRIVES and SLOPES (kernels/layout/spaces.py).
-        bodies : int
-            The number of bodies, 0 if there are never any; otherwise `seen` ends with the motion of the base.
+        If there may be any, `seen` ends with the motion of the base.
         """
         settings = self.model.settings
         settings.drive, settings.slope, settings.bodies = at.DRIVES[drive], at.SLOPES[slope], bodies
@@ -230,24 +225,10 @@ class Stepper:
         times: FloatArray,
         after_chunk: Callable[[float], None] | None = None,
     ) -> FloatArray:
-        """Follow a motion from its start and return a snapshot at each of `times`.
+        """Follow a motion from its start to the time `stop` (s), and return a snapshot at each of `times` (s).
 
-        Parameters
-        ----------
-        motion : Motion
-            The motion of the base.
-        stop : float
-            The time of the end (s).
-        times : ndarray
-            The times of the snapshots (s).
-        after_chunk : callable, optional
-            Called with the time reached, several times per second of the clock; an exception that it raises ends the
-            run.
-
-        Raises
-        ------
-        SolverError
-            If the motion cannot be followed.
+        `after_chunk` is called with the time reached, several times per second of the clock; an exception that it
+        raises ends the run. Raises SolverError if the motion cannot be followed.
         """
         snapshots = np.zeros((times.size, self.column.kind.snapshot_size(self.column)))
         self.base.wave_amplitude = motion.amplitude
