@@ -52,7 +52,6 @@ class Body:
     inputs: tuple[variables.Variable, ...] = (variables.INPUTS[0], variables.INPUTS[2])
     fallen = variables.OVERTURNED_BLOCK  # the joint or block that has fallen
     first_parameter = variables.TOLERANCE
-    segment: int | None = None  # index in the array `base` of the number of a sample
     base: tuple[str, ...] = ("", "ax", "jx")  # fields of that array; inputs by name
     kernels: tuple[str, ...] = ()  # groups with machine code in the FMU (solver/kernels/machine/groups.py)
     why_not_native = "is followed in Python, must have kernels"  # "": its FMU can do without Python
@@ -107,15 +106,15 @@ class Body:
         """Apply changed parameters to a stepper. Raises InputError."""
         stepper.retune(described)
 
+    def place_in_base(self, field: str) -> int | None:
+        """Return the index of a field in the array `base`, None without it."""
+        return self.base.index(field) if field in self.base else None
+
     def samples(self, motion: Motion | None) -> Any:
         """Return the record of a stepper. Raises InputError for a motion that it cannot follow."""
         if motion is not None:
             self.model.kind.check_motion(motion)
         return motion
-
-    def fall(self, stepper: Any) -> tuple[int, float]:
-        """Return the number of the fallen block or joint, 0 before a fall, and the time of the fall, s."""
-        return stepper.fallen, stepper.fall_time
 
 
 class Described(NamedTuple):
@@ -130,7 +129,6 @@ class ColumnBody(Body, word="column"):
 
     fallen = variables.OVERTURN_JOINT
     first_parameter = "g"
-    segment = at.BASE.fields.index("segment")
     base = at.BASE.fields
 
     def __init__(self, column: Column, drive: Drive = USUAL) -> None:

@@ -137,7 +137,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._coarse_warned = self._unstable_warned = self._long_warned = False
         self._idle_warned: set[str] = set()
         # monitors of the coupling
-        self._allowed = self._body.base.index("allowed_step") if "allowed_step" in self._body.base else None
+        self._allowed = self._body.place_in_base("allowed_step")
         self._accelerations = [item for item in self._inputs if item.unit in ACCELERATIONS]
         self._in_base = [self._body.base.index(item.name.removeprefix("base.")) for item in self._accelerations]
         self._alternation = Alternation(len(self._accelerations))  # no part of the state
@@ -362,7 +362,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
             body, samples = self._body, len(record.motion.time) if record else 0
             arrays = {name: getattr(stepper.arrays, name) for name in ARRAYS} if stepper else {}
             ranges = body.state_ranges(stepper) if stepper else None
-            snapshot.check_contents(self._table, arrays, ranges, body.segment, samples)
+            snapshot.check_contents(self._table, arrays, ranges, body.place_in_base("segment"), samples)
         if stepper is not None:
             if (record.digest if record else "") != snapshot.record:
                 raise InputError(f"base.record = {name!r}: its samples are not those that the state belongs to")
@@ -497,7 +497,7 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         if stepper is None:
             return
         self._values[self._peaks] = stepper.visible_peaks.tolist()
-        fallen, when = self._body.fall(stepper)
+        fallen, when = stepper.fallen, stepper.fall_time
         word = "overturned" if fallen else "standing" if stepper.counts.resting else "undecided"
         self._tell_verdict(when if fallen else -1.0, fallen, fallen > 0, VERDICT.items[word])
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from solver.common.ranges import LENGTH, NUMBERS
 from solver.kernels.column.api import driven_entries, engine
@@ -24,12 +25,12 @@ from solver.models.column.settings import SKIP_CODES
 from solver.models.column.stepper import REASONS
 from solver.models.outputs import BOND, PORT
 
-from .. import rules, state_ranges
-from ..drive import USUAL, Drive
+from .. import rules
+from ..body import ColumnBody, StructureBody
+from ..drive import Drive
 from ..variables import (
     BOND_PARAMETERS,
     DRIVE,
-    OVERTURN_JOINT,
     RECORD_SCALE,
     SLOPE_OF_BASE,
     TOLERANCE,
@@ -38,42 +39,36 @@ from ..variables import (
     inputs_of_ports,
     joint_parameters,
 )
-from .table import OF_BLOCKS, REFUSALS, VERDICTS, ChoiceParameter, NativeSubject, RangeCheck, peaks_of
+from .table import OF_BLOCKS, REFUSALS, ChoiceParameter, NativeSubject, RangeCheck, peaks_of
 
 # input -> the input that is its slope
 SLOPES = {"base.ax": "base.jx", "base.az": "base.jz", "base.theta": "base.omega", "base.omega": "base.alpha"}
 
 
-def column_subject(column: Column, drive: Drive = USUAL) -> NativeSubject:
+def column_subject(body: ColumnBody) -> NativeSubject:
     """Return the description of a column; only its number of blocks, sections, ports and brittleness matter."""
-    n, spots, of_ports = column.n, at.SPOTS.size(len(column.ports)), inputs_of_ports(column)
-    # arguments of `assemble` behind the blocks
-    ports = ports_of(column).tolist()
+    column, drive = body.model, body.drive
+    n, of_ports, ports = column.n, inputs_of_ports(column), ports_of(column).tolist()
     # ends of the peaks in the state
     last = at.STATE.size(n)
     lost = at.CONTROL.beside + at.PHASE.places["bond_lost"][0] * n
-    return NativeSubject(
-        falls=True,
+    return subject_of(
+        body,
+        SKIP_CODES,
         sizes={
-            "N": n,
             "MODEL": at.model_room(n) + len(ports),
-            "STATE": last + spots,
+            "STATE": last + at.SPOTS.size(len(column.ports)),
             "COUNTS": at.COUNTS.beside,
             "BASE": at.BASE.beside + len(of_ports),
             "WORK": at.work_size(n, len(column.ports)),
-            "ROW": at.ROW.size(n) + spots + column.sizes[BOND],
-            "SPLIT": drive.split_of_column,
             "ROOM": engine.scratch_room(n),
         },
-        codes={f"STATE_{name.upper()}": place for place, name in enumerate(at.CONTROL.fields)}
-        | {
+        codes={
+            "STATE_OVERTURN_TIME": at.CONTROL.fields.index("overturn_time"),
             "COUNT_RESTING": at.COUNTS.fields.index("resting"),
             "COUNT_OVERTURNED": at.COUNTS.fields.index("overturned"),
-            "TOO_MUCH_WORK": at.TOO_MUCH_WORK,
-        }
-        | {name: getattr(description, name) for name in REFUSALS}
-        | VERDICTS,
-        places={**OF_BLOCKS, "FALLEN": OVERTURN_JOINT.name},
+            **{name: getattr(description, name) for name in REFUSALS},
+        },
         inputs=[
             *(f"base.{name}" for name in engine.BASE_INPUTS.fields),
             *(item.name for item in (*of_ports, *drive.inputs())),
@@ -81,18 +76,32 @@ def column_subject(column: Column, drive: Drive = USUAL) -> NativeSubject:
         slopes=SLOPES | slopes_of(of_ports),
         split="base.R0x",
         given=[*_given(column, drive), *ports],
-        choices=[
-            *choices_of(drive),
-            ChoiceParameter("solver.without", "ANY_WORDS", [(code, word) for word, code in SKIP_CODES.items()]),
-        ],
         checks=_checks(column),
         reasons=REASONS,
         peaks=peaks_of(OUTPUTS, column.sizes, last, {PORT: last, BOND: lost}),
         misfits=[MISFITS[kind] for kind in sorted(MISFITS)],
-        segment=at.BASE.fields.index("segment"),
-        ranges=state_ranges.of_column(n, spots, len(of_ports), drive.is_chosen),
-        base=at.BASE.fields,
         group=driven_entries.follow.group,
+    )
+
+
+def subject_of(
+    body: ColumnBody | StructureBody, skips: Mapping[str, int], sizes: Mapping[str, int], **others: Any
+) -> NativeSubject:
+    """Return the description of a body of blocks; `skips` has the codes of the words of `solver.without`."""
+    drive, choices = body.drive, []
+    if drive.is_chosen:
+        ways = [(int(at.DRIVES[word]), word) for word in drive.words]
+        slopes = [(int(code), word) for word, code in at.SLOPES.items()]
+        choices = [ChoiceParameter(DRIVE, "ONE_WORD", ways), ChoiceParameter(SLOPE_OF_BASE, "ONE_WORD", slopes)]
+    choices.append(ChoiceParameter("solver.without", "ANY_WORDS", [(code, word) for word, code in skips.items()]))
+    return NativeSubject(
+        falls=True,
+        sizes={"N": body.model.n, "ROW": body.sizes[0], "SPLIT": body.sizes[1], **sizes},
+        places={**OF_BLOCKS, "FALLEN": body.fallen.name},
+        choices=choices,
+        ranges=body.state_ranges(),
+        base=body.base,
+        **others,
     )
 
 
@@ -100,17 +109,6 @@ def slopes_of(loads: Sequence[Variable]) -> dict[str, str]:
     """Map the loads at ports to the inputs that are their slopes; `loads` holds the variables of both."""
     half, names = len(loads) // 2, [item.name for item in loads]
     return dict(zip(names[:half], names[half:], strict=True))
-
-
-def choices_of(drive: Drive) -> list[ChoiceParameter]:
-    """Return the choices of how the base moves."""
-    if not drive.is_chosen:
-        return []
-    ways = [(int(at.DRIVES[word]), word) for word in drive.words]
-    return [
-        ChoiceParameter(DRIVE, "ONE_WORD", ways),
-        ChoiceParameter(SLOPE_OF_BASE, "ONE_WORD", [(int(code), word) for word, code in at.SLOPES.items()]),
-    ]
 
 
 def given_of(drive: Drive) -> dict[str, str | float]:

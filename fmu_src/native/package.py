@@ -57,7 +57,7 @@ FLAGS_3 = {
 
 # description for the C core, by kind of body
 SUBJECTS: dict[type[Body], Callable[[Any], NativeSubject]] = {
-    ColumnBody: lambda body: column_subject(body.model, body.drive),
+    ColumnBody: column_subject,
     StructureBody: structure_subject,
 }
 XML = b'<?xml version="1.0" encoding="UTF-8"?>\n'

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from solver.common.ranges import NUMBERS
-from solver.kernels.layout import spaces
 from solver.kernels.structure import driven, entries
 from solver.kernels.structure import layout as at
 from solver.models.structure.driven import REASONS, SKIP_CODES, sizes_in
@@ -12,9 +11,9 @@ from solver.models.structure.outputs import OUTPUTS
 from .. import rules, structure_variables
 from ..body import StructureBody
 from ..structure_variables import DAMPING_SCALE, WITHOUT
-from ..variables import OVERTURNED_BLOCK, RECORD_SCALE, TOLERANCE
-from .column_subject import choices_of, given_of, slopes_of
-from .table import FIRST_PEAK, OF_BLOCKS, VERDICTS, ChoiceParameter, NativeSubject, RangeCheck, peaks_of
+from ..variables import RECORD_SCALE, TOLERANCE
+from .column_subject import given_of, slopes_of, subject_of
+from .table import FIRST_PEAK, NativeSubject, RangeCheck, peaks_of
 
 
 def structure_subject(body: StructureBody) -> NativeSubject:
@@ -23,45 +22,36 @@ def structure_subject(body: StructureBody) -> NativeSubject:
     # arguments of `assemble`: parameters by name, and constants
     given: dict[str, str | float] = {"tolerance": TOLERANCE, "without": WITHOUT, "damping_scale": DAMPING_SCALE}
     given |= given_of(body.drive) | {"turns": float(body.drive.turns)}
-    lengths = {"MODEL": at.MODEL.size(sizes), "STATE": at.STATE.size(sizes), "WORK": at.WORK.size(sizes)}
-    return NativeSubject(
-        falls=True,
+    state = at.STATE.size(sizes)
+    return subject_of(
+        body,
+        SKIP_CODES,
         sizes={
-            **{
-                "N": body.model.n,
-                "COUNTS": at.COUNTS.beside,
-                "BASE": at.INPUT_MOTION.size(sizes),
-                "ROW": sizes.visible,
-            },
-            **{**lengths, "SPLIT": body.sizes[1], "ROOM": 1},
+            "MODEL": at.MODEL.size(sizes),
+            "STATE": state,
+            "COUNTS": at.COUNTS.beside,
+            "BASE": at.INPUT_MOTION.size(sizes),
+            "WORK": at.WORK.size(sizes),
+            "ROOM": 1,
         },
         codes={
             "STATE_OVERTURN_TIME": at.CONTROL.fields.index("fall_time"),
             "COUNT_RESTING": at.COUNTS.fields.index("resting"),
             "COUNT_OVERTURNED": at.COUNTS.fields.index("fallen"),
-            "TOO_MUCH_WORK": spaces.TOO_MUCH_WORK,
-        }
-        | VERDICTS,
-        places={**OF_BLOCKS, "FALLEN": OVERTURNED_BLOCK.name},
+        },
         inputs=[item.name for item in body.inputs],
         slopes={f"base.a{axis}": f"base.j{axis}" for axis in "xyz"}
         | (_slopes_of_rotation() if body.drive.turns else {})
         | slopes_of(structure_variables.inputs_of_ports(body.model)),
         split="driven.x" if body.sizes[1] else FIRST_PEAK,
         given=[*(given[name] for name in driven.GIVEN.fields), *body.packed.tolist()],
-        choices=[
-            *choices_of(body.drive),
-            ChoiceParameter(WITHOUT, "ANY_WORDS", [(code, word) for word, code in SKIP_CODES.items()]),
-        ],
         checks=[
             RangeCheck(DAMPING_SCALE, *rules.DAMPING_SCALE_LIMITS),
             RangeCheck(TOLERANCE, *NUMBERS["tolerance"]),
             RangeCheck(RECORD_SCALE, *rules.SCALE_LIMITS),
         ],
         reasons=REASONS,
-        peaks=peaks_of(OUTPUTS, body.model.sizes, lengths["STATE"]),
-        ranges=body.state_ranges(),
-        base=at.BASE.fields,
+        peaks=peaks_of(OUTPUTS, body.model.sizes, state),
         group=entries.follow.group,
     )
 

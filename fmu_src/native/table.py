@@ -17,7 +17,7 @@ from solver.common.ranges import NUMBERS
 from solver.ground.motion import LARGEST, Motion
 from solver.kernels.column.api import driven_entries as of_columns
 from solver.kernels.column.model.description import DETAILS
-from solver.kernels.layout.spaces import DRIVES
+from solver.kernels.layout.spaces import DRIVES, TOO_MUCH_WORK
 from solver.kernels.machine.entry import ENTRIES, Entry
 from solver.kernels.machine.kinds import Int, Ints, Real, Reals, SizedReals
 from solver.kernels.machine.packaging import PREFIX
@@ -39,10 +39,7 @@ STORED = {"Real": "REAL", "Integer": "INTEGER", "Enumeration": "INTEGER", "Boole
 # names that the core uses: sizes that depend on the model; places and codes that only some bodies have
 SIZES = ("N", "MODEL", "STATE", "COUNTS", "BASE", "WORK", "ROW", "SPLIT", "ROOM")
 REFUSALS = ("MISFIT", "NO_REST", "NOT_LINEAR", "TOO_LARGE", "UNKNOWN_SECTION")  # codes of `assemble`
-CODES = (
-    *("COUNT_OVERTURNED", *REFUSALS, "TOO_MUCH_WORK"),
-    *("STATE_OVERTURN_TIME", "COUNT_RESTING", "VERDICT_OVERTURNED", "VERDICT_STANDING", "VERDICT_UNDECIDED"),
-)
+CODES = ("COUNT_OVERTURNED", *REFUSALS, "STATE_OVERTURN_TIME", "COUNT_RESTING")
 PLACES = (
     *("PEAKS", "OVERTURN_TIME", "FALLEN", "OVERTURNED", "VERDICT"),
     *("RECORD", "RECORD_PGA", "RECORD_SCALE", "TOLERANCE"),
@@ -88,7 +85,6 @@ class NativeSubject:
     reasons: dict[int, str]
     peaks: list[Peak] = field(default_factory=list)
     misfits: list[tuple[str, str]] = field(default_factory=list)  # name and relation, by the kind from 1
-    segment: int = -1  # index in `base` of the number of a sample, -1 without one
     ranges: Ranges | None = None  # of the numbers of its state; None: all are finite
     base: tuple[str, ...] = ()  # fields of `base`; accelerations by the names of their inputs
     group: str = of_columns.follow.group  # of its kernels (solver/kernels/machine/groups.py)
@@ -133,9 +129,6 @@ class Contents:
     scalars: bool = False  # of FMI 3.0 without arrays for the quantities of blocks and joints
 
 
-VERDICTS = {f"VERDICT_{word.upper()}": number for word, number in VERDICT.items.items()}  # codes of a body of blocks
-
-
 def peaks_of(
     outputs: Sequence[Output], sizes: Mapping[str, int], last: int, beside: Mapping[str, int] | None = None
 ) -> list[Peak]:
@@ -168,10 +161,11 @@ def contract(subject: NativeSubject) -> str:
     """Return the text of contract.h: the kernels, with their sizes, codes and messages."""
     sizes = {name: subject.sizes[name] for name in SIZES}
     sizes |= {"BASE_INPUTS": len(subject.inputs), "GIVEN": len(subject.given), "DETAILS": DETAILS}
-    coupled = subject.base.index("coupled") if "coupled" in subject.base else -1
-    codes = {"FALLS": int(subject.falls), "BASE_SEGMENT": subject.segment, "BASE_COUPLED": coupled}
+    codes = {"FALLS": int(subject.falls), "TOO_MUCH_WORK": TOO_MUCH_WORK}
+    for name, key in (("SEGMENT", "segment"), ("COUPLED", "coupled"), ("ALLOWED", "allowed_step")):
+        codes[f"BASE_{name}"] = subject.base.index(key) if key in subject.base else -1
     codes |= {f"IDLE_{when.name}": when.value for when in Idle}
-    codes["BASE_ALLOWED"] = subject.base.index("allowed_step") if "allowed_step" in subject.base else -1
+    codes |= {f"VERDICT_{word.upper()}": number for word, number in VERDICT.items.items()}
     codes |= {name: subject.codes.get(name, 0) for name in CODES}
     # sizes, codes, tolerances and messages
     lines = ["#include <stdint.h>", *_enum(sizes), *_enum(codes)]

@@ -9,7 +9,7 @@ import pytest
 from support.fmus import ROOT
 
 from fmu_src import state_ranges
-from fmu_src.body import Body, ColumnBody, StructureBody, read_body
+from fmu_src.body import ColumnBody, StructureBody, read_body
 from fmu_src.native import table
 from fmu_src.native.column_subject import column_subject
 from fmu_src.native.structure_subject import structure_subject
@@ -193,8 +193,8 @@ def test_what_is_said_by_nan_and_infinity_is_no_fault() -> None:
     ranges.check("state", state, True)
 
 
-def headers(body: Body) -> str:
-    subject = structure_subject(body) if isinstance(body, StructureBody) else column_subject(body.model)
+def headers(body: ColumnBody | StructureBody) -> str:
+    subject = structure_subject(body) if isinstance(body, StructureBody) else column_subject(body)
     return table.declarations(table.Contents(subject, body.table(reads_files=False), "0", "", None))
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from fmu_src import variables as table
+from fmu_src.body import ColumnBody
 from fmu_src.native.column_subject import column_subject
 from solver import Block, Column, InputError, Joint, Motion, simulate
 from solver.kernels.column.model.description import GIVEN, GIVEN_SETTINGS
@@ -64,7 +65,7 @@ def test_sections_that_the_law_is_not_written_for_are_refused() -> None:
 
 def damping_limits(of: Column) -> list[tuple[float, float]]:
     """Return the limits within which a host can set the dampings of the native FMU."""
-    return [check.limits for check in column_subject(of).checks if check.name.endswith(".damping")]
+    return [check.limits for check in column_subject(ColumnBody(of)).checks if check.name.endswith(".damping")]
 
 
 def test_energies_are_those_of_the_kernels_law_above_its_rest(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -94,7 +95,7 @@ def test_what_is_no_parameter_of_an_fmu_stays_as_built(monkeypatch: pytest.Monke
     assert "joint[1].damping" not in values
     values |= {f"solver.{name}": values[f"solver.{name}"] or "" for name in ("without",)}
     assert table.column_from(built, lambda name: values[name]).blocks == built.blocks  # type: ignore[arg-type, return-value]
-    subject = column_subject(built)
+    subject = column_subject(ColumnBody(built))
     places = [GIVEN_SETTINGS.beside + GIVEN.beside * i + GIVEN.fields.index("joint_damping") for i in range(2)]
     assert [subject.given[place] for place in places] == [0.3, ETA]
     assert not [check.name for check in subject.checks if check.name.endswith(".damping")]
