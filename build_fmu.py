@@ -222,7 +222,7 @@ def build_native_fmu(
     """
     with needing("native", *BUILDER_PACKAGES):
         from fmu_src.native.package import native_files, needs_report
-    body, output = _body_and_output(column_file, output, record, space, drive)
+    body, output, motion = _prepared(column_file, output, record, space, drive)
     known = PLATFORMS[form.fmi]
     platforms = [*known] if platforms is None else platforms
     for platform in platforms:
@@ -230,9 +230,6 @@ def build_native_fmu(
             raise InputError(f"--platforms {platform}: must be of {', '.join(known)}")
     if body.why_not_native:
         raise InputError(f"--native: {column_file} {body.why_not_native}")
-    # record, libraries and the files beside them
-    motion = None if record is None else _motion_of(record)
-    body.samples(motion)  # raises InputError for an unsuitable motion
     record_name = record.name if record else ""
     print(f"building the libraries of {', '.join(dict.fromkeys(platforms))}", file=sys.stderr, flush=True)
     files, needs = native_files(body, list(dict.fromkeys(platforms)), motion, record_name, form)
@@ -244,9 +241,10 @@ def build_native_fmu(
     return output
 
 
-def _body_and_output(
+def _prepared(
     given: Any, output: Path | None, record: Path | None, space: bool, drive: Drive
-) -> tuple[Body, Path]:
+) -> tuple[Body, Path, Motion | None]:
+    """Return the body, the FMU file and the motion of the record. Raises InputError."""
     body = read_body(given, space, drive) if isinstance(given, Path) else body_for(given)
     if output is None:
         output = Path(f"{identifier_of(body.name)}.fmu")
@@ -254,19 +252,17 @@ def _body_and_output(
             print(f"{output}: was there already and is replaced", file=sys.stderr)
     if output.suffix != ".fmu":
         raise InputError(f"-o {output}: must end in .fmu")
-    if record is not None:
-        _check_record_name(record.name)
-    return body, output
-
-
-def _motion_of(record: Path) -> Motion:
-    """Read the record of an FMU, which has no option for units. Raises InputError."""
+    if record is None:
+        return body, output, None
+    _check_record_name(record.name)
     try:
-        return Motion.from_file(record)
+        motion = Motion.from_file(record)
     except InputError as why:
-        if record.is_file() and format_of(record) == PLAIN:
+        if record.is_file() and format_of(record) == PLAIN:  # an FMU has no option for units
             raise InputError(f"{why}; for an FMU, multiblock convert writes a file that needs none") from None
         raise
+    body.samples(motion)  # raises InputError for an unsuitable motion
+    return body, output, motion
 
 
 def _check_record_name(name: str) -> None:
@@ -323,12 +319,7 @@ def build_fmu(
         from fmu_src import documentation
         from fmu_src.licences import REQUIRED, legal_files
         from fmu_src.slave import BODY_FILE, GUID_FILE, RECORD_FOLDER
-    body, output = _body_and_output(column, output, record, space, drive)
-    record_name, motion = "", None
-    if record is not None:
-        motion = _motion_of(record)
-        body.samples(motion)
-        record_name = record.name
+    body, output, motion = _prepared(column, output, record, space, drive)
     with tempfile.TemporaryDirectory(prefix="build_fmu_") as folder:
         stage = Path(folder)
         # solver and FMU code, renamed by hash; the package of a body of another model
@@ -376,7 +367,7 @@ def build_fmu(
         output.parent.mkdir(parents=True, exist_ok=True)
         needs = NEEDS if has_linker() or not kernels else NEEDS_OBJECTS
         needs = needs if has_tools() else f"{needs} {guard.WITHOUT}"
-        table = body.table(record_name)
+        table = body.table(record.name if record else "")
         table = with_real_outputs(table) if real_outputs else table
         step = usual_experiment(body.tolerance, motion).step
         pages = documentation.pages(body, table, needs, step) | legal_files(needs, "pythonfmu")

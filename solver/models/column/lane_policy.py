@@ -5,14 +5,7 @@ from __future__ import annotations
 import math
 
 from ...ground.motion import Motion
-from ...kernels.column.sections.faces import (
-    ANNULUS,
-    CIRCLE,
-    FRAME,
-    LENS,
-    RECTANGLE,
-    STRIPS,
-)
+from ...kernels.column.sections.faces import ANNULUS, CIRCLE, FRAME, LENS, ON_BAND, ON_RING, RECTANGLE, STRIPS
 from ...kernels.engine import dormand_prince
 from .model import Column
 
@@ -49,7 +42,7 @@ def common_reason_against_lanes(column: Column) -> str:
         return f"joint.{column.other_law}"
     if column.is_brittle:
         return "brittle joints"
-    if column.has_bands:
+    if not column.sections.isdisjoint((ON_RING, ON_BAND)):
         return "a round face on a straight one"
     if not column.sections <= IN_LANES:
         return "a section without kernels for lanes"
@@ -65,9 +58,9 @@ def kind_of(column: Column) -> str:
     """Return the kind of lanes for the runs of a column, a name of KINDS."""
     if column.has_rims:
         return "rims, slipping"
-    if column.has_strips:
+    if STRIPS in column.sections:
         return "strips, slipping"
-    if column.has_rectangles_only:
+    if column.sections <= {RECTANGLE}:
         return "slipping" if column.has_slips else "plain"
     return "round, slipping" if column.has_slips else "round"
 

@@ -12,7 +12,7 @@ from ...common import ranges
 from ...common.errors import InputError, reading, shown
 from ...common.files import check_file_name, toml_of
 from ...common.notebook import NotebookRepr, counted, outlines
-from ...kernels.column.sections.faces import ON_BAND, ON_RING, RECTANGLE, STRIPS, is_round
+from ...kernels.column.sections.faces import RECTANGLE, STRIPS, is_round
 from ..ports import Port
 from ..protocol import kind_of, structure_of
 from .block import Block, Joint, check_block, check_friction
@@ -110,21 +110,6 @@ class Column(NotebookRepr):
         return contacts_of(self.blocks)
 
     @cached_property
-    def has_rectangles_only(self) -> bool:
-        """True if all contacts are rectangles, and remain so."""
-        return self.sections <= {RECTANGLE}
-
-    @cached_property
-    def has_strips(self) -> bool:
-        """True if some contact is made of strips."""
-        return STRIPS in self.sections
-
-    @cached_property
-    def has_bands(self) -> bool:
-        """True if some contact is the intersection of a round face and a straight one, or may become one."""
-        return not self.sections.isdisjoint((ON_RING, ON_BAND))
-
-    @cached_property
     def has_rims(self) -> bool:
         """True if the faces of some joint touch in a rim."""
         return any(contact.rim for contact in self.contacts)
@@ -134,7 +119,7 @@ class Column(NotebookRepr):
         """True if the faces of some joint touch in a rim, or on strips with a gap between them."""
         return self.has_rims or any(0.0 in (block.joint.strips or ())[1:-1] for block in self.blocks)
 
-    @property
+    @cached_property
     def sections(self) -> set[int]:
         """The codes of the sections of the contacts; of columns with slips also those after a slip."""
         found = {contact.section for contact in self.contacts}

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...common.errors import InputError
 from ...ground.motion import STANDARD_GRAVITY
+from ...kernels.column.sections.faces import RECTANGLE
 from ...kernels.machine.library import load
 from ...kernels.paper import entries
 from ..column.kind import Columns
@@ -83,7 +84,7 @@ class PaperColumns(Columns):
     @staticmethod
     def why_not(model: Column) -> str:
         """Return the reason against lanes, which have rectangles only, or ""."""
-        others = "" if model.has_rectangles_only else "formulation paper with other joints than rectangles"
+        others = "" if model.sections <= {RECTANGLE} else "formulation paper with other joints than rectangles"
         return common_reason_against_lanes(model) or others
 
     def load(self, model: Column, keep: Collection[str]) -> None:
