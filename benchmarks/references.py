@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 
 from solver import simulate
-from solver.models.column.packing import model_of
+from solver.models.column.stepper import Stepper
 
 from .competitors import OUTPUT_STEP, MeasurementError, Prepare, grid, numbalsoda, scipy
 from .right_hand_side import Array, Problem
@@ -91,7 +91,7 @@ def overturn_time(scene: Scene, problem: Problem, states: Array) -> float:
     """Return the first output time at which a block or its joint has turned beyond its angle of no return, s; NaN if
     none.
     """
-    limit = model_of(scene.column).blocks.fall_angle
+    limit = Stepper(scene.column).model.blocks.fall_angle
     turn = states[:, : problem.n] * problem.sizes[: problem.n]
     relative = turn - np.hstack([turn[:, 1:], np.zeros((len(turn), 1))])
     fallen = np.any((np.abs(turn) > limit) | (np.abs(relative) > limit), axis=1)

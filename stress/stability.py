@@ -16,7 +16,6 @@ import numpy as np
 
 from solver import Block, Column, Joint, Motion, SolverError
 from solver.kernels.layout import spaces as at
-from solver.models.column.packing import model_of
 from solver.models.column.stepper import Stepper
 
 from .cases import MIRRORED, Case, draw
@@ -167,7 +166,7 @@ def check_energy(column: Column, motion: Motion, run: Track, failures: list[str]
         return
     has = Energies(column, run.phases[:count])
     excess = has.total - has.total[0] - has.work(motion)
-    floor = model_of(column).settings.rotation_floor ** 2 * sum(
+    floor = Stepper(column).model.settings.rotation_floor ** 2 * sum(
         0.5 * block.joint.stiffness * contact.second
         for block, contact in zip(column.blocks, column.contacts, strict=True)
     )
@@ -223,7 +222,7 @@ def _check_agreement(
             return
     ux = np.abs(reference.rows[:, :n])
     height = sum(block.height for block in column.blocks)
-    peak = np.maximum.accumulate(np.max(ux, axis=1)) + model_of(column).settings.rotation_floor * height
+    peak = np.maximum.accumulate(np.max(ux, axis=1)) + Stepper(column).model.settings.rotation_floor * height
 
     def apart(one: Track, other: Track) -> Array:
         return np.asarray(np.maximum.accumulate(np.max(np.abs(one.rows[:, :n] - other.rows[:, :n]), axis=1) / peak))

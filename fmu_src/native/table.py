@@ -170,11 +170,8 @@ def contract(subject: NativeSubject) -> str:
     # sizes, codes, tolerances and messages
     lines = ["#include <stdint.h>", *_enum(sizes), *_enum(codes)]
     lines.append('_Static_assert(sizeof(double) == 8 && sizeof(void *) == 8, "slots of kernels");')
-    lines.append(f"#define TIME_SLACK {rules.TIME_SLACK!r}")
-    lines.append(f"#define STEP_SLACK {rules.STEP_SLACK!r}")
-    lines.append(f"#define STILL {rules.STILL!r}")
-    numbers = {"MANY": alternation.MANY, "BACK": alternation.BACK, "GROWTH": alternation.GROWTH}
-    lines += [f"#define ALTERNATES_{name} {number!r}" for name, number in numbers.items()]
+    lines += [f"#define {name} {getattr(rules, name)!r}" for name in ("TIME_SLACK", "STEP_SLACK", "STILL")]
+    lines += [f"#define ALTERNATES_{name} {getattr(alternation, name)!r}" for name in ("MANY", "BACK", "GROWTH")]
     lines.append(f"#define MUST_INERTIA {_quoted('must be ' + NUMBERS['inertia'][1])}")
     messages = {name: text for name, text in vars(rules).items() if name.isupper() and isinstance(text, str)}
     lines += [f"#define SAY_{name} {_quoted(text)}" for name, text in messages.items()]
@@ -231,12 +228,12 @@ def declarations(contents: Contents) -> str:
     places = storage(table)
     reals = [variable for variable in table if STORED[variable.kind] == "REAL"]
     wholes = [variable for variable in table if STORED[variable.kind] in ("INTEGER", "BOOLEAN")]
-    texts = [variable for variable in table if STORED[variable.kind] == "STRING"]
+    strings = [variable for variable in table if STORED[variable.kind] == "STRING"]
     # lengths and places
     numbers = {
         "REALS": len(reals),
         "WHOLES": max(len(wholes), 1),
-        "TEXTS": max(len(texts), 1),
+        "TEXTS": max(len(strings), 1),
         "TEXT": TEXT,
         "FAMILY": FAMILY,
         "AT_ROW": len(subject.inputs),
@@ -255,17 +252,14 @@ def declarations(contents: Contents) -> str:
     numbers |= {"MOTIONS": len(motions), "AT_LOADS": min(loads, default=0), "LOADS": len(loads)}
     numbers |= {f"AT_{name}": places[subject.places[name]] if name in subject.places else 0 for name in PLACES}
     lines = _enum(numbers)
-    lines.append(f"#define RECORD_KEY {_quoted(subject.places.get('RECORD', ''))}")
-    lines.append(f"#define IDENTITY {_quoted(contents.guid)}")
-    lines.append(f"#define MOST {state_ranges.MOST!r}")
-    lines.append(f"#define MOST_TRIED {state_ranges.MOST_TRIED!r}")
-    lines.append(f"#define MOST_TIME {state_ranges.MOST_TIME!r}")
-    lines.append(f"#define STATE_FORMAT {_quoted(STATE_FORMAT)}")
+    texts = {"RECORD_KEY": subject.places.get("RECORD", ""), "IDENTITY": contents.guid, "STATE_FORMAT": STATE_FORMAT}
+    lines += [f"#define {name} {_quoted(text)}" for name, text in texts.items()]
+    lines += [f"#define {name} {getattr(state_ranges, name)!r}" for name in ("MOST", "MOST_TRIED", "MOST_TIME")]
     # variables and start values
     lines += _array("Variable", "variables", [_variable(variable, places[variable.name]) for variable in table])
     lines += _array("double", "real_starts", [_number(_start(variable)) for variable in reals])
     lines += _array("int", "whole_starts", [str(int(_start(variable))) for variable in wholes])
-    lines += _array("char *const", "text_starts", [_quoted(str(variable.start)) for variable in texts])
+    lines += _array("char *const", "text_starts", [_quoted(str(variable.start)) for variable in strings])
     lines += _families(table, contents.scalars)
     # inputs: indices in `base`, effect, slopes
     units = {variable.name: variable.unit for variable in table}
@@ -393,17 +387,18 @@ def _check(check: RangeCheck, index: dict[str, int]) -> str:
 
 def _record(contents: Contents) -> list[str]:
     """Return the arrays of the samples; the kernels compute the slopes between them."""
-    motion = contents.record
-    count = 0 if motion is None else len(motion.time)
-    record = None if motion is None else Record(motion)
-    dt, begins, ends = (record.dt, record.begins, record.ends) if record else (0.0, math.inf, -math.inf)
-    pga = 0.0 if motion is None else motion.pga
+    motion, record = contents.record, None if contents.record is None else Record(contents.record)
     largest = 0.0 if motion is None else max(np.abs(part).max() for part in (motion.ax, motion.ay, motion.az))
-    lines = _enum({"SAMPLES": count})
-    lines.append(f"#define USUAL_STEP {_number(dt or STEP_SIZE)}")
-    lines += [f"#define RECORD_DT {_number(dt)}", f"#define RECORD_LARGEST {_number(pga)}"]
-    lines += [f"#define RECORD_BEGINS {_number(begins)}", f"#define RECORD_ENDS {_number(ends)}"]
-    lines.append(f"#define MOST_RECORD_SCALE {_number(LARGEST / largest if largest > 0.0 else LARGEST)}")
+    numbers = {
+        "USUAL_STEP": record.dt if record else STEP_SIZE,
+        "RECORD_DT": record.dt if record else 0.0,
+        "RECORD_LARGEST": record.pga if record else 0.0,
+        "RECORD_BEGINS": record.begins if record else math.inf,
+        "RECORD_ENDS": record.ends if record else -math.inf,
+        "MOST_RECORD_SCALE": LARGEST / largest if largest > 0.0 else LARGEST,
+    }
+    lines = _enum({"SAMPLES": 0 if motion is None else len(motion.time)})
+    lines += [f"#define {name} {_number(number)}" for name, number in numbers.items()]
     lines.append(f"#define RECORD_NAME {_quoted(contents.record_name)}")
     for name in ("time", "ax", "ay", "az"):
         samples = np.zeros(0) if motion is None else getattr(motion, name)

@@ -16,7 +16,7 @@ from solver import Column, InputError
 from solver.kernels.column.model.solids import solid_between
 from solver.kernels.column.sections.faces import ANNULUS, CIRCLE, RECTANGLE
 from solver.models.column.block import with_load
-from solver.models.column.packing import model_of
+from solver.models.column.stepper import Stepper
 
 EXAMPLES = sorted((ROOT / "examples" / "columns").glob("*.toml"))
 
@@ -61,7 +61,7 @@ def test_what_tapers_is_the_integral_over_its_slices(section: int) -> None:
 
 def test_the_kernels_work_out_what_python_does() -> None:
     some = column(DRUM | {"top_diameter": 1.2}, {**DRUM, "section": "annulus", "bore": 0.4, "top_diameter": 1.1}, BRICK)
-    packed = model_of(some).blocks
+    packed = Stepper(some).model.blocks
     assert list(packed.centroid) == [block.resolved_centroid for block in some.blocks]
     assert list(packed.inertia) == [block.resolved_inertia for block in some.blocks]
 

@@ -30,7 +30,7 @@ from solver.kernels.engine.modal_responses import HALF, respond
 from solver.kernels.layout import spaces as at
 from solver.kernels.numba_ext.jit import from_python
 from solver.kernels.numba_ext.views import row_of
-from solver.models.column.packing import described, model_of, pack_model, settlements
+from solver.models.column.packing import described, pack_model, settlements
 from solver.models.column.stepper import Stepper
 
 GENERAL = ("elastic",)  # without the modal method
@@ -148,7 +148,7 @@ def test_modes_are_those_of_lagranges_mass_matrix(n: int) -> None:
     ids=["paper", "no gravity", "many blocks", "unstable", "coupled by damping", "open at rest"],
 )
 def test_there_are_no_modal_data_where_they_would_not_serve(column: Column) -> None:
-    assert model_of(column).settings.has_modes == 0.0
+    assert Stepper(column).model.settings.has_modes == 0.0
 
 
 def test_modes_off_the_axis_are_those_of_lagranges_equations() -> None:
@@ -197,7 +197,7 @@ def test_a_column_that_becomes_another_one_on_its_way_has_the_modes_of_that() ->
 
 
 def test_modal_data_are_made_once_for_a_column() -> None:
-    assert model_of(phocas()).settings.has_modes == 1.0
+    assert Stepper(phocas()).model.settings.has_modes == 1.0
     assert pack_model(phocas()) is pack_model(phocas())
     assert pack_model(phocas(tolerance=1e-7)) is not pack_model(phocas())
 

@@ -21,7 +21,7 @@ from ..protocol import LANES, LOADED, OVERTURNED, Kind, Lanes, NoRestError, Run,
 from ..uncertainty import Varied
 from .kinematics import Chain, chain_of
 from .lane_policy import HELD, IN_LANES, first_step_of, kind_of, reason_against_lanes
-from .lanes import LaneKernels, follow_in_lanes, lanes_of, load_kernels
+from .lanes import KINDS, LaneKernels, follow_in_lanes, lanes_of
 from .model import Column
 from .numbers import column_with, is_of_column, numbers_set, single_names
 from .outputs import KEPT, KEYS, OUTPUTS, WATCHED
@@ -108,7 +108,7 @@ class Columns(Kind):
 
     def load(self, model: Column, keep: Collection[str]) -> None:
         """Load the kernels of the column's kind of lanes."""
-        load_kernels(kind_of(model))
+        load(KINDS[kind_of(model)].follow.group)
 
     def follow(
         self, runs: Sequence[Run], keep: Collection[str], settle: float, flag: FloatArray

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -30,7 +29,6 @@ from ...kernels.column.batch.entries import (
 from ...kernels.column.batch.runs import OUTCOME, RUN, SLIP_FIELDS, SPACE
 from ...kernels.layout import spaces as at
 from ...kernels.machine.entry import Entry
-from ...kernels.machine.library import load
 from ...kernels.numba_ext.lanes import WIDTH
 from ..samples import Samples
 from .lane_policy import enters_at_once, kind_of
@@ -292,9 +290,3 @@ def aligned(size: int) -> FloatArray:
     room = np.zeros(size + LINE // 8)
     first = (-room.ctypes.data % LINE) // 8
     return room[first : first + size]
-
-
-@lru_cache(maxsize=len(KINDS))
-def load_kernels(name: str) -> None:
-    """Load the kernels of a kind of lanes into this process, before the clock starts."""
-    load(KINDS[name].follow.group)

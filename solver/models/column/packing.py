@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from operator import attrgetter
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,22 +115,6 @@ def pack_model(column: Column) -> FloatArray:
     return _assembled(column).model
 
 
-def model_of(column: Column) -> Any:
-    """Return the packed model by names: settings, blocks."""
-    return at.MODEL.see(pack_model(column), column.n)
-
-
-def unwritten(n: int, ports: int = 0) -> Arrays:
-    """Return zero arrays for n blocks and `ports` ports."""
-    return Arrays(
-        np.zeros(at.model_room(n) + at.PORTS.size(ports)),
-        np.zeros(at.STATE.size(n) + at.SPOTS.size(ports)),
-        np.zeros(at.COUNTS.beside, dtype=np.int64),
-        np.zeros(at.BASE.beside + 2 * len(at.LOAD) * ports),
-        np.zeros(at.work_size(n, ports)),
-    )
-
-
 @lru_cache(maxsize=64)
 def _assembled(column: Column) -> Arrays:
     made = _assemble(column, described(column))
@@ -140,8 +124,14 @@ def _assembled(column: Column) -> Arrays:
 
 
 def _assemble(column: Column, given: FloatArray) -> Arrays:
-    n = column.n
-    made = unwritten(n, len(column.ports))
+    n, ports = column.n, len(column.ports)
+    made = Arrays(
+        np.zeros(at.model_room(n) + at.PORTS.size(ports)),
+        np.zeros(at.STATE.size(n) + at.SPOTS.size(ports)),
+        np.zeros(at.COUNTS.beside, dtype=np.int64),
+        np.zeros(at.BASE.beside + 2 * len(at.LOAD) * ports),
+        np.zeros(at.work_size(n, ports)),
+    )
     detail = np.zeros(DETAILS)
     code = column.kind.entries.assemble(n, *made, given, 1, np.zeros(scratch_room(n)), detail)
     if code == NO_REST:
