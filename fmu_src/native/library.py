@@ -14,17 +14,14 @@ from solver.common.errors import InputError
 from solver.common.executors import cores
 from solver.kernels.machine.bounds import BOUNDS
 from solver.kernels.machine.packaging import object_code
-from solver.kernels.machine.zig import Target, compile_file, link
+from solver.kernels.machine.zig import PLAIN, Target, compile_file, link
 
 from . import symbols
 from .platforms import PLATFORMS
 
 FACES = {2: "fmi2.c", 3: "fmi3.c"}  # version of FMI -> C file of its functions around the core
 OWN_HEADERS = tuple(Path(__file__).with_name(name) for name in ("core.h", "face.h", "status.h"))
-OPTIONS = (
-    *("-std=c11", "-O2", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off"),
-    *("-Wall", "-Wextra", "-Werror"),
-)
+OPTIONS = (*PLAIN, "-Wall", "-Wextra", "-Werror")
 
 
 def sources(fmi: int) -> tuple[Path, ...]:

@@ -23,7 +23,6 @@ class Entry:
     def __init__(self, function: Callable[..., Any], group: str, module: str) -> None:
         self.function, self.group = function, group
         self.__name__, self.__doc__, self.__module__ = function.__name__, function.__doc__, module
-        # kinds of the arguments and of the result
         annotations = dict(function.__annotations__)
         self.result: type[ArgumentKind] | None = annotations.pop("return", None)
         self.kinds: dict[str, type[ArgumentKind]] = annotations
@@ -31,7 +30,6 @@ class Entry:
         given = code.co_varnames[: code.co_argcount]
         if tuple(annotations) != given or self.result not in (None, Int, Real):
             raise TypeError(f"{module}.{self.__name__}: each argument needs a kind, the result Int, Real or None")
-        # layout of the buffer
         self._passed = tuple(kind.slots for kind in annotations.values())
         self.slots = struct.Struct("=" + "".join(kind.letters for kind in annotations.values()))
 
@@ -63,11 +61,9 @@ class Call:
         passed = entry._passed
         if len(arguments) != len(passed):
             raise TypeError(f"{entry.__name__}: takes {len(passed)} arguments, got {len(arguments)}")
-        # values of all slots
         slots: list[Any] = []
         for slots_of, argument in zip(passed, arguments, strict=True):
             slots += slots_of(argument)
-        # pack them into the buffer
         self.buffer = ctypes.create_string_buffer(entry.slots.size)
         try:
             entry.slots.pack_into(self.buffer, 0, *slots)
@@ -87,7 +83,6 @@ class Call:
 
 def offset(entry: Entry, name: str) -> int:
     """Return the offset (bytes) of an argument in the buffer of a call, at which it may be overwritten."""
-    # slots of the arguments before it
     before = list(entry.kinds.values())[: list(entry.kinds).index(name)]
     return 8 * sum(len(kind.letters) for kind in before)
 

@@ -16,11 +16,8 @@ def user_folder() -> Path:
 
     Raises RuntimeError if the user has no home.
     """
-    # the folder that the user names
-    given = os.environ.get("MULTIBLOCK_CACHE_DIR")
-    if given:
+    if given := os.environ.get("MULTIBLOCK_CACHE_DIR"):
         return Path(given).absolute()
-    # cache folder of the user on this system
     if sys.platform == "win32":
         parent = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
     elif sys.platform == "darwin":
@@ -39,14 +36,12 @@ def make_private(folder: Path) -> None:
 
     Where others may add folders but not replace those of the user (sticky), nothing is changed.
     """
-    # make missing folders
     for place in reversed([place for place in (folder, *folder.parents) if not place.exists()]):
         place.mkdir(mode=0o700, exist_ok=True)
     if not hasattr(os, "getuid"):  # folders of a user on Windows are his own
         return
     if folder.stat().st_uid == os.getuid() and not folder.stat().st_mode & stat.S_ISVTX:  # as /tmp, of root
         folder.chmod(folder.stat().st_mode & ~OF_OTHERS)
-    # no parent may be writable by others
     for place in (folder, *folder.resolve().parents):
         about = place.stat()
         if about.st_uid not in (os.getuid(), 0) or (about.st_mode & OF_OTHERS and not about.st_mode & stat.S_ISVTX):
@@ -69,7 +64,6 @@ def private_folder(name: str, parent: Path | None = None) -> Path:
     folder = (parent or user_folder()) / name
     make_private(folder.parent)
     folder.mkdir(mode=0o700, exist_ok=True)
-    # an existing folder may be open to others
     if not is_private(folder):
         raise NotPrivateError(f"{folder}: others could write to it, must be open to its owner alone; it can be deleted")
     return folder
@@ -77,7 +71,6 @@ def private_folder(name: str, parent: Path | None = None) -> Path:
 
 def write_whole(file: Path, content: bytes) -> None:
     """Write a file completely or not at all, even if other processes write it too. Raises OSError."""
-    # write a file of this process, then rename it
     partial = file.with_name(f"{file.name}.{os.getpid()}")
     try:
         partial.write_bytes(content)
@@ -100,10 +93,8 @@ def keep(kind: str, name: str, content: bytes) -> None:
 def kept(kind: str, name: str) -> bytes | None:
     """Return the content stored by `store`; None if it is missing or damaged, or others could have written it."""
     try:
-        # missing, or in a folder of others
         data = (private_folder(kind) / name).read_bytes()
     except (OSError, RuntimeError):
         return None
-    # damaged if the digest differs
     content = data[DIGEST:]
     return content if hashlib.sha256(content).digest() == data[:DIGEST] else None

@@ -5,6 +5,7 @@ import platform
 import re
 import sys
 from functools import lru_cache
+from itertools import takewhile
 from pathlib import Path
 
 # from the highest to the one that every supported processor has, as LLVM names them
@@ -30,7 +31,6 @@ def levels() -> tuple[str, ...]:
     Raises ValueError for a level that it does not run.
     """
     found = ARM if is_arm() else _of_x86()
-    # the level that the user asks for
     highest = os.environ.get("MULTIBLOCK_LEVEL", found[0])
     if highest not in found:
         raise ValueError(f"MULTIBLOCK_LEVEL={highest}: must be of {', '.join(found)}")
@@ -38,24 +38,17 @@ def levels() -> tuple[str, ...]:
 
 
 def _of_x86() -> tuple[str, ...]:
-    first = len(X86) - 1
-    # from the highest level down, until the processor has all features
-    for level in reversed(X86[:-1]):
-        if not _has(level):
-            break
-        first -= 1
-    return X86[first:]
+    higher = list(takewhile(_has, reversed(X86[:-1])))  # than the one that every processor has
+    return (*reversed(higher), X86[-1])
 
 
 def _has(level: str) -> bool:
-    # flags in /proc/cpuinfo
     if sys.platform == "linux":
         try:
             found = re.search(r"^flags\s*:(.*)$", Path("/proc/cpuinfo").read_text(encoding="ascii"), re.MULTILINE)
         except (OSError, UnicodeDecodeError):
             return False
         return found is not None and set(_NEEDED[level]) <= set(found[1].split())
-    # a call of Windows
     if sys.platform == "win32" and level == "x86-64-v3":
         import ctypes
 

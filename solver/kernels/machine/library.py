@@ -42,11 +42,12 @@ def load(group: str) -> dict[str, Function]:
 
     Raises MachineCodeError.
     """
-    # one thread at a time opens a group
     with _lock:
         if group not in _loaded:
-            address_of = _address_of(group)
-            _loaded[group] = {name: _PROTOTYPE(_checked(name, group, address_of(name))) for name in NAMES[group]}
+            addresses = dict(zip(NAMES[group], map(_address_of(group), NAMES[group]), strict=True))
+            if missing := [name for name, address in addresses.items() if not address]:  # a call would end the process
+                raise MachineCodeError(f"the machine code of {group} has no function {missing[0]}")
+            _loaded[group] = {name: _PROTOTYPE(address) for name, address in addresses.items()}
         return _loaded[group]
 
 
@@ -85,13 +86,6 @@ def _kept_or_made(group: str) -> dict[str, bytes]:
     return code_with(group, [other for other in GROUPS[group].along if other not in _opened and not _packaged(other)])
 
 
-def _checked(name: str, group: str, address: int) -> int:
-    """Return the address of a function; raise MachineCodeError for 0, a missing name: a call would end the process."""
-    if not address:
-        raise MachineCodeError(f"the machine code of {group} has no function {name}")
-    return address
-
-
 def _packaged(group: str) -> Path | None:
     """Return the file of a group in the package, for the highest level that this processor has."""
     suffixes = (SUFFIXES.get(sys.platform, ".so"), ".o")
@@ -125,7 +119,6 @@ def _from_object(code: bytes, group: str) -> Callable[[str], int]:
         from llvmlite import binding as llvm
     except ImportError:
         raise MachineCodeError(f"the machine code of {group} is not linked, and needs llvmlite") from None
-    # initialize LLVM for this processor
     for begin in ("initialize", "initialize_native_target", "initialize_native_asmprinter"):
         try:
             getattr(llvm, begin)()

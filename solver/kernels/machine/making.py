@@ -97,12 +97,10 @@ def _key(group: str) -> str:
 
 def made(groups: list[str]) -> list[bytes]:
     """Return the object code of groups for this processor, made by another process, and store it."""
-    # compile
     with tempfile.TemporaryDirectory(prefix="machine_code_") as folder:
         files = {group: Path(folder) / f"{group}.o" for group in groups}
         run_make({group: {levels()[0]: file} for group, file in files.items()})
         codes = {group: file.read_bytes() for group, file in files.items()}
-    # store
     try:
         for group, code in codes.items():
             store(KEPT, _key(group), code)
@@ -160,7 +158,6 @@ def _run(command: list[str]) -> tuple[int, str]:
 def reason_in(output: str) -> str:
     """Return the last line of an error; of numba's, which begin with the innermost call, the reason with its place."""
     lines = [line.strip() for line in output.splitlines() if line.strip()]
-    # the innermost typing error with its place
     for reason, line in pairwise(lines):
         if place := re.match(r"During: typing of .* at (\S+) \((\d+)\)", line):
             return f"{place[1]}, line {place[2]}: {reason}"
@@ -182,7 +179,6 @@ def environment() -> dict[str, str]:
 
 def _python() -> str:
     """Return the interpreter of this process, which may be embedded in another program."""
-    # the executable is the interpreter, unless it embeds Python
     executable = Path(sys.executable or "")
     if executable.stem.lower().startswith("python"):
         return str(executable)

@@ -11,7 +11,6 @@ class MachineCodeError(ImportError):
 
 def on_terminal(line: str) -> None:
     """Print a line if stderr is a terminal, except in worker processes."""
-    # worker processes share the terminal of their parent
     if sys.stderr and sys.stderr.isatty():
         from multiprocessing import parent_process
 
@@ -30,7 +29,6 @@ def announce(line: str) -> None:
 @contextmanager
 def announcing(say: Callable[[str], None]) -> Iterator[None]:
     """Send announcements to another function within this context."""
-    # the usual function returns at the end
     global _announce
     usual, _announce = _announce, say
     try:

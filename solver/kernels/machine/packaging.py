@@ -55,7 +55,6 @@ def libraries(groups: Iterable[str] = PACKAGED, platforms: Iterable[str] = PLATF
     if BOUNDS:
         raise MachineCodeError("no package carries kernels that check their bounds: unset MULTIBLOCK_BOUNDS")
     parts_of = partial(_linked_parts, platforms=tuple(platforms)) if has_linker() else _object_parts
-    # linked libraries if zig is installed, else object code
     made = on_all_cores(lambda some: _contents([part for group in some for part in parts_of(group)]), groups)
     return {name: content for part in made for name, content in part.items()}
 
@@ -63,7 +62,6 @@ def libraries(groups: Iterable[str] = PACKAGED, platforms: Iterable[str] = PLATF
 def object_code(group: str, targets: Iterable[Target], suffix: str = ".o") -> list[bytes]:
     """Return object code, or assembly (.s), to be linked into native FMUs for targets. Raises MachineCodeError."""
     identity, parts = _made_with(sources_of(group)), []
-    # a part for each target
     for target in targets:
         word = f"{target.triple}/{target.cpu}/{PREFIX}"
         file = f"{word.replace('/', '-')}{suffix}"
@@ -98,7 +96,6 @@ def _made_with(*beside: str) -> str:
 
 def _contents(parts: list[_TargetCode]) -> dict[str, bytes]:
     """Return the files of parts by name, stored or made now."""
-    # parts that are stored
     found = {part.file: content for part in parts if (content := kept(KEPT, part.key)) is not None}
     missing = [part for part in parts if part.file not in found]
     with tempfile.TemporaryDirectory(prefix="machine_code_") as temporary:

@@ -12,7 +12,6 @@ HASHED = {"emitting.py", "groups.py", "kinds.py"}
 
 def _identifier() -> str:
     content = hashlib.sha256()
-    # of machine/ only the files that determine the code
     for file in sorted(KERNELS.rglob("*.py")):
         if file.parent.name == "machine" and file.name not in HASHED:
             continue

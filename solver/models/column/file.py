@@ -195,7 +195,6 @@ def _profile_from(data: Mapping[str, Any]) -> tuple[list[float], list[float]] | 
     points = data["profile"]
     meaning = "must be a list of at least two pairs [height above the base, diameter] in m, from the bottom up"
     if not isinstance(points, list) or len(points) < 2:
-        # heights have to increase
         raise InputError(f"profile = {shown(points)}: {meaning}")
     heights, diameters = [], []
     for k, point in enumerate(points):
