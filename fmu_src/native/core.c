@@ -325,6 +325,20 @@ static int build(Instance *instance, int from_rest, char *reason) {
     return 1;
 }
 
+/* Fill row and split with the outputs as they are now. */
+static int64_t look_now(Instance *instance) {
+    Moment *now = &instance->now;
+    return look((Look){COLUMN(instance), RECORD(instance), .inputs = now->reals, .new_inputs = !now->inputs_stand,
+                       .upright = now->mode == INITIALIZATION, .elapsed = now->time - now->input_time, .t = now->time,
+                       .row = &now->reals[AT_ROW], .split = &now->reals[AT_SPLIT]});
+}
+
+/* Fill row and split of the instance with the rates of the outputs. */
+static int64_t rates_now(Instance *instance) {
+    return rates((Rates){COLUMN(instance), RECORD(instance), .t = instance->now.time, .row = instance->row,
+                         .split = instance->split, .other = instance->other_row, .other_split = instance->other_split});
+}
+
 /* Bring the outputs up to date. */
 static int update(Instance *instance, char *reason) {
     Moment *now = &instance->now;
@@ -332,10 +346,7 @@ static int update(Instance *instance, char *reason) {
     if (now->mode == INITIALIZATION && !now->built && !build(instance, 1, reason)) return 0;
     if (!now->started || !instance->outdated) return 1;
     if (now->retune && !build(instance, 0, reason)) return 0;
-    int64_t code = look((Look){COLUMN(instance), RECORD(instance), .inputs = now->reals,
-                               .new_inputs = !now->inputs_stand, .upright = now->mode == INITIALIZATION,
-                               .elapsed = now->time - now->input_time, .t = now->time,
-                               .row = &now->reals[AT_ROW], .split = &now->reals[AT_SPLIT]});
+    int64_t code = look_now(instance);
     if (code < 0) return snprintf(reason, MESSAGE, "at t = %.6g s: %s", now->time, reason_of(code)), 0;
     if (FALLS) {
         for (int k = 0; k < PEAKS; k++) {
@@ -804,10 +815,7 @@ Status core_rates(Instance *instance, const Reference references[], size_t count
         if (!is_continuous_output(instance, references[k]) || !first_order(instance, find(references[k]), orders[k]))
             return ST_ERROR;
     if (!up_to_date(instance)) return ST_ERROR;
-    int64_t code = rates((Rates){COLUMN(instance), RECORD(instance), .t = instance->now.time, .row = instance->row,
-                                 .split = instance->split, .other = instance->other_row,
-                                 .other_split = instance->other_split});
-    return take(instance, code, references, count, values);
+    return take(instance, rates_now(instance), references, count, values);
 }
 
 Status core_directional(Instance *instance, const Reference unknowns[], size_t unknown_count, const Reference knowns[],
@@ -925,15 +933,10 @@ static int has_outputs(Instance *scratch) {
     int usual = 1;
     for (int k = 0; k < BASE_INPUTS; k++) usual &= fabs(now->reals[k]) <= MOST_TRIED;
     if (!usual && !now->inputs_stand) memcpy(now->reals, real_starts, BASE_INPUTS * sizeof *now->reals);
-    int64_t code = look((Look){COLUMN(scratch), RECORD(scratch), .inputs = now->reals,
-                               .new_inputs = !now->inputs_stand, .upright = now->mode == INITIALIZATION,
-                               .elapsed = now->time - now->input_time, .t = now->time,
-                               .row = &now->reals[AT_ROW], .split = &now->reals[AT_SPLIT]});
-    if (code < 0) return 1; /* which becomes an Error when outputs are got */
+    if (look_now(scratch) < 0) return 1; /* which becomes an Error when outputs are got */
     for (int k = AT_ROW; k < AT_SPLIT + SPLIT; k++)
         if (!(fabs(now->reals[k]) <= MOST)) return 0;
-    code = rates((Rates){COLUMN(scratch), RECORD(scratch), .t = now->time, .row = scratch->row, .split = scratch->split,
-                         .other = scratch->other_row, .other_split = scratch->other_split});
+    int64_t code = rates_now(scratch);
     for (int k = 0; code >= 0 && k < ROW; k++)
         if (!isfinite(scratch->row[k])) return 0;
     for (int k = 0; code >= 0 && k < SPLIT; k++)

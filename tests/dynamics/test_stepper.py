@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from support.probe import coordinates, put_back
 
 from solver import Column, InitialState, InputError, Motion, SolverError
 from solver.common.errors import TooMuchWorkError
+from solver.kernels.column.api import entries
 from solver.kernels.layout import spaces as at
 from solver.models.column.stepper import Stepper
 from solver.models.samples import samples_of
@@ -126,18 +128,19 @@ def test_a_run_that_does_not_end_is_given_up(monkeypatch: pytest.MonkeyPatch) ->
         stepper.run(Motion.harmonic(1.0, 2.0, 20.0), 20.0, np.empty(0))
 
 
-def test_a_chunk_beyond_the_limit_of_a_call_is_divided(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_chunk_beyond_the_limit_of_a_call_is_divided() -> None:
     """Refuse chunks above 0.3 s once they have moved the column; the run goes back and takes shorter ones."""
     column, times = Column.from_toml(ROOT / "examples/columns/phocas-damped.toml"), np.linspace(0.0, 5.0, 51)
-    motion, run, refused = Motion.harmonic(1.0, 2.0, 5.0), Stepper._run, []
+    motion, refused = Motion.harmonic(1.0, 2.0, 5.0), []
 
-    def limited(self: Stepper, t: float, h: float, *others: Any) -> int:
-        code = run(self, t, h, *others)
+    def limited(*given: Any) -> int:
+        code: int = entries.run(*given)
+        *_, h, _, _, _ = given
         refused.append(h > 0.3)
         return at.CALL_TOO_LONG if refused[-1] else code
 
-    whole = Stepper(column).run(motion, 5.0, times)
-    monkeypatch.setattr(Stepper, "_run", limited)
-    divided = Stepper(column).run(motion, 5.0, times)
+    whole, stepper = Stepper(column).run(motion, 5.0, times), Stepper(column)
+    stepper._entries = SimpleNamespace(run=limited)
+    divided = stepper.run(motion, 5.0, times)
     assert any(refused)
     assert np.max(np.abs(divided - whole)[:, : 2 * column.n]) < 1e-4 * np.max(np.abs(whole[:, : 2 * column.n]))

@@ -275,8 +275,12 @@ def check_block(key: str, block: object) -> None:
         raise InputError(f"{key} = {shown(block)}: must be a Block")
     if not isinstance(block.joint, Joint):
         raise InputError(f"{key}.joint = {shown(block.joint)}: must be a Joint")
-    # sizes of the faces
-    _check_section(key, block)
+    # sections, and sizes of the faces
+    check_choice(f"{key}.section", block.section, BLOCK_SECTIONS)
+    if block.joint.section is not None:
+        check_choice(f"{key}.joint.section", block.joint.section, SECTIONS)
+    _check_given(key, block, "top_width", "top_depth", "bore")
+    _check_given(f"{key}.joint", block.joint, "bore")
     sizes = tuple(rule for rule in BLOCK_RULES if not (rule.of_joint or rule.optional))
     _check_rules(key, block, sizes)
     if block.section == "annulus" and block.bore is None:
@@ -338,15 +342,6 @@ def _check_bore(owner: str, bore: float | None, section: str, width: float) -> N
         raise InputError(f'{owner}.bore = {shown(bore)}: must be left out, or section = "annulus"')
     if bore is not None and bore >= width:
         raise InputError(f"{owner}.bore = {shown(bore)}: {BORE_RELATION} = {shown(width)} m")
-
-
-def _check_section(key: str, block: Block) -> None:
-    """Check the names of sections, and that the sizes of the faces are numbers."""
-    check_choice(f"{key}.section", block.section, BLOCK_SECTIONS)
-    if block.joint.section is not None:
-        check_choice(f"{key}.joint.section", block.joint.section, SECTIONS)
-    _check_given(key, block, "top_width", "top_depth", "bore")
-    _check_given(f"{key}.joint", block.joint, "bore")
 
 
 def _check_given(key: str, part: Block | Joint, *names: str) -> None:

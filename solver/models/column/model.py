@@ -303,10 +303,7 @@ def _changed(part: Part, **values: Any) -> Part:
 
 
 def _across(key: str, block: Block) -> Block:
-    """Return a block with width and depth exchanged.
-
-    Raises InputError if it is off its axis, or on strips.
-    """
+    """Return a block with width and depth exchanged. Raises InputError if it is off its axis, or on strips."""
     if block.is_off_axis or block.joint_section == STRIPS:
         raise InputError(f"{key}: must stand on its axis, and not on strips, to be turned to the other direction")
     joint = block.joint

@@ -120,10 +120,7 @@ def _check_bonds(column: Column) -> None:
 
 
 def _frequencies(squares: NDArray[Any]) -> FloatArray:
-    """Convert eigenvalues of M^-1 K (1/s2) to frequencies (Hz).
-
-    Raises SolverError if one is not positive.
-    """
+    """Convert eigenvalues of M^-1 K (1/s2) to frequencies (Hz). Raises SolverError if one is not positive."""
     if np.min(squares.real) <= 0.0:
         raise SolverError("the rest state is not stable: the joints are too soft for the weight above them")
     return np.sqrt(squares.real) / (2.0 * math.pi)

@@ -71,18 +71,13 @@ def column_with(column: Column, values: Mapping[str, tuple[float, bool]]) -> Col
         return column
     if all(name == _TOLERANCE or _joint_number(name) in _OWN for name in values):
         return _with_own(column, values)
-    data = _written(column)
+    data = _to_dict(column, tuple(block.given for block in column.blocks))
+    blocks = [{**block, "joint": dict(block["joint"])} for block in data["block"]]
+    data = {**data, "block": blocks, "solver": dict(data["solver"])}  # a copy, which may be modified
     for name in sorted(values, key=lambda name: (name not in SHAPES, values[name][1])):
         number, relative = values[name]
         _set(data, name, number, relative)
     return Column.from_dict(data)
-
-
-def _written(column: Column) -> dict[str, Any]:
-    """Return a copy of `Column.to_dict` whose tables may be modified."""
-    data = _to_dict(column, tuple(block.given for block in column.blocks))
-    blocks = [{**block, "joint": dict(block["joint"])} for block in data["block"]]
-    return {**data, "block": blocks, "solver": dict(data["solver"])}
 
 
 @lru_cache(maxsize=8)
@@ -117,10 +112,7 @@ def _with_own(column: Column, values: Mapping[str, tuple[float, bool]]) -> Colum
 
 
 def _which(name: str, blocks: int) -> range:
-    """Return the indices of the blocks that a name refers to.
-
-    Raises UnknownKeyError if there are fewer blocks.
-    """
+    """Return the indices of the blocks that a name refers to. Raises UnknownKeyError if there are fewer blocks."""
     found = _parts(name)
     if found is None or not found[1]:
         return range(blocks)

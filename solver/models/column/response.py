@@ -136,10 +136,7 @@ class Response(ColumnHistories, Result):
         return {name: value for name, value in vars(self).items() if name != "_observe"}
 
     def observe(self) -> None:
-        """Compute all histories now.
-
-        Raises SolverError if they cannot be computed.
-        """
+        """Compute all histories now. Raises SolverError if they cannot be computed."""
         self.rows  # noqa: B018
 
     @cached_property

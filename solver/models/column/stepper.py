@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -138,23 +138,16 @@ class Stepper:
             If a record is followed where bodies drive the base.
         """
         elapsed = 0.0 if since is None else t - since
-        loads: Sequence[float] = ()
         if self.column.ports:
-            loads, behind = behind[: self._inputs.size], behind[self._inputs.size :]
-            self._load(loads, elapsed)
+            size = self._inputs.size
+            values, slopes = np.reshape(behind[:size] or np.zeros(size), (2, -1))
+            self._inputs[:], behind = np.concatenate([values + slopes * elapsed, slopes]), behind[size:]
         if self._is_driven:
-            self._load(loads, elapsed)
             self._join(t, [ax, az, jx, jz, theta, omega, alpha, *behind])
             return
         _MOVED.pack_into(self._base, 0, t, ax + jx * elapsed, jx, az + jz * elapsed, jz)
         turn = theta + elapsed * (omega + 0.5 * elapsed * alpha)
         _TURNED.pack_into(self._base, _TURN, turn, omega + elapsed * alpha, alpha)
-
-    def _load(self, loads: Sequence[float], past: float) -> None:
-        """Set the loads on the ports and their slopes, `past` (s) after the time of the given values; none: no load."""
-        if self.column.ports:
-            values, slopes = np.reshape(loads or np.zeros(self._inputs.size), (2, -1))
-            self._inputs[:] = np.concatenate([values + slopes * past, slopes])
 
     def driven_by(self, drive: str, slope: str, bodies: int) -> None:
         """Let up to `bodies` bodies at the base drive it, by words of DRIVES and SLOPES (layout/spaces.py).
@@ -179,10 +172,7 @@ class Stepper:
         self.lacks_mass = self._entries.couple_base(self.n, model, base, inputs, self._split) < at.OK
 
     def advance(self, t: float, h: float) -> None:
-        """Advance from t to t + h (s) under `base` and `record`; all peaks are tracked.
-
-        Raises SolverError.
-        """
+        """Advance from t to t + h (s) under `base` and `record`; all peaks are tracked. Raises SolverError."""
         if self.lacks_mass:
             self._check(at.BODY_LACKING, t)
         if self._is_driven:
@@ -193,10 +183,7 @@ class Stepper:
             self._check(code, t)
 
     def observe(self, t: float) -> FloatArray:
-        """Return the output row at time t (layout/spaces.py, ROW); the next call overwrites it.
-
-        Raises SolverError.
-        """
+        """Return the output row at time t (layout/spaces.py, ROW); the next call overwrites it. Raises SolverError."""
         _T.pack_into(self._observe.buffer, _T_OF_LOOK, t)
         code = self._observe()
         if code < at.OK:
@@ -239,10 +226,7 @@ class Stepper:
         return snapshots
 
     def rest_until(self, t: float, stop: float) -> None:
-        """Advance from t to `stop` (s) on a base that does not accelerate.
-
-        Raises SolverError.
-        """
+        """Advance from t to `stop` (s) on a base that does not accelerate. Raises SolverError."""
         self.drive(t)
         self.base.wave_amplitude = 0.0
         self._follow(t, stop, NO_SAMPLES, _NONE, _NONE, False, None)
@@ -271,7 +255,7 @@ class Stepper:
             pieces = math.ceil(left / chunk)
             end = stop if pieces <= 1 else t + (left / pieces if pieces <= 4 else chunk)  # avoids a tiny last step
             before, kept = done, [array.copy() for array in changing]
-            code = self._run(t, end - t, record, times, snapshots, peaks)
+            code = self._entries.run(self.n, *self.arrays, *record, t, end - t, times, snapshots, peaks)
             if code == at.CALL_TOO_LONG:  # the chunk has grown while little happened: go back and try a shorter one
                 lost += self._work_done - before
                 if lost > most:
@@ -392,10 +376,6 @@ class Stepper:
         ports, bonds = self.arrays.state[at.STATE.size(self.n) :], self.state.phase.bond_lost[: column.sizes[BOND]]
         of_row = at.ROW.size(self.n)
         return np.concatenate([peaks[:of_row], ports, bonds, peaks[of_row:]])
-
-    def _run(self, t: float, h: float, record: Samples, times: FloatArray, snapshots: FloatArray, peaks: bool) -> int:
-        code: int = self._entries.run(self.n, *self.arrays, *record, t, h, times, snapshots, peaks)
-        return code
 
     def _check(self, code: int, t: float | None) -> None:
         if code < at.OK:
