@@ -9,11 +9,11 @@ import numpy as np
 
 from ..ground.motion import STANDARD_GRAVITY
 from ..models.column.model import Column
+from ..statics.rocking import rocking_part
+from .action import Action
 from .kinematic import BEHAVIOUR_FACTOR, LIFE_SAFETY, Mechanism
 from .limits import Limits
-from .rigid_body import RigidBody, governing_body, sliding_distance
-from .scaling import ScaledMotion
-from .spectra import Spectral
+from .rigid_body import RigidBody, sliding_distance
 from .table import MM, PERCENT, Row, Unit
 
 NOT_IN_SPACE = (
@@ -25,50 +25,24 @@ G = Unit("g", 1.0 / STANDARD_GRAVITY)
 
 @dataclass(frozen=True, eq=False)
 class ByHand:
-    """The two methods by hand, and their rows under an action."""
+    """The mechanism of the kinematic verification, and the rows of both methods by hand under an action."""
 
     mechanism: Mechanism
-    body: RigidBody
     rows: tuple[Row, ...]
 
 
-def by_hand(
-    column: Column,
-    found: Mechanism,
-    action: Spectral,
-    smooth: bool,
-    own_period: float,
-    motions: tuple[ScaledMotion, ...],
-    limits: Limits,
-) -> ByHand:
-    """Apply the kinematic verification and the approximate method of ASCE 43 under the spectrum of an action.
+def by_hand(found: Mechanism, own_period: float, action: Action, limits: Limits) -> ByHand:
+    """Apply the kinematic verification and the approximate method of ASCE 43 under an action.
 
-    Parameters
-    ----------
-    column : Column
-        The column.
-    found : Mechanism
-        Its overturning mechanism.
-    action : Spectral
-        The spectrum of the action.
-    smooth : bool
-        Whether it is a spectrum of a code, else one of motions.
-    own_period : float
-        Period of the first mode (s).
-    motions : tuple of ScaledMotion
-        The motions, whose vertical peak reduces the friction.
-    limits : Limits
-        The limits of displacement, slip and friction.
-
-    Returns
-    -------
-    ByHand
-        The mechanism, the rigid body, and the rows of both methods.
+    `found` is the overturning mechanism of the column, `own_period` the period of its first mode (s). The vertical peak
+    of the motions reduces the friction.
     """
+    column, spectrum = found.curve.model, action.spectrum
+    smooth = spectrum is action.target  # a spectrum of a code, else one of motions
     rows = [
         Row(
             "kinematic, linear",
-            float(action.psa(own_period)),
+            float(spectrum.psa(own_period)),
             BEHAVIOUR_FACTOR * found.a0,
             G,
             note=f"Circolare C8.7.1.2.1.7: alpha0 {found.alpha0:.3g}, e* {found.mass_part:.3g}, FC "
@@ -77,16 +51,16 @@ def by_hand(
         ),
         Row(
             "kinematic, displacement",
-            found.demand(action, own_period, smooth),
-            found.capacity(),
+            found.demand(spectrum, own_period, smooth),
+            LIFE_SAFETY * found.d0,
             MM,
             note=f"Circolare C8.7.1.2.1.8: d0* {found.d0:.3g} m, {LIFE_SAFETY:g} d0* at SLV; spectrum of 8 % at TSLV "
-            f"{found.period():.3g} s",
+            f"{found.period:.3g} s",
         ),
     ]
     # rocking of the rigid body, ASCE 43, A.2
-    body = governing_body(column)
-    angle = body.rotation(action, column.g) if body.restitution > 0.0 else math.nan
+    body = RigidBody(*rocking_part(column))
+    angle = body.rotation(spectrum, column.g) if body.restitution > 0.0 else math.nan
     note = (
         f"ASCE 43, A.2: b / h {body.slenderness:.3g}, C_R {body.restitution:.3g}; rotation over that on the edge, "
         f"{body.edge_angle:.3g} rad"
@@ -96,11 +70,11 @@ def by_hand(
     rows.append(
         Row("rocking, rigid body", angle / body.edge_angle, limits.displacement, PERCENT, f"joint {body.joint}", note)
     )
-    rows += _sliding(column, action, motions, limits)
-    return ByHand(found, body, tuple(rows))
+    rows += _sliding(column, action, limits)
+    return ByHand(found, tuple(rows))
 
 
-def _sliding(column: Column, action: Spectral, motions: tuple[ScaledMotion, ...], limits: Limits) -> list[Row]:
+def _sliding(column: Column, action: Action, limits: Limits) -> list[Row]:
     """Return the row of the joint with the least friction, without its dowel; no row if no friction is known."""
     known = {
         i: float(given)
@@ -111,8 +85,8 @@ def _sliding(column: Column, action: Spectral, motions: tuple[ScaledMotion, ...]
         return []
     i = min(known, key=lambda place: known[place])
     # slip of the joint under the spectrum and the largest vertical acceleration
-    vertical = max(float(np.max(np.abs(scaled.motion.az))) for scaled in motions)
-    slip = sliding_distance(known[i], vertical, action, column.g)
+    vertical = max(float(np.max(np.abs(scaled.motion.az))) for scaled in action.motions)
+    slip = sliding_distance(known[i], vertical, action.spectrum, column.g)
     dowel = "; the dowel is left out" if column.blocks[i].joint.dowel else ""
     note = f"ASCE 43, A.1: mu {known[i]:g}, vertical {G.factor * vertical:.3g} g; spectrum of 10 %{dowel}"
     return [Row("sliding, rigid body", slip, limits.slip * column.contacts[i].width, MM, f"joint {i + 1}", note)]

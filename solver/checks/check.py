@@ -206,7 +206,7 @@ class Check:
     @property
     def remarks(self) -> tuple[str, ...]:
         """The sentences on the components that act, cautions about the action, and points left to another check."""
-        longest = self.by_hand.mechanism.period() if self.by_hand else 0.0
+        longest = self.by_hand.mechanism.period if self.by_hand else 0.0
         components = components_sentence(self.action, self.subject.model.kind.across, self._has_space)
         return (components, *self.action.cautions(longest), *self.subject.deferred_points(self.both))
 

@@ -13,16 +13,13 @@ from functools import cached_property
 
 import numpy as np
 
-from ..common.errors import check_number
-from ..models.column.model import Column
-from ..statics.capacity import CapacityCurve, curves_each_way
+from ..statics.capacity import CapacityCurve
 from .spectra import FloatArray, Spectral
 
 CONFIDENCE_FACTOR = 1.35  # of knowledge level LC1, which applies where the crushing strength is left out: C8.7.1.2.1.3
 BEHAVIOUR_FACTOR = 2.0  # q, C8.7.1.2.1.7
-LIFE_SAFETY, COLLAPSE = 0.4, 0.6  # parts of d0 at SLV and SLC, C8.7.1.2.1.6
-_PERIOD = {LIFE_SAFETY: 1.68 * math.pi, COLLAPSE: 1.56 * math.pi}  # (C8.7.1.10), (C8.7.1.11)
-_DAMPING = {LIFE_SAFETY: 0.08, COLLAPSE: 0.10}  # C8.7.1.2.1.8
+# at SLV: part of d0, C8.7.1.2.1.6; factor of (C8.7.1.10); damping ratio, C8.7.1.2.1.8
+LIFE_SAFETY, _PERIOD, _DAMPING = 0.4, 1.68 * math.pi, 0.08
 PERIODS_LOOKED_AT = 60  # number of periods at which a spectrum of motions is read
 
 
@@ -93,67 +90,30 @@ class Mechanism:
         """The spectral displacement at which the column balances without a push (m)."""
         return float(self.displacement[-1])
 
-    def period(self, part: float = LIFE_SAFETY) -> float:
-        """Return the period (s) at `part` of d0: (C8.7.1.10) at SLV, (C8.7.1.11) at SLC."""
-        k, d = self.curve.strongest, part * self.d0
+    @property
+    def period(self) -> float:
+        """The period at 0.4 of d0 (s; C8.7.1.10)."""
+        k, d = self.curve.strongest, LIFE_SAFETY * self.d0
         order = np.argsort(self.displacement[k:], kind="stable")
         acceleration = np.interp(d, self.displacement[k:][order], self.acceleration[k:][order])
-        return _PERIOD[part] * math.sqrt(d / float(acceleration))
+        return _PERIOD * math.sqrt(d / float(acceleration))
 
-    def demand(self, action: Spectral, own_period: float, smooth: bool, part: float = LIFE_SAFETY) -> float:
-        """Return the spectral displacement demand (m) of an action at SLV or SLC (C8.7.1.2.1.8).
+    def demand(self, action: Spectral, own_period: float, smooth: bool) -> float:
+        """Return the spectral displacement demand (m) of an action at SLV (C8.7.1.2.1.8).
 
-        Parameters
-        ----------
-        action : Spectral
-            The spectrum of the action.
-        own_period : float
-            Period of the column at rest (s).
-        smooth : bool
-            Whether it is a spectrum of a code, which is read at the period of the mechanism. Of a spectrum of motions
-            the largest displacement from `own_period` to that period counts.
-        part : float
-            Displacement over d0: LIFE_SAFETY or COLLAPSE.
+        A `smooth` spectrum, of a code, is read at the period of the mechanism. Of a spectrum of motions the largest
+        displacement counts from `own_period`, that of the column at rest (s), to the period of the mechanism.
         """
-        longest = self.period(part)
+        longest = self.period
         periods = np.array([longest])
         if not smooth:
             periods = np.geomspace(min(own_period, longest), longest, PERIODS_LOOKED_AT)
-        return float(np.max(action.psa(periods, _DAMPING[part]) * (periods / (2.0 * math.pi)) ** 2))
-
-    def capacity(self, part: float = LIFE_SAFETY) -> float:
-        """Return the allowed spectral displacement (m), `part` of d0 (C8.7.1.2.1.6)."""
-        return part * self.d0
+        return float(np.max(action.psa(periods, _DAMPING) * (periods / (2.0 * math.pi)) ** 2))
 
 
-def rocking_period(height: float, g: float, confidence_factor: float, part: float = LIFE_SAFETY) -> float:
-    """Return the period (s; C8.7.1.10) of a rigid block whose centroid has this height (m).
+def rocking_period(height: float, g: float, confidence_factor: float) -> float:
+    """Return the period (s; C8.7.1.10) of a rigid block whose centroid has this height (m), under gravity g (m/s2).
 
     The width enters d0 and a0 alike and cancels.
-
-    Parameters
-    ----------
-    height : float
-        Height of the centroid (m).
-    g : float
-        Acceleration of gravity (m/s2).
-    confidence_factor : float
-        FC.
-    part : float
-        Displacement over d0: LIFE_SAFETY or COLLAPSE.
     """
-    return _PERIOD[part] * math.sqrt(part * confidence_factor * height / ((1.0 - part) * g))
-
-
-def check_confidence_factor(value: object) -> float:
-    """Return the factor FC as a float. Raises InputError."""
-    return check_number("confidence_factor", value, (1.0, 3.0), "a confidence factor from 1 to 3")
-
-
-def mechanism(column: Column, confidence_factor: float = CONFIDENCE_FACTOR) -> Mechanism:
-    """Return the overturning mechanism of a column, in the weaker of its two directions.
-
-    Raises InputError and SolverError as `capacity_curve` does.
-    """
-    factor = check_confidence_factor(confidence_factor)
-    return Mechanism(curves_each_way(column)[0], factor)
+    return _PERIOD * math.sqrt(LIFE_SAFETY * confidence_factor * height / ((1.0 - LIFE_SAFETY) * g))

@@ -8,7 +8,7 @@ from typing import Any
 from ..common.errors import POSITIVE, check_number, check_type, check_whole
 from ..models.structure.convex import TOUCH
 from ..models.uncertainty import Spread
-from .kinematic import CONFIDENCE_FACTOR, LIFE_SAFETY, check_confidence_factor
+from .kinematic import CONFIDENCE_FACTOR, LIFE_SAFETY
 
 MOST_RUNS = 10_000
 
@@ -62,5 +62,5 @@ class Plan:
     def __post_init__(self) -> None:
         check_type("limits", self.limits, Limits)
         check_type("spread", self.spread, Spread)
-        check_confidence_factor(self.confidence_factor)
+        check_number("confidence_factor", self.confidence_factor, (1.0, 3.0), "a confidence factor from 1 to 3")
         check_whole("ensemble", self.ensemble, 1, MOST_RUNS, f"a number of runs from 1 to {MOST_RUNS}")

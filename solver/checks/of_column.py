@@ -13,9 +13,10 @@ from ..models.column.push import WITHOUT_BONDS
 from ..models.column.response import Response, friction_history
 from ..models.column.rest import check_rest
 from ..runs.table import Table
+from ..statics.capacity import curves_each_way
 from .action import Action
 from .by_hand import ByHand, by_hand
-from .kinematic import Mechanism, mechanism
+from .kinematic import Mechanism
 from .limits import Limits
 from .spectra import FloatArray
 from .subject import JointProperties, Subject, can_be_made, subject_of
@@ -60,8 +61,8 @@ class InPlane(Subject):
 
     @cached_property
     def mechanism(self) -> Mechanism:
-        """The overturning mechanism under a slow push. Raises as `capacity_curve` does."""
-        return mechanism(self.model, self.confidence_factor)
+        """The overturning mechanism under a slow push, in the weaker direction. Raises as `capacity_curve` does."""
+        return Mechanism(curves_each_way(self.model)[0], self.confidence_factor)
 
     @property
     def two_ways(self) -> bool:
@@ -74,7 +75,7 @@ class InPlane(Subject):
     @property
     def longest(self) -> float:
         """The period at 0.4 of the displacement on the edge (s; C8.7.1.10)."""
-        return self.mechanism.period()
+        return self.mechanism.period
 
     @property
     def edge(self) -> float:
@@ -115,5 +116,4 @@ class InPlane(Subject):
 
     def by_hand(self, action: Action, limits: Limits) -> ByHand:
         """Apply the kinematic verification and ASCE 43 under the action."""
-        smooth = action.spectrum is action.target
-        return by_hand(self.model, self.mechanism, action.spectrum, smooth, self.period, action.motions, limits)
+        return by_hand(self.mechanism, self.period, action, limits)

@@ -14,8 +14,7 @@ import math
 import numpy as np
 
 from ..common.errors import InputError
-from ..models.column.model import Column
-from ..statics.rocking import RigidPart, rocking_part
+from ..statics.rocking import RigidPart
 from .spectra import FloatArray, Spectral
 
 ANGLES = 400  # number of rotations tried, and of frequencies for sliding
@@ -76,27 +75,12 @@ class RigidBody(RigidPart):
         return math.inf if last == ANGLES - 1 else _crossing(angles, missing, last)
 
 
-def governing_body(column: Column) -> RigidBody:
-    """Return the part that the least push sets in motion."""
-    return RigidBody(*rocking_part(column))
-
-
 def sliding_distance(friction: float, vertical: float, action: Spectral, g: float) -> float:
     """Return the largest slip (m), 0 if the spectrum does not reach the strength; (A-1) to (A-3).
 
     mu_e = mu (1 - 0.4 A_v / g), c_s = 2 mu_e g, delta = c_s / (2 pi f_es)^2; f_es is the lowest frequency at which the
-    spectrum of 10 % damping reaches c_s.
-
-    Parameters
-    ----------
-    friction : float
-        Coefficient of friction mu.
-    vertical : float
-        Largest vertical acceleration A_v (m/s2).
-    action : Spectral
-        The spectrum of the action.
-    g : float
-        Acceleration of gravity (m/s2).
+    spectrum of 10 % damping reaches c_s. `friction` is mu, `vertical` the largest vertical acceleration A_v (m/s2), `g`
+    the acceleration of gravity (m/s2).
     """
     strength = 2.0 * friction * (1.0 - 0.4 * vertical / g) * g
     if strength <= 0.0:

@@ -28,9 +28,10 @@ from multiblock import (
 )
 from solver.checks.action import ARTIFICIAL, Level, action_on
 from solver.checks.check import check_limits
-from solver.checks.kinematic import mechanism, rocking_period
+from solver.checks.kinematic import rocking_period
 from solver.checks.limits import Limits
 from solver.checks.margin import NARROW
+from solver.checks.of_column import InPlane
 from solver.checks.runs import span_of
 from solver.checks.scaling import horizontal_pga, horizontal_psa, scaled_to_pga, scaled_to_sa, scaled_to_spectrum
 from solver.checks.subject import subject_of
@@ -345,7 +346,7 @@ def test_a_rigid_block_rocks_with_the_period_of_its_mechanism() -> None:
     """Check (C8.7.1.10) of stiff blocks of any width: the mechanism has it from the whole curve of pushes."""
     for width in (0.2, 0.3):
         stiff = Column("stiff", (Block(2.0, width, 0.5, 1200.0, Joint(2e12, 1e-6)),))
-        assert mechanism(stiff, 1.35).period() == pytest.approx(rocking_period(1.0, G, 1.35), rel=2e-3)  # 6e-4
+        assert InPlane(stiff, 1.35).mechanism.period == pytest.approx(rocking_period(1.0, G, 1.35), rel=2e-3)  # 6e-4
 
 
 def test_least_width_of_a_face() -> None:
