@@ -76,10 +76,7 @@ class Action:
     def cautions(self, longest: float = 0.0) -> list[str]:
         """Return a line for each use of the target beyond its table, for factors too large and for peaks too small.
 
-        Parameters
-        ----------
-        longest : float
-            Longest period (s) at which the methods by hand read the target.
+        `longest` is the longest period (s) at which the methods by hand read the target.
         """
         lines = [*scaling.factor_lines(self.motions), *filter(None, [self.shortfall])]
         if self.ground:
@@ -109,13 +106,7 @@ class Action:
 
 @dataclass(frozen=True)
 class Level:
-    """The level to which motions are scaled: at most one of target, pga and sa.
-
-    Raises
-    ------
-    InputError
-        As `check` does.
-    """
+    """The level to which motions are scaled: at most one of target, pga and sa. Raises InputError as `check` does."""
 
     target: TargetSpectrum | None
     pga: float | None  # m/s2
@@ -149,29 +140,9 @@ def action_on(
 ) -> Action:
     """Scale the motions to a level, or make artificial ones if none is given.
 
-    Parameters
-    ----------
-    subject : Subject
-        The model under check.
-    motions : Motions
-        Motions by name, or a sequence of motions or paths of records.
-    level : Level
-        The level to which the motions are scaled.
-    variants : sequence of Subject
-        Further models under the same motions, which then follow a target up to the periods of their bearings too. In
-        their plane they take motions with one horizontal component only.
-    building : Building, optional
-        A building whose ground is moved, and whose first periods the range of a target then covers as well.
-
-    Returns
-    -------
-    Action
-        The motions as applied, with the target.
-
-    Raises
-    ------
-    InputError
-        As `check` does.
+    Under the same motions stand `variants`, which follow a target up to the periods of their bearings too, and in their
+    plane take motions with one horizontal component only. The range of a target also covers the first periods of a
+    `building` whose ground is moved. Raises InputError as `check` does.
     """
     given, own = _named(motions), subject.period
     of_artificial = {"artificial": level.artificial != ARTIFICIAL, "vertical": level.vertical, "seed": level.seed != 0}

@@ -44,12 +44,7 @@ def answer(rows: Sequence[Row]) -> str:
 def cracked_sentence(names: Sequence[str], by_sign: Sequence[Sequence[Any]]) -> str:
     """Return the sentence on the mortar joints that break through under some motion, or "" if there are none.
 
-    Parameters
-    ----------
-    names : sequence of str
-        Names of the mortar joints.
-    by_sign : (motions, signs) sequence
-        Responses of the model as given; `peaks["bond"]` is (joints,).
+    `names` are those of the mortar joints, `by_sign` the responses of the model as given, (motions, signs).
     """
     if not names:
         return ""
@@ -67,7 +62,7 @@ def cracked_sentence(names: Sequence[str], by_sign: Sequence[Sequence[Any]]) -> 
 def components_sentence(action: Action, across: bool, has_space: bool = True) -> str:
     """Return the sentence on the number of components of motion that act.
 
-    `across` is True if the model can move along both horizontal directions, `has_space` if it can be solved in space.
+    The model can move along both horizontal directions (`across`), and can be solved in space (`has_space`).
     """
     two = sum(len(horizontal_of(scaled.motion)) > 1 for scaled in action.motions)
     upright = any(np.any(scaled.motion.az) for scaled in action.motions)
@@ -98,14 +93,7 @@ def verdict_sentence(word: str, found: Verdicts) -> str:
 def falls_sentence(word: str, names: Sequence[str], runs: Sequence[Any]) -> str:
     """Return the sentence on when and where the model as given falls, under the first motions that do it; or "".
 
-    Parameters
-    ----------
-    word : str
-        Column or structure.
-    names : sequence of str
-        Names of the motions.
-    runs : sequence
-        Responses of the model as given, one per motion.
+    `names` and `runs` are those of the motions, and the responses of the model as given to them.
     """
     fell = []
     for name, run in zip(names, runs, strict=True):
@@ -121,12 +109,7 @@ def falls_sentence(word: str, names: Sequence[str], runs: Sequence[Any]) -> str:
 def impacts_sentence(names: Sequence[str], by_sign: Sequence[Sequence[Any]]) -> str:
     """Return the sentence on the neighbours that hit each other as given.
 
-    Parameters
-    ----------
-    names : sequence of str
-        Names of the motions.
-    by_sign : (motions, signs) sequence
-        Responses of the model as given.
+    `names` are those of the motions, `by_sign` the responses of the model as given, (motions, signs).
     """
     hits: dict[str, list[tuple[float, str]]] = {}
     for name, runs in zip(names, by_sign, strict=True):
@@ -166,10 +149,7 @@ def _varied(word: str, found: Verdicts) -> str:
 
 
 def margin_sentence(margin: Margin | None, any_undecided: bool) -> str:
-    """Return the sentence on the margin to overturning, of the model as given and varied.
-
-    `any_undecided` is True if some run is undecided; a caution is then added.
-    """
+    """Return the sentence on the margin of the model as given and varied, with a caution if any run is undecided."""
     if margin is None:
         return "How much more shaking it bears was not looked for."
     least = margin.stands

@@ -325,26 +325,7 @@ def _slides(subject: Subject) -> bool:
 def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | None = None) -> Check:
     """Check a subject under motions that are already scaled, as for variants.
 
-    Parameters
-    ----------
-    subject : Subject
-        The model under check.
-    action : Action
-        The motions as applied.
-    plan : Plan
-        The limits and options.
-    callback : Callback, optional
-        As in `simulate_many`, for each set of runs.
-
-    Returns
-    -------
-    Check
-        The rows, the verdicts and the runs.
-
-    Raises
-    ------
-    InputError, SolverError
-        As `check` does.
+    `callback` is that of `simulate_many`, for each set of runs. Raises InputError and SolverError as `check` does.
     """
     if callback is not None:
         callback = Sets(callback, 1 + plan.margin * MOST_TRIALS + plan.joints * len(CHANGES))

@@ -72,20 +72,8 @@ def margin_of(
         The models and their motions, one ensemble for each motion.
     at_one : (motions,) bool
         Whether some run falls at factor 1.
-    callback : Callback, optional
-        As in `simulate_many`, for each set of runs.
-    threads : int, optional
-        Likewise.
-
-    Returns
-    -------
-    Margin
-        The bounds of the factor, and the motion under which the first run falls.
-
-    Raises
-    ------
-    InputError, SolverError
-        As `simulate_many` does.
+    callback, threads : optional
+        As in `simulate_many`, for each set of runs. InputError and SolverError are raised as there.
     """
     trials: list[Trial] = []
 

@@ -38,16 +38,8 @@ def changed(model: Any, key: str, factor: float) -> Any:
 def other_joints(model: Any, confidence_factor: float, outcome_and_note: Any) -> tuple[OtherJoints, ...]:
     """Return the outcome of the check with each of `CHANGES`; empty for a model without joints.
 
-    Damping is changed only if some joint has it. A model that cannot be built or solved counts as FAILS.
-
-    Parameters
-    ----------
-    model : Column or Structure
-        The model as given.
-    confidence_factor : float
-        FC of the kinematic verification.
-    outcome_and_note : callable
-        Function of the changed subject that returns its outcome and a note.
+    `outcome_and_note` is a function of the changed subject. Damping is changed only if some joint has it. A model that
+    cannot be built or solved counts as FAILS.
     """
     found = []
     for key, factor in CHANGES if model.laws else ():

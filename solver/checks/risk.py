@@ -19,24 +19,11 @@ from .verdicts import falls
 
 
 def risk_of(check: Check, hazard: Hazard, years: float = YEARS) -> Risk:
-    """Compute the risk of overturning from the runs of a check: at factor 1, and of the search for the margin.
+    """Compute the risk of overturning in `years` from the runs of a check: at factor 1, and of the margin.
 
     The intensity of a run is that of its motion, on a floor of the ground's, and of two horizontal components their
-    geometric mean, as in `scaling`; all runs under one motion are resampled together for the bounds.
-
-    Parameters
-    ----------
-    check : Check
-        The check.
-    hazard : Hazard
-        The hazard of the site.
-    years : float
-        Time of the probability.
-
-    Raises
-    ------
-    InputError
-        If the runs do not determine a fragility over the measure of the hazard, or bound the rate too loosely.
+    geometric mean, as in `scaling`; all runs under one motion are resampled together for the bounds. Raises InputError
+    if the runs do not determine a fragility over the measure of the hazard, or bound the rate too loosely.
     """
     motions = check.action.ground or check.action.motions
     sizes = np.array([horizontal(one.motion, partial(hazard.measure.of, one.motion)) for one in motions])

@@ -75,22 +75,10 @@ def as_given(subject: Subject, run: Any) -> Pair:
 
 
 def varied(subject: Subject, run: Any, scaled: ScaledMotion, plan: Plan, place: int) -> list[Pair]:
-    """Return varied models and motions of a run of the subject; the same for the same seed and `place`.
+    """Return varied models and motions of a run of the subject under a motion; the same for the same seed and `place`.
 
-    The sign of a record is arbitrary: where it counts, every second motion is mirrored.
-
-    Parameters
-    ----------
-    subject : Subject
-        The model under check.
-    run : Response or SpatialResponse
-        Its response to the motion.
-    scaled : ScaledMotion
-        The motion.
-    plan : Plan
-        The size of the ensemble and the spread.
-    place : int
-        Index of the motion, part of the seed.
+    The sign of a record is arbitrary: where it counts, every second motion is mirrored. `place` is the index of the
+    motion, part of the seed.
     """
     rng = np.random.default_rng([plan.spread.seed, place])
     model = subject.to_vary(run)
@@ -121,21 +109,8 @@ def run_all(
 ) -> Table:
     """Simulate pairs of models and motions, and return the table of the runs, one row for each.
 
-    A model without a rest falls at once.
-
-    Parameters
-    ----------
-    subject : Subject
-        The model under check, which decides the columns of the table.
-    pairs : sequence of Pair
-        The models and their motions.
-    peaks : bool
-        Whether to keep the largest displacements, also those of bearings, what falls and when, and the least gaps. The
-        verdicts are always kept.
-    callback : Callback or None
-        As in `simulate_many`.
-    threads : int, optional
-        Likewise.
+    A model without a rest falls at once. The verdicts are kept, and with `peaks` the largest displacements, also those
+    of bearings, what falls and when, and the least gaps. `callback` and `threads` are those of `simulate_many`.
     """
     keep = ("verdict",)
     if peaks:

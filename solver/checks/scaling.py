@@ -31,18 +31,9 @@ VERTICAL_RANGE = (0.05, 1.0)  # s, range of the fit of vertical components: plat
 
 
 def horizontal_psa(motion: Motion, periods: FloatArray, damping: float = DAMPING) -> FloatArray:
-    """Return the horizontal pseudo-acceleration of a motion that is not zero (m/s2), (p,).
+    """Return the horizontal pseudo-acceleration (m/s2) of a motion that is not zero at periods (s), (p,).
 
     Of two components it is the geometric mean.
-
-    Parameters
-    ----------
-    motion : Motion
-        The motion.
-    periods : (p,) float
-        Periods (s).
-    damping : float
-        Damping ratio.
     """
     return horizontal(motion, lambda component: spectrum(motion, periods, damping, component).psa)
 

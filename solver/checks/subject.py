@@ -155,16 +155,9 @@ class Subject:
 
 @singledispatch
 def subject_of(model: Any, confidence_factor: float = CONFIDENCE_FACTOR) -> Subject:
-    """Return a model as subject of checks.
+    """Return a model as subject of checks, as registered for its class (`subject_of.register`).
 
-    The class of the model must be registered (`subject_of.register`).
-
-    Raises
-    ------
-    InputError
-        If the class is not registered.
-    SolverError
-        If the model does not stand at rest.
+    Raises InputError if the class is not registered, SolverError if the model does not stand at rest.
     """
     registered = "; of another model its class must be known to subject_of (checks/subject.py)"
     more = registered if hasattr(model, "kind") else ""

@@ -144,24 +144,10 @@ def rows_of(
     margin: Margin | None,
     verdicts: Verdicts,
 ) -> tuple[Row, ...]:
-    """Return the rows of the table.
+    """Return the rows of the table of checks; `table` is that of all varied runs.
 
+    `by_sign` has the responses of the model as given, (motions, signs): for each motion one for each sign that counts.
     A motion under which the subject falls has infinite demands of displacement, pressure, slip and force.
-
-    Parameters
-    ----------
-    subject : Subject
-        The model under check.
-    by_sign : (motions, signs) sequence
-        The responses of the model as given, for each motion one for each sign that counts.
-    table : Table
-        The table of all varied runs.
-    limits : Limits
-        The limits.
-    margin : Margin, optional
-        The margin; None if it was not computed.
-    verdicts : Verdicts
-        The verdicts of the runs as given and of the varied runs.
     """
     demands = Demands(subject, by_sign)
     return (
@@ -200,11 +186,7 @@ class Demands:
         return found
 
     def of_joint(self, name: str, i: int, capacity: float, unit: Unit, note: str, values: FloatArray) -> Row:
-        """Return a row for the joint of index i.
-
-        `values` are the demands, (motions, joints); `capacity` is in SI units; `name`, `unit` and `note` are those of
-        the row.
-        """
+        """Return a row for the joint of index i, from the `values` of all joints (motions, joints)."""
         return _of_part(name, self.subject.joints.names[i], capacity, unit, note, values[:, i])
 
 
@@ -221,18 +203,9 @@ def _worst(demand: FloatArray, capacity: FloatArray) -> int:
 
 
 def overturning(verdicts: Verdicts, limits: Limits, margin: Margin | None, failures: Mapping[int, str]) -> list[Row]:
-    """Return the rows of overturning: as given, share of varied runs, undecided runs, and margin.
+    """Return the rows of overturning: as given, share of varied runs, undecided runs, and margin if it was computed.
 
-    Parameters
-    ----------
-    verdicts : Verdicts
-        The verdicts of the runs as given and of the varied runs.
-    limits : Limits
-        The limits, of which `share` counts.
-    margin : Margin, optional
-        The margin; None if it was not computed.
-    failures : mapping
-        The reasons why runs could not be made, by their number.
+    `failures` has the reasons why runs could not be made, by their number.
     """
     size, count = len(verdicts.varied), len(verdicts.names)
     low, high = verdicts.bounds
@@ -324,14 +297,8 @@ def _sliding(demands: Demands, limits: Limits) -> list[Row]:
 def lasting(ratio: FloatArray, time: FloatArray) -> FloatArray:
     """Return the ratio `|T| / N` that is exceeded for LASTING s in all, (joints,).
 
-    Peaks of impacts are shorter and move nothing: 0.05 s of an excess of 0.3 moves a joint by 4 mm.
-
-    Parameters
-    ----------
-    ratio : (rows, joints) float
-        Shear over compression.
-    time : (rows,) float
-        Time (s).
+    Peaks of impacts are shorter and move nothing: 0.05 s of an excess of 0.3 moves a joint by 4 mm. `ratio` is (rows,
+    joints), `time` (rows,) in s.
     """
     rows = max(1, round(LASTING * (len(time) - 1) / float(time[-1] - time[0])))
     return np.sort(ratio, axis=0)[-min(rows, len(ratio))]

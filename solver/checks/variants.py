@@ -165,17 +165,9 @@ def _moved(check: Check) -> FloatArray:
 
 
 def pairs_of(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return the differences of each trial, `one` less `other`.
+    """Return the differences `one` less `other` of each trial, (trials,), from values of paired runs (motions, runs).
 
-    Parameters
-    ----------
-    one, other : (motions, runs) float
-        Values of paired runs. Pairs with NaN are left out.
-
-    Returns
-    -------
-    (trials,) float
-        The mean over the pairs of each motion; with one motion the pairs themselves.
+    A trial is the mean over the pairs of a motion; with one motion each pair is one. Pairs with NaN are left out.
     """
     apart = one - other
     if len(apart) == 1:

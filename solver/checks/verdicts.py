@@ -33,14 +33,7 @@ def bounds_of(fewest: NDArray[np.bool_], most: NDArray[np.bool_], motions: int) 
 
     Runs under one motion are alike: with several motions each motion is one trial, whose success is the share of its
     runs that count; with one motion each run is a trial. Between whole numbers of successes the bounds of Clopper and
-    Pearson are interpolated.
-
-    Parameters
-    ----------
-    fewest, most : (runs,) bool
-        The runs that count for the lower bound, and for the upper one.
-    motions : int
-        Number of motions.
+    Pearson are interpolated. `fewest` and `most`, (runs,) bool, count for the lower and the upper bound.
     """
     trials = motions if motions > 1 else len(fewest)
     each = np.array([share_bounds(count, trials) for count in range(trials + 1)])

@@ -226,14 +226,8 @@ def _least_size(block: dict[str, float]) -> float:
 def _asked_damping(blocks: Sequence[dict[str, float]], law: AskedLaw, built: str) -> float:
     """Ask for the damping, s; the proposal is the critical damping of the rocking part, computed with its joint.
 
-    Parameters
-    ----------
-    blocks : sequence of dict
-        Blocks of a column; empty for a structure.
-    law : AskedLaw
-        With another damping.
-    built : str
-        Text of a structure with another damping; empty for a column.
+    A column is made of `blocks`, a structure has the text `built`, "" of a column; in `law` and text the damping is
+    another.
     """
     if built:
         proposed = bounce_damping(Structure.from_dict(tomllib.loads(built)))
@@ -279,14 +273,7 @@ def _structure_lines(data: dict[str, Any], path: Path) -> list[str]:
 def column_text(name: str, what: str, blocks: Sequence[dict[str, float]], law: AskedLaw) -> str:
     """Return the text of a column file, with comments; `Column.from_toml` validates it later.
 
-    Parameters
-    ----------
-    name : str
-    what : str
-        Description, for the first comment.
-    blocks : sequence of dict
-        Keys of the blocks from the top down, without joint and density.
-    law : AskedLaw
+    `what` describes it in the first comment; `blocks` are their keys from the top down, without joint and density.
     """
     found = law.found
     lines = [

@@ -40,14 +40,8 @@ EVERYWHERE = Touching()
 def asked_contact(width: float, mortared: bool, standing: float = 0.0) -> Touching:
     """Ask where faces touch, and for the width of the rim or of a foot.
 
-    Parameters
-    ----------
-    width : float
-        Width of the smallest face (m).
-    mortared : bool
-        True if mortar fills the joints: whole faces are proposed, else a rim.
-    standing : float
-        Width of the top block if it may stand on feet (m), else 0.
+    `width` is that of the smallest face (m), `standing` that of the top block if it may stand on feet, else 0. If
+    mortar fills the joints, whole faces are proposed, else a rim.
     """
     meanings = {key: text for key, text in MEANINGS.items() if key != FEET or standing}
     chosen = choice("where faces touch", meanings, WHOLE if mortared else RIM)

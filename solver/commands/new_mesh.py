@@ -42,14 +42,7 @@ class Edge(NamedTuple):
 
 
 def edges_of(block: Solid, feet: int = 1) -> list[Edge]:
-    """Return the edges of the hull of a block's feet, sorted by direction.
-
-    Parameters
-    ----------
-    block : Solid
-    feet : int
-        Number of feet, which are the first faces of the block.
-    """
+    """Return the edges of the hull of a block's feet, which are the first of its faces, sorted by direction."""
     points = np.concatenate([face.points() for face in block.faces[:feet]])
     corners = feet_of(points, float(np.ptp(points[:, 2])))[0] - block.centroid[:2]  # anticlockwise from above
     side = np.roll(corners, -1, axis=0) - corners
@@ -147,20 +140,9 @@ def _nearest(edges: list[Edge], direction: float) -> Edge:
 
 
 def mesh_text(name: str, file: str, options: argparse.Namespace, height: float, damping: float = DAMPING) -> str:
-    """Return the text of the file of a structure.
+    """Return the text of the file of a structure from the path of a mesh and the options of `new` on it.
 
-    Parameters
-    ----------
-    name : str
-        Name of the structure.
-    file : str
-        Path of the mesh.
-    options : Namespace
-        The options of `new` on the mesh.
-    height : float
-        Height of the mesh, m, from which the modulus of its joint follows.
-    damping : float
-        Damping of its joint, s.
+    `height` is that of the mesh (m), from which the modulus of its joint follows, `damping` that of the joint (s).
     """
     found, up, feet, parts = MATERIALS[options.material], options.up, options.feet, options.parts
     lines = [

@@ -39,18 +39,9 @@ def error_lines(response: Result, moved: str) -> list[str]:
 
 
 def ensemble_lines(ensemble: Ensemble, names: Sequence[object], moved: str, most: int | None = None) -> list[str]:
-    """Return the lines on an ensemble.
+    """Return the lines on an ensemble, with at most `most` rows of the table of blocks.
 
-    Parameters
-    ----------
-    ensemble : Ensemble
-        The ensemble.
-    names : sequence
-        Numbers or names of the blocks.
-    moved : str
-        The symbol of the displacement.
-    most : int, optional
-        The largest number of rows of the table.
+    `names` are the numbers or names of the blocks, `moved` is the symbol of the displacement.
     """
     spread, (low, high) = ensemble.spread, ensemble.share_bounds
     lines = [
@@ -77,12 +68,7 @@ def ensemble_lines(ensemble: Ensemble, names: Sequence[object], moved: str, most
 def cracks(names: Sequence[str], left: FloatArray | None) -> list[str]:
     """Return a line on the joints that have cracked; no line without such joints.
 
-    Parameters
-    ----------
-    names : sequence of str
-        Names of the joints.
-    left : array (len(names),) or None
-        Bonded share of each joint, 0 to 1; None if it was not recorded.
+    `left` is the bonded share of each named joint, 0 to 1; None if it was not recorded.
     """
     if not names or left is None:
         return []

@@ -74,12 +74,10 @@ def table(
     ranges: Ranges = NUMBERS,
     owner: type | None = None,
 ) -> Schema:
-    """Return the schema of a table.
+    """Return the schema of a table with these keys; no others are valid.
 
     Parameters
     ----------
-    keys : iterable of str
-        The keys that are read; no others are valid.
     forms : mapping, optional
         The schemas of the keys that are no numbers. A key that has neither a schema nor a range may be anything.
     required : collection of str
@@ -97,16 +95,9 @@ def table(
 
 
 def by_word(key: str, cases: Mapping[str, tuple[Collection[str], Collection[str]]], usual: str = "") -> Schema:
-    """Return the rules on the keys of a table that depend on a word in it.
+    """Return the rules on the keys of a table that depend on the word of `key`, `usual` if there is none.
 
-    Parameters
-    ----------
-    key : str
-        The key of the word.
-    cases : mapping
-        By word, the keys that are valid, and those of them that are required.
-    usual : str
-        The word that counts if there is none.
+    `cases` has by word the keys that are valid, and those of them that are required.
     """
     rules = []
     for word, (keys, required) in cases.items():

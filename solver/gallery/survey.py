@@ -105,25 +105,9 @@ def survey(
 ) -> Gallery:
     """Run all pairs that the journal does not have, and return the outcomes of all.
 
-    Parameters
-    ----------
-    exhibits, mounts : sequence
-        The objects and the mounts.
-    subjects : sequence of Subject
-        The pairs, object by object.
-    actions : mapping
-        The action on each floor.
-    plan : Plan
-        Ensemble, spread and whether the margin is computed.
-    journal : str or path
-        The file to which each pair is added as it ends.
-    callback : callable, optional
-        Called as callback(runs made, all runs), without those of the margins.
-
-    Raises
-    ------
-    InputError, SolverError
-        If the journal is of another gallery, or a run cannot be made.
+    Each pair, which `subjects` have object by object, is added to the journal as it ends. `actions` are those on each
+    floor. `callback` is called as callback(runs made, all runs), without the runs of the margins. Raises InputError if
+    the journal is of another gallery, SolverError if a run cannot be made.
     """
     floors = [exhibit.floor for exhibit in exhibits for _ in mounts]
     digest = hashlib.sha256(json.dumps([asdict(plan), floors], sort_keys=True).encode())

@@ -45,7 +45,7 @@ def write_report(
     risk: Sequence[str] = (),
     envelope: Envelope | None = None,
 ) -> None:
-    """Write the report of a check, compared with the other checks as variants.
+    """Write the report of a check, compared with the other checks as variants. Raises OSError.
 
     Parameters
     ----------
@@ -63,11 +63,6 @@ def write_report(
         Lines on the risk, for a site whose hazard is known.
     envelope : Envelope, optional
         The checks over a range of friction, of which the governing one is the first of `checks`.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written.
     """
     content = _content(checks, inputs, envelope is not None) | _friction(envelope)
     text = rendered(files(__package__) / "check.html", command=command, notes=notes, risk=risk, **content)

@@ -44,23 +44,9 @@ class ModelSection(NamedTuple):
 
 @singledispatch
 def shown_of(model: Any, check: Check, run: Any) -> ModelSection:
-    """Return the tables and pictures of a model and of the governing run.
+    """Return the tables and pictures of a model and of its governing run, as registered for its class.
 
-    The function is registered by the class of the model.
-
-    Parameters
-    ----------
-    model : Column or Structure
-        The model.
-    check : Check
-        Its check.
-    run : Response or SpatialResponse
-        The governing run.
-
-    Raises
-    ------
-    InputError
-        If no function is registered for the class.
+    Raises InputError if none is.
     """
     raise InputError(f"report: a {model.kind.word} has none, shown_of.register (checks/report/model.py) adds it")
 
