@@ -11,9 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
+from ..common.digits import three_digits
 from ..common.errors import InputError, check_type, shown
 from ..common.files import printable
 from ..ground.building import RIGID, Building, floor_motion
+from ..ground.intensity import Component, pgv
 from ..ground.motion import STANDARD_GRAVITY, Motion, check_in_plane
 from . import scaling
 from .artificial import SHORTEST, artificial_motions, with_across, with_vertical
@@ -102,6 +104,21 @@ class Action:
             return f"mean of {count} motions"
         few = "" if count >= scaling.FEWEST else f"; codes ask for at least {scaling.FEWEST}"
         return f"largest of {count} motions{few}" if count > 1 else f"one motion{few}"
+
+
+def motion_rows(action: Action) -> list[tuple[str, ...]]:
+    """Return the table of the motions as applied, as texts: the headings, then factors and peaks of each."""
+    across = any(scaled.motion.has_ay for scaled in action.motions)
+    along: tuple[Component, ...] = ("ax", "ay") if across else ("ax",)
+    beside = ("across (g)", "across (m/s)") if across else ()
+    rows = [("motion", "factor", "vertical", "PGA (g)", *beside[:1], "vertical (g)", "PGV (m/s)", *beside[1:])]
+    for name, motion, factor, upright in action.motions:
+        rise = float(np.max(np.abs(motion.az))) / STANDARD_GRAVITY
+        vertical = three_digits(upright) if rise else ""
+        peaks = [three_digits(motion.peak(component) / STANDARD_GRAVITY) for component in along]
+        speeds = [three_digits(pgv(motion, component)) for component in along]
+        rows.append((name, three_digits(factor), vertical, *peaks, three_digits(rise), *speeds))
+    return rows
 
 
 @dataclass(frozen=True)

@@ -152,6 +152,12 @@ class Envelope:
         return found
 
     @property
+    def tables(self) -> list[list[tuple[str, ...]]]:
+        """The tables of the values and, if there are any, of the pairs of neighbours; the headings are first."""
+        pairs = self.pairs
+        return [[OF_VALUES, *self.rows], *([[OF_PAIRS, *pairs]] if pairs else [])]
+
+    @property
     def remarks(self) -> tuple[str, ...]:
         """The sentences on what the values apply to, and on a missing vertical motion."""
         upright = any(np.any(scaled.motion.az) for scaled in self.checks[0].action.motions)

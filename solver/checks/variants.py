@@ -38,6 +38,13 @@ def compared(checks: Sequence[Check]) -> str:
     return f"the two directions{more}"
 
 
+def brief_rows(checks: Sequence[Check]) -> list[list[str]]:
+    """Return a row for each demand: its name, and the demand and ratio of each check as text."""
+    briefs = [{row.name: row.brief for row in reversed(check.rows)} for check in checks]  # the first of a name
+    names = dict.fromkeys(row.name for check in checks for row in check.rows)
+    return [[name, *(brief.get(name, "") for brief in briefs)] for name in names]
+
+
 def differences(checks: Sequence[Check]) -> list[str]:
     """Return the sentences that compare all checks with the first, each with the falls and hits as given."""
     said = ((difference(checks[0], one), one.falls_sentence, one.impacts_sentence) for one in checks[1:])

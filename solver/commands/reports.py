@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Container, Sequence
 
 import numpy as np
 
@@ -21,6 +22,18 @@ PERIODS = (0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0)  # s
 NO_BASELINE = "integrated from rest, no baseline taken away"
 MOST_MODES = 12  # printed on the terminal
 STRONG = 0.3  # of critical: each swing is less than a seventh of the one before, exp(-2 pi 0.3 / sqrt(1 - 0.3^2))
+
+
+def text_columns(rows: Sequence[Sequence[str]], right: Container[int] = ()) -> list[str]:
+    """Return rows of cells as lines, the columns in `right` (from 0) aligned on the right, others on the left."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(
+            cell.rjust(width) if k in right else cell.ljust(width)
+            for k, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in rows
+    ]
 
 
 def column_report(column: Column, motion: Motion) -> str:

@@ -28,6 +28,7 @@ from ..studies.results import UNITS, Results, results_of
 from ..studies.statistics import failures_of, fit_fragility, ida_curves, influences, measure_in, undecided_text
 from .command_files import add_force, check_picture, write_outputs
 from .progress import PlainLine, RunsLine
+from .reports import text_columns
 
 # s, after Ctrl-C: the pool would wait for ever for a worker that ended within a result
 LEAVES_AFTER = 2.0
@@ -107,9 +108,7 @@ def _show(options: argparse.Namespace) -> None:
     names.append("largest")
     heads = [f"{name} ({_unit(name)[0]})" if _unit(name)[0] else name for name in names]
     rows = [heads] + [[_cell(results, name, k) for name in names] for k in range(count)]
-    widths = [max(len(row[k]) for row in rows) for k in range(len(names))]
-    for row in rows:
-        print("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)))
+    print(*text_columns(rows, range(len(names))), sep="\n")
 
 
 def _cell(results: Results, name: str, row: int) -> str:

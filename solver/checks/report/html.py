@@ -15,15 +15,14 @@ from markupsafe import Markup
 
 from ...common.digits import three_digits
 from ...common.files import whole_file
-from ...ground.intensity import pgv
-from ...ground.motion import STANDARD_GRAVITY
 from ...plotting.scene.page import frame_of
+from ..action import motion_rows
 from ..by_hand import NOT_IN_SPACE
 from ..check import Check
-from ..friction import OF_PAIRS, OF_VALUES, Envelope
+from ..friction import Envelope
 from ..limits import TOLERANCE
 from ..subject import JointProperties
-from ..variants import compared, differences, directions
+from ..variants import brief_rows, compared, differences, directions
 from .friction import friction_picture
 from .inputs import MATERIAL_SHEET, hashed, sources_of, with_meshes
 from .model import ModelSection, Sheet, merged, shown_of
@@ -64,25 +63,19 @@ def write_report(
     envelope : Envelope, optional
         The checks over a range of friction, of which the governing one is the first of `checks`.
     """
-    content = _content(checks, inputs, envelope is not None) | _friction(envelope)
+    content = _content(checks, inputs, envelope)
     text = rendered(files(__package__) / "check.html", command=command, notes=notes, risk=risk, **content)
     with whole_file(path) as partial:
         Path(partial).write_text(text, encoding="utf-8")
 
 
-def _friction(envelope: Envelope | None) -> dict[str, Any]:
-    """Return the values of the section on friction."""
-    drawn = embedded(friction_picture(envelope)) if envelope else ""
-    return {"envelope": envelope, "friction_picture": drawn, "of_values": OF_VALUES, "of_pairs": OF_PAIRS}
-
-
-def _content(checks: Sequence[Check], inputs: Sequence[Path], has_frictions: bool) -> dict[str, Any]:
-    """Return the values that the template names; `has_frictions`: all checks are of one model."""
+def _content(checks: Sequence[Check], inputs: Sequence[Path], envelope: Envelope | None) -> dict[str, Any]:
+    """Return the values that the template names; with an envelope all checks are of one model."""
     # tables and pictures of the governing run, then texts for the template
     check = checks[0]
     run = check.responses[check.governing]
     shown = _shown(check, inputs)
-    variants = [] if has_frictions else [one for one in checks[1:] if not one.both]
+    variants = [] if envelope else [one for one in checks[1:] if not one.both]
     at = min(run.overturn_time, float(run.time[-1])) if run.overturned else None  # else at its largest displacement
     return {
         "check": check,
@@ -107,7 +100,9 @@ def _content(checks: Sequence[Check], inputs: Sequence[Path], has_frictions: boo
         ),
         "not_by_hand": NOT_IN_SPACE,
         "tolerance": TOLERANCE,
-        "names": list(dict.fromkeys(row.name for one in checks for row in one.rows)),
+        "briefs": brief_rows(checks),
+        "envelope": envelope,
+        "friction_picture": embedded(friction_picture(envelope)) if envelope else "",
         "embedded": embedded,
         "pictures": {
             "histories": embedded(shown.histories),
@@ -147,24 +142,11 @@ def never_slide(joints: JointProperties) -> tuple[str, ...]:
     return (f"{which}: such a joint never slides. The friction that this takes is in the table.",)
 
 
-def _motions(check: Check) -> list[dict[str, str]]:
-    found = []
-    for scaled, response, moved in zip(check.action.motions, check.responses, check.displacement.values, strict=True):
-        vertical = float(np.max(np.abs(scaled.motion.az)))
-        across = f", {scaled.motion.peak('ay') / STANDARD_GRAVITY:.3g}" if scaled.motion.has_ay else ""
-        fast = f", {pgv(scaled.motion, 'ay'):.3g}" if scaled.motion.has_ay else ""
-        found.append(
-            {
-                "name": scaled.name,
-                "factor": three_digits(scaled.factor),
-                "vertical": f"{scaled.vertical_factor:.3g}" if vertical else "none",
-                "pga": f"{scaled.motion.pga / STANDARD_GRAVITY:.3g}{across}",
-                "rise": f"{vertical / STANDARD_GRAVITY:.3g}" if vertical else "",
-                "pgv": f"{pgv(scaled.motion):.3g}{fast}",
-                "moved": "" if response.overturned else three_digits(1e3 * moved),
-                "verdict": f"{response.verdict}, {response.what_fell} at {three_digits(response.overturn_time)} s"
-                if response.overturned
-                else response.verdict,
-            }
-        )
-    return found
+def _motions(check: Check) -> Sheet:
+    """Return the table of the motions, with the verdict and the displacement under each."""
+    (name, *headings), *rows = motion_rows(check.action)
+    found: list[tuple[str, ...]] = []
+    for (motion, *numbers), run, moved in zip(rows, check.responses, check.displacement.values, strict=True):
+        fell = f", {run.what_fell} at {three_digits(run.overturn_time)} s" if run.overturned else ""
+        found.append((motion, f"{run.verdict}{fell}", *numbers, "" if run.overturned else three_digits(1e3 * moved)))
+    return Sheet((name, f"the {check.subject.model.kind.word} itself", *headings, "displacement (mm)"), found)
