@@ -18,7 +18,7 @@ from ..ground.building import RIGID, Building, floor_motion
 from ..ground.intensity import Component, pgv
 from ..ground.motion import STANDARD_GRAVITY, Motion, check_in_plane
 from . import scaling
-from .artificial import SHORTEST, artificial_motions, with_across, with_vertical
+from .artificial import SHORTEST, artificial_motions, with_component
 from .scaling import Fit, MotionSpectra, ScaledMotion
 from .spectra import Spectral, TargetSpectrum
 from .subject import Subject
@@ -181,10 +181,7 @@ def action_on(
             )
     # a target: its spectrum decides the factors
     if level.target is not None:
-        firsts = [own, *(first for first in (building.periods if building else ()) if first >= RIGID)]
-        bearings = [one.isolated for one in (subject, *variants)]
-        longest = max(subject.longest, *bearings, LONGEST_PART * max(firsts))
-        found = _following(level.target, given, level, subject, SHORTEST_PART * min(firsts), longest)
+        found = _following(level.target, given, level, subject, usual_periods([subject], building, variants))
         if level.below is not None:
             found = replace(found, shortfall=shortfall(level.target, level.below, subject.longest))
         return found
@@ -220,18 +217,28 @@ def shortfall(floor: TargetSpectrum, ground: TargetSpectrum, period: float) -> s
     )
 
 
+def usual_periods(
+    subjects: Sequence[Subject], building: Building | None, variants: Sequence[Subject] = ()
+) -> tuple[float, float]:
+    """Return the range (s) in which spectra follow a target by default, up to where spectra of codes end.
+
+    `variants` extend it by the periods of their bearings alone.
+    """
+    firsts = [one.period for one in subjects]
+    firsts += [period for period in (building.periods if building else ()) if period >= RIGID]
+    bearings = (one.isolated for one in (*subjects, *variants))
+    longest = max(LONGEST_PART * max(firsts), *(one.longest for one in subjects), *bearings)
+    return max(SHORTEST, SHORTEST_PART * min(firsts)), min(longest, LONGEST_PERIOD)
+
+
 def _following(
-    target: TargetSpectrum, given: Mapping[str, Motion], level: Level, subject: Subject, shortest: float, longest: float
+    target: TargetSpectrum, given: Mapping[str, Motion], level: Level, subject: Subject, usual: tuple[float, float]
 ) -> Action:
     """Return an action whose spectra follow the target: the given motions scaled, or artificial ones.
 
-    The default range of periods begins at `shortest` (s), SHORTEST at least; `longest` (s) extends it, up to where
-    spectra of codes end.
+    The range of periods (s) is by default `usual`, up to LONGEST_PART of the first period at least.
     """
-    own = subject.period
-    # range of periods that the motions must follow
-    usual = (max(shortest, SHORTEST), max(LONGEST_PART * own, min(longest, LONGEST_PERIOD)))
-    low, high = usual if level.periods is None else level.periods
+    low, high = level.periods or (usual[0], max(LONGEST_PART * subject.period, usual[1]))
     if high > target.longest:
         raise InputError(
             f"{target.name}: the table ends at {target.longest:.4g} s, the check needs it to {high:.4g} s: must be as "
@@ -245,11 +252,11 @@ def _following(
     # no records: artificial motions, with the components that the model and the level need
     made = artificial_motions(target, level.artificial, level.seed)
     if subject.model.kind.across:
-        made = with_across(made, target, level.seed)
+        made = with_component("across", made, target, level.seed)
     if level.vertical:
         if target.vertical is None:
             raise InputError(f"vertical: {target.name} has no vertical spectrum, must be left out")
-        made = with_vertical(made, target.vertical, level.seed)
+        made = with_component("vertical", made, target.vertical, level.seed)
     low = max(low, SHORTEST)
     raised = scaling.raised_to_spectrum(made, target, (low, high), level.least)
     how = f"artificial motions made to follow the target from {low:.3g} to {high:.3g} s, seeds from {level.seed}"

@@ -25,6 +25,7 @@ FINER = 2  # oversampling for the peaks of the oscillators
 LOWEST = 0.1  # Hz: lower frequencies do not move a column and are filtered
 SHORTEST = 0.04  # s: four samples
 PERIODS = np.geomspace(SHORTEST, 5.0, 80)  # s, at which the spectrum is compared
+FURTHER = {"across": (Motion.with_across, 2**30), "vertical": (Motion.with_vertical, 2**31)}  # offsets of their seeds
 
 
 def artificial_motions(target: Spectral, count: int, seed: int = 0, length: float = LENGTH) -> dict[str, Motion]:
@@ -61,31 +62,17 @@ def artificial_motions(target: Spectral, count: int, seed: int = 0, length: floa
     return {f"artificial {seed + k}": fitted_motion(target, seed + k, length) for k in range(count)}
 
 
-def with_vertical(motions: dict[str, Motion], target: Spectral, seed: int) -> dict[str, Motion]:
-    """Return the motions with vertical components that follow the vertical `target`.
+def with_component(name: str, motions: dict[str, Motion], target: Spectral, seed: int) -> dict[str, Motion]:
+    """Return the motions with further components that follow the target: vertical ones, or second horizontal ones.
 
-    The vertical components are independent of the horizontal ones (other seeds, from `seed`).
+    `name` is a key of `FURTHER`. The components are independent of those before (other seeds, from `seed`). EN 1998-1,
+    3.2.3.1.1(2): not the same accelerogram along both directions.
     """
-    further = _further_motions(motions, target, seed + 2**31)
-    return {name: motion.with_vertical(further[name]) for name, motion in motions.items()}
-
-
-def with_across(motions: dict[str, Motion], target: Spectral, seed: int) -> dict[str, Motion]:
-    """Return the motions with second horizontal components that follow the target.
-
-    The second components are independent of the first ones (other seeds, from `seed`). EN 1998-1, 3.2.3.1.1(2): not the
-    same accelerogram along both directions.
-    """
-    further = _further_motions(motions, target, seed + 2**30)
-    return {name: motion.with_across(further[name]) for name, motion in motions.items()}
-
-
-def _further_motions(motions: dict[str, Motion], target: Spectral, seed: int) -> dict[str, Motion]:
-    """Return one further motion of the same duration for each motion, by name."""
-    return {
-        name: fitted_motion(target, (seed + k) % 2**32, motion.duration)
-        for k, (name, motion) in enumerate(motions.items())
-    }
+    merged, offset = FURTHER[name]
+    further = (
+        fitted_motion(target, (seed + offset + k) % 2**32, motion.duration) for k, motion in enumerate(motions.values())
+    )
+    return {key: merged(motion, other) for (key, motion), other in zip(motions.items(), further, strict=True)}
 
 
 def fitted_motion(target: Spectral, seed: int, length: float = LENGTH) -> Motion:

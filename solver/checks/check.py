@@ -39,7 +39,7 @@ from .by_hand import ByHand
 from .limits import Limits, Plan
 from .margin import MOST_TRIALS, Margin, margin_of
 from .other_joints import CHANGES, OtherJoints, joints_sentence, other_joints
-from .runs import Sets, as_given, is_turned, own_runs, run_all, varied
+from .runs import Sets, is_turned, own_runs, run_all, varied
 from .scaling import LEAST_PART, check_periods
 from .spectra import TargetSpectrum
 from .subject import Pair, Subject, can_be_made, subject_of
@@ -330,11 +330,11 @@ def checked(subject: Subject, action: Action, plan: Plan, callback: Callback | N
     if callback is not None:
         callback = Sets(callback, 1 + plan.margin * MOST_TRIALS + plan.joints * len(CHANGES))
     by_sign, ensembles, runs, verdicts = _made(subject, action, plan, callback)
-    # margin: the runs at factor 1 are known, the others are made by bisection
+    # margin: the runs at factor 1 are known, the others are made by bisection, all with the settings of the varied ones
     margin = None
     if plan.margin:
         pairs = zip(by_sign, ensembles, strict=True)
-        all_of = [[*(as_given(subject, run) for run in signs), *ensemble] for signs, ensemble in pairs]
+        all_of = [[*((subject.to_vary(run), run.motion) for run in signs), *ensemble] for signs, ensemble in pairs]
         margin = margin_of(subject, all_of, verdicts.falls_by_motion, callback)
     rows = rows_of(subject, by_sign, runs, plan.limits, margin, verdicts)
     others: tuple[OtherJoints, ...] = ()

@@ -69,11 +69,6 @@ def _horizontal(motion: Motion) -> list[list[float]]:
     return [motion.ax.tolist(), motion.ay.tolist(), [motion.amplitude, motion.amplitude_y]]
 
 
-def as_given(subject: Subject, run: Any) -> Pair:
-    """Return the model and the motion of a run as given, with the settings of the varied runs."""
-    return subject.to_vary(run), run.motion
-
-
 def varied(subject: Subject, run: Any, scaled: ScaledMotion, plan: Plan, place: int) -> list[Pair]:
     """Return varied models and motions of a run of the subject under a motion; the same for the same seed and `place`.
 

@@ -12,8 +12,7 @@ from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
-from ..checks.action import LONGEST_PART, LONGEST_PERIOD, SHORTEST_PART, Action, Level, Motions, action_on
-from ..checks.artificial import SHORTEST
+from ..checks.action import Action, Level, Motions, action_on, usual_periods
 from ..checks.check import motion_digest
 from ..checks.limits import Plan
 from ..checks.margin import margin_of
@@ -23,7 +22,7 @@ from ..checks.verdicts import bounds_of, falls, verdicts_of
 from ..common.digits import three_digits
 from ..common.executors import cores
 from ..common.notebook import counted
-from ..ground.building import RIGID, Building
+from ..ground.building import Building
 from ..models.protocol import OVERTURNED, UNDECIDED
 from ..runs.many import Callback
 from ..studies.definition import versions
@@ -86,11 +85,7 @@ class Gallery:
 def common_action(subjects: Sequence[Subject], motions: Motions, level: Level, building: Building | None) -> Action:
     """Return one action for all subjects, as `action_on`; spectra follow a target over the periods of all of them."""
     if level.target is not None and level.periods is None:
-        firsts = [one.period for one in subjects]
-        firsts += [period for period in (building.periods if building else ()) if period >= RIGID]
-        longest = max(LONGEST_PART * max(firsts), *(max(one.longest, one.isolated) for one in subjects))
-        shortest = max(SHORTEST, SHORTEST_PART * min(firsts))
-        level = replace(level, periods=(shortest, min(longest, LONGEST_PERIOD)))
+        level = replace(level, periods=usual_periods(subjects, building))
     return action_on(subjects[0], motions, level)
 
 

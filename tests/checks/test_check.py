@@ -32,7 +32,7 @@ from solver.checks.answer import margin_sentence, verdict_sentence
 from solver.checks.check import checked, write_checks
 from solver.checks.limits import TOLERANCE
 from solver.checks.margin import MOST, NARROW, STEP, Margin, margin_of
-from solver.checks.runs import as_given, is_turned, span_of, varied
+from solver.checks.runs import is_turned, span_of, varied
 from solver.checks.scaling import ScaledMotion, applied
 from solver.checks.subject import subject_of
 from solver.checks.table import Row, overturning
@@ -85,7 +85,7 @@ def test_margin_has_falls_beyond_it_and_none_within(found: Check) -> None:
     assert 1.0 <= margin.stands < margin.falls <= NARROW * margin.stands
     worst = found.action.motions[margin.place]
     run = found.responses[margin.place]
-    ensemble = [as_given(found.subject, run), *varied(found.subject, run, worst, SHORT, margin.place)]
+    ensemble = [(found.subject.to_vary(run), run.motion), *varied(found.subject, run, worst, SHORT, margin.place)]
     for factor, falls in ((margin.stands, False), (margin.falls, True)):
         shaken = [motion.scaled(factor) for _, motion in ensemble]
         table = simulate_many([column for column, _ in ensemble], shaken, tolerance=TOLERANCE)

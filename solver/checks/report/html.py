@@ -23,10 +23,9 @@ from ..friction import Envelope
 from ..limits import TOLERANCE
 from ..subject import JointProperties
 from ..variants import brief_rows, compared, differences, directions
-from .friction import friction_picture
 from .inputs import MATERIAL_SHEET, hashed, sources_of, with_meshes
 from .model import ModelSection, Sheet, merged, shown_of
-from .pictures import embedded, spectra_picture
+from .pictures import embedded, friction_picture, spectra_picture
 from .rendering import rendered
 
 LIMITS_OF_THE_MODEL = (  # for all models

@@ -1,4 +1,4 @@
-"""The pictures of a check, as PNG inside HTML: the column, the spectra, the governing run."""
+"""The pictures of a check, as PNG inside HTML: the column, the spectra, a range of friction."""
 
 from __future__ import annotations
 
@@ -11,11 +11,14 @@ from matplotlib.figure import Figure
 from ...ground.motion import STANDARD_GRAVITY
 from ...models.column.model import Column
 from ...plotting.drawings import DisplacementHistories, corners_of, draw_column, number_joints, rule_heights
-from ...plotting.style import BLUE, RED, plain
+from ...plotting.style import BLUE, GREY, RED, plain, tidy
 from ..check import Check
+from ..friction import Envelope
 from ..scaling import MEAN_FROM, horizontal_psa
+from ..table import MM
 
 DPI = 140
+MOST_LINES = 6  # pairs of neighbours that are drawn
 PERIODS = np.geomspace(0.04, 4.0, 100)  # s
 LABELS = {0.05: "0.05", 0.1: "0.1", 0.2: "0.2", 0.5: "0.5", 1.0: "1", 2.0: "2", 4.0: "4"}
 
@@ -80,4 +83,32 @@ def spectra_picture(check: Check) -> Figure:
     axes.grid(color="0.9", linewidth=0.6)
     axes.spines[["top", "right"]].set_visible(False)
     figure.legend(loc="outside right upper", fontsize=7, frameon=False)
+    return figure
+
+
+def friction_picture(envelope: Envelope) -> Figure:
+    """Draw displacement and share of falls over the friction, and beside them the least gaps of the nearest pairs."""
+    names, values = envelope.checks[0].subject.neighbours, envelope.values
+    figure = Figure(figsize=(7.0, 3.2), layout="constrained")
+    first, *others = figure.subplots(1, 2 if names else 1, squeeze=False)[0]
+    first.plot(values, MM.factor * envelope.moved, "o-", color=BLUE)
+    first.set_xlabel("friction")
+    first.set_ylabel("largest displacement (mm)", color=BLUE)
+    first.margins(y=0.1)
+    first.set_ylim(bottom=0.0)
+    tidy(first)
+    share = first.twinx()
+    share.plot(
+        values, [100.0 * one.verdicts.fallen / len(one.verdicts.varied) for one in envelope.checks], "s--", color=RED
+    )
+    share.set_ylabel("varied runs that fall (%)", color=RED)
+    share.set_ylim(-2.0, 102.0)
+    for axes in others:
+        least = MM.factor * envelope.least_gaps
+        for k in np.argsort(np.min(least, axis=0), kind="stable")[:MOST_LINES]:
+            axes.plot(values, least[:, k], "o-", label=plain(names[k]))
+        axes.axhline(0.0, color=GREY, linewidth=1.0)
+        axes.set(xlabel="friction", ylabel="least gap (mm)")
+        axes.legend(fontsize=7, frameon=False)
+        tidy(axes)
     return figure
