@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -29,8 +29,8 @@ SLENDERNESS = "column.slenderness"
 SHAPES = (SIZE, SLENDERNESS)
 _OWN = ("stiffness", "damping")  # numbers of a joint on which no other value of a column depends
 _TOLERANCE = "solver.tolerance"
-_LENGTHS = lengths_in(NUMBERS)
-_UPRIGHT = ("height", "centroid")  # lengths along the axis of the column
+_LENGTHS = lengths_in(NUMBERS) | {"strips", "at"}
+_ACROSS = _LENGTHS - {"height", "centroid"}  # not along the axis of the column
 _EITHER = {"mass": "density", "density": "mass"}  # each replaces the other
 
 
@@ -126,7 +126,10 @@ def _set(data: dict[str, Any], name: str, number: float, relative: bool) -> None
     found = _parts(name)
     if name in SHAPES:
         factor = check_number(name, number, POSITIVE, "a positive number")
-        _resize(data, factor) if name == SIZE else _widen(data, factor, relative)
+        if name == SIZE:
+            data.update(resized(data, factor, _LENGTHS, {"mass": 3, "inertia": 5}))
+        else:
+            _widen(data, factor, relative)
     elif name == "g":
         _put(data, name, "g", number, relative)
     elif found is None:
@@ -162,41 +165,32 @@ def varied(name: str, present: object, number: float, relative: bool) -> float:
     return number * present
 
 
-def _scale(table: dict[str, Any], factor: float, skip: tuple[str, ...] = ()) -> None:
-    for key, value in table.items():
-        if key in _LENGTHS and key not in skip and value is not None:
-            table[key] = factor * value
-        if key == "strips":
-            table[key] = [factor * depth for depth in value]
+def resized(table: Any, factor: float, lengths: Collection[str], powers: Mapping[str, int], key: str = "") -> Any:
+    """Return a table of a file and all in it with a factor on its `lengths`, and with powers of it on other numbers."""
+    if isinstance(table, dict):
+        return {name: resized(part, factor, lengths, powers, name) for name, part in table.items()}
+    if isinstance(table, (list, tuple)):
+        return [resized(part, factor, lengths, powers, key) for part in table]
+    power = 1 if key in lengths else powers.get(key, 0)
+    return factor**power * table if power else table
 
 
-def _scale_ports(data: dict[str, Any], across: float, upright: float) -> None:
+def widen_ports(data: dict[str, Any], factor: float) -> None:
+    """Multiply the horizontal coordinates of the ports beside a column by a factor."""
     if "port" in data:
-        data["port"] = [{**port, "at": [across * port["at"][0], upright * port["at"][1]]} for port in data["port"]]
-
-
-def _resize(data: dict[str, Any], factor: float) -> None:
-    _scale_ports(data, factor, factor)
-    for block in data["block"]:
-        _scale(block, factor)
-        _scale(block["joint"], factor)
-        if "mass" in block:
-            block["mass"] *= factor**3
-        if "inertia" in block:
-            block["inertia"] *= factor**5
-        if "load" in block:
-            block["load"] = {"mass": factor**3 * block["load"]["mass"], "above": factor * block["load"]["above"]}
+        data["port"] = [dict(port) for port in data["port"]]
+    for port in data.get("port", []):
+        if "at" in port:
+            *across, upright = port["at"]
+            port["at"] = [*(factor * part for part in across), upright]
 
 
 def _widen(data: dict[str, Any], slenderness: float, relative: bool) -> None:
     blocks = data["block"]
-    present = math.fsum(block["height"] for block in blocks) / blocks[-1]["width"]
-    factor = 1.0 / slenderness if relative else present / slenderness
-    _scale_ports(data, factor, 1.0)
     for i, block in enumerate(blocks, start=1):
         if {"inertia", "load"} & block.keys():
             raise InputError(f"{SLENDERNESS}: block[{i}] must have no inertia or load: its inertia would not follow")
-        _scale(block, factor, _UPRIGHT)
-        _scale(block["joint"], factor, _UPRIGHT)
-        if "mass" in block:
-            block["mass"] *= factor**2
+    present = math.fsum(block["height"] for block in blocks) / blocks[-1]["width"]
+    factor = 1.0 / slenderness if relative else present / slenderness
+    data["block"] = [resized(block, factor, _ACROSS, {"mass": 2}) for block in blocks]
+    widen_ports(data, factor)

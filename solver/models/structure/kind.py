@@ -13,7 +13,7 @@ from ...common.errors import InputError
 from ...ground.motion import Motion
 from ...kernels.structure.layout import RINGING_ORDER
 from ..column.model import Column
-from ..column.numbers import SIZE, SLENDERNESS, column_with, is_of_column, numbers_set
+from ..column.numbers import SIZE, SLENDERNESS, column_with, is_of_column, numbers_set, widen_ports
 from ..protocol import LOADED, SETTLE, Kind, Lanes, NoRestError, Run, RunPlan, Work, output_times, table_entry
 from ..uncertainty import Varied
 from .blocks.faces import FloatArray
@@ -182,7 +182,7 @@ class Structures(Kind):
                     resize(data, of_column[SIZE][0])
                 if SLENDERNESS in of_column:
                     widened = column_with(column, {SLENDERNESS: of_column[SLENDERNESS]})
-                    _widen_ports(data, widened.blocks[-1].width / column.blocks[-1].width)
+                    widen_ports(data, widened.blocks[-1].width / column.blocks[-1].width)
                 model = Structure.from_dict({**data, OF_COLUMN: changed})
             values = {name: value for name, value in values.items() if _is_of_space(name)}
         return structure_with(model, values)
@@ -198,14 +198,6 @@ def _reason_against_lanes(structure: Structure, keep: Collection[str]) -> str:
     if structure.after_fall:
         return "the run goes on after a fall"
     return "" if structure.model.names.settings.order == 5.0 else "steps of order 8"
-
-
-def _widen_ports(data: Mapping[str, Any], factor: float) -> None:
-    """Multiply the horizontal coordinates of the ports beside a column by a factor."""
-    for port in data.get("port", []):
-        if "at" in port:
-            *across, upright = port["at"]
-            port["at"] = [*(factor * part for part in across), upright]
 
 
 def _is_of_space(name: str) -> bool:

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 
 from ...common.errors import POSITIVE, InputError, UnknownKeyError, check_number
 from ...common.ranges import NUMBERS, lengths_in
-from ..column.numbers import varied
+from ..column.numbers import resized, varied
 from .bearing_tables import RANGES as OF_BEARINGS
 from .blocks.contacts import with_law
 from .blocks.parts import JointLaw
@@ -218,22 +218,9 @@ def _bed_with(bed: JointLaw, name: str, number: float, relative: bool) -> JointL
     return bed_from(name.rpartition(".")[0], {**law, found.key: varied(name, law.get(found.key), number, relative)})
 
 
-def resize(table: dict[str, Any], factor: float) -> None:
-    """Multiply the lengths of a table and of the tables in it by a factor, and masses by its cube."""
-    for key, value in table.items():
-        if isinstance(value, dict):
-            resize(value, factor)
-        elif key in _LENGTHS:
-            table[key] = _times(value, factor)
-        elif key == "mass":
-            table[key] = factor**3 * value
-        elif isinstance(value, list):
-            for part in value:
-                if isinstance(part, dict):
-                    resize(part, factor)
-    if table.get("shape") == "hull":
-        table["scale"] = factor * table.get("scale", 1.0)
-
-
-def _times(value: Any, factor: float) -> Any:
-    return [_times(part, factor) for part in value] if isinstance(value, list) else factor * value
+def resize(data: dict[str, Any], factor: float) -> None:
+    """Multiply the lengths in the mapping of a structure's file by a factor, and masses by its cube."""
+    for block in data.get("block", []):
+        if block.get("shape") == "hull":
+            block.setdefault("scale", 1.0)
+    data.update(resized(data, factor, _LENGTHS | {"scale"}, {"mass": 3}))
