@@ -83,11 +83,8 @@ class Body:
         """
         row, peaks = self._outputs()
         row = [replace(output, initially=()) for output in row]
-        return [*self.inputs, *row, *peaks, *variables.outcome(self.fallen), *self.parameters(record, reads_files)]
-
-    def parameters(self, record: str, reads_files: bool) -> list[variables.Variable]:
-        """Return the rows of the parameters."""
-        return [variables.tolerance_of(self.tolerance), *variables.of_record(record, reads_files)]
+        parameters = variables.tolerance_of(self.tolerance), *variables.of_record(record, reads_files)
+        return [*self.inputs, *row, *peaks, *variables.outcome(self.fallen), *parameters]
 
     def described(self, value: Value) -> Any:
         """Return the description that the parameters give, for `stepper`. Raises InputError with the FMU's names."""

@@ -180,10 +180,9 @@ class BlocksSlave(Fmi2Slave):  # type: ignore[misc]
         self._check_mode(rules.WHEN_EXITED, Mode.INSTANTIATED, Mode.INITIALIZATION)
         try:
             self._build()
-            if self._stepper:
-                self._stepper.drive(self._time, *self._values[: len(self._inputs)], since=self._input_time)
-                self._stepper.stand_on_base()
-                self._inputs_stand, self._outdated = False, True
+            self._stepper.drive(self._time, *self._values[: len(self._inputs)], since=self._input_time)
+            self._stepper.stand_on_base()
+            self._inputs_stand, self._outdated = False, True
         except Exception as error:
             self._fail(_message_of(error))
         self._mode = Mode.STEPPING

@@ -36,9 +36,7 @@ class Joint:
 
     stiffness: float  # N/m3, Winkler modulus: pressure per penetration
     damping: float  # s, eta of the Kelvin-Voigt law; 0 is undamped, which makes a rocking column chaotic
-    width: float | None = (
-        None  # m, of the contact face along the motion, the diameter of a round one; None: the block's
-    )
+    width: float | None = None  # m, of the contact face along the motion, or its diameter; None: the block's
     depth: float | None = None  # m, of the contact face across the motion, not of a round one; None: the block's
     section: str | None = None  # of the contact, one of SECTIONS; None: the block's
     bore: float | None = None  # m, inner diameter of an annulus; None: the block's

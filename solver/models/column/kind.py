@@ -62,7 +62,6 @@ class Columns(Kind):
         return known_warnings(model) if at_rest else warnings_of(model)
 
     def check(self, model: Column, from_rest: bool) -> None:
-        """Raise NoRestError with `from_rest` if the rest is not stable."""
         if from_rest:
             check_stable(model)
 
@@ -72,7 +71,6 @@ class Columns(Kind):
         check_loads_in_plane(motion.loads)
 
     def load_for_single_runs(self) -> None:
-        """Load the kernels that move columns."""
         load(self.entries.run.group)
 
     def single_run(self, model: Column, plan: RunPlan) -> tuple[Response, FloatArray]:
@@ -82,13 +80,11 @@ class Columns(Kind):
         return response, chain_of(model).top_displacements(phases)
 
     def least_checked(self, model: Column) -> float:
-        """Return the least tolerance at which a tenth of it makes the steps ten times more accurate."""
         return 1e-11  # a step has a tenth of the tolerance, 1e-13 at least
 
     # --- many
 
     def check_kept(self, model: Column, keep: Collection[str]) -> None:
-        """Raise InputError if the column does not compute the peaks in `keep`."""
         asked = [name for name in keep if name in WATCHED]
         if asked and "peaks" in model.settings.without:
             raise InputError(f'solver.without has "peaks", must not where {asked[0]} is kept')
@@ -107,7 +103,6 @@ class Columns(Kind):
         return LOADED if motion.loads else HELD if motion.hold else "", None
 
     def load(self, model: Column, keep: Collection[str]) -> None:
-        """Load the kernels of the column's kind of lanes."""
         load(KINDS[kind_of(model)].follow.group)
 
     def follow(
@@ -164,7 +159,6 @@ class Columns(Kind):
         return {name: left[name] if name in left else response.kept(name) for name in keep}
 
     def work(self, model: Column, keep: Collection[str]) -> Work:
-        """Return the approximate cost, which depends on the use of lanes."""
         return Work(0.0, model.n * (ALONE if self.reason_for_single_run(model, keep) else 1.0))
 
     # --- numbers by name

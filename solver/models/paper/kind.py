@@ -91,7 +91,6 @@ class PaperColumns(Columns):
         load(entries.run_fixed_steps.group)
 
     def work(self, model: Column, keep: Collection[str]) -> Work:
-        """Return the approximate cost, which depends on the step in lanes."""
         return Work(
             0.0, model.n * (ALONE if self.reason_for_single_run(model, keep) else IN_LANES / model.settings.step)
         )
