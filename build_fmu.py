@@ -30,7 +30,7 @@ import solver
 from fmu_src.body import Body, body_for, read_body
 from fmu_src.bytecode import bytecode_of
 from fmu_src.drive import USUAL, Drive, drive_of
-from fmu_src.host import ARCHIVE, CODE_FOLDER, content_hash
+from fmu_src.host import ARCHIVE, CODE_FOLDER
 from fmu_src.native import guard
 from fmu_src.native.library import has_tools
 from fmu_src.native.platforms import PLATFORMS, USUAL_FORM, Form
@@ -394,12 +394,12 @@ def _carry_package(package: ModuleType, files: dict[str, bytes], renamed: dict[s
         text = file.read_text(encoding="utf-8")
         for old, new in renamed.items():
             text = re.sub(rf"^(\s*)from {old}(?=[. ])", rf"\1from {new}", text, flags=re.MULTILINE)
-        texts[file.relative_to(source)] = text
-    if Path(SOURCES_FILE) in texts:  # the FMU has no sources of the kernels on disk to hash at a start
-        texts[Path(SOURCES_FILE)] = f'"""The identifier of the kernel sources."""\n\nSOURCES = "{SOURCES}"\n'
-    content = content_hash({path.as_posix(): text for path, text in texts.items()})
-    name = "_".join(filter(None, (source.name, kernels, content)))
-    files |= {f"{name}/{path.as_posix()}": text.encode() for path, text in texts.items()}
+        texts[file.relative_to(source).as_posix()] = text
+    if SOURCES_FILE in texts:  # the FMU has no sources of the kernels on disk to hash at a start
+        texts[SOURCES_FILE] = f'"""The identifier of the kernel sources."""\n\nSOURCES = "{SOURCES}"\n'
+    content = "\0".join(f"{path}\0{texts[path]}" for path in sorted(texts))
+    name = "_".join(filter(None, (source.name, kernels, hashlib.sha256(content.encode()).hexdigest()[:16])))
+    files |= {f"{name}/{path}": text.encode() for path, text in texts.items()}
     return name
 
 

@@ -8,12 +8,10 @@ from __future__ import annotations
 
 import atexit
 import ctypes
-import hashlib
 import importlib.util
 import os
 import sys
 import zipimport
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -35,12 +33,6 @@ def import_solver(package: str, archive: Path) -> None:
     except BaseException:
         del sys.modules[package]
         raise
-
-
-def content_hash(texts: Mapping[str, str]) -> str:
-    """Return a hash for the name of a carried package, of its modules (path within the package -> text)."""
-    content = "\0".join(f"{path}\0{texts[path]}" for path in sorted(texts))
-    return hashlib.sha256(content.encode()).hexdigest()[:16]
 
 
 def finalize_at_exit(resources: Path) -> None:
