@@ -29,7 +29,6 @@ from ..ground.motion import Motion
 from ..models.column.model import Column
 from ..models.structure.model import Structure
 from ..models.uncertainty import Spread
-from ..studies.motions import check_other_channel
 from ..studies.risk import RISK_NOTE, Hazard, risk_text
 from .check_report import action_lines, check_lines, friction_lines, variants_lines
 from .code_spectra import CODES, add_code_options, add_spectrum, below_of, target_of
@@ -41,12 +40,10 @@ from .motion_options import (
     add_other_channels,
     check_file_options,
     check_other_channels,
-    file_line,
     floor_of,
     of_ground,
     pga_of,
-    read_other,
-    read_with_options,
+    recorded,
 )
 from .progress import PlainLine, RunsLine
 
@@ -366,15 +363,8 @@ def motions_of(options: argparse.Namespace) -> Mapping[str, Motion]:
     for k, path in enumerate(options.records):
         if path in options.records[:k]:
             raise InputError(f"{path}: is given twice, must be given once")
-        record, motion = read_with_options(path, options, options.channel)
-        print(file_line(path, record))
-        channels: dict[tuple[Path, int], str] = {}
-        check_other_channel(str(path), path, options.channel, "--channel", channels)
-        for key, files in beside.items():
-            if files:
-                record, other = read_other(key, files[k], options, channels)
-                print(f"{key} {file_line(files[k], record)}")
-                motion = motion.with_across(other) if key == "across" else motion.with_vertical(other)
+        motion, lines = recorded(options, path, *(files[k] if files else None for files in beside.values()))
+        print(*lines, sep="\n")
         name = printable(path.stem)
         found[name if name not in found else printable(str(path))] = motion
     return found

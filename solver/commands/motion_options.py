@@ -10,10 +10,10 @@ from ..common.files import printable
 from ..common.plausible import MOST_SHAKEN, warn_of
 from ..ground.building import Building, floor_motion
 from ..ground.motion import STANDARD_GRAVITY, Motion, peaks_in_g
-from ..ground.records import NAMES, Record, format_of, has_channels, read_record
+from ..ground.records import NAMES, Record, format_of, read_record
 from ..ground.records.columns import PLAIN
 from ..ground.records.units import KNOWN
-from ..studies.motions import FORMULAS, check_other_channel
+from ..studies.motions import FORMULAS, read_components
 
 FORMATS = f"record: {', '.join(NAMES)}, plain columns"
 
@@ -87,7 +87,9 @@ def motion_of(options: argparse.Namespace) -> tuple[Motion, list[str]]:
         _refuse(options, _OF_WAVELETS, "is for --wavelet")
         if options.motion is None:
             raise InputError("MOTION: must be given, a record or --wavelet")
-        motion, lines = _recorded(options)
+        check_file_options([path for path in (options.motion, options.vertical, options.across) if path], options)
+        check_other_channels(options)
+        motion, lines = recorded(options, options.motion, options.across, options.vertical)
     else:
         _refuse(options, _OF_RECORDS, "is for records, not for --wavelet")
         if options.motion is not None:
@@ -159,34 +161,22 @@ def check_other_channels(options: argparse.Namespace) -> None:
             _refuse(options, (f"{key}_channel",), f"is for --{key}")
 
 
-def read_other(
-    key: str, path: Path, options: argparse.Namespace, channels: dict[tuple[Path, int], str]
-) -> tuple[Record, Motion]:
-    """Return the record and the motion of a file of --across or --vertical. Raises InputError.
+def recorded(
+    options: argparse.Namespace, record: Path, across: Path | None, vertical: Path | None
+) -> tuple[Motion, list[str]]:
+    """Return the motion of a record with its other components, and a line on each file. Raises InputError."""
+    files = {"record": record, "across": across, "vertical": vertical}
+    channels = {"record": options.channel, "across": options.across_channel, "vertical": options.vertical_channel}
+    keys = {"record": str(record), "across": "--across", "vertical": "--vertical"}
+    lines: list[str] = []
 
-    Its channel is by default --channel where the file has several; `channels` is that of `check_other_channel`.
-    """
-    channel: int | None = getattr(options, f"{key}_channel")
-    if channel is None and options.channel is not None and has_channels(path):
-        channel = options.channel
-    check_other_channel(f"--{key}", path, channel, f"--{key}-channel", channels)
-    return read_with_options(path, options, channel)
+    def read(name: str, path: Path, channel: int | None) -> Motion:
+        found, motion = read_with_options(path, options, channel)
+        lines.append(file_line(path, found) if name == "record" else f"{name} {file_line(path, found)}")
+        return motion
 
-
-def _recorded(options: argparse.Namespace) -> tuple[Motion, list[str]]:
-    paths = [path for path in (options.motion, options.vertical, options.across) if path is not None]
-    check_file_options(paths, options)
-    check_other_channels(options)
-    record, motion = read_with_options(options.motion, options, options.channel)
-    lines, channels = [file_line(options.motion, record)], dict[tuple[Path, int], str]()
-    check_other_channel(str(options.motion), options.motion, options.channel, "--channel", channels)
-    for key, merged in (("across", Motion.with_across), ("vertical", Motion.with_vertical)):
-        path = getattr(options, key)
-        if path is not None:
-            record, other = read_other(key, path, options, channels)
-            motion = merged(motion, other)
-            lines.append(f"{key} {file_line(path, record)}")
-    return motion, lines
+    paths = {name: path for name, path in files.items() if path is not None}
+    return read_components(paths, channels, keys, "-", read), lines
 
 
 def _wavelet(options: argparse.Namespace) -> Motion:

@@ -319,8 +319,7 @@ def _seed(key: str, value: float) -> int:
 
 
 def _record(key: str, table: Mapping[str, Any], folder: Path) -> Motion:
-    """Return the motion of the files in a table, with the rules of the command line. Raises InputError."""
-    channels: dict[tuple[Path, int], str] = {}
+    """Return the motion of the files in a table. Raises InputError."""
     for name in COMPONENTS:
         if name in table and not isinstance(table[name], str):
             raise InputError(f"{key}.{name} = {shown(table[name])}: must be the path of a file")
@@ -328,32 +327,43 @@ def _record(key: str, table: Mapping[str, Any], folder: Path) -> Motion:
     # dt and units are those of plain columns; without any, the first file refuses them
     plain = [name for name, path in paths.items() if format_of(path) == PLAIN] or [*paths]
 
-    def read(name: str) -> Motion:
-        path, number = paths[name], table.get("channel" if name == "record" else f"{name}_channel")
-        if number is None and "channel" in table and has_channels(path):
-            number = table["channel"]
-        check_other_channel(f"{key}.{name}", path, number, f"{key}.{name}_channel", channels)
+    def read(name: str, path: Path, channel: Any) -> Motion:
         dt, units = (table.get(item) if name in plain else None for item in ("dt", "units"))
-        return Motion.from_file(path, dt, units, number)
+        return Motion.from_file(path, dt, units, channel)
 
-    motion = read("record")
-    if "across" in table:
-        motion = motion.with_across(read("across"))
-    return motion.with_vertical(read("vertical")) if "vertical" in table else motion
+    channels = {name: table.get("channel" if name == "record" else f"{name}_channel") for name in paths}
+    return read_components(paths, channels, {name: f"{key}.{name}" for name in paths}, "_", read)
 
 
-def check_other_channel(
-    key: str, path: Path, channel: int | None, option: str, channels: dict[tuple[Path, int], str]
-) -> None:
-    """Raise InputError if a component is the channel of a file that another component is.
+def read_components(
+    paths: Mapping[str, Path],
+    channels: Mapping[str, Any],
+    keys: Mapping[str, str],
+    mark: str,
+    read: Callable[[str, Path, Any], Motion],
+) -> Motion:
+    """Return the motion of a record and its other components, all by name: those of COMPONENTS in `paths`.
 
-    `channels` has the keys of the components before, by file and channel; this one is added. `option` is the one that
-    sets the channel.
+    `read` takes a name, the path and the channel: by default that of the record, where a file has several. Raises
+    InputError if two components are one channel, with their `keys`; that of a channel is such a key, `mark`, "channel".
     """
-    if isinstance(channel, int):
-        other = channels.setdefault((path.resolve(), channel), key)
-        if other != key:
-            raise InputError(f"{key}: is channel {channel} of {path}, as {other}, must be another one: {option}")
+    taken: dict[tuple[Path, int], str] = {}
+
+    def component(name: str) -> Motion:
+        path, channel = paths[name], channels[name]
+        if channel is None and channels["record"] is not None and has_channels(path):
+            channel = channels["record"]
+        if isinstance(channel, int):
+            other, key = taken.setdefault((path.resolve(), channel), name), keys[name]
+            if other != name:
+                where = f"is channel {channel} of {path}, as {keys[other]}"
+                raise InputError(f"{key}: {where}, must be another one: {key}{mark}channel")
+        return read(name, path, channel)
+
+    motion = component("record")
+    if "across" in paths:
+        motion = motion.with_across(component("across"))
+    return motion.with_vertical(component("vertical")) if "vertical" in paths else motion
 
 
 def _on_floor(key: str, table: Mapping[str, Any], folder: Path) -> tuple[Building | None, int]:
