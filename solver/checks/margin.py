@@ -62,18 +62,8 @@ def margin_of(
     """Compute the margin by simulating the same models at every factor on their motions.
 
     Runs that cannot be finished count as falls, undecided ones do not. Once runs fell, only the motions under which
-    they fell are bisected.
-
-    Parameters
-    ----------
-    subject : Subject
-        The model under check.
-    ensembles : sequence of sequences of Pair
-        The models and their motions, one ensemble for each motion.
-    at_one : (motions,) bool
-        Whether some run falls at factor 1.
-    callback, threads : optional
-        As in `simulate_many`, for each set of runs. InputError and SolverError are raised as there.
+    they fell are bisected. There is one ensemble for each motion, under some of which a run falls at factor 1
+    (`at_one`, (motions,)). `callback` and `threads` are those of `simulate_many`, for each set of runs.
     """
     trials: list[Trial] = []
 

@@ -39,40 +39,18 @@ BEARING = "displacement of a bearing"
 
 @dataclass(frozen=True)
 class Row:
-    """A row of the table: one demand and its capacity.
-
-    Attributes
-    ----------
-    name
-        The quantity.
-    demand
-        The demand, in SI units.
-    capacity
-        The capacity, in SI units; NaN if nothing is compared, and the note says why.
-    unit
-        The unit in which both are shown.
-    where
-        The joint, block or other part that governs.
-    note
-        An explanation.
-    values
-        The demand of each motion, or empty.
-    band
-        The 16, 50 and 84 % points over the varied runs that do not fall, if these keep the quantity, else over the
-        motions.
-    undecided
-        Whether the row neither passes nor fails, since runs did not end.
-    """
+    """A row of the table: one demand and its capacity."""
 
     name: str
-    demand: float
-    capacity: float
-    unit: Unit
-    where: str = ""
+    demand: float  # in SI units
+    capacity: float  # in SI units; NaN if nothing is compared, and the note says why
+    unit: Unit  # in which both are shown
+    where: str = ""  # the joint, block or other part that governs
     note: str = ""
-    values: tuple[float, ...] = ()
+    values: tuple[float, ...] = ()  # the demand of each motion, or empty
+    # 16, 50 and 84 % points over the varied runs that do not fall, if these keep the quantity, else over the motions
     band: tuple[float, ...] = ()
-    undecided: bool = False
+    undecided: bool = False  # it neither passes nor fails, since runs did not end
 
     @property
     def ratio(self) -> float:

@@ -28,11 +28,10 @@ from ..ground.building import Building
 from ..ground.motion import Motion
 from ..models.column.model import Column
 from ..models.structure.model import Structure
-from ..models.uncertainty import Spread
 from ..studies.risk import RISK_NOTE, Hazard, risk_text
 from .check_report import action_lines, check_lines, friction_lines, variants_lines
 from .code_spectra import CODES, add_code_options, add_spectrum, below_of, target_of
-from .command_files import add_force, add_space, check_suffix, read_subject, write_outputs
+from .command_files import add_force, add_space, add_spread, check_suffix, read_subject, spread_of, write_outputs
 from .motion_options import (
     FORMATS,
     add_building_options,
@@ -129,13 +128,7 @@ def _add_plan(parser: argparse.ArgumentParser) -> None:
 def add_ensemble(plan: argparse._ActionsContainer, size: int, words: str) -> None:
     """Add the options of the varied runs and of the margin, for `spread_of`."""
     plan.add_argument("--ensemble", type=int, default=size, metavar="RUNS", help=words)
-    spread = UNCERTAIN.stiffness, UNCERTAIN.damping, UNCERTAIN.motion
-    words = "of the varied data (default: {:g} {:g} {:g})".format(*spread)
-    names = ("STIFFNESS", "DAMPING", "MOTION")
-    plan.add_argument("--spread", type=float, nargs=3, default=spread, metavar=names, help=words)
-    plan.add_argument(
-        "--spread-seed", type=int, default=UNCERTAIN.seed, metavar="N", help="of the varied data (default: 0)"
-    )
+    add_spread(plan, UNCERTAIN)
     plan.add_argument("--no-margin", action="store_true", help="do not look for the factor at which it begins to fall")
 
 
@@ -315,12 +308,6 @@ def _plan(options: argparse.Namespace) -> Plan:
         options.confidence_factor,
         not options.no_joints,
     )
-
-
-def spread_of(options: argparse.Namespace) -> Spread:
-    """Return the spread of the varied runs."""
-    stiffness, damping, motion = options.spread
-    return Spread(stiffness, damping, motion, options.spread_seed)
 
 
 def level_of(options: argparse.Namespace) -> Level:

@@ -1,4 +1,4 @@
-"""Files on the command line, checked before any computation."""
+"""What commands share: options, and files that are checked before any computation."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from ..ground.loads import loads_by_port
 from ..models.column.model import Column
 from ..models.structure.hull_tables import in_folder
 from ..models.structure.model import Structure
+from ..models.uncertainty import Spread
 from ..studies.subjects import subject_from
 
 PICTURES = (".png", ".pdf", ".svg")
@@ -22,6 +23,22 @@ PICTURES = (".png", ".pdf", ".svg")
 def add_space(parser: argparse._ActionsContainer) -> None:
     """Add --space, for `read_subject`."""
     parser.add_argument("--space", action="store_true", help="solve a column as a structure in space")
+
+
+def add_spread(parser: argparse._ActionsContainer, usual: Spread) -> None:
+    """Add --spread and --spread-seed, with these defaults, for `spread_of`."""
+    sizes = usual.stiffness, usual.damping, usual.motion
+    words = "relative sizes of the varied data (default: {:g} {:g} {:g})".format(*sizes)
+    names = ("STIFFNESS", "DAMPING", "MOTION")
+    parser.add_argument("--spread", type=float, nargs=3, default=sizes, metavar=names, help=words)
+    words = f"of the varied data (default: {usual.seed})"
+    parser.add_argument("--spread-seed", type=int, default=usual.seed, metavar="N", help=words)
+
+
+def spread_of(options: argparse.Namespace) -> Spread:
+    """Return the spread of the varied runs."""
+    stiffness, damping, motion = options.spread
+    return Spread(stiffness, damping, motion, options.spread_seed)
 
 
 def read_subject(path: Path, space: bool = False) -> Column | Structure:

@@ -29,11 +29,13 @@ from .command_files import (
     PICTURES,
     add_force,
     add_space,
+    add_spread,
     check_picture,
     check_suffix,
     loads_of,
     outputs_of_run,
     read_subject,
+    spread_of,
     write_outputs,
 )
 from .export import add_export_command
@@ -225,11 +227,7 @@ def _add_run_options(run: argparse.ArgumentParser) -> None:
     trust = run.add_argument_group("trust")
     trust.add_argument("--no-check", action="store_true", help="do not repeat the run to estimate its error")
     trust.add_argument("--ensemble", type=int, default=0, metavar="RUNS", help="number of runs varied by the spread")
-    *usual, seed = (getattr(Spread(), name) for name in ("stiffness", "damping", "motion", "seed"))
-    words = "relative sizes (default: {:g} {:g} {:g})".format(*usual)
-    names = ("STIFFNESS", "DAMPING", "MOTION")
-    trust.add_argument("--spread", type=float, nargs=3, default=usual, metavar=names, help=words)
-    trust.add_argument("--spread-seed", type=int, default=seed, metavar="N", help=f"(default: {seed})")
+    add_spread(trust, Spread())
 
 
 def _simulate(options: argparse.Namespace) -> None:
@@ -238,8 +236,7 @@ def _simulate(options: argparse.Namespace) -> None:
     digits = DIGITS if options.digits is None else check_digits("--digits", options.digits)
     if options.digits is not None and options.output is None:
         raise InputError(f"--digits {digits}: must be left out, or -o FILE.csv given")
-    stiffness, damping, shaking = options.spread
-    spread = Spread(stiffness, damping, shaking, options.spread_seed)
+    spread = spread_of(options)
     if not options.ensemble and spread != Spread():
         raise InputError("--spread, --spread-seed: must be left out, or --ensemble given")
     subject: Any = read_subject(options.column, options.space or options.after_fall is not None)

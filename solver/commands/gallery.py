@@ -21,9 +21,9 @@ from ..common.files import printable, whole_file, write_table
 from ..gallery.mounts import mounted, read_mounts
 from ..gallery.objects import read_objects
 from ..gallery.survey import Gallery, Outcome, common_action, survey
-from .check import add_action, add_ensemble, files_of_action, level_of, motions_of, spread_of
+from .check import add_action, add_ensemble, files_of_action, level_of, motions_of
 from .check_report import action_lines
-from .command_files import write_outputs
+from .command_files import spread_of, write_outputs
 from .motion_options import floor_of
 from .progress import PlainLine, RunsLine
 from .reports import text_columns

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 import time as clock
-from types import TracebackType
 from typing import Any, Self
 
 from ..common.digits import percent
@@ -35,16 +34,14 @@ class Line:
 
     def begin(self, phase: str) -> None:
         """Start again for the runs of a phase, whose name the line then shows."""
-        self.__exit__(None, None, None)
+        self.__exit__()
         self._bar, self._begin = None, clock.monotonic()
         self._form["desc"] = phase
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         """Clear the line."""
         if self._bar is not None:
             self._bar.close()

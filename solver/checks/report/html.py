@@ -43,24 +43,11 @@ def write_report(
     risk: Sequence[str] = (),
     envelope: Envelope | None = None,
 ) -> None:
-    """Write the report of a check, compared with the other checks as variants. Raises OSError.
+    """Write the report of a check, the first of `checks`, compared with the others as variants. Raises OSError.
 
-    Parameters
-    ----------
-    checks : sequence of Check
-        The check, then its variants.
-    path : str or path
-        The HTML file.
-    command : str
-        The command that makes the report again, printed in it.
-    notes : sequence of str
-        Lines under the title, such as project, author and date.
-    inputs : sequence of Path
-        The input files, those of the models of the check and its variants first.
-    risk : sequence of str
-        Lines on the risk, for a site whose hazard is known.
-    envelope : Envelope, optional
-        The checks over a range of friction, of which the governing one is the first of `checks`.
+    It prints the `command` that makes it again, `notes` under the title, such as project, author and date, and lines on
+    the `risk`. `inputs` are the input files, those of the models of the check and its variants first. In an `envelope`
+    over a range of friction the governing check is the first of `checks`.
     """
     content = _content(checks, inputs, envelope)
     text = rendered(files(__package__) / "check.html", command=command, notes=notes, risk=risk, **content)
