@@ -33,7 +33,7 @@ from ..statics.calibrate import (
     with_rim,
 )
 from ..statics.rocking import RELEASE, housner_restitution, restitution
-from .command_files import add_force, check_suffix, read_column
+from .command_files import add_force, check_suffix, read_column, refuse
 
 HOUSNER = "housner"
 AUTO = "auto"
@@ -78,9 +78,8 @@ def add_calibrate_command(commands: argparse._SubParsersAction[Any]) -> None:
 
 def _calibrate(options: argparse.Namespace) -> None:
     for keys, needed in ((("joint_thickness", "joint_young"), "young"), (_OF_RECORDS, "free_vibration")):
-        for key in keys:
-            if getattr(options, key) is not None and getattr(options, needed) is None:
-                raise InputError(f"--{key.replace('_', '-')}: must be left out, or --{needed.replace('_', '-')} given")
+        if getattr(options, needed) is None:
+            refuse(options, keys, f"must be left out, or --{needed.replace('_', '-')} given")
     # input: column, rim and record of a decay
     given_rim = _given_rim(options)
     check_suffix(options.output, ".json")
@@ -126,17 +125,12 @@ def _calibrate(options: argparse.Namespace) -> None:
 
 def _given_rim(options: argparse.Namespace) -> float | None:
     """Return the rim (m) of --rim, or None if it is left out or searched for. Raises InputError."""
-    if options.rim is None:
-        return None
-    if options.rim.lower() == AUTO:
-        if options.restitution is None:
-            raise InputError(f"--rim {options.rim}: must be a width in m, or --restitution given")
-        return None
-    try:
-        width = float(options.rim)
-    except ValueError:
-        raise InputError(f"--rim {options.rim}: must be {AUTO}, or a width in m") from None
-    return check_number("--rim", width, *RIMS)
+    width = None if options.rim is None else _number("--rim", options.rim, AUTO, "a width in m")
+    if width is not None:
+        return check_number("--rim", width, *RIMS)
+    if options.rim is not None and options.restitution is None:
+        raise InputError(f"--rim {options.rim}: must be a width in m, or --restitution given")
+    return None
 
 
 def _with_restitution(column: Column, options: argparse.Namespace) -> tuple[Column, str]:
@@ -144,7 +138,7 @@ def _with_restitution(column: Column, options: argparse.Namespace) -> tuple[Colu
 
     Damping alone gives it if possible, unless --rim requests another rim.
     """
-    wanted = _number(options.restitution)
+    wanted = _number("--restitution", options.restitution, HOUSNER, "a number between 0 and 1")
     why = ""
     if options.rim is None or options.rim.lower() != AUTO:
         try:
@@ -157,14 +151,14 @@ def _with_restitution(column: Column, options: argparse.Namespace) -> tuple[Colu
     return with_joints(with_rim(column, fit.rim), damping=fit.damping), why
 
 
-def _number(text: str) -> float | None:
-    """Return the requested restitution; None stands for Housner's. Raises InputError."""
-    if text.lower() == HOUSNER:
+def _number(option: str, text: str, word: str, meaning: str) -> float | None:
+    """Return the number of an option; None if it has the word in its place. Raises InputError."""
+    if text.lower() == word:
         return None
     try:
         return float(text)
     except ValueError:
-        raise InputError(f"--restitution {text}: must be {HOUSNER}, or a number between 0 and 1") from None
+        raise InputError(f"{option} {text}: must be {word}, or {meaning}") from None
 
 
 def _decay_of_record(options: argparse.Namespace) -> FreeVibration:

@@ -30,7 +30,7 @@ from ..models.column.model import Column
 from ..models.structure.model import Structure
 from ..studies.risk import RISK_NOTE, Hazard, risk_text
 from .check_report import action_lines, check_lines, friction_lines, variants_lines
-from .code_spectra import CODES, add_code_options, add_spectrum, below_of, target_of
+from .code_spectra import CODES, add_code_options, below_of, target_of
 from .command_files import add_force, add_space, add_spread, check_suffix, read_subject, spread_of, write_outputs
 from .motion_options import (
     FORMATS,
@@ -41,7 +41,6 @@ from .motion_options import (
     check_other_channels,
     floor_of,
     of_ground,
-    pga_of,
     recorded,
 )
 from .progress import PlainLine, RunsLine
@@ -92,7 +91,8 @@ def add_action(parser: argparse.ArgumentParser) -> None:
     one.add_argument("--pga", type=float, metavar="G", help=words)
     words = f"spectral acceleration of each at the first period, g; {mean}"
     one.add_argument("--sa", type=float, metavar="G", help=words)
-    add_spectrum(one)
+    words = f"{', '.join(CODES)}, or a table FILE.csv of period,g or period,m/s2"
+    one.add_argument("--spectrum", metavar="NAME", help=words)
     # options of the target and of made motions
     words = "spectrum of the ground, where --spectrum is the table of a floor: as --spectrum; warns where that has less"
     action.add_argument("--below", metavar="NAME", help=words)
@@ -315,7 +315,7 @@ def level_of(options: argparse.Namespace) -> Level:
     return Level(
         target=target_of(options),
         below=below_of(options),
-        pga=pga_of(options),
+        pga=of_ground("--pga", options.pga),
         vertical_pga=of_ground("--vertical-pga", options.vertical_pga),
         sa=of_ground("--sa", options.sa, 0.5 * MOST_SPECTRAL),
         periods=None if options.periods is None else (options.periods[0], options.periods[1]),

@@ -52,12 +52,6 @@ CODES = {
 }
 
 
-def add_spectrum(one: argparse._MutuallyExclusiveGroup) -> None:
-    """Add --spectrum to the group of targets that motions are scaled to."""
-    words = f"{', '.join(CODES)}, or a table FILE.csv of period,g or period,m/s2"
-    one.add_argument("--spectrum", metavar="NAME", help=words)
-
-
 def add_code_options(group: argparse._ArgumentGroup) -> None:
     """Add the options of all codes."""
     for option, codes in _options().items():

@@ -103,6 +103,13 @@ def _files_of_loads(texts: Iterable[str]) -> list[Path]:
     return [path for path in (Path(text.partition("=")[2]) for text in texts) if path.is_file()]
 
 
+def refuse(options: argparse.Namespace, keys: Iterable[str], why: str, value: bool = False) -> None:
+    """Raise InputError for the first of the options that is given; `value`: the message has its value too."""
+    for key in keys:
+        if (given := getattr(options, key)) is not None:
+            raise InputError(f"--{key.replace('_', '-')}{f' {given}' if value else ''}: {why}")
+
+
 def add_force(parser: argparse.ArgumentParser) -> None:
     """Add --force, which permits what `files.check_outputs` refuses."""
     parser.add_argument("--force", action="store_true", help="overwrite files that are there")

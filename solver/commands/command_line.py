@@ -35,6 +35,7 @@ from .command_files import (
     loads_of,
     outputs_of_run,
     read_subject,
+    refuse,
     spread_of,
     write_outputs,
 )
@@ -241,7 +242,8 @@ def _simulate(options: argparse.Namespace) -> None:
         raise InputError("--spread, --spread-seed: must be left out, or --ensemble given")
     subject: Any = read_subject(options.column, options.space or options.after_fall is not None)
     if subject.kind.across:
-        structure.prepare(options)
+        keys = ("formulation", "integrator", "step")
+        refuse(options, keys, "must be left out, structures in space have none")
     elif options.plane is not None:
         raise InputError(f"--plane {options.plane}: must be left out, a column is solved in its plane")
     # motion, model and report

@@ -14,6 +14,7 @@ from ..ground.records import NAMES, Record, format_of, read_record
 from ..ground.records.columns import PLAIN
 from ..ground.records.units import KNOWN
 from ..studies.motions import FORMULAS, read_components
+from .command_files import refuse
 
 FORMATS = f"record: {', '.join(NAMES)}, plain columns"
 
@@ -73,7 +74,7 @@ def add_building_options(parser: argparse.ArgumentParser) -> None:
 def floor_of(options: argparse.Namespace) -> tuple[Building, int] | None:
     """Return the building of --building and the number of --floor; None without both. Raises InputError."""
     if options.building is None:
-        _refuse(options, ("floor",), "is for --building")
+        refuse(options, ("floor",), "is for --building", value=True)
         return None
     if options.floor is None:
         raise InputError("--floor: must be given with --building")
@@ -84,18 +85,18 @@ def floor_of(options: argparse.Namespace) -> tuple[Building, int] | None:
 def motion_of(options: argparse.Namespace) -> tuple[Motion, list[str]]:
     """Return the requested motion, and a line on each file that was read. Raises InputError."""
     if options.wavelet is None:
-        _refuse(options, _OF_WAVELETS, "is for --wavelet")
+        refuse(options, _OF_WAVELETS, "is for --wavelet", value=True)
         if options.motion is None:
             raise InputError("MOTION: must be given, a record or --wavelet")
         check_file_options([path for path in (options.motion, options.vertical, options.across) if path], options)
         check_other_channels(options)
         motion, lines = recorded(options, options.motion, options.across, options.vertical)
     else:
-        _refuse(options, _OF_RECORDS, "is for records, not for --wavelet")
+        refuse(options, _OF_RECORDS, "is for records, not for --wavelet", value=True)
         if options.motion is not None:
             raise InputError(f"{options.motion}: must be left out, or --wavelet")
         motion, lines = _wavelet(options), []
-    if (pga := pga_of(options)) is not None:
+    if (pga := of_ground("--pga", options.pga)) is not None:
         motion = motion.scaled_to(pga)
     elif options.scale is not None:
         motion = motion.scaled(options.scale)
@@ -106,11 +107,6 @@ def motion_of(options: argparse.Namespace) -> tuple[Motion, list[str]]:
         *lines,
         printable(f"{on[0].words(on[1])}; PGA of the ground {peaks_in_g(motion)}"),
     ]
-
-
-def pga_of(options: argparse.Namespace) -> float | None:
-    """Return --pga in m/s2; None without. Warns as `warn_of_ground`. Raises InputError."""
-    return of_ground("--pga", options.pga)
 
 
 def of_ground(key: str, value: float | None, most: float = MOST_SHAKEN) -> float | None:
@@ -158,7 +154,7 @@ def check_other_channels(options: argparse.Namespace) -> None:
     """Raise InputError if --vertical-channel or --across-channel is given without its files."""
     for key in ("vertical", "across"):
         if not getattr(options, key):
-            _refuse(options, (f"{key}_channel",), f"is for --{key}")
+            refuse(options, (f"{key}_channel",), f"is for --{key}", value=True)
 
 
 def recorded(
@@ -191,13 +187,7 @@ def _wavelet(options: argparse.Namespace) -> Motion:
         if getattr(options, option_of[number]) is None:
             raise InputError(f"--{option_of[number]}: must be given with --wavelet {name}")
     others = tuple(key for key in _OF_WAVELETS if key not in option_of.values())
-    _refuse(options, others, f"is not for --wavelet {name}")
+    refuse(options, others, f"is not for --wavelet {name}", value=True)
     given = {number: getattr(options, option) for number, option in option_of.items()}
     numbers = {number: value for number, value in given.items() if value is not None}
     return formula.makes(**{formula.amplitude: 1.0}, **numbers)  # of unit amplitude, scaled to --pga later
-
-
-def _refuse(options: argparse.Namespace, keys: tuple[str, ...], why: str) -> None:
-    for key in keys:
-        if getattr(options, key) is not None:
-            raise InputError(f"--{key.replace('_', '-')} {getattr(options, key)}: {why}")

@@ -135,29 +135,19 @@ def statics_report(rest: Rest, curve: CapacityCurve, other: CapacityCurve | None
             f"{i + 1:5d}  {1e3 * rest.settlement[i]:15.5g}  {1e-3 * rest.N[i]:10.5g}  {1e-6 * rest.stress[i]:12.5g}  "
             f"{opens}"
         )
-    return "\n".join(
-        [
-            *lines,
-            f"balances {steady}{curve.largest_acceleration / g:.5g} {unit} {curve.limit}: base shear "
-            f"{1e-3 * curve.base_shear[strongest]:.5g} kN, moment {1e-3 * curve.base_moment[strongest]:.5g} kN m, "
-            f"largest stress {1e-6 * float(np.max(curve.sigma_max[strongest])):.4g} MPa; top at "
-            f"{1e3 * abs(float(curve.ux[strongest, 0])):.5g} mm",
-            *(
-                [
-                    f"table and pushes are towards {curve.towards}, the weaker side; towards {other.towards} it "
-                    f"balances {other.largest_acceleration / g:.5g} {unit} {other.limit}"
-                ]
-                if other is not None
-                else []
-            ),
-            *(
-                [f"pushes and openings are {WITHOUT_BONDS}; --space pushes it with them"]
-                if rest.model.is_brittle
-                else []
-            ),
-            f"the curve ends before the push is zero again: {curve.ends}"
-            if curve.ends
-            else f"falls without a push once the top is displaced by {curve.overturning_displacement:.5g} m",
-            f"with less friction than {curve.friction:.3g} it slides before",
-        ]
+    lines.append(
+        f"balances {steady}{curve.largest_acceleration / g:.5g} {unit} {curve.limit}: base shear "
+        f"{1e-3 * curve.base_shear[strongest]:.5g} kN, moment {1e-3 * curve.base_moment[strongest]:.5g} kN m, "
+        f"largest stress {1e-6 * float(np.max(curve.sigma_max[strongest])):.4g} MPa; top at "
+        f"{1e3 * abs(float(curve.ux[strongest, 0])):.5g} mm"
     )
+    if other is not None:
+        lines.append(
+            f"table and pushes are towards {curve.towards}, the weaker side; towards {other.towards} it "
+            f"balances {other.largest_acceleration / g:.5g} {unit} {other.limit}"
+        )
+    if rest.model.is_brittle:
+        lines.append(f"pushes and openings are {WITHOUT_BONDS}; --space pushes it with them")
+    falls = f"falls without a push once the top is displaced by {curve.overturning_displacement:.5g} m"
+    lines.append(f"the curve ends before the push is zero again: {curve.ends}" if curve.ends else falls)
+    return "\n".join([*lines, f"with less friction than {curve.friction:.3g} it slides before"])

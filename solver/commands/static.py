@@ -25,6 +25,7 @@ from .command_files import (
     check_suffix,
     loads_of,
     read_subject,
+    refuse,
     write_outputs,
 )
 from .reports import modes_report, statics_report
@@ -91,11 +92,8 @@ def _statics(options: argparse.Namespace) -> None:
     if subject.kind.across:
         curve = _pushed(subject, options)
     else:
-        for key in ("direction", "vertical"):
-            if getattr(options, key) is not None:
-                raise InputError(
-                    f"--{key}: is for structures in space, a column is pushed in its plane; --space pushes it in space"
-                )
+        why = "is for structures in space, a column is pushed in its plane; --space pushes it in space"
+        refuse(options, ("direction", "vertical"), why)
         with reading(options.column):
             pattern = _pattern(options)
             curves = curves_each_way(subject) if pattern is None else [capacity_curve(subject, pattern=pattern)]
@@ -109,9 +107,7 @@ def _pushed(structure: Structure, options: argparse.Namespace) -> PushOver:
     degrees = range(0, 360, EVERY) if options.direction is None else (options.direction,)
     pattern = _pattern(options)
     if pattern is not None:
-        for key in ("direction", "vertical"):
-            if getattr(options, key) is not None:
-                raise InputError(f"--{key}: must be left out, --pattern says along what it is pushed")
+        refuse(options, ("direction", "vertical"), "must be left out, --pattern says along what it is pushed")
         degrees = (0.0,)
     found = []
     with reading(options.column):

@@ -1,13 +1,11 @@
-"""A structure in space on the command line: options, report and summary of a run."""
+"""A structure in space on the command line: report and summary of a run."""
 
 from __future__ import annotations
 
-import argparse
 from contextlib import suppress
 
 import numpy as np
 
-from ..common.errors import InputError
 from ..ground.motion import Motion
 from ..models.protocol import NoRestError
 from ..models.structure.model import Structure
@@ -19,13 +17,6 @@ from .reports import base_line
 
 MOST_LINES = 20  # rows of a table
 MOST_BLOCKS = 60  # with more, natural frequencies take too long for a report
-
-
-def prepare(options: argparse.Namespace) -> None:
-    """Reject options that structures do not have. Raises InputError."""
-    for name in ("formulation", "integrator", "step"):
-        if getattr(options, name) is not None:
-            raise InputError(f"--{name}: must be left out, structures in space have none")
 
 
 def report(structure: Structure, motion: Motion) -> str:
