@@ -19,6 +19,7 @@ from solver.models.structure.file import in_space
 from solver.models.structure.model import Structure
 from solver.models.structure.modes import modes_in_space
 from solver.models.structure.push import push_over
+from solver.models.structure.run import SpatialState
 
 DRUM = {"shape": "drum", "diameter": 1.0, "height": 2.0, "density": 2000.0}
 BOX = {"width": 1.0, "depth": 1.5, "height": 2.0, "density": 2000.0}
@@ -179,6 +180,39 @@ def test_a_block_of_too_many_faces_is_refused() -> None:
     solid = prism("fine", np.column_stack([np.cos(angle), np.sin(angle)]), 1.0, 2000.0)
     with pytest.raises(InputError, match=r"block\[fine\]: 129 faces, must be 128 at most beside neighbours"):
         polyhedron_of(solid.faces, solid.centroid, "block[fine]")
+
+
+def test_faces_of_100_corners_share_200() -> None:
+    """Check two coins that come together turned by half a side bear there, where room was for 132.
+
+    They part at half the speed, by the restitution, as do two of 16 sides.
+    """
+    speeds = {}
+    for count in (16, 100):
+        angle = 2.0 * math.pi * np.arange(count) / count
+        outline = np.column_stack([0.5 * np.cos(angle), 0.5 + 0.5 * np.sin(angle)]).tolist()
+        data = described(BOX, BOX, restitution=0.5, damping=None, friction=0.0)
+        coin = {"shape": "prism", "outline": outline, "depth": 0.1}
+        data["block"] = [
+            {"name": "b0", **coin, "density": 12000.0, "position": [0.0, 0.0, 0.0]},
+            {"name": "b1", **coin, "density": 500.0, "position": [0.0, 0.11, 0.0]},
+        ]
+        held = {"kind": "elastomeric", "diameter": 0.01, "vertical_damping": 0.0, "tension": True}
+        held |= {"stiffness": 1.0, "damping": 0.0, "capacity": 1.0}
+        at = [[-0.3, 0.05, 0.0], [0.3, 0.05, 0.0], [0.0, 0.0, 0.0], [0.0, 0.1, 0.0]]
+        data["bearing"] = [
+            {**held, "between": ["b0", "base"], "at": at, "vertical_stiffness": 1e7},
+            {**held, "between": ["b1", "base"], "at": at, "vertical_stiffness": 1e5},
+        ]
+        begin = SpatialState(*np.zeros((4, 2, 3)))
+        begin.rotation[1, 1], begin.velocity[1, 1] = math.pi / count, -1.0
+        still = Motion.from_samples(1e-3, np.zeros(21))
+        response = simulate(Structure.from_dict(data), still, 0.02, initial=begin)
+        assert response.stats["without_room"] == 0
+        speeds[count] = np.diff(response.uy[-2:, 1])[0] / np.diff(response.time[-2:])[0]
+    # momentum of both masses, 24 and 1
+    assert speeds[100] == pytest.approx((0.5 * 24.0 - 1.0) / 25.0, rel=0.01)
+    assert speeds[16] == pytest.approx(speeds[100], rel=0.01)
 
 
 def test_declared_gaps_move_the_contact() -> None:

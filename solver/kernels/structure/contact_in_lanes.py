@@ -35,8 +35,8 @@ class Alone(NamedTuple):
     bodies: object
     corners: object
     poses: object
-    room: object  # shared by all lanes
-    cells: object  # shared too
+    room: object
+    cells: object  # shared by all lanes
     states: object
     extras: object
 
@@ -46,7 +46,7 @@ def alone(scene, k):
     """Return the view of lane k for its pairs."""
     n, extras = scene.n, scene.extras
     met = extras.met
-    # rows of this lane; sizes and the room are those of all lanes
+    # rows of this lane; sizes and the room of cells are those of all lanes
     return Alone(
         n,
         scene.m,
@@ -55,7 +55,7 @@ def alone(scene, k):
         _bodies(one_lane(scene.bodies.row, k), n + 1),
         one_lane(scene.corners, k),
         _poses(one_lane(scene.poses.row, k), n + 1),
-        numbers_of(scene.room),
+        one_lane(scene.room, k),
         numbers_of(scene.cells),
         one_lane(scene.states, k),
         Met(

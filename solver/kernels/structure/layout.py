@@ -94,7 +94,7 @@ JOINTS = FieldTable(
 # a face among the corners of all sections, followed by its own corners: their number, 0 if round; its centre from
 # that of the joint, m; its radius, infinite if unbounded, and that of its bore, m
 FACE = Record("corners", "x", "y", "outer", "inner")  # outer: of a polygon the radius of a circle about it
-MOST_CORNERS = 64  # most corners of a face
+MOST_CORNERS = 100  # most corners of a face
 # the inside of a section that bears in a rim only, about the centre of the joint: POLYGON or ROUND, number of corners,
 # integrals of 1, x, y, x^2, y^2, x y, radii, indices of the insides of both faces; followed by its corners
 INSIDE = Record("section", "corners", "area", "x", "y", "ixx", "iyy", "ixy", "outer", "inner", "above", "below")

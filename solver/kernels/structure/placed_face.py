@@ -6,7 +6,7 @@ from typing import NamedTuple
 from ..numba_ext.jit import kernel, leaf
 from ..numba_ext.lanes import any_of, index_of
 from ..numba_ext.numbers import half_sine_cosine
-from ..numba_ext.views import numbers_of, one_lane
+from ..numba_ext.views import one_lane
 from .layout import FACE, MEMORY
 
 _face, _memory = FACE.over, MEMORY.over
@@ -75,6 +75,6 @@ def corners_of_faces(scene, above, below):
 
 @leaf
 def rows_of_lane(scene, k):
-    """Return the room, which all lanes share, and corners and slips of lane k."""
+    """Return the room, corners and slips of lane k."""
     slips = _memory(one_lane(scene.slips.row, k), scene.m)
-    return numbers_of(scene.room), one_lane(scene.corners, k), slips
+    return one_lane(scene.room, k), one_lane(scene.corners, k), slips

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....common.errors import InputError
+from ....kernels.structure.layout import MOST_CORNERS
 from .faces import FloatArray, polygon_moments
 
-MOST_CORNERS = 100
 THINNEST = 1e-9  # of the square of its extent: the least area
 STRAIGHT = 1e-9  # of its extent: a corner closer to the line between its neighbours is dropped
 FARTHEST = 1e3  # times its extent: distance from its origin; beyond it the moments lose their digits
