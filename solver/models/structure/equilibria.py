@@ -59,7 +59,7 @@ MOST_DOUBLED = 60  # times, from the shortest step on
 # of the push: increases, one after the other, over a place where something breaks or slips at once; of the displacement
 # within which joints stay closed: differences for the tangent there
 NUDGED, FINE = (1e-4, 4e-4, 1.6e-3, 6.4e-3), (0.01, 1.0)
-NO_ROOM_LEFT = "the corners of a contact had no room, and it bore nothing: its faces are not convex, or have too many corners"
+NO_ROOM_LEFT = "a contact had no room for all its corners and bore nothing: its faces are not convex, or have too many"
 FAR = 0.01  # of the largest block: displacement within which it is sought
 REFINED = 4  # secants to the push at which a path ends, of a step that its bracket has made short
 MOST_SOUGHT = 40  # steps of a bracket: more than halving takes, unless rounding made its event
