@@ -11,6 +11,7 @@ from typing import Any
 from ..common.ranges import LENGTH, MAX_BLOCKS, NUMBERS
 from ..ground import building
 from ..kernels.column.sections.faces import SECTIONS
+from ..kernels.structure.layout import MOST_CORNERS
 from ..models import ports
 from ..models.column import file as column_file
 from ..models.column.block import BLOCK_SECTIONS, Block, Joint
@@ -21,7 +22,6 @@ from ..models.column.settings import FORMULATIONS, INTEGRATORS, SKIPS, Settings
 from ..models.structure import bearing_tables, hull_tables, neighbours
 from ..models.structure import file as structure_file
 from ..models.structure.blocks.meshes import UP
-from ..models.structure.blocks.outlines import MOST_CORNERS
 from ..models.structure.blocks.parts import BESIDE_COLUMN, TOLERANCE
 from ..models.structure.kind import STRUCTURES
 from ..studies import definition, distributions, motions

@@ -620,5 +620,5 @@ def test_a_dry_wall_bears_nearly_what_a_linear_programme_does(
 def test_a_push_refuses_contacts_without_room(monkeypatch: pytest.MonkeyPatch) -> None:
     structure = Structure.from_toml(TRILITH)
     monkeypatch.setattr(SpatialStepper, "without_room", 3)
-    with pytest.raises(InputError, match="the corners of a contact had no room, and it bore nothing"):
+    with pytest.raises(InputError, match="a contact had no room for all its corners and bore nothing"):
         push_over(structure)

@@ -13,13 +13,14 @@ import numpy as np
 from ...common.errors import InputError, InputWarning, check_number, check_whole, shown
 from ...common.ranges import LENGTH, MAX_BLOCKS, NUMBERS, check, check_choice
 from ...common.tables import check_table, tables_in, vector_of
+from ...kernels.structure.layout import MOST_CORNERS
 from ..column.file import has_blocks_in_space
 from ..ports import Port, ports_from
 from .bearing_tables import bearings_from
 from .bearing_tables import check_table as check_bearing
 from .blocks.contacts import GROUND, axes_of, joints_between, with_rim
 from .blocks.faces import Face, FloatArray, polygon_moments
-from .blocks.outlines import MEANING, MOST_CORNERS, outline_of
+from .blocks.outlines import MEANING, outline_of
 from .blocks.parts import BASE, BESIDE_COLUMN, OF_COLUMN, TOLERANCE, JointLaw, Solid, SpatialJoint, Tie
 from .blocks.placement import check_joints, check_places
 from .blocks.shapes import box, drum, placed, prism, rectangle, rotation_matrix

@@ -13,11 +13,12 @@ import numpy as np
 from ...common.errors import InputError, InputWarning, check_number, check_whole, shown
 from ...common.ranges import check_choice, check_keys
 from ...common.tables import vector_of
+from ...kernels.structure.layout import MOST_CORNERS
 from .blocks.cuts import convex_parts
 from .blocks.faces import NEAR, FloatArray, polygon_moments
 from .blocks.hulls import Bulk, Hull, block_of_hulls, bulk_of, checked, convex_surface, feet_of, hull_of, middle_of
 from .blocks.meshes import UP, triangles_of
-from .blocks.outlines import MOST_CORNERS, outline_of
+from .blocks.outlines import outline_of
 from .blocks.parts import Solid
 from .blocks.shapes import placed
 
