@@ -225,7 +225,7 @@ class Check:
     @property
     def agreement(self) -> tuple[str, ...]:
         """The lines that compare each method by hand with the time histories."""
-        stands = not self.verdicts.any_falls
+        stands = not self.verdicts.falls_by_motion.any()
         lines = []
         for row in self.by_hand.rows if self.by_hand else ():
             if row.passes is None:

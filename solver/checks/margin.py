@@ -43,7 +43,6 @@ class Margin:
     stands: float
     falls: float
     place: int  # index of the motion under which a run falls first, -1 if none falls
-    runs: int  # number of simulations that the search took
     trials: tuple[Trial, ...] = ()  # without that at factor 1
 
     @property
@@ -75,7 +74,7 @@ def margin_of(
         return places[np.any(falls(verdicts), axis=1)]
 
     def found(stands: float, fails: float, place: int) -> Margin:
-        return Margin(stands, fails, place, sum(trial.verdicts.size for trial in trials), tuple(trials))
+        return Margin(stands, fails, place, tuple(trials))
 
     # bracket: step down while runs fall, or up until one falls
     everything = np.arange(len(ensembles))

@@ -63,11 +63,6 @@ class Verdicts:
         return int(np.sum(self.varied == UNDECIDED))
 
     @property
-    def any_falls(self) -> bool:
-        """True if any run has fallen, as given or varied."""
-        return bool(self.falls_by_motion.any())
-
-    @property
     def falls_by_motion(self) -> NDArray[np.bool_]:
         """True for each motion under which any run, as given or varied, has fallen, (motions,)."""
         found: NDArray[np.bool_] = np.any(falls(self.varied).reshape(len(self.names), -1), axis=1)

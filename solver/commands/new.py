@@ -20,7 +20,7 @@ from ..models.structure.blocks.meshes import UP
 from ..models.structure.model import Structure
 from ..statics.rocking import column_damping_on_edge, critical_damping, restitution_sentence
 from .command_files import add_force, check_suffix
-from .new_contacts import asked_contact, strips_of
+from .new_contacts import Touching, asked_contact, strips_of
 from .new_mesh import new_from_mesh
 from .new_structures import (
     BUILT,
@@ -131,7 +131,7 @@ SHAPES = {
         },
         partial(_stack, across="width"),
     ),
-    "survey": Shape("blocks from a survey, a table FILE.csv", {}, lambda asked: []),
+    "survey": Shape("blocks from a survey, a table FILE.csv", {}, lambda asked: _survey()),
 }
 
 
@@ -178,22 +178,23 @@ def _new(options: argparse.Namespace) -> None:
     shapes: dict[str, Shape | Built] = {**SHAPES, **BUILT}
     shape = choice("what stands there", {key: one.text for key, one in shapes.items()}, "drums")
     material = choice("material", {key: found.source for key, found in MATERIALS.items()}, "marble")
-    blocks = _survey() if shape == "survey" else []
     asked = {"density": MATERIALS[material].density}
     for key, question in shapes[shape].questions.items():
         asked[key] = number(question, asked)
-    if shape not in BUILT:
-        blocks = blocks or SHAPES[shape].blocks(asked)
+    text_of: Callable[[AskedLaw], str]
+    if shape in BUILT:
+        width, text_of = BUILT[shape].face(asked), partial(structure_text, name, BUILT[shape], asked)
+    else:
+        blocks = SHAPES[shape].blocks(asked)
+        width, text_of = min(map(_least_size, blocks)), partial(column_text, name, SHAPES[shape].text, blocks)
+    model_of: Any = Structure.from_dict if shape in BUILT else Column.from_dict
     # contact, damping and friction of the joints
-    width = BUILT[shape].face(asked) if shape in BUILT else min(_least_size(block) for block in blocks)
-    standing = blocks[0]["width"] if shape == "statue" else 0.0
-    touching = asked_contact(width, MATERIALS[material].has_joints, standing)
-    trial = AskedLaw(material, DAMPING, touching)
-    built = structure_text(name, BUILT[shape], asked, trial) if shape in BUILT else ""
-    damping = _asked_damping(blocks, trial, built)
+    touching = asked_contact(width, MATERIALS[material].has_joints, asked["width"] if shape == "statue" else 0.0)
+    trial = text_of(AskedLaw(material, DAMPING, touching))
+    damping = _asked_damping(model_of(tomllib.loads(trial)), touching)
     friction, dowel, mortar = asked.get("friction", 0.0), 0.0, (0.0, 0.0)
     slides = {"yes": "by friction", "no": "they never slide"}
-    is_round = any("diameter" in block for block in blocks) or 'shape = "drum"' in built
+    is_round = 'section = "circle"' in trial or 'shape = "drum"' in trial
     if touching.everywhere and not is_round:  # a round section has no law of mortar
         slides["mortar"] = "once their mortar has broken, which bears tension and cohesion until then"
     sliding = "" if friction else choice("joints may slide", slides, "no")
@@ -204,14 +205,10 @@ def _new(options: argparse.Namespace) -> None:
         friction = MATERIALS[material].friction
         force = ((0.0, 1e9), "a force in kN, zero or positive")
         dowel = number(Question("shear that dowels bear in each joint (kN), 0 without", 0.0, force, 1e3))
-    law = AskedLaw(material, damping, touching, friction, dowel, *mortar)
     # text of the file, validated before it is written
-    if shape in BUILT:
-        text = structure_text(name, BUILT[shape], asked, law)
-    else:
-        text = column_text(name, SHAPES[shape].text, blocks, law)
+    text = text_of(AskedLaw(material, damping, touching, friction, dowel, *mortar))
     with reading(path):
-        said = (_structure_lines if shape in BUILT else _column_lines)(tomllib.loads(text), path)
+        said = (_structure_lines if shape in BUILT else _column_lines)(model_of(tomllib.loads(text)), path)
         with whole_file(path) as beside:
             beside.write_text(text, encoding="utf-8")
     print(*said, sep="\n")
@@ -223,29 +220,25 @@ def _least_size(block: dict[str, float]) -> float:
     return min(block[name] for name in names if name in block)
 
 
-def _asked_damping(blocks: Sequence[dict[str, float]], law: AskedLaw, built: str) -> float:
+def _asked_damping(model: Column | Structure, touching: Touching) -> float:
     """Ask for the damping, s; the proposal is the critical damping of the rocking part, computed with its joint.
 
-    A column is made of `blocks`, a structure has the text `built`, "" of a column; in `law` and text the damping is
-    another.
+    `model` has another damping.
     """
-    if built:
-        proposed = bounce_damping(Structure.from_dict(tomllib.loads(built)))
+    if isinstance(model, Structure):
+        proposed = bounce_damping(model)
         words = "damping eta of the joints (s); proposed: 2 sqrt(m / (k A)) of the blocks, no measured value"
     else:
-        text = column_text("column", "column", blocks, law)
-        column = Column.from_dict(tomllib.loads(text))
-        critical = critical_damping(column) if law.touching.everywhere else column_damping_on_edge(column)
+        critical = critical_damping(model) if touching.everywhere else column_damping_on_edge(model)
         proposed = float(f"{min(critical, DAMPINGS[0][1]):.2g}")
         rocks = "2 sqrt(m / (k A)) of the part that rocks"
-        what = rocks if law.touching.everywhere else "critical as it stands on its edge"
+        what = rocks if touching.everywhere else "critical as it stands on its edge"
         words = f"damping eta of the joints (s); proposed: {what}, no measured value"
     return number(Question(words, proposed, DAMPINGS))
 
 
-def _column_lines(data: dict[str, Any], path: Path) -> list[str]:
+def _column_lines(column: Column, path: Path) -> list[str]:
     """Return the lines to print on a new column, with the next commands. Raises InputError."""
-    column = Column.from_dict(data)
     check_rest(column, from_rest=False)
     height = sum(block.height for block in column.blocks)
     mass = sum(block.mass for block in column.blocks)
@@ -258,9 +251,8 @@ def _column_lines(data: dict[str, Any], path: Path) -> list[str]:
     ]
 
 
-def _structure_lines(data: dict[str, Any], path: Path) -> list[str]:
-    """Return the lines to print on a new structure, with the next commands. Raises InputError."""
-    structure = Structure.from_dict(data)
+def _structure_lines(structure: Structure, path: Path) -> list[str]:
+    """Return the lines to print on a new structure, with the next commands."""
     height = max(float(block.corners[:, 2].max()) for block in structure.blocks)
     mass = sum(block.mass for block in structure.blocks)
     return [

@@ -47,22 +47,15 @@ class Line:
             self._bar.close()
 
 
-class ProgressLine(Line):
-    """A callback of `simulate` that shows the time reached, of `duration` s from `start`."""
-
-    def __init__(self, start: float, duration: float) -> None:
-        super().__init__(bar_format="{percentage:3.0f}% |{bar}| {n:.4g} of {total:.4g} s")
-        self._start, self._duration = start, duration
-
-    def __call__(self, t: float, seen: object) -> None:
-        """Show that time t, s, is reached."""
-        self.show(min(self._duration, t - self._start), self._duration)
-
-
 def simulated(subject: Any, motion: Motion, duration: float | None, **options: Any) -> Any:
-    """Call `simulate` with a progress line on a terminal."""
-    with ProgressLine(motion.start, motion.duration if duration is None else duration) as line:
-        return simulate(subject, motion, duration, callback=line if sys.stderr.isatty() else None, **options)
+    """Call `simulate` with a progress line on a terminal: the time reached, of the duration."""
+    whole = motion.duration if duration is None else duration
+    with Line(bar_format="{percentage:3.0f}% |{bar}| {n:.4g} of {total:.4g} s") as line:
+
+        def show(t: float, seen: object) -> None:
+            line.show(min(whole, t - motion.start), whole)
+
+        return simulate(subject, motion, duration, callback=show if sys.stderr.isatty() else None, **options)
 
 
 class RunsLine(Line):

@@ -31,11 +31,11 @@ def random_margin(rng: np.random.Generator, found: Verdicts) -> Margin | None:
     if rng.random() < 0.2:
         return None
     place = int(rng.integers(len(found.names)))
-    if found.any_falls:
+    if found.falls_by_motion.any():
         low = float(rng.choice([0.0, rng.uniform(0.05, 0.97)]))
-        return Margin(low, low * 1.03 if low else 0.07, place, 1)
+        return Margin(low, low * 1.03 if low else 0.07, place)
     low = rng.uniform(1.0, 2.7)
-    return Margin(3.84, math.inf, -1, 1) if rng.random() < 0.3 else Margin(low, low * 1.03, place, 1)
+    return Margin(3.84, math.inf, -1) if rng.random() < 0.3 else Margin(low, low * 1.03, place)
 
 
 def random_rows(rng: np.random.Generator, found: Verdicts) -> list[Row]:
@@ -110,12 +110,12 @@ def check_sentences(rng: np.random.Generator) -> None:
 
 def test_a_model_that_falls_itself_fails_though_no_varied_one_does() -> None:
     found = Verdicts(["artificial 0", "artificial 5"], np.array(["standing", "overturned"]), np.array(["standing"] * 4))
-    rows = overturning(found, Limits(), Margin(0.96, 1.0, 1, 1), {})
+    rows = overturning(found, Limits(), Margin(0.96, 1.0, 1), {})
     assert answer(rows) == "FAILS by: overturning, as given; overturning, margin."
     assert verdict_sentence("column", found).startswith(
         "As given the column falls under artificial 5. None of 4 varied columns fell, under 2 motions: "
     )
-    assert margin_sentence(Margin(0.96, 1.0, 1, 1), False) == (
+    assert margin_sentence(Margin(0.96, 1.0, 1), False) == (
         "With the shaking reduced to about 0.96 of this none of them falls."
     )
     assert "none" not in rows[0].note

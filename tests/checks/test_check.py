@@ -204,7 +204,7 @@ def test_a_fall_is_no_slip_and_no_pressure() -> None:
 def test_shares_and_factors_have_the_same_digits_in_table_and_sentences() -> None:
     names = [f"motion {k}" for k in range(7)]
     verdicts = Verdicts(names, np.array(["standing"] * 7), np.array(["standing"] * 56))
-    margin = Margin(1.2345, 1.2678, 3, 9)
+    margin = Margin(1.2345, 1.2678, 3)
     *_, share, factor = overturning(verdicts, Limits(), margin, {})
     high = verdicts.bounds[1]
     assert f"0 % to {100.0 * high:.3g} % at 95 % confidence" in share.note
@@ -447,7 +447,7 @@ def test_a_share_that_may_fall_needs_no_margin() -> None:
     for fallen, own, share, passes in cases:
         words = np.array(["overturned"] * fallen + ["standing"] * (10 - fallen))
         stands = 0.8 if fallen else 1.3
-        verdicts, margin = Verdicts(["sine"], np.array([own]), words), Margin(stands, 1.02 * stands, 0, 10)
+        verdicts, margin = Verdicts(["sine"], np.array([own]), words), Margin(stands, 1.02 * stands, 0)
         rows = {one.name: one for one in overturning(verdicts, Limits(share=share), margin, {})}
         assert rows["overturning"].passes is (0.1 * fallen <= share)
         found = rows["overturning, margin"]

@@ -45,7 +45,7 @@ def checked(median: float = MEDIAN, margin: bool = True) -> Any:
         action=SimpleNamespace(ground=(), motions=motions),
         by_sign=[[SimpleNamespace(verdict=one)] for one in found.own],
         verdicts=found,
-        margin=Margin(0.5, 0.6, 0, 0, trials) if margin else None,
+        margin=Margin(0.5, 0.6, 0, trials) if margin else None,
     )
 
 

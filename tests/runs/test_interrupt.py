@@ -216,8 +216,9 @@ def patience(seconds: float) -> Iterator[io.StringIO]:
 def test_a_long_run_shows_how_far_it_is_and_a_short_one_nothing() -> None:
     motion = Motion.harmonic(0.05 * G, 2.0, 20.0)
     for seconds, shows in ((0.0, True), (60.0, False)):
-        with patience(seconds) as shown, progress.ProgressLine(motion.start, motion.duration) as line:
-            simulate(phocas(1e-3), motion, callback=line)
+        with patience(seconds) as shown, pytest.MonkeyPatch.context() as patch:
+            patch.setattr(shown, "isatty", lambda: True)
+            progress.simulated(phocas(1e-3), motion, None)
         assert ("100%" in shown.getvalue() and "of 20 s" in shown.getvalue()) == shows
 
 

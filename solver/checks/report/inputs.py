@@ -16,6 +16,8 @@ from ...models.column.materials import MATERIALS
 
 MATERIAL_SHEET = ("block in the file", "material", "density (kg/m³)", "source")
 GIVEN = "given in the file"
+# the versions on which the numbers of a report depend
+SOFTWARE = {"multiblock-fmu": __version__, "Python": platform.python_version(), "numpy": np.__version__}
 
 
 def with_meshes(paths: Iterable[Path]) -> list[Path]:
@@ -31,11 +33,6 @@ def with_meshes(paths: Iterable[Path]) -> list[Path]:
 def hashed(paths: Iterable[Path]) -> list[tuple[str, str]]:
     """Return the name and the SHA-256 of each file. Raises OSError."""
     return [(printable(str(path)), hashlib.sha256(path.read_bytes()).hexdigest()) for path in paths]
-
-
-def software() -> dict[str, str]:
-    """Return the versions on which the numbers of a report depend."""
-    return {"multiblock-fmu": __version__, "Python": platform.python_version(), "numpy": np.__version__}
 
 
 def sources_of(path: Path) -> list[tuple[str, ...]]:

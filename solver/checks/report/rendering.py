@@ -8,7 +8,7 @@ from typing import Any
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
-from .inputs import software
+from .inputs import SOFTWARE
 
 
 def rendered(template: Traversable, **values: Any) -> str:
@@ -26,4 +26,4 @@ def rendered(template: Traversable, **values: Any) -> str:
     )
     page = environment.from_string(template.read_text(encoding="utf-8"))
     style = (folder / "check.css").read_text(encoding="utf-8")
-    return page.render(style=style, versions=software(), **values)
+    return page.render(style=style, versions=SOFTWARE, **values)
