@@ -111,7 +111,7 @@ def motion_rows(action: Action) -> list[tuple[str, ...]]:
     across = any(scaled.motion.has_ay for scaled in action.motions)
     along: tuple[Component, ...] = ("ax", "ay") if across else ("ax",)
     beside = ("across (g)", "across (m/s)") if across else ()
-    rows = [("motion", "factor", "vertical", "PGA (g)", *beside[:1], "vertical (g)", "PGV (m/s)", *beside[1:])]
+    rows = [("motion", "factor", "factor, vertical", "PGA (g)", *beside[:1], "vertical (g)", "PGV (m/s)", *beside[1:])]
     for name, motion, factor, upright in action.motions:
         rise = float(np.max(np.abs(motion.az))) / STANDARD_GRAVITY
         vertical = three_digits(upright) if rise else ""

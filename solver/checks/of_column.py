@@ -82,10 +82,6 @@ class InPlane(Subject):
         return self.mechanism.curve.overturning_displacement
 
     def deferred_points(self, both: bool) -> Iterator[str]:
-        """Yield a sentence for each point that this check leaves to another.
-
-        The other direction, unless the column is alike across or `both` are checked; mortar; rolling on round contacts.
-        """
         if not both and not self.model.is_alike_across:
             other = ": check the other direction too (--both)" if can_be_made(self.model.across) else ""
             yield f"It is shaken along its width alone{other}."
@@ -101,11 +97,8 @@ class InPlane(Subject):
         return friction_history(run.Tx, run.N, carried_weights(run.model))
 
     def to_vary(self, run: Response) -> Column:
-        """Return the column for the varied runs.
-
-        Implicit steps are switched off if the run took hardly any, so that the varied runs can share lanes.
-        """
         column = self.model
+        # without implicit steps, if the run took hardly any, so that the varied runs can share lanes
         steps, implicit, elastic = (int(run.stats[name]) for name in ("steps", "implicit_steps", "elastic_steps"))
         if implicit > MOST_IMPLICIT * (steps - implicit - elastic):
             return column
@@ -115,5 +108,4 @@ class InPlane(Subject):
         return table.displacements[:, 0]
 
     def by_hand(self, action: Action, limits: Limits) -> ByHand:
-        """Apply the kinematic verification and ASCE 43 under the action."""
         return by_hand(self.mechanism, self.period, action, limits)
