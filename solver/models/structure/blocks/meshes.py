@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -62,11 +61,11 @@ def triangles_of(path: Path, unit: float, up: str | None, repair: bool = False, 
         content = content_of(path, MOST)
         with needing(EXTRA, "trimesh"):
             import trimesh
-        reader = _buffer_reader(path.parent, MOST - len(content))
+        buffers: Any = _Buffers(path.parent, MOST - len(content))
         colourless = {"skip_materials": True} if kind in COLOURED else {}
         try:
             mesh = trimesh.load_mesh(
-                BytesIO(content), file_type=kind[1:], resolver=_resolver(reader), process=False, **colourless
+                BytesIO(content), file_type=kind[1:], resolver=buffers, process=False, **colourless
             )
             mesh.merge_vertices(merge_tex=True, merge_norm=True)
         except (InputError, OSError):
@@ -107,47 +106,23 @@ def _warn(path: Path, text: str) -> None:
     warnings.warn(f"{path}: {text}", InputWarning, stacklevel=2)
 
 
-def _buffer_reader(folder: Path, most: int) -> Callable[[str], bytes]:
-    """Return a function that reads a file named by a mesh: an ordinary file in its folder, `most` bytes in all."""
-    inside, left = Path(os.path.realpath(folder)), most
+class _Buffers:
+    """The files that a mesh names, as trimesh looks them up: ordinary ones in its folder, `most` bytes in all."""
 
-    def read(name: str) -> bytes:
-        nonlocal left
+    def __init__(self, folder: Path, most: int) -> None:
+        self._inside, self._left = Path(os.path.realpath(folder)), most
+
+    def __getitem__(self, name: str) -> bytes:
         # resolve links, so that no file outside the folder is read
-        named = next((text for text in (name, unquote(name)) if (inside / text).exists()), name)
-        place = Path(os.path.realpath(inside / named))
-        if inside not in place.parents:
+        named = next((text for text in (name, unquote(name)) if (self._inside / text).exists()), name)
+        place = Path(os.path.realpath(self._inside / named))
+        if self._inside not in place.parents:
             raise InputError(f"needs {name}, must be a file in its own folder, or in one below it")
         if not place.exists():
             raise InputError(f"needs {name} beside it, which is not there")
         with reading(name):
-            content = content_of(place, left)
-        left -= len(content)
+            content = content_of(place, self._left)
+        self._left -= len(content)
         return content
 
-    return read
-
-
-def _resolver(read: Callable[[str], bytes]) -> Any:
-    """Return the resolver that trimesh calls for the files named by a mesh."""
-    from trimesh.resolvers import Resolver
-
-    class Buffers(Resolver):
-        """The buffers of a glTF file."""
-
-        def __init__(self) -> None:
-            pass
-
-        def get(self, name: str) -> bytes:
-            return read(name)
-
-        def write(self, name: str, data: bytes) -> None:
-            raise NotImplementedError
-
-        def namespaced(self, namespace: str) -> Buffers:
-            raise NotImplementedError
-
-        def keys(self) -> tuple[str, ...]:
-            return ()
-
-    return Buffers()
+    get = __getitem__
