@@ -332,8 +332,8 @@ def near_as_built(blocks: Sequence[Solid], joints: Iterable[SpatialJoint], withi
     # bounding spheres and boxes
     centre = np.array([block.centroid for block in blocks])
     reach = np.array([block.reach for block in blocks])
-    low = np.array([np.min(block.corners, axis=0) for block in blocks])
-    high = np.array([np.max(block.corners, axis=0) for block in blocks])
+    corners = [np.concatenate([face.points() for face in (*block.faces, *block.hull)]) for block in blocks]
+    low, high = (np.array([extreme(part, axis=0) for part in corners]) for extreme in (np.min, np.max))
     spread = np.array([max((face.radius for face in block.faces), default=0.0) for block in blocks])
     low, high = low - 0.01 * spread[:, None], high + 0.01 * spread[:, None]  # rims lie beyond the corners drawn on them
     apart = np.linalg.norm(centre[:, None] - centre[None], axis=2) - reach[:, None] - reach[None]

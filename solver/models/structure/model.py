@@ -271,22 +271,12 @@ class Structure(NotebookRepr):
         found = neighbours_from(data, self.blocks, self.joints, after_fall > 0.0)
         return replace(self, neighbours=found, after_fall=after_fall, described=data)
 
-    def with_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Structure:
-        """Return a copy whose joints have these moduli (N/m3) and dampings (s).
-
-        The rubber of a bearing is scaled by the same factor as its modulus.
-        """
-        laws = zip(self.joints, stiffness, damping, strict=True)
-        joints = (_scaled(joint, float(k) / joint.bed.stiffness, 1.0, float(k), float(eta)) for joint, k, eta in laws)
-        return replace(self, joints=tuple(joints), described=None)
-
     def scaled_joints(self, stiffness: Sequence[float], damping: Sequence[float]) -> Structure:
         """Return a copy with these factors on the moduli and dampings of the joints.
 
         Those on the damping also apply along the joints, to the dashpots of bearings and to their rings.
         """
-        laws = zip(self.joints, stiffness, damping, strict=True)
-        joints = (_scaled(joint, k, eta, k * joint.bed.stiffness, eta * joint.bed.damping) for joint, k, eta in laws)
+        joints = (_scaled(*law) for law in zip(self.joints, stiffness, damping, strict=True))
         return replace(self, joints=tuple(joints), described=None)
 
     @property
@@ -349,18 +339,16 @@ def _with_solver(described: Mapping[str, Any], solver: Mapping[str, Any]) -> Map
     return {**described, "solver": solver}
 
 
-def _scaled(joint: SpatialJoint, stiffer: float, damped: float, stiffness: float, damping: float) -> SpatialJoint:
-    """Return a joint with a modulus (N/m3) and a damping (s), the rest of its law scaled by two factors.
-
-    A damping is a time, of which a dashpot is the product with a stiffness.
-    """
+def _scaled(joint: SpatialJoint, stiffer: float, damped: float) -> SpatialJoint:
+    """Return a joint with these factors on its stiffnesses and dampings: times, and with a stiffness a dashpot."""
     bed, bearing = joint.bed, joint.bearing
+    bed = replace(bed, stiffness=stiffer * bed.stiffness, damping=damped * bed.damping)
     if bed.shear_damping is not None:
         bed = replace(bed, shear_damping=damped * bed.shear_damping)
     if bearing is not None:
         spring, dashpot = stiffer * bearing.spring, stiffer * damped * bearing.dashpot
         bearing = replace(bearing, spring=spring, dashpot=dashpot, ring_damping=damped * bearing.ring_damping)
-    return replace(joint, bed=replace(bed, stiffness=stiffness, damping=damping), bearing=bearing)
+    return replace(joint, bed=bed, bearing=bearing)
 
 
 def _is_mirrored_joint(joint: SpatialJoint) -> bool:

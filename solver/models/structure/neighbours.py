@@ -9,7 +9,6 @@ from itertools import combinations, product
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...common.errors import InputError, check_number, shown
 from ...common.ranges import LENGTH, NUMBERS, check_keys
@@ -19,7 +18,7 @@ from .blocks.faces import Face, clipped, polygon_moments
 from .blocks.parts import BASE, Pair, Side, Solid, SpatialJoint
 from .blocks.polyhedra import Polyhedron, polyhedron_of, slab_behind
 from .blocks.shapes import box, placed, rectangle
-from .convex import ConvexPart, apart, built_overlaps, distance, hulls_of, touching
+from .convex import ConvexPart, apart, built_overlaps, distance, hulls_of, near_as_built, touching
 
 _REACH = (0.0, 1e6), "a length in m, zero or positive: blocks within it may meet"
 _FRICTION = (0.0, 1e3), "a coefficient of friction, 0 without friction"
@@ -98,26 +97,25 @@ def neighbours_from(
     to_walls = given.get("reach", math.inf)
     bodies, found = [_bodies_of(block) for block in blocks], []
     _refuse_overlaps(blocks, joints, {pair for pair, (_, own) in declared.items() if "gap" in own})
-    near = _near(blocks, math.inf if after_fall else reach)
-    for one in range(len(blocks)):
-        for other in range(one + 1, len(blocks)):
-            key, own = declared.pop((one, other), ("", {}))
-            if not key and not near[one, other]:
-                continue
-            if frozenset((one, other)) in joined:
-                if key:
-                    raise InputError(f"{key}.between: must be two blocks without a joint between them")
-                continue
-            within = math.inf if key or after_fall else reach
-            deepest = _deepest(blocks, one, other, own)
-            pairs = _pairs_between(blocks, bodies, one, other, within, deepest)
-            late = not key and min((pair.gap for pair in pairs), default=reach) > reach
-            law, least = {**_law(given, own), **own}, min((pair.gap for pair in pairs), default=0.0)
-            if "gap" in own:
-                pairs = _moved_to(own["gap"], pairs, blocks, (*bodies[one], *bodies[other]))
-            for pair in pairs:  # the declared gap is that of the nearest ones: all are nearer by the same length
-                gap = {"gap": own["gap"] + (pair.gap - least)} if "gap" in own else {}
-                found.append(replace(_with_law(key or "neighbours", pair, law | gap, blocks), joined=late))
+    near = near_as_built(blocks, joints, np.array((math.inf if after_fall else reach) + NEAR))
+    for one, other in combinations(range(len(blocks)), 2):
+        key, own = declared.get((one, other), ("", {}))
+        if key and frozenset((one, other)) in joined:
+            raise InputError(f"{key}.between: must be two blocks without a joint between them")
+        if not key and not near[one, other]:
+            continue
+        within = math.inf if key or after_fall else reach
+        # the largest overlap as built at which sides still face each other
+        both = blocks[one], blocks[other]
+        deepest = min(block.drop for block in both) if "gap" in own else touching(*both)
+        pairs = _pairs_between(blocks, bodies, one, other, within, deepest)
+        late = not key and min((pair.gap for pair in pairs), default=reach) > reach
+        law, least = {**_law(given, own), **own}, min((pair.gap for pair in pairs), default=0.0)
+        if "gap" in own:
+            pairs = _moved_to(own["gap"], pairs, blocks, (*bodies[one], *bodies[other]))
+        for pair in pairs:  # the declared gap is that of the nearest ones: all are nearer by the same length
+            gap = {"gap": own["gap"] + (pair.gap - least)} if "gap" in own else {}
+            found.append(replace(_with_law(key or "neighbours", pair, law | gap, blocks), joined=late))
     if after_fall:
         found += _pairs_after_fall(blocks, bodies, joined, given)
     # blocks and walls
@@ -140,23 +138,6 @@ def _refuse_overlaps(blocks: tuple[Solid, ...], joints: Sequence[SpatialJoint], 
         if (one, other) not in apart:
             names = f"{blocks[one].name} and {blocks[other].name} overlap by {1e3 * depth:.3g} mm as built"
             raise InputError(f"neighbours: {names}, must stand apart, or have a gap in [[neighbours.pair]]")
-
-
-def _deepest(blocks: tuple[Solid, ...], one: int, other: int, own: Mapping[str, float]) -> float:
-    """Return the largest overlap as built at which sides still face each other (m).
-
-    It is that of rounded surveys, or the smaller `drop` of both blocks of a pair with a given gap.
-    """
-    drop = min(blocks[one].drop, blocks[other].drop)
-    return drop if "gap" in own else touching(blocks[one], blocks[other])
-
-
-def _near(blocks: tuple[Solid, ...], reach: float) -> NDArray[np.bool_]:
-    """Return the mask of the pairs of blocks whose bounding spheres are within a reach (m), (n, n)."""
-    places = np.array([block.centroid for block in blocks])
-    around = np.array([block.reach for block in blocks]) + 0.5 * (reach + NEAR)
-    near: NDArray[np.bool_] = np.linalg.norm(places[:, None] - places[None], axis=2) <= around[:, None] + around[None]
-    return near
 
 
 def _wall(key: str, table: Mapping[str, Any]) -> Face:
