@@ -26,7 +26,7 @@ from multiblock import Motion, Structure, arch, colonnade, simulate
 from solver.models.protocol import SETTLE, Run
 from solver.models.structure.kind import STRUCTURES
 from solver.models.structure.response import SpatialResponse
-from solver.models.structure.rest import rest_of, start_from
+from solver.models.structure.rest import rest_of
 from solver.models.structure.run import SpatialState, set_initial
 from solver.models.structure.stepper import SpatialStepper
 from solver.runs.chunk import Chunk, make_runs
@@ -217,7 +217,7 @@ def _costs(structures: Sequence[Structure], motion: Motion) -> list[float]:
     for _ in range(RUNS):
         for k, (structure, rest) in enumerate(zip(structures, rests, strict=True)):
             stepper = SpatialStepper(structure)
-            start_from(stepper, rest)
+            stepper.phase[:] = rest.phase
             begin = time.process_time()
             stepper.run(motion, 0.0, motion.duration, np.zeros(0))
             spent = time.process_time() - begin
@@ -230,7 +230,7 @@ def _alone(structure: Structure) -> float:
     of runs.
     """
     stepper, least = SpatialStepper(structure), math.inf
-    start_from(stepper, rest_of(structure))
+    stepper.phase[:] = rest_of(structure).phase
     for _ in range(RUNS):
         begin = time.process_time()
         for _ in range(CALLS):
@@ -390,7 +390,7 @@ def energies(quick: bool) -> Table:
 
     def drift(throw: SpatialState, tolerance: float) -> float:
         stepper = SpatialStepper(structure.with_settings(tolerance=tolerance))
-        start_from(stepper, rest)
+        stepper.phase[:] = rest.phase
         still = stepper.observe()
         set_initial(stepper, throw)
         first = stepper.observe() - still

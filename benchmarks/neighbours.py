@@ -16,7 +16,7 @@ import numpy as np
 
 from multiblock import Motion, Structure
 from solver.kernels.structure.layout import BY_BODIES, BY_SIDES, CONVEX
-from solver.models.structure.rest import rest_of, start_from
+from solver.models.structure.rest import rest_of
 from solver.models.structure.stepper import SpatialStepper
 
 from .engines import Point, Run, point_of
@@ -77,7 +77,7 @@ def _evaluation(structure: Structure, pressed: float | None = None, turn: float 
     turn: rad, by which every second block is turned about the vertical as it is pressed.
     """
     stepper, least = SpatialStepper(structure), math.inf
-    start_from(stepper, rest_of(structure))
+    stepper.phase[:] = rest_of(structure).phase
     if pressed is not None:
         gap = structure.neighbours[0].gap
         stepper.see.ux[:] -= (gap + pressed) * np.arange(structure.n)

@@ -27,7 +27,7 @@ from solver.models.outputs import places_of
 from solver.models.structure.driven import Chosen, DrivenStructure, packed
 from solver.models.structure.model import Structure
 from solver.models.structure.outputs import OUTPUTS
-from solver.models.structure.rest import rest_of, start_from
+from solver.models.structure.rest import rest_of
 from solver.models.structure.stepper import SpatialStepper
 
 TRILITH = Path(__file__).resolve().parent.parent / "structures" / "trilith.toml"
@@ -149,7 +149,7 @@ def as_one(structure: Structure, mass: float, isolator: dict[str, float]) -> tup
     The stretch of what slides keeps its size and turns with the path. Joints must not slide.
     """
     stepper, rest = SpatialStepper(structure), rest_of(structure)
-    start_from(stepper, rest)
+    stepper.phase[:] = rest.phase
     weight, n = structure.weight + mass * structure.g, structure.n
     size = PHASE.size(n)
     reaction = places_of(OUTPUTS, structure.sizes)["base"].start

@@ -31,7 +31,7 @@ from solver.models.structure.model import Structure
 from solver.models.structure.modes import modes_in_space, sliding_frequencies
 from solver.models.structure.numbers import structure_with
 from solver.models.structure.push import push_over
-from solver.models.structure.rest import rest_of, start_from
+from solver.models.structure.rest import rest_of
 from solver.models.structure.run import SpatialState
 from solver.models.structure.stepper import SpatialStepper
 
@@ -360,7 +360,7 @@ def test_energy_is_never_gained(name: str) -> None:
 def _thrown(structure: Structure, seed: int) -> FloatArray:
     """Return the energy above rest of a slab that is thrown at random, every 10 ms of 2 s, J."""
     stepper, rng = SpatialStepper(structure), np.random.default_rng(seed)
-    start_from(stepper, rest_of(structure))
+    stepper.phase[:] = rest_of(structure).phase
     at_rest = stepper.observe()
     for name, size in {"vx": 0.5, "vy": 0.5, "vz": 0.1, "wx": 0.05, "wy": 0.05, "wz": 0.3}.items():
         getattr(stepper.see, name)[:] = size * rng.normal()

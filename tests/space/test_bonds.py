@@ -27,7 +27,7 @@ from solver.models.outputs import places_of
 from solver.models.structure.model import Structure
 from solver.models.structure.outputs import OUTPUTS
 from solver.models.structure.packing import arrays_of
-from solver.models.structure.rest import rest_of, start_from
+from solver.models.structure.rest import rest_of
 from solver.models.structure.run import SpatialState
 from solver.models.structure.stepper import SpatialStepper
 
@@ -53,7 +53,7 @@ class Held:
 
     def __init__(self, structure: Structure) -> None:
         self.stepper = SpatialStepper(structure)
-        start_from(self.stepper, rest_of(structure))
+        self.stepper.phase[:] = rest_of(structure).phase
         self._places = places_of(OUTPUTS, structure.sizes)
 
     def resultants(self, turn: tuple[float, float], opening: float, keep: bool = False) -> dict[str, float]:
@@ -173,7 +173,7 @@ def thrown(
 ) -> tuple[SpatialStepper, FloatArray, FloatArray]:
     """Return the output rows and energies above the first of a pier that is given a push at rest."""
     stepper = SpatialStepper(structure)
-    start_from(stepper, rest_of(structure))
+    stepper.phase[:] = rest_of(structure).phase
     see, arm = stepper.see, (0.0, 0.0, 0.5 * HEIGHT)
     see.wx[:], see.wy[:], see.wz[:] = spin
     see.vx[:], see.vy[:], see.vz[:] = np.cross(spin, arm) + np.array(velocity)

@@ -11,7 +11,7 @@ import pytest
 
 from solver.common.errors import InputError
 from solver.models.structure.model import Structure
-from solver.models.structure.rest import rest_of, start_from
+from solver.models.structure.rest import rest_of
 from solver.models.structure.stepper import SpatialStepper
 
 DENSITY = 2400.0
@@ -74,7 +74,7 @@ def scene(seed: int, rim: bool = False) -> tuple[SpatialStepper, np.random.Gener
     try:
         structure = Structure.from_dict({"name": "scene", "joints": law, **parts}).with_settings(tolerance=1e-6)
         stepper = SpatialStepper(structure)
-        start_from(stepper, rest_of(structure))
+        stepper.phase[:] = rest_of(structure).phase
     except InputError:
         return None
     return stepper, rng

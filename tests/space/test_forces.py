@@ -15,7 +15,7 @@ from solver.ground.motion import Motion
 from solver.models.structure.builders import colonnade
 from solver.models.structure.model import Structure
 from solver.models.structure.response import SpatialResponse
-from solver.models.structure.rest import fastest_decay, rest_of, start_from
+from solver.models.structure.rest import fastest_decay, rest_of
 from solver.models.structure.run import SpatialState
 from solver.models.structure.stepper import SpatialStepper
 
@@ -54,7 +54,7 @@ def test_rate_at_which_the_joints_die_out() -> None:
     """Compare powers of the dampers with all eigenvalues of the matrix that they are."""
     for structure, _ in SCENES.values():
         stepper = SpatialStepper(structure)
-        start_from(stepper, rest_of(structure))
+        stepper.phase[:] = rest_of(structure).phase
         n, pace = structure.n, 1e-6
         first = 7 * n  # rates behind places and quaternions
         stepper.observe()

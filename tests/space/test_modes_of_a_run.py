@@ -20,7 +20,7 @@ from solver.models.structure.modal_data import modal_data_of
 from solver.models.structure.model import Structure
 from solver.models.structure.modes import modes_in_space
 from solver.models.structure.response import SpatialResponse
-from solver.models.structure.rest import rest_of, start_from
+from solver.models.structure.rest import rest_of
 from solver.models.structure.run import SpatialState, set_initial
 from solver.models.structure.stepper import SpatialStepper
 
@@ -161,7 +161,7 @@ def _prepared(structure: Structure) -> np.ndarray:
 def _stepper(structure: Structure) -> SpatialStepper:
     """Return a stepper at rest, with modes."""
     stepper = SpatialStepper(structure, modal_data_of(structure).numbers)
-    start_from(stepper, rest_of(structure))
+    stepper.phase[:] = rest_of(structure).phase
     return stepper
 
 

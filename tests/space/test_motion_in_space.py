@@ -17,7 +17,7 @@ from solver.ground.motion import Motion
 from solver.models.structure.blocks.faces import FloatArray
 from solver.models.structure.builders import arch, colonnade
 from solver.models.structure.model import Structure
-from solver.models.structure.rest import move, residual_of, rest_of, start_from
+from solver.models.structure.rest import move, residual_of, rest_of
 from solver.models.structure.run import SpatialState, set_initial
 from solver.models.structure.stepper import SpatialStepper
 
@@ -67,7 +67,7 @@ def test_energy_stays_without_damping(section: str) -> None:
     for tolerance, part in ((1e-5, 0.1), (1e-7, 0.6)):
         structure = stack(section=section, damping=0.0, tolerance=tolerance)
         stepper = SpatialStepper(structure)
-        start_from(stepper, rest_of(structure))
+        stepper.phase[:] = rest_of(structure).phase
         rest = stepper.observe()
         set_initial(stepper, _thrown(structure))
         before = stepper.observe()

@@ -20,7 +20,7 @@ from solver.kernels.structure.evaluate import moving
 from solver.kernels.structure.layout import PHASE
 from solver.kernels.structure.stabilized import LONGEST_REACH, MOST_STAGES, attempt_stabilized, stages_of
 from solver.kernels.structure.watch import END, START, row
-from solver.models.structure.rest import rest_of, start_from
+from solver.models.structure.rest import rest_of
 from solver.models.structure.stepper import SpatialStepper
 
 G = 9.80665
@@ -78,13 +78,13 @@ def test_one_step_is_the_polynomial_of_the_method_times_the_state() -> None:
     """Move a block, pressed all over, up and down: m z'' = -k A (z + eta z'), which is linear."""
     structure = boxes(1, 1e9, None, 1e-3)
     stepper = SpatialStepper(structure)
-    start_from(stepper, rest_of(structure))
+    stepper.phase[:] = rest_of(structure).phase
     bed, (block,) = structure.joints[0].bed, structure.blocks
     stiff = bed.stiffness / block.mass  # of 1 m2, 1/s2
     matrix = np.array([[0.0, 1.0], [-stiff, -stiff * bed.damping]])
     rest = float(stepper.see.uz[0])
     for stages, h in ((3, 1e-3), (5, 2e-3), (9, 5e-3)):
-        start_from(stepper, rest_of(structure))
+        stepper.phase[:] = rest_of(structure).phase
         moved = np.array([-0.3 * abs(rest), 1e-3])
         stepper.see.uz[0] += moved[0]
         stepper.see.vz[0] += moved[1]

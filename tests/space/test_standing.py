@@ -17,7 +17,7 @@ from solver.ground.motion import Motion
 from solver.models.column.model import Column
 from solver.models.structure.builders import arch, colonnade
 from solver.models.structure.model import Structure
-from solver.models.structure.rest import rest_of, start_from
+from solver.models.structure.rest import rest_of
 from solver.models.structure.run import SpatialState
 from solver.models.structure.stepper import SpatialStepper
 from solver.models.structure.verdict import Well
@@ -56,7 +56,7 @@ def test_a_block_beyond_its_edge_does_not_stand(angle: float, stands: bool) -> N
 def barrier(structure: Structure) -> float:
     """Return the barrier of the well of a structure at rest, J, of which SAFE is allowed."""
     stepper = SpatialStepper(structure)
-    start_from(stepper, rest_of(structure))
+    stepper.phase[:] = rest_of(structure).phase
     stepper.observe()
     return Well(structure).barrier(stepper, stepper.stiffness(np.full(6 * structure.n, 1e-9)))
 
@@ -195,7 +195,7 @@ def test_a_slip_takes_from_the_lever() -> None:
     plinth, slab = block(width=2.0, height=2.0), block(width=1.0, height=2.0, name="slab", on="b")
     structure = made(plinth, slab, law={**LAW, "friction": 0.5})
     stepper = SpatialStepper(structure)
-    start_from(stepper, rest_of(structure))
+    stepper.phase[:] = rest_of(structure).phase
     well, weight = Well(structure), 2500.0 * 2.0 * G
     for slip, reach in ((0.0, 0.5), (0.4, 0.5), (0.8, 0.2)):  # over a plinth that is wider by 0.5 m either way
         stepper.slips.p1[1] = slip
@@ -214,7 +214,7 @@ def test_a_slip_takes_from_the_lever() -> None:
 def test_a_structure_at_rest_stands_and_one_with_the_energy_to_fall_may_not(make: Callable[[], Structure]) -> None:
     structure = make()
     stepper = SpatialStepper(structure)
-    start_from(stepper, rest_of(structure))
+    stepper.phase[:] = rest_of(structure).phase
     well = Well(structure)
     assert well.why_it_stands(stepper)
     stepper.see.vx[:] = 3.0  # lifts by 0.46 m

@@ -34,7 +34,6 @@ from .rest import (
     rest_in_steps,
     rest_of,
     settle,
-    start_from,
 )
 from .stepper import SpatialStepper
 
@@ -141,7 +140,7 @@ class EquilibriumPath:
     ) -> None:
         rest = rest_of(structure)
         self.stepper, self.way = SpatialStepper(structure), way
-        start_from(self.stepper, rest)
+        self.stepper.phase[:] = rest.phase
         n = structure.n
         self.per = deltas_of(structure, 1.0)  # converts displacements to rotations by the size of the block
         self.weight, self.close = structure.weight, closed(structure)

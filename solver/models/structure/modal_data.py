@@ -54,14 +54,10 @@ def _reason_against_modes(structure: Structure, rest: SpatialRest) -> str:
         return f"more than {MOST} blocks"
     if not structure.weight > 0.0 or np.any(rest.row[first : first + m] < 1.0):
         return "no rest in full contact"
-    return "a joint slides at rest" if _gives_way(structure, rest) else ""
-
-
-def _gives_way(structure: Structure, rest: SpatialRest) -> bool:
     stepper = SpatialStepper(structure)
     stepper.phase[:] = rest.phase
     stepper.observe()
-    return bool(np.any(stepper.rates[at.PHASE.size(structure.n) :]))
+    return "a joint slides at rest" if np.any(stepper.rates[at.PHASE.size(n) :]) else ""
 
 
 def _numbers(structure: Structure, rest: SpatialRest) -> FloatArray:
@@ -106,8 +102,7 @@ def _about_rest(structure: Structure, rest: SpatialRest) -> tuple[FloatArray, Fl
     """Return stiffness and mass about rest in the coordinates of the kernels, body by body, and their phase indices."""
     n = structure.n
     see = at.PHASE.see(rest.phase, n)
-    change, mass, places = np.zeros((2, 6 * n, 6 * n)), None, np.zeros(6 * n, dtype=np.int64)
-    to_base, mass = change
+    (to_base, mass), places = np.zeros((2, 6 * n, 6 * n)), np.zeros(6 * n, dtype=np.int64)
     for i, block in enumerate(structure.blocks):
         # rotations about the axes of the base by the coordinates
         v = np.array([see.q1[i], see.q2[i], see.q3[i]])

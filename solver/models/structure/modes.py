@@ -18,7 +18,7 @@ from .blocks.faces import FloatArray
 from .model import Structure
 from .neighbours import NEAR
 from .outputs import OUTPUTS, UNITS
-from .rest import SpatialRest, closed, deltas_of, full_stiffness, residual_of, rest_of, start_from, sticking
+from .rest import SpatialRest, closed, deltas_of, full_stiffness, moved_with, residual_of, rest_of, sticking
 from .stepper import SpatialStepper
 
 SLIDING_PART = 1e-3  # of the settlement: differences for the tangent while bearings slide
@@ -113,7 +113,9 @@ def _modes(structure: Structure, rest: SpatialRest) -> SpatialModes:
         damping = _damping(stuck, float(omega[-1]))
     modal = np.einsum("ik,ij,jk->k", shapes, damping, shapes)
     # effective masses; twist about the vertical axis through the centroid
-    participation = _rigid(structure).T @ root @ vectors
+    # motions of all blocks as the base moves along or turns about each axis
+    rigid = np.vstack([moved_with(structure, np.eye(3), block.centroid, n) for block in structure.blocks])
+    participation = rigid.T @ root @ vectors
     masses = np.array([block.mass for block in structure.blocks])
     x, y, _ = masses @ np.array([block.centroid for block in structure.blocks]) / np.sum(masses)
     twists = (participation[5] + y * participation[0] - x * participation[1]) ** 2
@@ -157,10 +159,8 @@ def sliding_frequencies(structure: Structure) -> FloatArray:
     Pendulums act under their weight, rubber without its initial stiffness; 0 where there is no restoring force. Raises
     InputError if the structure has no stable rest.
     """
-    stepper = SpatialStepper(structure)
     rest = rest_of(structure)
-    start_from(stepper, rest)
-    stuck = sticking(stepper)
+    stuck = _at(structure, rest, np.zeros(len(structure.ties), dtype=bool))
     stuck.model.joints.shear[len(structure.joints) - len(structure.bearings) :] = 0.0
     inverse = np.linalg.inv(_root_of_mass(structure))
     stiffness = stuck.stiffness(
@@ -193,7 +193,7 @@ def _taut(structure: Structure, rest: SpatialRest) -> NDArray[np.bool_]:
 def _at(structure: Structure, rest: SpatialRest, taut: NDArray[np.bool_]) -> SpatialStepper:
     """Return a structure at rest, with joints that stick, and with the ties of a mask bearing both ways."""
     stepper = SpatialStepper(structure)
-    start_from(stepper, rest)
+    stepper.phase[:] = rest.phase
     stuck = sticking(stepper)
     stuck.model.ties.tension_only[: len(taut)][taut] = 0.0
     return stuck
@@ -221,14 +221,4 @@ def _damping(stepper: SpatialStepper, fastest: float) -> FloatArray:
             forces.append(residual_of(stepper)[0])
         rates[axis][i] = 0.0
         found[:, column] = (forces[1] - forces[0]) / (2.0 * delta)
-    return found
-
-
-def _rigid(structure: Structure) -> FloatArray:
-    """Return the motions of all blocks as the base moves along or turns about each axis, (6 n, 6)."""
-    found = np.zeros((6 * structure.n, 6))
-    for i, block in enumerate(structure.blocks):
-        x, y, z = block.centroid
-        found[6 * i : 6 * i + 6, :3] = np.eye(6)[:, :3]
-        found[6 * i : 6 * i + 6, 3:] = np.vstack([[[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]], np.eye(3)])
     return found

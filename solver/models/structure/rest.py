@@ -147,7 +147,7 @@ def rest_in_steps(structure: Structure, loads: FloatArray) -> FloatArray | None:
     """Return the phase at rest under loads on the ports, (6, ports) N and N m, applied in steps; None if not found."""
     rest = rest_of(structure)
     stepper, linear = SpatialStepper(structure), full_stiffness(structure)
-    start_from(stepper, rest)
+    stepper.phase[:] = rest.phase
     size = structure.model.names.settings.motion_floor * structure.model.names.settings.extent / FLOOR
     delta = PERTURBED * deltas_of(structure, size)
     for step in range(1, PUSHES + 1):
@@ -169,11 +169,6 @@ def sticking(stepper: SpatialStepper) -> SpatialStepper:
     other = stepper.over(model=stepper.arrays.model.copy())
     other.model.joints.friction[:] = np.inf
     return other
-
-
-def start_from(stepper: SpatialStepper, rest: SpatialRest) -> None:
-    """Set the phase of a stepper to that of a rest."""
-    stepper.phase[:] = rest.phase
 
 
 def _finished(stepper: SpatialStepper, *stiffnesses: FloatArray) -> SpatialRest:
@@ -253,21 +248,21 @@ def _assembled(
             own = np.diag([along, along, across * area, 0.0, 0.0, 0.0])
         motion = np.zeros((6, 12))
         for k, (body, sign) in enumerate(((joint.upper, 1.0), (joint.lower, -1.0))):
-            motion[:, 6 * k : 6 * k + 6] = sign * _moved(structure, joint.face.axes, joint.face.centre, body)
+            motion[:, 6 * k : 6 * k + 6] = sign * moved_with(structure, joint.face.axes, joint.face.centre, body)
         _add(matrix, motion.T @ own @ motion, joint.upper, joint.lower)
     for tie, pull in zip(structure.ties, ties, strict=True):
         ends = [centroid_of(structure.blocks, tie.one) + tie.from_, centroid_of(structure.blocks, tie.other) + tie.to]
         way = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
         parts = [
-            -way @ _moved(structure, np.eye(3), ends[0], tie.one)[:3],
-            way @ _moved(structure, np.eye(3), ends[1], tie.other)[:3],
+            -way @ moved_with(structure, np.eye(3), ends[0], tie.one)[:3],
+            way @ moved_with(structure, np.eye(3), ends[1], tie.other)[:3],
         ]
         motion = np.concatenate(parts)[None, :]
         _add(matrix, pull * motion.T @ motion, tie.one, tie.other)
     return matrix[: 6 * n, : 6 * n]
 
 
-def _moved(structure: Structure, axes: FloatArray, point: FloatArray, body: int) -> FloatArray:
+def moved_with(structure: Structure, axes: FloatArray, point: FloatArray, body: int) -> FloatArray:
     """Return the displacement and rotation, along axes, at a point of a body per coordinate of the body, (6, 6)."""
     x, y, z = point - centroid_of(structure.blocks, body)
     lever = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])

@@ -27,7 +27,7 @@ from .modal_data import ModalData, modal_data_of
 from .model import Structure
 from .outputs import DISPLACEMENTS
 from .response import Moved, SpatialResponse, peaks_in_space
-from .rest import fastest_decay, rest_of, start_from
+from .rest import fastest_decay, rest_of
 from .stepper import SpatialStepper
 from .verdict import RESTING, next_look, potential_well_of, reason_for_leaning
 
@@ -164,7 +164,7 @@ def begun(
         stepper, modes = SpatialStepper(structure), ModalData(np.zeros(0), "no rest")
     else:
         stepper = SpatialStepper(structure, modes.numbers)
-        start_from(stepper, rest)
+        stepper.phase[:] = rest.phase
     # initial state; a run in the plane if everything lies in it
     flat = structure.is_plane and not motion.has_ay and all(load.is_in_plane for load in motion.loads.values())
     if isinstance(initial, Released):

@@ -23,7 +23,7 @@ from .blocks.parts import LEVEL, SpatialJoint
 from .model import Structure
 from .outputs import OUTPUTS
 from .packing import centroid_of
-from .rest import PERTURBED, balance, deltas_of, full_stiffness, move, rest_of, start_from, sticking, weights
+from .rest import PERTURBED, balance, deltas_of, full_stiffness, move, rest_of, sticking, weights
 from .stepper import SpatialStepper
 
 IN_A_WELL = "its energy does not suffice to fall"
@@ -112,7 +112,7 @@ class Well:
         upright.sort(key=lambda j: float(structure.joints[j].face.centre[2]))
         self._rising = [(j, int(self._uppers[j]), int(self._lowers[j])) for j in upright]
         stepper = SpatialStepper(structure)
-        start_from(stepper, rest_of(structure))
+        stepper.phase[:] = rest_of(structure).phase
         stepper.observe()
         self._highest = self._lifting(stepper, 0.0)  # estimate of the barrier of any rest, without slips
 
