@@ -21,24 +21,14 @@ INPUTS = 2  # the acceleration of the base and its slope
 
 
 class Shaking(NamedTuple):
-    """The acceleration of the base in one interval: a line plus a harmonic.
+    """The acceleration of the base in one interval: a line plus a harmonic."""
 
-    Attributes
-    ----------
-    begin : float
-        The time at which the line has its value (s).
-    value, slope : float
-        The line (m/s2, m/s3).
-    amplitude, omega, start : float
-        The harmonic (m/s2, rad/s) and the time of its zero phase (s).
-    """
-
-    begin: float
-    value: float
-    slope: float
-    amplitude: float = 0.0
-    omega: float = 0.0
-    start: float = 0.0
+    begin: float  # s, at which the line has its value
+    value: float  # m/s2
+    slope: float  # m/s3
+    amplitude: float = 0.0  # m/s2, of the harmonic
+    omega: float = 0.0  # rad/s
+    start: float = 0.0  # s, of its zero phase
 
     def at(self, t: float) -> float:
         """Return the acceleration at time t (m/s2)."""
@@ -71,17 +61,9 @@ def pieces(motion: Motion | None, t: float, end: float) -> Iterator[tuple[float,
 class Driven(Settling):
     """A model between two calls; the caller owns the time.
 
-    Its whole state is in `arrays`: copying them saves it. A subclass defines `size`, `follow`, `at_rest`, `seen`,
+    Its whole state is in `arrays`, and copying them saves it: `state` (the last number is the time of the fall, s),
+    `counts` and `base` (inputs and their time, s). A subclass defines `size`, `follow`, `at_rest`, `seen`,
     `visible_peaks` and `why_it_stands`.
-
-    Attributes
-    ----------
-    model : object
-        The model.
-    arrays : SimpleNamespace
-        state (the last number is the time of the fall, s), counts and base (inputs and their time, s).
-    record : Motion or None
-        The motion that is followed in addition to the inputs.
     """
 
     size = 0  # length of the state without the time of the fall
@@ -91,7 +73,7 @@ class Driven(Settling):
         state, counts, base = np.zeros(self.size + 1), np.zeros(2, np.int64), np.zeros(1 + INPUTS)
         self.arrays = SimpleNamespace(state=state, counts=counts, base=base)
         self.arrays.state[-1] = NOT_YET
-        self.record: Motion | None = None
+        self.record: Motion | None = None  # followed in addition to the inputs
 
     def follow(self, shaking: Shaking, t: float, end: float) -> None:
         """Advance from t to `end` (s) in one interval of the motion.

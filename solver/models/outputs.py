@@ -32,45 +32,19 @@ class Output:
     """A row of a table of outputs: one quantity of every block, joint or tie, or of the base.
 
     As an attribute of `Histories` it is the history.
-
-    Attributes
-    ----------
-    owner : str
-        The owner: BLOCK, JOINT, TIE, BASE, ...
-    unit : str
-        The unit; "" for a pure number.
-    text : str
-        The description, with {i} for the number of the owner, or {it} for its name.
-    least, most : float or None
-        The range of values.
-    by_least : bool
-        Whether the extreme is the least value, for which kernels store the largest of 1 - value; otherwise it is the
-        largest absolute value.
-    only_peak : bool
-        Whether there is a peak but no history.
-    whole : bool
-        Whether it is of the whole model, as its energy, not of its base: owner BASE, named without it.
-    parts : tuple of Output
-        The components of the base under one name, each an output.
-    name : str
-        The name in files and FMUs; by default that of the attribute.
-    key : str
-        The name in frames, and in the keys of studies after peak_ or least_; by default that of the attribute.
-    field : str
-        The name of the attribute, and in `peaks`.
     """
 
-    owner: str
+    owner: str  # BLOCK, JOINT, TIE, BASE, ...
     unit: str  # "": a pure number
-    text: str = ""
-    least: float | None = None
+    text: str = ""  # what it is, with {i} for the number of the owner, or {it} for its name
+    least: float | None = None  # of the range of values
     most: float | None = None
-    by_least: bool = False
-    only_peak: bool = False
-    whole: bool = False
-    parts: tuple[Output, ...] = ()
-    name: str = ""
-    key: str = ""
+    by_least: bool = False  # the extreme is the least value, in kernels the largest of 1 - value; else the largest size
+    only_peak: bool = False  # there is no history
+    whole: bool = False  # of the whole model, as its energy, not of its base: owner BASE, named without it
+    parts: tuple[Output, ...] = ()  # components of the base under one name, each an output
+    name: str = ""  # in files and FMUs; by default that of the attribute
+    key: str = ""  # in frames, and in the keys of studies after peak_ or least_; by default that of the attribute
     field: str = ""  # the name of the attribute, and in `peaks`
 
     def __set_name__(self, owner: type, name: str) -> None:

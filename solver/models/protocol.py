@@ -271,28 +271,9 @@ class Kind:
         """Load the kernels of single runs into this process; those that must be made are made at the same time."""
 
     def single_run(self, model: Any, plan: RunPlan) -> tuple[Any, FloatArray]:
-        """Run a model.
+        """Run a model by a plan; return its response, and the displacements at its rows, m (rows, any).
 
-        Parameters
-        ----------
-        model : Model
-            The model.
-        plan : RunPlan
-            The motion, the duration and the times of the rows.
-
-        Returns
-        -------
-        response : Result
-            The response.
-        places : ndarray of shape (rows, any)
-            The displacements at the rows (m).
-
-        Raises
-        ------
-        InputError
-            If the plan does not suit the model.
-        SolverError
-            If the motion cannot be followed.
+        Raises InputError if the plan does not suit the model, SolverError if the motion cannot be followed.
         """
         raise NotImplementedError
 
@@ -333,51 +314,19 @@ class Kind:
     def follow(
         self, runs: Sequence[Run], keep: Collection[str], settle: float, flag: FloatArray
     ) -> tuple[dict[str, NDArray[Any]], NDArray[np.bool_]]:
-        """Run models in common lanes.
+        """Run models in common lanes; return results by name, and the mask of the runs that lanes have finished.
 
-        Parameters
-        ----------
-        runs : sequence of Run
-            The runs, all with equal keys of `lanes` and `under`.
-        keep : collection of str
-            The names of the results.
-        settle : float
-            The longest time that a model is followed after the motion (s).
-        flag : ndarray
-            A flag shared with other threads: once flag[0] is set, the call returns soon.
-
-        Returns
-        -------
-        results : dict of str to ndarray
-            The results by name.
-        finished : ndarray of bool
-            The mask of the runs that lanes have finished.
+        All runs have equal keys of `lanes` and `under`. They are followed for at most `settle` seconds after their
+        motions; once another thread sets flag[0], the call returns soon.
         """
         return {}, np.zeros(len(runs), dtype=bool)
 
     def alone(self, run: Run, keep: Collection[str], settle: float, look: Callable[..., object]) -> dict[str, Any]:
-        """Run one model alone.
+        """Run one model alone, and return the results in `keep` by name.
 
-        Parameters
-        ----------
-        run : Run
-            The run.
-        keep : collection of str
-            The names of the results.
-        settle : float
-            The longest time that the model is followed after the motion (s).
-        look : callable
-            Called several times per second with the time and a summary of the state.
-
-        Returns
-        -------
-        dict
-            The results by name.
-
-        Raises
-        ------
-        NoRestError, SolverError
-            If the model does not stand, or cannot be followed.
+        It is followed for at most `settle` seconds after the motion. `look` is called several times per second with the
+        time (s) and a summary of the state. Raises NoRestError if the model does not stand, SolverError if it cannot be
+        followed.
         """
         end = np.array([run.motion.start + run.duration])
         found, _ = self.single_run(run.model, RunPlan(run.motion, run.duration, end, None, settle, look))

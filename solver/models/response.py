@@ -119,21 +119,10 @@ class Result(Histories, Framed, NotebookRepr):
     def plot_model(
         self, path: str | os.PathLike[str] | None = None, at: float | None = None, scale: float | None = None
     ) -> Figure:
-        """Draw the deformed model.
+        """Draw the model, deformed at the time `at` (s; by default that of its peak), and save it to `path` if given.
 
-        Parameters
-        ----------
-        path : path-like, optional
-            The file to save it to.
-        at : float, optional
-            The time (s); by default that of its peak.
-        scale : float, optional
-            The factor on the deformation; automatic by default.
-
-        Raises
-        ------
-        InputError
-            Without matplotlib (the extra `plot`).
+        `scale` is the factor on the deformation, automatic by default. Raises InputError without matplotlib (the extra
+        `plot`).
         """
         return draw(self, "plot_model", path, at, scale)
 
@@ -147,23 +136,9 @@ class Result(Histories, Framed, NotebookRepr):
     ) -> None:
         """Write a film of the motion, a GIF or, if ffmpeg is installed, an MP4.
 
-        Parameters
-        ----------
-        path : path-like
-            The file.
-        scale : float, optional
-            The factor on the deformation; automatic by default.
-        fps : int
-            The number of frames per second; in a GIF 100 over a whole number.
-        speed : float
-            The seconds of motion in a second of film.
-        callback : callable, optional
-            Called with the number of frames made, and of all.
-
-        Raises
-        ------
-        InputError
-            Without matplotlib (the extra `plot`).
+        `scale` is the factor on the deformation, automatic by default; `fps` the number of frames per second, in a GIF
+        100 over a whole number; `speed` the seconds of motion in a second of film. `callback` is called with the number
+        of frames made, and of all. Raises InputError without matplotlib (the extra `plot`).
         """
         draw(self, "film", path, scale, fps, speed, callback)
 

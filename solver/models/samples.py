@@ -23,45 +23,24 @@ def plain(row: ArrayLike) -> FloatArray:
 
 
 class Samples(NamedTuple):
-    """The samples of a record, in the order of the arguments of entries.
+    """The samples of a record, in the order of the arguments of entries."""
 
-    Attributes
-    ----------
-    time : ndarray
-        Times (s), which may continue after the base motion.
-    ax, ay, az : ndarray
-        Accelerations of the base (m/s2); ay is not read in a plane.
-    scale : float
-        Factor on the accelerations.
-    held : bool
-        True if samples are held, False if straight lines join them.
-    loads : ndarray
-        On each interval of `time` the loads on the ports by component, then their slopes, a number for each port.
-    """
-
-    time: FloatArray
-    ax: FloatArray
-    ay: FloatArray
+    time: FloatArray  # s; may continue after the base motion
+    ax: FloatArray  # m/s2, of the base
+    ay: FloatArray  # not read in a plane
     az: FloatArray
-    scale: float = 1.0
-    held: bool = False
-    loads: FloatArray = _NONE
+    scale: float = 1.0  # factor on the accelerations
+    held: bool = False  # samples are held; else straight lines join them
+    loads: FloatArray = _NONE  # on ports in each interval of `time`, by component and port, then their slopes
 
 
 NO_SAMPLES = Samples(_NONE, _NONE, _NONE, _NONE)
 
 
 def samples_of(motion: Motion | None, ports: Sequence[str] = (), in_plane: bool = False) -> Samples:
-    """Return the samples of a motion and of its loads; none for None.
+    """Return the samples of a motion of the base and of its loads on these ports; none for None.
 
-    Parameters
-    ----------
-    motion : Motion or None
-        The motion of the base, with loads.
-    ports : sequence of str
-        The names of the ports.
-    in_plane : bool
-        Whether only the components of loads in the plane x, z are kept.
+    in_plane: keep only the components of loads in the plane x, z.
     """
     if motion is None:
         return NO_SAMPLES

@@ -54,7 +54,7 @@ def colonnade(
     tie: Law | None = None,
     name: str = "colonnade",
 ) -> Structure:
-    """Build a row of columns of drums along x, with an architrave from each column to the next.
+    """Build a row of columns of drums along x, with an architrave from each column to the next. Raises InputError.
 
     Parameters
     ----------
@@ -74,13 +74,6 @@ def colonnade(
         Density, kg/m3.
     tie : mapping or None
         Keys of a tie (stiffness, yield, ...) between the tops of neighbouring architraves; None: no ties.
-    name : str
-        Name of the structure.
-
-    Raises
-    ------
-    InputError
-        If a value is wrong.
     """
     columns, drums = _count("columns", columns, 1), _count("drums", drums, 1)
     _check_count(columns * (drums + 1) - 1)
@@ -124,7 +117,7 @@ def arch(
     density: float = 2000.0,
     name: str = "arch",
 ) -> Structure:
-    """Build a circular arch in the plane x, z about the origin, with both ends on the base.
+    """Build a circular arch in the plane x, z about the origin, both ends on the base. Raises InputError.
 
     Parameters
     ----------
@@ -140,13 +133,6 @@ def arch(
         Angle from end to end, rad.
     density : float
         Density, kg/m3.
-    name : str
-        Name of the structure.
-
-    Raises
-    ------
-    InputError
-        If a value is wrong.
     """
     count = _count("voussoirs", voussoirs, 1)
     radius, thickness, depth = _length("radius", radius), _length("thickness", thickness), _length("depth", depth)
@@ -192,7 +178,7 @@ def wall(
 ) -> Structure:
     """Build a wall along x of courses of equal blocks in half bond.
 
-    Every second course has half blocks at its ends.
+    Every second course has half blocks at its ends. Raises InputError.
 
     Parameters
     ----------
@@ -204,13 +190,6 @@ def wall(
         Law of every joint, both bed and head joints.
     density : float
         Density, kg/m3.
-    name : str
-        Name of the structure.
-
-    Raises
-    ------
-    InputError
-        If a value is wrong.
     """
     courses, length = _count("courses", courses, 1), _count("length", length, 2)
     _check_count(courses * length + courses // 2)

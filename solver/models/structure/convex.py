@@ -144,14 +144,8 @@ class ConvexPart:
     def facing(self, rotation: FloatArray, other: ConvexPart, turn: FloatArray, between: FloatArray) -> FloatArray:
         """Return the axes along which a drum faces another block, (rows, axes, 3).
 
-        Parameters
-        ----------
-        rotation, turn : array (rows, 3)
-            Rotations of the drum and of the other block since built, rad.
-        other : ConvexPart
-            The other block.
-        between : array (rows, 3)
-            From the centroid of the drum to that of the other block, m.
+        `rotation` and `turn` are those of the drum and of the other block since built, rad (rows, 3); `between` is from
+        the centroid of the drum to that of the other block, m (rows, 3).
         """
         if not self.rims:
             return np.empty((len(between), 0, 3))
@@ -218,14 +212,8 @@ def _nearest(one: ConvexPart, other: ConvexPart, r1: FloatArray, r2: FloatArray,
 def distance(one: ConvexPart, other: ConvexPart, r1: FloatArray, r2: FloatArray, between: FloatArray) -> FloatArray:
     """Return the signed distance of two convex bodies, m (rows,), negative by their overlap.
 
-    Parameters
-    ----------
-    one, other : ConvexPart
-        The bodies.
-    r1, r2 : array (rows, 3)
-        Rotations since built, rad.
-    between : array (rows, 3)
-        From the centroid of `one` to that of `other`, m.
+    `r1` and `r2` are their rotations since built, rad (rows, 3); `between` is from the centroid of `one` to that of
+    `other`, m (rows, 3).
     """
     found = along_axes(one, other, r1, r2, between)
     unclear = np.flatnonzero(found < 0.0)
@@ -268,21 +256,11 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def apart(one: ConvexPart, other: ConvexPart, between: FloatArray) -> tuple[float, FloatArray | None]:
-    """Return the distance of two convex bodies as built, and the vector from the first to the second of nearest points.
+    """Return the distance of two convex bodies as built, m, and the vector between their nearest points.
 
-    Parameters
-    ----------
-    one, other : ConvexPart
-        The bodies.
-    between : array (3,)
-        From the centroid of `one` to that of `other`, m.
-
-    Returns
-    -------
-    float
-        The signed distance, m, negative by their overlap.
-    array (3,) or None
-        The vector, m; None where the distance is that along the axes of `distance`, as of faces, or negative.
+    `between` (3,) is from the centroid of `one` to that of `other`, m. The distance is negative by their overlap. The
+    vector (3,), m, from the first to the second, is None where the distance is that along the axes of `distance`, as of
+    faces, or negative.
     """
     still = np.zeros((1, 3))
     along = float(distance(one, other, still, still, between[None])[0])

@@ -94,14 +94,7 @@ def driven_size(bodies: int, turns: int) -> int:
 class DrivenStructure:
     """A structure between two calls; the caller keeps the time. Copying `arrays` saves its whole state.
 
-    Parameters
-    ----------
-    structure : Structure
-        The structure.
-    model : array
-        Its model and its rest, from `packed`.
-    given : Chosen
-        Options.
+    `model` is its model and its rest, from `packed`.
     """
 
     def __init__(self, structure: Structure, model: FloatArray, given: Chosen) -> None:
@@ -144,18 +137,11 @@ class DrivenStructure:
         self._assemble(given, False)
 
     def drive(self, t: float, *inputs: float, since: float | None = None) -> None:
-        """Set the inputs from time t on.
+        """Set the inputs from time t on, which all hold at the time `since`, s; None: t.
 
-        Parameters
-        ----------
-        t : float
-            Time, s.
-        *inputs : float
-            Accelerations of the base, m/s2, and their slopes, m/s3; then loads on ports with their slopes (layout.py,
-            INPUT_LOADS); then the rotation of the base, where it may turn; then the inputs of the bodies that drive the
-            base (kernels/structure/coupled.py, ROTATION, BODY, TURNING_BODY).
-        since : float or None
-            Time at which all inputs hold, s; None: t.
+        They are the accelerations of the base, m/s2, and their slopes, m/s3; then loads on ports with their slopes
+        (layout.py, INPUT_LOADS); then the rotation of the base, where it may turn; then the inputs of the bodies that
+        drive the base (kernels/structure/coupled.py, ROTATION, BODY, TURNING_BODY).
         """
         self._inputs[: len(inputs)] = inputs
         self._elapsed, self._new = 0.0 if since is None else t - since, True

@@ -54,17 +54,7 @@ def in_folder(data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
 def with_hulls(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], dict[int, FloatArray]]:
     """Replace meshes by numbers, and add the faces of hulls, so that the mapping needs neither files nor scipy.
 
-    Returns
-    -------
-    mapping
-        The file with tables of hulls.
-    dict
-        Triangles of meshes (k, 3, 3), m, by the number of their table from 1.
-
-    Raises
-    ------
-    InputError
-        If a table is wrong.
+    Return it, and the triangles of meshes (k, 3, 3), m, by the number of their table from 1. Raises InputError.
     """
     surfaces, number = {}, 0
 
@@ -83,25 +73,11 @@ def with_hulls(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], dict[int, Fl
 def solid_from_hull(
     key: str, name: str, table: Mapping[str, Any], density: float, surface: FloatArray | None, stands: bool
 ) -> Solid:
-    """Return the block of a table of points, as `with_hulls` writes it.
+    """Return the block of a table of points, as `with_hulls` writes it, with a density in kg/m3.
 
-    Parameters
-    ----------
-    key, name : str
-        Name of the table, for messages, and of the block.
-    table : mapping
-        The table.
-    density : float
-        Density, kg/m3.
-    surface : array (k, 3, 3) or None
-        Triangles to draw it by, m.
-    stands : bool
-        Shift the block so that the centroid of its feet is the origin.
-
-    Raises
-    ------
-    InputError
-        If a value is wrong, or if the block should stand and has no foot.
+    `key` names the table in messages; `surface` has triangles (k, 3, 3) m to draw it by. If it `stands`, the block is
+    shifted so that the centroid of its feet is the origin. Raises InputError if a value is wrong, or if it should stand
+    and has no foot.
     """
     points = _points(key, table)
     hulls = _hulls(key, table, points)

@@ -82,18 +82,9 @@ def follow_in_lanes(
 ) -> list[dict[str, Any]]:
     """Return the results of runs that share lanes, by the names of outputs.py; empty where lanes cannot continue.
 
-    Parameters
-    ----------
-    runs : sequence of Run
-        The runs.
-    rests : sequence of SpatialRest
-        The rest of the structure of each run.
-    settle : float
-        Longest time for which runs are followed after their end, s.
-    flag : array (1,) or None
-        Once it is not zero, the function returns soon, without usable results.
-    times : array or None
-        Times after the start of a run, s: results then have "places", the horizontal displacements at them (rows, n).
+    `rests` are those of their structures. Runs are followed for at most `settle` seconds after their end. Once `flag`
+    (1,) is not zero, the function returns soon, without usable results. With `times` after the start of a run, s,
+    results have "places", the horizontal displacements at them (rows, n).
     """
     flag = np.zeros(1) if flag is None else flag
     lanes, all_of_them = _Lanes(runs, rests, np.zeros(0) if times is None else times), np.arange(len(runs))
@@ -124,16 +115,8 @@ def follow_in_lanes(
 def _result(within: Any, later: Any, peaks: dict[str, FloatArray], stop: float, stands: bool) -> dict[str, Any]:
     """Return the results of a run by name.
 
-    Parameters
-    ----------
-    within, later
-        Outcomes of the run within its duration and after it.
-    peaks
-        Peaks by name.
-    stop
-        End of the run, s.
-    stands
-        True if its energy well holds the structure.
+    They are from its outcomes within its duration and after it, its peaks by name, its end `stop` (s), and whether its
+    energy well holds the structure.
     """
     if at.STEP_TOO_SMALL in (within.ends, later.ends):
         return {}

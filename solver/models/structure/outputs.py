@@ -136,19 +136,10 @@ class StructureHistories(Histories):
         return np.where(self.contact < 1.0, np.maximum(found, 0.0), 0.0)  # pendulum bearings rise, and do not open
 
     def displacement(self, block: str | int, point: Sequence[float] = (0.0, 0.0, 0.0)) -> FloatArray:
-        """Return the displacement of a point of a block, m (rows, 3).
+        """Return the displacement of a point of a block, by its name or index, m (rows, 3).
 
-        Parameters
-        ----------
-        block : str or int
-            Name or index of the block.
-        point : sequence of float
-            Point from the centroid along the axes of the block, m.
-
-        Raises
-        ------
-        InputError
-            If there is no such block, or the point is not three lengths.
+        The point is from the centroid along the axes of the block, m. Raises InputError if there is no such block, or
+        the point is not three lengths.
         """
         i = self.model.number(block)
         place = np.asarray(point)

@@ -113,18 +113,9 @@ def _deepest_row(
 ) -> tuple[float, int]:
     """Return the largest depth of two parts, m, if it is more than `least`, and its row; else `least` and -1.
 
-    The depth is at most that along a few axes: only rows in which it may be the largest so far are worked out.
-
-    Parameters
-    ----------
-    one, other : ConvexPart
-        The parts.
-    places : tuple of arrays (rows, 3)
-        Rotations of both (rad), and what is between them (m), as of `distance`.
-    built : float
-        Distance from which the depth is measured, m.
-    least : float
-        Depth that is no news, m.
+    `places` are their rotations and what is between them, as of `distance`; `built` is the distance from which the
+    depth is measured, m. The depth is at most that along a few axes: only rows in which it may be the largest so far
+    are worked out.
     """
     r1, r2, between = places
     rows = len(between)

@@ -168,12 +168,11 @@ def push_over(
     push, and goes on to the largest push of all. A bond that breaks suddenly, and leaves its force to others, is a jump
     too. The largest push is that under a slowly growing one if neither the impact at the end of a jump nor the
     overshoot after it breaks or overturns anything: that energy does not count. Of walls of mortar with 1.6 % of
-    critical damping some fell 17 % below it, with 3 % none.
+    critical damping some fell 17 % below it, with 3 % none. Raises InputError if a value is wrong, or if the structure
+    has no weight or no stable rest.
 
     Parameters
     ----------
-    structure : Structure
-        The structure.
     direction : float
         Direction of the push, rad from x to y.
     vertical : float
@@ -181,11 +180,6 @@ def push_over(
     pattern : mapping or None
         Loads on ports in place of the acceleration, as {"roof.Fx": 1000.0} (N, N m); then their factor grows, and
         `acceleration` is that factor. Without direction and vertical.
-
-    Raises
-    ------
-    InputError
-        If a value is wrong, or if the structure has no weight or no stable rest.
     """
     check_type("structure", structure, Structure)
     check_number("direction", direction, FINITE, "an angle in rad")

@@ -74,24 +74,16 @@ class SpatialResponse(StructureHistories, Result):
 
     Attributes
     ----------
-    time
-        (rows,) s.
     peaks
         Largest absolute values of the continuous motion by these names; the least of contact, bond and gap; u: of the
         horizontal displacement.
     verdict
         "overturned" (some block is lower than built by half of its least extent, is tipped by more than a quarter turn,
         or has come off a bearing), "standing" or "undecided".
-    reason
-        Reason of the verdict.
-    overturn_time
-        Time of the fall, s; NaN if no block has fallen.
-    fallen, what_fell
-        Number of the fallen block, 0 if none; the block in words, and the bearing it has come off.
     stats
         Counts and times of the run: steps, rejected, evaluations, looks, wall_time (s), settled_for (s); of one that
         goes on after a fall also `released`, by which the ends of joints have changed the energy (J).
-    estimated_error, horizon, ensemble
+    time, reason, overturn_time, fallen, what_fell, estimated_error, horizon, ensemble
         As in the Response of a column.
     """
 

@@ -376,23 +376,14 @@ def balance(
 ) -> bool:
     """Find balance by Newton's method; return True if it converges.
 
+    The phase of the stepper is the first guess and becomes the result. `linear` is the stiffness in full contact (6 n,
+    6 n); `delta` (6 n,) has the differences for the tangent, m and rad; `close` is the residual at which the method
+    ends, N; `base` the acceleration of the base, m/s2.
+
     If a step reduces neither the residual nor the energy, the tangent is stiffened. Near collapse the residual grows
     along the path to a rest while the energy falls; with friction or loads on ports there is no such potential. A
     residual that no longer decreases and is below its rounding error counts as zero, as with a stiff joint between soft
     ones.
-
-    Parameters
-    ----------
-    stepper : SpatialStepper
-        The structure; its phase is the first guess and becomes the result.
-    linear : array (6 n, 6 n)
-        Stiffness in full contact.
-    delta : array (6 n,)
-        Differences for the tangent, m and rad.
-    close : float
-        Residual at which Newton's method ends, N.
-    base : array (3,)
-        Acceleration of the base, m/s2.
     """
     per = delta / delta[0]  # converts moments to forces by the size of the block
     left, energy = residual_of(stepper, base)

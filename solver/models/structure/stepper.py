@@ -32,18 +32,9 @@ _NONE = np.zeros(0)
 class SpatialStepper:
     """A structure between two calls; until its phase is set it is as built.
 
-    Attributes
-    ----------
-    arrays : Arrays
-        Its whole state.
-    model, state, counts, base
-        The same numbers by name (layout.py).
-    phase : array
-        The state without the counters of a run.
-    see
-        Positions and rates of the blocks in `phase`.
-    slips
-        Slips that joints and ties remember, in `phase`.
+    `arrays` are its whole state; `model`, `state`, `counts` and `base` the same numbers by name (layout.py). `phase` is
+    the state without the counters of a run; `see` has the positions and rates of the blocks in it, `slips` the slips
+    that joints and ties remember.
     """
 
     def __init__(self, structure: Structure, modal: FloatArray = _NONE) -> None:
@@ -97,25 +88,10 @@ class SpatialStepper:
         after_chunk: Callable[[float], None] | None = None,
         states: bool = False,
     ) -> FloatArray:
-        """Follow a motion, or a still base, and return the output rows.
+        """Follow a motion, or a still base (None), from t to `stop`, s; return the output rows at `times`, s.
 
-        Parameters
-        ----------
-        motion : Motion or None
-            Motion of the base; None: at rest.
-        t, stop : float
-            Begin and end, s.
-        times : array (rows,)
-            Times of the rows, s.
-        after_chunk : callable or None
-            Called with the time reached after each chunk of steps.
-        states : bool
-            Append the integrated part of the state to each row.
-
-        Raises
-        ------
-        SolverError
-            If the step becomes too small, or the work too much.
+        `after_chunk` is called with the time reached after each chunk of steps. With `states`, each row has the
+        integrated part of the state too. Raises SolverError if the step becomes too small, or the work too much.
         """
         record = NO_SAMPLES if motion is None else self.drive(motion)
         visible = self.sizes.visible

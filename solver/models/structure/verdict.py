@@ -157,14 +157,7 @@ class Well:
     def barrier(self, rest: SpatialStepper, stiffness: FloatArray, left: float = 0.0) -> float:
         """Return the least energy above a rest (J) with which the structure may begin to fall.
 
-        Parameters
-        ----------
-        rest : SpatialStepper
-            The structure at rest.
-        stiffness : array (6 n, 6 n)
-            Tangent stiffness of the rest.
-        left : float
-            Energy that friction may still dissipate by slips, J.
+        `stiffness` is the tangent at that rest, (6 n, 6 n); friction may still dissipate the energy `left` by slips, J.
         """
         least = min(self._lifting(rest, left), self._bending(rest, stiffness), self._coming_off(rest))
         return least if math.isfinite(least) else 0.0  # no bound is known if only ties hold it

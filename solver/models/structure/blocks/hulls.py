@@ -293,25 +293,9 @@ def block_of_hulls(
 ) -> Solid:
     """Return a block that touches others by the faces of a hull, or of the hulls of its parts.
 
-    The faces of a part count where no other part covers them. The feet come first, then the faces from the most upward
-    one down.
-
-    Parameters
-    ----------
-    name : str
-        Name of the block.
-    hulls : sequence of Hull
-        The hull, or those of the parts.
-    bulk : Bulk
-        Volume, centroid and inertia.
-    density : float
-        Density, kg/m3.
-    feet : sequence of array (corners, 2)
-        Feet, m, in place of the faces within `level` of the lowest point; empty keeps these faces.
-    level : float
-        Height above the lowest point, m.
-    surface : array (k, 3, 3)
-        Triangles to draw it by, m; empty: its faces.
+    The faces of a part count where no other part covers them. The feet, polygons (corners, 2) m, replace the faces
+    within `level` (m) of the lowest point; empty keeps these. They come first, then the faces from the most upward one
+    down. The density is in kg/m3; `surface` has triangles (k, 3, 3) m to draw it by, empty: its faces.
     """
     bottom = float(np.min([np.min(hull.points[:, 2]) for hull in hulls]))
     # faces, without those that the feet replace

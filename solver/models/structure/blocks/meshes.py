@@ -27,32 +27,12 @@ TURNS = {"x": ((1, 2, 0), (1.0, 1.0, 1.0)), "y": ((0, 2, 1), (1.0, -1.0, 1.0)), 
 
 
 def triangles_of(path: Path, unit: float, up: str | None, repair: bool = False, scale: float = 1.0) -> FloatArray:
-    """Return the triangles of a closed mesh, anticlockwise from outside.
+    """Return the triangles of a closed mesh, anticlockwise from outside, (k, 3, 3) m.
 
-    Warns of solids that do not touch, of a height beyond `TALL` and of triangles that were repaired.
-
-    Parameters
-    ----------
-    path : Path
-        File of the mesh.
-    unit : float
-        Length of a unit of the file, m.
-    up : str or None
-        Axis of the file that points up; None: y of glTF, which defines it, z of others.
-    repair : bool
-        Turn triangles that look inwards.
-    scale : float
-        Factor of all lengths that is yet to be applied, for the height.
-
-    Returns
-    -------
-    array (k, 3, 3)
-        Corners, m.
-
-    Raises
-    ------
-    InputError
-        If the file is no mesh or bounds no solid; the message begins with the path.
+    `unit` is the length of a unit of the file, m; `up` the axis of the file that points up, None: y of glTF, which
+    defines it, z of others. `repair` turns triangles that look inwards. `scale` is a factor of all lengths that is yet
+    to be applied, for the height. Warns of solids that do not touch, of a height beyond `TALL` and of triangles that
+    were repaired. Raises InputError if the file is no mesh or bounds no solid; the message begins with the path.
     """
     kind = path.suffix.lower()
     if kind not in KINDS:
