@@ -39,7 +39,7 @@ from solver.commands.command_line import main
 from solver.models.outputs import places_of
 from solver.models.structure.blocks import contacts, faces
 from solver.models.structure.blocks.faces import clipped, polygon_moments
-from solver.models.structure.blocks.outlines import hull_in_plane
+from solver.models.structure.blocks.outlines import corners_around
 from solver.models.structure.blocks.shapes import rotation_matrix
 from solver.models.structure.outputs import OUTPUTS
 from solver.models.structure.rest import rest_of
@@ -367,7 +367,7 @@ def test_the_hull_of_points_in_a_plane_is_that_of_qhull(turn: float) -> None:
     cloud = np.random.default_rng(1).standard_normal((200, 2))
     axes = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
     for points in (grid @ axes + 1e-17, cloud @ axes):
-        found = hull_in_plane(points)
+        found = points[corners_around(points)]
         assert polygon_moments(found)[0] == pytest.approx(ConvexHull(points).volume, rel=1e-12)
 
 

@@ -53,8 +53,8 @@ KINDS = {
 }
 
 
-def check_table(key: str, table: Mapping[str, Any]) -> str:
-    """Return the kind of a table of bearings, after checking its keys. Raises InputError."""
+def check_table(key: str, table: Mapping[str, Any]) -> None:
+    """Check the keys of a table of bearings. Raises InputError."""
     kind = table.get("kind")
     check_choice(f"{key}.kind", kind, tuple(KINDS))
     needed, other = KINDS[str(kind)]
@@ -63,22 +63,20 @@ def check_table(key: str, table: Mapping[str, Any]) -> str:
     for word in needed:
         if word not in table:
             raise InputError(f"{key}.{word}: missing, must be {RANGES[word][1]}")
-    return str(kind)
 
 
 def bearings_from(
     key: str, table: Mapping[str, Any], bodies: tuple[int, int], axes: FloatArray, places: Sequence[FloatArray]
 ) -> list[SpatialJoint]:
-    """Return the bearings of a table between the bodies (upper, lower): equal ones at several places (3,), m.
+    """Return the bearings of a table, after `check_table`, between two bodies (upper, lower) at places (3,), m.
 
     `key` names the table in messages; `axes` (3, 3) are those of the bearings by columns, the normal last. Raises
-    InputError if a key or a value is wrong.
+    InputError if a value is wrong.
     """
-    kind = check_table(key, table)
     given = {
         word: check_number(f"{key}.{word}", table[word], *RANGES[word]) for word in RANGES if _is_number(word, table)
     }
-    bearing, bed = _laws(key, kind, table, given)
+    bearing, bed = _laws(key, table["kind"], table, given)
     # a round face of the size of the bearing at each position
     radius = 0.5 * given["diameter"]
     many = len(places) > 1

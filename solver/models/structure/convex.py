@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from .blocks.faces import Face, FloatArray
 from .blocks.parts import Solid, SpatialJoint
-from .blocks.shapes import turned
+from .blocks.shapes import cross, turned
 
 PARALLEL = 1e-6  # sine of the angle between two edges; of the size of a block: corners closer than this are one
 PAIRS = 2000  # of edges; with more, their cross products are not tested: overlaps may seem deeper, never less deep
@@ -239,20 +239,15 @@ def _nearest_of(corners: list[FloatArray]) -> tuple[list[FloatArray], FloatArray
             if count == 1:
                 square, parts = float(a @ a), [-float(last @ a)]
             else:
-                normal = _cross(a, b)
+                normal = cross(a, b)
                 square = float(normal @ normal)
-                parts = [-float(_cross(last, b) @ normal), -float(_cross(a, last) @ normal)]
+                parts = [-float(cross(last, b) @ normal), -float(cross(a, last) @ normal)]
             if not (square > 0.0 and min(parts) > 0.0 and sum(parts) < square):
                 continue
             point = last + sum(part / square * edges[k] for part, k in zip(parts, some, strict=True))
             if float(point @ point) < least:
                 found, nearest, least = [*(corners[k] for k in some), last], point, float(point @ point)
     return found, nearest
-
-
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Return the cross product of two vectors (3,), faster than numpy's."""
-    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def apart(one: ConvexPart, other: ConvexPart, between: FloatArray) -> tuple[float, FloatArray | None]:

@@ -106,8 +106,8 @@ def neighbours_from(
             continue
         within = math.inf if key or after_fall else reach
         # the largest overlap as built at which sides still face each other
-        both = blocks[one], blocks[other]
-        deepest = min(block.drop for block in both) if "gap" in own else touching(*both)
+        solids = blocks[one], blocks[other]
+        deepest = min(solid.drop for solid in solids) if "gap" in own else touching(*solids)
         pairs = _pairs_between(blocks, bodies, one, other, within, deepest)
         late = not key and min((pair.gap for pair in pairs), default=reach) > reach
         law, least = {**_law(given, own), **own}, min((pair.gap for pair in pairs), default=0.0)

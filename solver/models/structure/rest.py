@@ -24,6 +24,7 @@ from ..ports import Port
 from ..protocol import NoRestError
 from .blocks.faces import FloatArray
 from .blocks.parts import OF_COLUMN, Pair, Solid, SpatialJoint, Tie
+from .blocks.shapes import cross, rotated
 from .model import Structure
 from .packing import FLOOR, centroid_of
 from .stepper import SpatialStepper
@@ -287,14 +288,14 @@ def move(stepper: SpatialStepper, change: FloatArray) -> None:
     scalar = np.sqrt(np.maximum(0.0, 1.0 - np.sum(half**2, axis=0)))
     q0, q = see.q0.copy(), np.array([see.q1, see.q2, see.q3])
     see.q0[:] = scalar * q0 - np.sum(half * q, axis=0)
-    see.q1[:], see.q2[:], see.q3[:] = scalar * q + q0 * half + _cross(half, q)
+    see.q1[:], see.q2[:], see.q3[:] = scalar * q + q0 * half + cross(half, q)
 
 
 def change_between(phase: FloatArray, other: FloatArray, n: int) -> FloatArray:
     """Return the small displacements and rotations that `move` one phase of n blocks to the other, (6 n,)."""
     one, two = at.PHASE.see(phase, n), at.PHASE.see(other, n)
     before, after = np.array([one.q1, one.q2, one.q3]), np.array([two.q1, two.q2, two.q3])
-    half = one.q0 * after - two.q0 * before + _cross(before, after)
+    half = one.q0 * after - two.q0 * before + cross(before, after)
     return np.concatenate([[two.ux - one.ux, two.uy - one.uy, two.uz - one.uz], 2.0 * half]).T.ravel()
 
 
@@ -315,10 +316,8 @@ def residual_of(stepper: SpatialStepper, base: Sequence[float] | FloatArray = ST
             bodies.jxz[:n] * rates.wx + bodies.jyz[:n] * rates.wy + bodies.jzz[:n] * rates.wz,
         ]
     )
-    q = np.array([see.q1, see.q2, see.q3])
     with np.errstate(over="ignore", invalid="ignore"):  # a step of Newton's method may go far beyond a rest
-        across = _cross(q, own)
-        moments = own + 2.0 * (see.q0 * across + _cross(q, across))
+        moments = rotated(np.array([see.q0, see.q1, see.q2, see.q3]), own)
     forces = bodies.mass[:n] * np.array([rates.vx, rates.vy, rates.vz])
     return np.concatenate([forces, moments]).T.ravel(), energy
 
@@ -326,11 +325,6 @@ def residual_of(stepper: SpatialStepper, base: Sequence[float] | FloatArray = ST
 def largest_of(residual: FloatArray, per: FloatArray) -> float:
     """Return the largest component of a residual as a force, N; `per` converts moments."""
     return float(np.max(np.abs(residual * per)))
-
-
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Return the cross products of columns, (3, n); for a few blocks numpy's own takes longer than all the rest."""
-    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def settle(

@@ -101,11 +101,8 @@ def _joint(column: Column, i: int, foot: float) -> SpatialJoint:
         raise InputError(f"{key}: its face and the one below do not meet")
     # law of the joint in space
     law = block.joint
-    mortar = {"tensile_strength": law.tensile_strength, "cohesion": law.cohesion}
-    bed = JointLaw(
-        law.stiffness, law.damping, friction=law.friction, dowel=law.dowel or 0.0, strength=law.strength, **mortar
-    )
-    bed = replace(bed, rim=law.rim)
+    same = {key: getattr(law, key) for key in ("friction", "strength", "tensile_strength", "cohesion", "rim")}
+    bed = JointLaw(law.stiffness, law.damping, dowel=law.dowel or 0.0, **same)
     return with_rim(SpatialJoint(i, i + 1, face, bed, f"{key}.joint", above, below))
 
 

@@ -20,6 +20,7 @@ from ..outputs import places_of
 from .blocks.contacts import is_endless
 from .blocks.faces import Face, FloatArray, outward_normals
 from .blocks.parts import LEVEL, SpatialJoint
+from .blocks.shapes import rotated
 from .model import Structure
 from .outputs import OUTPUTS
 from .packing import centroid_of
@@ -200,11 +201,11 @@ class Well:
             # displacement of the contact on both bodies, tilt between them, slip since rest
             joint, lever = structure.joints[j], float(moments[j] / normal[j])
             ends = [
-                (moved[i] + _turned(turn[i], joint.face.centre - centroids[i]) - (joint.face.centre - centroids[i]))
+                (moved[i] + rotated(turn[i], joint.face.centre - centroids[i]) - (joint.face.centre - centroids[i]))
                 for i in (joint.upper, joint.lower)
             ]
             axes = joint.face.axes
-            ways = [_turned(turn[i], axes[:, 2]) for i in (joint.upper, joint.lower)]
+            ways = [rotated(turn[i], axes[:, 2]) for i in (joint.upper, joint.lower)]
             tilt = math.acos(max(-1.0, min(1.0, float(ways[0] @ ways[1]))))
             slip = (ends[0] - ends[1]) @ axes[:, :2] - _slip(place, j)
             if not (lever > 0.0 and tilt < math.atan2(lever, self._height(j)) and np.hypot(*slip) < 0.5 * lever):
@@ -395,12 +396,6 @@ def _slip(stepper: SpatialStepper, j: int) -> FloatArray:
 def _field(stepper: SpatialStepper, name: str) -> FloatArray:
     """Return a field of the output row of a stepper."""
     return stepper.row[places_of(OUTPUTS, stepper.structure.sizes)[name]]
-
-
-def _turned(q: FloatArray, vector: FloatArray) -> FloatArray:
-    """Rotate a vector by a unit quaternion."""
-    across = np.cross(q[1:], vector)
-    return vector + 2.0 * (q[0] * across + np.cross(q[1:], across))
 
 
 def _edges(joint: SpatialJoint, slip: FloatArray, towards: FloatArray | None = None) -> list[tuple[FloatArray, float]]:

@@ -44,9 +44,7 @@ class Face:
         """The least distance between two parallel lines that enclose the face (m)."""
         if self.radius:
             return 2.0 * self.radius
-        side = np.roll(self.outline, -1, axis=0) - self.outline
-        across = np.column_stack([-side[:, 1], side[:, 0]]) / np.hypot(*side.T)[:, None]
-        return float(np.min(np.ptp(across @ self.outline.T, axis=1)))
+        return float(np.min(np.ptp(outward_normals(self.outline) @ self.outline.T, axis=1)))
 
     @cached_property
     def moments(self) -> tuple[float, float, float, float]:
@@ -234,10 +232,7 @@ def _holds(outside: Face, inside: Face) -> bool:
     centre = (inside.centre - outside.centre) @ outside.axes[:, :2]
     if outside.radius:
         return not outside.bore and float(np.hypot(*centre)) + inside.radius <= outside.radius * (1.0 + NEAR)
-    a, b = outside.outline, np.roll(outside.outline, -1, axis=0)
-    side = b - a
-    depth = (side[:, 0] * (centre[1] - a[:, 1]) - side[:, 1] * (centre[0] - a[:, 0])) / np.hypot(*side.T)
-    return bool(np.min(depth) >= inside.radius * (1.0 - NEAR))
+    return edge_distance(outside.outline - centre) >= inside.radius * (1.0 - NEAR)
 
 
 def _within_bore(inside: Face, ring: Face) -> bool:

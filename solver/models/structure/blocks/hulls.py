@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from itertools import compress, pairwise, product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,18 +78,24 @@ class Hull(NamedTuple):
         return found
 
 
+def _hull_around(points: FloatArray) -> Any:
+    """Return the convex hull of points (n, 2) or (n, 3), near the origin, by scipy; None if it is flat."""
+    with needing(EXTRA, "scipy"):
+        from scipy.spatial import ConvexHull, QhullError
+    with suppress(QhullError):
+        return ConvexHull(points)
+    return None
+
+
 def convex_surface(points: FloatArray) -> FloatArray:
     """Return the triangles (k, 3, 3) m of the convex hull of points (n, 3) m, anticlockwise from outside.
 
     Raises InputError if the hull has no volume, or hardly any.
     """
-    with needing(EXTRA, "scipy"):
-        from scipy.spatial import ConvexHull, QhullError
     local = points - points[0]
-    try:
-        made = ConvexHull(local)
-    except QhullError:
-        raise InputError("has no volume, must be points that do not all lie in a plane") from None
+    made = _hull_around(local)
+    if made is None:
+        raise InputError("has no volume, must be points that do not all lie in a plane")
     if not made.volume > THINNEST_HULL * float(np.max(np.ptp(points, axis=0))) ** 3:
         raise InputError("has hardly any volume, must be points that do not all lie in a plane")
     corners = local[made.simplices]
@@ -136,22 +142,17 @@ def _outermost(points: FloatArray, within: float) -> FloatArray:
 
     It starts with the farthest points along axes and diagonals and adds the point farthest outside until none is.
     """
-    with needing(EXTRA, "scipy"):
-        from scipy.spatial import ConvexHull, QhullError
     local = points - points[0]
     ways = np.array([way for way in product((-1.0, 0.0, 1.0), repeat=3) if any(way)])
     chosen = np.unique(np.argmax(local @ ways.T, axis=0)).tolist()
-    while True:
-        try:
-            # distance of each point from the hull of the chosen ones
-            planes = ConvexHull(local[chosen]).equations
-        except QhullError:
-            return points
-        outside = np.max(local @ planes[:, :3].T + planes[:, 3], axis=1)
+    while (hull := _hull_around(local[chosen])) is not None:
+        # distance of each point from the hull of the chosen ones
+        outside = np.max(local @ hull.equations[:, :3].T + hull.equations[:, 3], axis=1)
         farthest = int(np.argmax(outside))
         if outside[farthest] <= within or farthest in chosen:
             return points[np.sort(chosen)]
         chosen.append(farthest)
+    return points
 
 
 def _merged(points: FloatArray, surface: FloatArray, most: float, share: float) -> Hull:
@@ -243,12 +244,10 @@ def _polygon_around(points: FloatArray, extent: float) -> FloatArray:
     """Return the convex hull of points (n, 2), thinned to few corners, (corners, 2); empty if it has no area."""
     if len(points) < 3:
         return np.empty((0, 2))
-    with needing(EXTRA, "scipy"):
-        from scipy.spatial import ConvexHull, QhullError
-    try:
-        found = points[ConvexHull(points - points[0]).vertices]
-    except QhullError:
+    hull = _hull_around(points - points[0])
+    if hull is None:
         return np.empty((0, 2))
+    found = points[hull.vertices]
     if polygon_moments(found - found[0])[0] <= THINNEST * extent**2:
         return np.empty((0, 2))
     return found[thinned(found, BLUNT, MOST_CORNERS)]

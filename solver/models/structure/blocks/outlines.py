@@ -73,11 +73,6 @@ def is_convex(outline: FloatArray) -> bool:
     return bool(np.min(turns) > 0.0) and abs(float(np.sum(turns)) - 2.0 * math.pi) < 1e-6
 
 
-def hull_in_plane(points: FloatArray) -> FloatArray:
-    """Return the corners of the convex hull of points in a plane (points, 2), anticlockwise."""
-    return points[corners_around(points)]
-
-
 def corners_around(flat: FloatArray) -> list[int]:
     """Return the indices of the corners of the convex hull of points (n, 2), anticlockwise (Andrew's chain)."""
     order = np.lexsort((flat[:, 1], flat[:, 0])).tolist()

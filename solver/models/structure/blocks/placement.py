@@ -11,7 +11,7 @@ import numpy as np
 
 from ....common.errors import InputError
 from .faces import NEAR, Face, FloatArray, outward_normals, shared
-from .outlines import hull_in_plane
+from .outlines import corners_around
 from .parts import BASE, Solid, SpatialJoint
 
 SAME = 1e-6  # of the size of a block: places closer than this are one
@@ -74,7 +74,7 @@ def _check_within(joint: SpatialJoint, block: Solid) -> None:
     level = [face for face in block.faces if _is_in_plane(face, joint.face, block.reach)]
     corners = (np.concatenate([_around(face) for face in level or block.faces]) - joint.face.centre) @ flat
     # extents along the normals of the sides of the outline
-    outline = hull_in_plane(corners)
+    outline = corners[corners_around(corners)]
     normals = outward_normals(outline)
     own, most = section @ normals.T, outline @ normals.T
     beyond = np.max(own, axis=0) - np.max(most, axis=0)
@@ -102,8 +102,7 @@ def _around(face: Face) -> FloatArray:
 def _overlap(one: Face, other: Face, key: str) -> bool:
     """Return True if two coplanar faces share an area, whichever way their normals point."""
     if float(one.normal @ other.normal) > 0.0:
-        across = np.diag([1.0, -1.0, -1.0])
-        one = Face(one.centre, one.axes @ across, one.outline * [1.0, -1.0], one.radius, one.bore)
-        one = Face(one.centre, one.axes, one.outline[::-1].copy(), one.radius, one.bore)
+        outline = (one.outline * [1.0, -1.0])[::-1].copy()
+        one = replace(one, axes=one.axes @ np.diag([1.0, -1.0, -1.0]), outline=outline)
     face = shared(one, other, key)
     return face is not None and face.moments[0] > NEAR * min(one.moments[0], other.moments[0])
