@@ -133,7 +133,6 @@ class Driven(Settling):
 
     @property
     def fall_time(self) -> float:
-        """The time of the fall (s); NaN if it has not fallen."""
         when = float(self.arrays.state[-1])
         return math.nan if when == NOT_YET else when
 
@@ -143,19 +142,13 @@ class Driven(Settling):
 
     @property
     def fallen(self) -> int:
-        """The number of the block that has fallen; 0 if none has."""
         return int(not math.isnan(self.fall_time))
 
     @property
     def what_fell(self) -> str:
-        """The word for the model if it has fallen, or ""."""
         return f"the {self.model.kind.word}" if self.fallen else ""
 
     def rest_until(self, t: float, end: float) -> None:
-        """Advance from t to `end` (s) without base acceleration.
-
-        Raises SolverError.
-        """
         self.follow(Shaking(t, 0.0, 0.0), t, end)
 
 

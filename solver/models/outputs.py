@@ -134,6 +134,11 @@ class Histories:
             np.savetxt(file, table, fmt=formats, delimiter=",", newline=self.line_end)
 
 
+def component(field: str, k: int, text: str = "") -> property:
+    """Return the property that is component k of an array, the last axis of a field."""
+    return property(lambda owner: getattr(owner, field)[..., k], doc=text)
+
+
 def check_digits(key: str, digits: int) -> int:
     """Return `digits` if it is a number of significant digits from 1 to 17.
 

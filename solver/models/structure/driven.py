@@ -170,7 +170,6 @@ class DrivenStructure:
 
     @property
     def fallen(self) -> int:
-        """The number of the block that has fallen; 0 if none has."""
         return int(self.counts.fallen)
 
     @property

@@ -51,11 +51,9 @@ class Structures(Kind):
     usually_kept = ("peak_u", "peak_centroid_ux", "verdict")
 
     def warnings(self, model: Structure, at_rest: bool = True) -> Sequence[str]:
-        """Return warnings of implausible values (plausible.py)."""
         return known_warnings_in_space(model, at_rest)
 
     def check(self, model: Structure, from_rest: bool) -> None:
-        """Raise InputError, if the run starts from rest, for a structure without a stable rest."""
         if from_rest:
             rest_of(model)
 
@@ -74,16 +72,12 @@ class Structures(Kind):
         return response.peaks["u"], np.hypot(places[:, :n], places[:, n : 2 * n])
 
     def least_checked(self, model: Structure) -> float:
-        """Return the least tolerance at which a tenth of it makes the steps ten times more accurate."""
         return 1e-8 if model.model.names.settings.order == RINGING_ORDER else 1e-11  # steps have the errors of rounding
 
     # --- many
 
     def lanes(self, model: Structure, keep: Collection[str]) -> Lanes:
-        """Describe how runs of the structure use lanes.
-
-        Lanes record displacements and gaps only, and lack the steps of order 8 of lightly damped structures.
-        """
+        """Return how runs use lanes, which record displacements and gaps only, by steps of order 5."""
         why = _reason_against_lanes(model, keep)
         if not why:
             try:
@@ -97,14 +91,12 @@ class Structures(Kind):
         return LOADED if motion.loads else "", is_flat_run(model, motion)
 
     def load(self, model: Structure, keep: Collection[str]) -> None:
-        """Load the kernels of lanes, if they may be used."""
         if not _reason_against_lanes(model, keep):
             load_lanes()
 
     def follow(
         self, runs: Sequence[Run], keep: Collection[str], settle: float, flag: FloatArray
     ) -> tuple[dict[str, NDArray[Any]], NDArray[np.bool_]]:
-        """Follow runs of structures that differ in numbers only; return results by name and the mask of those done."""
         made = follow_in_lanes(runs, [rest_of(run.model) for run in runs], settle, flag)
         finished = np.array([bool(one) for one in made])
         some = next((one for one in made if one), None)
@@ -113,7 +105,6 @@ class Structures(Kind):
         return {name: np.array([table_entry(name, (one or some)[name]) for one in made]) for name in keep}, finished
 
     def check_kept(self, model: Structure, keep: Collection[str]) -> None:
-        """Raise InputError if the structure does not compute the peaks in `keep`."""
         known = {*ALWAYS_KEPT, "peak_u", *(f"peak_{name}" for name in DISPLACEMENTS)}
         asked = [name for name in keep if name not in known]
         if asked and "peaks" in model.without:
@@ -128,7 +119,6 @@ class Structures(Kind):
         return {name: found.kept(name) for name in keep}
 
     def work(self, model: Structure, keep: Collection[str]) -> Work:
-        """Return the estimated cost of a run up to its verdict."""
         second = WORK * model.n
         return Work(second * SETTLE, second)
 

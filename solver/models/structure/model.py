@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import os
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -34,6 +34,7 @@ from .blocks.parts import (
     Solid,
     SpatialJoint,
     Tie,
+    trees_of,
 )
 from .file import in_space, names_from, parts_from, ports_of, written_out
 from .hull_tables import in_folder, with_hulls
@@ -104,17 +105,8 @@ class Structure(NotebookRepr):
 
     def _check_held(self) -> None:
         """Raise InputError unless joints and ties connect every block with the base."""
-        beside: dict[int, list[int]] = defaultdict(list)
         links = [(joint.upper, joint.lower) for joint in self.joints] + [(tie.one, tie.other) for tie in self.ties]
-        for one, other in links:
-            beside[one].append(other)
-            beside[other].append(one)
-        held, reached = {self.n}, [self.n]
-        while reached:
-            for body in beside[reached.pop()]:
-                if body not in held:
-                    held.add(body)
-                    reached.append(body)
+        held = trees_of(self.n, links)[0]
         for i, name in enumerate(self.names):
             if i not in held:
                 joined = 'must be joined to the base, also by blocks under it: on = "base", a [[joint]] or [[bearing]]'

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...common.aliases import Alias
 from ...common.errors import InputError, check_type
 from ...kernels.structure.layout import OF_BLOCK
-from ..outputs import places_of
+from ..outputs import component, places_of
 from ..response import ModeTable
 from .blocks.faces import FloatArray
 from .model import Structure
@@ -42,30 +42,11 @@ class SpatialModes(ModeTable):
     structure = Alias("model")
     units = MappingProxyType({"frequency": "Hz", **dict.fromkeys(("mass_x", "mass_y", "mass_z"), "kg"), **UNITS})
 
-    @property
-    def ux(self) -> FloatArray:
-        """The displacements of the centroids along x in each shape, m (6 n, n)."""
-        return self.displacement[..., 0]
-
-    @property
-    def uz(self) -> FloatArray:
-        """The displacements of the centroids upwards in each shape, m (6 n, n)."""
-        return self.displacement[..., 2]
-
-    @property
-    def ry(self) -> FloatArray:
-        """The rotations about y in each shape, rad (6 n, n)."""
-        return self.rotation[..., 1]
-
-    @property
-    def mass_x(self) -> FloatArray:
-        """The effective masses along x, kg (6 n,)."""
-        return self.mass[:, 0]
-
-    @property
-    def mass_z(self) -> FloatArray:
-        """The effective masses along z, kg (6 n,)."""
-        return self.mass[:, 2]
+    ux = component("displacement", 0, "The displacements of the centroids along x in each shape, m (6 n, n).")
+    uz = component("displacement", 2, "The displacements of the centroids upwards in each shape, m (6 n, n).")
+    ry = component("rotation", 1, "The rotations about y in each shape, rad (6 n, n).")
+    mass_x = component("mass", 0, "The effective masses along x, kg (6 n,).")
+    mass_z = component("mass", 2, "The effective masses along z, kg (6 n,).")
 
     @property
     def mass_ratio(self) -> FloatArray:

@@ -10,18 +10,13 @@ import numpy as np
 from ...common.aliases import Alias
 from ...common.errors import InputError, shown
 from ...kernels.structure import layout as at
-from ..outputs import BASE, BEARING, BLOCK, BOND, CONTACT, JOINT, PORT, TIE, Histories, Output, units_of
+from ..outputs import BASE, BEARING, BLOCK, BOND, CONTACT, JOINT, PORT, TIE, Histories, Output, component, units_of
 from ..protocol import OF_RUN, Kept, kept_peaks
 from .blocks.faces import FloatArray
 from .blocks.shapes import turned
 
 if TYPE_CHECKING:
     from .model import Structure
-
-
-def _of_base(number: int) -> property:
-    """Return the property of a component of the reaction of the base, (rows,)."""
-    return property(lambda histories: histories.base[:, number])
 
 
 class StructureHistories(Histories):
@@ -86,7 +81,7 @@ class StructureHistories(Histories):
     model: Structure
     line_end = "\n"
     structure = Alias("model")
-    base_Fx, base_Fy, base_Fz, base_Mx, base_My, base_Mz = (_of_base(k) for k in range(6))
+    base_Fx, base_Fy, base_Fz, base_Mx, base_My, base_Mz = (component("base", k) for k in range(6))
 
     @property
     def labels(self) -> dict[str, Sequence[object]]:

@@ -19,7 +19,7 @@ from ...kernels.structure import layout as at
 from ..outputs import places_of
 from .blocks.contacts import is_endless
 from .blocks.faces import Face, FloatArray, outward_normals
-from .blocks.parts import LEVEL, SpatialJoint
+from .blocks.parts import LEVEL, SpatialJoint, trees_of
 from .blocks.shapes import rotated
 from .model import Structure
 from .outputs import OUTPUTS
@@ -536,7 +536,8 @@ def _bypassed(
     left_out = {*behind, *(() if counted is None else np.flatnonzero(~counted).tolist())}
     numbers = [number for number in range(len(bodies)) if number not in left_out]
     links = [bodies[number] for number in numbers]
-    by = _trees(structure.n, links)
+    trees = trees_of(structure.n, links)
+    by = {body: number for tree in trees for body, number in tree.items()}
     # bits of the links outside the trees
     past, found = [0] * (structure.n + 1), np.zeros(len(bodies), dtype=np.bool_)
     found[behind] = True
@@ -556,30 +557,10 @@ def _bypassed(
 
 def _hangs(structure: Structure) -> bool:
     """Return True if ties alone connect some block with the base."""
-    return list(_trees(structure.n, _bodies_linked(structure)).values()).count(-1) > 1
+    return len(trees_of(structure.n, _bodies_linked(structure))) > 1
 
 
 def _bodies_linked(structure: Structure, ties: bool = False) -> list[tuple[int, int]]:
     """Return the numbers of the bodies that each joint connects, then those of each tie if asked for."""
     joints = [(joint.upper, joint.lower) for joint in structure.joints]
     return joints + [(tie.one, tie.other) for tie in structure.ties] * ties
-
-
-def _trees(n: int, links: list[tuple[int, int]]) -> dict[int, int]:
-    """Return the link by which each body is reached in spanning trees, breadth first from the base; -1 of a root."""
-    at_body: list[list[int]] = [[] for _ in range(n + 1)]
-    for number, (one, other) in enumerate(links):
-        at_body[one].append(number)
-        at_body[other].append(number)
-    by: dict[int, int] = {}
-    for root in range(n, -1, -1):
-        if root in by:
-            continue
-        by[root], tree = -1, [root]
-        for body in tree:
-            for number in at_body[body]:
-                for end in links[number]:
-                    if end not in by:
-                        by[end] = number
-                        tree.append(end)
-    return by

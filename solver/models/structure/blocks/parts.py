@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -210,3 +211,27 @@ class Tie:
             )
         if self.yield_ is not None and self.pretension > self.yield_:
             raise InputError(f"{key}.pretension = {self.pretension}: must not exceed yield = {self.yield_} N")
+
+
+def trees_of(n: int, links: Sequence[tuple[int, int]]) -> list[dict[int, int]]:
+    """Return spanning trees of n blocks and the base, breadth first, the first one from the base.
+
+    Each has the link by which it reaches each of its bodies; -1 of its root.
+    """
+    at_body: list[list[int]] = [[] for _ in range(n + 1)]
+    for number, (one, other) in enumerate(links):
+        at_body[one].append(number)
+        at_body[other].append(number)
+    found: list[dict[int, int]] = []
+    for root in range(n, -1, -1):
+        if any(root in tree for tree in found):
+            continue
+        by, reached = {root: -1}, [root]
+        for body in reached:
+            for number in at_body[body]:
+                for end in links[number]:
+                    if end not in by:
+                        by[end] = number
+                        reached.append(end)
+        found.append(by)
+    return found
