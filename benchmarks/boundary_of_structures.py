@@ -20,10 +20,11 @@ from multiblock import InputError, Motion, SolverError, Structure, arch, colonna
 from solver.common.executors import cores
 from solver.ground.wavelets import one_sine
 from solver.models.protocol import OVERTURNED, SETTLE, STANDING, Run
+from solver.models.still_base import settled
 from solver.models.structure.lanes import follow_in_lanes
 from solver.models.structure.outputs import FROM_LANES
 from solver.models.structure.rest import rest_of
-from solver.models.structure.run import begun, settled_verdict
+from solver.models.structure.run import SpatialSettling, begun
 
 from .boundary import BAND, GROW, LONGER, MOST, WIDTH
 from .scenes import G
@@ -173,7 +174,7 @@ def judged(case: Case) -> Judged:
     stepper, _ = begun(structure, motion)
     try:
         stepper.run(motion, motion.start, motion.end, np.zeros(0))
-        word, _, now = settled_verdict(stepper, motion.end, SETTLE)
+        word, _, now = settled(SpatialSettling(stepper), motion.end, SETTLE)
     except SolverError:
         word, now = FAILED, motion.end
     run = Run(structure, motion, motion.duration)
@@ -195,7 +196,7 @@ def falls(case: Case, scale: float) -> bool:
     motion = case.motion.scaled(scale)
     stepper, _ = begun(case.structure, motion)
     stepper.run(motion, motion.start, motion.end, np.zeros(0))
-    return settled_verdict(stepper, motion.end, SETTLE).word == OVERTURNED
+    return settled(SpatialSettling(stepper), motion.end, SETTLE).word == OVERTURNED
 
 
 def judged_near(kind: str, number: int) -> Near:

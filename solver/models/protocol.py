@@ -22,7 +22,6 @@ from .outputs import BASE, Output
 from .uncertainty import Varied
 
 FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 OVERTURNED, STANDING, UNDECIDED = "overturned", "standing", "undecided"
 SCALAR, LANES = "scalar", "lanes"  # how a run is made: alone, or with seven others

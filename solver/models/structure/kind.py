@@ -14,7 +14,7 @@ from ...ground.motion import Motion
 from ...kernels.structure.layout import RINGING_ORDER
 from ..column.model import Column
 from ..column.numbers import SIZE, SLENDERNESS, column_with, is_of_column, numbers_set, widen_ports
-from ..protocol import LOADED, SETTLE, Kind, Lanes, NoRestError, Run, RunPlan, Work, output_times, table_entry
+from ..protocol import LOADED, SETTLE, Kind, Lanes, NoRestError, Run, RunPlan, Work, table_entry
 from ..uncertainty import Varied
 from .blocks.faces import FloatArray
 from .blocks.parts import OF_COLUMN
@@ -111,12 +111,10 @@ class Structures(Kind):
             raise InputError(f'solver.without has "peaks", must not where {asked[0]} is kept')
 
     def alone(self, run: Run, keep: Collection[str], settle: float, look: Callable[..., object]) -> dict[str, Any]:
-        """Follow one run without recording peaks that are not kept; return its results by name."""
+        """Run one structure alone, without the peaks that are not stored; see `Kind.alone`."""
         watches = any(name not in (*ALWAYS_KEPT, "peak_u") for name in keep)
         structure = run.model if watches else run.model.with_settings(without=(*run.model.without, "peaks"))
-        times = output_times(run.motion, run.duration)
-        found = single_run(structure, RunPlan(run.motion, run.duration, times, None, settle, look))
-        return {name: found.kept(name) for name in keep}
+        return super().alone(run._replace(model=structure), keep, settle, look)
 
     def work(self, model: Structure, keep: Collection[str]) -> Work:
         second = WORK * model.n

@@ -16,12 +16,12 @@ from ...ground.loads import ACROSS, COMPONENTS
 from ...ground.motion import Motion
 from ...kernels.structure import layout as at
 from ..ports import Released
-from ..protocol import NoRestError, RunPlan, Verdict, output_times
-from ..still_base import conclude, settled
+from ..protocol import NoRestError, RunPlan, output_times
+from ..still_base import conclude
 from .blocks.faces import FloatArray
 from .blocks.parts import SpatialJoint
 from .blocks.placement import RIM
-from .blocks.shapes import rotation_matrix
+from .blocks.shapes import rotated, rotation_matrix
 from .equilibria import NO_ROOM_LEFT, rest_under
 from .modal_data import ModalData, modal_data_of
 from .model import Structure
@@ -106,11 +106,7 @@ def _run(structure: Structure, plan: RunPlan) -> SpatialResponse:
     if structure.after_fall:
         stats["released"] = float(stepper.state.control.released)
     if stepper.without_room:
-        warnings.warn(
-            f"{structure.name}: {stepper.without_room} times {NO_ROOM_LEFT}",
-            InputWarning,
-            stacklevel=2,
-        )
+        warnings.warn(f"{structure.name}: {stepper.without_room} times {NO_ROOM_LEFT}", InputWarning, stacklevel=2)
     # response, then the verdict on a still base
     seen = at.WORK.see(stepper.arrays.work, stepper.sizes)
     peaks = peaks_in_space(structure, stepper.state.peaks, seen.poses.farthest[: structure.n].copy())
@@ -121,7 +117,7 @@ def _run(structure: Structure, plan: RunPlan) -> SpatialResponse:
     response = SpatialResponse(
         structure, rows, again, touched, time=plan.times, peaks=peaks, stats=stats, motion=motion
     )
-    conclude(response, _SpatialSettling(stepper), stop, plan.settle)
+    conclude(response, SpatialSettling(stepper), stop, plan.settle)
     return response
 
 
@@ -204,9 +200,8 @@ def set_initial(stepper: SpatialStepper, initial: SpatialState) -> None:
     see.q0[:] = np.cos(0.5 * angle)
     q = 0.5 * np.sinc(0.5 * angle / np.pi)[:, None] * initial.rotation
     see.q1[:], see.q2[:], see.q3[:] = q.T
-    spin = np.asarray(initial.spin)
-    across = np.cross(q, spin)  # into the axes of the body
-    see.wx[:], see.wy[:], see.wz[:] = (spin - 2.0 * (see.q0[:, None] * across - np.cross(q, across))).T
+    to_body = np.array([see.q0, *-q.T])
+    see.wx[:], see.wy[:], see.wz[:] = rotated(to_body, np.asarray(initial.spin).T)
     found = at.WORK.see(stepper.arrays.work, stepper.sizes).resultants
     structure = stepper.structure
     for _ in range(TWISTS):  # joints begin without elastic slip
@@ -215,7 +210,8 @@ def set_initial(stepper: SpatialStepper, initial: SpatialState) -> None:
             getattr(stepper.slips, f"p{k}")[:] = getattr(found, f"s{k}")
     # but for those that cannot have slid, unless they have lifted off
     for j, joint in enumerate(structure.joints):
-        if not _may_have_slid(joint) and (joint.bed.is_bonded or not _is_lifted(structure, joint, initial)):
+        sticks = joint.bed.friction is None and not _is_lifted(structure, joint, initial)
+        if joint.bearing is None and (joint.bed.is_bonded or sticks):
             for k in (1, 2, 3):
                 getattr(stepper.slips, f"p{k}")[j] = 0.0
 
@@ -236,12 +232,7 @@ def _is_lifted(structure: Structure, joint: SpatialJoint, initial: SpatialState)
     return bool(gaps[0] > most and np.min(gaps) > -TOUCHES * most)
 
 
-def _may_have_slid(joint: SpatialJoint) -> bool:
-    """Return False for a joint that never slides, or that is bonded: where it is displaced it is deformed."""
-    return joint.bearing is not None or not (joint.bed.friction is None or joint.bed.is_bonded)
-
-
-class _SpatialSettling:
+class SpatialSettling:
     """A structure on a still base after its run (still_base.py)."""
 
     unclear = "may have the energy to fall"
@@ -284,8 +275,3 @@ class _SpatialSettling:
 
     def rest_until(self, t: float, end: float) -> None:
         self._stepper.run(None, t, end, np.zeros(0))
-
-
-def settled_verdict(stepper: SpatialStepper, stop: float, settle: float) -> Verdict:
-    """Return the verdict on a run that ended at time `stop`, s, reached at most `settle` s later."""
-    return settled(_SpatialSettling(stepper), stop, settle)
