@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from ...common.errors import InputError
 from ...ground.motion import Motion
+from ...kernels.machine.library import load
+from ...kernels.structure.entries import run_structures_in_lanes
 from ...kernels.structure.layout import RINGING_ORDER
 from ..column.model import Column
 from ..column.numbers import SIZE, SLENDERNESS, column_with, is_of_column, numbers_set, widen_ports
@@ -18,7 +20,7 @@ from ..protocol import LOADED, SETTLE, Kind, Lanes, NoRestError, Run, RunPlan, W
 from ..uncertainty import Varied
 from .blocks.faces import FloatArray
 from .blocks.parts import OF_COLUMN
-from .lanes import follow_in_lanes, is_flat_run, load_lanes, longest_step_of, share_of
+from .lanes import follow_in_lanes, is_flat_run, longest_step_of, share_of
 from .model import Structure
 from .numbers import (
     is_of_neighbours,
@@ -92,7 +94,7 @@ class Structures(Kind):
 
     def load(self, model: Structure, keep: Collection[str]) -> None:
         if not _reason_against_lanes(model, keep):
-            load_lanes()
+            load(run_structures_in_lanes.group)
 
     def follow(
         self, runs: Sequence[Run], keep: Collection[str], settle: float, flag: FloatArray

@@ -12,7 +12,6 @@ import numpy as np
 from ...common import effort
 from ...common.turns import lock_released
 from ...ground.motion import Motion
-from ...kernels.machine.library import load
 from ...kernels.numba_ext.lanes import WIDTH
 from ...kernels.structure import in_lanes as at
 from ...kernels.structure.entries import run_structures_in_lanes
@@ -211,8 +210,3 @@ class _Lanes:
             outcomes[:, at.OUTCOME.places["ends"]] = at.STEP_TOO_SMALL  # repeated alone, which reports why
         self._states[which], self.outcomes[which] = states, outcomes
         self.peaks[which], self.places[which] = peaks, places
-
-
-def load_lanes() -> None:
-    """Load the kernels of lanes into this process; if they must be compiled, this takes as long as many runs."""
-    load(run_structures_in_lanes.group)

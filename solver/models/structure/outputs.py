@@ -147,23 +147,11 @@ class StructureHistories(Histories):
 
 OUTPUTS = StructureHistories.outputs
 UNITS = units_of(OUTPUTS)
-_BASE = [part.name for part in StructureHistories.base.parts]
-_WHOLE = [output.field for output in OUTPUTS if output.whole]
-_FIELDS = [
-    *at.OF_BLOCK,
-    *at.OF_JOINT,
-    "tie",
-    *at.OF_BEARING,
-    *at.OF_BOND,
-    *at.OF_PAIR,
-    *(f"port_{name}" for name in at.OF_PORT),
-    "base",
-    *at.OF_BASE[len(_BASE) :],
-]
+_PORTS = [f"port_{name}" for name in at.OF_PORT]
+_NAMES = [*at.OF_BLOCK, *at.OF_JOINT, "tie", *at.OF_BEARING, *at.OF_BOND, *at.OF_PAIR, *_PORTS, *at.OF_BASE]
 _ORDER = "solver/models/structure/outputs.py: the rows must be, in this order, those of"
-_ORDER = f"{_ORDER} solver/kernels/structure/layout.py: {', '.join(_FIELDS)}; parts of base: {', '.join(at.OF_BASE)}"
-assert [output.field for output in OUTPUTS] == _FIELDS, _ORDER
-assert [*_BASE, *_WHOLE] == [*at.OF_BASE], _ORDER
+_ORDER = f"{_ORDER} solver/kernels/structure/layout.py: {', '.join(_NAMES)}"
+assert [one.name if one.owner == BASE else one.field for output in OUTPUTS for one in output.each] == _NAMES, _ORDER
 
 
 # --- the results of each of many runs that can be stored, by name

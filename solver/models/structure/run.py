@@ -169,7 +169,8 @@ def begun(
     elif initial is not None:
         set_initial(stepper, initial)
         stepper.control.decay = fastest_decay(structure)  # in full contact, which the blocks may have left
-        flat = flat and is_flat(initial)
+        across = initial.displacement[:, 1], initial.velocity[:, 1], initial.rotation[:, ::2], initial.spin[:, ::2]
+        flat = flat and not any(np.any(part) for part in across)
     stepper.model.settings.in_plane = float(flat)
     settings = stepper.model.settings
     settings.after_fall = structure.after_fall
@@ -177,12 +178,6 @@ def begun(
     if "stabilized" in structure.without:
         settings.stabilizes = 0.0
     return stepper, modes.why_none
-
-
-def is_flat(initial: SpatialState) -> bool:
-    """Return True if an initial state lies in the plane x, z."""
-    across = initial.displacement[:, 1], initial.velocity[:, 1], initial.rotation[:, ::2], initial.spin[:, ::2]
-    return not any(np.any(part) for part in across)
 
 
 def set_initial(stepper: SpatialStepper, initial: SpatialState) -> None:

@@ -87,11 +87,8 @@ def _halves(solid: Any, most: int, sure: float) -> list[tuple[Any, float]]:
 def _pieces(solid: Any, plane: FloatArray) -> list[Any]:
     """Return the pieces of a solid on both sides of a plane, without skins."""
     halves = solid.split_by_plane(plane[:3], plane[3])
-    return [piece for half in halves for piece in half.decompose() if not _is_skin(piece)]
-
-
-def _is_skin(piece: Any) -> bool:
-    return bool(piece.volume() <= THINNEST_HULL * _extent(piece) ** 3)
+    pieces = [piece for half in halves for piece in half.decompose()]
+    return [piece for piece in pieces if piece.volume() > THINNEST_HULL * _extent(piece) ** 3]
 
 
 def _bent(solid: Any) -> FloatArray:
