@@ -40,12 +40,9 @@ def share_of(structure: Structure) -> Hashable:
         for name in ("upper", "lower", "first", "corners", "above", "below", "section", "bond", "inside")
     )
     ties = tuple((tie.one, tie.other) for tie in structure.ties)
-    insides = tuple(
-        tuple(getattr(INSIDE.see(names.corners[int(place) - 1 :]), name) for name in OF_INSIDE)
-        for place in places.inside
-        if place
-    )
-    below = [*places.below, *(INSIDE.see(names.corners[int(place) - 1 :]).below for place in places.inside if place)]
+    records = [INSIDE.see(names.corners[int(place) - 1 :]) for place in places.inside if place]
+    insides = tuple(tuple(getattr(record, name) for name in OF_INSIDE) for record in records)
+    below = [*places.below, *(record.below for record in records)]
     unbounded = tuple(_is_unbounded(names.corners, int(place)) for place in below)
     return structure.model.sizes, joints, insides, unbounded, ties, bool(names.settings.gives_way)
 

@@ -44,6 +44,7 @@ _LENGTHS = (
 
 # keys that exclude each other, and the one that stands for both
 _SAME = {"mass": "density", "restitution": "damping"}
+_OTHER = _SAME | {other: key for key, other in _SAME.items()}
 
 
 class Named(NamedTuple):
@@ -180,8 +181,8 @@ def _put(table: dict[str, Any], name: str, found: Named, number: float, relative
         table.setdefault("scale", 1.0)
     if not found.coordinate:
         table[found.key] = varied(name, table.get(found.key), number, relative)
-        if not relative:  # mass and density exclude each other
-            table.pop({"mass": "density", "density": "mass"}.get(found.key, ""), None)
+        if not relative:
+            table.pop(_OTHER.get(found.key, ""), None)
         return
     point = table.get(found.key)
     if not isinstance(point, list) or found.coordinate > len(point):
@@ -199,8 +200,7 @@ def _set_neighbour_number(data: dict[str, Any], name: str, found: re.Match[str],
     key = found[3]
     for table in tables:
         table[key] = varied(name, table.get(key), number, relative)
-        # damping and restitution exclude each other
-        table.pop({"damping": "restitution", "restitution": "damping"}.get(key, ""), None)
+        table.pop(_OTHER.get(key, ""), None)
 
 
 def _pairs_of(data: Mapping[str, Any]) -> Sequence[dict[str, Any]]:

@@ -91,11 +91,9 @@ def drum(name: str, diameter: float, top_diameter: float, bore: float, height: f
 
 
 def prism(name: str, outline: FloatArray, depth: float, density: float) -> Solid:
-    """Return the prism of a convex outline in x and z, (corners, 2) m, over a depth along y (m): a voussoir."""
+    """Return the prism of an anticlockwise outline in x and z, (corners, 2) m, over a depth along y (m): a voussoir."""
     # mass properties
     area, first, second = polygon_moments(outline)
-    if area < 0.0:
-        return prism(name, outline[::-1], depth, density)
     mass, middle = density * area * depth, first / area
     own = second / area - np.outer(middle, middle)
     x, z, xz = mass * own[0, 0], mass * own[1, 1], mass * own[0, 1]
