@@ -220,12 +220,12 @@ def _least_size(block: dict[str, float]) -> float:
     return min(block[name] for name in names if name in block)
 
 
-def _asked_damping(model: Column | Structure, touching: Touching) -> float:
+def _asked_damping(model: Any, touching: Touching) -> float:
     """Ask for the damping, s; the proposal is the critical damping of the rocking part, computed with its joint.
 
-    `model` has another damping.
+    `model` is a column or a structure, with another damping.
     """
-    if isinstance(model, Structure):
+    if model.kind.across:
         proposed = bounce_damping(model)
         words = "damping eta of the joints (s); proposed: 2 sqrt(m / (k A)) of the blocks, no measured value"
     else:
