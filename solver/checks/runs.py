@@ -11,7 +11,7 @@ import numpy as np
 
 from ..common.errors import InputWarning
 from ..common.executors import cores
-from ..ground.intensity import NAMES, histories
+from ..ground.intensity import NAMES
 from ..ground.motion import Motion
 from ..models.protocol import OVERTURNED, SETTLE, STANDING, UNDECIDED
 from ..models.uncertainty import vary
@@ -22,7 +22,8 @@ from .limits import TOLERANCE, Plan
 from .scaling import ScaledMotion
 from .subject import OF_BEARINGS, Pair, Subject
 
-STILL = 10.0  # s: least time of a run after 95 % of the Arias intensity, in which a block may still rise or slide
+# s: least time of a run, in which a block may still rise or slide, after a component last has STRONG times its peak
+STILL, STRONG = 10.0, 0.3
 WORSE = (STANDING, UNDECIDED, OVERTURNED)  # from best to worst
 
 
@@ -34,10 +35,10 @@ def span_of(motion: Motion) -> float:
     acting = [name for name in NAMES if np.any(getattr(motion, name))]
     if motion.amplitude or motion.amplitude_y or not acting:
         return motion.duration
-    found = [histories(motion, component) for component in acting]
-    husid = np.sum([one.husid for one in found], axis=0)
-    strong = float(found[0].time[np.searchsorted(husid, 0.95 * husid[-1])]) - motion.start
-    return max(motion.duration, strong + STILL)
+    # each by its own peak: the strongest part need not be the one that topples
+    sizes = [np.abs(getattr(motion, name)) for name in acting]
+    last = max(int(np.nonzero(size >= STRONG * np.max(size))[0][-1]) for size in sizes)
+    return max(motion.duration, float(motion.time[last]) - motion.start + STILL)
 
 
 def own_runs(subject: Subject, motions: Sequence[Motion]) -> tuple[tuple[Any, ...], ...]:

@@ -259,6 +259,12 @@ def test_zeros_at_the_end_of_a_record_change_nothing() -> None:
         # measured: 0.59 and 0.76 of it when the pulse ends
         ended = simulate(column, short)
         assert max(ended.peak_top_ux[0], np.max(np.abs(ended.slip))) < 0.8 * values[0]
+    # strong motion before, of another component or of the same, does not end the run before the pulse has acted
+    time = np.arange(0.0, 12.0, 0.01)
+    pulse = np.where(time > 11.0, 3.0 * np.sin(np.pi * (time - 11.0)), 0.0)
+    early = np.where(time < 8.0, 6.0 * np.sin(2.0 * np.pi * 8.0 * time), 0.0)
+    for ax, az in ((pulse, early), (early + pulse, None)):
+        assert span_of(Motion.from_samples(0.01, ax, az)) > 21.5
     harmonic, still = Motion.harmonic(1.0, 2.0, 3.0), Motion.from_samples(0.1, np.zeros(5))
     assert [span_of(motion) for motion in (harmonic, still)] == [harmonic.duration, still.duration]
 
