@@ -135,13 +135,32 @@ class Well:
         found.phase[:coordinates] = rest_of(self._structure).phase[:coordinates]
         for begin in (found, _stopped(stepper)):
             if self.comes_to_rest(begin):
+                self._give_way(begin)
                 yield begin
+
+    def _give_way(self, rest: SpatialStepper) -> None:
+        """Move the sliders of bearings as far as their force allows: the energy would count the whole elastic slip.
+
+        A pendulum or rubber that returns to the middle leaves its slider behind.
+        """
+        structure, m = self._structure, len(self._structure.joints) - len(self._structure.bearings)
+        rest.observe()
+        normal, dx, dy = (_field(rest, name) for name in ("N", "dx", "dy"))
+        for b, joint in enumerate(structure.bearings):
+            along = joint.bed.shear_ratio * joint.bed.stiffness * joint.moments[0]
+            bears = (joint.bed.friction or 0.0) * max(0.0, float(normal[m + b])) + joint.bed.dowel
+            elastic = np.array([dx[b], dy[b]]) - _slip(rest, m + b)
+            size = float(np.hypot(*elastic))
+            if along * size > bears:
+                rest.slips.p1[m + b], rest.slips.p2[m + b] = (
+                    _slip(rest, m + b) + (1.0 - bears / (along * size)) * elastic
+                )
 
     def _keeps(self, rest: SpatialStepper, place: SpatialStepper, energy: float) -> bool:
         """Return True if a structure in the state `place` with this energy (J) cannot leave the well of a rest."""
         left = energy - rest.observe()
         tangent = sticking(rest).stiffness(self._delta)
-        if not _is_stable(tangent) or not self._holds(left, self.barrier(rest, tangent, left)):
+        if not _is_stable(tangent) or not self._holds(abs(left), self.barrier(rest, tangent, max(0.0, left))):
             return False
         return self._is_within(place, rest) or self._leads_to(rest, place.phase, energy)
 
