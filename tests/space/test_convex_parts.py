@@ -16,6 +16,7 @@ from multiblock import InputError, Structure, simulate
 from solver.models.structure.blocks.faces import FloatArray
 from solver.models.structure.blocks.hulls import bulk_of, convex_surface, hull_of
 from solver.models.structure.hull_tables import solid_from_hull, with_hulls
+from solver.models.structure.neighbours import restitution_of
 from solver.models.structure.overlap import deepest_overlap
 from solver.models.structure.run import SpatialState, begun
 
@@ -144,6 +145,19 @@ def test_a_declared_gap_is_that_of_the_nearest_part(tmp_path: Path) -> None:
         assert min(found.gap for found in pairs) == gap
         assert [found.farther for found in pairs] == pytest.approx([by] * len(pairs), abs=1e-6)  # float32 in the file
         assert max(found.gap for found in pairs) == pytest.approx(1.5 + by, abs=1e-6)
+
+
+def test_parts_that_meet_at_once_have_one_restitution(tmp_path: Path) -> None:
+    """Check a flat side of two parts: each was damped for the whole mass, and 0.35 came where 0.5 was asked for."""
+    stone = {**STONE, "file": file_of(tmp_path, *ELL), "parts": 8}
+    made = beside(stone, {**BOX, "height": 1.5}, (-0.5, 0.3, 0.1), restitution=0.5)
+    pairs = [pair for pair, name in zip(made.neighbours, made.contact_names, strict=True) if "stone-other" in name]
+    assert len(pairs) == 2
+    mass = 1.0 / sum(1.0 / block.mass for block in made.blocks[-2:])
+    stiffness = 1e8 * sum(pair.size for pair in pairs)
+    for pair in pairs:
+        assert restitution_of(pair.damping, mass, stiffness) == pytest.approx(0.5, rel=1e-9)
+        assert restitution_of(pair.damping, mass, 1e8 * pair.size) > 0.51
 
 
 def test_each_part_that_meets_has_columns_of_its_own(tmp_path: Path) -> None:

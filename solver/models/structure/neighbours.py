@@ -115,7 +115,7 @@ def neighbours_from(
             pairs = _moved_to(own["gap"], pairs, blocks, (*bodies[one], *bodies[other]))
         for pair in pairs:  # the declared gap is that of the nearest ones: all are nearer by the same length
             gap = {"gap": own["gap"] + (pair.gap - least)} if "gap" in own else {}
-            found.append(replace(_with_law(key or "neighbours", pair, law | gap, blocks), joined=late))
+            found.append(replace(_with_law(key or "neighbours", pair, law | gap, blocks, pairs), joined=late))
     if after_fall:
         found += _pairs_after_fall(blocks, bodies, joined, given)
     # blocks and walls
@@ -126,7 +126,7 @@ def neighbours_from(
             late = min((pair.gap for pair in pairs), default=0.0) > to_walls
             if after_fall or not late:
                 numbered = (replace(pair, wall=number, joined=late) for pair in pairs)
-                found += [_with_law("neighbours", pair, given, blocks) for pair in numbered]
+                found += [_with_law("neighbours", pair, given, blocks, pairs) for pair in numbered]
     if len(found) > MOST:
         raise InputError(f"neighbours.reach: {len(found)} pairs of bodies lie within it, must be at most {MOST}")
     return tuple(found)
@@ -423,8 +423,10 @@ def _names(pair: Pair, blocks: tuple[Solid, ...]) -> str:
     return f"{names[pair.one]} and {f'wall {pair.wall}' if pair.wall else names[pair.other]}"
 
 
-def _with_law(key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Solid, ...]) -> Pair:
-    """Return a pair with its law and gap. Raises InputError."""
+def _with_law(
+    key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Solid, ...], others: Sequence[Pair] = ()
+) -> Pair:
+    """Return a pair with its law and gap; `others` are those of the same blocks, itself included. Raises InputError."""
     names = _names(pair, blocks)
     of_kind = "line_stiffness" if pair.side else "stiffness"
     radius = pair.side.radius if pair.side else math.sqrt(min(body.mean_area for body in pair.bodies) / math.pi)
@@ -441,13 +443,15 @@ def _with_law(key: str, pair: Pair, law: Mapping[str, float], blocks: tuple[Soli
     if "gap" not in law and pair.gap < -touching(*(blocks[i] for i in (pair.one, pair.other) if i < len(blocks))):
         deep = f"{-1e3 * pair.gap:.3g} mm as built"
         raise InputError(f"{key}: {names} overlap by {deep}, must stand apart{'' if pair.wall else ', or have a gap'}")
-    # damping, from the restitution with the reduced mass of both blocks if needed
+    # damping, from the restitution with the reduced mass of both blocks and all their parts that meet at once
     stiffness = law[of_kind] * pair.size
+    along = [one for one in others if one.faces and (one.side is None) == (pair.side is None)]
+    at_once = sum(one.size for one in along if abs(one.gap - pair.gap) <= NEAR) if pair.faces else 0.0
     if "damping" in law:
         damping = law["damping"]
     else:
         mass = 1.0 / sum(1.0 / blocks[i].mass for i in (pair.one, pair.other) if i < len(blocks))
-        damping = damping_of(law["restitution"], mass, stiffness)
+        damping = damping_of(law["restitution"], mass, law[of_kind] * (at_once or pair.size))
     gap = max(pair.gap, 0.0) if pair.shift else law.get("gap", max(pair.gap, 0.0))
     # of the body of a drum, if no other is given: its line spread over the radius
     own = law.get("stiffness", law[of_kind] / radius)
