@@ -206,7 +206,7 @@ function plot() {
   const x = (t) => 44 + (w - 52) * (t - time[0]) / (time[last] - time[0] || 1), y = (v) => 8 + (h - 28) * (high - v) / (high - low);
   ink.font = "11px sans-serif"; ink.fillStyle = text; ink.textAlign = "right";
   for (const v of [low, high]) ink.fillText(v ? v.toPrecision(3) : "0", 40, y(v) + 4);
-  ink.textAlign = "left"; ink.fillText(`${Number(time[0].toPrecision(2))} s`, 44, h - 4); ink.textAlign = "right"; ink.fillText(`${Number(time[last].toPrecision(3))} s`, w - 6, h - 4);
+  ink.textAlign = "left"; ink.fillText(`${Number(time[0].toFixed(2))} s`, 44, h - 4); ink.textAlign = "right"; ink.fillText(`${Number(time[last].toFixed(2))} s`, w - 6, h - 4);
   const line = (points, colour) => {
     ink.strokeStyle = colour; ink.beginPath(); points.forEach(([a, b]) => ink.lineTo(a, b)); ink.stroke();
   };
