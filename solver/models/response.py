@@ -27,19 +27,47 @@ if TYPE_CHECKING:
 
 @dataclass(eq=False, repr=False, kw_only=True)
 class Result(Histories, Framed, NotebookRepr):
-    """The result of a run of any model."""
+    """The result of a run of any model.
 
-    time: FloatArray  # s, of the rows
-    peaks: dict[str, FloatArray]  # by name, those of ux (m) among them
-    stats: dict[str, Any]  # statistics of the run
-    overturn_time: float = math.nan  # s, of the fall; NaN if there is none
-    fallen: int = 0  # number of the block that has fallen, from 1; 0 if there is none
-    what_fell: str = ""  # in words, such as "block 2 over joint 2"
+    Attributes
+    ----------
+    model : Column or Structure
+        The model.
+    time : ndarray of shape (rows,)
+        The times of the rows (s).
+    peaks : dict of str to ndarray
+        The peaks by name, those of ux (m) among them.
+    stats : dict
+        The statistics of the run.
+    overturn_time : float
+        The time of the fall (s), NaN if there is none.
+    fallen : int
+        The number of the block that has fallen, from 1; 0 if there is none.
+    what_fell : str
+        What has fallen, in words, such as "block 2 over joint 2"; "" if nothing has.
+    verdict, reason : str
+        The verdict and its reason.
+    estimated_error : ErrorEstimate or None
+        The estimate of the error, if it was made.
+    horizon : float or None
+        The time up to which the motion is predictable (s), if it was computed.
+    ensemble : Ensemble or None
+        The runs with varied data, if they were made.
+    motion : Motion or None
+        The motion of the base.
+    """
+
+    time: FloatArray  # s
+    peaks: dict[str, FloatArray]
+    stats: dict[str, Any]
+    overturn_time: float = math.nan  # s
+    fallen: int = 0
+    what_fell: str = ""
     verdict: str = UNDECIDED
-    reason: str = ""  # of the verdict
-    estimated_error: ErrorEstimate | None = None  # None: not made
-    horizon: float | None = None  # s, up to which the motion is predictable; None: not computed
-    ensemble: Ensemble | None = None  # runs with varied data; None: not made
+    reason: str = ""
+    estimated_error: ErrorEstimate | None = None
+    horizon: float | None = None  # s
+    ensemble: Ensemble | None = None
     motion: Motion | None = None  # of the base
     dimensions: ClassVar[Mapping[str, str]] = {JOINT: "block"}  # the name of the dimension of an owner in a frame
 
