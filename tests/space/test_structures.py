@@ -180,15 +180,15 @@ WRONG = [
 ]
 
 
-@pytest.mark.parametrize("count", [100, 102])
-def test_outlines_have_100_corners(count: int) -> None:
+@pytest.mark.parametrize(("count", "friction", "taken"), [(100, 0.3, True), (101, 0.3, False), (101, None, True)])
+def test_sections_of_joints_that_may_slide_have_100_corners(count: int, friction: float | None, taken: bool) -> None:
     """Refuse more: after a twist two outlines share up to twice as many, for which the kernels have room."""
     turns = 2.0 * np.pi * np.arange(count) / count
     outline = 0.4 * np.column_stack([np.cos(turns), np.sin(turns)])
     joint = {"between": ["b", "base"], "at": [0.0] * 3, "section": "polygon", "outline": outline.tolist()}
     block = {"name": "b", "position": [0.0] * 3, "width": 1.0, "depth": 1.0, "height": 1.0, "mass": 1e3}
-    law = {"stiffness": 1e9, "damping": 1e-3, "friction": 0.3}
-    with nullcontext() if count == 100 else pytest.raises(InputError, match="102 corners, must be a list of 3 to 100"):
+    law = {"stiffness": 1e9, "damping": 1e-3, **({} if friction is None else {"friction": friction})}
+    with nullcontext() if taken else pytest.raises(InputError, match="101 corners, must be 100 at most"):
         Structure.from_dict({"name": "a", "joints": law, "block": [block], "joint": [joint]})
 
 

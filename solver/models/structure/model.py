@@ -17,7 +17,7 @@ from ...common import ranges
 from ...common.errors import InputError, check_number, check_whole, reading, shown
 from ...common.files import check_file_name, toml_of
 from ...common.notebook import NotebookRepr, counted, outlines
-from ...kernels.structure.layout import MOST_CUT
+from ...kernels.structure.layout import MOST_CORNERS, MOST_CUT
 from ..column.model import Column
 from ..column.settings import Settings
 from ..ports import Port
@@ -92,13 +92,19 @@ class Structure(NotebookRepr):
             apart = centroid_of(self.blocks, tie.other) + tie.to - centroid_of(self.blocks, tie.one) - tie.from_
             if np.linalg.norm(apart) < LEAST_LENGTH:
                 raise InputError(f"tie[{e}].to: is the same place as from, must be {LEAST_LENGTH} m apart at least")
-        # limit of the kernels on the corners of a bond
+        # limits of the kernels on the corners of faces
         for joint in self.joints:
             count = len(joint.face.outline)
             if joint.bed.is_bonded and joint.bearing is None and not 0 < count <= MOST_CUT:
                 found = f"{count} corners" if count else "a round section"
                 limit = f"must be a polygon of {MOST_CUT} corners at most where a joint bears tension or cohesion"
                 raise InputError(f"{joint.key}: {found}, {limit}")
+            if joint.bed.friction is None or joint.bearing is not None:
+                continue
+            for face in (joint.above or joint.face, joint.below or joint.face):
+                if len(face.outline) > MOST_CORNERS:
+                    limit = f"must be {MOST_CORNERS} at most where a joint may slide"
+                    raise InputError(f"{joint.key}: a face of {len(face.outline)} corners, {limit}")
         if any(joint.bearing is None for joint in self.joints[len(self.joints) - len(self.bearings) :]):
             raise InputError("joints: bearings must come last")
         self._check_held()

@@ -445,12 +445,12 @@ def _with_law(
         raise InputError(f"{key}: {names} overlap by {deep}, must stand apart{'' if pair.wall else ', or have a gap'}")
     # damping, from the restitution with the reduced mass of both blocks and all their parts that meet at once
     stiffness = law[of_kind] * pair.size
-    along = [one for one in others if one.faces and (one.side is None) == (pair.side is None)]
-    at_once = sum(one.size for one in along if abs(one.gap - pair.gap) <= NEAR) if pair.faces else 0.0
     if "damping" in law:
         damping = law["damping"]
     else:
         mass = 1.0 / sum(1.0 / blocks[i].mass for i in (pair.one, pair.other) if i < len(blocks))
+        along = [one for one in others if one.faces and (one.side is None) == (pair.side is None)]
+        at_once = sum(one.size for one in along if abs(one.gap - pair.gap) <= NEAR) if pair.faces else 0.0
         damping = damping_of(law["restitution"], mass, law[of_kind] * (at_once or pair.size))
     gap = max(pair.gap, 0.0) if pair.shift else law.get("gap", max(pair.gap, 0.0))
     # of the body of a drum, if no other is given: its line spread over the radius

@@ -147,19 +147,18 @@ class Well:
         rest.observe()
         normal, dx, dy = (_field(rest, name) for name in ("N", "dx", "dy"))
         for b, joint in enumerate(structure.bearings):
-            along = joint.bed.shear_ratio * joint.bed.stiffness * joint.moments[0]
-            bears = (joint.bed.friction or 0.0) * max(0.0, float(normal[m + b])) + joint.bed.dowel
+            bears, along = _slider(joint, float(normal[m + b]))
             elastic = np.array([dx[b], dy[b]]) - _slip(rest, m + b)
-            size = float(np.hypot(*elastic))
-            if along * size > bears:
-                rest.slips.p1[m + b], rest.slips.p2[m + b] = (
-                    _slip(rest, m + b) + (1.0 - bears / (along * size)) * elastic
-                )
+            force = along * float(np.hypot(*elastic))
+            if force > bears:
+                slip = _slip(rest, m + b) + (1.0 - bears / force) * elastic
+                rest.slips.p1[m + b], rest.slips.p2[m + b] = slip
 
     def _keeps(self, rest: SpatialStepper, place: SpatialStepper, energy: float) -> bool:
         """Return True if a structure in the state `place` with this energy (J) cannot leave the well of a rest."""
         left = energy - rest.observe()
         tangent = sticking(rest).stiffness(self._delta)
+        # a rest far above the state is not that of its well
         if not _is_stable(tangent) or not self._holds(abs(left), self.barrier(rest, tangent, max(0.0, left))):
             return False
         return self._is_within(place, rest) or self._leads_to(rest, place.phase, energy)
@@ -333,11 +332,10 @@ class Well:
         structure, normal, d = self._structure, _field(rest, "N"), _field(rest, "d")
         m, least = len(structure.joints) - len(structure.bearings), math.inf
         for j, joint in enumerate(structure.bearings):
-            bearing, bed, carried = joint.bearing, joint.bed, max(0.0, float(normal[m + j]))
+            bearing, carried = joint.bearing, max(0.0, float(normal[m + j]))
             assert bearing is not None
             left = max(0.0, bearing.capacity - float(d[j]))
-            slides = bed.dowel + (bed.friction or 0.0) * carried
-            along = bed.shear_ratio * bed.stiffness * joint.moments[0]
+            slides, along = _slider(joint, carried)
             takes = slides * max(0.0, left - slides / along) if slides else 0.0
             least = min(least, 0.5 * (carried * bearing.pendulum + bearing.spring) * left**2 + takes)
         return least
@@ -380,6 +378,12 @@ class Well:
                 ends.append(stuck.row[first:last].copy())
             columns.append((ends[0] - ends[1]) / (2.0 * delta))
         return np.column_stack(columns)
+
+
+def _slider(joint: SpatialJoint, normal: float) -> tuple[float, float]:
+    """Return the force that the slider of a bearing bears at most under a normal force, N, and its stiffness, N/m."""
+    bed = joint.bed
+    return bed.dowel + (bed.friction or 0.0) * max(0.0, normal), bed.shear_ratio * bed.stiffness * joint.moments[0]
 
 
 def _work(moment: FloatArray, lifted: FloatArray) -> FloatArray:
