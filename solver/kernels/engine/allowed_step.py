@@ -1,20 +1,14 @@
-"""The longest stable step of an exchange (theory.md, section 15), by the growth of a recurrence."""
+"""The longest stable step of an exchange (theory.md, section 15), by the roots of a recurrence."""
 
 import math
 
 from ..layout.spaces import SLOPE_HELD, SLOPE_LINE
 from ..numba_ext.jit import kernel, leaf
 
-STEPS = 200  # number of steps of the recurrence; growth is measured over the second half
-
-
-GROWTH = 1.005  # per step
+GROWTH = 1.005  # largest root of a recurrence that counts as stable: amplitude after a step over that before it
 
 
 MIDDLE, WIDER, TINY = 1e-5, 1.05, 1e-6  # s, ratio: geometric series of the steps that are tried, down to TINY h
-
-
-FAR = 1e100
 
 
 SOFTEST = 1e-8  # (frequency times step)^2: a softer spring has no effect within a step, and would be lost in rounding
@@ -38,8 +32,20 @@ def is_new(base, h, mass):
 
 
 @leaf
+def _stays_within(a, b, c, d, e):
+    """Return True if all roots of a z^4 + b z^3 + c z^2 + d z + e, where a > 0, are within the unit circle (Schur)."""
+    if not abs(e) < a:
+        return False
+    a, b, c, d = a * a - e * e, a * b - e * d, a * c - e * c, a * d - e * b
+    if not abs(d) < a:
+        return False
+    a, b, c = a * a - d * d, a * b - d * c, a * c - d * b
+    return abs(c) < a and abs(b) < a + c
+
+
+@leaf
 def _grows(way, h, dashpot, spring, moved, mass):
-    """Return True if the recurrence grows at steps of h s.
+    """Return True if the recurrence grows by more than GROWTH at each step of h s.
 
     Parameters
     ----------
@@ -55,41 +61,38 @@ def _grows(way, h, dashpot, spring, moved, mass):
     # free motion: roots of s^2 + decay s + square
     half = 0.5 * decay
     rest = half * half - square
-    # free motion over a step: coefficients of d and v
+    # free motion over a step: (d, v) becomes (dd d + dv v, vd d + vv v)
     if rest > 0.0:
         rate = math.sqrt(rest)
         slow, fast = math.exp((rate - half) * h), math.exp(-(rate + half) * h)
-        of_place, of_rate = 0.5 * (slow + fast), 0.5 * (slow - fast) / rate
+        mean, dv = 0.5 * (slow + fast), 0.5 * (slow - fast) / rate
     else:
         rate = math.sqrt(-rest)
         fading = math.exp(-half * h)
-        of_place = fading * math.cos(rate * h)
-        of_rate = fading * (math.sin(rate * h) / rate if rate > 0.0 else h)
-    # start from a displacement of 1 and a rate, without earlier accelerations
-    d, v, last, last_line, middle, size = 1.0, 0.5 * math.sqrt(square), 0.0, 0.0, 0.0, 0.0
-    for n in range(STEPS):
-        # the acceleration at the exchange and its slope
-        a = (dashpot * v + spring * d) / mass
-        line = (a - last) / h if n > 0 else 0.0
-        slope = line
-        if way == SLOPE_HELD:
-            slope = 0.0
-        elif way != SLOPE_LINE and n > 1:
-            slope = (11.0 * line - 5.0 * last_line) / 6.0
-        last, last_line = a, line
-        # particular solution place + drift s, plus the free motion from the remainder (x, y)
-        drift = -slope / square
-        place = (-a - decay * drift) / square
-        x, y = d - place, v - drift
-        d = place + drift * h + of_place * x + of_rate * (y + half * x)
-        v = drift + of_place * y - of_rate * (square * x + half * y)
-        # amplitude as a velocity, and that half-way
-        size = math.hypot(d * math.sqrt(square), v)
-        if n == STEPS // 2:
-            middle = size
-        if not size < FAR:
-            return True
-    return size > middle * GROWTH ** (STEPS // 2 - 1)
+        mean = fading * math.cos(rate * h)
+        dv = fading * (math.sin(rate * h) / rate if rate > 0.0 else h)
+    dd, vd, vv = mean + half * dv, -square * dv, mean - half * dv
+    # what an acceleration of the base of 1, and a slope of 1 / h, add to d and v
+    place, drift = decay / (square * square), -1.0 / square
+    d_by_a, v_by_a = (dd - 1.0) / square, vd / square
+    d_by_line = (place * (1.0 - dd) + drift * (h - dv)) / h
+    v_by_line = (drift * (1.0 - vv) - place * vd) / h
+    # the same as accelerations of the base, (spring d + dashpot v) / mass, and those of the adjugate of the free motion
+    by_d, by_v = spring / mass, dashpot / mass
+    adjugate_d, adjugate_v = by_d * vv - by_v * vd, by_v * dd - by_d * dv
+    force, turned = by_d * d_by_a + by_v * v_by_a, adjugate_d * d_by_a + adjugate_v * v_by_a
+    line, turned_line = by_d * d_by_line + by_v * v_by_line, adjugate_d * d_by_line + adjugate_v * v_by_line
+    # differences of the accelerations of this exchange and the two before it, times h: the slope
+    now, last, before = 1.0, -1.0, 0.0
+    if way == SLOPE_HELD:
+        now, last = 0.0, 0.0
+    elif way != SLOPE_LINE:
+        now, last, before = 11.0 / 6.0, -16.0 / 6.0, 5.0 / 6.0
+    # characteristic polynomial, its roots divided by GROWTH
+    a, b = GROWTH**4, GROWTH**3 * (-(dd + vv) - force - now * line)
+    c = GROWTH**2 * (math.exp(-decay * h) + turned + now * turned_line - last * line)
+    d, e = GROWTH * (last * turned_line - before * line), before * turned_line
+    return not _stays_within(a, b, c, d, e)
 
 
 @kernel
