@@ -24,8 +24,8 @@ class Entry:
         self.function, self.group = function, group
         self.__name__, self.__doc__, self.__module__ = function.__name__, function.__doc__, module
         annotations = dict(function.__annotations__)
-        self.result: type[ArgumentKind] | None = annotations.pop("return", None)
-        self.kinds: dict[str, type[ArgumentKind]] = annotations
+        self.result: ArgumentKind | None = annotations.pop("return", None)
+        self.kinds: dict[str, ArgumentKind] = annotations
         code = function.__code__
         given = code.co_varnames[: code.co_argcount]
         if tuple(annotations) != given or self.result not in (None, Int, Real):

@@ -5,7 +5,8 @@ kernels check their bounds (bounds.py), two for every array: its address and its
 """
 
 import ctypes
-from typing import TYPE_CHECKING, Any, ClassVar
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -15,37 +16,16 @@ _FLOAT, _WHOLE = np.dtype(np.float64), np.dtype(np.int64)
 _first_byte, _address = ctypes.c_char.from_buffer, ctypes.addressof
 
 
-class ArgumentKind:
-    """A way to pass an argument: its letters for `struct`, and the values of its slots."""
+class ArgumentKind(NamedTuple):
+    """A way to pass an argument: its letters for `struct`, and a function that returns the values of its slots."""
 
-    letters: ClassVar[str]
-
-    @staticmethod
-    def slots(value: Any) -> tuple[Any, ...]:
-        """Return the values of the slots. Raises TypeError."""
-        raise NotImplementedError
+    name: str  # kinds may be passed alike
+    letters: str
+    slots: Callable[[Any], tuple[Any, ...]]  # raises TypeError
 
 
-class _Int(ArgumentKind):
-    """An int64."""
-
-    letters = "q"
-
-    @staticmethod
-    def slots(value: Any) -> tuple[Any, ...]:
-        """Return the number."""
-        return (value,)
-
-
-class _Real(ArgumentKind):
-    """A float64."""
-
-    letters = "d"
-
-    @staticmethod
-    def slots(value: Any) -> tuple[Any, ...]:
-        """Return the number."""
-        return (value,)
+def _number(value: Any) -> tuple[Any, ...]:
+    return (value,)
 
 
 def address_of(array: Any, kind: np.dtype[Any] = _FLOAT) -> int:
@@ -65,37 +45,20 @@ def address_of(array: Any, kind: np.dtype[Any] = _FLOAT) -> int:
         return int(array.ctypes.data)
 
 
-class _Reals(ArgumentKind):
-    """The address of an array of float64."""
-
-    letters = "qq" if BOUNDS else "q"
-
-    @staticmethod
-    def slots(value: Any) -> tuple[Any, ...]:
-        """Return the address, and the size where bounds are checked. Raises TypeError."""
-        return (address_of(value), value.size) if BOUNDS else (address_of(value),)
+def _sized(array: Any) -> tuple[Any, ...]:
+    return address_of(array), array.size
 
 
-class _Ints(ArgumentKind):
-    """The address of an array of int64."""
-
-    letters = "qq" if BOUNDS else "q"
-
-    @staticmethod
-    def slots(value: Any) -> tuple[Any, ...]:
-        """Return the address, and the size where bounds are checked. Raises TypeError."""
-        return (address_of(value, _WHOLE), value.size) if BOUNDS else (address_of(value, _WHOLE),)
+def _sized_whole(array: Any) -> tuple[Any, ...]:
+    return address_of(array, _WHOLE), array.size
 
 
-class _SizedReals(ArgumentKind):
-    """The address of an array of float64, and its size."""
+def _without_size(array: Any) -> tuple[Any, ...]:
+    return (address_of(array),)
 
-    letters = "qq"
 
-    @staticmethod
-    def slots(value: Any) -> tuple[Any, ...]:
-        """Return the address and the size. Raises TypeError."""
-        return address_of(value), value.size
+def _whole_without_size(array: Any) -> tuple[Any, ...]:
+    return (address_of(array, _WHOLE),)
 
 
 if TYPE_CHECKING:  # kernels are typed by numba
@@ -105,4 +68,7 @@ if TYPE_CHECKING:  # kernels are typed by numba
     Reals = Any
     SizedReals = Any
 else:
-    Int, Ints, Real, Reals, SizedReals = _Int, _Ints, _Real, _Reals, _SizedReals
+    letters, reals, ints = ("qq", _sized, _sized_whole) if BOUNDS else ("q", _without_size, _whole_without_size)
+    Int, Real = ArgumentKind("an int64", "q", _number), ArgumentKind("a float64", "d", _number)
+    Ints, Reals = ArgumentKind("int64s", letters, ints), ArgumentKind("float64s", letters, reals)
+    SizedReals = ArgumentKind("float64s and their number", "qq", _sized)
