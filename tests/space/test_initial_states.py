@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from multiblock import Column, InitialState, InputError, Motion, SpatialState, Structure, simulate, simulate_many
+from solver.models.protocol import NoRestError
 
 MASS, STIFFNESS, RATIO, G = 2500.0, 1e9, 0.4, 9.80665
 STILL = Motion.from_samples(0.05, np.zeros(21))
@@ -48,7 +49,8 @@ def test_a_structure_without_rest_begins_from_a_state() -> None:
     block = {"name": "block", "position": [0.0, 0.0, 0.0], **SIZE}
     law = {"stiffness": STIFFNESS, "damping": 1e-3}
     made = Structure.from_dict({"name": "over", "joints": law, "block": [block], "joint": [foot]})
-    with pytest.raises(InputError, match="falls without any motion"):
+    # Newton's method finds an unstable balance, or one upside down, by the last digits of the linear algebra
+    with pytest.raises(NoRestError, match=r"falls without any motion|does not stand under its weight"):
         simulate(made, STILL)
     none = np.zeros((1, 3))
     found = simulate(made, STILL, initial=SpatialState(none, none, none, none))
