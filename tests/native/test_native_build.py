@@ -62,6 +62,14 @@ def test_libraries_for_three_systems_need_no_python(fmu: Path) -> None:
     assert all(hasattr(__import__("ctypes").CDLL(None), name) for name in strange), strange
 
 
+def test_a_driven_column_links_for_windows(tmp_path: Path) -> None:
+    output = tmp_path / "driven.fmu"
+    Fmus.build(DAMPED, output, "--native", "--platforms", "win64", "--drive", "horizontal")
+    with zipfile.ZipFile(output) as archive:
+        (part,) = symbols.read(archive.read("binaries/win64/phocas_damped.dll"))
+    assert part.format == "PE x86-64"
+
+
 def test_a_symbol_of_python_is_found() -> None:
     part = symbols.Symbols("ELF", ("sin", "PyErr_Clear", "NRT_Free", "_numba_hypot"), (), ("libpython3.11.so",))
     assert part.foreign == ["PyErr_Clear", "NRT_Free", "_numba_hypot"]

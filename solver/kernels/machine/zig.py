@@ -30,7 +30,7 @@ MACOS_ARM = Target("arm64-apple-macosx11", "apple-m1", "aarch64-macos.11.0", _AP
 OF_WINDOWS = (
     *("atan2", "expm1", "hypot", "pow", "asin", "log"),
     *("calloc", "malloc", "free", "strtod", "atoi", "__stdio_common_vsprintf"),
-    *("memchr", "memcmp", "memcpy", "memset", "strchr", "strcmp", "strcpy", "strlen"),
+    *("memchr", "memcmp", "memcpy", "memset", "strchr", "strcmp", "strcpy", "strlen", "strncmp"),
 )
 BESIDE_WINDOWS = Path(__file__).with_name("windows.c")
 PLAIN = ("-std=c11", "-O2", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off")
