@@ -381,7 +381,8 @@ class Study(NotebookRepr):
                 raise InputError(f"{INTENSITY} = {values[INTENSITY]:g}: is drawn, must be zero or positive")
             present = measures[self.measure.name]
             if present == 0.0:
-                raise InputError(f"motion[{which + 1}]: {shaking.name} is still, it cannot be scaled to an {INTENSITY}")
+                zero = f"{shaking.name} has a {self.measure.label} of zero"
+                raise InputError(f"motion[{which + 1}]: {zero}, it cannot be scaled to an {INTENSITY}")
             factor *= values[INTENSITY] / present
         # scale, rotate in plan, tilt; a building, being linear, is solved once for all factors
         size, direction = abs(factor), given.get(DIRECTION, 0.0)
@@ -555,7 +556,7 @@ def _base(
     matter.
     """
     made = study.motions[motion].base(dict(numbers), unit)
-    if not np.any(made.ax) and not made.amplitude:
+    if not (np.any(made.ax) or made.amplitude or made.has_ay):
         return made, dict.fromkeys(study.measured, 0.0)
     given = study.measure
     measures = (given if given is not None and given.name == name else Measure(name) for name in study.measured)

@@ -482,7 +482,7 @@ def test_values_of_a_wrong_type_are_refused_in_one_line_wherever_they_are(folder
 def test_a_silent_record_cannot_be_scaled_to_an_intensity(study: Study) -> None:
     silent = Shaking("calm", record=Motion.from_samples(0.01, np.zeros(100)))
     odd = Study(**{**vars(study), "motions": (silent,), "random": {}, "samples": 1})
-    with pytest.raises(InputError, match=r"motion\[1\]: calm is still, it cannot be scaled to an intensity"):
+    with pytest.raises(InputError, match=r"motion\[1\]: calm has a PGA of zero, it cannot be scaled to an intensity"):
         odd.run(0)
     assert set(run_study(odd)["verdict"]) == {"failed"}
 

@@ -22,7 +22,7 @@ from multiblock import Column, InputError, Motion, Structure, simulate, wavelets
 from solver.commands.schema import structure_schema
 from solver.commands.study import summary
 from solver.models.structure.numbers import structure_with
-from solver.studies import Results, Shaking, Study, fit_fragility, fragility, run_study
+from solver.studies import Measure, Results, Shaking, Study, fit_fragility, fragility, run_study
 from solver.studies.pictures import draw
 from solver.studies.statistics import failures_of
 
@@ -475,6 +475,21 @@ def test_a_motion_turned_in_plan() -> None:
     wave = Motion.harmonic(1.0, 2.0, 3.0).turned(0.4)
     other = Motion.harmonic(1.0, 2.0, 3.0, direction=0.4)
     assert (wave.amplitude, wave.amplitude_y) == (other.amplitude, other.amplitude_y)
+
+
+def test_a_motion_along_y_alone_is_scaled_by_the_measures_of_both_components() -> None:
+    samples = 0.01 * np.arange(300)
+    across = Motion.from_samples(0.01, np.zeros(300), ay=np.sin(7.0 * samples) * np.exp(-samples))
+    one: dict[str, Any] = {
+        "name": "across",
+        "kind": "ida",
+        "columns": (COLONNADE,),
+        "motions": (Shaking("across", record=across),),
+    }
+    scaled = Study(**one, grid={"intensity": (0.2,)}, measure=Measure("rotd100", 0.5))
+    assert Measure("sa", 0.5).of(scaled.run(0).run.motion, "ay") == pytest.approx(0.2)
+    with pytest.raises(InputError, match=r"motion\[1\]: across has a PGA of zero, it cannot be scaled"):
+        replace(scaled, measure=Measure("pga")).run(0)
 
 
 def test_a_structure_without_a_rest_has_overturned() -> None:
