@@ -30,7 +30,7 @@ from fmu_src import host
 from fmu_src.drive import Drive
 from fmu_src.native.library import has_tools
 from fmu_src.native.platforms import PLATFORMS
-from multiblock import Column, Motion
+from multiblock import Column, InputError, Motion
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
@@ -165,7 +165,11 @@ def main() -> int:
     parser.add_argument("--record", type=Path, metavar="FILE", help="ground motion for ground.fmu")
     options = parser.parse_args()
     platforms = options.platforms.split(",")
-    made = build_all(options.output_folder, options.column, options.native, platforms, options.record)
+    try:
+        made = build_all(options.output_folder, options.column, options.native, platforms, options.record)
+    except (InputError, OSError) as error:
+        print(f"build.py: {error}", file=sys.stderr)
+        return 2
     for path in made.values():
         print(path)
     return 0

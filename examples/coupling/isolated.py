@@ -47,6 +47,14 @@ def pulse(velocity: float = 0.6, period: float = 1.2, cycles: float = 2.0) -> Mo
     return Motion.from_samples(STEP, np.gradient(wave, STEP)).named("a near-fault pulse")
 
 
+def ground_of(record: Path) -> Motion:
+    """Return the motion of a record along x. Raises InputError."""
+    motion = Motion.from_file(record)
+    if motion.has_ay or np.any(motion.az):
+        raise InputError(f"{record}: ay, az: the ground moves along x alone, must be zero")
+    return motion
+
+
 def run_both(column: Column, fmus: dict[str, Path], motion: Motion, isolator: str) -> tuple[Run, Run]:
     """Return histories of the fixed and of the isolated column, every STEP."""
     stop = motion.duration + AFTER
@@ -147,14 +155,16 @@ def main() -> int:
     """Run the command line."""
     parser = argparse.ArgumentParser(description="An isolated column against the same one on its fixed base.")
     parser.add_argument("column", nargs="?", type=Path, default=DEFAULT_COLUMN, help="TOML file (default: %(default)s)")
-    parser.add_argument("--record", type=Path, metavar="FILE", help=".AT2 record (default: a near-fault pulse)")
+    parser.add_argument(
+        "--record", type=Path, metavar="FILE", help="record of one component (default: a near-fault pulse)"
+    )
     parser.add_argument("--scale", type=float, default=1.0, help="factor on the ground motion")
     parser.add_argument("--isolator", choices=ISOLATORS, default="friction-pendulum")
     parser.add_argument("-o", "--output-folder", type=Path, default=Path("results"))
     options = parser.parse_args()
     try:
         column = Column.from_toml(options.column)
-        motion = (Motion.from_at2(options.record) if options.record else pulse()).scaled(options.scale)
+        motion = (ground_of(options.record) if options.record else pulse()).scaled(options.scale)
         options.output_folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory() as folder:
             fixed, isolated = run_both(column, build_all(Path(folder), options.column), motion, options.isolator)

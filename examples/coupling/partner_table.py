@@ -18,7 +18,7 @@ from fmu_src.native.package import compiled, identified
 from fmu_src.native.table import ChoiceParameter, Contents, NativeSubject, RangeCheck
 from fmu_src.record import usual_experiment
 from fmu_src.variables import Variable
-from multiblock import Motion
+from multiblock import InputError, Motion
 
 VERSION = "2"
 NATIVE_FLAGS = FLAGS | {"canInterpolateInputs": True}
@@ -105,6 +105,8 @@ def native_partner(
     """Return the files of a partner's FMU without Python, and its GUID. Raises InputError, OSError."""
     law = law_of(name)
     motion = None if record is None else Motion.from_file(record)
+    if motion is not None and motion.has_ay:
+        raise InputError(f"{record}: ay: partners move along x and z, must be zero")
     table = variables(law, record.name if record else "")
     contents = identified(Contents(subject(law, name), table, "", record.name if record else "", motion), 2)
     root = description(law, contents.guid, table, usual_experiment(None, motion), NATIVE_FLAGS, "build.py --native")

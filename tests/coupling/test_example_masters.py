@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,11 +11,14 @@ import pytest
 from support.fmus import ROOT
 
 from fmu_src import host
+from multiblock import InputError
 
 sys.path.insert(0, str(ROOT / "examples" / "coupling"))
 
+import isolated
 import master
 from partner_kernels import law_of
+from partner_table import native_partner
 
 
 class Recorder:
@@ -69,3 +73,18 @@ def test_a_step_that_a_partner_does_not_make_leaves_it_as_before(monkeypatch: py
     assert not partner.do_step(0.0, 1e-3)
     assert "lost on the way" in said[0]
     assert partner.motion == [0.1] * law.MOTION
+
+
+def test_components_of_a_record_that_an_example_does_not_follow_are_refused(tmp_path: Path) -> None:
+    files = {}
+    for name in ("ax", "ay", "az"):
+        files[name] = tmp_path / f"{name}.csv"
+        columns = [f"base.{axis}" for axis in ("ax", "ay", "az") if axis in ("ax", name)]
+        rows = (",".join([str(0.01 * k), *["1.0"] * len(columns)]) for k in range(3))
+        files[name].write_text("\n".join([",".join(["time", *columns]), *rows]) + "\n", encoding="utf-8")
+    assert isolated.ground_of(files["ax"]).ax.tolist() == [1.0] * 3
+    for name in ("ay", "az"):
+        with pytest.raises(InputError, match="ay, az: the ground moves along x alone"):
+            isolated.ground_of(files[name])
+    with pytest.raises(InputError, match="ay: partners move along x and z"):
+        native_partner("ground", [], files["ay"])
