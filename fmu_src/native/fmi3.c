@@ -195,7 +195,10 @@ static Status piece(Face *face, double start, double width, double end, double p
     if (core_get_reals(face->column, face->inputs, face->followed, face->first) != ST_OK) return ST_ERROR;
     face->update(face->environment, end, true, false, false, false, &early, &when);
     if (core_get_reals(face->column, face->inputs, face->followed, face->last) != ST_OK) return ST_ERROR;
-    for (size_t k = 0; k < face->followed; k++) face->line[k] = (face->last[k] - face->first[k]) / width;
+    for (size_t k = 0; k < face->followed; k++) {
+        if (!isfinite(face->last[k])) face->first[k] = face->last[k]; /* the input is refused, not its slope */
+        face->line[k] = isfinite(face->last[k]) ? (face->last[k] - face->first[k]) / width : 0.0;
+    }
     if (core_set_reals(face->column, face->inputs, face->followed, face->first) != ST_OK ||
         core_set_reals(face->column, face->slopes, face->followed, face->line) != ST_OK)
         return ST_ERROR;

@@ -250,6 +250,7 @@ def test_what_it_refuses(native3: Path) -> None:
     assert "is not offered" in found["event mode"]
     assert "positive time" in found["backwards"]
     assert "must be a finite number" in found["no number"]
+    assert "base.ax = nan: must be a finite number" in found["no number within"]  # not its slope
     assert "serialized state" in found["state"]
     assert [name for name, said in found.items() if said == "ok"] == []
 

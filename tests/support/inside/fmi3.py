@@ -271,6 +271,15 @@ def refusals(fmu: str) -> dict[str, Any]:
         ("unnamed", (guid, ""), False),
     ):
         attempt(name, lambda: fmi.instantiate(eventModeUsed=events))  # noqa: B023
+
+    def give(environment: Any, t: float, wanted: bool, *others: Any) -> None:
+        if wanted:
+            within.set(base__ax=float("nan") if t > 0.005 else 0.5)
+
+    within = Instance3(fmu, folder, intermediateUpdate=give, requiredIntermediateVariables=column.references("base.ax"))
+    within.initialize()
+    attempt("no number within", within.fmi.doStep, 0.0, 0.01)
+    found["no number within"] = " ".join(within.said)
     exchange = fmi.dll.fmi3InstantiateModelExchange
     exchange.restype = ctypes.c_void_p
     found["exchange"] = exchange(b"column", guid.encode(), b"", False, False, None, fmi.logMessage)
