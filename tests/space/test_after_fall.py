@@ -457,3 +457,17 @@ def test_a_state_before_its_first_step_does_not_know_of_a_fall_after_it() -> Non
     driven.drive(0.0, 8.0, *[0.0] * 5)
     driven.advance(0.0, 1e-3)
     assert not driven.fallen
+
+
+def test_a_soft_edge_deep_in_the_ground_is_no_fall() -> None:
+    """Check that a block which tilts by more than 45 degrees and comes back stands, whether it would go on or not."""
+    cube = {"name": "cube", "on": "base", "width": 1.0, "depth": 0.5, "height": 1.0, "density": 2200.0}
+    law = {"stiffness": 1e7, "damping": 2e-3, "friction": 0.9}
+    neighbours = {"stiffness": 1e7, "restitution": 0.3, "friction": 0.9}
+    structure = Structure.from_dict({"name": "soft", "joints": law, "neighbours": neighbours, "block": [cube]})
+    t = 0.01 * np.arange(301)
+    motion = Motion.from_samples(0.01, np.where(t < 1.0, 16.0 * np.sin(2.0 * np.pi * t), 0.0))
+    for after in (None, 1.0):
+        found = simulate(structure, motion, after_fall=after)
+        assert found.verdict == "standing"
+        assert 1.05 < np.max(np.abs(found.rotation)) < 1.1  # measured 1.07 rad

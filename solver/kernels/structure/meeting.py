@@ -24,6 +24,7 @@ from .contact import (
 )
 from .cracking import crack, until_broken
 from .evaluate import moving
+from .joint import bed_of_joint, penetration
 from .kinematics import dot, pose_two, relative_motion, tilt_square
 from .layout import APART, JOINED, PHASE, POINT
 from .sides import SLACK
@@ -39,7 +40,7 @@ LEAST_PART = 1e-6
 SHORTLY = 1e-6  # s: difference by which the rate of a gap is found
 # after a fall a joint ends at a squared sine of half its tilt, 45 degrees, or a displacement over the size of its block
 MOST_TILT, LEAST_ARM = 0.1464, 0.1
-DEEPEST = 0.02  # of the size of a block: an overlap with the ground beyond that of the edge of a joint
+DEEPEST = 0.02  # of the size of a block: an overlap with the ground beyond the depth of the edge of a joint
 
 
 @leaf
@@ -116,9 +117,23 @@ def toppled(scene, phase):
     """
     for p in range(scene.extras.met):
         block = int(scene.extras.pairs.one[p])
-        if _is_tilted(scene, phase, p) and _bodies_gap(scene, phase, p) < -DEEPEST * scene.bodies.size[block]:
-            return block + 1
+        if _is_tilted(scene, phase, p):
+            overlap = -_bodies_gap(scene, phase, p)
+            if overlap > DEEPEST * scene.bodies.size[block] + _edge_depth(scene, phase, p):
+                return block + 1
     return 0
+
+
+@kernel
+def _edge_depth(scene, phase, p):
+    """Return the largest penetration of the joints between the bodies of pair p, m."""
+    pose_two(scene, phase, int(scene.extras.pairs.one[p]), int(scene.extras.pairs.other[p]))
+    depth = 0.0
+    for j in range(scene.m):
+        if _connects(scene, j, p):
+            pressed = penetration(scene, j, relative_motion(scene, phase, j))
+            depth = max(depth, bed_of_joint(scene, j, pressed, pressed).largest)
+    return depth
 
 
 @kernel
