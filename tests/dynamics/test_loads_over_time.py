@@ -63,6 +63,18 @@ def test_a_blow_gives_the_momentum_of_rigid_bodies() -> None:
     assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.02)
 
 
+@pytest.mark.parametrize("ends", [1.5, 1.2, 2.5])  # s: within the motion of 2 s, before the run ends, after the motion
+def test_a_row_at_a_jump_has_the_load_before_it(ends: float) -> None:
+    """Let a damped column come to rest under a force, which its base bears until the force ends."""
+    load = Load.of([0.0, ends], Fx=[2e3, 2e3])
+    column = ported(monolith(eta=5e-2))
+    found = simulate(column, STILL, max(ends, 1.5), loads={"top": load}, output_step=0.1, settle=0.0)
+    last = round(ends / 0.1)
+    assert found.base_Fx[last] == pytest.approx(2e3, rel=1e-2)
+    assert abs(found.port_ax[last, 0]) < 1e-2 * found.port_ax[0, 0]
+    assert np.max(np.abs(found.base_Fx)) <= found.peaks["base_Fx"][0]
+
+
 @pytest.mark.parametrize("make", [lambda: phocas(tolerance=1e-9), lambda: leaning(0.0)])
 def test_energy_grows_by_the_work_of_the_loads(make: Any) -> None:
     """Integrate the rates of the ports by Simpson's rule, undamped and in full contact."""

@@ -94,6 +94,15 @@ def segment_from(samples, t):
 
 
 @leaf
+def segment_until(samples, t):
+    """Return the index of the sample from which a step that ends at time t (s) comes; 0 at the first sample."""
+    k = segment_from(samples, t)
+    if k > 0 and t - samples.times[k] <= _slack_after(samples, k - 1):
+        k -= 1
+    return k
+
+
+@leaf
 def next_sample(samples, k, end):
     """Return the time (s) of the sample after number k, or `end` unless that is later by more than rounding."""
     if k + 1 < samples.size and end - samples.times[k + 1] > _slack_after(samples, k):

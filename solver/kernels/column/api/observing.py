@@ -1,9 +1,10 @@
 """Observation of a column: output rows and the split reaction, of its state or of snapshots."""
 
+from ...engine.samples import segment_until
 from ...layout.spaces import LOAD, OK, ROW, SNAPSHOT, SPOTS
 from ...numba_ext.jit import kernel, leaf
 from ...numba_ext.views import clear, copy
-from ..formulations.base_motion import enter, moved_and_loaded
+from ..formulations.base_motion import moved_and_loaded
 from ..formulations.exact import Motion
 from ..formulations.feedthrough import split_reaction
 from ..formulations.loads import ports_of, push_ports, pushes_of
@@ -26,17 +27,13 @@ def _motion_held(column, control):
 
 @leaf
 def _motion_of_snapshot(column, snapshot, t):
-    """Return the motion of the base, without rotation, at the time t of a snapshot; with the loads after a jump."""
+    """Return the motion of the base, without rotation, and of the loads at the time t of a snapshot; before a jump."""
     ax, az = snapshot.base.ax, snapshot.base.az
     # loads on the ports, those of the instant of overturning afterwards
     if ports_of(column) > 0:
         if column.counts.overturned > 0:
             t = min(t, column.state.control.overturn_time)
-        enter(column.base, column.samples, t)
-        # the last instant of the record has its last loads
-        last = column.samples.size - 1
-        if last > 0 and t == column.samples.times[last]:
-            column.base.segment = last - 1.0
+        column.base.segment = segment_until(column.samples, t)
         push_ports(column, t)
     return Motion(ax, az, 0.0, 0.0, 0.0)
 
