@@ -60,7 +60,7 @@ _PANELS = (
     _Panel("sigma_max", "largest pressure in the joint", r"$\sigma_{max}$", "MPa", 1e-6, "", True),
     _Panel("T/N", "friction demand", "$|T|/N$", "", 1.0, "friction", True),
 )
-_SLIP = _Panel("slip", "slip of the block on the body below", "slip", "mm", 1e3)
+_SLIP = _Panel("slip", "slip over the body below", "slip", "mm", 1e3)
 _IN_METRES = _Panel("ux", "displacement of the top face", "$u_x$", "m")
 
 
@@ -71,7 +71,7 @@ class _Shown:
     column: Column
     time: FloatArray
     histories: Mapping[str, FloatArray]
-    peaks: Mapping[str, FloatArray]  # of the continuous motion; none where the column falls
+    peaks: Mapping[str, FloatArray]  # of the continuous motion; none of one with a fall
     chosen: dict[int, str]  # block, from 0 -> colour
     overturn_time: float  # s, NaN while it stands
     gone: int  # number of rows until it cannot come back; all while it stands
@@ -265,7 +265,7 @@ def _shown(
     if np.all(carried > 0.0):
         ratio = friction_history(cut["Tx"], cut["N"], carried)
         cut["T/N"] = np.where(COUNTS_FROM * carried < cut["N"], ratio, math.nan)
-    kept = {} if math.isfinite(overturn_time) else dict(peaks)
+    kept = {} if falls else dict(peaks)
     return _Shown(column, time[:rows], cut, kept, _chosen(column.n, cut, gone), overturn_time, gone)
 
 

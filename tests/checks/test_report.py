@@ -137,7 +137,7 @@ def test_panels_without_an_event_are_left_out() -> None:
     still = simulate(dry, Motion.from_samples(0.1, np.zeros(11)))
     rocks = simulate(dry, Motion.harmonic(4.0, 1.0, 2.0))
     shown = [[axes.get_title(loc="left")[4:] for axes in plot_response(run).axes] for run in (still, rocks)]
-    contact, slip = "width in contact, white: all", "slip of the block on the body below"
+    contact, slip = "width in contact, white: all", "slip over the body below"
     assert (contact in shown[0], slip in shown[0], contact in shown[1]) == (False, False, True)
 
 

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.lines import Line2D
 from support.child import call
-from support.fmus import PHOCAS
+from support.fmus import PHOCAS, ROOT
 from support.inside import imports
 
 from multiblock import wavelets
@@ -362,7 +362,13 @@ def test_the_figure_of_a_report_shows_peaks_between_rows() -> None:
     assert title == f"peak {1e3 * run.peak_top_ux[0]:.3g} mm, block 1"
 
 
-def test_a_fall_after_the_histories_has_no_peak() -> None:
-    time, given = histories(3)
-    axes = panel(plot_histories(time, given, overturn_time=2.0 * time[-1]), "displacement")
-    assert axes.get_title(loc="right").startswith("before the fall ")
+def test_a_fall_after_the_histories_leaves_their_peaks() -> None:
+    """Let a statue strike its pedestal between two rows and fall after the run."""
+    statue = Column.from_toml(ROOT / "examples" / "columns" / "statue.toml")
+    run = simulate(statue, wavelets.one_sine(0.7 * 9.80665, 1.5))
+    assert run.overturn_time > run.time[-1]
+    most = 1e-3 * run.peaks["N"].max()
+    assert most > 3e-3 * np.max(run.N)
+    axes = panel(plots.plot_response(run), "normal force")
+    assert axes.get_title(loc="right") == f"before the fall {most:.3g} kN, joint 2"
+    assert len(marks(axes)) == 2
