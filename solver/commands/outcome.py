@@ -26,6 +26,12 @@ def verdict_line(response: Result) -> str:
     return f"overturned at {response.overturn_time:.4g} s: {response.what_fell}{late}{hits}"
 
 
+def padded(*names: str, least: int = 14) -> list[str]:
+    """Return the head and the names of the first column of a table with blanks up to its width, at least `least`."""
+    width = max(least, *map(len, names))
+    return [name.ljust(width) for name in names]
+
+
 def error_lines(response: Result, moved: str) -> list[str]:
     """Return the line on the estimated error, if there is one; `moved` names the peaks of displacements."""
     error = response.estimated_error

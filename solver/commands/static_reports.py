@@ -9,6 +9,7 @@ import numpy as np
 from ..models.structure.blocks.faces import FloatArray
 from ..models.structure.modes import SpatialModes, sliding_frequencies
 from ..models.structure.push import PushOver
+from .outcome import padded
 from .reports import MOST_MODES, strongly_damped_lines
 from .structure import MOST_LINES
 
@@ -42,16 +43,17 @@ def rest_in_space_report(found: PushOver) -> str:
     """Return a table of the joints at rest, the tie forces, and the head of a table of pushes."""
     structure, n = found.model, found.model.n
     settled = -float(np.min(found.uz[0]))
+    head, *names = padded("joint at rest", *structure.joint_names[:MOST_LINES], least=24)
     lines = [
         f"{structure.name}: {n} blocks, weight {1e-3 * structure.weight:.5g} kN, settles by {1e3 * settled:.4g} mm",
-        "joint at rest                N (kN)  pressure (MPa)  contact  friction used",
+        f"{head}     N (kN)  pressure (MPa)  contact  friction used",
     ]
     # joints at rest
     used = _friction_used(found)
-    for j, name in enumerate(structure.joint_names[:MOST_LINES]):
+    for j, name in enumerate(names):
         part = "cannot slide" if math.isnan(used[j]) else f"{used[j]:.3f}"
         lines.append(
-            f"{name[:24]:24s}  {1e-3 * found.N[0, j]:9.5g}  {1e-6 * found.sigma_max[0, j]:14.4g}  "
+            f"{name}  {1e-3 * found.N[0, j]:9.5g}  {1e-6 * found.sigma_max[0, j]:14.4g}  "
             f"{found.contact[0, j]:7.4g}  {part:>13s}".rstrip()
         )
     left = len(structure.joints) - MOST_LINES

@@ -12,7 +12,7 @@ from ..models.structure.model import Structure
 from ..models.structure.modes import frequencies_at_rest, touching
 from ..models.structure.response import SpatialResponse
 from ..models.structure.rest import rest_of
-from .outcome import cracks, ensemble_lines, error_lines, verdict_line
+from .outcome import cracks, ensemble_lines, error_lines, padded, verdict_line
 from .reports import base_line
 
 MOST_LINES = 20  # rows of a table
@@ -34,9 +34,10 @@ def report(structure: Structure, motion: Motion) -> str:
 def summary(response: SpatialResponse) -> str:
     """Return the results of a run as text for the terminal."""
     structure, peaks, stats = response.model, response.peaks, response.stats
-    lines = ["block           peak |ux| (mm)  |uy| (mm)  |uz| (mm)"]
-    moved = zip(structure.names, *(1e3 * peaks[name] for name in ("ux", "uy", "uz")), strict=True)
-    lines += [f"{name[:14]:14s}  {x:14.5g} {y:10.5g} {z:10.5g}" for name, x, y, z in moved][:MOST_LINES]
+    head, *names = padded("block", *structure.names[:MOST_LINES])
+    lines = [f"{head}  peak |ux| (mm)  |uy| (mm)  |uz| (mm)"]
+    moved = zip(names, *(1e3 * peaks[name] for name in ("ux", "uy", "uz")), strict=False)
+    lines += [f"{name}  {x:14.5g} {y:10.5g} {z:10.5g}" for name, x, y, z in moved]
     lines += [f"... {structure.n - MOST_LINES} more blocks"] if structure.n > MOST_LINES else []
     lines.append(_envelope(response))
     if "N" in peaks:
@@ -57,22 +58,24 @@ def summary(response: SpatialResponse) -> str:
 def _peaks(response: SpatialResponse) -> list[str]:
     """Return tables of the peaks of joints, ties and bearings."""
     structure, peaks = response.model, response.peaks
-    lines = ["joint           peak N (kN)  least contact  pressure (MPa)  slip (mm)"]
+    head, *names = padded("joint", *structure.joint_names[:MOST_LINES])
+    lines = [f"{head}  peak N (kN)  least contact  pressure (MPa)  slip (mm)"]
     columns = 1e-3 * peaks["N"], peaks["contact"], 1e-6 * peaks["sigma_max"], 1e3 * peaks["slip"]
-    joints = zip(structure.joint_names, *columns, strict=True)
-    lines += [f"{name[:14]:14s}  {n:11.5g} {c:14.4g} {p:15.4g} {s:10.4g}" for name, n, c, p, s in joints][:MOST_LINES]
+    joints = zip(names, *columns, strict=False)
+    lines += [f"{name}  {n:11.5g} {c:14.4g} {p:15.4g} {s:10.4g}" for name, n, c, p, s in joints]
     left = len(structure.joints) - MOST_LINES
     lines += [f"... {left} more joints"] if left > 0 else []
     if structure.ties:
         lines.append("ties: peak forces (kN) " + ", ".join(f"{1e-3 * force:.4g}" for force in peaks["tie"]))
     if structure.bearings:
-        moved = zip(structure.bearing_names, structure.bearings, peaks["d"].tolist(), strict=True)
-        lines.append("bearing         displacement (mm)  of it at the end  it allows")
+        head, *names = padded("bearing", *structure.bearing_names[:MOST_LINES])
+        moved = zip(names, structure.bearings, peaks["d"].tolist(), strict=False)
+        lines.append(f"{head}  displacement (mm)  of it at the end  it allows")
         lines += [
-            f"{name[:14]:14s}  {1e3 * most:17.5g} {1e3 * response.d[-1, k]:17.5g} {1e3 * joint.bearing.capacity:10.5g}"
+            f"{name}  {1e3 * most:17.5g} {1e3 * response.d[-1, k]:17.5g} {1e3 * joint.bearing.capacity:10.5g}"
             for k, (name, joint, most) in enumerate(moved)
             if joint.bearing is not None
-        ][:MOST_LINES]
+        ]
     return lines
 
 
@@ -88,8 +91,13 @@ def _envelope(response: SpatialResponse) -> str:
 def _neighbours(response: SpatialResponse) -> list[str]:
     """Return a table of the neighbours in the order of their first contacts; no line without neighbours."""
     found = [one.texts for one in response.impacts]
-    lines = ["neighbours               least gap (mm)  largest force (kN)  first contact (s)  its energy (J)"]
-    lines += [f"{one[0][:24]:24s} {one[1]:>14s} {one[2]:>19s} {one[3]:>18s} {one[4]:>15s}" for one in found]
+    shown = found[:MOST_LINES]
+    head, *names = padded("neighbours", *(one[0] for one in shown), least=24)
+    lines = [f"{head} least gap (mm)  largest force (kN)  first contact (s)  its energy (J)"]
+    lines += [
+        f"{name} {one[1]:>14s} {one[2]:>19s} {one[3]:>18s} {one[4]:>15s}"
+        for name, one in zip(names, shown, strict=True)
+    ]
     if len(found) > MOST_LINES:
-        lines[1 + MOST_LINES :] = [f"... {len(found) - MOST_LINES} more pairs"]
+        lines.append(f"... {len(found) - MOST_LINES} more pairs")
     return lines if found else []

@@ -53,6 +53,17 @@ def test_a_column_under_two_components(record: str, tmp_path: Path, capsys: pyte
     assert np.max(np.abs(rows["block[block1].uy"])) > 0.1 * np.max(np.abs(rows["block[block1].ux"])) > 0.0
 
 
+def test_names_of_joints_are_printed_in_full(record: str, capsys: pytest.CaptureFixture[str]) -> None:
+    given = ["simulate", str(COLUMNS / "doric.toml"), record, "--space", "--no-check", "--settle", "0"]
+    assert main([*given, "--duration", "0.05"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    (head,) = (k for k, line in enumerate(lines) if line.startswith("joint "))
+    assert [line.split()[0] for line in lines[head + 10 : head + 13]] == [
+        *("block10-block11", "block11-block12", "block12-base")
+    ]
+    assert len({len(line) for line in lines[head : head + 13]}) == 1
+
+
 def test_modes_without_weight_are_refused_as_in_the_plane(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "light.toml"
     file.write_text("g = 0.0\n" + STORAGE.read_text(encoding="utf-8"), encoding="utf-8")
