@@ -16,7 +16,7 @@ from ..common.files import write_table
 from ..common.frames import Frame, Framed
 from ..common.notebook import NotebookRepr, counted
 from ..ground.motion import Motion
-from .outputs import DIGITS, JOINT, FloatArray, Histories, units_of
+from .outputs import BOND, DIGITS, JOINT, FloatArray, Histories, units_of
 from .pictures import draw, scenes_of
 from .protocol import SCALAR, UNDECIDED
 from .uncertainty import Debris, Ensemble, ErrorEstimate
@@ -69,7 +69,7 @@ class Result(Histories, Framed, NotebookRepr):
     horizon: float | None = None  # s
     ensemble: Ensemble | None = None
     motion: Motion | None = None  # of the base
-    dimensions: ClassVar[Mapping[str, str]] = {JOINT: "block"}  # the name of the dimension of an owner in a frame
+    dimensions: ClassVar[Mapping[str, str]] = {JOINT: "block", BOND: "bonded_joint"}  # of owners in a frame
 
     def __post_init__(self) -> None:
         self.peaks = Renamed(self.peaks, aliases_of(type(self)), "peaks")

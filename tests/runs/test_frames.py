@@ -15,6 +15,7 @@ from multiblock import (
     Column,
     Motion,
     Response,
+    Structure,
     Study,
     Table,
     capacity_curve,
@@ -70,6 +71,17 @@ def test_values_and_units_are_those_of_the_response(response: Response) -> None:
         np.testing.assert_array_equal(data[key], getattr(response, name))
     assert [data[name].attrs.get("units") for name in ("time", "ux", "M", "sigma_max")] == ["s", "m", "N m", "Pa"]
     assert data.attrs["verdict"] == response.verdict
+
+
+def test_what_is_left_of_mortar_has_the_joints_as_its_dimension() -> None:
+    folder, still = ROOT / "examples", Motion.from_samples(0.1, [0.0, 0.0])
+    column = simulate(Column.from_toml(folder / "columns" / "mortar.toml"), still)
+    structure = simulate(Structure.from_toml(folder / "structures" / "parapet.toml"), still)
+    for response, names in ((column, [1, 2, 3, 4]), (structure, structure.model.bond_names)):
+        bond = response.to_xarray()["bond"]
+        assert bond.dims == ("time", "bonded_joint")
+        assert list(bond["bonded_joint"].values) == list(names)
+        np.testing.assert_array_equal(bond, response.bond)
 
 
 def test_a_table_is_a_mapping(table: Table) -> None:

@@ -17,7 +17,7 @@ from ...common.errors import needing
 from ...common.frames import EXTRA
 from ...common.notebook import history, rows_of
 from ...kernels.structure.layout import JOINED_GAP
-from ..outputs import BASE, CONTACT, TIE, peaks_by_name
+from ..outputs import BASE, BOND, CONTACT, TIE, peaks_by_name
 from ..pictures import draw
 from ..response import Result
 from ..uncertainty import Debris
@@ -92,7 +92,7 @@ class SpatialResponse(StructureHistories, Result):
     _again: Callable[[], Moved]  # repeats the run and returns velocities and energies
     # (5, pairs): 1 if a pair has begun to touch; when, s; the rate of its gap then, m/s; least gap, m; largest force, N
     _touched: FloatArray
-    dimensions = MappingProxyType({TIE: "tie_number", CONTACT: "pair", BASE: "component"})
+    dimensions = MappingProxyType({TIE: "tie_number", BOND: "bonded_joint", CONTACT: "pair", BASE: "component"})
     overturned_block = Alias(
         "fallen", lambda response: response.model.names[response.fallen - 1] if response.fallen else ""
     )
