@@ -145,6 +145,20 @@ def test_drums_that_have_slid_bear_their_weight_on_what_their_faces_share(tmp_pa
         check_forces(response, tmp_path / f"bore{10 * bore:g}", 0.02)
 
 
+def test_a_joint_that_has_ended_in_a_fall_bears_nothing(tmp_path: Path) -> None:
+    block = {"name": "post", "on": "base", "width": 0.5, "depth": 0.5, "height": 2.0, "density": 2500.0}
+    meet = {"stiffness": 1e9, "restitution": 0.3, "friction": 0.4, "after_fall": 1.0}
+    joints = {**SLIDING, "friction": 0.4}
+    post = Structure.from_dict({"name": "post", "joints": joints, "neighbours": meet, "block": [block]})
+    response = simulate(post, wavelets.one_sine(0.6 * 9.80665, 0.8), check=False)
+    ended = response.time[response.contact[:, 0] == 0.0]
+    assert response.overturn_time < ended[0] < response.time[-1]
+    response.to_vtk(tmp_path, fps=1000.0)
+    files = [(tmp_path / f"joints_{k:05d}.vtu").read_text("ascii") for k in range(len(response.time))]
+    empty = ['NumberOfCells="0"' in text for text in files]
+    assert response.time[empty] == pytest.approx(ended)
+
+
 @pytest.mark.parametrize("section", ["rectangle", "circle", "annulus"])
 def test_joints_with_a_rim_bear_in_it_only(section: str, tmp_path: Path) -> None:
     """Check a column and its stack at rest, as built and after a slip; without the rims 2.1 times the weight."""

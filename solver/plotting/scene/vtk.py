@@ -59,7 +59,8 @@ def write_vtk(response: Any, folder: str | os.PathLike[str], fps: float) -> None
     slips = outputs[JOINT].get("slip", np.zeros((len(response.time), len(scene.contacts))))
     for k, row in enumerate(scene.rows):
         _write_cells(where / f"blocks_{k:05d}.vtu", *_blocks(scene, k), BLOCK, outputs[BLOCK], row)
-        _write_cells(where / f"joints_{k:05d}.vtu", *_joints(scene, k, slips[row]), JOINT, outputs[JOINT], row)
+        loaded = _joints(scene, k, slips[row], outputs[JOINT]["contact"][row])
+        _write_cells(where / f"joints_{k:05d}.vtu", *loaded, JOINT, outputs[JOINT], row)
     if scene.walls:
         walls = [wall.centroid + wall.surfaces[0].points for wall in scene.walls]
         _write_cells(where / WALLS, walls, range(len(walls)), {}, "wall", {}, 0)
@@ -91,13 +92,17 @@ def _blocks(scene: Scene, k: int) -> tuple[list[FloatArray], list[int], dict[str
     return found, owners, {}
 
 
-def _joints(scene: Scene, k: int, slips: FloatArray) -> tuple[list[FloatArray], list[int], dict[str, FloatArray]]:
+def _joints(
+    scene: Scene, k: int, slips: FloatArray, touching: FloatArray
+) -> tuple[list[FloatArray], list[int], dict[str, FloatArray]]:
     """Return the compressed parts of the joints as polygons, m, their joints, and the pressure at corners, Pa.
 
-    slips: sizes of the slips of the joints, m.
+    slips: sizes of the slips of the joints, m; touching: the parts in contact, 0 of a joint that has ended in a fall.
     """
     found, owners, pressures = [], [], []
     for j, contact in enumerate(scene.contacts):
+        if not touching[j] > 0.0:
+            continue
         shift, centroid = _shift(scene, k, contact, float(abs(slips[j]))), scene.bodies[contact.body].centroid
         normal = _normal(scene, k, contact)
         upper, lower = _placed_parts(scene, k, contact, list(_shared(contact, shift, centroid)))
