@@ -67,6 +67,7 @@ class SceneContact:
     hole: FloatArray  # the inner rim, empty without one
     stiffness: float  # N/m3
     at_point: bool = False  # a bearing, which bears at its centre
+    pendulum: float = 0.0  # 1/m, curvature of the surface on which a bearing slides
     rim: float = 0.0  # m, width of the band along the edges in which the faces touch; 0: all over
     above: Rims | None = None  # the face of the upper body, which bounds the contact after a slip; None: `points`
     under: Rims | None = None  # that of the lower body; None: unbounded
@@ -184,8 +185,9 @@ def _contact(name: str, joint: SpatialJoint, centroid: FloatArray) -> SceneConta
         return Rims(face.points(SIDES) - centroid, hole)
 
     face, at_point = joint.face, joint.bearing is not None
+    curvature = joint.bearing.pendulum if joint.bearing is not None else 0.0
     made = SceneContact(
-        name, joint.upper, joint.lower, *rims(face), joint.bed.stiffness, at_point, joint.bed.rim or 0.0
+        name, joint.upper, joint.lower, *rims(face), joint.bed.stiffness, at_point, curvature, joint.bed.rim or 0.0
     )
     if joint.bed.friction is None or at_point:
         return made

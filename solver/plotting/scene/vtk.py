@@ -107,7 +107,7 @@ def _joints(
         normal = _normal(scene, k, contact)
         upper, lower = _placed_parts(scene, k, contact, list(_shared(contact, shift, centroid)))
         for points, below in zip(upper, lower, strict=True):
-            part, closed = _loaded(points, (below - points) @ normal, contact.at_point)
+            part, closed = _loaded(points, _depths(points - below, normal, contact))
             if len(part) > 2:
                 found.append(part)
                 owners.append(j)
@@ -282,7 +282,19 @@ def _normal(scene: Scene, k: int, contact: SceneContact) -> FloatArray:
     return found
 
 
-def _loaded(points: FloatArray, closed: FloatArray, at_point: bool) -> tuple[FloatArray, FloatArray]:
+def _depths(apart: FloatArray, normal: FloatArray, contact: SceneContact) -> FloatArray:
+    """Return the depths of the corners of the upper face in the lower one, from which they are `apart`, m (corners, 3).
+
+    That of a bearing is the depth at its centre, in the surface on which it slides.
+    """
+    if not contact.at_point:
+        return -apart @ normal
+    centre = np.mean(apart, axis=0)
+    height = float(centre @ normal)
+    return np.full(len(apart), 0.5 * contact.pendulum * (float(centre @ centre) - height**2) - height)
+
+
+def _loaded(points: FloatArray, closed: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the part of a polygon of the upper face that penetrates the lower one, m, and its depth at the corners, m.
 
     Parameters
@@ -291,11 +303,7 @@ def _loaded(points: FloatArray, closed: FloatArray, at_point: bool) -> tuple[Flo
         The polygon, m.
     closed : (corners,) float
         The depths at its corners, m.
-    at_point : bool
-        Whether the joint is a bearing, whose depth is that at its centre.
     """
-    if at_point:
-        closed = np.full(len(points), np.mean(closed))
     found, depths = [], []
     # clip the polygon at zero closure
     for a, b in zip(range(-1, len(points) - 1), range(len(points)), strict=True):
